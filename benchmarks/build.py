@@ -61,8 +61,7 @@ def stages(scene: str, folder: Path) -> dict[str, float]:
     assert design.disc.drawn.part.boundaries
     mark("part: outline and bore")
 
-    from camgeo.writing.write import write_files
-    from camgeo.writing.writer import find_writer
+    from camgeo.design.writing import find_writer, write_files
 
     output = design.scene.output
     for name in output.formats:

@@ -4,7 +4,7 @@ First the fits of one flank with their proofs, as multiples of the time that the
 derivatives takes at 30,000 and at 600,000 points, measured in turns in one run: the pitch curve
 with three derivatives, and the points and the curvature of the flank, as `camgeo table` computes
 them; and their numbers of pieces over the least possible for small tolerances, see
-`camgeo.contour.least_pieces`.
+`camgeo.geometry.contour.least_pieces`.
 
 Then each form compared with the programs of `peers.py`. They get exact points, evenly spaced and so
 dense that less than a hundredth of the tolerance is lost. Bisection of its own parameter brings
@@ -62,20 +62,25 @@ from benchmarks.peers import (
     find_peers,
     joined,
 )
-from camgeo.contour.arcs.fast import fit_arcs
-from camgeo.contour.arcs.fewest import fewest_arcs
-from camgeo.contour.chords.fast import fit_polyline
-from camgeo.contour.chords.fewest import fewest_chords
-from camgeo.contour.contour import Contour
-from camgeo.contour.cubics.fits import fewest_cubics, fit_spline
-from camgeo.contour.least_pieces import forced_pieces, least_arcs, least_chords, least_cubics
-from camgeo.contour.spline import CubicSpline, SplineContour
-from camgeo.curve.pieces import Piece, smooth_pieces
-from camgeo.curve.working_curve import WorkingCurve
-from camgeo.design import Design
+from camgeo.design.design import Design
+from camgeo.geometry.contour.arcs import fit_arcs
+from camgeo.geometry.contour.chords import fit_polyline
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.cubics import fewest_cubics, fit_spline
+from camgeo.geometry.contour.fewest_arcs import fewest_arcs
+from camgeo.geometry.contour.fewest_chords import fewest_chords
+from camgeo.geometry.contour.least_pieces import (
+    forced_pieces,
+    least_arcs,
+    least_chords,
+    least_cubics,
+)
+from camgeo.geometry.contour.spline import CubicSpline, SplineContour
+from camgeo.geometry.outline.path import Path as OutlinePath
+from camgeo.geometry.pieces import Piece, smooth_pieces
+from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
-from camgeo.outline.path import Path as OutlinePath
-from camgeo.scene.load import load_scene
+from camgeo.scene.scene import load_scene
 from camgeo.units import TURN
 
 Fitting = Callable[[OutlinePath, float], Any]

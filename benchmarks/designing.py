@@ -30,12 +30,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from camgeo.design import Design
-from camgeo.designing.job import Job
-from camgeo.designing.painting import painted
-from camgeo.designing.recent import Recent
-from camgeo.designing.work import prepared
-from camgeo.scene.load import parse_scene
+from camgeo.app.designing.children import Job
+from camgeo.app.designing.painting import painted
+from camgeo.app.designing.recent import Recent
+from camgeo.app.designing.work import prepared
+from camgeo.design.design import Design
+from camgeo.scene.scene import parse_scene
 
 ROOT: Final = Path(__file__).resolve().parents[1]
 

@@ -37,8 +37,8 @@ import shapely
 import trimesh
 
 import camgeo
-from camgeo.contour.contour import Contour, Fit
-from camgeo.contour.exact import chords_of
+from camgeo.geometry.contour.contour import Contour, Fit
+from camgeo.geometry.contour.exact import chords_of
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Layer, Part

@@ -39,7 +39,9 @@ ROOT: Final = Path(__file__).resolve().parents[1]
 
 PROFILES: Final = ("fanuc", "grbl", "haas", "heidenhain", "linuxcnc", "mach3", "sinumerik")
 
-HASH: Final = re.compile(rb"(?<![0-9a-f])[0-9a-f]{64}(?![0-9a-f])|(?<=sha256[ :])[0-9a-f]{12,}")
+HASH: Final = re.compile(
+    rb"(?<![0-9a-f])[0-9a-f]{64}(?![0-9a-f])|(?<=sha256[ :])[0-9a-f]{12,}|(?<=sha256-)[\w+/]{43}="
+)
 
 SIZE: Final = re.compile(rb'("format": "3mf",\s+"sha256": "0+",\s+"bytes": )\d+')
 

@@ -2,7 +2,7 @@
 
 Roughing: every fixture cam with an outline, from round stock at least DISTANCE larger than the
 smallest round blank about the cam axis, in two depths, with one tool. Air and engagement are
-computed from exact crossings of cutter, blank and course (`camgeo.toolpath.engagement`), at samples
+computed from exact crossings of cutter, blank and course (`camgeo.milling.plan`), at samples
 at most SPACING apart, the largest refined; lifts are those before the end, and what comes loose is
 found by the simulation. "passes" is contour-parallel roughing of the same blank with the same tool,
 made here by shapely: parallels of the finished outline a stepover apart, whole rounds, joined by
@@ -39,26 +39,24 @@ import numpy as np
 import shapely
 
 import camgeo
-from camgeo.contour.contour import Contour
+from camgeo.design.product import Product
 from camgeo.errors import GeometryError
+from camgeo.geometry.contour.contour import Contour
+from camgeo.milling.course import Course, course_of
+from camgeo.milling.cut import AreaCut, ContourCut
+from camgeo.milling.holding import Holding
+from camgeo.milling.judged import runs_of, setup_of
+from camgeo.milling.look_ahead import block_times
+from camgeo.milling.machine import Machine, load
+from camgeo.milling.machining_time import blocks_of, contour_time
+from camgeo.milling.milling import MillingSpec, Stock
+from camgeo.milling.moves import Feed, Heights, Move, Operation, Rapid, Toolpath
+from camgeo.milling.plan import Cutting, Engagement, plan_toolpath
+from camgeo.milling.planned import sequence_of
+from camgeo.milling.simulation import simulate
+from camgeo.milling.tool import Tool
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.part import Boundary, Part
-from camgeo.product.product import Product
-from camgeo.toolpath.course import Course, course_of
-from camgeo.toolpath.cut import AreaCut, ContourCut
-from camgeo.toolpath.engagement import Cutting, Engagement
-from camgeo.toolpath.holding import Holding
-from camgeo.toolpath.judged import runs_of, setup_of
-from camgeo.toolpath.look_ahead import block_times
-from camgeo.toolpath.machine import Machine, load
-from camgeo.toolpath.machining_time import blocks_of, contour_time
-from camgeo.toolpath.milling import MillingSpec
-from camgeo.toolpath.moves import Feed, Heights, Move, Operation, Rapid, Toolpath
-from camgeo.toolpath.plan import plan_toolpath
-from camgeo.toolpath.sequence import sequence_of
-from camgeo.toolpath.simulation import simulate
-from camgeo.toolpath.stock import Stock
-from camgeo.toolpath.tool import Tool
 
 FIXTURES: Final = Path(__file__).resolve().parents[1] / "fixtures" / "scenes"
 

@@ -60,23 +60,23 @@ import numpy as np
 import shapely
 from scipy.spatial import KDTree
 
-from camgeo.contour.arcs.fast import fit_arcs
-from camgeo.curve.extremes import curvature_extremes
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.errors import ToleranceError
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.laws import make_law
-from camgeo.motion.motion import Motion
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.geometry.contour.arcs import fit_arcs
+from camgeo.geometry.outline.cusps import sure_bends
+from camgeo.geometry.outline.outline import real_outline
+from camgeo.geometry.outline.path import Path as OutlinePath
+from camgeo.geometry.pieces import curvature_extremes
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.motion import Motion
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.outline.cusps import sure_bends
-from camgeo.outline.outline import real_outline
-from camgeo.outline.path import Path as OutlinePath
-from camgeo.scene.load import load_scene, parse_scene
+from camgeo.scene.scene import load_scene, parse_scene
 from camgeo.stability.exact_cam import Stage
 from camgeo.units import TURN
 

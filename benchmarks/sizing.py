@@ -30,9 +30,7 @@ import numpy as np
 
 import camgeo
 from camgeo.check.judge import transmission_angle_limit
-from camgeo.check.sizing.exchange import smallest_place
-from camgeo.check.sizing.region import row_limits
-from camgeo.check.sizing.smallest import size
+from camgeo.check.sizing.smallest import row_limits, size, smallest_place
 from camgeo.check.sizing.task import Task, task_of
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import BoolArray, FloatArray

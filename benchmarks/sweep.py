@@ -44,20 +44,16 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 
-from camgeo.answers.sweep import answer_of
-from camgeo.cam.disc import Disc
-from camgeo.cam.together import discs_together
-from camgeo.design import Design
-from camgeo.scene.load import load_scene
-from camgeo.sweep import engine
-from camgeo.sweep.asked import asked_of
-from camgeo.sweep.cluster import Cluster
-from camgeo.sweep.engine import Chunks, Engine, Loop
-from camgeo.sweep.family import Family, Point
-from camgeo.sweep.pool import Pool
-from camgeo.sweep.rows import Row, Work, rows_of
-from camgeo.sweep.stated import family_of
-from camgeo.sweep.sweep import sweep
+from camgeo.app.answers.sweep import answer_of
+from camgeo.cam.cam import Disc, discs_together
+from camgeo.design.design import Design
+from camgeo.scene.scene import load_scene
+from camgeo.studies.sweep import rows
+from camgeo.studies.sweep.cluster import Cluster
+from camgeo.studies.sweep.family import Family, Point, family_of
+from camgeo.studies.sweep.pool import Pool
+from camgeo.studies.sweep.rows import Chunks, Engine, Loop, Row, Work, asked_of, rows_of
+from camgeo.studies.sweep.sweep import sweep
 from camgeo.units import TURN
 
 ROOT: Final = Path(__file__).resolve().parents[1]
@@ -278,7 +274,7 @@ def clustered(work: Work, points: list[Point], rounds: int) -> None:
         print(f"cluster: two workers {shares(ratio, 2)}")
         process = psutil.Process(pid)
         for size in (1, 50):
-            vars(engine)["MOST_IN_CHUNK"] = size
+            vars(rows)["MOST_IN_CHUNK"] = size
             count = 400 * size
             many: list[Point] = [(float(k),) for k in range(count)]
             before, start = sum(process.cpu_times()[:2]), time.process_time()

@@ -31,12 +31,12 @@ from typing import Any, Final
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from camgeo.design import Design
-from camgeo.effects.vibration.output import Clock, clock_of
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.vibration.result import Clock, clock_of
+from camgeo.dynamics.oscillator.steady import Base, Response, steady_state
+from camgeo.dynamics.oscillator.train import one_mass
 from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.numeric.oscillator.chain import one_mass
-from camgeo.numeric.oscillator.steady import Base, Response, steady_state
-from camgeo.scene.load import load_scene
+from camgeo.scene.scene import load_scene
 from camgeo.units import TURN
 
 SCENES: Final = Path(__file__).resolve().parents[1] / "fixtures" / "scenes"

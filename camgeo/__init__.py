@@ -14,6 +14,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final
 
 from camgeo._version import __version__
+from camgeo.earlier import keep_earlier_names
 from camgeo.errors import (
     CamgeoError,
     Fault,
@@ -27,43 +28,45 @@ from camgeo.errors import (
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from camgeo.check.finding import Finding
-    from camgeo.check.limits import Limits
-    from camgeo.curve.pitch_curve import PitchCurve
-    from camgeo.curve.working_curve import WorkingCurve
-    from camgeo.design import Design
-    from camgeo.mechanism.four_bar import FourBar
-    from camgeo.mechanism.linkage import LinkedMotion
-    from camgeo.mechanism.oscillating_flat import OscillatingFlat
-    from camgeo.mechanism.oscillating_roller import OscillatingRoller
-    from camgeo.mechanism.slider_crank import SliderCrank
-    from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
-    from camgeo.mechanism.translating_flat import TranslatingFlat
-    from camgeo.mechanism.translating_roller import TranslatingRoller
-    from camgeo.motion.plan import Dwell, MotionPlan, Move
+    from camgeo.check.finding import Finding, Limits
+    from camgeo.design.design import Design
+    from camgeo.geometry.pitch_curve import PitchCurve
+    from camgeo.geometry.working_curve import WorkingCurve
+    from camgeo.kinematics.mechanism.four_bar import FourBar
+    from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+    from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
+    from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+    from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+    from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
+    from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+    from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+    from camgeo.kinematics.plan import Dwell, MotionPlan, Move
     from camgeo.scene.scene import Scene
 
 WHEN_ASKED: Final = {
-    "Design": "camgeo.design",
-    "Dwell": "camgeo.motion.plan",
+    "Design": "camgeo.design.design",
+    "Dwell": "camgeo.kinematics.plan",
     "Finding": "camgeo.check.finding",
-    "FourBar": "camgeo.mechanism.four_bar",
-    "Limits": "camgeo.check.limits",
-    "LinkedMotion": "camgeo.mechanism.linkage",
-    "MotionPlan": "camgeo.motion.plan",
-    "Move": "camgeo.motion.plan",
-    "OscillatingFlat": "camgeo.mechanism.oscillating_flat",
-    "OscillatingRoller": "camgeo.mechanism.oscillating_roller",
-    "PitchCurve": "camgeo.curve.pitch_curve",
+    "FourBar": "camgeo.kinematics.mechanism.four_bar",
+    "Limits": "camgeo.check.finding",
+    "LinkedMotion": "camgeo.kinematics.mechanism.linked_motion",
+    "MotionPlan": "camgeo.kinematics.plan",
+    "Move": "camgeo.kinematics.plan",
+    "OscillatingFlat": "camgeo.kinematics.mechanism.oscillating_flat",
+    "OscillatingRoller": "camgeo.kinematics.mechanism.oscillating_roller",
+    "PitchCurve": "camgeo.geometry.pitch_curve",
     "Scene": "camgeo.scene.scene",
-    "SliderCrank": "camgeo.mechanism.slider_crank",
-    "SliderDrivenCrank": "camgeo.mechanism.slider_driven_crank",
-    "TranslatingFlat": "camgeo.mechanism.translating_flat",
-    "TranslatingRoller": "camgeo.mechanism.translating_roller",
-    "WorkingCurve": "camgeo.curve.working_curve",
+    "SliderCrank": "camgeo.kinematics.mechanism.slider_crank",
+    "SliderDrivenCrank": "camgeo.kinematics.mechanism.slider_driven_crank",
+    "TranslatingFlat": "camgeo.kinematics.mechanism.translating_flat",
+    "TranslatingRoller": "camgeo.kinematics.mechanism.translating_roller",
+    "WorkingCurve": "camgeo.geometry.working_curve",
 }
 """Public names by module, imported on first use: a run needs only a few, and the command line must
 be ready for Ctrl-C before it imports anything large."""
+
+
+keep_earlier_names()
 
 
 def __getattr__(name: str) -> Any:
@@ -80,8 +83,8 @@ def load(path: str | Path) -> Design:
     SceneError
         If anything in the file is wrong; all faults at once.
     """
-    from camgeo.design import Design
-    from camgeo.scene.load import load_scene
+    from camgeo.design.design import Design
+    from camgeo.scene.scene import load_scene
 
     return Design(load_scene(path))
 
@@ -94,8 +97,8 @@ def loads(text: str, *, folder: str | Path | None = None) -> Design:
     SceneError
         If anything in the text is wrong; all faults at once.
     """
-    from camgeo.design import Design
-    from camgeo.scene.load import parse_scene
+    from camgeo.design.design import Design
+    from camgeo.scene.scene import parse_scene
 
     return Design(parse_scene(text, folder=folder))
 

@@ -10,8 +10,7 @@ from collections.abc import Iterable
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
-from camgeo.units import LengthUnit, in_unit
-from camgeo.wording import counted, told_apart
+from camgeo.units import LengthUnit, counted, in_unit, told_apart
 
 
 class CamgeoError(Exception):

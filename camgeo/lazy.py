@@ -153,7 +153,7 @@ class lazy(Generic[Out]):
     As with `functools.cached_property` the value is then stored in the owner's ``__dict__``, so
     that further access costs nothing. The ledger must exist as soon as the owner does: two threads
     that created one each would compute twice. Pickles and copies of an owner that is
-    `camgeo.pickled.Pickled` contain neither.
+    `camgeo.record.Pickled` contain neither.
     """
 
     def __init__(self, make: Callable[[Any], Out]) -> None:

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Final
 
 from camgeo.errors import FileError
-from camgeo.wording import counted
+from camgeo.units import counted
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,16 +13,14 @@ from pathlib import Path
 from typing import Final
 
 import camgeo
-from camgeo.accuracy.benefit import benefit_rows
-from camgeo.accuracy.contours import contour_rows
-from camgeo.accuracy.knee import advice, knee_of
-from camgeo.accuracy.rows import EFFORTS, FORMS, ContourRow
-from camgeo.accuracy.survey import Survey, own_rows, solid_rows, survey
-from camgeo.accuracy.tables import STEPS, table_rows
-from camgeo.contour.contour import Effort, Form
-from camgeo.figure.accuracy import figure
+from camgeo.geometry.contour.contour import Effort, Form
+from camgeo.pictures.accuracy import figure
+from camgeo.studies.accuracy.benefit import benefit_rows
+from camgeo.studies.accuracy.contours import EFFORTS, FORMS, ContourRow, contour_rows
+from camgeo.studies.accuracy.knee import advice, knee_of
+from camgeo.studies.accuracy.survey import STEPS, Survey, own_rows, solid_rows, survey, table_rows
 from camgeo.units import RPM
-from camgeo_export.plots.render import render
+from camgeo_export.plots import render
 
 PAGE: Final = Path(__file__).with_name("accuracy.md")
 IMAGES: Final = Path(__file__).with_name("images")

@@ -1,27 +1,26 @@
 """Writes docs/answers.md: `python docs/answers_page.py`.
 
 The page describes the JSON documents of the commands; it is made from their schemas, in
-`camgeo.answers`. A test holds the page to them.
+`camgeo.app.answers`. A test holds the page to them.
 """
 
 from __future__ import annotations
 
 import importlib
-import pkgutil
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from camgeo import answers
-from camgeo.answers.render import schema_of
-from camgeo.cli.main import COMMANDS
+from camgeo.app import answers
+from camgeo.app.answers.answer import schema_of
+from camgeo.app.cli.main import COMMANDS
 
 PAGE: Final = Path(__file__).with_name("answers.md")
 
 HEAD: Final = """\
 # Answers as JSON
 
-<!-- Made from the schemas in camgeo/answers by docs/answers_page.py; change them there. -->
+<!-- Made from the schemas in camgeo/app/answers by docs/answers_page.py; change them there. -->
 
 With `--json` a command prints its answer as one JSON document; if it has no answer, it prints its
 faults as one ([`camgeo/refusal`](#camgeorefusal)). The keys `schema` and `version` identify the
@@ -31,15 +30,15 @@ Lengths are in mm and angles in degrees, as the names of the keys say, unless an
 same object names a different unit. Sentences state lengths in the unit of the scene.
 
 Each document has a JSON Schema (draft 2020-12), shipped with the code that makes the answer, as
-`camgeo/answers/NAME/schema.json`. In addition to the keywords of JSON Schema it uses `x-unit`, the
+`camgeo/app/answers/NAME.json`. In addition to the keywords of JSON Schema it uses `x-unit`, the
 unit of a number, and `x-attribute`, the name of its value in Python.
 
 In Python the same answers are frozen dataclasses, in mm and radians:
 
 ```python
 import camgeo
-from camgeo.answers.check import check
-from camgeo.answers.render import text, to_json
+from camgeo.app.answers.check import check
+from camgeo.app.answers.answer import text, to_json
 
 found = check(camgeo.load("fixtures/scenes/setzhub.toml"))
 found.findings  # as data
@@ -64,8 +63,8 @@ def page() -> str:
 
 
 def packages() -> list[str]:
-    """The packages with answers, in the order of the commands."""
-    found = {each.name for each in pkgutil.iter_modules(answers.__path__) if each.ispkg}
+    """The modules with answers, each beside its schema, in the order of the commands."""
+    found = {path.stem for path in Path(answers.__path__[0]).glob("*.json")}
     names = [name for name in (command.replace("-", "_") for command in COMMANDS) if name in found]
     assert found == {*names, LAST}
     for name in (*names, LAST):

@@ -12,11 +12,10 @@ from pathlib import Path
 from typing import Final
 
 import camgeo
-from camgeo.accuracy.benefit import BenefitRow, benefit_rows
-from camgeo.accuracy.bill import STAGES, BillRow, bill_rows
-from camgeo.accuracy.spectrum import harmonics
-from camgeo.design import Design
-from camgeo.formats.dxf import FORMAT
+from camgeo.design.design import Design
+from camgeo.scene.formats.dxf import FORMAT
+from camgeo.studies.accuracy.benefit import BenefitRow, benefit_rows, harmonics
+from camgeo.studies.accuracy.bill import STAGES, BillRow, bill_rows
 from camgeo.units import RPM
 
 PAGE: Final = Path(__file__).with_name("bill.md")

@@ -19,39 +19,37 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from camgeo.accuracy.effects import effect_rows
-from camgeo.answers.answer import finding_lines
-from camgeo.answers.check import check
-from camgeo.answers.explain import Explanation, explain
-from camgeo.answers.explain.rendering import tree_lines
+from camgeo.app.answers.answer import finding_lines
+from camgeo.app.answers.check import check
+from camgeo.app.answers.explain import Explanation, explain, tree_lines
 from camgeo.check.finding import MOST_ALIKE
-from camgeo.design import Design
-from camgeo.effects.balance.holes import MOST_HOLES
-from camgeo.effects.contact_pressure.findings import HEAVY
-from camgeo.effects.contact_pressure.line_contact import SHEAR_DEPTH, SHEAR_SHARE
-from camgeo.effects.friction.jamming import NEAR
-from camgeo.effects.gravity import STANDARD_GRAVITY
-from camgeo.effects.helical import STABLE
-from camgeo.effects.lift_off.elastic_flight import MOST_PERIODS
-from camgeo.effects.lift_off.elastic_flight import MOST_TURNS as ELASTIC_TURNS
-from camgeo.effects.lift_off.elastic_speed import MOST_STEPS, SEARCHED
-from camgeo.effects.lift_off.flight import MOST_REBOUNDS, MOST_TURNS
-from camgeo.effects.nodes import TOLERANCE
-from camgeo.effects.registry import EFFECTS, find_effect
-from camgeo.effects.shock_spectrum.result import measured
-from camgeo.effects.spring_surge.result import CLEAR
-from camgeo.effects.spring_surge.result import FARTHEST as FARTHEST_SURGE
-from camgeo.effects.vibration.findings import AMPLIFICATION, SETTLED
-from camgeo.motion.laws import FAMILIES, make_law
-from camgeo.motion.laws.law import Law
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.balance.result import MOST_HOLES
+from camgeo.dynamics.effects.contact_pressure.result import HEAVY, SHEAR_DEPTH, SHEAR_SHARE
+from camgeo.dynamics.effects.friction.result import NEAR
+from camgeo.dynamics.effects.graph import TOLERANCE
+from camgeo.dynamics.effects.gravity import STANDARD_GRAVITY
+from camgeo.dynamics.effects.helical import STABLE
+from camgeo.dynamics.effects.lift_off.elastic_flight import MOST_PERIODS
+from camgeo.dynamics.effects.lift_off.elastic_flight import MOST_TURNS as ELASTIC_TURNS
+from camgeo.dynamics.effects.lift_off.elastic_speed import MOST_STEPS, SEARCHED
+from camgeo.dynamics.effects.lift_off.flight import MOST_REBOUNDS, MOST_TURNS
+from camgeo.dynamics.effects.registry import EFFECTS, find_effect
+from camgeo.dynamics.effects.shock_spectrum.result import measured
+from camgeo.dynamics.effects.spring_surge.result import CLEAR
+from camgeo.dynamics.effects.spring_surge.result import FARTHEST as FARTHEST_SURGE
+from camgeo.dynamics.effects.vibration.result import AMPLIFICATION, SETTLED
+from camgeo.dynamics.oscillator.steady import QUIET, Shock, shock
+from camgeo.kinematics.laws import FAMILIES, make_law
+from camgeo.kinematics.laws.law import Law
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
-from camgeo.numeric.oscillator.spectrum import QUIET, Shock, shock
 from camgeo.part.materials import MATERIALS, PER_CUBIC_CM
-from camgeo.scene.load import load_scene
+from camgeo.scene.scene import load_scene
+from camgeo.studies.accuracy.survey import effect_rows
 
 if TYPE_CHECKING:  # pages are made without pictures too
-    from camgeo.figure.model import Figure
+    from camgeo.pictures.model import Figure
 
 HERE: Final = Path(__file__).parent
 PAGE: Final = HERE / "effects.md"
@@ -417,14 +415,14 @@ INSERTS: Final[dict[str, Callable[..., str]]] = {
 
 def picture(file: str) -> bytes:
     """The picture of that name."""
-    from camgeo_export.plots.render import render
+    from camgeo_export.plots import render
 
     return render(drawn_spectra(file) if file in SPECTRA else drawn(file), ".png")
 
 
 def drawn(file: str) -> Figure:
     """Some of the columns of a design's effects over the cam angle."""
-    from camgeo.figure import effects
+    from camgeo.pictures import effects
 
     scene, names = PICTURES[file]
     whole = design(scene).disc
@@ -450,16 +448,15 @@ def drawn_spectra(file: str) -> Figure:
     """The spectra of the laws, or of the moves of the press."""
     if file == SPECTRUM:
         return drawn_spectrum()
-    from camgeo.figure.plots import SPECTRUM as PLOT
-    from camgeo.figure.plots import of_design
+    from camgeo.pictures.plots import SPECTRUM as PLOT
+    from camgeo.pictures.plots import of_design
 
     return of_design(design("press"), [PLOT])[0]
 
 
 def drawn_spectrum() -> Figure:
     """The shock spectra of all laws from rest to rest."""
-    from camgeo.figure.marks import Line, Style, over
-    from camgeo.figure.model import Axis, Figure, Legend, Panel, entries
+    from camgeo.pictures.model import Axis, Figure, Legend, Line, Panel, Style, entries, over
 
     ratios = np.linspace(0.02, 8.0, 1597)
     marks = []

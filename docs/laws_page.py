@@ -18,13 +18,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from camgeo.motion.boundary import ENDS, NAMES, TASKS
-from camgeo.motion.laws import ALIASES, FAMILIES, make_law
-from camgeo.motion.laws.balance import equal_accelerations
-from camgeo.motion.laws.characteristic import characteristic
-from camgeo.motion.laws.law import Law
-from camgeo.motion.planning.auto import best_law, size_of
-from camgeo.motion.planning.request import CRITERIA
+from camgeo.kinematics.laws import ALIASES, FAMILIES, make_law
+from camgeo.kinematics.laws.law import Law, characteristic
+from camgeo.kinematics.motion import ENDS, NAMES, TASKS
+from camgeo.kinematics.planning.build import best_law, equal_accelerations, size_of
+from camgeo.kinematics.planning.requests import CRITERIA
 from camgeo.numeric.extremes import Extreme
 
 if TYPE_CHECKING:
@@ -428,7 +426,7 @@ def picture(family: str) -> str:
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
-    from camgeo_export.plots.render import RC
+    from camgeo_export.plots import RC
 
     with rc_context(
         {**RC, "svg.hashsalt": "camgeo", "font.size": 8.5, "path.simplify_threshold": 0.2}

@@ -10,19 +10,15 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any, Final
 
-from camgeo.answers.machines import Listed, machines
-from camgeo.answers.machines.rendering import WORDS
-from camgeo.toolpath.machine import Machine
-from camgeo.toolpath.machine_fields import EVIDENCE
-from camgeo.toolpath.machine_reading import RadiusDifference, Reading
-from camgeo.toolpath.machine_schema import EARLIER, schema
+from camgeo.app.answers.machines import WORDS, Listed, machines
+from camgeo.milling.machine import EARLIER, EVIDENCE, Machine, RadiusDifference, Reading, schema
 
 PAGE: Final = Path(__file__).with_name("machines.md")
 
 HEAD: Final = """\
 # Machine profiles
 
-<!-- Made from camgeo/toolpath/machine.schema.json and the profiles in camgeo/toolpath/machines by
+<!-- Made from camgeo/milling/machine.schema.json and the profiles in camgeo/milling/machines by
 docs/machines_page.py; change them there. -->
 
 A machine profile is a TOML file that says what programs for a controller look like and what the

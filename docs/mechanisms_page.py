@@ -15,9 +15,9 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
-from camgeo.answers.answer import finding_lines
-from camgeo.design import Design
-from camgeo.scene.load import load_scene
+from camgeo.app.answers.answer import finding_lines
+from camgeo.design.design import Design
+from camgeo.scene.scene import load_scene
 
 HERE: Final = Path(__file__).parent
 PAGE: Final = HERE / "mechanisms.md"
@@ -133,8 +133,8 @@ def _shown(name: str) -> str:
 
 def write() -> None:
     """Write the page and its pictures."""
-    from camgeo.figure.plots import stacked
-    from camgeo_export.plots.render import render
+    from camgeo.pictures.plots import stacked
+    from camgeo_export.plots import render
 
     PAGE.write_text(page(), encoding="utf-8")
     for name, scene in MECHANISMS.items():

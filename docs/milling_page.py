@@ -17,9 +17,9 @@ from contextlib import chdir, redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import Final
 
-from camgeo.cli.main import main
-from camgeo.design import Design
-from camgeo.scene.load import load_scene
+from camgeo.app.cli.main import main
+from camgeo.design.design import Design
+from camgeo.scene.scene import load_scene
 
 HERE: Final = Path(__file__).parent
 PAGE: Final = HERE / "milling.md"
@@ -210,8 +210,8 @@ def write() -> None:
     """Write the page and its pictures."""
     from PIL import Image
 
-    from camgeo.figure.plots import stacked
-    from camgeo_export.plots.render import render
+    from camgeo.pictures.plots import stacked
+    from camgeo_export.plots import render
 
     PAGE.write_text(page(), encoding="utf-8")
     for name, scene in PICTURES.items():

@@ -15,11 +15,11 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.numeric.arrays import FloatArray
-from camgeo.scene.load import parse_scene
 from camgeo.scene.ocv import FIELDS, RANGES, import_project, project_numbers
-from camgeo_export.asc.writer import COLUMNS, POINTS, point_columns
+from camgeo.scene.scene import parse_scene
+from camgeo_export.asc import COLUMNS, POINTS, point_columns
 
 PAGE = Path(__file__).with_name("opticurv.md")
 

@@ -11,15 +11,14 @@ from pathlib import Path
 from typing import Final
 
 import camgeo
-from camgeo.accuracy.benefit import BenefitRow, benefit_rows
-from camgeo.accuracy.rows import FORMS, ORDER
-from camgeo.accuracy.spectrum import OCTAVES
-from camgeo.contour.contour import Form
-from camgeo.design import Design
-from camgeo.figure import spectrum
-from camgeo.figure.benefit import figure
+from camgeo.design.design import Design
+from camgeo.geometry.contour.contour import Form
+from camgeo.pictures import spectrum
+from camgeo.pictures.benefit import figure
+from camgeo.studies.accuracy.benefit import OCTAVES, BenefitRow, benefit_rows
+from camgeo.studies.accuracy.contours import FORMS, ORDER
 from camgeo.units import RPM
-from camgeo_export.plots.render import render
+from camgeo_export.plots import render
 
 PAGE: Final = Path(__file__).with_name("ripple.md")
 IMAGES: Final = Path(__file__).with_name("images")
@@ -50,10 +49,10 @@ HEAD = """# What accuracy buys
 <!-- Made by docs/ripple_page.py; change it there. -->
 
 [What accuracy costs](accuracy.md) is counted in pieces, bytes and seconds. What it buys is a
-follower that moves as demanded: `camgeo.accuracy.benefit.benefit_rows` replays the follower on the
-contour as it is written and tells how far acceleration and contact force are off, and at which
-speed the follower leaves the cam. In a scene `motion = "written"` of `[state]` computes all effects
-for that motion.
+follower that moves as demanded: `camgeo.studies.accuracy.benefit.benefit_rows` replays the follower
+on the contour as it is written and tells how far acceleration and contact force are off, and at
+which speed the follower leaves the cam. In a scene `motion = "written"` of `[state]` computes all
+effects for that motion.
 
 ## How fast it falls
 

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Final
 
 import camgeo
-from camgeo.answers.render import figure
-from camgeo.answers.size import CamSize, Side, size
-from camgeo.check.sizing.arm import size_with_arm
+from camgeo.app.answers.answer import figure
+from camgeo.app.answers.size import CamSize, Side, size
+from camgeo.check.sizing.rounding import size_with_arm
 from camgeo.check.sizing.smallest import Rating
 from camgeo.check.sizing.task import task_of
 
@@ -247,7 +247,7 @@ def _arms(present: Side, share: float) -> str:
 
 def pictures() -> dict[Path, bytes]:
     """The regions."""
-    from camgeo_export.plots.render import render
+    from camgeo_export.plots import render
 
     drawn = {
         PICTURE: sized(),

@@ -10,11 +10,11 @@ import textwrap
 from collections.abc import Iterable
 from pathlib import Path
 
-from camgeo.figure.stability import figure
+from camgeo.pictures.stability import figure
 from camgeo.stability import suite
 from camgeo.stability.measure import Case, Reading
 from camgeo.stability.suite import Row
-from camgeo_export.plots.render import render
+from camgeo_export.plots import render
 
 PAGE = Path(__file__).with_name("stability.md")
 PICTURE = Path(__file__).with_name("images") / "stability.png"

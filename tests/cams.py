@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from camgeo.cam.cam import Cam
-from camgeo.cam.contact import Contact
-from camgeo.cam.drive import Drive
-from camgeo.mechanism.follower import Follower
-from camgeo.mechanism.linkage_protocol import Linkage
-from camgeo.motion.plan import MotionPlan
+from camgeo.cam.cam import Cam, Contact, Drive
+from camgeo.kinematics.mechanism.follower import Follower
+from camgeo.kinematics.mechanism.linkage import Linkage
+from camgeo.kinematics.plan import MotionPlan
 from camgeo.units import LiftUnit
 
 

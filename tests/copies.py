@@ -47,7 +47,7 @@ def run_copy(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
 
 SESSION: Final = """
 import contextlib, io, json, sys
-from camgeo.cli.main import main
+from camgeo.app.cli.main import main
 
 def call(words):
     out, err = io.StringIO(), io.StringIO()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from camgeo.check.finding import Finding
-from camgeo.design import Design
+from camgeo.design.design import Design
 
 
 def effect_findings(design: Design) -> tuple[Finding, ...]:

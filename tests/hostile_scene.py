@@ -6,7 +6,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any, Final
 
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.scene.scene import Scene
 
 HOSTILE: Final = (

@@ -8,9 +8,9 @@ from typing import Any, Final
 
 import tomlkit
 
-from camgeo.designing.fields import Fields
-from camgeo.scene.document import document_of
+from camgeo.app.designing.form import Fields
 from camgeo.scene.scene import Scene
+from camgeo.scene.values import document_of
 
 INCH: Final = Decimal("25.4")
 """Millimetres."""

@@ -35,7 +35,7 @@ from unittest import mock
 import numpy as np
 import pytest
 
-from camgeo.cli.main import main as camgeo
+from camgeo.app.cli.main import main as camgeo
 
 FOLDER: Final = Path(__file__).parents[1] / "fixtures" / "results"
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from camgeo.motion.laws import FAMILIES, make_law
-from camgeo.motion.laws.law import Law
+from camgeo.kinematics.laws import FAMILIES, make_law
+from camgeo.kinematics.laws.law import Law
 
 LAWS: Final[dict[str, Law]] = {
     name: make_law(name)

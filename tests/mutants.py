@@ -1,6 +1,6 @@
 """Random changes of the product, each of which the tests should notice.
 
-    python -m tests.mutants [--under camgeo/outline] [--count N] [--seed S] [--rows FILE]
+    python -m tests.mutants [--under camgeo/geometry/outline] [--count N] [--seed S] [--rows FILE]
 
 Each mutant is one changed statement in a copy of the tree. The test modules of the mirror folder
 run first, those that import the changed module before the others, then the test modules elsewhere
@@ -46,20 +46,13 @@ from tests.speed import cpu_second
 ROOT: Final = Path(__file__).resolve().parents[1]
 
 ROOMS: Final = {
-    "numeric": ("camgeo/numeric",),
-    "kinematics": ("camgeo/motion", "camgeo/mechanism"),
-    "geometry": ("camgeo/curve", "camgeo/outline", "camgeo/contour"),
-    "cam": ("camgeo/cam",),
-    "check": ("camgeo/check",),
-    "part": ("camgeo/part", "camgeo/printing"),
-    "dynamics": ("camgeo/state", "camgeo/effects", "camgeo/numeric/oscillator"),
-    "milling": ("camgeo/toolpath",),
-    "scene": ("camgeo/scene", "camgeo/formats"),
-    "design": ("camgeo/design.py", "camgeo/product", "camgeo/writing", "camgeo/verifying"),
-    "studies": ("camgeo/sweep", "camgeo/optimise", "camgeo/tolerancing", "camgeo/accuracy",
-                "camgeo/inspection"),
-    "pictures": ("camgeo/figure", "camgeo/sheet"),
-    "app": ("camgeo/answers", "camgeo/cli", "camgeo/designing"),
+    **{
+        room: (f"camgeo/{room}",)
+        for room in (
+            "numeric", "kinematics", "geometry", "cam", "check", "part", "dynamics", "milling",
+            "scene", "design", "studies", "pictures", "app",
+        )
+    },
     "export": ("export/camgeo_export",),
 }  # fmt: skip
 """The parts of the product that are measured one by one."""

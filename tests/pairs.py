@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from hypothesis import strategies as st
 
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.mechanism.conjugate import return_on_carriage, return_on_lever
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.kinematics.mechanism.conjugate import return_on_carriage, return_on_lever
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
 from tests.strategies import SMOOTH, oscillating_rollers, plans, signs, translating_rollers
 

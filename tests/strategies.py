@@ -13,18 +13,17 @@ import numpy as np
 from hypothesis import HealthCheck, assume, reject, settings
 from hypothesis import strategies as st
 
-from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
-from camgeo.mechanism.closing import clear_range
-from camgeo.mechanism.four_bar import FourBar
-from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.laws import FAMILIES, make_law
-from camgeo.motion.laws.law import Law
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.kinematics.laws import FAMILIES, make_law
+from camgeo.kinematics.laws.law import Law
+from camgeo.kinematics.mechanism.four_bar import FourBar
+from camgeo.kinematics.mechanism.linked_motion import LinkedMotion, clear_range
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from tests.laws import LAWS
 from tests.long_form import examples
 from tests.reference import shift

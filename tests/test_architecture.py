@@ -21,51 +21,39 @@ PACKAGE = "camgeo"
 WRITERS = "camgeo_export"
 
 STAGES: tuple[tuple[str, ...], ...] = (
-    (
-        "_version",
-        "errors",
-        "units",
-        "wording",
-        "lazy",
-        "pickled",
-        "declared",
-        "displayed",
-        "reading",
-        "numeric",
-    ),
-    ("motion",),
-    ("mechanism",),
-    ("curve",),
-    ("outline",),
+    ("_version", "earlier", "errors", "units", "lazy", "record", "reading", "numeric"),
+    ("kinematics",),
+    ("kinematics.mechanism",),
+    ("geometry",),
+    ("geometry.outline",),
     ("cam",),
+    ("geometry.contour",),
     ("check",),
-    ("contour",),
-    ("inspection",),
     ("part",),
-    ("printing",),
-    ("state",),
-    ("effects",),
-    ("toolpath",),
-    ("formats",),
+    ("dynamics.oscillator",),
+    ("dynamics.state",),
+    ("dynamics.effects",),
+    ("milling",),
+    ("scene.formats",),
     ("scene",),
-    ("product",),
-    ("sheet",),
-    ("writing",),
-    ("verifying",),
     ("design",),
-    ("sweep",),
-    ("optimise",),
-    ("tolerancing",),
+    ("studies.inspection",),
+    ("studies.sweep",),
+    ("studies.optimise",),
+    ("studies.tolerancing",),
     ("stability",),
-    ("accuracy",),
-    ("figure",),
-    ("answers",),
-    ("designing",),
-    ("cli",),
+    ("studies.accuracy",),
+    ("pictures.sheet",),
+    ("pictures",),
+    ("app.answers",),
+    ("app.designing",),
+    ("app.cli",),
     ("__init__", "__main__"),
 )
-"""Every module and package directly in camgeo, lowest first. A module imports only from its own
-row and from the rows before it. A stage may stand here before its first module is written."""
+"""Every room of camgeo, lowest first, and the modules beside them. A module imports only from its
+own row and from the rows before it; the longest name that fits is its row."""
+
+EFFECTS = f"{PACKAGE}.dynamics.effects"
 
 ENGINE_LIBRARIES = {"jsonschema_rs", "numpy", "shapely", "tomlkit"}
 """What the engine may import besides the standard library and itself."""
@@ -76,42 +64,14 @@ LAZY_LIBRARIES = {"mpmath", "scipy"}
 FORMAT_LIBRARIES = {"ezdxf", "lxml", "manifold3d", "matplotlib", "networkx", "trimesh"}
 """What only writers import."""
 
-LIBRARY_OF = {"camgeo.part.glyphs": "matplotlib", "camgeo.sweep.cluster": "distributed"}
+LIBRARY_OF = {"camgeo.part.glyphs": "matplotlib", "camgeo.studies.sweep.cluster": "distributed"}
 """The library that one module may import inside a function only: matplotlib brings a font,
 distributed a cluster."""
 
 EFFECT_FRAME = {
-    "",
-    "as_written",
-    "bearing_friction",
-    "coupler",
-    "catalogue",
-    "effect",
-    "elastic",
-    "feedback",
-    "force",
-    "graph",
-    "helical",
-    "immovable",
-    "inherited",
-    "linked",
-    "loads",
-    "lost_contact",
-    "materials",
-    "nodes",
-    "opposite",
-    "premises",
-    "ranges",
-    "registry",
-    "results",
-    "rules",
-    "shaft",
-    "sought",
-    "tangent",
-    "touching",
-    "turning_disc",
-    "wording",
-}
+    "", "bearing_friction", "contact", "effect", "elastic", "feedback", "forces", "graph",
+    "helical", "loads", "registry", "results", "rules", "shaft", "wording",
+}  # fmt: skip
 """Modules of `effects` that are no effects: effects are imported by the registry alone."""
 
 
@@ -174,8 +134,13 @@ def find_imports(path: Path, package: str, modules: Collection[str]) -> Iterator
 
 def stage_of(module: str) -> int | None:
     """Row of a module of camgeo in STAGES, None if it has none."""
-    name = module.split(".")[1] if "." in module else "__init__"
-    return next((row for row, names in enumerate(STAGES) if name in names), None)
+    words = module.split(".")[1:] or ["__init__"]
+    rows = {name: row for row, names in enumerate(STAGES) for name in names}
+    fits = (".".join(words[:count]) for count in range(len(words), 0, -1))
+    row = next((rows[each] for each in fits if each in rows), None)
+    # The first page of a room whose stages are all below it imports nothing.
+    below = [rows[name] for name in rows if name.startswith(f"{words[0]}.")]
+    return min(below, default=None) if row is None and len(words) == 1 else row
 
 
 def fault_of_library(module: str, imported: Import) -> str:
@@ -199,18 +164,18 @@ def fault_of_module(module: str, imported: Import) -> str:
     if own is not None and other is not None and other > own:
         return f"imports {imported.target}, a later stage"
     effect = effect_of(imported.target)
-    if effect and effect != effect_of(module) and module != f"{PACKAGE}.effects.registry":
+    if effect and effect != effect_of(module) and module != f"{EFFECTS}.registry":
         return f"imports {imported.target}"
-    declares = effect and module == f"{PACKAGE}.effects.{effect}"
-    if declares and imported.target not in (module, f"{module}.table"):
+    declares = effect and module == f"{EFFECTS}.{effect}"
+    if declares and imported.target != module:
         return f"imports {imported.target}, which computes what it declares"
     return ""
 
 
 def effect_of(module: str) -> str:
     """The effect that a module is or belongs to, empty if none: effects may be packages."""
-    parts = module.split(".")
-    name = parts[2] if parts[:2] == [PACKAGE, "effects"] and len(parts) > 2 else ""
+    within = module.startswith(f"{EFFECTS}.")
+    name = module.removeprefix(f"{EFFECTS}.").split(".")[0] if within else ""
     return "" if name in EFFECT_FRAME else name
 
 
@@ -252,7 +217,7 @@ KIND_WORDS = {
 """Names of followers, linkages, contacts and their parts."""
 
 KIND_TEXT = re.compile(
-    rf"""\b({"|".join(KIND_FLAGS)})\b|["']({"|".join(KIND_WORDS)})["']|{PACKAGE}\.mechanism"""
+    rf"""\b({"|".join(KIND_FLAGS)})\b|["']({"|".join(KIND_WORDS)})["']|{PACKAGE}\.kinematics\.mechanism"""
 )
 """Stands in every text that has a question."""
 
@@ -274,7 +239,7 @@ def kind_questions(root: Path) -> list[str]:
     for top in (root / PACKAGE, root / "export" / WRITERS):
         for path in sorted(top.rglob("*.py")):
             place = path.relative_to(top.parent).with_suffix("")
-            if place.parts[:2] == (PACKAGE, "mechanism"):
+            if place.parts[:3] == (PACKAGE, "kinematics", "mechanism"):
                 continue
             text = path.read_text("utf-8")
             if not KIND_TEXT.search(text):
@@ -293,7 +258,7 @@ def mechanism_names(tree: ast.AST) -> set[str]:
         alias.asname or alias.name
         for node in ast.walk(tree)
         if isinstance(node, ast.ImportFrom)
-        and (node.module or "").startswith(f"{PACKAGE}.mechanism")
+        and (node.module or "").startswith(f"{PACKAGE}.kinematics.mechanism")
         for alias in node.names
         if alias.name[:1].isupper() and alias.name not in NO_KIND
     }
@@ -351,7 +316,7 @@ def test_stages_are_named_once() -> None:
 
 def test_there_is_something_to_test() -> None:
     found = find_modules(ROOT)
-    assert {"camgeo", "camgeo.errors", "camgeo.motion", "camgeo.design"} <= found.keys()
+    assert {"camgeo", "camgeo.errors", "camgeo.kinematics", "camgeo.design.design"} <= found.keys()
 
 
 # -- what a run imports --------------------------------------------------------------------------
@@ -386,7 +351,7 @@ UNASKED = (
     | {"scipy", "shapely", "tomlkit", WRITERS}
 )
 
-FITS_OF_FILES = {"camgeo.contour.arcs", "camgeo.contour.chords.fewest"}
+FITS_OF_FILES = {"camgeo.geometry.contour.arcs", "camgeo.geometry.contour.fewest_chords"}
 """A check has the fast fit by chords alone."""
 
 
@@ -454,24 +419,27 @@ def test_a_build_imports_no_library_of_verification(tmp_path: Path) -> None:
 # -- the rules find violations ---------------------------------------------------------------------
 
 SOUND = {
-    "__init__.py": "from camgeo.design import Design\n",
-    "__main__.py": "from camgeo.cli.main import main\n",
+    "__init__.py": "from camgeo.design.design import Design\n",
+    "__main__.py": "from camgeo.app.cli.main import main\n",
     "errors.py": "import math\n",
-    "motion/__init__.py": "",
-    "motion/plan.py": "import numpy as np\nfrom camgeo.errors import GeometryError\n",
-    "effects/__init__.py": "",
-    "effects/effect.py": "",
-    "effects/spring.py": "from camgeo.effects.effect import Effect\n",
-    "effects/registry.py": "def load():\n    from camgeo.effects import spring\n",
-    "effects/shake/__init__.py": "from camgeo.effects.shake.table import parse\n",
-    "effects/shake/table.py": "",
-    "effects/shake/response.py": "from camgeo.effects.shake.table import parse\n",
-    "design.py": (
-        "from camgeo.motion.plan import MotionPlan\nfrom camgeo.effects.registry import load\n"
+    "kinematics/__init__.py": "",
+    "kinematics/plan.py": "import numpy as np\nfrom camgeo.errors import GeometryError\n",
+    "dynamics/__init__.py": "",
+    "dynamics/effects/__init__.py": "",
+    "dynamics/effects/effect.py": "",
+    "dynamics/effects/spring.py": "from camgeo.dynamics.effects.effect import Effect\n",
+    "dynamics/effects/registry.py": "def load():\n    from camgeo.dynamics.effects import spring\n",
+    "dynamics/effects/shake/__init__.py": "",
+    "dynamics/effects/shake/response.py": "from camgeo.dynamics.effects.shake import parse\n",
+    "design/__init__.py": "",
+    "design/design.py": (
+        "from camgeo.kinematics.plan import MotionPlan\n"
+        "from camgeo.dynamics.effects.registry import load\n"
         "def solve():\n    from scipy.optimize import brentq\n"
     ),
-    "cli/__init__.py": "",
-    "cli/main.py": "from camgeo.design import Design\n",
+    "app/__init__.py": "",
+    "app/cli/__init__.py": "",
+    "app/cli/main.py": "from camgeo.design.design import Design\n",
 }
 
 
@@ -490,61 +458,113 @@ def test_a_correct_tree_has_no_violation(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "text", "expected"),
     [
-        ("errors.py", "import camgeo.design", "errors, line 1: imports camgeo.design, a later"),
-        ("errors.py", "from camgeo import motion", "imports camgeo.motion, a later stage"),
-        ("errors.py", "from .motion import plan", "imports camgeo.motion.plan, a later stage"),
-        ("motion/new.py", "from ..design import Design", "imports camgeo.design, a later stage"),
-        ("motion/new.py", "from .. import design", "imports camgeo.design, a later stage"),
-        ("motion/new.py", "import camgeo", "imports camgeo, a later stage"),
-        ("motion/new.py", "from camgeo import Design", "imports camgeo, a later stage"),
-        ("motion/new.py", "def f():\n    import camgeo.cli.main", "line 2: imports camgeo.cli"),
-        ("motion/new.py", "class A:\n    def f(self):\n        import camgeo.cli", "line 3: impo"),
         (
-            "motion/new.py",
-            "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    import camgeo.design",
-            "line 3: imports camgeo.design, a later stage",
+            "errors.py",
+            "import camgeo.design.design",
+            "errors, line 1: imports camgeo.design.design, a later",
+        ),
+        ("errors.py", "from camgeo import kinematics", "imports camgeo.kinematics, a later"),
+        (
+            "errors.py",
+            "from .kinematics import plan",
+            "imports camgeo.kinematics.plan, a later stage",
         ),
         (
-            "motion/new.py",
-            "import importlib\nimportlib.import_module('camgeo.cli.main')",
-            "line 2: imports camgeo.cli.main, a later stage",
+            "kinematics/new.py",
+            "from ..design.design import Design",
+            "imports camgeo.design.design, a later stage",
         ),
-        ("motion/new.py", "__import__('camgeo.cli')", "imports camgeo.cli, a later stage"),
-        ("cli/main.py", "import camgeo.__main__", "imports camgeo.__main__, a later stage"),
+        ("kinematics/new.py", "from .. import design", "imports camgeo.design, a later stage"),
+        ("kinematics/new.py", "import camgeo", "imports camgeo, a later stage"),
+        ("kinematics/new.py", "from camgeo import Design", "imports camgeo, a later stage"),
+        (
+            "kinematics/new.py",
+            "def f():\n    import camgeo.app.cli.main",
+            "line 2: imports camgeo.app.cli",
+        ),
+        (
+            "kinematics/new.py",
+            "class A:\n    def f(self):\n        import camgeo.app.cli",
+            "line 3: impo",
+        ),
+        (
+            "kinematics/new.py",
+            "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    import camgeo.design.design",
+            "line 3: imports camgeo.design.design, a later stage",
+        ),
+        (
+            "kinematics/new.py",
+            "import importlib\nimportlib.import_module('camgeo.app.cli.main')",
+            "line 2: imports camgeo.app.cli.main, a later stage",
+        ),
+        (
+            "kinematics/new.py",
+            "__import__('camgeo.app.cli')",
+            "imports camgeo.app.cli, a later stage",
+        ),
+        ("app/cli/main.py", "import camgeo.__main__", "imports camgeo.__main__, a later stage"),
         ("extra.py", "", "camgeo.extra: has no stage"),
         ("extra/deep.py", "", "camgeo.extra.deep: has no stage"),
         (
-            "motion/table.py",
-            "def f():\n    from camgeo.motion import plan",
-            "import cycle: camgeo.motion.plan",
+            "kinematics/table.py",
+            "def f():\n    from camgeo.kinematics import plan",
+            "import cycle: camgeo.kinematics.plan",
         ),
-        ("cli/dxf.py", "def f():\n    import ezdxf.math", "the format library ezdxf"),
-        ("cli/plot.py", "from matplotlib import pyplot", "the format library matplotlib"),
-        ("cli/solid.py", "import trimesh, manifold3d", "the format library manifold3d"),
-        ("cli/solid.py", "import trimesh, manifold3d", "the format library trimesh"),
-        ("cli/read.py", "import lxml.etree", "the format library lxml"),
-        ("cli/read.py", "import networkx", "the format library networkx"),
-        ("cli/serve.py", "import starlette", "imports starlette, which is no library"),
-        ("cli/read.py", "import pandas", "imports pandas, which is no library of the engine"),
+        ("app/cli/dxf.py", "def f():\n    import ezdxf.math", "the format library ezdxf"),
+        ("app/cli/plot.py", "from matplotlib import pyplot", "the format library matplotlib"),
+        ("app/cli/solid.py", "import trimesh, manifold3d", "the format library manifold3d"),
+        ("app/cli/solid.py", "import trimesh, manifold3d", "the format library trimesh"),
+        ("app/cli/read.py", "import lxml.etree", "the format library lxml"),
+        ("app/cli/read.py", "import networkx", "the format library networkx"),
+        ("app/cli/serve.py", "import starlette", "imports starlette, which is no library"),
+        ("app/cli/read.py", "import pandas", "imports pandas, which is no library of the engine"),
         ("part/glyphs.py", "import matplotlib", "imports matplotlib outside a function"),
         ("part/glyphs.py", "def f():\n    import ezdxf", "the format library ezdxf"),
         ("part/other.py", "def f():\n    import matplotlib", "the format library matplotlib"),
-        ("motion/root.py", "from scipy.optimize import brentq", "scipy outside a function"),
-        ("motion/root.py", "if 1:\n    import scipy", "line 2: imports scipy outside a function"),
-        ("motion/root.py", "class A:\n    import scipy", "scipy outside a function"),
-        ("cli/build.py", "def f():\n    import camgeo_export.dxf", "imports the writers"),
-        ("design.py", "from camgeo.effects.spring import x", "imports camgeo.effects.spring"),
-        ("design.py", "def f():\n    from camgeo.effects import spring", "camgeo.effects.spring"),
-        ("effects/mass.py", "import camgeo.effects.spring", "imports camgeo.effects.spring"),
-        ("effects/mass/a.py", "from camgeo.effects import spring", "imports camgeo.effects.spring"),
-        ("effects/shake/__init__.py", "import camgeo.effects.shake.response", "which computes"),
-        ("effects/effect.py", "def f():\n    from camgeo.effects import spring", "effects.spring"),
+        ("kinematics/root.py", "from scipy.optimize import brentq", "scipy outside a function"),
+        (
+            "kinematics/root.py",
+            "if 1:\n    import scipy",
+            "line 2: imports scipy outside a function",
+        ),
+        ("kinematics/root.py", "class A:\n    import scipy", "scipy outside a function"),
+        ("app/cli/build.py", "def f():\n    import camgeo_export.dxf", "imports the writers"),
+        (
+            "design/design.py",
+            "from camgeo.dynamics.effects.spring import x",
+            "imports camgeo.dynamics.effects.spring",
+        ),
+        (
+            "design/design.py",
+            "def f():\n    from camgeo.dynamics.effects import spring",
+            "camgeo.dynamics.effects.spring",
+        ),
+        (
+            "dynamics/effects/mass.py",
+            "import camgeo.dynamics.effects.spring",
+            "imports camgeo.dynamics.effects.spring",
+        ),
+        (
+            "dynamics/effects/mass/a.py",
+            "from camgeo.dynamics.effects import spring",
+            "imports camgeo.dynamics.effects.spring",
+        ),
+        (
+            "dynamics/effects/shake/__init__.py",
+            "import camgeo.dynamics.effects.shake.response",
+            "which computes",
+        ),
+        (
+            "dynamics/effects/effect.py",
+            "def f():\n    from camgeo.dynamics.effects import spring",
+            "effects.spring",
+        ),
     ],
 )
 def test_each_rule_finds_its_breach(tmp_path: Path, name: str, text: str, expected: str) -> None:
     changes = {name: text + "\n"}
     if "cycle" in expected:
-        changes["motion/plan.py"] = "from camgeo.motion.table import read\n"
+        changes["kinematics/plan.py"] = "from camgeo.kinematics.table import read\n"
     found = find_violations(package_tree(tmp_path, changes))
     assert any(expected in line for line in found), found
 
@@ -566,9 +586,9 @@ def test_each_rule_finds_its_breach(tmp_path: Path, name: str, text: str, expect
     ],
 )
 def test_each_question_for_a_kind_is_found(tmp_path: Path, question: str) -> None:
-    head = "from camgeo.mechanism.translating_roller import TranslatingRoller\n"
+    head = "from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller\n"
     text = f"{head}def f(follower, contact, spec):\n    {question}\n"
-    tree = package_tree(tmp_path, {"mechanism/own.py": text, "check/own.py": text})
+    tree = package_tree(tmp_path, {"kinematics/mechanism/own.py": text, "check/own.py": text})
     (line,) = kind_questions(tree)
     assert line.startswith("camgeo.check.own, line ")
 
@@ -592,8 +612,8 @@ def test_an_answer_is_no_question(tmp_path: Path, answer: str) -> None:
 def test_what_a_run_imports_is_seen(tmp_path: Path) -> None:
     changes = {
         "__init__.py": "",
-        "__main__.py": "from camgeo.cli.main import main\nraise SystemExit(main())\n",
-        "cli/main.py": "def main():\n    import shapely\n    return 1\n",
+        "__main__.py": "from camgeo.app.cli.main import main\nraise SystemExit(main())\n",
+        "app/cli/main.py": "def main():\n    import shapely\n    return 1\n",
     }
     tree = package_tree(tmp_path, changes)
     assert run(tree, tmp_path / "report.json")[1] & UNASKED == set()

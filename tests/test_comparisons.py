@@ -22,7 +22,7 @@ import pytest
 
 import camgeo
 import camgeo_export
-from camgeo.cli.main import main
+from camgeo.app.cli.main import main
 from tests.test_architecture import ROOT
 from tests.test_house import modules
 

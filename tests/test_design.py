@@ -12,14 +12,13 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.cam.disc import Disc
-from camgeo.cam.drive import Drive
-from camgeo.curve import extremes, pitch_curve
-from camgeo.curve.extremes import radius_of_curvature
-from camgeo.design import Design
+from camgeo.cam.cam import Disc, Drive
+from camgeo.design.design import Design
 from camgeo.errors import UnknownNameError
+from camgeo.geometry import pieces, pitch_curve
+from camgeo.geometry.pieces import radius_of_curvature
+from camgeo.kinematics import plan
 from camgeo.lazy import lazy_names
-from camgeo.motion import plan
 
 SETZHUB = Path(__file__).parents[1] / "fixtures" / "scenes" / "setzhub.toml"
 
@@ -55,13 +54,13 @@ def test_what_was_not_asked_for_did_not_run(design: Design) -> None:
 
 def test_findings_are_computed_once(design: Design, monkeypatch: pytest.MonkeyPatch) -> None:
     count = []
-    original = extremes.curvature_extremes
+    original = pieces.curvature_extremes
 
     def counted(curve: pitch_curve.PitchCurve) -> object:
         count.append(curve)
         return original(curve)
 
-    monkeypatch.setattr("camgeo.cam.disc.curvature_extremes", counted)
+    monkeypatch.setattr("camgeo.cam.cam.curvature_extremes", counted)
     first = design.findings
     assert design.findings is first
     assert design.judgement.has_outline
@@ -89,9 +88,15 @@ def test_a_check_imports_no_contour_and_no_writer() -> None:
         [sys.executable, "-c", code, str(SETZHUB)], capture_output=True, text=True, check=True
     )
     loaded = json.loads(done.stdout)
-    unwanted = ("camgeo.contour", "camgeo.toolpath.plan", "camgeo_export", "shapely", "scipy")
+    unwanted = (
+        "camgeo.geometry.contour",
+        "camgeo.milling.plan",
+        "camgeo_export",
+        "shapely",
+        "scipy",
+    )
     assert not [name for name in loaded if name.startswith(unwanted)]
-    assert "camgeo.check.curvature" in loaded
+    assert "camgeo.check.flank" in loaded
 
 
 def test_quantities_agree_with_the_curves(design: Design) -> None:

@@ -11,15 +11,14 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.answers.check import check
-from camgeo.answers.laws import laws_of_task
-from camgeo.answers.table import table_of_scene
+from camgeo.app.answers.check import check
+from camgeo.app.answers.laws import laws_of_task
+from camgeo.app.answers.table import table_of_scene
 from camgeo.check.finding import Finding, Findings
-from camgeo.design import Design
-from camgeo.displayed import LONGEST, WORDS, Brief, brief
-from camgeo.figure.plots import of_design
+from camgeo.design.design import Design
 from camgeo.numeric.arrays import FloatArray
-from camgeo.pickled import Pickled
+from camgeo.pictures.plots import of_design
+from camgeo.record import LONGEST, WORDS, Brief, Pickled, brief
 
 FIXTURES = Path(__file__).parents[1] / "fixtures"
 

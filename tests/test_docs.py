@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from camgeo.cli.main import parser
-from camgeo.scene.load import parse_scene
+from camgeo.app.cli.main import parser
+from camgeo.scene.scene import parse_scene
 from camgeo.scene.whole_schema import whole_schema
 from tests.pages import page_maker
 
@@ -138,3 +138,8 @@ def test_the_commands_of_the_readme_are_commands() -> None:
     assert len(shown) > 10
     for command, words in shown:
         parser([command]).parse_args([command, *words.split()])
+
+
+def test_the_rooms_are_drawn_from_the_code() -> None:
+    maker = page_maker("architecture_page")
+    assert maker.picture() in maker.PAGE.read_text("utf-8"), "run python docs/architecture_page.py"

@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 
 import camgeo
-from camgeo.accuracy.benefit import benefit_rows
-from camgeo.accuracy.enough import enough, words
-from camgeo.accuracy.rows import FORMS, ORDER
-from camgeo.contour.least_pieces import ARC, CHORD, CUBIC
+from camgeo.geometry.contour.least_pieces import ARC, CHORD, CUBIC
+from camgeo.studies.accuracy.benefit import benefit_rows
+from camgeo.studies.accuracy.contours import FORMS, ORDER
+from camgeo.studies.accuracy.knee import enough, words
 from camgeo.units import RPM
 from tests.pages import page_maker
 

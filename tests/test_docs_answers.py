@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from camgeo.answers.render import schema_of
+from camgeo.app.answers.answer import schema_of
 from tests.pages import page_maker
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "answers.md"

@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from camgeo.effects.registry import EFFECTS, find_effect
-from camgeo.motion.laws import FAMILIES
+from camgeo.dynamics.effects.registry import EFFECTS, find_effect
+from camgeo.kinematics.laws import FAMILIES
 from camgeo.part.materials import MATERIALS
 from tests.answers.documents import explained
 from tests.effects.recorded import record
@@ -163,9 +163,9 @@ def test_findings_of_an_effect_are_reported(name: str) -> None:
 
 def written_of(name: str) -> list[str]:
     """The texts in the code of an effect as patterns: anything may stand for what they put in."""
-    place = ROOT / "camgeo" / "effects" / name.replace("-", "_")
+    place = ROOT / "camgeo" / "dynamics" / "effects" / name.replace("-", "_")
     files = sorted(place.glob("*.py")) if place.is_dir() else [place.with_suffix(".py")]
-    files.append(ROOT / "camgeo" / "effects" / "immovable.py")  # shared
+    files.append(ROOT / "camgeo" / "dynamics" / "effects" / "forces.py")  # shared
     found = [text for file in files for text in re.findall(r'"([^"\n]+)"', file.read_text("utf-8"))]
     parts = [re.split(r"\{[^}]*\}", text) for text in found]
     return ["[a-z]+".join(map(re.escape, each)) for each in parts if any(each)]
@@ -177,7 +177,7 @@ def test_an_effect_can_find_what_is_reported(name: str) -> None:
     findings, columns = found_of(name)
     rest = (told_findings(name) - findings) | (told_columns(name) - columns)
     patterns = written_of(name)
-    # A load of `camgeo.effects.reactions.load` names its finding.
+    # A load of `camgeo.dynamics.effects.reactions.result` names its finding.
     patterns += [f"largest-{text.replace(re.escape(' '), '-')}" for text in patterns]
     assert [each for each in rest if not any(re.fullmatch(p, each) for p in patterns)] == []
 

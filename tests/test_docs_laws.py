@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.motion.boundary import TASKS
-from camgeo.motion.laws import ALIASES, FAMILIES, make_law
-from camgeo.motion.laws.law import Law
-from camgeo.motion.plan import Dwell, SplineMove
-from camgeo.scene.load import parse_scene
+from camgeo.kinematics.laws import ALIASES, FAMILIES, make_law
+from camgeo.kinematics.laws.law import Law
+from camgeo.kinematics.motion import TASKS
+from camgeo.kinematics.plan import Dwell, SplineMove
+from camgeo.scene.scene import parse_scene
 from tests.long_form import LONG
 from tests.pages import page_maker
 

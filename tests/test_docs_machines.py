@@ -5,8 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from camgeo.toolpath.machine import load, names
-from camgeo.toolpath.machine_schema import schema
+from camgeo.milling.machine import load, names, schema
 from tests.pages import page_maker
 
 ROOT = Path(__file__).resolve().parents[1]

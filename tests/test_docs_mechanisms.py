@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.scene.new import MECHANISMS
+from camgeo.scene.toml import MECHANISMS
 from tests.pages import page_maker
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"

@@ -9,8 +9,8 @@ from typing import Any, Final
 
 import pytest
 
-from camgeo.accuracy.benefit import BenefitRow, benefit_rows
-from camgeo.accuracy.rows import FORMS
+from camgeo.studies.accuracy.benefit import BenefitRow, benefit_rows
+from camgeo.studies.accuracy.contours import FORMS
 from camgeo.units import RPM
 from tests.pages import page_maker
 

@@ -125,8 +125,11 @@ def _grids_in(node: ast.AST, constants: _Constants) -> Iterator[str]:
         yield from _grids_in(child, constants)
 
 
-PICTURES = ("camgeo/figure/",)
-"""Folders of what only shows."""
+PICTURES = "camgeo/pictures/"
+"""The folder of what only shows, but for"""
+
+SHEETS = "camgeo/pictures/sheet/"
+"""drawings, from which parts are made."""
 
 NODES = "nodes, coefficients or harmonics, not places on a cam"
 
@@ -139,99 +142,111 @@ BRACKET = "sections of a bracket, cut until they are rounding"
 PICTURE = "a picture"
 
 CLOSED: dict[str, dict[str, str]] = {
-    "camgeo/accuracy/effects.py": {
+    "camgeo/studies/accuracy/survey.py": {
         "np.arange(ANGLES, dtype=np.float64)": (
             "compares figures with their stated errors, for docs/accuracy.md; decides nothing"
         ),
     },
-    "camgeo/accuracy/spectrum.py": {"np.arange(1, most + 1)": NODES},
-    "camgeo/check/sizing/arm.py": {"np.geomspace(low, high, ARMS)": SEARCH},
+    "camgeo/studies/accuracy/benefit.py": {
+        "np.arange(1, most + 1)": NODES,
+    },
+    "camgeo/check/sizing/rounding.py": {
+        "np.geomspace(low, high, ARMS)": SEARCH,
+        "np.linspace(-1.0, 1.0, WAYS)": SEARCH,
+    },
     "camgeo/check/sizing/bends.py": {
         "np.geomspace(least, reach, RADII)": SEARCH,
         "np.linspace(1.0 - BELOW * share, 1.0 + ABOVE * share, 46)": SEARCH,
         "np.arange(DIRECTIONS)": SEARCH,
         "np.linspace(-1.0, 1.0, 33)": SEARCH,
+        "np.linspace(0.0, 1.0, SAMPLES)": SEARCH,
     },
-    "camgeo/check/sizing/conditions.py": {"np.linspace(0.0, 1.0, SAMPLES)": SEARCH},
-    "camgeo/check/sizing/covering.py": {
+    "camgeo/check/sizing/task.py": {
         "np.linspace(0.0, TURN, AROUND, endpoint=False)": SEARCH,
         "np.linspace(-1.0, 1.0, 2 * GRID - 1)": SEARCH,
     },
-    "camgeo/check/sizing/region.py": {
+    "camgeo/check/sizing/smallest.py": {
         "np.linspace(1e-09, 1.0 - 1e-09, SAMPLES)": SEARCH,
         "np.arange(1.0, SECTIONS)": BRACKET,
     },
-    "camgeo/check/sizing/rounding.py": {"np.linspace(-1.0, 1.0, WAYS)": SEARCH},
-    "camgeo/contour/arcs/biarcs.py": {
+    "camgeo/geometry/contour/arcs.py": {
         "np.arange(PARTS + 1)": VERTICES,
         "np.arange(PARTS)": VERTICES,
         "np.arange(1, PARTS)": VERTICES,
         "np.linspace(0.0, 1.0, PARTS + 1)": VERTICES,
     },
-    "camgeo/contour/chords/fast.py": {"np.arange(PARTS)": VERTICES},
-    "camgeo/contour/chords/two_sided.py": {
+    "camgeo/geometry/contour/chords.py": {
+        "np.arange(PARTS)": VERTICES,
+    },
+    "camgeo/geometry/contour/fewest_chords.py": {
         "np.arange(CELLS)": VERTICES,
         "np.linspace(-1.0, 1.0, 2 * NEAR + 1)": VERTICES,
     },
-    "camgeo/contour/cubics/arc_length.py": {"np.arange(CELLS + 1)": VERTICES},
-    "camgeo/contour/cubics/least_squares.py": {"np.arange(ORDER)": NODES},
-    "camgeo/contour/joints.py": {
+    "camgeo/geometry/contour/cubic_proof.py": {
+        "np.arange(CELLS + 1)": VERTICES,
+    },
+    "camgeo/geometry/contour/cubics.py": {
+        "np.arange(ORDER)": NODES,
+    },
+    "camgeo/geometry/contour/legs.py": {
         "np.linspace(piece.start, piece.end, 257)": (
             "refuses early; the outline has cut off what runs back, and the fit is proved"
         ),
     },
-    "camgeo/contour/least_pieces.py": {
+    "camgeo/geometry/contour/least_pieces.py": {
         "np.linspace(piece.start, piece.end, CELLS + 1)": (
             "sums an estimate that is shown beside the pieces of a fit; decides nothing"
         ),
     },
-    "camgeo/contour/spline_replay.py": {
+    "camgeo/geometry/contour/spline_replay.py": {
         "np.linspace(0.0, 1.0, LOOKS)": (
             "cubics of camgeo's own fits, of which each turns by little; others are not replayed"
         ),
     },
-    "camgeo/curve/pieces.py": {
+    "camgeo/geometry/pieces.py": {
         "np.linspace(0.0, TURN, int(np.ceil(TURN / WIDEST)) + 1)": (
             "first cells, cut at the borders of the motion, that are halved until a bound decides"
         ),
     },
-    "camgeo/designing/companions.py": {
+    "camgeo/app/designing/edits.py": {
         "np.linspace(0.0, TURN, SAMPLES, endpoint=False)": (
             "a first diameter of a blank in a field; `Given.new_faults` judges it, with room left"
         ),
     },
-    "camgeo/designing/judging.py": {
+    "camgeo/app/designing/making.py": {
         "np.linspace(start, end if end > start else end + TURN, RANGE)": PICTURE,
     },
-    "camgeo/effects/inherited.py": {
+    "camgeo/dynamics/effects/graph.py": {
         "np.arange(ANGLES, dtype=np.float64)": (
             "how far columns move with what others find; the extremes in the findings of the same"
             " unit are compared besides, and the largest difference counts for all"
         ),
     },
-    "camgeo/effects/lift_off/closing.py": {
+    "camgeo/dynamics/effects/lift_off/flight.py": {
         "np.linspace(0.0, 1.0, 65)": "probes; a bound of the second derivative halves between them",
         "np.linspace(0.0, 1.0, 9)": "the same, between two probes",
         "np.geomspace(1e-09, 1.0, 128)": "the same, behind a start with a speed",
     },
-    "camgeo/effects/shaft/course.py": {"np.arange(TIMES)": NODES},
-    "camgeo/effects/shaft/mesh.py": {"np.arange(1, NODES)": NODES},
-    "camgeo/effects/speed_fluctuation/solve.py": {
+    "camgeo/dynamics/effects/shaft.py": {
+        "np.arange(TIMES)": NODES,
+        "np.arange(1, NODES)": NODES,
+    },
+    "camgeo/dynamics/effects/speed_fluctuation/result.py": {
         "np.linspace(0.0, 2.0 * top, GUESSES)": (
             "a speed to begin with; the steady state is solved to its tolerance from it, or marched"
         ),
     },
-    "camgeo/effects/tangent.py": {
+    "camgeo/dynamics/effects/feedback.py": {
         "np.arange(ANGLES, dtype=np.float64)": "Newton steps; the rounds go on until they settle",
         "np.arange(ANGLES)": "the same",
     },
-    "camgeo/inspection/alignment.py": {
+    "camgeo/studies/inspection.py": {
         "np.linspace(-math.pi, math.pi, STARTS, endpoint=False)": (
             "turns to begin with, and their spacing bounds what lies between; then least squares"
         ),
+        "np.arange(SAMPLES)": PICTURE,
     },
-    "camgeo/inspection/pressed.py": {"np.arange(SAMPLES)": PICTURE},
-    "camgeo/motion/planning/turns.py": {
+    "camgeo/kinematics/planning/planner.py": {
         "np.geomspace(1.0, sharper / gentler, TRIED)": (
             "any turn of them is an answer; the motion that is made with it is judged"
         ),
@@ -242,69 +257,77 @@ CLOSED: dict[str, dict[str, str]] = {
             "places in one cell of a grid, of which the cells are made finer until differences of"
             " the values show that nothing is left in them"
         ),
-    },
-    "camgeo/numeric/isolation.py": {
         "np.arange(PLACES)": NODES,
         "np.linspace(0.0, 1.0, PLACES)": (
             "nodes of the polynomial in one cell, which is halved until that decides, with its"
             " error to spare"
         ),
     },
-    "camgeo/numeric/oscillator/chain.py": {"np.arange(POINTS)": NODES},
-    "camgeo/numeric/oscillator/mode.py": {"np.arange(DEGREE + 1)": NODES},
-    "camgeo/numeric/oscillator/spectrum.py": {
+    "camgeo/dynamics/oscillator/train.py": {
+        "np.arange(POINTS)": NODES,
+    },
+    "camgeo/dynamics/oscillator/steady.py": {
+        "np.arange(DEGREE + 1)": NODES,
         "np.linspace(-1.0, 1.0, 4 * len(NODES))": (
             "the variation of one polynomial between two borders, four places for each of its nodes"
         ),
     },
-    "camgeo/outline/cusps.py": {
+    "camgeo/geometry/outline/cusps.py": {
         "np.linspace(*ends, SAMPLES + 2, axis=1)": (
             "extremes in a cell that shows some to be missing; `sure_bends` looks until none does"
         ),
     },
-    "camgeo/outline/face_hull.py": {
+    "camgeo/geometry/outline/face.py": {
         "np.arange(0.0, TURN, WIDEST)": "first cells; the circles over each are compared exactly",
     },
-    "camgeo/outline/face_outline.py": {
+    "camgeo/geometry/outline/outline.py": {
         "np.linspace(*second, SAMPLES)": (
             "where Newton's method fails; the bridge that it then finds is exact, or it is refused"
         ),
         "np.linspace(*first, SAMPLES)": "the same",
         "np.linspace(low, high, SAMPLES)": "the same",
     },
-    "camgeo/outline/replay.py": {"np.arange(count, dtype=np.float64)": PICTURE},
-    "camgeo/outline/swallow_tail.py": {
+    "camgeo/geometry/outline/replay.py": {
+        "np.arange(count, dtype=np.float64)": PICTURE,
+    },
+    "camgeo/geometry/outline/crossings.py": {
         "np.arange(SAMPLES)": (
             "a run of cells that provably turns by less than a right angle, with four borders at"
             " most in it; other tails are left to the search by boxes"
         ),
         "np.linspace(0.0, 1.0, SAMPLES)": "the same",
     },
-    "camgeo/product/pictured.py": {"np.linspace(first, last, SAMPLES)": PICTURE},
-    "camgeo/sheet/course.py": {"np.linspace(0.0, TURN, SAMPLES)": PICTURE},
-    "camgeo/sheet/hidden.py": {"np.arange(PLACES + 1)": PICTURE},
-    "camgeo/tolerancing/linear.py": {
+    "camgeo/design/pictured.py": {
+        "np.linspace(first, last, SAMPLES)": PICTURE,
+    },
+    "camgeo/pictures/sheet/sheet.py": {
+        "np.linspace(0.0, TURN, SAMPLES)": PICTURE,
+    },
+    "camgeo/pictures/sheet/front.py": {
+        "np.arange(PLACES + 1)": PICTURE,
+    },
+    "camgeo/studies/tolerancing/linear.py": {
         "np.linspace(0.0, TURN, ANGLES + 1)": (
             "shares and remainders, which are told as those of the angles of the analysis; extremes"
             " are sought between the borders"
         ),
     },
-    "camgeo/toolpath/leads.py": {
+    "camgeo/milling/track.py": {
         "np.linspace(low, high, STEPS + 1)": (
             "a bracket of a turn; `least_distance` then decides whether the lead is clear"
         ),
     },
-    "camgeo/toolpath/plane/spiral.py": {
+    "camgeo/milling/areas.py": {
         "np.linspace(0.0, 2.0 * np.pi, PER_TURN, endpoint=False)": (
             "paces a spiral; `require_clear` proves that it leaves the part alone"
         ),
     },
-    "camgeo/toolpath/setup.py": {
+    "camgeo/milling/stages.py": {
         "np.arange(1, SLICES + 1)": (
             "slabs of a point or of rounded corners; gouge and rest are told of a slab's middle"
         ),
     },
-    "camgeo/toolpath/strategies/trochoid.py": {
+    "camgeo/milling/strategies/trochoid.py": {
         "np.linspace(-np.pi, 0.0, PLACES)": (
             "paces loops, `ROUNDING` below the limit: more than a top between two places can hide"
         ),
@@ -319,7 +342,7 @@ def grids_of(folder: Path) -> dict[str, set[str]]:
     for path in sorted((folder / "camgeo").rglob("*.py")):
         name = path.relative_to(folder).as_posix()
         calls = set(constant_grids(path.read_text("utf-8")))
-        if calls and not name.startswith(PICTURES):
+        if calls and (not name.startswith(PICTURES) or name.startswith(SHEETS)):
             found[name] = calls
     return found
 
@@ -366,7 +389,7 @@ def test_one_that_follows_what_it_is_for_is_none(body: str) -> None:
 
 
 def test_a_grid_that_nothing_closes_fails(tmp_path: Path) -> None:
-    for name in ("check/new.py", "figure/new.py"):
+    for name in ("check/new.py", "pictures/new.py"):
         path = tmp_path / "camgeo" / name
         path.parent.mkdir(parents=True)
         path.write_text("GRID = np.linspace(0.0, 1.0, 99)\n", "utf-8")

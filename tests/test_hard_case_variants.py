@@ -20,26 +20,24 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from mpmath import mp, mpc, mpf
 
-from camgeo.check.curvature import check_undercut
 from camgeo.check.finding import Finding
-from camgeo.check.follower import check_follower
-from camgeo.check.linkage import check_linkage
-from camgeo.check.standstill import check_standstill
-from camgeo.curve.extremes import curvature_extremes, radius_of_curvature
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
-from camgeo.design import Design
+from camgeo.check.flank import check_standstill, check_undercut
+from camgeo.check.machine import check_follower, check_linkage
+from camgeo.design.design import Design
 from camgeo.errors import GeometryError, SceneError
-from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.geometry.outline.crossings import find_crossings
+from camgeo.geometry.outline.cusps import undercut_ranges
+from camgeo.geometry.pieces import curvature_extremes, radius_of_curvature
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.numeric.roots import roots_on_grid
-from camgeo.outline.crossings import find_crossings
-from camgeo.outline.cusps import undercut_ranges
-from camgeo.scene.load import parse_scene
+from camgeo.numeric.extremes import roots_on_grid
+from camgeo.scene.scene import parse_scene
 from camgeo.units import TURN
 from tests.laws import LAWS
 from tests.reference import POLYNOMIAL, inner_of, shift

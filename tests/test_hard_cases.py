@@ -19,27 +19,29 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.check.curvature import check_undercut
-from camgeo.check.linkage import check_linkage
-from camgeo.check.outline import check_outline
-from camgeo.check.standstill import check_standstill
-from camgeo.check.transmission_angle import check_transmission_angle
-from camgeo.curve.extremes import curvature_extremes
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
+from camgeo.check.flank import (
+    check_outline,
+    check_standstill,
+    check_transmission_angle,
+    check_undercut,
+)
+from camgeo.check.machine import check_linkage
+from camgeo.design.value_table import cam_angles
 from camgeo.errors import GeometryError, SceneError
-from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.slotted_lever import SlottedLever
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.laws.characteristic import characteristic
-from camgeo.motion.plan import Dwell, MotionPlan, Move
-from camgeo.numeric.roots import roots_on_grid
-from camgeo.outline.crossings import find_crossings
-from camgeo.outline.outline import real_outline
-from camgeo.product.value_table import cam_angles
-from camgeo.scene.load import load_scene
+from camgeo.geometry.outline.crossings import find_crossings
+from camgeo.geometry.outline.outline import real_outline
+from camgeo.geometry.pieces import curvature_extremes
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.laws.law import characteristic
+from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.slotted_lever import SlottedLever
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
+from camgeo.numeric.extremes import roots_on_grid
+from camgeo.scene.scene import load_scene
 from camgeo.units import TURN
 from tests.reference import (
     POLYNOMIAL,

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import camgeo
+from camgeo.app.cli.main import main
 from camgeo.check.judge import motion_findings
-from camgeo.cli.main import main
 from camgeo.errors import SceneError
 from camgeo.scene.scene import Scene
 from tests.findings import effect_findings

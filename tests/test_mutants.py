@@ -100,7 +100,7 @@ def test_a_seed_draws_the_same_each_of_another_statement(module: Path) -> None:
 
 def test_a_module_is_of_the_room_of_the_longest_folder() -> None:
     assert room_of(mutants.ROOT / "camgeo/numeric/arrays.py") == "numeric"
-    assert room_of(mutants.ROOT / "camgeo/numeric/oscillator/mode.py") == "dynamics"
+    assert room_of(mutants.ROOT / "camgeo/dynamics/oscillator/steady.py") == "dynamics"
     assert room_of(mutants.ROOT / "export/camgeo_export/dxf/writer.py") == "export"
     assert room_of(mutants.ROOT / "camgeo/units.py") is None
 
@@ -118,12 +118,12 @@ def test_names_of_modules() -> None:
 
 @pytest.mark.long  # reads all modules, as the tool does there
 def test_the_mirror_folder_is_asked_first_and_direct_importers_follow() -> None:
-    modules = modules_for("camgeo/outline/clearance.py")
+    modules = modules_for("camgeo/geometry/outline/clearance.py")
     inside = [each.startswith("tests/outline/") for each in modules]
     assert any(inside)
     assert inside == sorted(inside, reverse=True)
     importing = [
-        "from camgeo.outline.clearance" in (mutants.ROOT / each).read_text("utf-8")
+        "from camgeo.geometry.outline.clearance" in (mutants.ROOT / each).read_text("utf-8")
         for each in modules
     ]
     own = [each for each, near in zip(importing, inside, strict=True) if near]

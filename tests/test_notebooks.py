@@ -16,7 +16,7 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 import pytest
 
-from camgeo.displayed import Displayed
+from camgeo.record import Displayed
 from tests.hostile_scene import Page, harmless
 from tests.long_form import LONG
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo import pickled
+from camgeo import record
 from camgeo.errors import (
     Cancelled,
     CycleError,
@@ -30,7 +30,7 @@ from camgeo.errors import (
 from camgeo.lazy import Ledger, lazy
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray
-from camgeo.pickled import Pickled
+from camgeo.record import Pickled
 
 TRAVELS: dict[str, Callable[[Any], Any]] = {
     "pickle": lambda value: pickle.loads(pickle.dumps(value)),
@@ -76,7 +76,7 @@ def test_data_travel_without_what_was_computed(travel: Callable[[Row], Row]) -> 
 
 def test_another_version_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     data = pickle.dumps(Row(np.ones(2)))
-    monkeypatch.setattr(pickled, "__version__", "99.1")
+    monkeypatch.setattr(record, "__version__", "99.1")
     with pytest.raises(VersionError, match=r"a Row pickled by camgeo .* camgeo 99\.1; create it"):
         pickle.loads(data)
 

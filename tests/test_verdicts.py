@@ -306,7 +306,7 @@ def test_what_depends_on_chance_or_load_is_found(text: str) -> None:
         "import numpy as np\ndef f(random: np.random.Generator):\n    return random.normal()",
         "import numpy as np\nnp.random.default_rng([seed, 1])",
         "import time\nmonkeypatch.setattr(time, 'perf_counter', lambda: 0.0)",
-        "monkeypatch.setattr('camgeo.cli.watch.time.sleep', steps)",
+        "monkeypatch.setattr('camgeo.app.cli.watch.time.sleep', steps)",
         "import subprocess\nsubprocess.run([])",
         "import subprocess\nsubprocess.run([], timeout=600)",
         "from tests.waiting import PATIENCE\nprocess.wait(PATIENCE)",
@@ -398,6 +398,6 @@ def test_examples_do_not_depend_on_what_is_imported() -> None:
             text=True,
             check=True,
         ).stdout
-        for more in ("", ", camgeo.motion.plan, camgeo.numeric.roots, camgeo.scene.schema")
+        for more in ("", ", camgeo.kinematics.plan, camgeo.numeric.extremes, camgeo.scene.schema")
     }
     assert len(found) == 1

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.units import TURN
-from camgeo.wording import (
+from camgeo.units import (
+    TURN,
     at_cam_angles,
     cam_angle,
     clock,

@@ -2,51 +2,58 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import chain
+from itertools import chain, pairwise
 from typing import TYPE_CHECKING, Any, Final
 
-from camgeo.check.closure import check_closure
-from camgeo.check.curvature import check_radius_ratio, check_undercut
-from camgeo.check.curved_face import check_curved_face, is_curved_face
+import numpy as np
+
 from camgeo.check.finding import (
     BROKEN,
     CONVEXITY,
     RETURN,
+    RULE_OF_THUMB,
+    STATED,
     UNDERCUT,
     Finding,
     Findings,
+    Limits,
     Severity,
+    default_linkage_transmission_angle,
+    default_transmission_angle,
     folded,
     forbidding,
     stated_in,
 )
-from camgeo.check.follower import check_follower
-from camgeo.check.limits import (
-    RULE_OF_THUMB,
-    Limits,
-    default_linkage_transmission_angle,
-    default_transmission_angle,
+from camgeo.check.flank import (
+    check_curved_face,
+    check_radius_ratio,
+    check_standstill,
+    check_transmission_angle,
+    check_undercut,
+    is_curved_face,
 )
-from camgeo.check.linkage import check_linkage
-from camgeo.check.motion import check_motion, check_speed
-from camgeo.check.standstill import check_standstill
-from camgeo.check.transmission_angle import check_transmission_angle
-from camgeo.displayed import Displayed
+from camgeo.check.machine import check_closure, check_follower, check_linkage
 from camgeo.errors import GeometryError, UndercutError
+from camgeo.geometry.outline.path import Flank
+from camgeo.kinematics.laws.law import characteristic
+from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.plan import Dwell, Joint, MotionPlan, Move, SplineMove, breaks, joints
+from camgeo.kinematics.time_course import ConstantSpeed, TimeCourse, plan_extremes
 from camgeo.lazy import Ledger, lazy
-from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.outline.path import Flank
-from camgeo.pickled import Pickled
-from camgeo.units import LengthUnit
+from camgeo.numeric.extremes import Extremes
+from camgeo.numeric.kept import kept_with_owner
+from camgeo.record import Displayed, Pickled
+from camgeo.units import LengthUnit, LiftUnit, at_cam_angles, cam_angle
 
 if TYPE_CHECKING:
-    from camgeo.cam.cam import Cam
-    from camgeo.cam.drive import Drive
-    from camgeo.check.cures.cure import Cure
-    from camgeo.curve.working_curve import WorkingCurve
+    from camgeo.cam.cam import Cam, Drive
+    from camgeo.check.cures.search import Cure
+    from camgeo.geometry.working_curve import WorkingCurve
+
 
 WORST_FIRST: Final = ("invalid", "no-disc", "broken", "warning", "ok")
 """Order of the findings, by severity."""
@@ -143,7 +150,7 @@ class Judgement(Pickled, Displayed):
 
     def _of_pair(self, found: Checks) -> None:
         """What is found in the return disc and in both discs together."""
-        from camgeo.check.form_closure import check_pair  # few cams are pairs
+        from camgeo.check.machine import check_pair  # few cams are pairs
 
         main, other = self.cams
         # The linkage, which both discs share, is reported once.
@@ -263,7 +270,7 @@ def _of_yoke(cam: Cam, limits: Limits, found: Checks) -> None:
     """Whether both sides of a yoke touch throughout the turn; nothing without one."""
     if cam.breadth is None:
         return
-    from camgeo.check.form_closure import check_breadth
+    from camgeo.check.machine import check_breadth
 
     breadth, given = cam.breadth, cam.yoke_breadth
     found.run("yoke", lambda: [check_breadth(breadth, given, limits.closing_error)])
@@ -271,11 +278,7 @@ def _of_yoke(cam: Cam, limits: Limits, found: Checks) -> None:
 
 def _of_face(cam: Cam, limits: Limits, found: Checks) -> None:
     """Whether there is a cam for a flat face, and how the face is used."""
-    from camgeo.check.face import (  # few cams have a flat face
-        check_convexity,
-        check_face,
-        is_undercut,
-    )
+    from camgeo.check.flank import check_convexity, check_face, is_undercut
 
     curve, severity = cam.disc.pitch_curve, _of_undercut(limits)
     bent = found.run("convexity", lambda: check_convexity(curve, severity))
@@ -295,7 +298,7 @@ def _of_face(cam: Cam, limits: Limits, found: Checks) -> None:
 
 def _left_of_face(cam: Cam, severity: Severity) -> list[Finding]:
     """What a flat face does on the disc that is left of an undercut cam."""
-    from camgeo.check.outline import check_lost_stroke
+    from camgeo.check.flank import check_lost_stroke
 
     disc, name = cam.disc, Flank.INNER
     try:
@@ -344,7 +347,7 @@ def _of_roller(cam: Cam, limits: Limits, found: Checks) -> None:
     if curved:
         found.run("face", lambda: check_curved_face(curve, bends))
     if cam.clearance > 0.0:
-        from camgeo.check.side_clearance import check_side_clearance  # few grooves have it
+        from camgeo.check.flank import check_side_clearance  # few grooves have it
 
         found.run("side-clearance", lambda: [check_side_clearance(curve, cam.clearance)])
     found.run("closure", lambda: check_closure(curve, severity))
@@ -371,8 +374,8 @@ def _name_trim(found: Checks) -> None:
 
 def _of_outline(cam: Cam, name: str, flank: WorkingCurve, severity: Severity) -> list[Finding]:
     """What remains of a flank, and what the follower does on it."""
-    from camgeo.check.outline import check_lost_stroke, check_outline
-    from camgeo.outline.cusps import undercut_ranges
+    from camgeo.check.flank import check_lost_stroke, check_outline
+    from camgeo.geometry.outline.cusps import undercut_ranges
 
     disc = cam.disc
     try:
@@ -390,3 +393,246 @@ def _of_outline(cam: Cam, name: str, flank: WorkingCurve, severity: Severity) ->
 
 OF_DISC: Final = {"roller": _of_roller, "face": _of_face}
 """The findings of a disc, by what touches it."""
+
+
+# -- motion ---------------------------------------------------------------------------------------
+# Checks of the motion plan: its joints, overshoots, and how closely it follows its data.
+#
+# And its extremes, in time if the cam has a speed; these have no limit.
+
+
+OVERSHOOT = 1e-9
+"""Fraction of the stroke beyond which a move overshoots; rounding is a million times smaller."""
+
+SWING = 1e-4
+"""Fraction of the stroke beyond which a motion by data swings between its rows or points. A spline
+through exact rows of a law swings a little where the jerk jumps: 1e-7 of the stroke with rows at
+every degree of a move over 110 degrees, 6e-5 at every 10 degrees, 2e-3 at every 20."""
+
+SHOCK, JERK = 0, 1
+"""Order of continuity of the motion at a shock, and at a jerk."""
+
+
+NAMES = ("velocity", "acceleration", "jerk")
+
+OVER_ANGLE = ConstantSpeed(1.0)
+"""At 1 rad/s derivatives over time are those over the cam angle."""
+
+
+@kept_with_owner
+def check_motion(plan: MotionPlan, unit: LiftUnit) -> tuple[Finding, ...]:
+    """Shocks (jumps of s'), jerks (jumps of s''), overshoots, and deviations from lift tables.
+
+    Parameters
+    ----------
+    plan : in mm or rad.
+    unit : which of the two; findings give degrees for rad.
+    """
+    found = [_laws(plan), _continuity(plan)]
+    scale, shown = STATED[unit]
+    for joint in breaks(plan):
+        if joint.order == SHOCK:
+            found.append(_jump(joint, 1, scale, shown))
+        if joint.order in (SHOCK, JERK) and joint.left[2] != joint.right[2]:
+            found.append(_jump(joint, 2, scale, shown))
+    position = 0.0
+    for segment, start in zip(plan.segments, plan.joints_deg, strict=False):
+        angle = math.radians(float(segment.span))
+        if isinstance(segment, Move) and segment.scale is None:
+            found += _overshoot(segment, position, float(start), scale, shown)
+        if isinstance(segment, SplineMove):
+            first = math.radians(float(start))
+            if segment.report is not None:
+                found.append(_deviation(segment, first, angle, position, scale, shown))
+            found += _swing(segment, first, angle, position, scale, shown)
+        if isinstance(segment, Move | SplineMove):
+            position = segment.to
+    return tuple(found)
+
+
+def _laws(plan: MotionPlan) -> Finding:
+    """The law of each move, with the parameters chosen or computed for it."""
+    moves = [
+        f"{float(start):g} to {float(end):g} deg {_made_of(segment)}"
+        for segment, (start, end) in zip(plan.segments, pairwise(plan.joints_deg), strict=True)
+        if segment.span and not isinstance(segment, Dwell)
+    ]
+    sentence = "; ".join(moves[:LISTED]) + _more(moves) if moves else "the follower rests"
+    return Finding("laws", "ok", sentence, float(len(moves)))
+
+
+def _more(listed: Sequence[object]) -> str:
+    return f" and {len(listed) - LISTED} more" if len(listed) > LISTED else ""
+
+
+def _made_of(segment: Move | SplineMove) -> str:
+    if isinstance(segment, SplineMove):
+        return "by data"
+    law = segment.law
+    given = ", ".join(f"{key} {value:.6g}" for key, value in law.parameters.items())
+    return f"{law.name} {law.task}" + (f" ({given})" if given else "")
+
+
+def _continuity(plan: MotionPlan) -> Finding:
+    """The classes of all joints, and the order of continuity of the motion there."""
+    met = joints(plan)
+    worst = min(joint.order for joint in met)
+    listed = ", ".join(
+        f"{cam_angle(joint.cam_angle)} deg: {_both(joint)} C{joint.order}" for joint in met[:LISTED]
+    )
+    sentence = f"the motion is at least C{worst} at its joints ({listed}{_more(met)})"
+    return Finding("joints", "ok", sentence, float(worst))
+
+
+LISTED = 12
+"""Most joints or moves listed in a sentence."""
+
+
+def _both(joint: Joint) -> str:
+    before, after = joint.before, joint.after
+    return f"{before}" if before == after else f"{before}|{after}"
+
+
+def _jump(joint: Joint, order: int, scale: float, unit: str) -> Finding:
+    jump = scale * float(joint.right[order] - joint.left[order])
+    place = at_cam_angles(joint.cam_angle)
+    if order == 1:
+        per = f"{unit}/rad"
+        statement = (
+            f"the velocity jumps by {jump:.6g} {per} {place}, a shock: the acceleration is infinite"
+        )
+        return Finding("shock", "broken", statement, jump, 0.0, per, joint.cam_angle)
+    per = f"{unit}/rad^2"
+    statement = f"the acceleration jumps by {jump:.6g} {per} {place}"
+    return Finding("jerk", "warning", statement, jump, 0.0, per, joint.cam_angle)
+
+
+def _overshoot(move: Move, position: float, start: float, scale: float, unit: str) -> list[Finding]:
+    """How far a move goes beyond its start and its end."""
+    stroke = move.to - position
+    if stroke == 0.0:
+        return []
+    values = characteristic(move.law)
+    found = []
+    for excess, extreme, what in (
+        (values.lift.value - 1.0, values.lift, "end"),
+        (-values.least_lift.value, values.least_lift, "start"),
+    ):
+        if excess > OVERSHOOT:
+            angle = start + extreme.place * float(move.span)
+            beyond = scale * excess * abs(stroke)
+            place = math.radians(angle)
+            statement = (
+                f"the move by {move.law.name} goes {beyond:.6g} {unit} beyond its {what}, to"
+                f" {scale * (position + stroke * extreme.value):.6g} {unit} {at_cam_angles(place)}"
+            )
+            found.append(Finding("overshoot", "warning", statement, beyond, 0.0, unit, place))
+    return found
+
+
+def _deviation(
+    move: SplineMove, start: float, length: float, position: float, scale: float, unit: str
+) -> Finding:
+    """How far a motion is from the rows of its table, and by how much these were shifted."""
+    report = move.report
+    assert report is not None  # only those are passed
+    angle = start + report.place * length
+    largest = scale * report.largest_deviation
+    first_row, shift = position - move.shift, abs(move.shift)
+    added = ""
+    if shift > OVERSHOOT * _stroke(move):
+        what = "added to" if move.shift > 0.0 else "subtracted from"
+        added = (
+            f"with {scale * shift:.6g} {unit} {what} each row, so that the first one,"
+            f" {scale * first_row:.6g} {unit}, lies where the segment starts, at"
+            f" {scale * position:.6g} {unit}, "
+        )
+    statement = (
+        f"{added}the motion is at most {largest:.3g} {unit} off the rows of its lift table,"
+        f" {at_cam_angles(angle)} (root mean square {scale * report.rms:.3g} {unit})"
+    )
+    counted_from_start = shift <= _slack(move) or first_row == 0.0
+    severity: Severity = "ok" if counted_from_start else "warning"
+    return Finding("lift-table", severity, statement, largest, unit=unit, cam_angle=angle)
+
+
+def _swing(
+    move: SplineMove, start: float, length: float, position: float, scale: float, unit: str
+) -> list[Finding]:
+    """How far a motion by data goes beyond two neighbouring rows or points between them."""
+    extreme = move.spline.beyond_knots()
+    beyond = abs(extreme.value)
+    allowed = _slack(move)
+    if beyond <= allowed:
+        return []
+    angle = start + extreme.place * length
+    knots = move.spline.knots
+    after = int(np.searchsorted(knots[1:-1], extreme.place)) + 1
+    first, last = (
+        math.degrees(start + float(knot) * length) for knot in knots[after - 1 : after + 1]
+    )
+    there = position + float(move.spline.values(np.array([extreme.place]), 0)[0, 0])
+    side = "below" if extreme.value < 0.0 else "above"
+    statement = (
+        f"the motion from data goes {scale * beyond:.6g} {unit} {side} both its"
+        f" {'points' if move.report is None else 'rows'} at {first:.6g} and {last:.6g} deg, to"
+        f" {scale * there:.6g} {unit} {at_cam_angles(angle)}"
+    )
+    return [
+        Finding("overshoot", "warning", statement, scale * beyond, scale * allowed, unit, angle)
+    ]
+
+
+def _slack(move: SplineMove) -> float:
+    """The uncertainty of rows or points [mm or rad]."""
+    deviation = 0.0 if move.report is None else move.report.largest_deviation
+    return max(SWING * _stroke(move), deviation)
+
+
+def _stroke(move: SplineMove) -> float:
+    """Largest distance between rows or points [mm or rad]."""
+    return float(np.ptp(move.spline.values(move.spline.knots, 0)[0]))
+
+
+@kept_with_owner
+def check_speed(plan: MotionPlan, course: TimeCourse | None, unit: LiftUnit) -> tuple[Finding, ...]:
+    """Smallest and largest velocity, acceleration and jerk, and the torque to move a unit of mass.
+
+    Parameters
+    ----------
+    plan : in mm or rad.
+    course : how the cam turns; None gives the derivatives over the cam angle, and no torque.
+    unit : mm or rad.
+    """
+    extremes = plan_extremes(plan, course or OVER_ANGLE, unit)
+    scale, shown = STATED[unit]
+    base = "rad" if course is None else "s"
+    order = min(joint.order for joint in breaks(plan))
+    found = []
+    for power, (name, values) in enumerate(
+        zip(NAMES, (extremes.velocity, extremes.acceleration, extremes.jerk), strict=True), start=1
+    ):
+        per = f"{shown}/{base}" if power == 1 else f"{shown}/{base}^{power}"
+        # Where a derivative jumps the next one is infinite.
+        found.append(_finding(name, values, scale, per, bounded=order >= power - 1))
+    if course is not None:
+        per = "N m/kg" if unit == "mm" else "N m/(kg m^2)"
+        found.append(_finding("inertia-torque", extremes.torque, 1.0, per, bounded=order >= 1))
+    return tuple(found)
+
+
+def _finding(name: str, values: Extremes, scale: float, unit: str, *, bounded: bool) -> Finding:
+    low, high = values.lowest, values.highest
+    worst = max(low, high, key=lambda end: abs(end.value))
+    sentence = (
+        f"from {scale * low.value:.6g} to {scale * high.value:.6g} {unit},"
+        f" {at_cam_angles(low.place, high.place)}"
+    )
+    if low.value == high.value:
+        sentence = f"{scale * low.value:.6g} {unit} over the whole turn"
+    if not bounded:
+        jumps = "a shock" if name != "jerk" else "a shock or a jerk"
+        sentence = f"infinite at {jumps}; elsewhere {sentence}"
+        return Finding(f"largest-{name}", "ok", sentence, unit=unit)
+    value = scale * worst.value
+    return Finding(f"largest-{name}", "ok", sentence, value, unit=unit, cam_angle=worst.place)

@@ -1,1 +1,5 @@
-"""Plain numerical tools that know nothing of cams: read-only arrays, bracketed roots."""
+"""Numerical tools that know nothing of cams: arrays, checked values, roots, extremes, integrals.
+
+What is found holds between the samples, too: extremes and roots are enclosed in cells before they
+are refined.
+"""

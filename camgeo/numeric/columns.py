@@ -12,7 +12,7 @@ from camgeo.errors import GeometryError
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray
 from camgeo.reading import DIGITS, TABLE
-from camgeo.wording import counted, listed
+from camgeo.units import counted, listed
 
 MOST_ROWS: Final = 200_000
 
@@ -32,7 +32,7 @@ LINE_END: Final = re.compile(r"\r\n|\r|\n")
 
 
 @dataclass(frozen=True, slots=True)
-class Column:
+class NumberColumn:
     """The names and units of a column.
 
     Attributes
@@ -61,14 +61,14 @@ class Asked:
     named : whether `besides` are only found by their names in a heading.
     """
 
-    needed: tuple[Column, ...]
-    besides: tuple[Column, ...] = ()
+    needed: tuple[NumberColumn, ...]
+    besides: tuple[NumberColumn, ...] = ()
     fewest: int = 2
     most: int = MOST_ROWS
     named: bool = False
 
     @property
-    def sets(self) -> tuple[tuple[Column, ...], ...]:
+    def sets(self) -> tuple[tuple[NumberColumn, ...], ...]:
         """The columns of a table without a heading, one set or two."""
         both = (self.needed, self.needed + self.besides)
         return both if self.besides and not self.named else both[:1]
@@ -251,7 +251,7 @@ def _heading(cell: str) -> tuple[str, str]:
     return match["name"].strip().lower(), match["unit"] or ""
 
 
-def _column(headings: list[tuple[str, str]], column: Column, file: str, number: int) -> int:
+def _column(headings: list[tuple[str, str]], column: NumberColumn, file: str, number: int) -> int:
     found = [k for k, (name, _) in enumerate(headings) if name in column.names]
     if len(found) != 1:
         given = ", ".join(name[:LONGEST_HEADING] for name, _ in headings)

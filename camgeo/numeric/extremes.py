@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
 from functools import partial
 from typing import Final
 
 import numpy as np
 
-from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, Side, merged
-from camgeo.numeric.many import ONE, Asked, Many, Quantity
-from camgeo.numeric.roots import Function, roots_on_grid
+from camgeo.numeric.arrays import (
+    ONE,
+    Asked,
+    BoolArray,
+    FloatArray,
+    IntArray,
+    Many,
+    Quantity,
+    Side,
+    merged,
+)
 from camgeo.units import TURN
 
 
@@ -387,3 +398,493 @@ def stretch_around(cuts: FloatArray, inside: BoolArray, place: float) -> tuple[f
     while inside[(last + 1) % pieces]:
         last += 1
     return float(cuts[first % pieces]), float(cuts[last % pieces + 1]) % TURN
+
+
+# -- isolation ------------------------------------------------------------------------------------
+# Roots of slopes isolated in cells, for which no number of samples is fixed.
+#
+# In a cell a slope is known at seven places, by the polynomial through them. How far the slope may
+# be off that is estimated by the last difference, and in a cell that was halved by how far the
+# slope was off the polynomial of the whole. A cell is decided where the polynomial, with that to
+# spare, has no root, or is monotone, or has no more roots than its values change their sign, as its
+# Bernstein coefficients show; else it is halved, until the value whose slope it is cannot change in
+# it by what could matter. So what is missed between the places changes no value by more than
+# `NEGLIGIBLE` of its size. That rests on the estimate, which holds for what is analytic in a cell,
+# and is not a proof. The borders of the formula must be ends of cells.
+
+
+OfRows = Callable[[FloatArray, IntArray], FloatArray]
+"""(n,), (n,) -> (n,) values at n arguments, given the numbers of their rows."""
+
+DEGREE: Final = 6
+"""Of the polynomial."""
+
+PLACES: Final = DEGREE + 1
+"""Places in a cell: as many as it has coefficients."""
+
+SPARE: Final = 0.125
+"""Of the last difference of the slopes in a cell, the error of the polynomial: four times the last
+of its Chebyshev coefficients."""
+
+SHARES: Final = np.linspace(0.0, 1.0, PLACES)
+
+WIDEST: Final = math.pi / 32.0
+"""Longest cell to begin with [rad]."""
+
+INSIDE: Final = 1e-8
+"""How far inside a piece its ends are taken, as a fraction of its length: far beyond the rounding
+of a cam angle, and an extreme in between differs from the end value by this fraction squared."""
+
+NEGLIGIBLE_CHANGE: Final = 1e-10
+"""Change of a value, as a fraction of it, that may stay in an undecided cell."""
+
+HALVINGS: Final = 24
+"""Most rounds of halving."""
+
+NOISY, SHRINKING = 5, 0.125
+"""Round from which a slope whose last difference does not shrink to that fraction is taken for
+rounding; that of a slope that is resolved shrinks to a sixty-fourth."""
+
+RESOLVED: Final = 0.02
+"""Largest error, as a fraction of the slope, with which sign changes are counted."""
+
+MOST: Final = 200_000
+"""Most cells halved at once; a table of thousands of noisy rows needs some thousand."""
+
+
+def _judging() -> FloatArray:
+    """(7, 14) from values at `SHARES` to the Bernstein coefficients of the polynomial through them,
+    the differences of these, and the last difference of the values.
+    """
+    share = SHARES[:, np.newaxis]
+    columns = [
+        math.comb(DEGREE, k) * share**k * (1.0 - share) ** (DEGREE - k) for k in range(PLACES)
+    ]
+    hull = np.linalg.inv(np.concatenate(columns, axis=1))
+    last = np.diff(np.eye(PLACES), DEGREE, axis=0)
+    return np.asarray(np.concatenate((hull, np.diff(hull, axis=0), last)).T)
+
+
+def _between() -> FloatArray:
+    """(7, 6) from values at `SHARES` to those of the polynomial in the middle between them."""
+    middle = 0.5 * (SHARES[:-1] + SHARES[1:])
+    powers = np.arange(PLACES)
+    through = np.linalg.inv(SHARES[:, np.newaxis] ** powers)
+    return np.asarray((middle[:, np.newaxis] ** powers @ through).T)
+
+
+JUDGING: Final = _judging()
+BETWEEN: Final = _between()
+
+
+def cells_between(edges: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Ends (n,), (n,) [rad] of the cells between neighbours of `edges` (m,), ascending, none longer
+    than `WIDEST`.
+    """
+    counts = np.maximum(np.ceil(np.diff(edges) / WIDEST), 1.0).astype(np.intp)
+    number = np.arange(int(np.sum(counts))) - np.repeat(np.cumsum(counts) - counts, counts)
+    width = np.repeat(np.diff(edges) / counts, counts)
+    low: FloatArray = np.repeat(edges[:-1], counts) + number * width
+    return low, np.append(low[1:], edges[-1:])
+
+
+def places_in(
+    low: FloatArray, high: FloatArray, starts: FloatArray, ends: FloatArray
+) -> FloatArray:
+    """(n, 7) the places in the cells [low, high] (n,), off both ends of the pieces [start, end]
+    (n,) in which they lie by `INSIDE`, because slopes may jump there.
+    """
+    inside = INSIDE * (ends - starts)
+    low, high = np.maximum(low, starts + inside), np.minimum(high, ends - inside)
+    places: FloatArray = low[:, np.newaxis] + (high - low)[:, np.newaxis] * SHARES
+    places[:, -1] = high
+    return places
+
+
+def places_between(edges: FloatArray) -> FloatArray:
+    """(n, 7) the places in the cells of the pieces between neighbours of `edges` (m,)."""
+    low, high = cells_between(edges)
+    piece = np.searchsorted(edges, 0.5 * (low + high)) - 1
+    return places_in(low, high, edges[piece], edges[piece + 1])
+
+
+def isolated_roots(
+    slopes: OfRows, values: OfRows, places: FloatArray, known: FloatArray
+) -> tuple[FloatArray, IntArray]:
+    """(k,), (k,) the roots of slopes inside cells, cell by cell, and the numbers of their rows.
+
+    Parameters
+    ----------
+    slopes : of r quantities, one for each row; each smooth inside the cells.
+    values : what is extreme where the slope of a row vanishes.
+    places : (n, 7) of the cells, see `places_in`.
+    known : (r, n, 7) the slopes there.
+
+    A slope that is 0 at all places of a cell has no root in it.
+    """
+    rows = len(known)
+    row = np.repeat(np.arange(rows), len(places))
+    x, slope = np.tile(places, (rows, 1)), known.reshape(-1, PLACES)
+    off, last = np.zeros(len(x)), np.full(len(x), np.inf)
+    ready = []
+    for number in range(HALVINGS + 1):
+        judged = slope @ JUDGING
+        before, last = last, np.abs(judged[:, -1])
+        error = np.maximum(SPARE * last, off)
+        done = _decided(judged, error)
+        if number >= NOISY:
+            done |= last > SHRINKING * before
+        left = np.flatnonzero(~done)
+        done[left] = _counted(judged[left, :PLACES], error[left], slope[left])
+        left = left[~done[left]]
+        if len(left):
+            at = values(x[left].ravel(), np.repeat(row[left], PLACES)).reshape(-1, PLACES)
+            done[left] = _negligible(judged[left, :PLACES], error[left], at)
+            left = np.flatnonzero(~done)
+        if not len(left) or number == HALVINGS or len(left) > MOST:
+            ready.append((x, slope, row))
+            break
+        ready.append((x[done], slope[done], row[done]))
+        x, slope, row, last = x[left], slope[left], row[left], last[left]
+        middle = 0.5 * (x[:, :-1] + x[:, 1:])
+        there = slopes(middle.ravel(), np.repeat(row, DEGREE)).reshape(middle.shape)
+        miss = np.abs(there - slope @ BETWEEN).reshape(-1, DEGREE // 2)
+        off = np.max(miss, axis=1) / 32.0  # an error is 128 times less in a half
+        x, slope = _halved(x, middle), _halved(slope, there)
+        row, last = np.repeat(row, 2), np.repeat(last, 2)
+    x, slope, row = (np.concatenate(each) for each in zip(*ready, strict=True))
+    roots, cell = roots_in_rows(lambda at, cell: slopes(at, row[cell]), x, slope)
+    return roots, row[cell]
+
+
+def _halved(ends: FloatArray, middle: FloatArray) -> FloatArray:
+    """(2 n, 7) rows of the halves of cells, from `ends` (n, 7) and the `middle` (n, 6) ones."""
+    both = np.empty((len(ends), 2 * PLACES - 1))
+    both[:, ::2], both[:, 1::2] = ends, middle
+    return np.concatenate((both[:, :PLACES], both[:, PLACES - 1 :]), axis=1).reshape(-1, PLACES)
+
+
+def _decided(judged: FloatArray, error: FloatArray) -> BoolArray:
+    """(n,) whether the slopes of cells have at most one root: they keep their sign, or ascend, or
+    descend, with the `error` (n,) to spare; or they are 0.
+    """
+    kinds = [0, PLACES]
+    least = np.minimum.reduceat(judged[:, :-1], kinds, axis=1)
+    most = np.maximum.reduceat(judged[:, :-1], kinds, axis=1)
+    spare = error[:, np.newaxis]
+    found: BoolArray = np.any((least > spare) | (most < -spare), axis=1)
+    found |= (least[:, 0] == 0.0) & (most[:, 0] == 0.0)
+    return found
+
+
+def _counted(hull: FloatArray, error: FloatArray, slopes: FloatArray) -> BoolArray:
+    """(n,) whether the `slopes` (n, 7) change their signs as often as their `hull` (n, 7) does, by
+    more than the `error` (n,), which is small: there are no more roots than that.
+    """
+    sure = np.min(np.abs(hull), axis=1) > error
+    sure &= error < RESOLVED * np.max(np.abs(slopes), axis=1)
+    most, seen = (
+        np.count_nonzero(np.diff(np.sign(each), axis=1), axis=1) for each in (hull, slopes)
+    )
+    found: BoolArray = sure & (most == seen)
+    return found
+
+
+def _negligible(hull: FloatArray, error: FloatArray, values: FloatArray) -> BoolArray:
+    """(n,) whether roots that are missed change `values` (n, 7) by less than what matters.
+
+    Between two of them the slope has the wrong sign, and is at most as large as the error and as
+    what of its hull has that sign.
+    """
+    wrong = np.minimum(np.max(hull, axis=1), np.max(-hull, axis=1))
+    share = 4.0 * (error + np.maximum(wrong, 0.0)) / np.max(np.abs(hull), axis=1)
+    change = np.ptp(values, axis=1) * np.minimum(share, 1.0)
+    found: BoolArray = change <= NEGLIGIBLE_CHANGE * np.max(np.abs(values), axis=1)
+    return found
+
+
+# -- roots ----------------------------------------------------------------------------------------
+# Bracketed roots and inverses of functions, many at once.
+#
+# scipy's solvers take one bracket at a time and their import takes longer than the rest of a check;
+# this gives the same guarantee (the root never leaves its bracket) over arrays.
+
+
+Function = Callable[[FloatArray], FloatArray]
+
+MAX_STEPS = 200
+"""Most steps; bisection alone needs 1,074 for any two doubles and 60 for two of similar size."""
+
+
+def bracketed_roots(
+    function: Function,
+    low: FloatArray,
+    high: FloatArray,
+    rows: IntArray | None = None,
+    ends: FloatArray | None = None,
+) -> FloatArray:
+    """`indexed_roots` of a `function` (k,) -> (k,) that is the same for all brackets.
+
+    `rows` (n,) for a function that gives (m, k) values, m quantities at once: which of them to
+    solve for in each bracket.
+    """
+
+    def values(x: FloatArray, which: IntArray) -> FloatArray:
+        found = function(x)
+        return found if rows is None else found[rows[which], np.arange(len(x))]
+
+    return indexed_roots(values, low, high, ends)
+
+
+def indexed_roots(
+    function: Callable[[FloatArray, IntArray], FloatArray],
+    low: FloatArray,
+    high: FloatArray,
+    ends: FloatArray | None = None,
+) -> FloatArray:
+    """Return one root in each bracket.
+
+    Parameters
+    ----------
+    function : (k,), (k,) -> (k,), the values at k arguments, given the numbers of their brackets;
+        any subset of the brackets may be requested.
+    low, high : (n,), ends of the brackets; the values there have opposite signs or are zero.
+    ends : (2, n) these values, if they are known.
+
+    Returns
+    -------
+    (n,) the roots, to the last bits of the argument.
+
+    Chandrupatla's method: inverse quadratic interpolation where it is safe, bisection elsewhere
+    (T. R. Chandrupatla, Adv. Eng. Software 28 (1997) 145-149).
+    """
+    if not len(low):
+        return np.array(low, dtype=np.float64)
+    # Of each bracket the newest place, the one across the root, and the one before: x, f(x).
+    every = np.arange(len(low))
+    f_low, f_high = (function(low, every), function(high, every)) if ends is None else ends
+    a, b = np.stack((high, f_high)), np.stack((low, f_low))
+    c = a.copy()
+    step = np.full_like(a[0], 0.5)
+    root: FloatArray = np.where(np.abs(a[1]) < np.abs(b[1]), a[0], b[0])
+    active = np.flatnonzero((a[1] != 0.0) & (b[1] != 0.0))
+    for _ in range(MAX_STEPS):
+        if not len(active):
+            break
+        before, across = a[:, active], b[:, active]
+        x = before[0] + step[active] * (across[0] - before[0])
+        new = np.stack((x, function(x, active)))
+        same = np.sign(new[1]) == np.sign(before[1])
+        last = np.where(same, before, across)
+        across = np.where(same, across, before)
+        a[:, active], b[:, active], c[:, active] = new, across, last
+        nearer = np.abs(new[1]) < np.abs(across[1])
+        root[active] = np.where(nearer, new[0], across[0])
+        width, floor = np.abs(across[0] - new[0]), np.spacing(np.abs(root[active]))
+        active = active[(new[1] != 0.0) & (width > 2.0 * floor)]
+        step[active] = _next_step(a[:, active], b[:, active], c[:, active])
+    return root
+
+
+def _next_step(newest: FloatArray, across: FloatArray, last: FloatArray) -> FloatArray:
+    """Fraction of the way from the `newest` place to that `across` the root for the next step."""
+    (a, fa), (b, fb), (c, fc) = newest, across, last
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        xi = (a - b) / (c - b)
+        phi = (fa - fb) / (fc - fb)
+        quadratic = (phi**2 < xi) & ((1.0 - phi) ** 2 < 1.0 - xi)
+        t = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
+        smallest = np.spacing(np.abs(a)) / np.abs(b - a)
+    t = np.where(quadratic & np.isfinite(t), t, 0.5)
+    smallest = np.minimum(smallest, 0.5)
+    share: FloatArray = np.clip(t, smallest, 1.0 - smallest)
+    return share
+
+
+def sign_changes(grid: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the ends (k,), (k,) of the grid cells over which `values` changes sign.
+
+    `values` (..., m) at `grid` (..., m), see `_changing`.
+    """
+    change = _changing(values)
+    return grid[..., :-1][change], grid[..., 1:][change]
+
+
+def _changing(values: FloatArray) -> BoolArray:
+    """(..., m - 1) the grid cells over which `values` (..., m) changes sign.
+
+    Each row has a grid of its own; the cells come row by row. A grid point that is a root itself
+    makes one cell, to its right (to its left for the last of a row).
+    """
+    sign = np.sign(values)
+    change: BoolArray = sign[..., :-1] * sign[..., 1:] < 0.0
+    change |= (sign[..., :-1] == 0.0) & (sign[..., 1:] != 0.0)
+    change[..., -1] |= (sign[..., -1] == 0.0) & (sign[..., -2] != 0.0)
+    return change
+
+
+def roots_on_grid(function: Function, grid: FloatArray) -> FloatArray:
+    """Roots of `function` indicated by a sign change on a row of `grid` (..., m), row by row.
+
+    One call of the function evaluates all rows, however many there are. A function that gives
+    several quantities at once, (k, n), has the roots of all of them, one quantity after the other.
+    """
+    found = function(grid.ravel())
+    values = found.reshape(found.shape[:-1] + grid.shape)
+    of_each = math.prod(grid.shape[:-1])
+
+    def in_row(x: FloatArray, row: IntArray) -> FloatArray:
+        found = function(x)
+        return found if found.ndim == 1 else found[row // of_each, np.arange(len(x))]
+
+    return roots_in_rows(in_row, grid, values)[0]
+
+
+def roots_in_rows(
+    function: Callable[[FloatArray, IntArray], FloatArray], grid: FloatArray, values: FloatArray
+) -> tuple[FloatArray, IntArray]:
+    """(k,), (k,) roots indicated by a sign change along a row of `values` (..., m), and the numbers
+    of their rows, counted over all rows.
+
+    Parameters
+    ----------
+    function : (n,), (n,) -> (n,), the values at n arguments, given the numbers of their rows.
+    grid : (m,), or (..., m) for the last of the rows, the arguments of `values`.
+    """
+    change = _changing(values)
+    sides = (slice(None, -1), slice(1, None))
+    low, high = (np.broadcast_to(grid[..., each], change.shape)[change] for each in sides)
+    ends = np.stack([values[..., each][change] for each in sides])
+    row = np.flatnonzero(change) // change.shape[-1]
+    return indexed_roots(lambda x, which: function(x, row[which]), low, high, ends), row
+
+
+MOST_STEPS: Final = 80
+"""Most steps; halving alone needs 60."""
+
+CLOSE: Final = 2.0 * float(np.finfo(np.float64).eps)
+"""Fraction of the range of x below which a step of Newton's method counts as rounding."""
+
+
+def inverse(function: Function, slope: Function, edges: FloatArray, y: FloatArray) -> FloatArray:
+    """(n,) x with function(x) = `y` (n,), to the last bits.
+
+    Parameters
+    ----------
+    function : (k,) -> (k,), ascending over `edges`.
+    slope : its derivative, above 0.
+    edges : (m + 1,) ascending, with `y` between the values at the first and the last; at the value
+        of an edge the result is the edge itself.
+
+    Newton's method, kept in its bracket by halving.
+    """
+    marks = function(edges)
+    piece = np.clip(np.searchsorted(marks, y, "right") - 1, 0, len(edges) - 2)
+    low, high = edges[piece], edges[piece + 1]
+    width = float(edges[-1] - edges[0])
+    x = low + (y - marks[piece]) / (marks[piece + 1] - marks[piece]) * (high - low)
+    x = np.where(y >= marks[-1], edges[-1], x)
+    for _ in range(MOST_STEPS):
+        miss = function(x) - y
+        low, high = np.where(miss < 0.0, x, low), np.where(miss > 0.0, x, high)
+        step = x - miss / slope(x)
+        step = np.where((step >= low) & (step <= high), step, 0.5 * (low + high))
+        step = np.where(miss == 0.0, x, step)
+        done = np.abs(step - x) <= CLOSE * width
+        x = step
+        if np.all(done):
+            break
+    return x
+
+
+# -- polynomial -----------------------------------------------------------------------------------
+# Polynomials by their coefficients in ascending powers.
+
+
+NEARLY_REAL = 1e-6
+"""Imaginary part up to which a root counts as real: a double root splits by 1e-8."""
+
+VANISHING = 1e-40
+"""A coefficient below this fraction of the largest one is far below the rounding of the others
+wherever roots are sought, and quotients with it overflow."""
+
+ROUNDING_OF_ROOTS = 1e-12
+"""More than the rounding of a polynomial of the degrees used here near its maximum."""
+
+
+def horner(coefficients: Sequence[float] | FloatArray, x: FloatArray) -> FloatArray:
+    """The polynomial at `x` (n,).
+
+    With (k, n) coefficients each x has its own polynomial; with (k, m, 1) the values (m, n) are
+    those of m polynomials.
+    """
+    if len(coefficients) == 1:
+        return np.full_like(x, coefficients[0])
+    value = coefficients[-1] * x
+    for coefficient in coefficients[-2:0:-1]:
+        value += coefficient
+        value *= x
+    value += coefficients[0]
+    return value
+
+
+def derivative(coefficients: Sequence[float]) -> list[float]:
+    """Coefficients of the derivative."""
+    return [power * c for power, c in enumerate(coefficients)][1:] or [0.0]
+
+
+def product(first: Sequence[float], second: Sequence[float]) -> list[float]:
+    """Coefficients of the product."""
+    return [float(c) for c in np.convolve(first, second)]
+
+
+def roots_inside(coefficients: Sequence[float], low: float, high: float) -> FloatArray:
+    """Real roots in [low, high], ascending, to the last bits where they are simple."""
+    descending = np.array(coefficients[::-1], dtype=np.float64)
+    descending[np.abs(descending) < VANISHING * np.max(np.abs(descending))] = 0.0
+    roots = np.roots(descending)
+    scale = np.maximum(1.0, np.abs(roots))
+    real: FloatArray = np.sort(roots.real[np.abs(roots.imag) < NEARLY_REAL * scale])
+    least, most = 2.0 * low - high, 2.0 * high - low
+    real = real[(real > least) & (real < most)]  # the last digits do not bring others inside
+    slope = derivative(coefficients)
+    for _ in range(2):  # Newton's method
+        rise = horner(slope, real)
+        value = horner(coefficients, real)
+        with np.errstate(over="ignore"):  # at a candidate that is not a root, or not a simple one
+            step = np.divide(value, rise, out=np.zeros_like(real), where=rise != 0.0)
+        real = np.clip(real - step, least, most)
+    return real[(real >= low) & (real <= high)]
+
+
+def largest_magnitude(coefficients: Sequence[float], low: float, high: float) -> float:
+    """Largest absolute value over [low, high], exact except for rounding upwards."""
+    turns = roots_inside(derivative(coefficients), low, high)
+    places = np.concatenate((turns, [low, high]))
+    return float(np.max(np.abs(horner(coefficients, places)))) * (1.0 + ROUNDING_OF_ROOTS)
+
+
+def bernstein(powers: Sequence[Decimal] | Sequence[Fraction]) -> tuple[float, ...]:
+    """(n + 1,) c_i, each rounded once, of the sum of c_i z^i w^(n - i) with w = 1 - z.
+
+    From exact coefficients in ascending powers of z. The terms cancel less than those of any other
+    form over [0, 1]; where all c_i have one sign, not at all.
+    """
+    exact = [Fraction(c) for c in powers]
+    n = len(exact) - 1
+    # Sums of integers over one denominator: adding fractions takes most of the time of a law.
+    below = math.lcm(*(c.denominator for c in exact))
+    above = [c.numerator * (below // c.denominator) for c in exact]
+    return tuple(
+        sum(math.comb(n - k, i - k) * above[k] for k in range(i + 1)) / below for i in range(n + 1)
+    )
+
+
+def scaled_horner(
+    coefficients: Sequence[float] | FloatArray, small: FloatArray, large: FloatArray
+) -> FloatArray:
+    """The sum of c_i small^i large^(n - i) = large^n times a polynomial in small/large."""
+    value = horner(coefficients, small / large)
+    for _ in range(len(coefficients) - 1):
+        value *= large
+    return value

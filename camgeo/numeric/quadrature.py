@@ -9,8 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.rounding import SHARE
+from camgeo.numeric.arrays import SHARE, FloatArray
 
 NODES: Final = 16
 """Nodes of the Gauss-Legendre rule on a piece; the rule on both halves gives its error."""
@@ -31,7 +30,7 @@ class Integral:
     """An integral, an estimate of its absolute error, and the integral of the magnitude.
 
     The estimate is the change in the last halving, of which the error is a small fraction; it is at
-    least the rounding of the sum, see `camgeo.numeric.rounding`.
+    least the rounding of the sum, see `camgeo.numeric.arrays`.
     """
 
     value: float

@@ -1,30 +1,156 @@
-"""The layers of a part, from features that each bound it between two heights."""
+"""The part built from a scene's numbers and the flanks of the cam."""
 
 from __future__ import annotations
 
 import cmath
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Final
+from typing import Any, Final
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.nearness import surely_apart
-from camgeo.contour.simple import winding_number
+import numpy as np
+
+from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError
-from camgeo.part.bevels import bevelled
-from camgeo.part.boundaries import ExactBoundary, largest_radius
-from camgeo.part.engraving import ENGRAVING, Engraving
-from camgeo.part.faces import BOTH, LOWER, UPPER
-from camgeo.part.features import (
-    COUNTERBORE,
-    bore_boundary,
-    counterbore_boundaries,
-    hole_boundaries,
-    mark_boundary,
+from camgeo.geometry.contour.contour import (
+    Contour,
+    Pieces,
+    least_distance,
+    surely_apart,
+    winding_number,
 )
-from camgeo.part.part import Boundary, Layer, Part
-from camgeo.part.spec import Counterbore, Holes, Hub, PartSpec, SetScrew
+from camgeo.geometry.outline.path import Path, radii
+from camgeo.lazy import Ledger
+from camgeo.numeric.checked import positive
+from camgeo.part.bevels import bevelled
+from camgeo.part.boundaries import CurveBoundary, ExactBoundary, largest_radius, numbers_of
+from camgeo.part.lettering import Letter
+from camgeo.part.part import OF_RETURN, Boundary, Layer, Part
+from camgeo.part.spec import (
+    BOTH,
+    ENGRAVING,
+    LOWER,
+    MAIN,
+    RETURN,
+    UPPER,
+    Counterbore,
+    DShaft,
+    Engraving,
+    Holes,
+    Hub,
+    Keyway,
+    Mark,
+    Pair,
+    PartSpec,
+    SetScrew,
+)
+from camgeo.units import TURN, at_cam_angles
+
+
+def build_part(
+    contact: Contact,
+    inner: Path,
+    outer: Path,
+    spec: PartSpec,
+    tolerance: float,
+    ledger: Ledger | None = None,
+) -> Part:
+    """The part for one contact.
+
+    Parameters
+    ----------
+    contact : flank on which the roller runs.
+    inner, outer : the real outlines of the flanks; only those of the contact are used.
+    spec : the scene's specification of the part.
+    tolerance : by which one boundary must at least lie inside another [mm]: contours of both that
+        are as exact as that do not touch.
+    ledger : records fits of the flanks.
+
+    Raises
+    ------
+    GeometryError
+        With the key of the scene if a bore or a hub does not fit inside the disc, a flank not
+        inside the rim, or a mark is not clear of all of them.
+    """
+    return PARTS[contact](inner, outer, spec, tolerance, ledger or Ledger())
+
+
+def _plate(inner: Path, _: Path, spec: PartSpec, tolerance: float, book: Ledger) -> Part:
+    """A disc whose outline is the inner flank."""
+    outline = CurveBoundary("outline", hole=False, path=inner, ledger=book)
+    _bore_fits(spec, outline, tolerance)
+    return assembled(spec, outline, (), (outline, outline), tolerance)
+
+
+def _ring(_: Path, outer: Path, spec: PartSpec, tolerance: float, book: Ledger) -> Part:
+    """A blank with a hole whose outline is the outer flank: there is no room for bore and hub."""
+    if spec.hub is not None:
+        raise GeometryError("the roller runs where it would be", key="part.hub")
+    rim = _rim(spec, outer, tolerance, book)
+    flank = CurveBoundary("outline", hole=True, path=outer, ledger=book)
+    return assembled(
+        replace(spec, bore=None, keyway=None, d_shaft=None), rim, (flank,), (rim, rim), tolerance
+    )
+
+
+def _grooved(inner: Path, outer: Path, spec: PartSpec, tolerance: float, book: Ledger) -> Part:
+    """A blank with a groove between both flanks."""
+    rim = _rim(spec, outer, tolerance, book)
+    groove = (
+        CurveBoundary("inner flank", hole=False, path=inner, ledger=book),
+        CurveBoundary("outer flank", hole=True, path=outer, ledger=book),
+    )
+    _bore_fits(spec, groove[0], tolerance)
+    return assembled(spec, rim, groove, (groove[0], rim), tolerance)
+
+
+PARTS: Final = {Contact.INNER: _plate, Contact.OUTER: _ring, Contact.GROOVE: _grooved}
+
+
+def _rim(spec: PartSpec, outer: Path, tolerance: float, book: Ledger) -> ExactBoundary:
+    if spec.rim is None:
+        raise GeometryError("a groove or inside cam needs the diameter of its rim", key="part.rim")
+    flank = CurveBoundary("outer flank", hole=True, path=outer, ledger=book)
+    needed = 2.0 * (flank.farthest()[0] + tolerance)
+    if spec.rim <= needed:
+        raise GeometryError(
+            f"the rim must lie outside the outer flank: more than {needed:.6g} mm",
+            key="part.rim",
+            value=f"{spec.rim:g}",
+        )
+    return ExactBoundary("rim", hole=False, exact=Contour.circle(spec.rim / 2.0))
+
+
+def _bore_fits(spec: PartSpec, flank: CurveBoundary, tolerance: float) -> None:
+    """GeometryError unless the flank surrounds bore and keyway, which may point to where there is
+    more room than beside the bore.
+    """
+    if spec.bore is None:
+        return
+    outline = bore_outline(spec.bore, spec.keyway)
+    reach = largest_radius(outline)
+    if flank.surely_around(reach + tolerance):
+        return
+    room = flank.nearest()
+    if reach + tolerance < room:
+        return
+    if 0.5 * spec.bore + tolerance < room:
+        fit = flank.beside(tolerance)
+        apart = least_distance(Pieces.around([outline]), Pieces.around([fit.contour]))
+        if apart > fit.deviation:
+            return
+    raise GeometryError(
+        f"the bore reaches {reach:.6g} mm from the cam axis, but the {flank.name} comes as near"
+        f" as {room:.6g} mm",
+        key="part.bore",
+        value=f"{spec.bore:g}",
+    )
+
+
+# -- assembly -------------------------------------------------------------------------------------
+# The layers of a part, from features that each bound it between two heights.
+
 
 UPPER_HUB: Final = "hub"
 LOWER_HUB: Final = "lower hub"
@@ -172,7 +298,6 @@ def _engraved(
     texts: Sequence[Engraving], features: Sequence[Feature], tolerance: float
 ) -> Iterable[Feature]:
     """The letters of texts, clear of each other and of all `features`."""
-    from camgeo.part.engraved import require_room  # few parts are engraved
     from camgeo.part.lettering import lettered
 
     letters = lettered(texts)
@@ -266,3 +391,322 @@ def _require_clear(
         message = f"the {boundary.name} lies where the disc has no material"
         raise GeometryError(message, key=key)
     return covering
+
+
+# -- engraved -------------------------------------------------------------------------------------
+# Whether engraved letters have room on the upper face of the disc.
+
+
+def require_room(
+    texts: Sequence[Sequence[Letter]],
+    beside: Iterable[Boundary],
+    hubs: Iterable[Boundary],
+    tolerance: float,
+) -> None:
+    """Raise GeometryError with the key of a text, and the letter, unless all letters lie clear of
+    other boundaries, on material of the disc and not under a hub.
+
+    Parameters
+    ----------
+    texts : the letters of each.
+    beside : other boundaries on the upper face of the disc.
+    hubs : those that stand on it.
+    tolerance : of the contours by which boundaries are compared [mm]; their deviation counts.
+    """
+    around: dict[Letter, int] = {}
+    for boundary in (own := tuple(beside)) + tuple(hubs):
+        fit = boundary.beside(tolerance)
+        pieces = Pieces.around([fit.contour])
+        for number, letters in enumerate(texts, start=1):
+            key = f"part.{ENGRAVING}[{number}]"
+            whole = Pieces.around(contour for each in letters for contour in each.contours)
+            if least_distance(whole, pieces) <= fit.deviation + _deviation(letters):
+                letter = min(letters, key=lambda each: _apart(each, pieces))
+                message = f"must lie clear of the {boundary.name}, which the {letter.where} touches"
+                raise GeometryError(message, key=key)
+            for each in letters:
+                inside = winding_number(fit.contour, _start(each.contours[0])) != 0
+                if _surrounds(each, fit.contour):
+                    message = f"the {each.where} lies around the {boundary.name}"
+                    raise GeometryError(message, key=key)
+                if boundary in own:
+                    around[each] = around.get(each, 0) + inside
+                elif inside:
+                    message = f"the {each.where} lies under the {boundary.name}"
+                    raise GeometryError(message, key=key)
+    for number, letters in enumerate(texts, start=1):
+        for each in letters:
+            if not around[each] % 2:
+                message = f"the {each.where} lies where the disc has no material"
+                raise GeometryError(message, key=f"part.{ENGRAVING}[{number}]")
+
+
+def _start(contour: Contour) -> complex:
+    return complex(contour.vertices[0])
+
+
+def _surrounds(letter: Letter, contour: Contour) -> bool:
+    return any(winding_number(each, _start(contour)) for each in letter.contours)
+
+
+def _deviation(letters: Iterable[Letter]) -> float:
+    return max(each.deviation for each in letters)
+
+
+def _apart(letter: Letter, pieces: Pieces) -> float:
+    return least_distance(Pieces.around(letter.contours), pieces)
+
+
+# -- pair -----------------------------------------------------------------------------------------
+# A conjugate pair in one piece: the layers of both discs, and of a spacer between them.
+#
+# Each disc is the part that it would be alone, but for the hub, which is that of the pair: the
+# upper disc bears the hub on its upper face, the lower disc that on its lower face. Both discs are
+# in cam coordinates, so the return disc is at 0 degrees to the main one.
+
+
+SPACER: Final = "spacer"
+"""Name of the boundary, and of its layer."""
+
+KEY: Final = "part.pair.spacer"
+
+
+def build_pair(
+    paths: tuple[Path, Path], spec: PartSpec, tolerance: float, ledger: Ledger | None = None
+) -> Part:
+    """The pair as one part, the upper face of its upper disc at height 0.
+
+    Layers of the return disc have names that begin with `OF_RETURN`, and so have its boundaries
+    where the main disc has others of those names; what both have in the same place, as the bore, is
+    one boundary.
+
+    Parameters
+    ----------
+    paths : the real outlines of main disc and return disc.
+    spec : of the part, with the pair and a thickness.
+    tolerance : as of `camgeo.part.assembly.build_part`.
+    ledger : records fits of the flanks.
+
+    Raises
+    ------
+    GeometryError
+        With the key of the scene, if one of the discs is impossible with what it bears, the spacer
+        does not lie within both and around the bore, or a hole or mark is not clear of it.
+    """
+    pair = spec.pair
+    if pair is None or spec.thickness is None:
+        raise GeometryError("a pair in one piece needs its thickness", key="part.pair")
+    own: dict[str, Part] = {}
+    for name, path in zip((MAIN, RETURN), paths, strict=True):
+        bearing = _bearing(spec, pair, name)
+        try:
+            own[name] = build_part(Contact.INNER, path, path, bearing, tolerance, ledger)
+        except GeometryError as error:
+            message = f"{name} disc: {error.message}"
+            raise GeometryError(message, error.key, error.value) from error
+        _require_spacer_within(pair, path, name, tolerance)
+    other = tuple(_returning(own[MAIN], own[RETURN]))
+    main = own[MAIN].layers
+    upper, lower = (main, other) if pair.upper == MAIN else (other, main)
+    down = spec.thickness + pair.gap
+    lower = tuple(replace(each, z0=each.z0 - down, z1=each.z1 - down) for each in lower)
+    circle = ExactBoundary(SPACER, hole=False, exact=Contour.circle(0.5 * pair.spacer))
+    within = _through(circle, upper[0], lower[-1], tolerance)
+    between = Layer(lower[-1].z1, upper[0].z0, (circle, *within), SPACER)
+    whole = Part((*lower, between, *upper))
+    return whole if spec.chamfers is None else bevelled(whole, spec.chamfers, tolerance)
+
+
+def _bearing(spec: PartSpec, pair: Pair, name: str) -> PartSpec:
+    """A disc with the hub on its outer face, if there is one there, and with sharp edges."""
+    disc, hub = replace(spec.alone(name), chamfers=None), spec.hub
+    side = UPPER if name == pair.upper else LOWER
+    if hub is None or hub.side not in (side, BOTH):
+        return disc
+    first = side == UPPER or hub.side == LOWER  # which has the set screw
+    screw = spec.set_screw if first else None
+    return replace(disc, hub=replace(hub, side=side), set_screw=screw)
+
+
+def _require_spacer_within(pair: Pair, path: Path, name: str, tolerance: float) -> None:
+    nearest = radii(path).lowest
+    if 0.5 * pair.spacer + tolerance >= nearest.value:
+        raise GeometryError(
+            f"the spacer reaches {0.5 * pair.spacer:.6g} mm from the cam axis, but the flank of the"
+            f" {name} disc comes as near as {nearest.value:.6g} mm {at_cam_angles(nearest.place)}",
+            key=KEY,
+            value=f"{pair.spacer:g}",
+        )
+
+
+def _returning(main: Part, other: Part) -> Iterator[Layer]:
+    """The layers of the return disc, with its own names, and the boundaries shared with `main`."""
+    taken = {each.name: each for each in main.boundaries}
+    known: dict[str, Boundary] = {}
+
+    def own(boundary: Boundary) -> Boundary:
+        name = boundary.name
+        if name not in known:
+            there = taken.get(name)
+            if there is None:
+                known[name] = boundary
+            else:
+                known[name] = there if _alike(boundary, there) else _renamed(boundary)
+        return known[name]
+
+    outline = other.outermost
+    for layer in other.layers:
+        name = f"{OF_RETURN}{layer.name}" if outline in layer.boundaries else layer.name
+        yield replace(layer, boundaries=tuple(map(own, layer.boundaries)), name=name)
+
+
+def _alike(one: Boundary, other: Boundary) -> bool:
+    if not (isinstance(one, ExactBoundary) and isinstance(other, ExactBoundary)):
+        return False
+    return one.hole == other.hole and numbers_of(one.exact) == numbers_of(other.exact)
+
+
+def _renamed(boundary: Any) -> Boundary:
+    """A boundary that shares only its name with one of the main disc, like its flank."""
+    name = boundary.name
+    found: Boundary = replace(boundary, name=f"{OF_RETURN}{name}")
+    return found
+
+
+def _through(
+    circle: ExactBoundary, upper: Layer, lower: Layer, tolerance: float
+) -> tuple[Boundary, ...]:
+    """The holes that go through the spacer, as through both discs.
+
+    Raises GeometryError if one touches the spacer, or ends at it.
+    """
+    sides = [list(_inside(circle, layer, tolerance)) for layer in (upper, lower)]
+    for one, other in (sides, sides[::-1]):
+        for each in one:
+            if each not in other:
+                raise GeometryError(f"the {each.name} ends under the spacer", key=KEY)
+    return tuple(sides[0])
+
+
+def _inside(circle: ExactBoundary, layer: Layer, tolerance: float) -> Iterator[Boundary]:
+    """The boundaries of a disc within the spacer."""
+    ring = circle.beside(tolerance)
+    for each in layer.boundaries[1:]:
+        fit = each.beside(tolerance)
+        if surely_apart(ring, fit) <= 0.0:
+            raise GeometryError(
+                f"the spacer must lie clear of the {each.name}, which it touches", key=KEY
+            )
+        if winding_number(fit.contour, complex(circle.exact.vertices[0])):
+            raise GeometryError(f"the {each.name} lies around the spacer", key=KEY)
+        if winding_number(circle.exact, complex(fit.contour.vertices[0])):
+            yield each
+
+
+# -- features -------------------------------------------------------------------------------------
+# The outlines of features: exactly lines and arcs.
+
+
+COUNTERBORE: Final = "counterbore"
+"""Name of counterbores, and of the layer that begins on their floors."""
+
+
+def bore_boundary(
+    diameter: float, keyway: Keyway | None, flat: DShaft | None = None
+) -> ExactBoundary:
+    """The bore as a boundary, with a keyway or a flat; raises like `bore_outline`."""
+    if flat is not None:
+        return ExactBoundary("bore", hole=True, exact=flattened(diameter, flat))
+    core = None if keyway is None else Contour.circle(diameter / 2.0)
+    return ExactBoundary("bore", hole=True, exact=bore_outline(diameter, keyway), core=core)
+
+
+def bore_outline(diameter: float, keyway: Keyway | None) -> Contour:
+    """The bore around the cam axis [mm], counter-clockwise: two half circles, or circle and slot.
+
+    Raises
+    ------
+    GeometryError
+        With key "part.keyway.width", if the slot is not narrower than the bore; with "part.bore",
+        if the diameter is not above 0.
+    """
+    radius = positive("part.bore", diameter, "mm") / 2.0
+    if keyway is None:
+        return Contour.circle(radius)
+    half = keyway.width / 2.0
+    if half >= radius:
+        raise GeometryError(
+            f"the keyway must be narrower than the bore, {diameter:g} mm",
+            key="part.keyway.width",
+            value=f"{keyway.width:g}",
+        )
+    # In axes along the keyway's middle line: up the slot, across its bottom, down again.
+    reach = math.sqrt(radius * radius - half * half)
+    bottom = radius + keyway.depth
+    corners = np.array(
+        [reach - 1j * half, bottom - 1j * half, bottom + 1j * half, reach + 1j * half]
+    )
+    opening = 2.0 * math.asin(half / radius)
+    vertices = corners * cmath.exp(1j * keyway.angle)
+    sweeps = np.array([0.0, 0.0, 0.0, 2.0 * math.pi - opening])
+    return Contour(vertices, sweeps, np.zeros(4, dtype=np.complex128))
+
+
+def flattened(diameter: float, flat: DShaft) -> Contour:
+    """A bore with a flat about the cam axis [mm], counter-clockwise: up the flat, and round."""
+    radius = 0.5 * diameter
+    away = flat.across - radius
+    half = math.sqrt((radius - away) * (radius + away))
+    corners = cmath.exp(1j * flat.angle) * np.array([away - 1j * half, away + 1j * half])
+    opening = 2.0 * math.acos(away / radius)
+    return Contour(corners, np.array([0.0, TURN - opening]), np.zeros(2, dtype=np.complex128))
+
+
+def hole_boundaries(holes: Holes, name: str) -> tuple[ExactBoundary, ...]:
+    """Round holes as boundaries, `name` with a number each."""
+    return tuple(
+        ExactBoundary(f"{name} {number}", hole=True, exact=Contour.circle(0.5 * holes.hole, middle))
+        for number, middle in enumerate(holes.middles, start=1)
+    )
+
+
+def counterbore_boundaries(holes: Holes) -> tuple[ExactBoundary | None, ...]:
+    """The counterbores of the holes, in their order, with a number each; None without any."""
+    if holes.counterbore is None:
+        return (None,) * holes.count
+    radius = 0.5 * holes.counterbore.diameter
+    return tuple(
+        ExactBoundary(f"{COUNTERBORE} {number}", hole=True, exact=Contour.circle(radius, middle))
+        for number, middle in enumerate(holes.middles, start=1)
+    )
+
+
+def mark_boundary(mark: Mark) -> ExactBoundary:
+    """The outline of a timing mark."""
+    return ExactBoundary("mark", hole=True, exact=mark_outline(mark))
+
+
+def mark_outline(mark: Mark) -> Contour:
+    """A circle, or a radial slot with round ends [mm], counter-clockwise.
+
+    Raises
+    ------
+    GeometryError
+        With key "part.mark.radius", if it reaches the cam axis.
+    """
+    half = 0.5 * mark.width
+    straight = 0.0 if mark.length is None else 0.5 * mark.length - half
+    if mark.radius <= half + straight:
+        raise GeometryError(
+            f"the mark must not reach the cam axis: more than {half + straight:.6g} mm",
+            key="part.mark.radius",
+            value=f"{mark.radius:g}",
+        )
+    along = cmath.exp(1j * mark.angle)
+    if not straight:
+        return Contour.circle(half, mark.radius * along)
+    # In axes along the ray: outward on its right, round the outer end, and back on its left.
+    near, far = mark.radius - straight, mark.radius + straight
+    corners = np.array([near - 1j * half, far - 1j * half, far + 1j * half, near + 1j * half])
+    centres = np.array([0.0, far, 0.0, near])
+    return Contour(along * corners, np.array([0.0, math.pi, 0.0, math.pi]), along * centres)

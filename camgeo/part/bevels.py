@@ -9,19 +9,15 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.contour.nearness import surely_apart
-from camgeo.contour.simple import winding_number
-from camgeo.curve.extremes import curvature_extremes
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, UndercutError
-from camgeo.outline.outline import real_outline
-from camgeo.part.bands import Bevel
+from camgeo.geometry.contour.contour import surely_apart, winding_number
+from camgeo.geometry.outline.outline import real_outline
+from camgeo.geometry.pieces import curvature_extremes
+from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
-from camgeo.part.boundary import Boundary
-from camgeo.part.chamfers import KEY, Chamfer, Chamfers
-from camgeo.part.faces import BOTH, LOWER, UPPER
-from camgeo.part.part import OF_RETURN, Part, Wall
-from camgeo.wording import at_cam_angles
+from camgeo.part.part import OF_RETURN, Bevel, Boundary, Part, Wall
+from camgeo.part.spec import BOTH, KEY, LOWER, UPPER, Chamfer, Chamfers
+from camgeo.units import at_cam_angles
 
 TABLES: Final = {
     "outline": "outline",

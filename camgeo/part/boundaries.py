@@ -9,27 +9,27 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from camgeo.contour.chords.fast import fit_polyline, sampled_polyline
-from camgeo.contour.contour import Contour, Effort, Fit
-from camgeo.contour.exact import chords_of, distance_between, fewest_chords_of
-from camgeo.contour.parallel import corner_radius, parallel
-from camgeo.contour.proof.deviation import deviation
-from camgeo.contour.simple import require_simple
-from camgeo.contour.spline import CubicSpline, SplineContour, SplineFit, strands_of
 from camgeo.errors import GeometryError
-from camgeo.lazy import Ledger
-from camgeo.numeric.checked import instance, positive
-from camgeo.outline.clearance import stays_on_one_side, surely_clear_of_axis
-from camgeo.outline.moments import (
+from camgeo.geometry.contour.chords import fit_polyline, sampled_polyline
+from camgeo.geometry.contour.contour import Contour, Effort, Fit, require_simple
+from camgeo.geometry.contour.exact import chords_of, distance_between, fewest_chords_of
+from camgeo.geometry.contour.parallel import corner_radius, parallel
+from camgeo.geometry.contour.proof import deviation
+from camgeo.geometry.contour.spline import CubicSpline, SplineContour, SplineFit, strands_of
+from camgeo.geometry.outline.clearance import stays_on_one_side, surely_clear_of_axis
+from camgeo.geometry.outline.path import (
     Moments,
+    Path,
     SecondMoments,
+    encloses_axis,
     path_moments,
     path_second_moments,
     piece_second_moments,
+    radii,
 )
-from camgeo.outline.path import Path
-from camgeo.outline.radii import encloses_axis, radii
-from camgeo.pickled import Pickled
+from camgeo.lazy import Ledger
+from camgeo.numeric.checked import instance, positive
+from camgeo.record import Pickled
 
 BESIDE = "beside"
 """Key of fits from which distances are taken."""
@@ -63,8 +63,8 @@ class CurveBoundary(Pickled):
 
     def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Lines and arcs; raises ToleranceError, or UndercutError if the path is not an outline."""
-        from camgeo.contour.arcs.fast import fit_arcs  # a check without milling has no arcs
-        from camgeo.contour.arcs.fewest import fewest_arcs
+        from camgeo.geometry.contour.arcs import fit_arcs  # a check without milling has no arcs
+        from camgeo.geometry.contour.fewest_arcs import fewest_arcs
 
         fit = fit_arcs if effort == "fast" else fewest_arcs
         return self._fitted("arcs", fit, tolerance, lambda found: found.contour)
@@ -81,19 +81,22 @@ class CurveBoundary(Pickled):
 
     def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Straight pieces; raises like `arcs`."""
-        from camgeo.contour.chords.fewest import fewest_chords  # a check has the fast fit
+        from camgeo.geometry.contour.fewest_chords import fewest_chords  # a check has the fast fit
 
         fit = fit_polyline if effort == "fast" else fewest_chords
         return self._fitted("chords", fit, tolerance, lambda found: found.contour)
 
     def sampled(self, tolerance: float) -> Contour:
-        """See `camgeo.contour.chords.fast.sampled_polyline`."""
+        """See `camgeo.geometry.contour.chords.sampled_polyline`."""
         return sampled_polyline(self.path, tolerance)
 
     def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
         """Cubic splines and arcs; raises like `arcs`."""
-        from camgeo.contour.cubics.fits import fewest_cubics, fit_spline  # few files have splines
-        from camgeo.contour.cubics.lines_and_arcs import approximating_arcs
+        from camgeo.geometry.contour.cubic_proof import approximating_arcs
+        from camgeo.geometry.contour.cubics import (  # few files have splines
+            fewest_cubics,
+            fit_spline,
+        )
 
         fit = fit_spline if effort == "fast" else fewest_cubics
         return self._fitted(
@@ -119,9 +122,11 @@ class CurveBoundary(Pickled):
         return known
 
     def deviation(self, contour: Contour | SplineContour) -> float:
-        """Proved bound [mm], see `camgeo.contour.proof.deviation`."""
+        """Proved bound [mm], see `camgeo.geometry.contour.proof`."""
         if isinstance(contour, SplineContour):
-            from camgeo.contour.cubics.deviation import spline_deviation  # few files have splines
+            from camgeo.geometry.contour.cubic_proof import (
+                spline_deviation,  # few files have splines
+            )
 
             return self._proved(contour, lambda: spline_deviation(self.path, contour))
         return self._proved(contour, lambda: deviation(self.path, contour))
@@ -253,7 +258,7 @@ class ExactBoundary(Pickled):
 
     @property
     def corner_radius(self) -> float | None:
-        """See `camgeo.contour.parallel.corner_radius`."""
+        """See `camgeo.geometry.contour.parallel.corner_radius`."""
         return corner_radius(self.exact)
 
     def inset(self, distance: float, name: str) -> ExactBoundary:
@@ -305,9 +310,9 @@ class ExactBoundary(Pickled):
         return SplineFit(strands_of(self.exact.counter_clockwise()), 0.0, tolerance)
 
     def deviation(self, contour: Contour | SplineContour) -> float:
-        """Bound [mm] in closed form, see `camgeo.contour.exact`; for a spline by its arcs."""
+        """Bound [mm] in closed form, see `geometry.contour.exact`; for a spline by its arcs."""
         if isinstance(contour, SplineContour):
-            from camgeo.contour.cubics.deviation import bound_by_arcs  # few files have splines
+            from camgeo.geometry.contour.cubic_proof import bound_by_arcs  # few files have splines
 
             return bound_by_arcs(lambda arcs: distance_between(self.exact, arcs), contour)
         return once(self.known, contour, lambda: distance_between(self.exact, contour))
@@ -320,7 +325,7 @@ def largest_radius(contour: Contour) -> float:
 
 def smallest_radius(contour: Contour) -> float:
     """Smallest distance of the contour from the cam axis [mm]; 0 if the axis lies outside it."""
-    from camgeo.contour.simple import winding_number
+    from camgeo.geometry.contour.contour import winding_number
 
     return min(_radii(contour)) if winding_number(contour, 0j) else 0.0
 

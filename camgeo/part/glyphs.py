@@ -25,7 +25,7 @@ FILE: Final = "fonts/ttf/DejaVuSans.ttf"
 CAPITAL: Final = 1493.0
 """Height of its capital letters in its units; that of "H"."""
 
-MOVE, LINE, QUADRATIC, CLOSE = 1, 2, 3, 79
+MOVE, LINE, QUADRATIC, CLOSEST = 1, 2, 3, 79
 """Codes of paths."""
 
 FIXED: Final = 65536.0
@@ -126,7 +126,7 @@ def _outlines(points: ComplexArray, codes: list[int]) -> list[ComplexArray]:
             end = complex(points[number])
             pieces.append((at, here, end))
             at = end
-        elif code == CLOSE and pieces:
+        elif code == CLOSEST and pieces:
             start = pieces[0][0]
             if at != start:
                 pieces.append((at, 0.5 * (at + start), start))

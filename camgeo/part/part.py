@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from itertools import groupby, pairwise
 from operator import itemgetter
-from typing import Final
+from typing import Any, Final, Literal, Protocol, overload
 
-from camgeo.displayed import Brief
 from camgeo.errors import GeometryError
-from camgeo.numeric.checked import finite, hold, instance, number, shown
-from camgeo.part.bands import Band, Bevel
-from camgeo.part.boundary import Boundary as Boundary  # the name that most modules import from here
-from camgeo.part.boundary import require_boundary as require_boundary
+from camgeo.geometry.contour.contour import Contour, Effort, Fit, Form, winding_number
+from camgeo.geometry.contour.spline import SplineContour, SplineFit
+from camgeo.geometry.outline.path import Moments, SecondMoments
+from camgeo.numeric.checked import finite, hold, instance, number, positive, shown
+from camgeo.record import Brief
 
 OF_RETURN: Final = "return "
 """What the names of boundaries and layers of the return disc begin with in a pair in one piece."""
@@ -335,3 +336,265 @@ class Part(Brief):
             )
             for each in found
         )
+
+
+# -- boundary -------------------------------------------------------------------------------------
+# What every closed boundary of a part can do.
+
+
+WRITTEN_SHARE: Final = 0.98
+"""Share of the tolerance that the fit of a written contour may use; the rest is for rounding to the
+nearest double and for the slack of the bound by which the file is measured."""
+
+
+class Boundary(Protocol):
+    """One closed boundary of the part.
+
+    Attributes
+    ----------
+    name : its identity, unique in the part: "outline", "inner flank", "outer flank", "rim", "bore",
+        "hub", "lower hub", "mark".
+        Faces of a solid, dimensions and milling operations refer to it.
+    hole : True if the material lies outside the boundary.
+    """
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def hole(self) -> bool: ...
+
+    @property
+    def corner_radius(self) -> float | None:
+        """Radius [mm] of the smallest arc that ends at a corner; None if there is none."""
+
+    def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
+        """Lines and arcs within `tolerance` [mm] of the exact boundary, counter-clockwise."""
+
+    def beside(self, tolerance: float) -> Fit:
+        """Lines and arcs within `tolerance` [mm] from which distances are taken, with no library;
+        that they do not cross themselves is not shown.
+        """
+
+    def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
+        """Straight pieces within `tolerance` [mm] of the exact boundary, counter-clockwise."""
+
+    def sampled(self, tolerance: float) -> Contour:
+        """Straight pieces for pictures, counter-clockwise: where a flank was sampled, they are
+        within `tolerance` [mm] of it. Nothing is proved.
+        """
+
+    def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
+        """Cubic splines and arcs within `tolerance` [mm] of the exact boundary,
+        counter-clockwise.
+        """
+
+    def deviation(self, contour: Contour | SplineContour) -> float:
+        """Proved upper bound [mm] on the distance between `contour` and the exact boundary."""
+
+    def offset(self, distance: float) -> Boundary:
+        """The path of a cutter's centre at `distance` [mm], on the side without material.
+
+        A hole gives a hole. Raises GeometryError if the boundary has no such parallel curve.
+        """
+
+    def inset(self, distance: float, name: str) -> Boundary:
+        """The exact parallel at `distance` [mm] within the material, with a name of its own.
+
+        Nothing is trimmed: `camgeo.part.bevels` makes sure that there is such a parallel. Corners
+        of lines and arcs stay corners; of a flank there are none, or GeometryError is raised.
+        """
+
+    def moments(self, tolerance: float) -> Moments:
+        """Area and first moments of all that it encloses, counter-clockwise.
+
+        `tolerance` is a share, see `camgeo.geometry.outline.path.path_moments`.
+        """
+
+    def second_moments(self, tolerance: float) -> SecondMoments:
+        """Second moments of all that it encloses, counter-clockwise; see `moments`."""
+
+    def farthest(self) -> tuple[float, float | None]:
+        """Largest distance from the cam axis [mm]; of a flank, with the first cam angle [rad] at
+        which that is in contact.
+        """
+
+    def nearest(self) -> float:
+        """Smallest distance from the cam axis [mm]; 0 if the axis lies outside."""
+
+
+@overload
+def written_contour(
+    boundary: Boundary,
+    form: Literal["arcs", "polyline"],
+    effort: Effort,
+    tolerance: float,
+    widest: float = ...,
+) -> Fit: ...
+@overload
+def written_contour(
+    boundary: Boundary, form: Form, effort: Effort, tolerance: float, widest: float = ...
+) -> Fit | SplineFit: ...
+def written_contour(
+    boundary: Boundary, form: Form, effort: Effort, tolerance: float, widest: float = math.pi
+) -> Fit | SplineFit:
+    """The contour of `boundary` that is written into a file, counter-clockwise, with its proof.
+
+    The files that have it, what the follower does on it and what it costs are all of this one.
+
+    Parameters
+    ----------
+    form : of its pieces.
+    tolerance : of the file [mm]; the fit takes `WRITTEN_SHARE` of it.
+    widest : arc [rad]; wider ones are divided.
+
+    Raises
+    ------
+    ToleranceError, GeometryError
+        As `Boundary` does.
+    """
+    fit: Any = getattr(boundary, form)(WRITTEN_SHARE * tolerance, effort)  # a method for each form
+    found: Fit | SplineFit = replace(fit, contour=fit.contour.split(widest))
+    return found
+
+
+def require_boundary(value: Any) -> None:
+    """Raise GeometryError with key "part" unless `value` has the members of a boundary."""
+    if not (isinstance(getattr(value, "name", None), str) and hasattr(value, "offset")):
+        raise GeometryError("must be a boundary of a part", "part", shown(value))
+
+
+# -- bands ----------------------------------------------------------------------------------------
+# The faces around a part: upright ones, and chamfers at their ends.
+
+
+@dataclass(frozen=True, slots=True)
+class Bevel:
+    """A chamfer along one end of a wall.
+
+    Attributes
+    ----------
+    boundary : that of the wall.
+    edge : where the chamfer meets the flat face, the parallel of the boundary at `width`.
+    width : on the face [mm].
+    height : along the wall [mm].
+    z : height of the face [mm].
+    upper : whether the face is the upper end of the wall.
+    """
+
+    boundary: Boundary
+    edge: Boundary
+    width: float
+    height: float
+    z: float
+    upper: bool
+
+    def __post_init__(self) -> None:
+        for each in (self.boundary, self.edge):
+            require_boundary(each)
+        hold(self, width=positive("part", self.width, "mm"), z=finite("part", self.z, "mm"))
+        hold(self, height=positive("part", self.height, "mm"))
+        instance("part", self.upper, bool, "true or false")
+
+    @property
+    def foot(self) -> float:
+        """Height at which it meets the wall [mm]."""
+        return self.z - self.height if self.upper else self.z + self.height
+
+
+@dataclass(frozen=True, slots=True)
+class Band:
+    """The face around a part between two heights: what chamfers leave of a wall, or a chamfer.
+
+    Attributes
+    ----------
+    wall : the boundary that the face runs along.
+    lower, upper : its edges, the same for an upright face.
+    z0, z1 : their heights [mm].
+    width : of a chamfer, in the plane [mm]; 0 of an upright face.
+    """
+
+    wall: Boundary
+    lower: Boundary
+    upper: Boundary
+    z0: float
+    z1: float
+    width: float = 0.0
+
+    @property
+    def is_upright(self) -> bool:
+        """Whether it is no chamfer."""
+        return self.lower is self.upper
+
+    def section(self, z: float) -> Boundary:
+        """Its section at a height between both [mm]."""
+        if self.is_upright:
+            return self.wall
+        away = self.z1 - z if self.lower is not self.wall else z - self.z0
+        distance = self.width * away / (self.z1 - self.z0)
+        return self.wall.inset(distance, f"section of the {self.wall.name}")
+
+
+# -- edges ----------------------------------------------------------------------------------------
+# The edges of a part seen from above: which go through the disc, which end at a depth.
+#
+# A drawing has one edge per boundary. Whoever cuts a part from a sheet needs to know which edges go
+# through; a blind one would be cut through otherwise.
+
+
+Kind = Literal["through", "sunk", "raised"]
+"""An edge goes through the disc, is sunk into it from a face, or stands on a face of it."""
+
+
+COARSE: Final = 0.01
+"""Tolerance [mm] of the contours that show which holes lie within others."""
+
+
+@dataclass(frozen=True, slots=True)
+class Edge:
+    """A boundary as it is drawn.
+
+    Attributes
+    ----------
+    boundary : of the part.
+    kind : see `Kind`.
+    below : whether it begins at the lower face of the disc, not at its upper one.
+    by : depth or height over that face [mm]; 0 if the edge goes through, or if the scene does not
+        state it.
+    """
+
+    boundary: Boundary
+    kind: Kind = "through"
+    below: bool = False
+    by: float = 0.0
+
+
+def edges_of(part: Part) -> tuple[Edge, ...]:
+    """The edges, in the order of the part's boundaries."""
+    return tuple(_edge(part, boundary) for boundary in part.boundaries)
+
+
+def _edge(part: Part, boundary: Boundary) -> Edge:
+    """Sunk is what lies within the heights of the disc, from the face that it is open to."""
+    disc = part.disc
+    if all(boundary in layer.boundaries or _is_open(boundary, layer) for layer in disc):
+        return Edge(boundary)
+    bottom, top = disc[0].z0, disc[-1].z1
+    own = [layer for layer in part.layers if boundary in layer.boundaries]
+    z0, z1 = own[0].z0, own[-1].z1
+    if not any(layer in disc for layer in own):
+        below = own[-1] in part.layers[: part.layers.index(disc[0])]
+        return Edge(boundary, "raised", below, bottom - z0 if below else z1 - top)
+    below = boundary in disc[0].boundaries
+    return Edge(boundary, "sunk", below, z1 - bottom if below else top - z0)
+
+
+def _is_open(boundary: Boundary, layer: Layer) -> bool:
+    """Whether a hole goes on through a layer within a wider one, as below a counterbore."""
+    if not boundary.hole:
+        return False
+    start = complex(boundary.beside(COARSE).contour.vertices[0])
+    return any(
+        each.hole and winding_number(each.beside(COARSE).contour, start)
+        for each in layer.boundaries
+    )

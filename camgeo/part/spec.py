@@ -3,21 +3,196 @@
 from __future__ import annotations
 
 import cmath
-from collections.abc import Callable, Mapping
+import unicodedata
+from bisect import bisect_left
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Annotated, Any, Final, Self
+from typing import Annotated, Any, Final, NamedTuple, Self
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.values import Angle, Length
-from camgeo.numeric.checked import check_fields, instance, instances, number, one_of, whole
-from camgeo.part.chamfers import Chamfer, Chamfers
-from camgeo.part.engraving import ENGRAVING, MOST_TEXTS, Engraving, engravings_of
-from camgeo.part.faces import BOTH, LOWER, SIDES, UPPER
-from camgeo.part.keyways import din_6885_1
+from camgeo.kinematics.mechanism.values import Angle, Length
+from camgeo.numeric.checked import check_fields, instance, instances, number, one_of, shown, whole
+from camgeo.part.glyphs import require_glyphs
 from camgeo.part.materials import Density, density_of
-from camgeo.part.pair_spec import Pair
 from camgeo.units import TURN
+
+# -- pair spec ------------------------------------------------------------------------------------
+# The specification of a conjugate pair in one piece: two discs on one hub, with a spacer.
+
+
+MAIN: Final = "main"
+RETURN: Final = "return"
+
+DISCS: Final = (MAIN, RETURN)
+"""Discs of a pair."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """How the discs of a conjugate pair stand on one hub.
+
+    Attributes
+    ----------
+    gap : between the faces that look at each other [mm].
+    spacer : diameter of the round body between them [mm].
+    upper : which disc is above, one of `DISCS`.
+    roller_width : of the wider roller, each in the middle of its disc [mm]; None if not known.
+
+    Raises
+    ------
+    GeometryError
+        With the key, if a value is invalid.
+    """
+
+    gap: Length
+    spacer: Length
+    upper: Annotated[str, partial(one_of, choices=DISCS)] = MAIN
+    roller_width: Length | None = None
+
+    def __post_init__(self) -> None:
+        check_fields(self, "part.pair.")
+
+
+# -- engraving ------------------------------------------------------------------------------------
+# What a scene states of engraved text.
+
+
+ENGRAVING: Final = "engraving"
+"""Key of the list of texts in [part], and how the names of their boundaries begin."""
+
+LETTER: Final = " letter "
+"""In the name of a boundary, between that of its text and the number of the character."""
+
+CIRCLE: Final = "circle"
+STRAIGHT: Final = "straight"
+COURSES: Final = (CIRCLE, STRAIGHT)
+"""What the line of a text follows."""
+
+OUTWARD: Final = "outward"
+INWARD: Final = "inward"
+SENSES: Final = (OUTWARD, INWARD)
+"""Where the tops of letters point, seen from the cam axis."""
+
+MOST_LETTERS: Final = 100
+"""Characters of a text."""
+
+MOST_TEXTS: Final = 20
+"""Texts of a part."""
+
+SHAPED: Final = ("R", "AL", "AN")
+"""Directions of characters that are written from right to left, in shapes that depend on their
+neighbours."""
+
+
+def text_to_engrave(key: str, value: Any) -> str:
+    """A line of text in composed characters, each of which has one shape.
+
+    Raises
+    ------
+    GeometryError
+        If it is empty or too long, or a character does not stand for itself.
+    """
+    text = unicodedata.normalize("NFC", instance(key, value, str, "a text"))
+    if not text.strip() or len(text) > MOST_LETTERS:
+        message = f"must be a text of 1 to {MOST_LETTERS} characters, not of spaces alone"
+        raise GeometryError(message, key, shown(value))
+    for each in text:
+        known = f"U+{ord(each):04X}"
+        if unicodedata.category(each)[0] in "MC":
+            message = f"{known} in it is no character of its own, so it cannot be engraved"
+            raise GeometryError(message, key, shown(value))
+        if unicodedata.bidirectional(each) in SHAPED:
+            message = f'"{each}" ({known}) is written from right to left, which is not engraved'
+            raise GeometryError(message, key, shown(value))
+    return text
+
+
+@dataclass(frozen=True, slots=True)
+class Engraving:
+    """A line of text sunk in the upper face of the disc.
+
+    Attributes
+    ----------
+    text : in composed characters (NFC).
+    height : of capital letters [mm].
+    depth : below the upper face [mm].
+    radius : distance of its middle, at half the height of capital letters, from the cam axis [mm].
+    angle : direction of its middle from the x axis at cam angle 0 [rad], counter-clockwise, -2 pi
+        to 2 pi.
+    along : one of `COURSES`: letters stand on a circle about the cam axis, or on a straight line.
+    tops : one of `SENSES`: where the tops of the letters point, at the middle of the text.
+    turn : of a straight text, the direction in which it is read, from the x axis at cam angle 0
+        [rad], in place of `tops`; None for across the ray through its middle.
+
+    Raises
+    ------
+    GeometryError
+        With the key in `part.engraving`, if a value is invalid, the letters of a text along a
+        circle reach the cam axis, or a text along a circle has a turn.
+    """
+
+    text: Annotated[str, text_to_engrave]
+    height: Length
+    depth: Length
+    radius: Length
+    angle: Angle = 0.0
+    along: Annotated[str, partial(one_of, choices=COURSES)] = CIRCLE
+    tops: Annotated[str, partial(one_of, choices=SENSES)] = OUTWARD
+    turn: Angle | None = None
+
+    def __post_init__(self) -> None:
+        check_fields(self, f"part.{ENGRAVING}.")
+        if self.along == STRAIGHT:
+            return
+        if self.turn is not None:
+            message = 'belongs to a "straight" text; along a circle tops point outward or inward'
+            raise GeometryError(message, f"part.{ENGRAVING}.turn")
+        number(f"part.{ENGRAVING}.radius", self.radius, above=0.5 * self.height, unit="mm")
+
+
+def text_of(boundary: str) -> str:
+    """Name of the text to which the boundary of that name belongs; empty if it is of none."""
+    text, letter, _ = boundary.partition(LETTER)
+    return text if letter and text.startswith(ENGRAVING) else ""
+
+
+def engravings_of(tables: Iterable[Mapping[str, Any]], name: str) -> tuple[Engraving, ...]:
+    """The texts of converted tables, in mm and rad; that of one without a text is `name`.
+
+    Raises
+    ------
+    GeometryError
+        With the key of the text, counted from 1, if one is invalid or its font has no such
+        character.
+    """
+    found = []
+    for number_of_text, table in enumerate(tables, start=1):
+        try:
+            made = Engraving(**{"text": name, **table})
+            require_glyphs(made.text)
+        except GeometryError as error:
+            begin = f"part.{ENGRAVING}"
+            key = error.key.replace(begin, f"{begin}[{number_of_text}]", 1)
+            raise GeometryError(error.message, key, error.value) from None
+        found.append(made)
+    return tuple(found)
+
+
+# -- faces ----------------------------------------------------------------------------------------
+# The faces of a disc, as scenes name them.
+
+
+UPPER: Final = "upper"
+LOWER: Final = "lower"
+BOTH: Final = "both"
+
+SIDES: Final = (UPPER, LOWER, BOTH)
+"""Faces of the disc on which a hub stands, or whose edges have a chamfer."""
+
+
+# -- spec -----------------------------------------------------------------------------------------
+
 
 MOST_HOLES: Final = 100
 """On one circle."""
@@ -317,7 +492,7 @@ class PartSpec:
                 number(f"{key}[{place}].depth", text.depth, below=self.thickness, unit="mm")
 
     def alone(self, disc: str) -> PartSpec:
-        """The main or the return disc (of `camgeo.part.pair_spec.DISCS`) of a pair in one piece,
+        """The main or the return disc (of `camgeo.part.spec.DISCS`) of a pair in one piece,
         without the hub; of other parts all of it. Only the upper disc has texts, which a gap would
         hide, and counterbores, as bolts go in from above.
         """
@@ -370,3 +545,136 @@ def part_of(table: Mapping[str, Any], name: str) -> PartSpec:
         stated = {name: Chamfer(**each) for name, each in given["chamfers"].items()}
         given["chamfers"] = Chamfers(**stated)
     return PartSpec(**given)
+
+
+# -- chamfers -------------------------------------------------------------------------------------
+# What a scene states of chamfers; `camgeo.part.bevels` makes them.
+
+
+KEY: Final = "part.chamfers"
+"""Of their table in the scene."""
+
+
+@dataclass(frozen=True, slots=True)
+class Chamfer:
+    """A chamfer of 45 degrees.
+
+    Attributes
+    ----------
+    width : on the face, and along the wall [mm].
+    edges : of which ends of the wall, one of `SIDES`.
+
+    Raises
+    ------
+    GeometryError
+        With the key, if a value is invalid.
+    """
+
+    width: Length
+    edges: Annotated[str, partial(one_of, choices=SIDES)] = BOTH
+
+    def __post_init__(self) -> None:
+        check_fields(self, f"{KEY}.")
+
+
+@dataclass(frozen=True, slots=True)
+class Chamfers:
+    """The chamfers of a part, by what they run along; None for sharp edges.
+
+    Attributes
+    ----------
+    outline : the flanks; of a groove only their upper edges.
+    rim, bore : both ends.
+    hub : the outer edge of each.
+    bolt_circle, lightening_holes : the edges of the holes on the faces.
+    """
+
+    outline: Chamfer | None = None
+    rim: Chamfer | None = None
+    bore: Chamfer | None = None
+    hub: Chamfer | None = None
+    bolt_circle: Chamfer | None = None
+    lightening_holes: Chamfer | None = None
+
+    def on_one_side(self, side: str, *, hub: bool) -> Chamfers:
+        """Those of a disc of a pair in one piece without its hub: where the other disc follows, and
+        where there is a hub on its outer `side`, its bore has no edge.
+        """
+        bore = self.bore
+        if bore is not None:
+            bore = None if hub or bore.edges not in (side, BOTH) else replace(bore, edges=side)
+        return replace(self, hub=None, bore=bore)
+
+
+# -- keyways --------------------------------------------------------------------------------------
+# Keyways of hubs by DIN 6885-1, parallel keys of the deep form: from the diameter of the bore.
+#
+# Rows on which sources do not agree are left out: that of shafts above 440 mm, where the depth in
+# the hub is 19.4 or 19.5 mm. `tests/part/test_keyways.py` names the sources.
+
+
+DIN_6885_1: Final = "DIN 6885-1"
+
+STANDARDS: Final = (DIN_6885_1,)
+
+
+class Row(NamedTuple):
+    """A row of the table.
+
+    Attributes
+    ----------
+    largest : diameter of shaft and bore up to which it holds, that included [mm].
+    width : b of key and keyway [mm].
+    depth : t2 of the keyway in the hub [mm].
+    """
+
+    largest: float
+    width: float
+    depth: float
+
+
+SMALLEST: Final = 6.0
+"""Diameter above which the table begins [mm]."""
+
+ROWS: Final = (
+    Row(8.0, 2.0, 1.0),
+    Row(10.0, 3.0, 1.4),
+    Row(12.0, 4.0, 1.8),
+    Row(17.0, 5.0, 2.3),
+    Row(22.0, 6.0, 2.8),
+    Row(30.0, 8.0, 3.3),
+    Row(38.0, 10.0, 3.3),
+    Row(44.0, 12.0, 3.3),
+    Row(50.0, 14.0, 3.8),
+    Row(58.0, 16.0, 4.3),
+    Row(65.0, 18.0, 4.4),
+    Row(75.0, 20.0, 4.9),
+    Row(85.0, 22.0, 5.4),
+    Row(95.0, 25.0, 5.4),
+    Row(110.0, 28.0, 6.4),
+    Row(130.0, 32.0, 7.4),
+    Row(150.0, 36.0, 8.4),
+    Row(170.0, 40.0, 9.4),
+    Row(200.0, 45.0, 10.4),
+    Row(230.0, 50.0, 11.4),
+    Row(260.0, 56.0, 12.4),
+    Row(290.0, 63.0, 12.4),
+    Row(330.0, 70.0, 14.4),
+    Row(380.0, 80.0, 15.4),
+    Row(440.0, 90.0, 17.4),
+)
+
+RANGE: Final = f"is for bores above {SMALLEST:g} mm, up to {ROWS[-1].largest:g} mm"
+
+
+def din_6885_1(bore: float) -> Row:
+    """The keyway for a bore of that diameter [mm].
+
+    Raises
+    ------
+    GeometryError
+        With key "part.keyway.standard", outside the table.
+    """
+    if not SMALLEST < bore <= ROWS[-1].largest:
+        raise GeometryError(RANGE, key="part.keyway.standard", value=f"{bore:g} mm")
+    return ROWS[bisect_left([row.largest for row in ROWS], bore)]

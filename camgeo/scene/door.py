@@ -2,43 +2,59 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Mapping
+from decimal import Decimal
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import numpy as np
 
-from camgeo.cam.contact import Contact
-from camgeo.check.limits import Limits
+from camgeo.cam.cam import Contact
+from camgeo.check.finding import Limits
 from camgeo.errors import GeometryError, SceneError
-from camgeo.formats.drawing import drawing_of
-from camgeo.formats.format import Options, OutputSpec
-from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
-from camgeo.mechanism.linkage import linked
-from camgeo.mechanism.values import SIGNS, Values
-from camgeo.motion.plan import Dwell, MotionPlan
-from camgeo.motion.planning.planner import plan_motion
+from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
+from camgeo.kinematics.mechanism.linked_motion import linked
+from camgeo.kinematics.mechanism.values import SIGNS, Values
+from camgeo.kinematics.motion import FREE
+from camgeo.kinematics.plan import FULL_TURN, Dwell, MotionPlan
+from camgeo.kinematics.planning.planner import plan_motion
+from camgeo.kinematics.planning.requests import (
+    MoveRequest,
+    PointsRequest,
+    Request,
+    TableRequest,
+    Unit,
+)
 from camgeo.part.spec import PartSpec, part_of
 from camgeo.reading import SCENE
-from camgeo.scene.document import Document, Source
-from camgeo.scene.inside import Inside
-from camgeo.scene.keys import Path, path_of
-from camgeo.scene.motion import MotionRequests
+from camgeo.scene.formats.drawing import drawing_of
+from camgeo.scene.formats.format import Options, OutputSpec
+from camgeo.scene.keys import KeyPath, path_of
 from camgeo.scene.rules import broken_rules
-from camgeo.scene.schema import EFFECTS, MILLING, OUTPUT, definition, schema_for
+from camgeo.scene.schema import (
+    EFFECTS_KEY,
+    INFLECTION,
+    MILLING,
+    OUTPUT,
+    SHAPES,
+    definition,
+    schema_for,
+)
 from camgeo.scene.schema_faults import judge
-from camgeo.scene.valid_values import ValidValues, far_end_of
+from camgeo.scene.values import Document, Inside, Source, ValidValues, far_end_of
 from camgeo.units import RPM, TURN
 
 if TYPE_CHECKING:
-    from camgeo.cam.breadth import Yoke
-    from camgeo.formats.drawing import DrawingSpec
-    from camgeo.mechanism.conjugate import Mount
-    from camgeo.mechanism.follower import Follower
-    from camgeo.mechanism.linkage_protocol import Linkage
-    from camgeo.motion.time_course import SpeedCurve
-    from camgeo.printing.spec import PrintSpec
-    from camgeo.toolpath.milling import MillingSpec
+    from camgeo.cam.cam import Yoke
+    from camgeo.kinematics.mechanism.conjugate import Mount
+    from camgeo.kinematics.mechanism.follower import Follower
+    from camgeo.kinematics.mechanism.linkage import Linkage
+    from camgeo.kinematics.time_course import SpeedCurve
+    from camgeo.milling.milling import MillingSpec
+    from camgeo.part.printing import PrintSpec
+    from camgeo.scene.formats.drawing import DrawingSpec
+
 
 Built = TypeVar("Built")
 
@@ -171,7 +187,7 @@ class Builder:
         if self._unchanged("cam"):
             curve: SpeedCurve | None = self._earlier["speed_curve"]
             return curve
-        from camgeo.motion.motion_tables import read_speed_table  # few scenes have one
+        from camgeo.kinematics.tables import read_speed_table  # few scenes have one
 
         name: str = self.values.get(*key)
         return self._engine(key, lambda: read_speed_table(data, name))
@@ -204,7 +220,7 @@ class Builder:
     def _yoke(self) -> Yoke | None:
         if self.values.get("follower", "yoke") is None:
             return None
-        from camgeo.cam.breadth import Yoke  # few scenes have one
+        from camgeo.cam.cam import Yoke  # few scenes have one
 
         return Yoke(**self.inside.table(("follower", "yoke"), definition("yoke")))
 
@@ -294,7 +310,7 @@ class Builder:
 
     def part(self, effects: Attributes) -> PartSpec | None:
         """The part; the `effects` are those that the scene names."""
-        self.values.raw(EFFECTS)  # notes that `effects` are read, see `kept`
+        self.values.raw(EFFECTS_KEY)  # notes that `effects` are read, see `kept`
         if not self.values.has("part"):
             return None
         top, name = self._top("part"), self.values.get("name")
@@ -312,7 +328,7 @@ class Builder:
     def _printing(self) -> PrintSpec | None:
         if self.values.get("print") is None:
             return None
-        from camgeo.printing.spec import print_of  # few scenes print
+        from camgeo.part.printing import print_of  # few scenes print
 
         return self._engine(("print",), lambda: print_of(self._top("print")))
 
@@ -350,7 +366,7 @@ class Builder:
             return {}
         return self.inside.table((name,), self._schema.root["properties"][name])
 
-    def _engine(self, table: Path, make: Callable[[], Built]) -> Built | None:
+    def _engine(self, table: KeyPath, make: Callable[[], Built]) -> Built | None:
         """What `make` builds; None, with a fault of the table's key, if geometry forbids it."""
         try:
             return make()
@@ -360,3 +376,134 @@ class Builder:
                 path = table + path
             self.inside.fault(path, error.message)
             return None
+
+
+# -- motion ---------------------------------------------------------------------------------------
+# From the segments of a scene to the requests for the motion plan.
+
+
+EQUAL: Final = "equal-"
+"""Prefix of words for the inflection point that makes both parts of a law equal in something."""
+
+UNITS: Final = {
+    "mm": ("mm",),
+    "inch": ("inch", "in", '"'),
+    "deg": ("deg", "degree", "degrees", "°"),
+}
+"""Spellings of the units that the heading of a lift table may name."""
+
+
+class MotionRequests:
+    """The segments of a valid scene as requests.
+
+    Attributes
+    ----------
+    all : in the order of the scene.
+    unit : of positions in the scene.
+    """
+
+    def __init__(self, inside: Inside) -> None:
+        values = inside.values
+        self.inside = inside
+        self.values = values
+        self.all: list[Request] = []
+        self._scale = math.radians(1.0) if values.angular else values.mm
+        self.unit = Unit("deg" if values.angular else values.unit, self._scale)
+        for index in range(values.segments):
+            request = self._request(("motion", index))
+            if request is not None:
+                self.all.append(request)
+
+    def _request(self, place: KeyPath) -> Request | None:
+        dwell = self.values.exact(*place, "dwell")
+        if dwell is not None:
+            return Dwell(dwell)
+        table: dict[str, Any] = self.values.get(*place)
+        span = self.values.exact(*place, "span") or Decimal(0)
+        if table["law"] == "table":
+            return self._table(place, table, span)
+        end = {key: self._scaled(table.get(key)) for key in ("velocity", "acceleration")}
+        to = self._scale * table["to"]
+        if table["law"] == "points":
+            return self._points(place, table, span, to, end)
+        inflection = table.get(INFLECTION)
+        balance = inflection.removeprefix(EQUAL) if isinstance(inflection, str) else ""
+        return MoveRequest(
+            span=span,
+            to=to,
+            law=table["law"],
+            parameters={
+                key: float(table[key])
+                for key in SHAPES
+                if key in table and not (balance and key == INFLECTION)
+            },
+            jerk=self._scaled(table.get("jerk")),
+            optimise=_weights(table.get("optimise")),
+            balance=balance,
+            **end,
+        )
+
+    def _scaled(self, value: float | None) -> float | None:
+        return None if value is None else self._scale * value
+
+    def _points(
+        self,
+        place: KeyPath,
+        table: dict[str, Any],
+        span: Decimal,
+        to: float,
+        end: dict[str, float | None],
+    ) -> PointsRequest | None:
+        shares: list[float] = []
+        last = Decimal(0)
+        for index in range(len(table["points"])):
+            at = self.values.exact(*place, "points", index, "at")
+            assert at is not None  # the scene is valid
+            if not last < at < span:
+                message = f"must ascend, inside the span of {span.normalize():f} degrees"
+                self.inside.fault((*place, "points", index, "at"), message)
+                return None
+            shares.append(float(at / span))
+            last = at
+        given = {
+            index: (self._scaled(point.get("velocity")), self._scaled(point.get("acceleration")))
+            for index, point in enumerate(table["points"])
+        }
+        return PointsRequest(
+            span=span,
+            to=to,
+            shares=np.array(shares),
+            positions=np.array([self._scale * point["to"] for point in table["points"]]),
+            given={index: boundary for index, boundary in given.items() if boundary != FREE},
+            **end,
+        )
+
+    def _table(self, place: KeyPath, table: dict[str, Any], span: Decimal) -> TableRequest | None:
+        from camgeo.kinematics.tables import read_lift_table  # few scenes have one
+
+        key = (*place, "file")
+        data = self.inside.read(key)
+        if data is None:
+            return None
+        try:
+            rows = read_lift_table(data, table["file"], float(span), periodic=span == FULL_TURN)
+        except GeometryError as error:
+            self.inside.fault(key, error.message)
+            return None
+        wanted = "deg" if self.values.angular else self.values.unit
+        if rows.unit and rows.unit.lower() not in UNITS[wanted]:
+            self.inside.fault(key, f"gives the lift in {rows.unit}; the scene takes it in {wanted}")
+            return None
+        return TableRequest(
+            span=span,
+            shares=rows.first / float(span),
+            lifts=self._scale * rows.second,
+            smoothing=self._scaled(table.get("smoothing")),
+        )
+
+
+def _weights(optimise: Any) -> dict[str, float]:
+    """Weights of the quantities to be kept small."""
+    if optimise is None:
+        return {}
+    return {optimise: 1.0} if isinstance(optimise, str) else dict(optimise)

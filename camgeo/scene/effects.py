@@ -7,16 +7,15 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Final
 
-from camgeo.effects.effect import SPEED, Effect
-from camgeo.effects.registry import find_effect
-from camgeo.effects.rules import Machine, Table
+from camgeo.dynamics.effects.effect import SPEED, Effect
+from camgeo.dynamics.effects.registry import find_effect
+from camgeo.dynamics.effects.rules import Machine, Table
 from camgeo.errors import GeometryError
 from camgeo.part.materials import KG_M3, USUAL, density_of, find_material
 from camgeo.part.spec import PartSpec
-from camgeo.scene.inside import Inside
-from camgeo.scene.keys import Path
-from camgeo.scene.schema import EFFECTS, FINDERS, NAMING, schema_for
-from camgeo.scene.valid_values import ValidValues, far_end_of, tables_of
+from camgeo.scene.keys import KeyPath
+from camgeo.scene.schema import EFFECTS_KEY, FINDERS, NAMING, schema_for
+from camgeo.scene.values import Inside, ValidValues, far_end_of, tables_of
 
 ROUNDING: Final = 1e-12
 """Share by which two densities may differ and be the same in other units."""
@@ -28,14 +27,14 @@ def effect_tables(inside: Inside, faulted: Collection[str] = ()) -> dict[str, di
     Only valid ones; no further faults are reported for those whose keys are among `faulted`.
     """
     values = inside.values
-    given = values.raw(EFFECTS)
+    given = values.raw(EFFECTS_KEY)
     named = given if isinstance(given, dict) else {}
     found: dict[str, dict[str, Any]] = {}
     for name in named:
-        if f"{EFFECTS}.{name}" in faulted or not values.valid(EFFECTS, name):
+        if f"{EFFECTS_KEY}.{name}" in faulted or not values.valid(EFFECTS_KEY, name):
             continue
         effect = find_effect(name)
-        own = inside.table((EFFECTS, name), effect.schema)
+        own = inside.table((EFFECTS_KEY, name), effect.schema)
         if any(item is None for item in own.values()):
             continue  # a file that cannot be read, which is reported
         _judge(effect, own, named, inside)
@@ -45,7 +44,7 @@ def effect_tables(inside: Inside, faulted: Collection[str] = ()) -> dict[str, di
 
 def _judge(effect: Effect, table: dict[str, Any], named: Mapping[str, Any], inside: Inside) -> None:
     """Report what the effect's own data lack, and what it needs from the rest of the scene."""
-    place, lacks = (EFFECTS, effect.name), inside.values.lacks
+    place, lacks = (EFFECTS_KEY, effect.name), inside.values.lacks
     try:
         effect.parse(table)
     except GeometryError as error:
@@ -74,28 +73,28 @@ def weighed(part: PartSpec, table: Mapping[str, Any], inside: Inside) -> PartSpe
     if stated is not None and not math.isclose(stated, part.density, rel_tol=ROUNDING):
         key = "density" if "density" in table else "material"
         message = f"contradicts [part], where the density is {KG_M3 * part.density:g} kg/m^3"
-        inside.fault((EFFECTS, "balance", key), message)
+        inside.fault((EFFECTS_KEY, "balance", key), message)
     return part
 
 
-def misfits(values: ValidValues) -> Iterator[tuple[Path, str]]:
+def misfits(values: ValidValues) -> Iterator[tuple[KeyPath, str]]:
     """Effects that a scene names, or keys of their tables, that do not apply to its machine.
 
     Each with the reason.
     """
     machine = _machine(values)
     for effect in schema_for(tables_of(values, *NAMING)).effects:
-        name, table = effect.name, values.raw(EFFECTS, effect.name)
+        name, table = effect.name, values.raw(EFFECTS_KEY, effect.name)
         if not isinstance(table, dict):
             continue
         meant = {key for key in effect.schema.get("properties", {})
-                 if key not in table and not values.lacks(EFFECTS, name, key)}  # fmt: skip
-        own = Table({key: values.get(EFFECTS, name, key) for key in table}, meant)
+                 if key not in table and not values.lacks(EFFECTS_KEY, name, key)}  # fmt: skip
+        own = Table({key: values.get(EFFECTS_KEY, name, key) for key in table}, meant)
         messages: dict[str, str] = {}
         for key, message in (each for rule in effect.rules for each in rule(machine, own)):
             messages.setdefault(key, message)
         for key, message in messages.items():
-            yield (EFFECTS, name, *filter(None, [key])), message
+            yield (EFFECTS_KEY, name, *filter(None, [key])), message
 
 
 def _machine(values: ValidValues) -> Machine:
@@ -126,6 +125,6 @@ def _with_inputs(effect: Effect, named: Mapping[str, Any]) -> list[Effect]:
 
 def _spelled(keys: tuple[str, ...]) -> str:
     """The keys of which one is needed, as messages show them."""
-    tables = [f"[{key}]" if key.startswith(f"{EFFECTS}.") else f"[{head}] {tail}"
+    tables = [f"[{key}]" if key.startswith(f"{EFFECTS_KEY}.") else f"[{head}] {tail}"
               for key in keys for head, _, tail in [key.rpartition(".")]]  # fmt: skip
     return tables[0] if len(tables) == 1 else f"one of {', '.join(tables)}"

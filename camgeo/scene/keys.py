@@ -9,7 +9,7 @@ import json
 import re
 from typing import Any, Final
 
-Path = tuple[str | int, ...]
+KeyPath = tuple[str | int, ...]
 """Names of tables and keys, and positions in arrays counted from 0."""
 
 BARE: Final = re.compile(r"[A-Za-z0-9_-]+")
@@ -39,7 +39,7 @@ VALUE: Final = re.compile(
 BLANK: Final = re.compile(r"(?:[ \t\r\n]|\#[^\n]*)*")
 
 
-def spelled(path: Path) -> str:
+def spelled(path: KeyPath) -> str:
     """Return the path as messages show it; positions in arrays are counted from 1."""
     text = ""
     for step in path:
@@ -50,9 +50,9 @@ def spelled(path: Path) -> str:
     return text
 
 
-def path_of(key: str) -> Path | None:
+def path_of(key: str) -> KeyPath | None:
     """Return the path that is spelled `key`, () for an empty one; None if nothing is spelled so."""
-    path: Path = ()
+    path: KeyPath = ()
     place = 0
     while place < len(key):
         step = STEP.match(key, place)
@@ -78,7 +78,7 @@ def quoted(name: str) -> str:
     return json.dumps(name)
 
 
-def value_at(tree: Any, path: Path) -> Any:
+def value_at(tree: Any, path: KeyPath) -> Any:
     """Return the value at `path` in tables and arrays; None if there is none."""
     for step in path:
         if isinstance(tree, dict):
@@ -90,15 +90,15 @@ def value_at(tree: Any, path: Path) -> Any:
     return tree
 
 
-def key_lines(text: str) -> dict[Path, int]:
+def key_lines(text: str) -> dict[KeyPath, int]:
     """Return the line, counted from 1, of each table, key and array element of a TOML `text`.
 
     The text must be valid TOML. Keys inside inline tables have no entry of their own; where the
     scanner loses its way (an escape in a quoted key), the rest of the file has none.
     """
-    lines: dict[Path, int] = {}
-    counts: dict[Path, int] = {}
-    table: Path = ()
+    lines: dict[KeyPath, int] = {}
+    counts: dict[KeyPath, int] = {}
+    table: KeyPath = ()
     line, seen = 1, 0
     place = _skip(BLANK, text, 0)
     while place < len(text):
@@ -132,7 +132,7 @@ def key_lines(text: str) -> dict[Path, int]:
     return lines
 
 
-def line_of(path: Path, lines: dict[Path, int]) -> int | None:
+def line_of(path: KeyPath, lines: dict[KeyPath, int]) -> int | None:
     """Return the line of the key at `path`, else of the nearest thing around it, else None."""
     while path:
         if path in lines:
@@ -156,12 +156,12 @@ def _names(text: str, place: int) -> tuple[tuple[str, ...], int]:
     return (), place
 
 
-def _placed(names: Path, counts: dict[Path, int], known: int = 0) -> Path:
+def _placed(names: KeyPath, counts: dict[KeyPath, int], known: int = 0) -> KeyPath:
     """`names` with the position of the array's last table behind each name of an array of tables.
 
     The first `known` steps are placed already.
     """
-    path: Path = names[:known]
+    path: KeyPath = names[:known]
     for name in names[known:]:
         path = (*path, name)
         if path in counts:

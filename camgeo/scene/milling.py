@@ -7,31 +7,29 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from camgeo.errors import Fault, GeometryError, SceneError
-from camgeo.formats.gcode import misfits, tables_are_whole
-from camgeo.scene.document import document
-from camgeo.scene.inside import Inside
-from camgeo.scene.keys import Path, path_of
-from camgeo.scene.schema import MILLING, library_schema, milling_tables
-from camgeo.scene.schema_faults import judged
-from camgeo.scene.valid_values import ValidValues
-from camgeo.toolpath.milling import (
+from camgeo.milling.milling import (
+    EARLIER,
     FAULTS,
     SECOND_SIDE,
+    GcodeSpec,
     MillingSpec,
+    Stock,
     holding_of,
     operation_of,
     second_side_of,
     stock_of,
     tool_of,
 )
-from camgeo.toolpath.spec import EARLIER, GcodeSpec
-from camgeo.toolpath.stock import Stock
-from camgeo.toolpath.tool import END_MILL, Tool, ToolError
+from camgeo.milling.tool import END_MILL, Tool, ToolError
+from camgeo.scene.formats.gcode import misfits, tables_are_whole
+from camgeo.scene.keys import KeyPath, path_of
+from camgeo.scene.schema import MILLING, library_schema, milling_tables
+from camgeo.scene.schema_faults import judged
+from camgeo.scene.values import Inside, ValidValues, document
 
 if TYPE_CHECKING:
-    from camgeo.toolpath.holding import Holding
-    from camgeo.toolpath.milling import OperationSpec
-    from camgeo.toolpath.side import SecondSide
+    from camgeo.milling.holding import Holding
+    from camgeo.milling.milling import OperationSpec, SecondSide
 
 PROGRAM: Final = ("output", "gcode")
 """Key of the table with the options of the program."""
@@ -45,7 +43,7 @@ LIBRARY: Final = (*PROGRAM, "tools")
 OPERATIONS: Final = ("operation", f"{SECOND_SIDE}.operation")
 """Tables with operations, which name their tools."""
 
-Broken = tuple[Path, str]
+Broken = tuple[KeyPath, str]
 
 Built = TypeVar("Built")
 
@@ -54,7 +52,7 @@ def broken_tables(values: ValidValues, *, whole: bool = False) -> Iterator[Broke
     """All that is wrong between the keys of the tables, each with its place.
 
     Keys that are missing are faults of tables that must be `whole`: in a scene a program alone
-    needs them, see `camgeo.formats.gcode`.
+    needs them, see `camgeo.scene.formats.gcode`.
     """
     for name, faults in FAULTS.items():
         for place in _places(values, name):
@@ -82,7 +80,7 @@ def _machine_compensates(values: ValidValues) -> Iterator[Broken]:
     """Operations ask for no compensation that the machine lacks, nor the second side for a work
     offset; of a profile file the writer tells it.
     """
-    asked: set[Path] = {
+    asked: set[KeyPath] = {
         (*place, "compensation") for name in OPERATIONS for place in _places(values, name)
     }
     asked.add((SECOND_SIDE, "work_offset"))
@@ -90,7 +88,7 @@ def _machine_compensates(values: ValidValues) -> Iterator[Broken]:
     machine = values.get("output", "gcode", "machine") or GcodeSpec().machine
     if not given or machine.endswith(".toml"):
         return
-    from camgeo.toolpath.machine import load  # only scenes that ask for it need the profile
+    from camgeo.milling.machine import load  # only scenes that ask for it need the profile
 
     profile = load(machine)
     allowed = {
@@ -103,7 +101,7 @@ def _machine_compensates(values: ValidValues) -> Iterator[Broken]:
             yield key, f"must be one of {choices} for {profile.name}"
 
 
-def _places(values: ValidValues, name: str) -> list[Path]:
+def _places(values: ValidValues, name: str) -> list[KeyPath]:
     """Where the tables of that name are, one with a dot within another table."""
     path = tuple(name.split("."))
     given = values.raw(*path)
@@ -194,7 +192,7 @@ class MillingBuilder:
         return self._made((name,), self._inside.table((name,), milling_tables()[name]), make)
 
     def _made(
-        self, place: Path, table: Mapping[str, Any], make: Callable[[Mapping[str, Any]], Built]
+        self, place: KeyPath, table: Mapping[str, Any], make: Callable[[Mapping[str, Any]], Built]
     ) -> Built | None:
         """What `make` builds; None, with a fault, if a value is not valid beyond its schema."""
         try:
@@ -266,7 +264,7 @@ def refused(values: ValidValues, error: GeometryError, file: str) -> SceneError:
     return SceneError([fault], file)
 
 
-def _blamed(values: ValidValues, error: GeometryError) -> Path:
+def _blamed(values: ValidValues, error: GeometryError) -> KeyPath:
     """The place in the scene that an error of planning is about."""
     if isinstance(error, ToolError):
         return _place_of(values, error.number, error.field)
@@ -284,7 +282,7 @@ def is_missing(values: ValidValues, fault: Fault) -> bool:
     return path[:2] == FORMATS or values.lacks(*path)
 
 
-def _place_of(values: ValidValues, number: int, field: str) -> Path:
+def _place_of(values: ValidValues, number: int, field: str) -> KeyPath:
     """Of a field of a tool, or of the whole one: in the scene, in earlier keys, in a library."""
     for place in _places(values, "tool"):
         if values.get(*place, "number") == number:
@@ -295,5 +293,5 @@ def _place_of(values: ValidValues, number: int, field: str) -> Path:
     return LIBRARY
 
 
-def _tools_elsewhere(values: ValidValues) -> Path:
+def _tools_elsewhere(values: ValidValues) -> KeyPath:
     return LIBRARY if values.has(*LIBRARY) else (*PROGRAM, "tool_diameter")

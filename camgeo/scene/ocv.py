@@ -16,7 +16,7 @@ from decimal import Decimal
 from typing import Final, Literal
 
 from camgeo.errors import Fault, SceneError
-from camgeo.scene.load import parse_scene
+from camgeo.scene.scene import parse_scene
 
 COUNT: Final = 24
 

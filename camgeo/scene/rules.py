@@ -7,23 +7,352 @@ from collections.abc import Callable, Iterator
 from decimal import Context, Decimal, Inexact
 from typing import Final
 
-from camgeo.errors import Fault
-from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE, OutputSpec
-from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
-from camgeo.motion.laws import find_family
-from camgeo.motion.planning.request import AUTO
-from camgeo.scene.family_rules import families_vary
-from camgeo.scene.keys import Path
-from camgeo.scene.part_rules import (
-    chamfers_have_edges,
-    contact_and_part_agree,
-    part_is_possible,
+from camgeo.errors import Fault, GeometryError, SceneError
+from camgeo.kinematics.laws import find_family
+from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
+from camgeo.kinematics.planning.requests import AUTO
+from camgeo.part.spec import BOTH, ENGRAVING, LOWER, STRAIGHT, din_6885_1
+from camgeo.scene.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE, OutputSpec
+from camgeo.scene.keys import KeyPath
+from camgeo.scene.schema import BY_DATA, EFFECTS_KEY, FINDERS, MILLING, NAMING, SHAPES, schema_for
+from camgeo.scene.values import Broken, Noted, ValidValues, tables_of, unchanged_reads
+from camgeo.scene.varied import (
+    FAMILIES,
+    SWEEP,
+    design_path,
+    faults_of_list,
+    faults_of_range,
+    keys_in,
+    rows_of,
 )
-from camgeo.scene.print_rules import print_suits_the_part
-from camgeo.scene.schema import BY_DATA, EFFECTS, MILLING, NAMING, SHAPES, schema_for
-from camgeo.scene.state_rules import a_flank_is_one_of_two, a_found_speed_is_sought
-from camgeo.scene.tolerance_rules import tolerances_are_stated_once
-from camgeo.scene.valid_values import Broken, Noted, ValidValues, tables_of, unchanged_reads
+
+# -- family rules ---------------------------------------------------------------------------------
+# Rules on the families of designs that a scene states in `[sweep]` and `[optimise]`.
+
+
+def families_vary(values: ValidValues) -> Iterator[Broken]:
+    """Each variable has keys that a scene may have, each once, and values for them."""
+    for name in FAMILIES:
+        table = values.raw(name)
+        if not isinstance(table, dict) or not isinstance(table.get("vary"), list):
+            continue
+        seen: set[str] = set()
+        for index in range(len(table["vary"])):
+            place = (name, "vary", index)
+            if values.valid(*place):
+                yield from _variable(values, place, seen)
+
+
+def _variable(
+    values: ValidValues, place: tuple[str | int, ...], seen: set[str]
+) -> Iterator[Broken]:
+    table = values.get(*place)
+    if ("key" in table) == ("keys" in table):
+        yield place, 'must have either "key" or "keys"'
+        return
+    if "key" in table:
+        places = {(*place, "key"): table["key"]}
+    else:
+        places = {(*place, "keys", number): key for number, key in enumerate(table["keys"])}
+    yield from _keys(values, places, seen)
+    ranged = "from" in table or "to" in table or "count" in table
+    if ("values" in table) == ranged:
+        yield place, 'must have either "values", or "from" and "to"'
+    elif ranged:
+        yield from _range(values, place)
+    else:
+        keys = len(keys_in(table))
+        for number, message in faults_of_list(rows_of(table["values"], keys), keys):
+            yield (*place, "values", number), message
+
+
+def _keys(
+    values: ValidValues, places: dict[tuple[str | int, ...], str], seen: set[str]
+) -> Iterator[Broken]:
+    for where, key in places.items():
+        try:
+            design_path(values.raw(), key, seen)
+        except SceneError as error:
+            (fault,) = error.faults
+            yield where, f"{fault.message} ({fault.hint})" if fault.hint else fault.message
+        except GeometryError as error:
+            yield where, error.message
+
+
+def _range(values: ValidValues, place: tuple[str | int, ...]) -> Iterator[Broken]:
+    table = values.get(*place)
+    start, stop = values.exact(*place, "from"), values.exact(*place, "to")
+    if start is None or stop is None:
+        yield place, 'must have both "from" and "to"'
+        return
+    count = table.get("count")
+    faults = [((*place, key), why) for key, why in faults_of_range(start, stop, count)]
+    if place[0] == SWEEP and count is None and not faults and not values.has(SWEEP, "samples"):
+        yield place, 'needs "count", unless [sweep] has "samples"'
+    yield from faults
+
+
+# -- part rules -----------------------------------------------------------------------------------
+# Rules between the keys of the part.
+
+
+def contact_and_part_agree(values: ValidValues) -> Iterator[Broken]:
+    """The part has the boundaries that its contact needs, and no others."""
+    contact = values.contact
+    if contact is None or values.lacks("follower"):
+        return
+    if not contact.is_plate and values.lacks("part", "rim"):
+        yield ("follower", "contact"), "needs [part] rim, the diameter of the blank"
+    if contact.is_plate and values.has("part", "rim"):
+        message = 'belongs to contact "outer" or "groove"; the outline of this cam is its flank'
+        yield ("part", "rim"), message
+    if not contact.closed_by_form and values.has("part", "groove_depth"):
+        yield ("part", "groove_depth"), 'belongs to contact "groove"'
+    for key in ("bore", "hub"):
+        if not contact.runs_inside and values.has("part", key):
+            message = (
+                'has no place in a cam with contact "outer": the roller runs where it would be'
+            )
+            yield ("part", key), message
+
+
+def part_is_possible(values: ValidValues) -> Iterator[Broken]:
+    """Groove, mark and texts within the thickness, keyway within the bore, bore within the hub."""
+    thickness = values.get("part", "thickness")
+    texts = values.get("part", ENGRAVING) or ()
+    yield from _texts_have_a_place(values, len(texts))
+    depths = [("part", ENGRAVING, number, "depth") for number in range(len(texts))]
+    for place in (("part", "groove_depth"), ("part", "mark", "depth"), *depths):
+        depth = values.get(*place)
+        if depth is not None and thickness is not None and not depth < thickness:
+            yield place, f"must be less than the thickness, {thickness:g}"
+    for key in ("keyway", "d_shaft"):
+        if values.has("part", key) and values.lacks("part", "bore"):
+            yield ("part", key), "needs [part] bore"
+    if values.has("part", "d_shaft") and values.has("part", "keyway"):
+        yield ("part", "d_shaft"), "contradicts keyway; a bore has one of them"
+    bore = values.get("part", "bore")
+    yield from _keyway_is_stated_once(values, bore)
+    width = values.get("part", "keyway", "width")
+    if bore is not None and width is not None and not width < bore:
+        yield ("part", "keyway", "width"), f"must be less than the bore, {bore:g}"
+    across = values.get("part", "d_shaft", "across")
+    if bore is not None and across is not None and not 0.5 * bore < across < bore:
+        yield ("part", "d_shaft", "across"), f"must be more than {0.5 * bore:g}, less than {bore:g}"
+    hub = values.get("part", "hub", "diameter")
+    if bore is not None and hub is not None and not hub > bore:
+        yield ("part", "hub", "diameter"), f"must be more than the bore, {bore:g}"
+    yield from _set_screw_fits(values)
+    yield from _pair_is_possible(values, bore)
+    place = ("part", "bolt_circle", "counterbore")
+    wide, hole = values.get(*place, "diameter"), values.get("part", "bolt_circle", "hole")
+    if wide is not None and hole is not None and not wide > hole:
+        yield (*place, "diameter"), f"must be more than the hole, {hole:g}"
+    length, width = (values.get("part", "mark", key) for key in ("length", "width"))
+    if length is not None and width is not None and not length > width:
+        yield ("part", "mark", "length"), f"must be more than the width, {width:g}"
+
+
+def _texts_have_a_place(values: ValidValues, count: int) -> Iterator[Broken]:
+    """A text along a circle beyond the cam axis; a straight one with one direction at most."""
+    for number in range(count):
+        place = ("part", ENGRAVING, number)
+        along = values.get(*place, "along")
+        radius, height = (values.get(*place, key) for key in ("radius", "height"))
+        if along != STRAIGHT:
+            if values.has(*place, "turn"):
+                yield (*place, "turn"), f'belongs to along = "{STRAIGHT}"'
+            if radius is not None and height is not None and not radius > 0.5 * height:
+                message = f"must be more than half the height of the letters, {0.5 * height:g}"
+                yield (*place, "radius"), message
+        elif values.has(*place, "turn") and values.has(*place, "tops"):
+            yield (*place, "turn"), "contradicts tops, which says the same"
+
+
+def chamfers_have_edges(values: ValidValues) -> Iterator[Broken]:
+    """Chamfers are along what there is, and of a part whose heights are stated."""
+    place = ("part", "chamfers")
+    if not values.has(*place):
+        return
+    if values.lacks("part", "thickness"):
+        yield place, "needs [part] thickness"
+    for key in ("rim", "bore", "hub", "bolt_circle", "lightening_holes"):
+        if values.has(*place, key) and values.lacks("part", key):
+            yield (*place, key), f"needs [part] {key}"
+    contact = values.contact
+    grooved = contact is not None and contact.closed_by_form
+    if grooved and values.has(*place, "outline") and values.lacks("part", "groove_depth"):
+        yield (*place, "outline"), "needs [part] groove_depth"
+
+
+def _keyway_is_stated_once(values: ValidValues, bore: float | None) -> Iterator[Broken]:
+    """By width and depth, or by a standard that has the bore."""
+    place = ("part", "keyway")
+    if not values.has(*place):
+        return
+    by_standard = values.has(*place, "standard")
+    for key in ("width", "depth"):
+        if by_standard and values.has(*place, key):
+            yield (*place, key), "contradicts standard, by which the bore decides it"
+        elif not by_standard and values.lacks(*place, key):
+            yield place, f"needs {key}, or standard"
+    if by_standard and bore is not None and values.valid("units"):
+        try:
+            din_6885_1(bore * values.mm)
+        except GeometryError as error:
+            yield (*place, "standard"), f"{error.message}; width and depth state another"
+
+
+def _pair_is_possible(values: ValidValues, bore: float | None) -> Iterator[Broken]:
+    """Two discs of known thickness, and a spacer around the bore."""
+    place = ("part", "pair")
+    if not values.has(*place):
+        return
+    if values.lacks("follower", "return"):
+        yield place, "belongs to a conjugate pair: it needs [follower.return]"
+    if values.lacks("part", "thickness"):
+        yield place, "needs [part] thickness"
+    spacer = values.get(*place, "spacer")
+    if bore is not None and spacer is not None and not spacer > bore:
+        yield (*place, "spacer"), f"must be more than the bore, {bore:g}"
+
+
+def _set_screw_fits(values: ValidValues) -> Iterator[Broken]:
+    """Within the height of the hub, and narrower than the bore."""
+    place = ("part", "set_screw")
+    if not values.has(*place):
+        return
+    for key in ("bore", "hub"):
+        if values.lacks("part", key):
+            yield place, f"needs [part] {key}"
+    size, at = (values.get(*place, key) for key in ("diameter", "height"))
+    high, bore = values.get("part", "hub", "height"), values.get("part", "bore")
+    most = min((each for each in (high, bore) if each is not None), default=None)
+    if size is None or most is None:
+        return
+    if not size < most:
+        what = "bore" if most == bore else "height of the hub"
+        yield (*place, "diameter"), f"must be less than the {what}, {most:g}"
+    elif high is not None and at is not None and not 0.5 * size < at < high - 0.5 * size:
+        message = f"must be more than {0.5 * size:g}, less than {high - 0.5 * size:g}"
+        yield (*place, "height"), f"{message}: the hole lies within the hub"
+
+
+# -- print rules ----------------------------------------------------------------------------------
+# Rules between what a scene states on printing and its part.
+
+
+def print_suits_the_part(values: ValidValues) -> Iterator[Broken]:
+    """What is to be compensated is there."""
+    if values.has("print", "bore_clearance") and values.lacks("part", "bore"):
+        yield ("print", "bore_clearance"), "needs [part] bore"
+    key = ("print", "key_clearance")
+    if values.has(*key) and values.lacks("part", "keyway") and values.lacks("part", "d_shaft"):
+        yield key, "needs [part] keyway, or d_shaft"
+    place = ("print", "elephant_foot", "height")
+    lowest, what = values.get("part", "thickness"), "thickness"
+    if values.get("part", "hub", "side") in (LOWER, BOTH):
+        lowest, what = values.get("part", "hub", "height"), "height of the lower hub"
+    high = values.get(*place)
+    if high is not None and lowest is not None and not high < lowest:
+        yield place, f"must be less than the {what}, {lowest:g}"
+
+
+# -- state rules ----------------------------------------------------------------------------------
+# Rules between the keys of [state] and those of the machine and its effects.
+
+
+def a_found_speed_is_sought(values: ValidValues) -> Iterator[Broken]:
+    """The speed is found by an effect that the scene names, and by one alone."""
+    named = [each for each in FINDERS if not values.lacks(EFFECTS_KEY, each)]
+    if values.get("state", "speed") == "found" and not named:
+        yield ("state", "speed"), f"needs [effects.{'] or [effects.'.join(FINDERS)}]"
+    yield from (((EFFECTS_KEY, each), f"contradicts [effects.{named[0]}]") for each in named[1:])
+
+
+def a_flank_is_one_of_two(values: ValidValues) -> Iterator[Broken]:
+    """Only a follower that is held both ways has a choice of sides."""
+    flank = values.get("state", "flank")
+    if flank is None:
+        return
+    place = ("state", "flank")
+    if values.get("state", "motion") != "written":
+        yield place, 'belongs to motion = "written"; another motion is the same on both sides'
+    elif flank == "main":
+        if values.lacks("follower", "return") and values.lacks("follower", "yoke"):
+            what = "is a disc of a conjugate pair or a side of a yoke"
+            yield place, f"{what}: it needs [follower.return] or [follower.yoke]"
+    elif flank == "return":
+        if values.lacks("follower", "return"):
+            yield place, "is a disc of a conjugate pair: it needs [follower.return]"
+    elif flank == "opposite":
+        if values.lacks("follower", "yoke"):
+            yield place, "is a side of a yoke: it needs [follower.yoke]"
+    elif values.contact is not None and not values.contact.closed_by_form:
+        yield place, 'is a flank of a groove: it needs contact = "groove"'
+
+
+# -- tolerance rules ------------------------------------------------------------------------------
+# Rules on the tolerances that a scene states in `[tolerance]`.
+
+
+TOLERANCE: Final = "tolerance"
+"""The table of the scene that states tolerances."""
+
+RANGES: Final = ("plus_minus", "limits", "class")
+"""Keys of which a dimension has one."""
+
+
+def tolerances_are_stated_once(values: ValidValues) -> Iterator[Broken]:
+    """Each dimension is there once and has one range."""
+    table = values.raw(TOLERANCE)
+    if not isinstance(table, dict):
+        return
+    if not any(each in table for each in ("dimension", "clearance", "form")):
+        yield (TOLERANCE,), 'states no tolerance: it needs "dimension", "clearance" or "form"'
+    seen: set[str] = set()
+    for index in range(len(_tables(table, "dimension"))):
+        place = (TOLERANCE, "dimension", index)
+        if values.valid(*place):
+            yield from _dimension(values, place, seen)
+    for index, fit in enumerate(_tables(table, "clearance")):
+        place = (TOLERANCE, "clearance", index)
+        if values.valid(*place) and fit["at"] != "cam":
+            yield from _pinned(values, place)
+
+
+def _tables(table: dict[str, list[dict[str, str]]], key: str) -> list[dict[str, str]]:
+    found = table.get(key)
+    return found if isinstance(found, list) else []
+
+
+def _dimension(
+    values: ValidValues, place: tuple[str | int, ...], seen: set[str]
+) -> Iterator[Broken]:
+    table = values.get(*place)
+    if sum(each in table for each in RANGES) != 1:
+        yield place, 'must have one of "plus_minus", "limits" and "class"'
+    limits = table.get("limits")
+    if limits is not None and not limits[0] < limits[1]:
+        yield (*place, "limits"), "must end above where it begins, [from, to]"
+    if "sigma" in table and table.get("distribution", "normal") != "normal":
+        yield (*place, "sigma"), 'belongs to distribution "normal": the others end at their limits'
+    if table["key"] in seen:
+        yield (*place, "key"), "has a tolerance already"
+    seen.add(table["key"])
+
+
+def _pinned(values: ValidValues, place: tuple[str | int, ...]) -> Iterator[Broken]:
+    """A clearance that is not the cam's states its diameter, and the load decides."""
+    if not values.has(*place, "size"):
+        yield place, 'needs "size", the nominal diameter of the pin'
+    if values.has(*place, "shifted"):
+        message = 'belongs to at = "cam": a roller is always pushed off the cam by the load'
+        yield (*place, "shifted"), message
+
+
+# -- rules ----------------------------------------------------------------------------------------
+
 
 TURN: Final = Decimal(360)
 """What the spans add up to [degrees]."""
@@ -252,7 +581,7 @@ def linkage_drives_the_follower(values: ValidValues) -> Iterator[Broken]:
 
 def effects_suit_the_machine(values: ValidValues) -> Iterator[Broken]:
     """Keys that effects declare for one kind of machine are given for that kind only."""
-    if isinstance(values.raw(EFFECTS), dict):
+    if isinstance(values.raw(EFFECTS_KEY), dict):
         from camgeo.scene.effects import misfits  # few scenes name an effect
 
         yield from misfits(values)
@@ -300,8 +629,8 @@ def a_mass_is_known(values: ValidValues) -> Iterator[Broken]:
         return
     if values.lacks("part", "thickness"):
         yield ("limits", "mass"), "needs [part] thickness"
-    dense = (("part", "density"), ("part", "material"), (EFFECTS, "balance"))
-    if values.valid(EFFECTS) and all(values.lacks(*key) for key in dense):
+    dense = (("part", "density"), ("part", "material"), (EFFECTS_KEY, "balance"))
+    if values.valid(EFFECTS_KEY) and all(values.lacks(*key) for key in dense):
         yield ("limits", "mass"), "needs [part] material or density"
 
 
@@ -351,7 +680,7 @@ def _largest_length(values: ValidValues) -> float | None:
     return max(lengths)
 
 
-def _ends(values: ValidValues) -> Iterator[tuple[Path, float]]:
+def _ends(values: ValidValues) -> Iterator[tuple[KeyPath, float]]:
     """The positions at which segments end, where they are known, with their keys."""
     for index in range(values.segments):
         end = values.get("motion", index, "to")

@@ -34,19 +34,20 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 from jsonschema_rs import Draft202012Validator
 
 from camgeo.errors import CamgeoError
-from camgeo.formats.registry import FORMATS, NO_FORMATS, find_format, foreign_names
-from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
-from camgeo.mechanism.kind import FollowerKind, LinkageKind
-from camgeo.motion.laws import ALIASES, FAMILIES, OPTIONS
-from camgeo.motion.planning.request import AUTO
+from camgeo.kinematics.laws import ALIASES, FAMILIES, OPTIONS
+from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
+from camgeo.kinematics.mechanism.values import FollowerKind, LinkageKind
+from camgeo.kinematics.planning.requests import AUTO
+from camgeo.scene.formats.format import FORMATS, NO_FORMATS, find_format, foreign_names
 
 if TYPE_CHECKING:
-    from camgeo.effects.effect import Effect
-    from camgeo.formats.format import Format
+    from camgeo.dynamics.effects.effect import Effect
+    from camgeo.scene.formats.format import Format
+
 
 SCHEMA_FILE: Final = pathlib.Path(__file__).with_name("schema.json")
 
-EFFECTS: Final = "effects"
+EFFECTS_KEY: Final = "effects"
 """Key of the table of effects."""
 
 FINDERS: Final = ("speed-fluctuation", "camshaft-windup")
@@ -174,7 +175,7 @@ class Composed:
             raise CamgeoError(message) from error
 
 
-NAMING: Final = (EFFECTS, OUTPUT, *MILLING)
+NAMING: Final = (EFFECTS_KEY, OUTPUT, *MILLING)
 """The tables by which `schema_for` decides."""
 
 Named = tuple[tuple[str, Declared | None], ...]
@@ -187,13 +188,13 @@ def schema_for(values: Mapping[str, Any]) -> Composed:
     Of the other effects and formats it has only the names, for the messages.
     """
     mills = any(name in values for name in MILLING)
-    return _composed(_effects(values.get(EFFECTS)), _formats(values.get(OUTPUT)), mills=mills)
+    return _composed(_effects(values.get(EFFECTS_KEY)), _formats(values.get(OUTPUT)), mills=mills)
 
 
 @functools.cache
 def milling_tables() -> Node:
     """Return the schemas of the tables on milling, by their keys; shared, never to be changed."""
-    from camgeo.toolpath.milling import tables  # few scenes mill
+    from camgeo.milling.milling import tables  # few scenes mill
 
     return tables()
 
@@ -216,7 +217,7 @@ def library_schema() -> Composed:
 def _effects(named: Any) -> Named[Effect]:
     if not isinstance(named, dict) or not named:
         return ()
-    from camgeo.effects import registry  # few scenes name an effect
+    from camgeo.dynamics.effects import registry  # few scenes name an effect
 
     known = registry.EFFECTS
     if not named.keys() <= set(known):
@@ -252,13 +253,13 @@ def _composed(effects: Named[Effect], formats: Named[Format[Any]], *, mills: boo
 def with_tables(effects: Tables, formats: Tables, milling: Tables) -> Node:
     """Return the schema with these tables; what it shares must not be changed."""
     top = schema()["properties"]
-    own = {**top[EFFECTS], "properties": {name: dict(table) for name, table in effects.items()}}
+    own = {**top[EFFECTS_KEY], "properties": {name: dict(table) for name, table in effects.items()}}
     keys = top[OUTPUT]["properties"]
     listed = {**keys["formats"], "items": {"enum": list(formats), "x-hints": NO_FORMATS}}
     listed["description"] = listed["description"].format(formats=", ".join(formats))
     tables = {name: _optional(table) for name, table in formats.items()}
     output = {**top[OUTPUT], "properties": {**keys, "formats": listed, **tables}}
-    own_tables = {EFFECTS: own, OUTPUT: output, **milling}
+    own_tables = {EFFECTS_KEY: own, OUTPUT: output, **milling}
     return {**schema(), "properties": {**top, **own_tables}}
 
 

@@ -8,11 +8,11 @@ from typing import Any, Final
 
 from jsonschema_rs import ValidationError
 
-from camgeo.declared import allowed
 from camgeo.errors import Fault, meant, nearest
-from camgeo.scene.document import Document
-from camgeo.scene.keys import Path, quoted
+from camgeo.record import allowed
+from camgeo.scene.keys import KeyPath, quoted
 from camgeo.scene.schema import Composed, Node, definition, node_at, resolved, schema, schema_for
+from camgeo.scene.values import Document
 
 UNKNOWN: Final = "additionalProperties"
 """What the validator calls an unknown key."""
@@ -33,8 +33,8 @@ class Verdict:
     """
 
     faults: tuple[Fault, ...]
-    bad: frozenset[Path]
-    meant: frozenset[Path]
+    bad: frozenset[KeyPath]
+    meant: frozenset[KeyPath]
 
 
 def judge(scene: Document) -> Verdict:
@@ -49,8 +49,8 @@ def judged(scene: Document, schema: Composed) -> Verdict:
               for each in found]  # fmt: skip
     faults: list[Fault] = []
     bad = set(scene.bad)
-    meant: set[Path] = set()
-    excused: set[Path] = set()
+    meant: set[KeyPath] = set()
+    excused: set[KeyPath] = set()
     # Unknown keys first: one of them may be a misspelt key that is missing.
     for path, error, node in sorted(errors, key=lambda each: each[1].kind.name != UNKNOWN):
         if error.kind.name == UNKNOWN:
@@ -80,12 +80,12 @@ def judged(scene: Document, schema: Composed) -> Verdict:
     return Verdict(tuple(faults), frozenset(bad), frozenset(meant))
 
 
-def _missing(scene: Document, path: Path, table: Node) -> Fault:
+def _missing(scene: Document, path: KeyPath, table: Node) -> Fault:
     node = resolved(table.get("properties", {}).get(path[-1], {}))
     return scene.fault(path, f"is missing: {node.get('description', 'it is needed')}".rstrip("."))
 
 
-def _refused(scene: Document, path: Path, error: ValidationError, node: Node) -> Fault:
+def _refused(scene: Document, path: KeyPath, error: ValidationError, node: Node) -> Fault:
     value = scene.at(path)
     hint = ""
     choices: list[Any] = node.get("enum") or node.get("x-values") or []
@@ -104,7 +104,7 @@ def _refused(scene: Document, path: Path, error: ValidationError, node: Node) ->
     return scene.fault(path, allowed(node) if known else str(error.message), hint)
 
 
-def _unknown_key(scene: Document, path: Path, name: str, node: Node) -> tuple[Fault, str, bool]:
+def _unknown_key(scene: Document, path: KeyPath, name: str, node: Node) -> tuple[Fault, str, bool]:
     """The fault, the key of the same table that was meant, and whether a sibling's key was."""
     place = (*path, name)
     if "x-unknown" in node:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import pathlib
 import re
 import tomllib
 from collections.abc import Iterator
@@ -13,8 +14,10 @@ import tomlkit
 from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import AoT, Array, Float, Table, Trivia
 
-from camgeo.scene.keys import Path, key_lines
-from camgeo.scene.tree import Tree
+from camgeo.errors import UnknownNameError
+from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
+from camgeo.scene.keys import KeyPath, key_lines
+from camgeo.scene.values import Tree
 
 SINGLE: Final = re.compile(r"""([^=#"']*=[ \t]*)([^\s#,\[\]{}"']+)([ \t\r]*(?:\#.*)?)""")
 """A line with a key and one value that is no text."""
@@ -78,7 +81,7 @@ def _with_numbers(text: str, before: Tree, after: Tree) -> str | None:
     return "\n".join(lines)
 
 
-def _differing(one: Any, other: Any, path: Path) -> Iterator[tuple[Path, Any, Any]]:
+def _differing(one: Any, other: Any, path: KeyPath) -> Iterator[tuple[KeyPath, Any, Any]]:
     """Where two trees differ, and both values there."""
     if isinstance(one, dict) and isinstance(other, dict) and list(one) == list(other):
         for key in one:
@@ -202,3 +205,33 @@ def _item(value: Any, *, inline: bool = False) -> Any:
         array.extend(_item(item, inline=True) for item in value)
         return array
     return tomlkit.item(value)
+
+
+# -- new ------------------------------------------------------------------------------------------
+# Commented scenes to start from, for `camgeo new KIND`.
+
+
+TEMPLATES: Final = pathlib.Path(__file__).with_name("templates")
+
+MECHANISMS: Final = (
+    *FOLLOWERS,
+    "knife-edge",
+    "groove",
+    "conjugate-carriage",
+    "conjugate-lever",
+    "constant-breadth",
+    *(name for kind in LINKAGES.values() for name in kind.templates),
+)
+"""Kinds with a mechanism of their own."""
+
+TEMPLATE_KINDS: Final = (*MECHANISMS, "milled")
+"""Kinds for which `template` has a scene; the first is the default of the command line."""
+
+
+def template(kind: str) -> str:
+    """Return the text of a commented scene of that kind; UnknownNameError if there is
+    none.
+    """
+    if kind not in TEMPLATE_KINDS:
+        raise UnknownNameError("template", kind, TEMPLATE_KINDS)
+    return (TEMPLATES / f"{kind}.toml").read_text(encoding="utf-8")

@@ -10,8 +10,8 @@ from decimal import Decimal
 from typing import Any, Final
 
 from camgeo.errors import GeometryError
-from camgeo.scene.keys import Path, spelled
-from camgeo.scene.tree import Tree
+from camgeo.scene.keys import KeyPath, spelled
+from camgeo.scene.values import Tree
 
 Value = int | float | str | bool
 """A value at a key of a scene, in the units of the scene."""
@@ -35,7 +35,7 @@ def plain(number: float) -> int | float:
     return number
 
 
-def design_path(tree: Tree, key: str, seen: set[str]) -> Path:
+def design_path(tree: Tree, key: str, seen: set[str]) -> KeyPath:
     """The path of a key that varies, which is added to those `seen`.
 
     Raises
@@ -45,7 +45,7 @@ def design_path(tree: Tree, key: str, seen: set[str]) -> Path:
     GeometryError
         If no design has the key, or it is among those that vary already.
     """
-    from camgeo.scene.paths import value_path  # few scenes state a family
+    from camgeo.scene.values import value_path  # few scenes state a family
 
     path = value_path(tree, key)
     if path[0] in FAMILIES:

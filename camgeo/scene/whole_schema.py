@@ -8,13 +8,16 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterable, Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from camgeo.effects.effect import Effect
-from camgeo.effects.registry import EFFECTS, find_effect
-from camgeo.effects.rules import Only
-from camgeo.formats.registry import FORMATS, find_format
+from camgeo.dynamics.effects.effect import Effect
+from camgeo.dynamics.effects.registry import EFFECTS, find_effect
+from camgeo.dynamics.effects.rules import Only
+from camgeo.scene.formats.format import FORMATS, find_format
 from camgeo.scene.schema import Node, milling_tables, with_tables
+
+if TYPE_CHECKING:
+    pass
 
 
 def whole_schema(names: Iterable[str] = EFFECTS) -> Node:

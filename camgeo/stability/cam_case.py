@@ -10,13 +10,12 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.cam.disc import Disc
-from camgeo.cam.drive import Drive
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
-from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.motion.laws import make_law
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.cam.cam import Disc, Drive
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.stability.exact_cam import AnyFollower, AnyLinkage, Stage
 from camgeo.stability.high_precision import Number, multiprecision

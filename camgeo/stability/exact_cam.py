@@ -13,13 +13,13 @@ from operator import attrgetter
 from typing import Any, Final
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.four_bar import FourBar
-from camgeo.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
-from camgeo.mechanism.translating_flat import TranslatingFlat
-from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.four_bar import FourBar
+from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.stability.high_precision import Number, multiprecision
 from camgeo.stability.lifts import lift
 from camgeo.stability.linkage import exact_linkage

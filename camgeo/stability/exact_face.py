@@ -13,8 +13,8 @@ from functools import singledispatch
 from typing import Any
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from camgeo.stability.exact_cam import TERMS, Stage
 from camgeo.stability.high_precision import Number, multiprecision
 from camgeo.stability.series import Series, direction, variable

@@ -15,8 +15,8 @@ from itertools import pairwise
 from typing import Any, Final
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.stability.cam_case import CamSpec
 from camgeo.stability.exact_cam import AnyFollower, CamJet
 from camgeo.stability.high_precision import STEPS, Number, multiprecision, newton

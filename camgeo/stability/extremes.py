@@ -9,12 +9,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from camgeo.check.transmission_angle import transmission_angle_extremes
-from camgeo.curve.extremes import Extremes, curvature_extremes
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
+from camgeo.check.flank import transmission_angle_extremes
+from camgeo.geometry.outline.cusps import undercut_ranges
+from camgeo.geometry.pieces import Extremes, curvature_extremes
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.numeric.arrays import FloatArray
-from camgeo.outline.cusps import undercut_ranges
 from camgeo.stability import cams, loops
 from camgeo.stability.cam_case import CamSpec
 from camgeo.stability.exact_cam import CamJet

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from camgeo.mechanism.face import flat_follower
-from camgeo.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.mechanism.face import flat_follower
+from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.stability.cam_case import EVEN, LIFTS, MIDDLE, SHARES, STEEP, WIDE, CamSpec, of_moves
 from camgeo.stability.exact_face import face_jet

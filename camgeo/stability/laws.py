@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from camgeo.motion.laws import make_law
-from camgeo.motion.laws.law import Law
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.laws.law import Law
 from camgeo.numeric.arrays import FloatArray
 from camgeo.stability.high_precision import Number
 from camgeo.stability.lifts import (

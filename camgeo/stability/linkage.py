@@ -7,9 +7,9 @@ from functools import singledispatch
 from typing import Any
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.four_bar import FourBar
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.kinematics.mechanism.four_bar import FourBar
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.stability.high_precision import Number, multiprecision
 from camgeo.stability.series import Series, direction, logarithm, root
 

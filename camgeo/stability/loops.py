@@ -9,11 +9,11 @@ import math
 from dataclasses import replace
 from typing import Final
 
-from camgeo.mechanism.four_bar import FourBar
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
-from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.four_bar import FourBar
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.stability.cam_case import EVEN, SHARES, CamSpec
 
 PLACES: Final = (1e-9, 0.21, 0.5, 0.83, 0.97)

@@ -9,16 +9,15 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.curve.extremes import curvature_extremes
-from camgeo.curve.working_curve import WorkingCurve
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.geometry.outline.crossings import Crossing, find_crossings
+from camgeo.geometry.outline.outline import real_outline
+from camgeo.geometry.outline.path import area
+from camgeo.geometry.outline.replay import Replay, replay_outline
+from camgeo.geometry.pieces import curvature_extremes
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.outline.crossings import Crossing, find_crossings
-from camgeo.outline.moments import area
-from camgeo.outline.outline import real_outline
-from camgeo.outline.replay import replay_outline
-from camgeo.outline.replay_result import Replay
 from camgeo.stability.cam_case import STEEP, CamSpec
 from camgeo.stability.exact_outline import ExactOutline
 from camgeo.stability.high_precision import Number, Roots

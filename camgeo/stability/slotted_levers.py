@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.mechanism.slotted_lever import SlottedLever
+from camgeo.kinematics.mechanism.slotted_lever import SlottedLever
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
 from camgeo.stability.high_precision import Number, multiprecision, newton

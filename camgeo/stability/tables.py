@@ -12,8 +12,8 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.motion.boundary import FREE
-from camgeo.motion.points import clamped_spline, periodic_spline
+from camgeo.kinematics.motion import FREE
+from camgeo.kinematics.splines import clamped_spline, periodic_spline
 from camgeo.numeric.arrays import FloatArray
 from camgeo.stability.high_precision import Number, multiprecision
 from camgeo.stability.measure import Case

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from camgeo.accuracy.rows import ContourRow, Count, FileCost
-from camgeo.contour.contour import Effort, Form
+from camgeo.geometry.contour.contour import Effort, Form
+from camgeo.studies.accuracy.contours import ContourRow, Count, FileCost
 
 DECIMALS = 4
 

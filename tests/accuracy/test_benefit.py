@@ -10,13 +10,12 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.accuracy import benefit
-from camgeo.accuracy.benefit import BenefitRow, benefit_rows, exact_motion
-from camgeo.accuracy.spectrum import harmonics
-from camgeo.contour.contour import Form
-from camgeo.design import Design
-from camgeo.effects.results import CONTACT_FORCE
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.results import CONTACT_FORCE
+from camgeo.geometry.contour.contour import Form
 from camgeo.numeric.arrays import SIDES
+from camgeo.studies.accuracy import benefit
+from camgeo.studies.accuracy.benefit import BenefitRow, benefit_rows, exact_motion, harmonics
 from camgeo.units import RPM
 from tests.answers.documents import FIXTURES
 from tests.effects.scenes import design

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 import camgeo
-from camgeo.accuracy.bill import STAGES, bill_rows, staged
-from camgeo.answers.build import build
+from camgeo.app.answers.build import build
 from camgeo.lazy import Ledger
+from camgeo.studies.accuracy.bill import STAGES, bill_rows, staged
 from tests.answers.documents import FIXTURES
 
 

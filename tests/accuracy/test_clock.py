@@ -7,7 +7,7 @@ from functools import partial
 
 import pytest
 
-from camgeo.accuracy.clock import (
+from camgeo.studies.accuracy.contours import (
     ALIKE,
     LONG,
     MOST_RUNS,

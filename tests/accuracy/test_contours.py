@@ -10,18 +10,24 @@ from typing import Any
 import pytest
 
 import camgeo
-from camgeo.accuracy import contours as measuring
-from camgeo.accuracy import survey
-from camgeo.accuracy.contours import contour_rows, drawn_as, flanks_of
-from camgeo.accuracy.rows import EFFORTS, FORMS, ContourRow
-from camgeo.contour.contour import Contour, Fit
-from camgeo.contour.least_pieces import forced_pieces
-from camgeo.design import Design
+from camgeo.design.design import Design
+from camgeo.design.writing import find_writer
 from camgeo.errors import ToleranceError
-from camgeo.formats.dxf import FORMAT
-from camgeo.outline.replay import replay_contour
-from camgeo.part.boundary import WRITTEN_SHARE, written_contour
-from camgeo.writing.writer import find_writer
+from camgeo.geometry.contour.contour import Contour, Fit
+from camgeo.geometry.contour.least_pieces import forced_pieces
+from camgeo.geometry.outline.replay import replay_contour
+from camgeo.part.part import WRITTEN_SHARE, written_contour
+from camgeo.scene.formats.dxf import FORMAT
+from camgeo.studies.accuracy import contours as measuring
+from camgeo.studies.accuracy import survey
+from camgeo.studies.accuracy.contours import (
+    EFFORTS,
+    FORMS,
+    ContourRow,
+    contour_rows,
+    drawn_as,
+    flanks_of,
+)
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 

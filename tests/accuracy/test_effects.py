@@ -14,24 +14,24 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.accuracy import survey as surveys
-from camgeo.accuracy.effects import (
+from camgeo.app.cli.main import parser
+from camgeo.check.finding import Finding
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.effect import Bound, Column, Effect, Request, Result
+from camgeo.dynamics.effects.graph import Effects
+from camgeo.errors import EffectError, GeometryError
+from camgeo.pictures.accuracy import figure
+from camgeo.studies.accuracy import survey as surveys
+from camgeo.studies.accuracy.contours import EffectRow
+from camgeo.studies.accuracy.survey import (
     TIGHTER,
-    TOLERANCES,
+    TOLERANCES_OF_EFFECTS,
+    Survey,
     compared,
     effect_rows,
     figures_of,
 )
-from camgeo.accuracy.rows import EffectRow
-from camgeo.accuracy.survey import Survey
-from camgeo.check.finding import Finding
-from camgeo.cli.main import parser
-from camgeo.design import Design
-from camgeo.effects.effect import Bound, Column, Effect, Request, Result
-from camgeo.effects.graph import Effects
-from camgeo.errors import EffectError, GeometryError
-from camgeo.figure.accuracy import figure
-from camgeo_export.plots.render import render
+from camgeo_export.plots import render
 from tests import kept
 from tests.effects.fakes import fake
 from tests.effects.scenes import SCENES, design
@@ -118,7 +118,9 @@ class Made:
         found.__dict__["effects"] = graph
         return found
 
-    def rows(self, *names: str, tolerances: tuple[float, ...] = TOLERANCES) -> list[EffectRow]:
+    def rows(
+        self, *names: str, tolerances: tuple[float, ...] = TOLERANCES_OF_EFFECTS
+    ) -> list[EffectRow]:
         return list(effect_rows(self.named(*names), tolerances, progress=lambda _: None))
 
 
@@ -151,7 +153,7 @@ def test_the_reference_is_computed_once(made: Made) -> None:
 
 
 def test_tolerances_are_one_a_decade() -> None:
-    assert [f"{each:g}" for each in TOLERANCES] == ["0.01", "0.001", "0.0001"] + [
+    assert [f"{each:g}" for each in TOLERANCES_OF_EFFECTS] == ["0.01", "0.001", "0.0001"] + [
         f"1e-{k:02}" for k in range(5, 11)
     ]
 
@@ -163,9 +165,9 @@ def test_every_figure_is_compared_with_a_much_tighter_result(
     """Not only the first column, which here does not depend on the tolerance."""
     made.add("effect", compute)
     rows = made.rows("effect")
-    assert [row.tolerance for row in rows] == list(TOLERANCES)
+    assert [row.tolerance for row in rows] == list(TOLERANCES_OF_EFFECTS)
     for row in rows:
-        expected = BENT * (row.tolerance - TOLERANCES[-1] / TIGHTER)
+        expected = BENT * (row.tolerance - TOLERANCES_OF_EFFECTS[-1] / TIGHTER)
         assert row.difference == pytest.approx(expected, rel=1e-4)
         assert row.figure == figure
         assert row.error == pytest.approx(2.0 * BENT * row.tolerance)
@@ -189,16 +191,19 @@ def test_an_effect_that_reaches_rounding_at_once_has_one_row(made: Made) -> None
     made.add("effect", settled)
     (row,) = made.rows("effect")
     assert row.rounded
-    assert row.tolerance == TOLERANCES[0]
+    assert row.tolerance == TOLERANCES_OF_EFFECTS[0]
     assert row.error == 2e-13 / 50.0
     assert row.difference is not None
     assert 0.0 < row.difference <= row.error
-    assert {tolerance for _, tolerance in made.calls} == {TOLERANCES[0], TOLERANCES[-1] / TIGHTER}
+    assert {tolerance for _, tolerance in made.calls} == {
+        TOLERANCES_OF_EFFECTS[0],
+        TOLERANCES_OF_EFFECTS[-1] / TIGHTER,
+    }
 
 
 def test_the_estimate_is_the_effect_s(made: Made) -> None:
     made.add("effect", with_column)
-    expected = [2.0 * BENT * tolerance for tolerance in TOLERANCES]
+    expected = [2.0 * BENT * tolerance for tolerance in TOLERANCES_OF_EFFECTS]
     assert [row.error for row in made.rows("effect")] == pytest.approx(expected)
 
 
@@ -332,9 +337,9 @@ def test_the_survey_has_them(made: Made, monkeypatch: pytest.MonkeyPatch) -> Non
     made.add("effect", with_column)
     reported: list[str] = []
     found = surveys.survey(made.named("effect"), (1e-3,), (Decimal(5),), progress=reported.append)
-    assert [row.tolerance for row in found.effects] == list(TOLERANCES)
+    assert [row.tolerance for row in found.effects] == list(TOLERANCES_OF_EFFECTS)
     assert reported[:2] == ["effect, reference to 1e-12", "effect, 0.01"]
-    assert len(reported) == 1 + len(TOLERANCES)
+    assert len(reported) == 1 + len(TOLERANCES_OF_EFFECTS)
     assert surveys.survey(made.named(), (1e-3,), (Decimal(5),)).effects == ()
 
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from camgeo.accuracy.benefit import BenefitRow
-from camgeo.accuracy.enough import SHARE, enough, of_each_form, words
+from camgeo.studies.accuracy.benefit import BenefitRow
+from camgeo.studies.accuracy.knee import SHARE, enough, of_each_form, words
 
 
 def row(tolerance: float, off: float, lift_off: float = 90.0) -> BenefitRow:

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from camgeo.accuracy.spectrum import ripple_spectrum
-from camgeo.contour.contour import Form
-from camgeo.design import Design
+from camgeo.design.design import Design
+from camgeo.geometry.contour.contour import Form
+from camgeo.studies.accuracy.benefit import ripple_spectrum
 from tests.effects.scenes import design
 
 MOST = 63

@@ -12,11 +12,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import camgeo
-from camgeo.accuracy.tables import interpolation_error, table_rows
-from camgeo.motion.laws.law import Law
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.design.value_table import cam_angles
+from camgeo.kinematics.laws.law import Law
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray
-from camgeo.product.value_table import cam_angles
+from camgeo.studies.accuracy.survey import interpolation_error, table_rows
 from tests.laws import LAWS
 from tests.strategies import laws
 

@@ -9,11 +9,10 @@ from typing import Any
 
 from jsonschema_rs import Draft202012Validator, meta
 
-from camgeo.answers.answer import Answer
-from camgeo.answers.explain import Explanation, explain
-from camgeo.answers.render import schema_of, to_json
-from camgeo.design import Design
-from camgeo.scene.load import load_scene
+from camgeo.app.answers.answer import Answer, schema_of, to_json
+from camgeo.app.answers.explain import Explanation, explain
+from camgeo.design.design import Design
+from camgeo.scene.scene import load_scene
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
 

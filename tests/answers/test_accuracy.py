@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.accuracy import survey as surveys
-from camgeo.answers.accuracy import accuracy
-from camgeo.answers.render import figure, text
-from camgeo.design import Design
-from camgeo.scene.load import load_scene
+from camgeo.app.answers.accuracy import accuracy
+from camgeo.app.answers.answer import figure, text
+from camgeo.design.design import Design
+from camgeo.scene.scene import load_scene
+from camgeo.studies.accuracy import survey as surveys
 from tests.answers.documents import FIXTURES, SCENES, document
 from tests.cli.test_accuracy import made_up
 

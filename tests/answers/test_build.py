@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 
 import camgeo
-from camgeo.answers.build import build, told
-from camgeo.answers.render import text
-from camgeo.answers.verify import verify
-from camgeo.design import Design
+from camgeo.app.answers.answer import text
+from camgeo.app.answers.build import build, poor_findings
+from camgeo.app.answers.verify import verify
+from camgeo.design.design import Design
 from camgeo.errors import SceneError, UnsafeError
-from camgeo.scene.load import load_scene
+from camgeo.scene.scene import load_scene
 from tests.answers.documents import FIXTURES, RING, UNHELD, document
 
 SCENE = FIXTURES / "scenes" / "inch.toml"
@@ -92,5 +92,5 @@ def test_a_diameter_is_limited_without_a_part() -> None:
     design = camgeo.load(FIXTURES / "scenes" / "vorschub.toml")
     edits = {"output.formats": ["csv"], "limits.diameter": 50.0}
     bare = {key: None for key in ("part", "tool", "stock", "holding") if key in design.scene.values}
-    found = told(camgeo.Design(design.scene.with_values({**edits, **bare})))
+    found = poor_findings(camgeo.Design(design.scene.with_values({**edits, **bare})))
     assert [each.name for each in found if each.severity == "broken"] == ["largest-diameter"]

@@ -11,16 +11,15 @@ from pathlib import Path
 import pytest
 
 import camgeo
-from camgeo.answers.answer import verdict_on
-from camgeo.answers.build import build
-from camgeo.answers.check import Check, check
-from camgeo.answers.render import text
+from camgeo.app.answers.answer import text, verdict_on
+from camgeo.app.answers.build import build
+from camgeo.app.answers.check import Check, check
 from camgeo.check.finding import Finding
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.errors import SceneError
-from camgeo.scene.load import load_scene
-from camgeo.toolpath.engaged import engagement_findings
-from camgeo.wording import clock
+from camgeo.milling.plan import engagement_findings
+from camgeo.scene.scene import load_scene
+from camgeo.units import clock
 from tests.answers.documents import FIXTURES, RING, SCENES, UNHELD, document, explained
 from tests.long_form import LONG
 
@@ -107,7 +106,7 @@ def test_text_asks_for_no_outline_that_the_findings_do_not_need(
     def refused(*_: object) -> None:
         raise AssertionError("an outline")
 
-    monkeypatch.setattr("camgeo.answers.check._remains", refused)
+    monkeypatch.setattr("camgeo.app.answers.check._remains", refused)
     found = check(Design(load_scene(SETZHUB)))
     assert text(found)
     with pytest.raises(AssertionError, match="an outline"):

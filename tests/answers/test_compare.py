@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from camgeo.answers.check import check
-from camgeo.answers.compare import Compare, compare
-from camgeo.answers.render import figure, text
-from camgeo.design import Design
+from camgeo.app.answers.answer import figure, text
+from camgeo.app.answers.check import check
+from camgeo.app.answers.compare import Compare, compare
+from camgeo.design.design import Design
 from camgeo.errors import GeometryError, UnknownNameError
-from camgeo.figure.marks import Line
-from camgeo.scene.load import load_scene
+from camgeo.pictures.model import Line
+from camgeo.scene.scene import load_scene
 from tests.answers.documents import FIXTURES, document
 from tests.sweep.families import SETZHUB
 

@@ -8,18 +8,18 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.answers.answer import Answer
-from camgeo.answers.compare import compare
-from camgeo.answers.inspect import inspect
-from camgeo.answers.laws import laws_of_task
-from camgeo.answers.probe import probe
-from camgeo.answers.replay import replay
-from camgeo.answers.setup import setup_sheet
-from camgeo.answers.size import size
-from camgeo.answers.slotted_lever import slotted_lever
-from camgeo.cli.main import main
-from camgeo.design import Design
-from camgeo.scene.load import load_scene
+from camgeo.app.answers.answer import Answer
+from camgeo.app.answers.compare import compare
+from camgeo.app.answers.inspect import inspect
+from camgeo.app.answers.laws import laws_of_task
+from camgeo.app.answers.probe import probe
+from camgeo.app.answers.replay import replay
+from camgeo.app.answers.setup import setup_sheet
+from camgeo.app.answers.size import size
+from camgeo.app.answers.slotted_lever import slotted_lever
+from camgeo.app.cli.main import main
+from camgeo.design.design import Design
+from camgeo.scene.scene import load_scene
 from tests.answers.documents import FIXTURES, document
 
 INCH = "scenes/inch.toml"

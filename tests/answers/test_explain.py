@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.answers.check import check
-from camgeo.answers.explain import GOALS, explain
-from camgeo.answers.render import text
-from camgeo.design import Design
-from camgeo.scene.load import load_scene
+from camgeo.app.answers.answer import text
+from camgeo.app.answers.check import check
+from camgeo.app.answers.explain import GOALS, explain
+from camgeo.design.design import Design
+from camgeo.scene.scene import load_scene
 from tests.answers.documents import FIXTURES, SCENES, document, explained
 
 SPRUNG = FIXTURES / "effects" / "lift_off_elastic.toml"

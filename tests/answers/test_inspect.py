@@ -9,18 +9,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgeo.answers.inspect import Inspection, inspect, of_points
-from camgeo.answers.probe import probe
-from camgeo.answers.render import figure, table, text
-from camgeo.design import Design
+from camgeo.app.answers.answer import figure, table, text
+from camgeo.app.answers.inspect import Inspection, inspect, of_points
+from camgeo.app.answers.probe import probe
+from camgeo.design.design import Design
 from camgeo.errors import FileError, GeometryError, SceneError
-from camgeo.figure.marks import Line
-from camgeo.inspection.alignment import Align
-from camgeo.inspection.exact_flank import ExactFlank
-from camgeo.inspection.measured_points import MeasuredPoints
+from camgeo.geometry.outline.exact_flank import ExactFlank
+from camgeo.geometry.outline.path import Flank
 from camgeo.numeric.arrays import FloatArray
-from camgeo.outline.path import Flank
-from camgeo.scene.load import load_scene
+from camgeo.pictures.model import Line
+from camgeo.scene.scene import load_scene
+from camgeo.studies.inspection import Align, MeasuredPoints
 from tests.answers.documents import FIXTURES, SCENES, document
 from tests.inspection.flanks import BUMP, bump, disc_of, every, flank_of, measured
 

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import pytest
 
-from camgeo.answers import (
+from camgeo.app.answers import (
     accuracy,
     build,
     check,

@@ -8,11 +8,11 @@ from dataclasses import replace
 
 import pytest
 
-from camgeo.answers.laws import LawRow, laws_of_all_tasks, laws_of_task
-from camgeo.answers.render import figure, text
+from camgeo.app.answers.answer import figure, text
+from camgeo.app.answers.laws import LawRow, laws_of_all_tasks, laws_of_task
 from camgeo.errors import GeometryError
-from camgeo.motion.boundary import TASKS
-from camgeo.motion.laws.comparison import Running, compare
+from camgeo.kinematics.laws.comparison import Running, compare
+from camgeo.kinematics.motion import TASKS
 from tests.answers.documents import document
 
 MOVE = Running(4.0 * math.pi, math.radians(60.0), 25.0)

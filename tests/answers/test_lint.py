@@ -10,11 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.answers.answer import BROKEN, FINE, WRONG
-from camgeo.answers.lint import Lint, lint
-from camgeo.answers.render import text
-from camgeo.cli.main import main
-from camgeo.verifying.linting import Bench
+from camgeo.app.answers.answer import BROKEN, FINE, WRONG, text
+from camgeo.app.answers.lint import Lint, lint
+from camgeo.app.cli.main import main
+from camgeo.design.linting import Bench
 from tests.answers.documents import document
 from tests.interpreter.programs import GOOD
 

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.answers.machines import Machines, machine, machines
-from camgeo.answers.render import text
-from camgeo.cli.main import main
+from camgeo.app.answers.answer import text
+from camgeo.app.answers.machines import Machines, machine, machines
+from camgeo.app.cli.main import main
 from camgeo.errors import SceneError
-from camgeo.toolpath import machine as profiles
+from camgeo.milling import machine as profiles
 from tests.answers.documents import document
 
 FOLDER = Path(profiles.__file__).parent / "machines"

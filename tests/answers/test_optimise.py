@@ -5,11 +5,10 @@ from __future__ import annotations
 import csv
 import io
 
-from camgeo.answers.optimise import Optimum
-from camgeo.answers.optimise.rendering import comma_separated
-from camgeo.answers.render import figure, text
-from camgeo.optimise.optimise import optimise
-from camgeo.optimise.task import task_of
+from camgeo.app.answers.answer import figure, text
+from camgeo.app.answers.optimise import Optimum, comma_separated
+from camgeo.studies.optimise.optimise import optimise
+from camgeo.studies.optimise.task import task_of
 from tests.answers.documents import document
 from tests.optimise.cams import PLAIN
 

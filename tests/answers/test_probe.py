@@ -9,12 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgeo.answers.probe import Probing, probe
-from camgeo.answers.probe.rendering import flank_table, lift_table
-from camgeo.answers.render import table, text
+from camgeo.app.answers.answer import table, text
+from camgeo.app.answers.probe import Probing, flank_table, lift_table, probe
 from camgeo.check.finding import Finding
-from camgeo.design import Design
-from camgeo.scene.load import load_scene
+from camgeo.design.design import Design
+from camgeo.scene.scene import load_scene
 from tests.answers.documents import FIXTURES, SCENES, document
 
 FOLDER = FIXTURES / "scenes"

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.answers.refusal import Refusal, refusal
-from camgeo.answers.render import text
-from camgeo.cli.main import main
+from camgeo.app.answers.answer import text
+from camgeo.app.answers.refusal import Refusal, refusal
+from camgeo.app.cli.main import main
 from camgeo.errors import (
     CamgeoError,
     Fault,

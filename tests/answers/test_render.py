@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import math
-import pkgutil
 from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
@@ -14,15 +13,13 @@ import numpy as np
 import pytest
 from jsonschema_rs import meta
 
-from camgeo import answers
-from camgeo.answers import render
-from camgeo.answers.answer import Answer
+from camgeo.app import answers
+from camgeo.app.answers import answer
+from camgeo.app.answers.answer import Answer
 from camgeo.numeric.arrays import FloatArray
 
 PACKAGES = sorted(
-    each.name
-    for each in pkgutil.iter_modules(answers.__path__, f"{answers.__name__}.")
-    if each.ispkg
+    f"{answers.__name__}.{path.stem}" for path in Path(answers.__path__[0]).glob("*.json")
 )
 
 
@@ -43,17 +40,17 @@ def test_each_answer_has_a_schema_and_a_text(package: str) -> None:
         each for each in vars(module).values()
         if isinstance(each, type) and issubclass(each, Answer) and each.__module__ == package
     ]  # fmt: skip
-    schema = render.schema_of(package)
+    schema = answer.schema_of(package)
     meta.validate(schema)
     assert schema["$schema"] == "https://json-schema.org/draft/2020-12/schema"
     assert schema["properties"]["schema"]["const"] == f"camgeo/{kind.command}"
     assert schema["properties"]["version"]["const"] == kind.version
-    assert callable(importlib.import_module(f"{package}.rendering").text)
+    assert callable(module.text)
 
 
 @pytest.mark.parametrize("package", PACKAGES)
 def test_schemas_describe_all_and_name_units(package: str) -> None:
-    for node in nodes(render.schema_of(package)):
+    for node in nodes(answer.schema_of(package)):
         assert node["additionalProperties"] is False
         for key, each in node["properties"].items():
             assert each is True or each.keys() & {"description", "$ref"}, key
@@ -63,7 +60,7 @@ def test_schemas_describe_all_and_name_units(package: str) -> None:
 
 @pytest.mark.parametrize("name", ["scene", "finding"])
 def test_what_answers_share_they_describe_alike(name: str) -> None:
-    found = [render.schema_of(package).get("$defs", {}).get(name) for package in PACKAGES]
+    found = [answer.schema_of(package).get("$defs", {}).get(name) for package in PACKAGES]
     known = [each for each in found if each is not None]
     assert all(each == known[0] for each in known)
 
@@ -109,7 +106,7 @@ DEFINITIONS: dict[str, Any] = {
 def test_values_are_stated_in_the_units_of_people() -> None:
     inner = Inner(math.pi, 1.0 - 2.0j)
     given = Outer(1.0, Decimal("0.1"), math.inf, np.array([1.0, math.nan]), {"a": inner, "b": None})
-    assert render._read(given, NODE, DEFINITIONS) == {
+    assert answer._read(given, NODE, DEFINITIONS) == {
         "angle_deg": math.degrees(1.0),
         "span_deg": 0.1,
         "area_mm2": None,
@@ -123,4 +120,4 @@ def test_the_page_of_documents_is_shipped_with_its_schemas() -> None:
     for package in PACKAGES:
         file = importlib.import_module(package).__file__
         assert file is not None
-        assert Path(file).with_name("schema.json").is_file()
+        assert Path(file).with_suffix(".json").is_file()

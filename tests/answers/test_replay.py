@@ -10,14 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgeo.answers.render import figure, table, text
-from camgeo.answers.replay import DiscReplay, FollowerReplay, replay
-from camgeo.answers.replay.contour_file import Reading
-from camgeo.design import Design
+from camgeo.app.answers.answer import figure, table, text
+from camgeo.app.answers.replay import DiscReplay, FollowerReplay, Reading, replay
+from camgeo.design.design import Design
 from camgeo.errors import GeometryError
+from camgeo.geometry.outline.replay import Jumps
 from camgeo.numeric.extremes import Extreme
-from camgeo.outline.replay_result import Jumps
-from camgeo.scene.load import load_scene
+from camgeo.scene.scene import load_scene
 from tests.answers.documents import FIXTURES, SCENES, document
 
 FOLDER = FIXTURES / "scenes"

@@ -11,15 +11,14 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.answers.inspect import inspect
-from camgeo.answers.replay import FollowerReplay, replay
-from camgeo.answers.replay.contour_file import ARCS, Reading
-from camgeo.cli.main import main
-from camgeo.contour.spline import SplineContour
-from camgeo.contour.spline_replay import replay_spline
-from camgeo.design import Design
+from camgeo.app.answers.inspect import inspect
+from camgeo.app.answers.replay import ARCS, FollowerReplay, Reading, replay
+from camgeo.app.cli.main import main
+from camgeo.design.design import Design
 from camgeo.errors import CamgeoError, SceneError
-from camgeo.outline.path import Flank
+from camgeo.geometry.contour.spline import SplineContour
+from camgeo.geometry.contour.spline_replay import replay_spline
+from camgeo.geometry.outline.path import Flank
 from camgeo_export.dxf.reader import READER
 from camgeo_export.dxf.writer import WRITER
 from tests.answers.documents import FIXTURES, document

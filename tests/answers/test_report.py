@@ -9,16 +9,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from camgeo.answers.render import text
-from camgeo.answers.report import Report, report
-from camgeo.answers.report.readings import readings, sentence
-from camgeo.answers.report.steps import OTHERWISE, next_step
+from camgeo.app.answers.answer import text
+from camgeo.app.answers.report import OTHERWISE, Report, next_step, readings, report, sentence
 from camgeo.check.finding import Finding
-from camgeo.design import Design
-from camgeo.figure.marks import Line, Style, over
-from camgeo.figure.model import Axis, Figure, Panel
-from camgeo.scene.load import load_scene, parse_scene
-from camgeo.scene.scene import Scene
+from camgeo.design.design import Design
+from camgeo.pictures.model import Axis, Figure, Line, Panel, Style, over
+from camgeo.scene.scene import Scene, load_scene, parse_scene
 from camgeo.units import TURN
 from tests.answers.documents import FIXTURES, document
 

@@ -10,15 +10,14 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.answers.render import text
-from camgeo.answers.setup import SetupSheet, setup_sheet
-from camgeo.answers.setup.rendering import html, svg_element
-from camgeo.cli.main import main
-from camgeo.design import Design
+from camgeo.app.answers.answer import text
+from camgeo.app.answers.setup import SetupSheet, html, setup_sheet, svg_element
+from camgeo.app.cli.main import main
+from camgeo.design.design import Design
 from camgeo.errors import GeometryError
-from camgeo.scene.load import load_scene
-from camgeo.toolpath.engaged import Engaged
-from camgeo.toolpath.stages import Flaw
+from camgeo.milling.plan import Engaged
+from camgeo.milling.stages import Flaw
+from camgeo.scene.scene import load_scene
 from tests.answers.documents import FIXTURES, document
 
 SETZHUB = FIXTURES / "scenes" / "setzhub.toml"

@@ -11,11 +11,11 @@ from typing import Any
 
 import pytest
 
-from camgeo.answers.render import figure, text
-from camgeo.answers.size import BAD, CamSize, size, sized_scene
-from camgeo.design import Design
+from camgeo.app.answers.answer import figure, text
+from camgeo.app.answers.size import BAD, CamSize, size, sized_scene
+from camgeo.design.design import Design
 from camgeo.errors import GeometryError
-from camgeo.scene.load import load_scene
+from camgeo.scene.scene import load_scene
 from tests.answers.documents import FIXTURES, document
 
 NAMES = ("inch", "plate_translating", "ring", "setzhub", "vorschub")

@@ -10,10 +10,10 @@ from decimal import Decimal
 import numpy as np
 import pytest
 
-from camgeo.answers.render import figure, table, text
-from camgeo.answers.slotted_lever import FULL_TURN, slotted_lever
+from camgeo.app.answers.answer import figure, table, text
+from camgeo.app.answers.slotted_lever import FULL_TURN, slotted_lever
 from camgeo.errors import GeometryError
-from camgeo.mechanism.slotted_lever import SlottedLever
+from camgeo.kinematics.mechanism.slotted_lever import SlottedLever
 from tests.answers.documents import document
 
 CRANKS = {"swings": 75.0, "turns": 400.0, "equal": 150.0}

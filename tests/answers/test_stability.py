@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from camgeo.answers.render import figure, text
-from camgeo.answers.stability import Stability
+from camgeo.app.answers.answer import figure, text
+from camgeo.app.answers.stability import Stability
 from camgeo.stability.measure import Reading
 from camgeo.stability.suite import table
 from tests.answers.documents import document

@@ -8,11 +8,11 @@ from contextlib import closing
 
 import pytest
 
-from camgeo.answers.render import text
-from camgeo.answers.sweep import answer_of, rendering
-from camgeo.answers.sweep.rendering import FEW, comma_separated
-from camgeo.sweep.stated import family_of
-from camgeo.sweep.sweep import sweep
+from camgeo.app.answers import sweep as rendering
+from camgeo.app.answers.answer import text
+from camgeo.app.answers.sweep import FEW, answer_of, comma_separated
+from camgeo.studies.sweep.family import family_of
+from camgeo.studies.sweep.sweep import sweep
 from tests.answers.documents import document
 from tests.sweep.families import SETZHUB, family
 
@@ -81,7 +81,7 @@ def test_designs_with_different_units() -> None:
 
 
 def test_how_designs_were_drawn_is_told() -> None:
-    from camgeo.sweep.family import Sample
+    from camgeo.studies.sweep.family import Sample
 
     drawn = family_of(SETZHUB, ["follower.base_radius=45:60"], Sample(3, "random", 7))
     with closing(sweep(drawn, ["laws"])) as result:

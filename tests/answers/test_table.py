@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgeo.answers.render import table, text
-from camgeo.answers.table import ValueTable, table_of_law, table_of_scene
-from camgeo.motion.laws import make_law
-from camgeo.product.value_table import Table
+from camgeo.app.answers.answer import table, text
+from camgeo.app.answers.table import ValueTable, table_of_law, table_of_scene
+from camgeo.design.value_table import Table
+from camgeo.kinematics.laws import make_law
 from tests.answers.documents import SCENES, document, explained
 
 

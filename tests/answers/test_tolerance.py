@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from camgeo.answers.render import figure, table, text
-from camgeo.answers.tolerance import ToleranceAnalysis, tolerance
-from camgeo.design import Design
-from camgeo.scene.load import load_scene
+from camgeo.app.answers.answer import figure, table, text
+from camgeo.app.answers.tolerance import ToleranceAnalysis, tolerance
+from camgeo.design.design import Design
+from camgeo.scene.scene import load_scene
 from camgeo.units import MM_PER
 from tests.answers.documents import document
 from tests.tolerancing.machines import LEVER

@@ -10,15 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.cam.breadth import ROUNDING, Breadth, Yoke
-from camgeo.cam.cam import Cam
-from camgeo.cam.drive import Drive
-from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.cam.cam import ROUNDING, Breadth, Cam, Drive, Yoke
 from camgeo.errors import GeometryError
-from camgeo.mechanism.translating_flat import TranslatingFlat
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.laws import make_law
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.units import TURN
 from tests.strategies import SMOOTH, attack, plans, signs
 

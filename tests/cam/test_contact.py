@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from camgeo.cam.contact import Contact, contact_of
+from camgeo.cam.cam import Contact, contact_of
 from camgeo.errors import GeometryError
-from camgeo.outline.path import Flank
+from camgeo.geometry.outline.path import Flank
 
 INNER, OUTER = Flank.INNER, Flank.OUTER
 

@@ -11,23 +11,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgeo.cam.cam import Cam
-from camgeo.cam.contact import Contact
-from camgeo.cam.disc import Disc
-from camgeo.cam.drive import Drive
-from camgeo.curve.extremes import Extremes
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.design import Design
+from camgeo.cam.cam import Cam, Contact, Disc, Drive
+from camgeo.design.design import Design
 from camgeo.errors import GeometryError
-from camgeo.mechanism.follower import Follower
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_flat import TranslatingFlat
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.laws import make_law
-from camgeo.motion.plan import Dwell, MotionPlan, Move
-from camgeo.outline.path import Flank, Stretch
-from camgeo.outline.path import Path as Outline
-from camgeo.scene.load import load_scene
+from camgeo.geometry.outline.path import Flank, Stretch
+from camgeo.geometry.outline.path import Path as Outline
+from camgeo.geometry.pieces import Extremes
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.mechanism.follower import Follower
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
+from camgeo.scene.scene import load_scene
 from camgeo.units import TURN
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
@@ -140,7 +137,7 @@ def test_what_a_search_of_bends_misses_is_found_where_a_flank_needs_it(
     def ends_only(curve: PitchCurve) -> Extremes:
         return Extremes(curve.breaks, curve.curvature(curve.breaks))
 
-    monkeypatch.setattr("camgeo.cam.disc.curvature_extremes", ends_only)
+    monkeypatch.setattr("camgeo.cam.cam.curvature_extremes", ends_only)
     again = Cam(whole.drive, whole.follower, whole.rotation).disc
     assert again.bends.largest() == pytest.approx(wanted, rel=1e-9)
     dropped = [np.array(each.outline("inner").dropped) for each in (again, whole)]

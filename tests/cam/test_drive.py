@@ -10,17 +10,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgeo.cam.drive import Drive, smooth_angles
-from camgeo.design import Design
+from camgeo.cam.cam import Drive, smooth_angles
+from camgeo.design.design import Design
 from camgeo.errors import GeometryError
-from camgeo.mechanism.four_bar import FourBar
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
-from camgeo.motion.laws import make_law
-from camgeo.motion.plan import Dwell, MotionPlan, Move
-from camgeo.motion.time_course import ConstantSpeed, SpeedCurve
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.mechanism.four_bar import FourBar
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
+from camgeo.kinematics.time_course import ConstantSpeed, SpeedCurve
 from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.scene.load import load_scene
+from camgeo.scene.scene import load_scene
 from camgeo.units import TURN, LiftUnit
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"

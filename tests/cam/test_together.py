@@ -10,18 +10,14 @@ from decimal import Decimal
 import numpy as np
 import pytest
 
-from camgeo.cam.cam import Cam
-from camgeo.cam.disc import Disc
-from camgeo.cam.drive import Drive
-from camgeo.cam.together import discs_together, drives_together
-from camgeo.curve.blocks import BLOCK
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.laws import make_law
-from camgeo.motion.plan import MotionPlan, Move
-from camgeo.numeric.arrays import FloatArray, IntArray, Side
-from camgeo.numeric.many import Quantity
+from camgeo.cam.cam import Cam, Disc, Drive, discs_together, drives_together
+from camgeo.geometry.pitch_curve import BLOCK
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import MotionPlan, Move
+from camgeo.numeric.arrays import FloatArray, IntArray, Quantity, Side
 
 LAW = make_law("modified-sine")
 

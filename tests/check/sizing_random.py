@@ -6,15 +6,14 @@ import math
 import random
 from decimal import Decimal
 
-from camgeo.cam.cam import Cam
-from camgeo.cam.contact import Contact
-from camgeo.mechanism.follower import Follower
-from camgeo.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_flat import TranslatingFlat
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.laws.law import Law
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.cam.cam import Cam, Contact
+from camgeo.kinematics.laws.law import Law
+from camgeo.kinematics.mechanism.follower import Follower
+from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from tests.cams import cam_of
 from tests.laws import LAWS
 

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.cam.breadth import Breadth
-from camgeo.check.form_closure import check_breadth
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.cam.cam import Breadth
+from camgeo.check.machine import check_breadth
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.units import TURN
 from tests.laws import LAWS
 from tests.reference import shift

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from camgeo.check.closure import POINT_LIMIT, TANGENT_LIMIT, check_closure
 from camgeo.check.finding import Finding
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.motion import Dwell as DwellSpan
-from camgeo.motion.motion import Jet
-from camgeo.motion.plan import MotionPlan
+from camgeo.check.machine import POINT_LIMIT, TANGENT_LIMIT, check_closure
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.motion import Dwell as DwellSpan
+from camgeo.kinematics.motion import Jet
+from camgeo.kinematics.plan import MotionPlan
 from camgeo.numeric.arrays import FloatArray, Side
 from tests.reference import mechanisms, pitch_curve_of
 from tests.strategies import SMOOTH, attack, pitch_curves, plans, slider_cranks

@@ -18,24 +18,30 @@ from hypothesis import strategies as st
 
 import camgeo
 from camgeo.cam.cam import Cam
-from camgeo.check.cures.cure import Change, Cure, digits_for, rounded_beyond
-from camgeo.check.cures.laws import Choice, choices, offers_for
-from camgeo.check.cures.search import NARROW, UNKNOWN, Way, first_root
-from camgeo.check.cures.spans import STEP, longer_plan
-from camgeo.check.curvature import check_undercut
-from camgeo.check.follower import check_follower
+from camgeo.check.cures.remedies import STEP, Choice, choices, longer_plan, offers_for
+from camgeo.check.cures.search import (
+    NARROW,
+    UNKNOWN,
+    Change,
+    Cure,
+    Way,
+    digits_for,
+    first_root,
+    rounded_beyond,
+)
+from camgeo.check.finding import Limits
+from camgeo.check.flank import check_standstill, check_undercut
 from camgeo.check.judge import Judgement
-from camgeo.check.limits import Limits
-from camgeo.check.standstill import check_standstill
-from camgeo.curve.extremes import curvature_extremes
-from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.check.machine import check_follower
 from camgeo.errors import GeometryError
-from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.laws import make_law
-from camgeo.motion.plan import Dwell, MotionPlan, Move
-from camgeo.outline.crossings import find_crossings
+from camgeo.geometry.outline.crossings import find_crossings
+from camgeo.geometry.pieces import curvature_extremes
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from tests.cams import cam_of
 from tests.laws import LAWS
 from tests.long_form import examples

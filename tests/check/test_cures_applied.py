@@ -13,12 +13,12 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import camgeo
-from camgeo.check.cures.cure import Change, Cure
+from camgeo.check.cures.search import Change, Cure
 from camgeo.check.finding import CONVEXITY, RETURN, UNDERCUT
 from camgeo.check.judge import TRIM
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.errors import SceneError
-from camgeo.motion.laws import FAMILIES
+from camgeo.kinematics.laws import FAMILIES
 from camgeo.scene.keys import path_of
 from camgeo.scene.scene import Scene
 from tests.long_form import examples

@@ -8,15 +8,15 @@ from decimal import Decimal
 
 import pytest
 
-from camgeo.check.closure import check_closure
-from camgeo.check.face import check_convexity, check_face
 from camgeo.check.finding import Finding
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
-from camgeo.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.mechanism.translating_flat import TranslatingFlat
-from camgeo.motion.plan import Dwell, MotionPlan, Move
-from camgeo.outline.path import Path, whole
+from camgeo.check.flank import check_convexity, check_face
+from camgeo.check.machine import check_closure
+from camgeo.geometry.outline.path import Path, whole
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from tests.laws import LAWS
 from tests.reference import plan_of
 

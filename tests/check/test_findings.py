@@ -9,20 +9,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.check.closure import check_closure
-from camgeo.check.curvature import check_radius_ratio, check_undercut
-from camgeo.check.finding import Finding
-from camgeo.check.follower import check_follower
-from camgeo.check.limits import default_transmission_angle
-from camgeo.check.standstill import check_standstill
-from camgeo.check.transmission_angle import check_transmission_angle
-from camgeo.curve.extremes import curvature_extremes
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.plan import Dwell, MotionPlan, Move
-from camgeo.outline.cusps import undercut_ranges
+from camgeo.check.finding import Finding, default_transmission_angle
+from camgeo.check.flank import (
+    check_radius_ratio,
+    check_standstill,
+    check_transmission_angle,
+    check_undercut,
+)
+from camgeo.check.machine import check_closure, check_follower
+from camgeo.geometry.outline.cusps import undercut_ranges
+from camgeo.geometry.pieces import curvature_extremes
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.units import RPM, TURN, LiftUnit
 from tests.laws import LAWS
 from tests.reference import (

@@ -10,17 +10,16 @@ import pytest
 from hypothesis import given, settings
 
 import camgeo
-from camgeo.check.form_closure import check_pair, leverage_slope
-from camgeo.contour.arcs.fast import fit_arcs
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
-from camgeo.design import Design
-from camgeo.mechanism.conjugate import return_on_lever
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.check.machine import check_pair, leverage_slope
+from camgeo.design.design import Design
+from camgeo.geometry.contour.arcs import fit_arcs
+from camgeo.geometry.outline.path import whole
+from camgeo.geometry.outline.replay import closing_error, replay_contour
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.conjugate import return_on_lever
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.numeric.arrays import FloatArray
-from camgeo.outline.path import whole
-from camgeo.outline.replay import replay_contour
-from camgeo.outline.replay_result import closing_error
 from camgeo.units import TURN
 from tests.integrals import cells, integrals
 from tests.pairs import Pair, pairs

@@ -10,11 +10,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from camgeo.answers.size import size
+from camgeo.app.answers.size import size
 from camgeo.check.finding import Finding
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.errors import CamgeoError
-from camgeo.scene.load import load_scene
+from camgeo.scene.scene import load_scene
 from tests.answers.documents import document as answered
 from tests.kept import compare, document
 from tests.thinned import WHOLE, share

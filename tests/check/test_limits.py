@@ -10,26 +10,31 @@ from typing import Any
 import pytest
 
 import camgeo
-from camgeo.cam.breadth import Breadth
-from camgeo.check.curvature import check_radius_ratio, check_undercut
-from camgeo.check.face import check_face
-from camgeo.check.finding import Finding, Findings, forbidding, held
-from camgeo.check.follower import check_follower
-from camgeo.check.form_closure import check_breadth, check_pair
-from camgeo.check.judge import worst
-from camgeo.check.limits import (
+from camgeo.cam.cam import Breadth
+from camgeo.check.finding import (
+    Finding,
+    Findings,
     Limits,
     default_linkage_transmission_angle,
     default_transmission_angle,
+    forbidding,
+    held,
 )
-from camgeo.check.transmission_angle import check_transmission_angle
-from camgeo.curve.extremes import curvature_extremes
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
-from camgeo.mechanism.translating_flat import TranslatingFlat
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.plan import Dwell, MotionPlan
-from camgeo.outline.path import whole
+from camgeo.check.flank import (
+    check_face,
+    check_radius_ratio,
+    check_transmission_angle,
+    check_undercut,
+)
+from camgeo.check.judge import worst
+from camgeo.check.machine import check_breadth, check_follower, check_pair
+from camgeo.geometry.outline.path import whole
+from camgeo.geometry.pieces import curvature_extremes
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import Dwell, MotionPlan
 from camgeo.units import RPM
 from tests.contour.cams import SCENES, dwell, move, translating
 

@@ -11,15 +11,14 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from camgeo.check.limits import default_linkage_transmission_angle
-from camgeo.check.linkage import DEAD_CENTRE, check_linkage
-from camgeo.mechanism.closing import clear_range
-from camgeo.mechanism.four_bar import FourBar
-from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.mechanism.linkage_protocol import Linkage
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.check.finding import default_linkage_transmission_angle
+from camgeo.check.machine import DEAD_CENTRE, check_linkage
+from camgeo.kinematics.mechanism.four_bar import FourBar
+from camgeo.kinematics.mechanism.linkage import Linkage
+from camgeo.kinematics.mechanism.linked_motion import LinkedMotion, clear_range
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import RPM, TURN
 from tests.reference import POLYNOMIAL, hard_case, mechanisms, pitch_curve_of

@@ -9,13 +9,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.check.finding import Finding
-from camgeo.check.motion import check_motion, check_speed
-from camgeo.motion.laws import make_law
-from camgeo.motion.laws.characteristic import characteristic
-from camgeo.motion.plan import Dwell, MotionPlan, Move
-from camgeo.motion.planning.planner import plan_motion
-from camgeo.motion.planning.request import PointsRequest, Request, TableRequest
-from camgeo.motion.time_course import ConstantSpeed
+from camgeo.check.judge import check_motion, check_speed
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.laws.law import characteristic
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
+from camgeo.kinematics.planning.planner import plan_motion
+from camgeo.kinematics.planning.requests import PointsRequest, Request, TableRequest
+from camgeo.kinematics.time_course import ConstantSpeed
 from camgeo.numeric.arrays import FloatArray
 from tests.motion.planning.wishes import move
 from tests.strategies import SMOOTH, attack, plans

@@ -14,10 +14,10 @@ import pytest
 from scipy.interpolate import make_interp_spline
 
 import camgeo
-from camgeo.answers.size import size
+from camgeo.app.answers.size import size
 from camgeo.check.finding import Finding
+from camgeo.design.machining import machining_of
 from camgeo.numeric.arrays import FloatArray
-from camgeo.product.machining import machining_of
 
 FOUND = Path(__file__).parents[2] / "fixtures" / "found"
 

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.check.transmission_angle import transmission_angle_extremes
-from camgeo.curve.extremes import curvature_extremes
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.numeric.roots import roots_on_grid
+from camgeo.check.flank import transmission_angle_extremes
+from camgeo.geometry.pieces import curvature_extremes
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.numeric.extremes import roots_on_grid
 from camgeo.units import TURN
 from tests.reference import (
     hard_case,

@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 
 import camgeo
-from camgeo.check.cures.cure import Cure
-from camgeo.design import Design
+from camgeo.check.cures.search import Cure
+from camgeo.design.design import Design
 from tests.draws.remedies import BAD, cases, complaints
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"

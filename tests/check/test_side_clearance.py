@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.check.side_clearance import check_side_clearance, largest_deviation
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.design import Design
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.check.flank import check_side_clearance, largest_deviation
+from camgeo.design.design import Design
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.scene.load import parse_scene
+from camgeo.scene.scene import parse_scene
 from camgeo.units import TURN
 from tests.scene.scenes import GROOVE, spoilt
 from tests.strategies import BENT, attack, linked_pitch_curves, pitch_curves

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from camgeo.check.sizing.arm import size_with_arm, with_arm
+from camgeo.check.sizing.rounding import size_with_arm, with_arm
 from camgeo.check.sizing.smallest import size
 from camgeo.check.sizing.task import task_of
 from camgeo.errors import GeometryError
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from tests.check.sizing_scenes import required
 
 

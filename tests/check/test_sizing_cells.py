@@ -8,8 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from camgeo.check.sizing.cells import GAP, excluded, nearest_cells, within
-from camgeo.check.sizing.conditions import Conditions, conditions, samples_of
+from camgeo.check.sizing.bends import (
+    GAP,
+    Conditions,
+    conditions,
+    excluded,
+    nearest_cells,
+    samples_of,
+    within,
+)
 from camgeo.check.sizing.smallest import size
 from camgeo.check.sizing.task import Task
 from tests.check.sizing_scenes import BENT, required

@@ -10,10 +10,9 @@ import pytest
 
 import camgeo
 from camgeo.check.judge import disc_findings
-from camgeo.check.sizing.covering import TOUCHING, covered, pairs_of
 from camgeo.check.sizing.rounding import sound
 from camgeo.check.sizing.smallest import size
-from camgeo.check.sizing.task import Task, task_of
+from camgeo.check.sizing.task import TOUCHING, Task, covered, pairs_of, task_of
 from camgeo.units import TURN
 from tests.check.sizing_scenes import BENT, EASY, required
 

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.check.sizing.face_task import FaceTask, face_task_of
-from camgeo.check.sizing.faces import rate_face, size_for_face
+from camgeo.check.sizing.smallest import rate_face, size_for_face
+from camgeo.check.sizing.task import FaceTask, face_task_of
 from camgeo.errors import GeometryError
-from camgeo.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.mechanism.translating_flat import TranslatingFlat
-from camgeo.motion.plan import Dwell, MotionPlan, Move
-from camgeo.outline.convex import touch
+from camgeo.geometry.outline.convex import touch
+from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from tests.cams import cam_of
 from tests.laws import LAWS
 from tests.reference import POLYNOMIAL

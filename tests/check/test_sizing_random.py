@@ -15,16 +15,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.cam.cam import Cam
-from camgeo.check.finding import NO_OUTLINE
+from camgeo.check.finding import NO_OUTLINE, Limits
 from camgeo.check.judge import disc_findings
-from camgeo.check.limits import Limits
-from camgeo.check.sizing.face_task import FaceTask, face_task_of
-from camgeo.check.sizing.faces import size_for_face
 from camgeo.check.sizing.rounding import exponent_of, rounded, rounded_face
-from camgeo.check.sizing.smallest import size
-from camgeo.check.sizing.task import Task, task_of
+from camgeo.check.sizing.smallest import size, size_for_face
+from camgeo.check.sizing.task import FaceTask, Task, face_task_of, task_of
 from camgeo.errors import GeometryError
-from camgeo.outline.convex import convexity
+from camgeo.geometry.outline.convex import convexity
 from tests.check.sizing_random import face_cam, roller_cam
 from tests.long_form import examples
 

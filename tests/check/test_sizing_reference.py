@@ -8,12 +8,11 @@ from typing import Any
 
 import pytest
 
-from camgeo.check.sizing.flocke import flocke
-from camgeo.check.sizing.smallest import Sizing, rate, size
+from camgeo.check.sizing.smallest import Sizing, flocke, rate, size
 from camgeo.check.sizing.task import Task, task_of
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from tests.cams import cam_of
 from tests.reference import POLYNOMIAL, reference
 

@@ -7,13 +7,17 @@ import math
 import numpy as np
 import pytest
 
-from camgeo.check.sizing.exchange import nearest_point
-from camgeo.check.sizing.flocke import flocke
-from camgeo.check.sizing.region import flocke_limits, ratio_map, row_limits
-from camgeo.check.sizing.smallest import size
+from camgeo.check.flank import transmission_angle_extremes
+from camgeo.check.sizing.smallest import (
+    flocke,
+    flocke_limits,
+    nearest_point,
+    ratio_map,
+    row_limits,
+    size,
+)
 from camgeo.check.sizing.task import Task
-from camgeo.check.transmission_angle import transmission_angle_extremes
-from camgeo.curve.extremes import curvature_extremes
+from camgeo.geometry.pieces import curvature_extremes
 from camgeo.numeric.arrays import BoolArray, FloatArray
 from tests.check.sizing_scenes import BENT, EASY, required
 

@@ -8,14 +8,14 @@ from decimal import Decimal
 import numpy as np
 import pytest
 
-from camgeo.answers.size import Side
+from camgeo.app.answers.size import Side
 from camgeo.check.sizing import bends
-from camgeo.check.sizing.conditions import conditions
+from camgeo.check.sizing.bends import conditions
 from camgeo.check.sizing.smallest import active_conditions, rate, size
 from camgeo.check.sizing.task import task_of
 from camgeo.errors import GeometryError
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.plan import MotionPlan, Move
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import MotionPlan, Move
 from camgeo.units import TURN
 from tests.cams import cam_of
 from tests.check.sizing_scenes import BENT, EASY, required

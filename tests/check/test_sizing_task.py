@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from camgeo.check.sizing.task import Task, task_of
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from tests.cams import cam_of
 from tests.check.sizing_scenes import BENT, EASY, required
 from tests.reference import POLYNOMIAL

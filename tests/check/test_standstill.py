@@ -3,8 +3,8 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 
-from camgeo.check.standstill import check_standstill
-from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.check.flank import check_standstill
+from camgeo.geometry.pitch_curve import PitchCurve
 from tests.reference import hard_case, pitch_curve_of
 from tests.strategies import BENT, attack, pitch_curves
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from camgeo.check.transmission_angle import check_transmission_angle
+from camgeo.check.flank import check_transmission_angle
 from tests.reference import hard_case, pitch_curve_of
 
 

@@ -8,14 +8,14 @@ import numpy as np
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from camgeo.check.curvature import check_undercut
-from camgeo.curve.extremes import curvature_extremes
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
-from camgeo.design import Design
+from camgeo.check.flank import check_undercut
+from camgeo.design.design import Design
+from camgeo.geometry.outline.cusps import undercut_ranges
+from camgeo.geometry.pieces import curvature_extremes
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.numeric.arrays import FloatArray
-from camgeo.outline.cusps import undercut_ranges
-from camgeo.scene.load import load_scene
+from camgeo.scene.scene import load_scene
 from camgeo.units import TURN
 from tests.strategies import BENT, attack, pitch_curves
 

@@ -11,18 +11,18 @@ from typing import Any
 
 import pytest
 
-from camgeo.accuracy import benefit
-from camgeo.accuracy import survey as surveys
-from camgeo.accuracy.benefit import BenefitRow
-from camgeo.accuracy.bill import BillRow
-from camgeo.accuracy.knee import knee_of
-from camgeo.accuracy.rows import FORMS, ContourRow, SolidRow, TableRow
-from camgeo.accuracy.survey import Survey
-from camgeo.cli.main import COMMANDS, main, parser
-from camgeo.figure.accuracy import figure
-from camgeo.figure.marks import Line, Rule, Text
+from camgeo.app.cli.main import COMMANDS, main, parser
+from camgeo.pictures.accuracy import figure
+from camgeo.pictures.model import Line, Rule, Text
+from camgeo.studies.accuracy import benefit
+from camgeo.studies.accuracy import survey as surveys
+from camgeo.studies.accuracy.benefit import BenefitRow
+from camgeo.studies.accuracy.bill import BillRow
+from camgeo.studies.accuracy.contours import FORMS, ContourRow, SolidRow, TableRow
+from camgeo.studies.accuracy.knee import knee_of
+from camgeo.studies.accuracy.survey import Survey
 from camgeo.units import RPM
-from camgeo_export.plots.render import render
+from camgeo_export.plots import render
 from tests import kept
 from tests.accuracy.rows import file, missing, row
 

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 import camgeo
-from camgeo.cli.main import main
+from camgeo.app.cli.main import main
+from camgeo.design import writing
 from camgeo.errors import SceneError
-from camgeo.writing import transaction
 from tests.scene.scenes import FIXTURES, PLATE, ROCKER, spoilt
 
 SCHNITT = (FIXTURES / "schnitt.toml").read_text(encoding="utf-8")
@@ -244,7 +244,7 @@ def test_unwritable_folder(tmp_path: Path, capsys: Capture) -> None:
 def test_full_disk(tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
     scene = tmp_path / "scene.toml"
     scene.write_text(PLATE)
-    original = transaction._write_durably
+    original = writing._write_durably
 
     def full(path: Path, data: bytes) -> None:
         if path.suffix == ".dxf":
@@ -252,7 +252,7 @@ def test_full_disk(tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPa
             raise OSError(errno.ENOSPC, "No space left on device", str(path))
         original(path, data)
 
-    monkeypatch.setattr(transaction, "_write_durably", full)
+    monkeypatch.setattr(writing, "_write_durably", full)
     assert main(["build", str(scene), "-o", str(tmp_path / "out"), "--only", "csv,dxf"]) == 2
     err = capsys.readouterr().err
     assert "plate.dxf: No space left on device; nothing was written" in err

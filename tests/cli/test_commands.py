@@ -16,11 +16,11 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.cli.main import COMMANDS, main
-from camgeo.cli.progress import CLEARED, Progress, clear
-from camgeo.scene.new import KINDS
+from camgeo.app.cli.main import COMMANDS, main
+from camgeo.app.cli.progress import CLEARED, Progress, clear
+from camgeo.design import writing
+from camgeo.scene.toml import TEMPLATE_KINDS
 from camgeo.units import MM_PER
-from camgeo.writing import transaction
 from tests.reference import hard_case
 from tests.waiting import until
 
@@ -147,11 +147,11 @@ def test_build_reports_what_it_wrote(tmp_path: Path, capsys: Capture) -> None:
     assert main([*call[:-1], "0.02", "--force"]) == 0
 
 
-WHOLE: Final = frozenset((KINDS[0], "groove", "conjugate-lever", "milled"))
+WHOLE: Final = frozenset((TEMPLATE_KINDS[0], "groove", "conjugate-lever", "milled"))
 """Kinds of new scenes that are built in every format, the others as drawings."""
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", TEMPLATE_KINDS)
 def test_new_scene_checks_and_builds(kind: str, tmp_path: Path, capsys: Capture) -> None:
     scene = tmp_path / "my-cam.toml"
     assert main(["new", kind, "-o", str(scene)]) == 0
@@ -213,7 +213,7 @@ def test_progress_only_on_a_terminal_and_late(
     stream: type[io.StringIO], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     seconds = iter([0.0, 0.5, 1.5, 2.5])
-    monkeypatch.setattr("camgeo.cli.progress.time.monotonic", lambda: next(seconds))
+    monkeypatch.setattr("camgeo.app.cli.progress.time.monotonic", lambda: next(seconds))
     terminal = stream()
     monkeypatch.setattr(sys, "stderr", terminal)
     progress = Progress()
@@ -228,8 +228,8 @@ def test_progress_only_on_a_terminal_and_late(
 
 
 def test_a_long_step_is_seen_to_go_on(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("camgeo.cli.progress.EVERY", 0.001)
-    monkeypatch.setattr("camgeo.cli.progress.PATIENCE", 0.0)
+    monkeypatch.setattr("camgeo.app.cli.progress.EVERY", 0.001)
+    monkeypatch.setattr("camgeo.app.cli.progress.PATIENCE", 0.0)
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
     progress = Progress()
@@ -246,7 +246,7 @@ def test_a_long_step_is_seen_to_go_on(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_interrupted_build_leaves_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
-    from camgeo_export.stl.writer import WRITER
+    from camgeo_export.stl import WRITER
 
     def interrupted(*arguments: object) -> None:
         raise KeyboardInterrupt
@@ -257,7 +257,7 @@ def test_interrupted_build_leaves_nothing(
         assert main(["build", SETZHUB, "-o", str(out), "--only", "csv,stl"]) == 130
     assert "interrupted" in capsys.readouterr().err
     assert not any(tmp_path.iterdir())
-    monkeypatch.setattr(transaction, "_write_durably", interrupted)
+    monkeypatch.setattr(writing, "_write_durably", interrupted)
     assert main(["build", SETZHUB, "-o", str(out), "--only", "csv"]) == 130
     assert not any(tmp_path.iterdir())
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.cli.compare import labels_of
-from camgeo.cli.main import main
+from camgeo.app.cli.compare import labels_of
+from camgeo.app.cli.main import main
 from tests.sweep.families import FIXTURES, SETZHUB
 
 Capture = pytest.CaptureFixture[str]

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from camgeo.cli.command import EARLIER
-from camgeo.cli.main import COMMANDS, main
-from camgeo.scene.new import KINDS
+from camgeo.app.cli.command import EARLIER
+from camgeo.app.cli.main import COMMANDS, main
+from camgeo.scene.toml import TEMPLATE_KINDS
 from camgeo.stability.suite import GROUPS
 
 Capture = pytest.CaptureFixture[str]
@@ -35,6 +35,6 @@ def test_an_earlier_name_does_the_same_and_says_so(
 
 
 def test_every_earlier_name_leads_to_one_that_is_read_and_is_listed_no_more() -> None:
-    known = {*COMMANDS, *KINDS, *GROUPS}
+    known = {*COMMANDS, *TEMPLATE_KINDS, *GROUPS}
     assert set(EARLIER.values()) <= known
     assert not set(EARLIER) & known

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from camgeo.answers.explain import GOALS, quantities
-from camgeo.cli.main import main
-from camgeo.effects.registry import EFFECTS
+from camgeo.app.answers.explain import GOALS, quantities
+from camgeo.app.cli.main import main
+from camgeo.dynamics.effects.registry import EFFECTS
 from tests.effects.scenes import SCENES
 
 SCENE = SCENES / "plate_translating.toml"

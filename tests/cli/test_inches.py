@@ -13,12 +13,12 @@ from typing import Any
 import pytest
 
 import camgeo
-from camgeo.cli.main import main
-from camgeo.designing.job import Job
-from camgeo.designing.work import run
+from camgeo.app.cli.main import main
+from camgeo.app.designing.children import Job
+from camgeo.app.designing.work import run
+from camgeo.design.judged_part import part_of
 from camgeo.errors import GeometryError, SceneError
-from camgeo.product.judged_part import part_of
-from camgeo.scene.load import load_scene
+from camgeo.scene.scene import load_scene
 from tests.answers.documents import FIXTURES
 from tests.inches import in_inches
 from tests.long_form import LONG

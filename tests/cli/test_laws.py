@@ -13,18 +13,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.answers.laws import UNITS
-from camgeo.answers.laws.rendering import HEAD, PHYSICAL_HEAD
-from camgeo.cli.main import main
+from camgeo.app.answers.laws import HEAD, PHYSICAL_HEAD, UNITS
+from camgeo.app.cli.main import main
 from camgeo.errors import GeometryError
-from camgeo.figure.laws import SAMPLES, figure
-from camgeo.figure.marks import Line, Text
-from camgeo.figure.model import Panel
-from camgeo.motion.boundary import TASKS
-from camgeo.motion.laws import FAMILIES, make_law
-from camgeo.motion.laws.characteristic import Characteristic
-from camgeo.motion.laws.comparison import QUANTITIES, Entry, Running, compare
-from camgeo_export.plots.render import render
+from camgeo.kinematics.laws import FAMILIES, make_law
+from camgeo.kinematics.laws.comparison import QUANTITIES, Entry, Running, compare
+from camgeo.kinematics.laws.law import Characteristic
+from camgeo.kinematics.motion import TASKS
+from camgeo.pictures.laws import SAMPLES, figure
+from camgeo.pictures.model import Line, Panel, Text
+from camgeo_export.plots import render
 
 Capture = pytest.CaptureFixture[str]
 
@@ -134,7 +132,7 @@ def test_overshoot_and_running_back_as_sampled(name: str, v0: float, v1: float) 
 
 def test_jerk_in_one_part_leaves_the_other_its_value() -> None:
     """A law that starts with a jump of f'' at z = 0 only has a bounded jerk behind its middle."""
-    from camgeo.motion.laws.comparison import _unbounded
+    from camgeo.kinematics.laws.comparison import _unbounded
 
     law = make_law("modified-sine")
     assert _unbounded(law, (), (0.0,)) == {"jerk"}
@@ -397,7 +395,7 @@ def test_no_such_kind_of_picture() -> None:
 
 def test_the_table_needs_no_matplotlib() -> None:
     code = (
-        "import sys; from camgeo.cli.main import main; main(['laws']);"
+        "import sys; from camgeo.app.cli.main import main; main(['laws']);"
         "sys.exit('matplotlib' in sys.modules or 'camgeo_export' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], capture_output=True).returncode == 0

@@ -9,12 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.cli.main import main
-from camgeo.design import Design
-from camgeo.optimise.judging import Judge
-from camgeo.sweep.family import Point
-from camgeo.sweep.reading import Reading
-from camgeo.sweep.rows import Row
+from camgeo.app.cli.main import main
+from camgeo.design.design import Design
+from camgeo.studies.optimise.optimise import Judge
+from camgeo.studies.sweep.family import Point
+from camgeo.studies.sweep.rows import Reading, Row
 from tests.sweep.families import FIXTURES
 
 Capture = pytest.CaptureFixture[str]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.cli.main import main
+from camgeo.app.cli.main import main
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 

@@ -12,11 +12,11 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.answers.answer import CRASHED, STOPPED
-from camgeo.cli import check
-from camgeo.cli.main import BLAS_THREADS, TRACEBACK, Stopped, main
-from camgeo.cli.streams import printable
-from camgeo.writing.transaction import JOURNAL, NEW, OLD, STAGING
+from camgeo.app.answers.answer import CRASHED, STOPPED
+from camgeo.app.cli import check
+from camgeo.app.cli.main import BLAS_THREADS, TRACEBACK, Stopped, main
+from camgeo.app.cli.streams import printable
+from camgeo.design.writing import JOURNAL, NEW, OLD, STAGING
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
@@ -81,7 +81,7 @@ def test_blas_has_one_thread_unless_more_are_stated(stated: dict[str, str], used
     """It reads the variable when numpy is imported, so that must not have happened before."""
     code = (
         "import os, sys\n"
-        "from camgeo.cli.main import BLAS_THREADS, main\n"
+        "from camgeo.app.cli.main import BLAS_THREADS, main\n"
         "early = 'numpy' in sys.modules\n"
         "sys.argv[1:] = ['laws']\n"
         "main()\n"
@@ -133,7 +133,7 @@ sys.meta_path.insert(0, Numpy())
 name, disposition, *sys.argv[1:] = sys.argv[1:]
 number = getattr(signal, name)
 signal.signal(number, getattr(signal, disposition))
-from camgeo.cli.main import main
+from camgeo.app.cli.main import main
 code = main()
 print(code, flush=True)
 os.kill(os.getpid(), number)  # the end of the process is no part of the command

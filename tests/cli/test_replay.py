@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.cli.main import main, parser
+from camgeo.app.cli.main import main, parser
 from camgeo.errors import CamgeoError, OutputError, SceneError
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"

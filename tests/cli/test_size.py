@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 import camgeo
+from camgeo.app.cli.main import main
 from camgeo.check.judge import transmission_angle_limit
-from camgeo.cli.main import main
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.scene.new import template
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.scene.toml import template
 from camgeo.units import MM_PER
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"

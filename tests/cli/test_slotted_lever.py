@@ -16,10 +16,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.cli.main import COMMANDS, main
+from camgeo.app.cli.main import COMMANDS, main
 from camgeo.errors import GeometryError
-from camgeo.mechanism.slotted_lever import SlottedLever
-from camgeo.mechanism.slotted_lever_drive import NAMES, DrivenLever, crank_for_swing
+from camgeo.kinematics.mechanism.slotted_lever import (
+    NAMES,
+    DrivenLever,
+    SlottedLever,
+    crank_for_swing,
+)
 from tests.reference import hard_case
 
 FIXTURES = Path(__file__).parents[2] / "fixtures" / "tables"
@@ -447,7 +451,7 @@ def test_a_swing_that_cannot_be_is_refused(swing: float) -> None:
 
 
 def test_without_a_picture_no_plot_library_is_loaded() -> None:
-    code = "import sys; from camgeo.cli.main import main; main(sys.argv[1:]);"
+    code = "import sys; from camgeo.app.cli.main import main; main(sys.argv[1:]);"
     code += "print([name for name in sys.modules if name.split('.')[0] in ('matplotlib', 'scipy')])"
     words = [sys.executable, "-c", code, "slotted-lever", *EXERCISE]
     run = subprocess.run(words, capture_output=True, text=True, check=True)

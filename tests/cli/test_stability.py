@@ -10,11 +10,11 @@ from typing import Any
 
 import pytest
 
-from camgeo.cli.main import COMMANDS, main, parser
-from camgeo.figure.stability import figure
+from camgeo.app.cli.main import COMMANDS, main, parser
+from camgeo.pictures.stability import figure
 from camgeo.stability import suite
 from camgeo.stability.measure import Reading
-from camgeo_export.plots.render import render
+from camgeo_export.plots import render
 from tests.stability.quick import CASES
 
 Capture = pytest.CaptureFixture[str]

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.cli.main import main
-from camgeo.sweep import engine
-from camgeo.sweep.rows import rows_of
+from camgeo.app.cli.main import main
+from camgeo.studies.sweep import rows
+from camgeo.studies.sweep.rows import rows_of
 from tests.sweep.families import FIXTURES, LAWS, RADII
 
 Capture = pytest.CaptureFixture[str]
@@ -57,14 +57,14 @@ def test_ctrl_c_keeps_what_is_done(
             raise KeyboardInterrupt
         return rows_of(work, points)  # type: ignore[arg-type]  # passed on
 
-    monkeypatch.setattr(engine, "rows_of", interrupted)
+    monkeypatch.setattr(rows, "rows_of", interrupted)
     assert call(*FAMILY, "-o", str(store)) == 130
     err = capsys.readouterr().err
     assert f"{store}: keeps the rows that were finished; --resume computes the others" in err
     monkeypatch.undo()
     assert call(*FAMILY, "-o", str(store), "--resume") == 0
     assert "8 rows, 1 of them known before" in capsys.readouterr().err
-    monkeypatch.setattr(engine, "rows_of", interrupted)  # at once, for it was called before
+    monkeypatch.setattr(rows, "rows_of", interrupted)  # at once, for it was called before
     assert call(*FAMILY, "-o", str(store), "--force") == 130
     assert "were finished, or the old ones if none were; --resume" in capsys.readouterr().err
     monkeypatch.undo()
@@ -88,7 +88,7 @@ def test_what_cannot_be_written_is_told_before_anything_is_computed(
 ) -> None:
     table = tmp_path / "runs.csv"
     table.write_text("someone's")
-    monkeypatch.setattr(engine, "rows_of", None)
+    monkeypatch.setattr(rows, "rows_of", None)
     assert call(*FAMILY, "-o", str(table)) == 2
     assert f"{table} would be overwritten; allow it with --force" in capsys.readouterr().err
 

@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgeo.cli.law_options import PARAMETERS
-from camgeo.cli.main import main
-from camgeo.motion.laws import FAMILIES, make_law
-from camgeo.motion.value_table import law_table
+from camgeo.app.cli.laws import PARAMETERS
+from camgeo.app.cli.main import main
+from camgeo.kinematics.laws import FAMILIES, make_law
+from camgeo.kinematics.tables import law_table
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.cli.main import main
+from camgeo.app.cli.main import main
 from tests.tolerancing.machines import FIXTURES, LEVER
 
 FEW = ("--count", "128")

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 import camgeo
-from camgeo.answers.verify import verify
-from camgeo.cli.main import main
+from camgeo.app.answers.verify import verify
+from camgeo.app.cli.main import main
 from camgeo.reading import VERIFIED
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgeo.cli.main import main
-from camgeo_export.stl.writer import FACET, PREFIX
+from camgeo.app.cli.main import main
+from camgeo_export.stl import FACET, PREFIX
 from camgeo_export.verify.dxf import VERIFIER
 
 SCENE = Path(__file__).parents[2] / "fixtures" / "scenes" / "vorschub.toml"

@@ -13,10 +13,10 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.cli import watch as command
-from camgeo.cli.main import main
-from camgeo.cli.watching import SceneFiles, watch
-from camgeo.scene.named import stamp
+from camgeo.app.cli import watch as command
+from camgeo.app.cli.main import main
+from camgeo.app.cli.watch import SceneFiles, watch
+from camgeo.scene.values import stamp
 from tests.waiting import ended
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
@@ -123,7 +123,7 @@ def test_each_run_is_a_line_and_the_picture_is_renewed(
 
     steps = Steps(look, put(scene, broken), nothing, look, put(scene, text.replace("12", "13", 1)),
                   nothing, look)  # fmt: skip
-    monkeypatch.setattr("camgeo.cli.watch.time.sleep", steps)
+    monkeypatch.setattr("camgeo.app.cli.watch.time.sleep", steps)
     assert main(["watch", str(scene), "motion", "-o", str(target)]) == 0
     captured = capsys.readouterr()
     found = [LINE.match(line) for line in captured.out.splitlines()]
@@ -140,7 +140,7 @@ def test_each_run_is_a_line_and_the_picture_is_renewed(
 def test_broken_limits_are_named() -> None:
     """In a line, the worst first, each name once."""
     import camgeo
-    from camgeo.answers.check import check
+    from camgeo.app.answers.check import check
 
     scene = camgeo.load(SCENES / "setzhub.toml").scene
     hard = scene.with_values({"limits.transmission_angle": 80, "limits.radius_ratio": 0.01})

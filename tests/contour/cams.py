@@ -12,12 +12,12 @@ from hypothesis import assume
 from hypothesis import strategies as st
 
 import camgeo
-from camgeo.contour.contour import Contour
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray
 from tests.laws import LAWS
 from tests.long_form import LONG

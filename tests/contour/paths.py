@@ -13,14 +13,14 @@ from itertools import pairwise
 
 import numpy as np
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.legs import TurnLeg, legs_of
-from camgeo.curve.pieces import smooth_pieces
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
-from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.legs import TurnLeg, legs_of
+from camgeo.geometry.outline.path import Path, Pivot, Stretch, whole
+from camgeo.geometry.pieces import smooth_pieces
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray, Side
-from camgeo.outline.path import Path, Pivot, Stretch, whole
 from tests.contour.cams import TURN, dwell, move, outline, translating
 from tests.measuring import DensePath
 from tests.reference import hard_case, plan_of

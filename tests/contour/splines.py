@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.interpolate import BSpline
 
-from camgeo.contour.spline import Arc, CubicSpline, SplineContour
+from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 
 EACH = 60

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from camgeo.contour.contour import Contour
+from camgeo.geometry.contour.contour import Contour
 from camgeo.numeric.arrays import ComplexArray
 
 PLACE = 1e-13

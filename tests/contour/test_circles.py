@@ -13,20 +13,20 @@ import numpy as np
 import pytest
 
 from camgeo import load
-from camgeo.contour.arcs.fast import fit_arcs
-from camgeo.contour.arcs.fewest import fewest_arcs
-from camgeo.contour.cubics.fits import fewest_cubics
-from camgeo.contour.proof import deviation as proof
-from camgeo.contour.spline import Arc
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
-from camgeo.mechanism.translating_flat import TranslatingFlat
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.laws import make_law
-from camgeo.motion.plan import Dwell, MotionPlan, Move
-from camgeo.outline.outline import real_outline
-from camgeo.outline.path import Path as Outline
-from camgeo.outline.path import whole
+from camgeo.geometry.contour import proof
+from camgeo.geometry.contour.arcs import fit_arcs
+from camgeo.geometry.contour.cubics import fewest_cubics
+from camgeo.geometry.contour.fewest_arcs import fewest_arcs
+from camgeo.geometry.contour.spline import Arc
+from camgeo.geometry.outline.outline import real_outline
+from camgeo.geometry.outline.path import Path as Outline
+from camgeo.geometry.outline.path import whole
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 
 FOUND = Path(__file__).parents[2] / "fixtures" / "found"
 

@@ -9,9 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.simple import winding_number
-from camgeo.contour.spline import Arc, SplineContour
+from camgeo.geometry.contour.contour import Contour, winding_number
+from camgeo.geometry.contour.spline import Arc, SplineContour
 from camgeo.numeric.arrays import ComplexArray
 from tests.contour.cams import outline, polyline
 from tests.measuring import polygon

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.contour.decided import STEP, clearly_less, in_steps
+from camgeo.geometry.contour.legs import STEP, clearly_less, in_steps
 
 SIZES = st.floats(1e-12, 1e3)
 

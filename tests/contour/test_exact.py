@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.exact import chords_of, distance_between, fewest_chords_of
-from camgeo.contour.hausdorff import ROUNDING, SHARPNESS
 from camgeo.errors import GeometryError, ToleranceError
-from camgeo.part.features import bore_outline
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.exact import chords_of, distance_between, fewest_chords_of
+from camgeo.geometry.contour.hausdorff import ROUNDING, SHARPNESS
+from camgeo.part.assembly import bore_outline
 from camgeo.part.spec import Keyway
 from tests.contour.cams import outline
 from tests.long_form import examples

@@ -13,21 +13,20 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.arcs.biarcs import Biarcs, Ends
-from camgeo.contour.arcs.fast import fit_arcs
-from camgeo.contour.arcs.fewest import fewest_arcs
-from camgeo.contour.chords.fast import fit_polyline
-from camgeo.contour.chords.fewest import fewest_chords
-from camgeo.contour.contour import Contour, Fit
-from camgeo.contour.counts import above, ladder
-from camgeo.contour.hermite import highest
-from camgeo.contour.least_pieces import forced_pieces, least_arcs, least_chords
-from camgeo.contour.proof.deviation import deviation
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.motion.plan import Dwell, MotionPlan, Move
-from camgeo.outline.path import Path, whole
+from camgeo.geometry.contour.arcs import Biarcs, Ends, fit_arcs
+from camgeo.geometry.contour.chords import fit_polyline
+from camgeo.geometry.contour.contour import Contour, Fit
+from camgeo.geometry.contour.fewest_arcs import fewest_arcs
+from camgeo.geometry.contour.fewest_chords import fewest_chords
+from camgeo.geometry.contour.least_pieces import forced_pieces, least_arcs, least_chords
+from camgeo.geometry.contour.legs import above, ladder
+from camgeo.geometry.contour.proof import deviation
+from camgeo.geometry.contour.spline import highest
+from camgeo.geometry.outline.path import Path, whole
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from tests.contour.cams import FLANKS, TURN, curves, dense_flank, flank, move, outline, polyline
 from tests.contour.cams import translating as cam
 from tests.contour.paths import break_count

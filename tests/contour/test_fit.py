@@ -11,19 +11,18 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.arcs.fast import fit_arcs
-from camgeo.contour.chords.fast import fit_polyline
-from camgeo.contour.contour import Fit
-from camgeo.contour.least_pieces import forced_pieces
-from camgeo.contour.simple import require_simple
-from camgeo.curve.pieces import smooth_pieces
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, ToleranceError, UndercutError
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.plan import MotionPlan
+from camgeo.geometry.contour.arcs import fit_arcs
+from camgeo.geometry.contour.chords import fit_polyline
+from camgeo.geometry.contour.contour import Fit, require_simple
+from camgeo.geometry.contour.least_pieces import forced_pieces
+from camgeo.geometry.outline.path import Path, whole
+from camgeo.geometry.pieces import smooth_pieces
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import MotionPlan
 from camgeo.numeric.arrays import Side
-from camgeo.outline.path import Path, whole
 from camgeo.part.boundaries import CurveBoundary
 from tests.contour.cams import FLANKS, TURN, Dense, curves, dense_flank, dwell, flank, move, outline
 from tests.contour.cams import translating as cam

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour import hausdorff
-from camgeo.contour.contour import Contour
-from camgeo.contour.hausdorff import SHARPNESS, distance
+from camgeo.geometry.contour import hausdorff
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.hausdorff import SHARPNESS, distance
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.contour.cams import outline
 from tests.long_form import examples

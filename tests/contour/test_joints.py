@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from camgeo.contour.joints import APART, Bends, joints_apart, require_regular
-from camgeo.curve.pieces import Piece
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import UndercutError
+from camgeo.geometry.contour.legs import APART, Bends, joints_apart, require_regular
+from camgeo.geometry.pieces import Piece
+from camgeo.geometry.working_curve import WorkingCurve
 from tests.contour.cams import dwell, move, translating
 from tests.contour.paths import hard_curve
 

@@ -7,15 +7,15 @@ import math
 import numpy as np
 import pytest
 
-from camgeo.contour.least_pieces import (
+from camgeo.geometry.contour.least_pieces import (
     forced_pieces,
     least_arcs,
     least_chords,
     least_cubics,
 )
-from camgeo.curve.pieces import smooth_pieces
+from camgeo.geometry.outline.path import whole
+from camgeo.geometry.pieces import smooth_pieces
 from camgeo.numeric.arrays import FloatArray
-from camgeo.outline.path import whole
 from tests.contour.cams import dwell, flank, move, translating
 from tests.contour.paths import break_count
 

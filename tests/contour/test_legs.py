@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.contour.legs import StretchLeg, TurnLeg, legs_of
-from camgeo.curve.pieces import smooth_pieces
-from camgeo.outline.path import Path, Pivot, Stretch, whole
+from camgeo.geometry.contour.legs import StretchLeg, TurnLeg, legs_of
+from camgeo.geometry.outline.path import Path, Pivot, Stretch, whole
+from camgeo.geometry.pieces import smooth_pieces
 from tests.contour.cams import TURN, dwell, move, translating
 from tests.contour.paths import cut_off_lobe, shocks
 from tests.strategies import attack

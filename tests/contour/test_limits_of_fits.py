@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from camgeo.contour.counts import least_counts
-from camgeo.contour.proved import proved
 from camgeo.errors import ToleranceError
+from camgeo.geometry.contour.legs import least_counts
+from camgeo.geometry.contour.proof import proved
 
 MOST = 2_000_000
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from camgeo.contour.nearness import distances, least_distance
-from camgeo.toolpath.plane.track import Track
+from camgeo.geometry.contour.contour import distances, least_distance
+from camgeo.milling.track import Track
 from tests.toolpath.plane.tracks import any_track, dense, scattered, through
 
 EACH = 400

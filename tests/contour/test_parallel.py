@@ -12,10 +12,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.exact import distance_between, matching_chords_of
-from camgeo.contour.parallel import corner_radius, corners, parallel, steps_to
-from camgeo.part.features import bore_outline, flattened
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.exact import distance_between, matching_chords_of
+from camgeo.geometry.contour.parallel import corner_radius, corners, parallel, steps_to
+from camgeo.part.assembly import bore_outline, flattened
 from camgeo.part.spec import DShaft, Keyway
 from tests.strategies import attack
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.pieces import Pieces
+from camgeo.geometry.contour.contour import Contour, Pieces
+from camgeo.milling.track import Track, chained
 from camgeo.numeric.arrays import taken
-from camgeo.toolpath.plane.track import Track, chained
 from tests.toolpath.plane.tracks import any_track, scattered
 
 SEEDS = range(10)

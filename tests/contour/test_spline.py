@@ -11,9 +11,15 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import BSpline, make_interp_spline
 
-from camgeo.contour.bezier import at, beziers_of_spline, cut
-from camgeo.contour.spline import Arc, CubicSpline, SplineContour
 from camgeo.errors import GeometryError
+from camgeo.geometry.contour.spline import (
+    Arc,
+    CubicSpline,
+    SplineContour,
+    at,
+    beziers_of_spline,
+    cut,
+)
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.contour.splines import dense, points_of
 

@@ -10,14 +10,13 @@ import mpmath
 import numpy as np
 import pytest
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.spline import CubicSpline, SplineContour, strands_of
-from camgeo.contour.spline_replay import Chain, replay_spline
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.errors import GeometryError
-from camgeo.outline.replay import replay_contour
-from camgeo.outline.replay_lift import ActualLift
-from camgeo.outline.replay_result import Replay
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.spline import CubicSpline, SplineContour, strands_of
+from camgeo.geometry.contour.spline_replay import Chain, replay_spline
+from camgeo.geometry.outline.replay import Replay, replay_contour
+from camgeo.geometry.outline.roller import ActualLift
 from tests.effects.scenes import design
 from tests.effects.test_trimmed_cams import on_guide
 

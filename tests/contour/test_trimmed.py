@@ -10,14 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.contour.arcs.fast import fit_arcs
-from camgeo.contour.chords.fast import fit_polyline
-from camgeo.contour.contour import Fit
-from camgeo.contour.proof.deviation import deviation
-from camgeo.contour.simple import require_simple
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, UndercutError
-from camgeo.outline.path import Path, Pivot, Stretch, whole
+from camgeo.geometry.contour.arcs import fit_arcs
+from camgeo.geometry.contour.chords import fit_polyline
+from camgeo.geometry.contour.contour import Fit, require_simple
+from camgeo.geometry.contour.proof import deviation
+from camgeo.geometry.outline.path import Path, Pivot, Stretch, whole
+from camgeo.geometry.working_curve import WorkingCurve
 from tests.contour.cams import TURN, dwell, move, translating
 from tests.contour.paths import (
     PATHS,

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from camgeo.curve.blocks import BLOCK, cells_in_blocks, in_blocks
+from camgeo.geometry.pitch_curve import BLOCK, cells_in_blocks, in_blocks
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.units import TURN
 from tests.reference import inner_of, mechanisms, pitch_curve_of

@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from camgeo.curve.closure import joints
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.laws import make_law
-from camgeo.motion.laws.law import Law
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.geometry.pitch_curve import PitchCurve, joints
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.laws.law import Law
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from tests.laws import LAWS
 from tests.strategies import SMOOTH, attack, pitch_curves
 

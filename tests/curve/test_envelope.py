@@ -10,12 +10,12 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, UndercutError
+from camgeo.geometry.outline.outline import real_outline
+from camgeo.geometry.outline.path import Pivot, Stretch
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.numeric.arrays import FloatArray
-from camgeo.outline.outline import real_outline
-from camgeo.outline.path import Pivot, Stretch
 from camgeo.units import TURN
 from tests.strategies import (
     BENT,

@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from camgeo.check.transmission_angle import transmission_angle_extremes
-from camgeo.curve.extremes import Extremes, curvature_extremes, extremes
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.motion.plan import Dwell, MotionPlan, Move
-from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.numeric.many import Quantity
+from camgeo.check.flank import transmission_angle_extremes
+from camgeo.geometry.pieces import Extremes, curvature_extremes, extremes
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
+from camgeo.numeric.arrays import FloatArray, Quantity, Side
 from camgeo.units import TURN
 from tests.laws import LAWS
 from tests.strategies import BENT, attack, pitch_curves

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from camgeo.curve import pieces
-from camgeo.curve.pieces import halves, slowest, smooth_pieces, turn_cells
-from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.geometry import pieces
+from camgeo.geometry.pieces import halves, slowest, smooth_pieces, turn_cells
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.units import TURN
 from tests.reference import POLYNOMIAL
 from tests.strategies import attack, pitch_curves, plans

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 
-from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
+from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.units import TURN
 from tests.integrals import cells, integrals
 from tests.reference import hard_case, mechanisms, pitch_curve_of

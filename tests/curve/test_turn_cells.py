@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from camgeo.curve.pieces import MOST, halves, slowest, turn_cells
-from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.plan import Dwell, MotionPlan
+from camgeo.geometry.pieces import MOST, halves, slowest, turn_cells
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import Dwell, MotionPlan
 from camgeo.units import TURN
 from tests.reference import hard_case, pitch_curve_of
 from tests.strategies import attack, wild_pitch_curves

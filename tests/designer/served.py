@@ -16,17 +16,13 @@ import uvicorn
 from websockets import Origin
 from websockets.sync.client import ClientConnection, connect
 
-from camgeo.designing.children import Result
-from camgeo.designing.desk import Desk
-from camgeo.designing.job import Job
-from camgeo.designing.recent import Recent
-from camgeo.designing.work import run
-from camgeo_export.designer.application import application
-from camgeo_export.designer.guard import Address, Keys
-from camgeo_export.designer.jobs import Jobs
-from camgeo_export.designer.pages import body
-from camgeo_export.designer.serve import listening, server_of
-from camgeo_export.designer.session import Session
+from camgeo.app.designing.children import Job, Result
+from camgeo.app.designing.desk import Desk
+from camgeo.app.designing.recent import Recent
+from camgeo.app.designing.work import run
+from camgeo_export.designer.messages import Jobs
+from camgeo_export.designer.serve import Address, Keys, application, listening, server_of
+from camgeo_export.designer.session import Session, body
 from tests.waiting import PATIENCE
 
 Compute = Callable[[Job, float], Mapping[str, Any]]

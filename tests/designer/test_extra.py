@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.cli.main import main
+from camgeo.app.cli.main import main
 from tests.designer.conftest import MISSING
 
 SETZHUB = str(Path(__file__).parents[2] / "fixtures" / "scenes" / "setzhub.toml")

@@ -10,8 +10,7 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from camgeo.errors import CamgeoError
-from camgeo_export.designer.guard import HEADERS, Address, Keys, is_loopback
-from camgeo_export.designer.serve import listening
+from camgeo_export.designer.serve import HEADERS, Address, Keys, is_loopback, listening
 from tests.designer.served import Served
 from tests.waiting import PATIENCE
 

@@ -12,11 +12,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.designing.children import Refused, Result
-from camgeo.designing.desk import Desk
-from camgeo.designing.job import Job
-from camgeo_export.designer import jobs as jobs_module
-from camgeo_export.designer.jobs import Jobs, head_of
+from camgeo.app.designing.children import Job, Refused, Result
+from camgeo.app.designing.desk import Desk
+from camgeo_export.designer import messages as jobs_module
+from camgeo_export.designer.messages import Jobs, head_of
 from tests.designer.served import Clock
 from tests.waiting import happened
 

@@ -12,7 +12,7 @@ from starlette.types import Message
 from starlette.websockets import WebSocket, WebSocketState
 from websockets.exceptions import ConnectionClosed
 
-from camgeo_export.designer import application, pages
+from camgeo_export.designer import serve, session
 from camgeo_export.designer.messages import LARGEST
 from camgeo_export.designer.serve import MOST_CONNECTIONS
 from tests.designer.served import Clock, Served
@@ -66,7 +66,7 @@ def test_connections_of_which_nothing_comes_are_closed(
 
 
 def test_pages_are_bounded(server: Served, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(application, "MOST_PAGES", 2)
+    monkeypatch.setattr(serve, "MOST_PAGES", 2)
     with server.page() as one, server.page() as other:
         for page in (one, other):
             page.say("hello")
@@ -88,9 +88,9 @@ def test_messages_are_bounded(server: Served) -> None:
 def test_what_is_asked_is_bounded_in_rate(monkeypatch: pytest.MonkeyPatch) -> None:
     """After a burst, a page is asked for the next message only so often."""
     clock = Clock()
-    monkeypatch.setattr(pages, "time", clock)
-    monkeypatch.setattr(pages, "BURST", 5.0)
-    monkeypatch.setattr(pages, "RATE", 20.0)
+    monkeypatch.setattr(session, "time", clock)
+    monkeypatch.setattr(session, "BURST", 5.0)
+    monkeypatch.setattr(session, "RATE", 20.0)
     taken: list[float] = []
 
     async def asleep(seconds: float) -> None:
@@ -102,13 +102,13 @@ def test_what_is_asked_is_bounded_in_rate(monkeypatch: pytest.MonkeyPatch) -> No
     async def send(_: Message) -> None:
         """Nothing is sent."""
 
-    async def take(page: pages.Page, count: int) -> None:
+    async def take(page: session.Page, count: int) -> None:
         for _ in range(count):
             await page.receive()
             taken.append(clock.now)
 
     monkeypatch.setattr("asyncio.sleep", asleep)
-    page = pages.Page(WebSocket({"type": "websocket", "headers": []}, receive, send))
+    page = session.Page(WebSocket({"type": "websocket", "headers": []}, receive, send))
     page.socket.client_state = WebSocketState.CONNECTED
     began = clock.now
     asyncio.run(take(page, 15))

@@ -12,9 +12,8 @@ from typing import Any, Final
 
 import pytest
 
-from camgeo.designing.children import Refused
-from camgeo.designing.job import Job
-from camgeo.scene.new import template
+from camgeo.app.designing.children import Job, Refused
+from camgeo.scene.toml import template
 from tests.designer.served import Served, computing, served
 from tests.judges import axe
 from tests.judges.chromium import NAMES, SLOW, VARIABLE, missing

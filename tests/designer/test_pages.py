@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from starlette.websockets import WebSocket
 
-from camgeo_export.designer.pages import MOST_WAITING, Message, Page, body
+from camgeo_export.designer.session import MOST_WAITING, Message, Page, body
 
 TABLES = st.dictionaries(st.sampled_from("abc"), st.integers() | st.text())
 

@@ -9,10 +9,9 @@ from typing import Any
 
 import pytest
 
-from camgeo.designing.children import Refused
-from camgeo.designing.job import Job
-from camgeo_export.designer import jobs, session
-from camgeo_export.designer.named_files import NamedFiles
+from camgeo.app.designing.children import Job, Refused
+from camgeo_export.designer import messages, session
+from camgeo_export.designer.session import NamedFiles
 from tests.designer.served import Clock, Served, computed, served
 from tests.waiting import happened, until
 
@@ -99,7 +98,7 @@ def test_a_drag_is_one_step_and_its_latest_place_wins(folder: Path) -> None:
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     """The time by which a session tells a pause."""
     clock = Clock()
-    monkeypatch.setattr(jobs, "time", clock)
+    monkeypatch.setattr(messages, "time", clock)
     return clock
 
 

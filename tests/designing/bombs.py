@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-from camgeo.designing.job import Job
+from camgeo.app.designing.children import Job
 
 
 def prepared() -> Callable[[Job], dict[str, Any]]:

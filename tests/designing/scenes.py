@@ -5,9 +5,9 @@ from __future__ import annotations
 import functools
 import pathlib
 
-from camgeo.design import Design
-from camgeo.scene.load import load_scene
-from camgeo.scene.new import TEMPLATES
+from camgeo.design.design import Design
+from camgeo.scene.scene import load_scene
+from camgeo.scene.toml import TEMPLATES
 from tests.long_form import LONG
 
 FIXTURES = pathlib.Path(__file__).parents[2] / "fixtures"

@@ -15,11 +15,9 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.designing import frames
-from camgeo.designing.children import QUICK, Children, Refused
-from camgeo.designing.frames import BrokenFrame
-from camgeo.designing.job import Job, JobError
-from camgeo.scene.new import template
+from camgeo.app.designing import children as frames
+from camgeo.app.designing.children import QUICK, BrokenFrame, Children, Job, JobError, Refused
+from camgeo.scene.toml import template
 from tests.long_form import examples
 from tests.waiting import PATIENCE, joined, until
 
@@ -175,8 +173,8 @@ def test_kills_leave_nothing_behind() -> None:
 
 PARENT = """
 import os, threading
-from camgeo.designing.children import Children
-from camgeo.designing.job import Job
+from camgeo.app.designing.children import Children
+from camgeo.app.designing.children import Job
 from tests.waiting import PATIENCE
 found = Children(work="tests.designing.bombs")
 idle = found.submit(Job("fine"), PATIENCE).data["process"]

@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from camgeo.designing.edits import changed
+from camgeo.app.designing.edits import changed
 from camgeo.errors import Fault, SceneError
-from camgeo.scene.load import parse_scene
+from camgeo.scene.scene import parse_scene
 from tests.designing.scenes import FILES, FIXTURES, design, name_of
 from tests.designing.test_edits import comments, exact
 

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.designing.desk import Desk
-from camgeo.designing.opened import OverwriteError
+from camgeo.app.designing.desk import Desk, OverwriteError
 from camgeo.errors import FileError
 
 

@@ -11,13 +11,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.answers.size import size
-from camgeo.answers.size.writing import edits_with
-from camgeo.designing.edits import changed
+from camgeo.app.answers.size import edits_with, size
+from camgeo.app.designing.edits import changed
 from camgeo.errors import CamgeoError, SceneError
-from camgeo.scene.document import document
-from camgeo.scene.load import parse_scene
-from camgeo.scene.tree import edited
+from camgeo.scene.scene import parse_scene
+from camgeo.scene.values import document, edited
 from tests.designing.scenes import CHOSEN, FILES, FIXTURES, design, name_of
 from tests.scene.test_scene import leaves
 

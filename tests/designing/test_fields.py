@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.designing.fields import Fields, plain, slider_of
-from camgeo.scene.document import document_of
+from camgeo.app.designing.form import Fields, plain, slider_of
 from camgeo.scene.keys import path_of
+from camgeo.scene.values import document_of
 
 LIMITS = st.one_of(st.none(), st.sampled_from([-1e9, -360.0, -90.0, 0.0, 1e-9]))
 

@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
-from camgeo.designing.form import form
-from camgeo.scene.document import document, document_of
+from camgeo.app.designing.form import form
 from camgeo.scene.keys import path_of
+from camgeo.scene.values import document, document_of
 from tests.designing.scenes import CHOSEN, FILES, NAMES, name_of
 
 

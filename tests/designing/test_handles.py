@@ -12,10 +12,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.design import Design
-from camgeo.designing.handles import Handle, dragged, handles
+from camgeo.app.designing.handles import Handle, dragged, handles
+from camgeo.design.design import Design
 from camgeo.errors import CamgeoError, SceneError, UnknownNameError
-from camgeo.figure import motion
+from camgeo.pictures import motion
 from tests.designing.scenes import CHOSEN, FILES, NAMES, design, name_of
 
 SETZHUB = design(FILES[[file.stem for file in FILES].index("setzhub")])

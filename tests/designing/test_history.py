@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.designing import history
-from camgeo.designing.history import History, splice, spliced
+from camgeo.app.designing import desk
+from camgeo.app.designing.desk import History, splice, spliced
 
 TEXTS = st.text(alphabet="ab\n#ä", max_size=12)
 
@@ -67,12 +67,12 @@ def test_two_gestures_are_two_steps_and_one_that_was_undone_is_over() -> None:
 
 
 def test_steps_are_bounded_in_number_and_in_size(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(history, "MOST_STEPS", 5)
+    monkeypatch.setattr(desk, "MOST_STEPS", 5)
     found = History("")
     for number in range(20):
         found = found.changed(str(number), str(number))
     assert [step.label for step in found.past] == ["15", "16", "17", "18", "19"]
-    monkeypatch.setattr(history, "MOST_CHARACTERS", 1000)
+    monkeypatch.setattr(desk, "MOST_CHARACTERS", 1000)
     large = found.changed("x" * 2000, "large")
     assert [step.label for step in large.past] == ["large"]
     assert large.undone().text == "19"

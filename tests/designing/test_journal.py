@@ -11,9 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.designing import journal
-from camgeo.designing.history import History
-from camgeo.designing.journal import Journal, Kept, change, kept, state_folder
+from camgeo.app.designing import desk
+from camgeo.app.designing.desk import History, Journal, Kept, change, kept, state_folder
 from camgeo.errors import FileError
 
 FILE = "/scenes/cam.toml"
@@ -54,7 +53,7 @@ def place(folder: Path) -> Path:
 @given(st.lists(st.sampled_from(["undo", "redo", "a", "ab\n", "äb", "b\r\n", "c", "drag"])))
 def test_a_history_comes_back_as_it_was(events: list[str]) -> None:
     history = History("start")
-    lines = [journal._line({"journal": 1, "file": FILE, "text": "start", "saved": ""})]
+    lines = [desk._line({"journal": 1, "file": FILE, "text": "start", "saved": ""})]
     for number, event in enumerate(events):
         if event == "undo":
             history, line = history.undone(), {"do": "undo"}
@@ -65,9 +64,9 @@ def test_a_history_comes_back_as_it_was(events: list[str]) -> None:
             text = f"{history.text}{number}" if gesture else event
             line = change(history.text, text, event, gesture)
             history = history.changed(text, event, gesture)
-        lines.append(journal._line(line))
+        lines.append(desk._line(line))
     assert kept(b"".join(lines), FILE) == Kept(history, "")
-    anew = kept(b"".join(journal._lines(FILE, history, "")), FILE)
+    anew = kept(b"".join(desk._lines(FILE, history, "")), FILE)
     assert (anew.damage, anew.saved) == ("", "")
     assert anew.history is not None
     assert anew.history.text == history.text
@@ -93,8 +92,8 @@ def test_a_journal_is_of_one_file(tmp_path: Path) -> None:
 def test_it_is_written_anew_when_it_has_grown(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(journal, "SPARE", 200)
-    monkeypatch.setattr("camgeo.designing.history.MOST_STEPS", 3)
+    monkeypatch.setattr(desk, "SPARE", 200)
+    monkeypatch.setattr("camgeo.app.designing.desk.MOST_STEPS", 3)
     history = edited(tmp_path, *map(str, range(100)))
     assert place(tmp_path).stat().st_size < 2000
     assert left(Journal.opened(FILE, tmp_path)).history == history
@@ -135,7 +134,7 @@ def test_a_changed_byte_never_gives_a_text_that_never_was(data: st.DataObject) -
     history = History("start")
     for text in texts:
         history = history.changed(text, text)
-    whole = b"".join(journal._lines(FILE, history, ""))
+    whole = b"".join(desk._lines(FILE, history, ""))
     at = data.draw(st.integers(0, len(whole) - 1))
     byte = data.draw(st.integers(0, 255).filter(lambda found: found != whole[at]))
     found = kept(whole[:at] + bytes([byte]) + whole[at + 1 :], FILE)

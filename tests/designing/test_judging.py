@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.answers.check import check
-from camgeo.design import Design
-from camgeo.designing.job import Job, JobError
-from camgeo.designing.recent import Recent
-from camgeo.designing.work import run
-from camgeo.scene.load import load_scene
-from camgeo.scene.new import template
+from camgeo.app.answers.check import check
+from camgeo.app.designing.children import Job, JobError
+from camgeo.app.designing.recent import Recent
+from camgeo.app.designing.work import run
+from camgeo.design.design import Design
+from camgeo.scene.scene import load_scene
+from camgeo.scene.toml import template
 from tests.answers.documents import FIXTURES, SCENES
 from tests.long_form import LONG
 

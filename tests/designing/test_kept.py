@@ -10,12 +10,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from camgeo.designing.edits import changed
-from camgeo.designing.faults import sentence
-from camgeo.designing.handles import handles
-from camgeo.designing.job import Job
-from camgeo.designing.segments import ACTIONS
-from camgeo.designing.work import run
+from camgeo.app.designing.children import Job
+from camgeo.app.designing.edits import changed
+from camgeo.app.designing.faults import sentence
+from camgeo.app.designing.handles import handles
+from camgeo.app.designing.segments import ACTIONS
+from camgeo.app.designing.work import run
 from camgeo.errors import CamgeoError
 from tests import kept
 from tests.designing.scenes import FIXTURES, design

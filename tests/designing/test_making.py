@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.design import Design
-from camgeo.designing.job import Job, JobError
-from camgeo.designing.recent import Recent
-from camgeo.designing.work import run
-from camgeo.effects.registry import effect_names
-from camgeo.scene.load import load_scene, parse_scene
-from camgeo.scene.new import KINDS, template
+from camgeo.app.designing.children import Job, JobError
+from camgeo.app.designing.recent import Recent
+from camgeo.app.designing.work import run
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.registry import effect_names
+from camgeo.scene.scene import load_scene, parse_scene
+from camgeo.scene.toml import TEMPLATE_KINDS, template
 from tests.answers.documents import FIXTURES
 
 SCENES = FIXTURES / "scenes"
@@ -174,7 +174,7 @@ def test_a_dwell_has_no_law() -> None:
 
 def test_all_templates_and_effects_are_offered() -> None:
     templates = run(Job("templates"))["templates"]
-    assert [each["name"] for each in templates] == list(KINDS)
+    assert [each["name"] for each in templates] == list(TEMPLATE_KINDS)
     assert run(Job("curves", templates[0]["text"]))["faults"] == []
     effects = run(Job("effects"))["effects"]
     assert [each["name"] for each in effects] == list(effect_names())

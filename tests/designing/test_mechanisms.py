@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from camgeo.designing.edits import changed
+from camgeo.app.designing.edits import changed
 from camgeo.errors import SceneError, UnknownNameError
-from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
+from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from tests.designing.scenes import CHOSEN, FILES, FIXTURES, design, name_of
 from tests.designing.test_edits import comments, exact
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.designing.opened import OverwriteError, disk, place, read, saved, scenes
+from camgeo.app.designing.desk import OverwriteError, disk, place, read, saved, scenes
 from camgeo.errors import CamgeoError, FileError
 from camgeo.reading import SCENE
 

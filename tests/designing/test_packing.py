@@ -9,13 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.design import Design
-from camgeo.designing.packing import APART, packed
-from camgeo.figure import motion
-from camgeo.figure.animation import animation
-from camgeo.figure.marks import Line, Style
-from camgeo.figure.model import Axis, Figure, Panel
-from camgeo.scene.load import load_scene
+from camgeo.app.designing.painting import APART, packed
+from camgeo.design.design import Design
+from camgeo.pictures import motion
+from camgeo.pictures.mechanism import animation
+from camgeo.pictures.model import Axis, Figure, Line, Panel, Style
+from camgeo.scene.scene import load_scene
 from tests.answers.documents import FIXTURES
 
 SETZHUB = Design(load_scene(FIXTURES / "scenes" / "setzhub.toml"))

@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
-from camgeo.designing.job import Job, JobError
-from camgeo.designing.recent import Recent
-from camgeo.designing.work import run
+from camgeo.app.designing.children import Job, JobError
+from camgeo.app.designing.recent import Recent
+from camgeo.app.designing.work import run
 from tests.answers.documents import FIXTURES
 from tests.designing.scenes import CHOSEN, name_of
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from camgeo.designing.plan import plan
-from camgeo.scene.document import document, document_of
+from camgeo.app.designing.form import plan
+from camgeo.scene.values import document, document_of
 from tests.designing.scenes import CHOSEN, FILES, NAMES, design, name_of
 
 

@@ -11,9 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.designing.edits import changed
-from camgeo.designing.segments import ACTIONS
-from camgeo.designing.spans import spans_of, total
+from camgeo.app.designing.edits import changed
+from camgeo.app.designing.segments import ACTIONS, spans_of, total
 from camgeo.errors import SceneError
 from tests.designing.scenes import FILES, FIXTURES, design
 

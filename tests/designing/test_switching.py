@@ -8,9 +8,8 @@ from typing import Any
 
 import pytest
 
-from camgeo.designing.edits import changed
-from camgeo.designing.switching import EXAMPLES
-from camgeo.effects.registry import EFFECTS
+from camgeo.app.designing.edits import EXAMPLES, changed
+from camgeo.dynamics.effects.registry import EFFECTS
 from camgeo.errors import SceneError, UnknownNameError
 from tests.designing.scenes import CHOSEN, FILES, FIXTURES, design, name_of
 from tests.designing.test_edits import comments, exact

@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
-from camgeo.designing.job import Job
-from camgeo.designing.verdict import UNKNOWN, WAITING, verdict_of
-from camgeo.designing.work import run
-from camgeo.scene.new import template
+from camgeo.app.designing.children import Job
+from camgeo.app.designing.faults import UNKNOWN, WAITING, verdict_of
+from camgeo.app.designing.work import run
+from camgeo.scene.toml import template
 from tests.designing.scenes import FIXTURES
 from tests.draws.designer_header import case, edits, header, misplaced, switched
 

@@ -25,10 +25,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final
 
-from camgeo.cli.main import main as command
-from camgeo.designing.job import Job
-from camgeo.designing.verdict import verdict_of
-from camgeo.designing.work import run
+from camgeo.app.cli.main import main as command
+from camgeo.app.designing.children import Job
+from camgeo.app.designing.faults import verdict_of
+from camgeo.app.designing.work import run
 from tests.judges.browsing import driven
 from tests.judges.designer_page import serving, shown
 from tests.judges.designer_scenes import workshop

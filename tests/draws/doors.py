@@ -17,17 +17,16 @@ from pathlib import Path
 from random import Random
 from typing import Any, Final
 
-from camgeo.answers.check import Check, check
-from camgeo.answers.render import text, to_json
-from camgeo.answers.report import advised
-from camgeo.design import Design
-from camgeo.designing.job import Job
-from camgeo.designing.work import run
-from camgeo.effects.results import FINDERS
+from camgeo.app.answers.answer import text, to_json
+from camgeo.app.answers.check import Check, check
+from camgeo.app.answers.report import advised
+from camgeo.app.designing.children import Job
+from camgeo.app.designing.work import run
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.results import FINDERS
 from camgeo.errors import CamgeoError, EffectError, GeometryError, SceneError
-from camgeo.scene.load import parse_scene
-from camgeo.sweep.asked import asked_of, hyphened
-from camgeo.sweep.reading import read
+from camgeo.scene.scene import parse_scene
+from camgeo.studies.sweep.rows import asked_of, hyphened, read
 from camgeo_export.notebook.display import display
 from tests.effects.test_random_scenes import scene_of
 from tests.seeds import add_commit_seed

@@ -22,12 +22,11 @@ import numpy as np
 import tomlkit
 
 import camgeo
-from camgeo.answers.size import size
+from camgeo.app.answers.size import size
 from camgeo.errors import CamgeoError
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.sweep.family import Family
-from camgeo.sweep.sweep import sweep
-from camgeo.sweep.variables import Listed, Variable
+from camgeo.studies.sweep.family import Family, Listed, Variable
+from camgeo.studies.sweep.sweep import sweep
 from tests.seeds import add_commit_seed
 
 CLOSE: Final = 1e-9

@@ -26,10 +26,10 @@ from unittest.mock import patch
 import shapely
 
 import camgeo
-from camgeo.answers.check import check
-from camgeo.answers.lint import lint
+from camgeo.app.answers.check import check
+from camgeo.app.answers.lint import lint
+from camgeo.design.milled import MilledDisc
 from camgeo.errors import CamgeoError
-from camgeo.product.milled import MilledDisc
 from tests.seeds import add_commit_seed
 
 ALLOWED: Final = 0.02

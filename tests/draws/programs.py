@@ -21,7 +21,7 @@ from pathlib import Path
 from random import Random
 from typing import Final
 
-from camgeo.toolpath.machine import load
+from camgeo.milling.machine import load
 from camgeo_export.interpreter.run import Run, run_bytes
 from tests.judges import grbl, rs274
 from tests.judges.paths import Leg, difference

@@ -23,14 +23,11 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.errors import CamgeoError
-from camgeo.sweep.asked import asked_of
-from camgeo.sweep.engine import Chunks
-from camgeo.sweep.family import Family, Point
-from camgeo.sweep.rows import Row, Work
-from camgeo.sweep.store import Existing, Heading, Store
-from camgeo.sweep.sweep import sweep
+from camgeo.studies.sweep.family import Family, Point
+from camgeo.studies.sweep.rows import Chunks, Row, Work, asked_of
+from camgeo.studies.sweep.sweep import Existing, Heading, Store, sweep
 from tests.seeds import add_commit_seed
 from tests.sweep.families import SETZHUB, family
 

@@ -15,7 +15,7 @@ import shapely
 import tomlkit
 
 import camgeo
-from camgeo.product.judged_part import findings_on
+from camgeo.design.judged_part import findings_on
 from tests.seeds import add_commit_seed
 
 OFF: Final = 2e-6

@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Callable
 from typing import Any, Final
 
-from camgeo.effects.effect import Effect, Request
+from camgeo.dynamics.effects.effect import Effect, Request
 
 NUMBERS: Final = itertools.count()
 

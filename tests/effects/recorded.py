@@ -26,8 +26,8 @@ import numpy as np
 
 from camgeo import load
 from camgeo.check.finding import Finding
-from camgeo.design import Design
-from camgeo.effects.effect import Bound, Column, Result
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.effect import Bound, Column, Result
 from camgeo.errors import EffectError, GeometryError
 from camgeo.units import TURN
 from tests.effects.recorded_scenes import (

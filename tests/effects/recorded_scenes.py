@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from camgeo.design import Design
-from camgeo.scene.load import parse_scene
+from camgeo.design.design import Design
+from camgeo.scene.scene import parse_scene
 from tests.effects.scenes import SCENES, design
 from tests.state.test_outline import STEEPER, trimmed
 

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.design import Design
-from camgeo.effects.graph import Effects
-from camgeo.effects.registry import EFFECTS, find_effect
-from camgeo.effects.rules import Kind, Only
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.graph import Effects
+from camgeo.dynamics.effects.registry import EFFECTS, find_effect
+from camgeo.dynamics.effects.rules import Kind, Only
 from camgeo.errors import GeometryError, SceneError
 from camgeo.lazy import Ledger
-from camgeo.scene.load import parse_scene
+from camgeo.scene.scene import parse_scene
 
 SCENES = Path(__file__).resolve().parents[2] / "fixtures" / "scenes"
 

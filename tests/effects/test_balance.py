@@ -12,13 +12,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.check.finding import Finding
-from camgeo.contour.contour import Contour
-from camgeo.design import Design
-from camgeo.effects.balance.holes import PITCH, most, rows
-from camgeo.effects.balance.result import Balance
-from camgeo.effects.balance.table import parse
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.balance import parse
+from camgeo.dynamics.effects.balance.result import PITCH, Balance, most, rows
 from camgeo.errors import EffectError, GeometryError
-from camgeo.outline.moments import total
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.outline.path import total
 from camgeo.part.part import Part
 from camgeo.units import TURN
 from tests.effects.scenes import design
@@ -52,7 +51,7 @@ MARK = "[part.mark]\nradius = 30\nwidth = 2\ndepth = 0.5\nangle = 90\n"
 
 def disc(text: str = "", table: str = "") -> Design:
     """The disc without a stroke, with more about its part and the table of the effect."""
-    from camgeo.scene.load import parse_scene
+    from camgeo.scene.scene import parse_scene
 
     return Design(parse_scene(f"{DWELL}{text}\n[effects.balance]\n{STEEL}{table}", "disc.toml"))
 
@@ -298,9 +297,8 @@ def test_the_grade_is_held_against_mass_and_speed() -> None:
 
 def test_the_permissible_unbalance_of_a_turbine_rotor() -> None:
     """3600 kg at 3000 rev/min and G 2.5: e_per = 2.5 mm/s / 314.16/s = 7.958 um, 28,648 g mm."""
-    from camgeo.effects.balance.result import unbalance_finding
-    from camgeo.effects.balance.spin import Spin
-    from camgeo.motion.time_course import ConstantSpeed
+    from camgeo.dynamics.effects.balance.result import Spin, unbalance_finding
+    from camgeo.kinematics.time_course import ConstantSpeed
 
     spin = Spin(0j, 1, ConstantSpeed(100.0 * math.pi), np.array([0.0, TURN]))
     finding = unbalance_finding(2.5, 3.6, 0.02 + 0j, 0.0, spin)

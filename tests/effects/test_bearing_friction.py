@@ -12,11 +12,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from camgeo.design import Design
-from camgeo.effects.bearing_friction import RubbingLaw, directions, jam_reserve
-from camgeo.effects.speed_fluctuation.march import _linear
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.bearing_friction import RubbingLaw, directions, jam_reserve
+from camgeo.dynamics.effects.speed_fluctuation.result import _linear
 from camgeo.numeric.arrays import FloatArray
-from camgeo.scene.load import load_scene
+from camgeo.scene.scene import load_scene
 from tests.effects.scenes import SCENES
 from tests.long_form import LONG, examples
 

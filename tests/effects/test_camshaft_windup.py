@@ -15,18 +15,17 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from camgeo.accuracy.effects import TIGHTER, compared
-from camgeo.design import Design
-from camgeo.effects.elastic import ElasticTrain
-from camgeo.effects.registry import find_effect
-from camgeo.effects.results import CAMSHAFT_WINDUP, DRIVE_TORQUE
-from camgeo.effects.shaft.spread import spread
-from camgeo.effects.tangent import Passed
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.feedback import Passed, spread
+from camgeo.dynamics.effects.forces import ElasticTrain
+from camgeo.dynamics.effects.registry import find_effect
+from camgeo.dynamics.effects.results import CAMSHAFT_WINDUP, DRIVE_TORQUE
+from camgeo.dynamics.state.state import Used
 from camgeo.errors import EffectError, SceneError
-from camgeo.motion.time_course import period
+from camgeo.kinematics.time_course import period
 from camgeo.numeric.arrays import FloatArray
-from camgeo.scene.load import parse_scene
-from camgeo.state.state import Used
+from camgeo.scene.scene import parse_scene
+from camgeo.studies.accuracy.survey import TIGHTER, compared
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import SCENES
 from tests.long_form import examples

@@ -8,17 +8,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.design import Design
-from camgeo.effects.contact_force import EFFECT
-from camgeo.effects.contact_force.result import compute
-from camgeo.effects.effect import Request, Results
-from camgeo.effects.force import Force
-from camgeo.effects.results import ContactForce
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.contact_force import EFFECT
+from camgeo.dynamics.effects.contact_force.result import compute
+from camgeo.dynamics.effects.effect import Request, Results
+from camgeo.dynamics.effects.forces import Force
+from camgeo.dynamics.effects.results import ContactForce
 from camgeo.errors import EffectError, SceneError
-from camgeo.motion.time_course import in_time
+from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.quadrature import piecewise_integral
-from camgeo.scene.load import parse_scene
+from camgeo.scene.scene import parse_scene
 from camgeo.units import TURN
 from tests.effects.scenes import design
 from tests.findings import effect_findings

@@ -14,21 +14,22 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.design import Design
-from camgeo.effects.contact_pressure.life import spin
-from camgeo.effects.contact_pressure.line_contact import (
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.contact import INNER, OUTER
+from camgeo.dynamics.effects.contact_pressure import PressureRequirements, parse
+from camgeo.dynamics.effects.contact_pressure.result import (
     SHEAR_DEPTH,
     SHEAR_SHARE,
+    ContactPressure,
     LineContact,
+    compute,
     half_width,
     largest_pressure,
     needed_radius,
     roller_radii,
+    spin,
 )
-from camgeo.effects.contact_pressure.result import ContactPressure, compute
-from camgeo.effects.contact_pressure.table import PressureRequirements, parse
-from camgeo.effects.effect import Request, Results
-from camgeo.effects.touching import INNER, OUTER
+from camgeo.dynamics.effects.effect import Request, Results
 from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.quadrature import Integral, piecewise_integral
@@ -526,7 +527,7 @@ def test_the_error_of_the_life_is_stated(tolerance: float) -> None:
 
 
 def test_a_tolerance_that_cannot_be_reached_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    module = "camgeo.effects.contact_pressure.life.piecewise_integral"
+    module = "camgeo.dynamics.effects.contact_pressure.result.piecewise_integral"
     monkeypatch.setattr(module, lambda *_: Integral(1.0, 1e-3, 1.0))
     with pytest.raises(EffectError, match="the tolerance is") as caught:
         pressed(scene("groove"), steady(400.0), {"rating": 9000.0}, 1e-6)

@@ -14,7 +14,7 @@ from typing import Any, Final
 import numpy as np
 import pytest
 
-from camgeo.design import Design
+from camgeo.design.design import Design
 from tests.effects.recorded import NUMBER, PLACED, SHOWN, result_of
 from tests.effects.recorded_scenes import OF_SMALL, SMALL, small
 from tests.thinned import share

@@ -8,8 +8,8 @@ from typing import Final
 import pytest
 
 from camgeo.check.finding import Findings
-from camgeo.design import Design
-from camgeo.scene.load import load_scene
+from camgeo.design.design import Design
+from camgeo.scene.scene import load_scene
 from tests.draws.doors import FIXTURES, contradictions, random_scene
 from tests.effects.scenes import design
 

@@ -9,18 +9,16 @@ import numpy as np
 import pytest
 
 from camgeo.check.finding import Finding
-from camgeo.design import Design
-from camgeo.effects.drive_torque import EFFECT
-from camgeo.effects.drive_torque.result import compute
-from camgeo.effects.drive_torque.summary import moment_of_inertia, stored_energy
-from camgeo.effects.effect import Request, Results
-from camgeo.effects.force import Force, at_rates, total
-from camgeo.effects.results import DriveTorque
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.drive_torque import EFFECT
+from camgeo.dynamics.effects.drive_torque.result import compute, moment_of_inertia, stored_energy
+from camgeo.dynamics.effects.effect import Request, Results
+from camgeo.dynamics.effects.forces import Force, at_rates, total
+from camgeo.dynamics.effects.results import DriveTorque
 from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.arrays import FloatArray, Side, merged
-from camgeo.numeric.extremes import grid_of
+from camgeo.numeric.extremes import grid_of, roots_on_grid
 from camgeo.numeric.quadrature import piecewise_integrals
-from camgeo.numeric.roots import roots_on_grid
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import design
 

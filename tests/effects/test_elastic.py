@@ -15,11 +15,11 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from camgeo.design import Design
-from camgeo.effects.results import CONTACT_FORCE, INERTIA, ContactForce
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.results import CONTACT_FORCE, INERTIA, ContactForce
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray
-from camgeo.scene.load import load_scene
+from camgeo.scene.scene import load_scene
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import SCENES
 from tests.long_form import examples

@@ -17,16 +17,13 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from camgeo.design import Design
-from camgeo.effects.lift_off import elastic_flight
-from camgeo.effects.lift_off.cells import Nodes
-from camgeo.effects.lift_off.elastic_flight import ElasticFollower, carrying
-from camgeo.effects.lift_off.flank import Flank
-from camgeo.effects.lift_off.flight import MOST_REBOUNDS
-from camgeo.effects.lift_off.flown import Leaving, Off
-from camgeo.effects.lift_off.free_follower import free_of
-from camgeo.effects.lift_off.walls import of_state
-from camgeo.effects.results import CONTACT_FORCE, INERTIA
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.lift_off import elastic_flight
+from camgeo.dynamics.effects.lift_off.elastic_flight import ElasticFollower, carrying
+from camgeo.dynamics.effects.lift_off.flank import Flank
+from camgeo.dynamics.effects.lift_off.flight import MOST_REBOUNDS, Leaving, Nodes, Off, of_state
+from camgeo.dynamics.effects.lift_off.landing import free_of
+from camgeo.dynamics.effects.results import CONTACT_FORCE, INERTIA
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.units import RPM, TURN

@@ -12,10 +12,10 @@ from typing import Any, Final
 import numpy as np
 import pytest
 
-from camgeo.design import Design
-from camgeo.effects.force import at_rates
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.forces import at_rates
 from camgeo.errors import EffectError
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.effects.scenes import assert_refused, design
 from tests.effects.test_physics import (

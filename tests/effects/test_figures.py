@@ -12,14 +12,13 @@ import numpy as np
 import pytest
 
 from camgeo.check.finding import MOST_ALIKE, Finding, folded
-from camgeo.design import Design
-from camgeo.effects.contact_pressure.findings import life_findings
-from camgeo.effects.contact_pressure.life import Life
-from camgeo.effects.contact_pressure.table import PressureRequirements
-from camgeo.effects.lift_off.flown import UNSETTLED, Flight, unsettled, with_bounces
-from camgeo.effects.wording import left_over
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.contact_pressure import PressureRequirements
+from camgeo.dynamics.effects.contact_pressure.result import Life, life_findings
+from camgeo.dynamics.effects.lift_off.flight import UNSETTLED, Flight, unsettled, with_bounces
+from camgeo.dynamics.effects.wording import left_over
 from camgeo.part.materials import find_material
-from camgeo.scene.load import load_scene
+from camgeo.scene.scene import load_scene
 from tests.draws.doors import FIXTURES
 from tests.effects.scenes import design
 

@@ -16,14 +16,14 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.errors import EffectError, SceneError
-from camgeo.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.mechanism.translating_flat import TranslatingFlat
-from camgeo.motion.time_course import in_time
+from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
-from camgeo.scene.load import parse_scene
-from camgeo.scene.new import template
+from camgeo.scene.scene import parse_scene
+from camgeo.scene.toml import template
 from camgeo.units import TURN
 from tests.effects.scenes import assert_refused, design
 from tests.effects.test_physics import (

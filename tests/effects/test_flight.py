@@ -20,9 +20,9 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from camgeo.design import Design
-from camgeo.effects.lift_off import flight
-from camgeo.scene.load import load_scene, parse_scene
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.lift_off import flight
+from camgeo.scene.scene import load_scene, parse_scene
 from camgeo.units import TURN
 from tests.effects.scenes import SCENES, design
 from tests.long_form import LONG

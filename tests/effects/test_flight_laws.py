@@ -14,9 +14,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.design import Design
-from camgeo.effects.lift_off.flown import Flight
-from camgeo.scene.load import parse_scene
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.lift_off.flight import Flight
+from camgeo.scene.scene import parse_scene
 from camgeo.units import TURN
 from tests.effects.scenes import SCENES
 from tests.effects.test_flight import EFFECTS, GRAVITY, Free, loaded, press

@@ -15,17 +15,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-import camgeo.effects.feedback
-from camgeo.accuracy.effects import TIGHTER, compared
-from camgeo.design import Design
-from camgeo.effects.effect import Result
-from camgeo.effects.registry import find_effect
-from camgeo.effects.results import SPEED_FLUCTUATION
+from camgeo.design.design import Design
+from camgeo.dynamics.effects import feedback as feedback_module
+from camgeo.dynamics.effects.effect import Result
+from camgeo.dynamics.effects.registry import find_effect
+from camgeo.dynamics.effects.results import SPEED_FLUCTUATION
+from camgeo.dynamics.state.state import Used
 from camgeo.errors import EffectError, SceneError
-from camgeo.motion.time_course import ConstantSpeed, TimeCourse, period
+from camgeo.kinematics.time_course import ConstantSpeed, TimeCourse, period
 from camgeo.numeric.arrays import FloatArray
-from camgeo.scene.load import parse_scene
-from camgeo.state.state import Used
+from camgeo.scene.scene import parse_scene
+from camgeo.studies.accuracy.survey import TIGHTER, compared
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import SCENES
 from tests.long_form import LONG, examples
@@ -231,7 +231,7 @@ def test_the_speed_before_an_elastic_train_is_that_of_the_coupled_equations(
 def test_a_loop_that_does_not_contract_is_refused_with_the_keys_that_break_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(camgeo.effects.feedback, "ROUNDS", 2)
+    monkeypatch.setattr(feedback_module, "ROUNDS", 2)
     loose = scene((RIGID, 'output = "elastic"'), ("tolerance = 1e-11", "tolerance = 1e-9"))
     with pytest.raises(EffectError, match=r'after 2 rounds .* output = "rigid"') as error:
         loose.effect(SPEED_FLUCTUATION)

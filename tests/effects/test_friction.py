@@ -10,20 +10,19 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.design import Design
-from camgeo.effects.effect import Request, Results
-from camgeo.effects.friction.result import compute, statics_of
-from camgeo.effects.friction.statics import Statics
-from camgeo.effects.friction.table import parse
-from camgeo.effects.results import Friction
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.effect import Request, Results
+from camgeo.dynamics.effects.friction import parse
+from camgeo.dynamics.effects.friction.result import Statics, compute, statics_of
+from camgeo.dynamics.effects.results import Friction
+from camgeo.dynamics.state.state import Demanded
 from camgeo.errors import EffectError, GeometryError
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.positions import locked_at
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.linkage import locked_at
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.numeric.extremes import grid_of
-from camgeo.state.demanded import Demanded
 from camgeo.units import TURN
 from tests.effects.scenes import assert_refused, design
 from tests.findings import effect_findings

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.effects.gravity import EFFECT, STANDARD_GRAVITY
+from camgeo.dynamics.effects.gravity import EFFECT, STANDARD_GRAVITY
 from camgeo.errors import GeometryError, SceneError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN

@@ -14,13 +14,13 @@ import numpy as np
 import pytest
 
 from camgeo.check.finding import Finding
-from camgeo.design import Design
-from camgeo.effects.rules import ROLLERS
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.rules import ROLLERS
 from camgeo.errors import EffectError, SceneError
-from camgeo.motion.time_course import in_time
+from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
-from camgeo.scene.load import parse_scene
+from camgeo.scene.scene import parse_scene
 from camgeo.units import TURN
 from tests.effects.scenes import SCENES, only_for
 from tests.effects.test_random_scenes import NAMES, assert_well_formed, fault_of, scene_text

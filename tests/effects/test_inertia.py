@@ -12,23 +12,22 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
-from camgeo.effects.effect import Request, Results, Subject
-from camgeo.effects.force import at_rates
-from camgeo.effects.inertia import EFFECT
-from camgeo.effects.inertia.rates import (
+from camgeo.dynamics.effects.effect import Request, Results, Subject
+from camgeo.dynamics.effects.forces import at_rates
+from camgeo.dynamics.effects.inertia import EFFECT, MassProperties, parse
+from camgeo.dynamics.effects.inertia.result import (
     LinkedTrain,
     Train,
     at_cam,
+    compute,
     inertia_force,
     reduced,
     train_of,
 )
-from camgeo.effects.inertia.result import compute
-from camgeo.effects.inertia.table import MassProperties, parse
-from camgeo.effects.results import Inertia
+from camgeo.dynamics.effects.results import Inertia
 from camgeo.errors import EffectError, GeometryError, SceneError
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.motion.time_course import in_time
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 from tests.effects.scenes import assert_refused, design

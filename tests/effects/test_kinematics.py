@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.effects.effect import Column
+from camgeo.dynamics.effects.effect import Column
 from camgeo.errors import SceneError
-from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 from tests.effects.scenes import design

@@ -12,19 +12,18 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.design import Design
-from camgeo.effects.graph import AT_FOUND
-from camgeo.effects.nodes import node_name
-from camgeo.effects.registry import EFFECTS, find_effect
-from camgeo.effects.results import CAMSHAFT_WINDUP, FINDERS, VIBRATION
-from camgeo.writing.write import CERTIFICATE, make_files
+from camgeo.design.design import Design
+from camgeo.design.writing import CERTIFICATE, make_files
+from camgeo.dynamics.effects.graph import AT_FOUND, node_name
+from camgeo.dynamics.effects.registry import EFFECTS, find_effect
+from camgeo.dynamics.effects.results import CAMSHAFT_WINDUP, FINDERS, VIBRATION
 from tests.effects.scenes import SCENES, design
 from tests.long_form import LONG
 from tests.waiting import PATIENCE
 
 SCENE = "plate_translating"
 
-COMPUTES = re.compile(r"camgeo\.effects\.([a-z_]+)\.result")
+COMPUTES = re.compile(r"camgeo\.dynamics\.effects\.([a-z_]+)\.result")
 """The module of an effect that computes it."""
 
 TABLES = {
@@ -171,7 +170,7 @@ def computing(modules: Iterable[str]) -> set[str]:
 RUN = """
 import json, sys
 import camgeo
-from camgeo.scene.load import load_scene
+from camgeo.scene.scene import load_scene
 design = camgeo.load(sys.argv[1])
 if sys.argv[2:]:
     design.findings
@@ -191,7 +190,7 @@ def modules_of(scene: Path, *judge: str) -> set[str]:
 
 def test_a_scene_without_effects_imports_nothing_of_them() -> None:
     loaded = modules_of(SCENES / f"{SCENE}.toml", "judge")
-    assert not {name for name in loaded if name.startswith("camgeo.effects")}
+    assert not {name for name in loaded if name.startswith("camgeo.dynamics.effects")}
     assert not loaded & {"scipy", "shapely", "mpmath"}
 
 
@@ -201,16 +200,19 @@ def test_loading_a_scene_with_all_effects_imports_only_what_declares_them(tmp_pa
     text = (SCENES / f"{SCENE}.toml").read_text("utf-8")
     scene.write_text(f"{text}\n{text_of(TOGETHER)}\n", "utf-8")
     packages = {name.replace("-", "_") for name in TOGETHER}
-    declaring = {"effect", "registry", "results", "rules", "materials", "helical", *packages}
-    declaring |= {f"{name}.table" for name in packages}
+    declaring = {"effect", "registry", "results", "rules", "helical", "wording", *packages}
     loaded = modules_of(scene)
-    found = {each.partition("effects.")[2] for each in loaded if each.startswith("camgeo.effects.")}
+    found = {
+        each.partition("effects.")[2]
+        for each in loaded
+        if each.startswith("camgeo.dynamics.effects.")
+    }
     assert packages <= found <= declaring
 
 
 def test_a_drawing_of_a_scene_with_all_effects_imports_none_that_computes(tmp_path: Path) -> None:
     code = (
-        "import json, sys\nfrom camgeo.cli.main import main\n"
+        "import json, sys\nfrom camgeo.app.cli.main import main\n"
         "assert main(['build', *sys.argv[1:], '--only', 'dxf', '--json']) in (0, 1)\n"
         "print(json.dumps(sorted(sys.modules)))"
     )
@@ -249,11 +251,15 @@ def test_flights_wires_and_trimmed_flanks_are_imported_where_there_are_some(
     text = (SCENES / f"{SCENE}.toml").read_text("utf-8")
     scene.write_text(f"{text}\n{held}[effects.lift-off]\n", "utf-8")
     loaded = modules_of(scene, "judge")
-    assert {"camgeo.effects.lift_off.force_closed", "camgeo.effects.spring.result"} <= loaded
+    assert {
+        "camgeo.dynamics.effects.lift_off.result",
+        "camgeo.dynamics.effects.spring.result",
+    } <= loaded
     assert not loaded & {
-        "camgeo.effects.lift_off.flight", "camgeo.effects.spring.coils", "camgeo.state.outline",
-        "camgeo.state.written",
-    }  # fmt: skip
+        "camgeo.dynamics.effects.lift_off.flight",
+        "camgeo.dynamics.state.outline",
+        "camgeo.dynamics.state.written",
+    }
 
 
 def geometry(effects: str) -> dict[str, bytes]:

@@ -7,16 +7,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.design import Design
-from camgeo.effects.lift_off import flight
-from camgeo.effects.lift_off.cells import cells_from
-from camgeo.effects.lift_off.crossing import Change
-from camgeo.effects.lift_off.flown import Flight
-from camgeo.effects.ranges import ranges_below, runs
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.contact import ranges_below, runs
+from camgeo.dynamics.effects.lift_off import flight
+from camgeo.dynamics.effects.lift_off.flight import Flight, cells_from
+from camgeo.dynamics.effects.lift_off.result import Change
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
-from camgeo.scene.load import parse_scene
+from camgeo.scene.scene import parse_scene
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import design
 

@@ -10,15 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.design import Design
-from camgeo.effects.effect import DataFile
-from camgeo.effects.load.profile import read_load_table
-from camgeo.effects.load.result import profile_of
-from camgeo.effects.load.table import ProcessLoad, parse
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.effect import DataFile
+from camgeo.dynamics.effects.load import ProcessLoad, parse, read_load_table
+from camgeo.dynamics.effects.load.result import profile_of
 from camgeo.errors import EffectError, GeometryError, SceneError
-from camgeo.motion.plan import Dwell, MotionPlan
+from camgeo.kinematics.plan import Dwell, MotionPlan
 from camgeo.numeric.arrays import FloatArray
-from camgeo.scene.load import load_scene
+from camgeo.scene.scene import load_scene
 from camgeo.units import TURN
 from tests.effects.scenes import SCENES, design
 from tests.effects.test_inertia import LOCKED

@@ -12,11 +12,11 @@ from typing import Any, Final
 import numpy as np
 import pytest
 
-from camgeo.design import Design
+from camgeo.design.design import Design
+from camgeo.design.product import Product
 from camgeo.errors import EffectError, GeometryError, SceneError
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.product.product import Product
 from camgeo.units import TURN
 from tests.effects.scenes import design
 from tests.effects.test_physics import (

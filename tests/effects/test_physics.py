@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 
 from camgeo.cam.cam import Cam
-from camgeo.design import Design
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.time_course import in_time
+from camgeo.design.design import Design
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import design

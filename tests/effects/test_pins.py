@@ -18,14 +18,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.design import Design
-from camgeo.effects.coupler import coupler_of
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.loads import coupler_of
 from camgeo.errors import EffectError
-from camgeo.mechanism.four_bar import FourBar
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.kinematics.mechanism.four_bar import FourBar
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.scene.load import parse_scene
+from camgeo.scene.scene import parse_scene
 from tests.effects.scenes import SCENES, design
 from tests.effects.test_inertia import LOCKED
 from tests.effects.test_physics import along, pull

@@ -20,12 +20,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.design import Design
-from camgeo.effects.force import at_rates, rates_of
-from camgeo.effects.touching import INNER, OUTER, carrier, sliding
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.contact import INNER, OUTER, carrier, sliding
+from camgeo.dynamics.effects.forces import at_rates, rates_of
 from camgeo.errors import EffectError, GeometryError, SceneError
 from camgeo.numeric.arrays import FloatArray
-from camgeo.scene.load import parse_scene
+from camgeo.scene.scene import parse_scene
 from camgeo.units import TURN
 from tests.effects.test_pins import LINKED, drawn
 from tests.long_form import examples

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from camgeo.check.finding import Finding
-from camgeo.design import Design
-from camgeo.effects.registry import EFFECTS, find_effect
-from camgeo.effects.results import CONTACT_FORCE, FINDERS
-from camgeo.scene.load import load_scene
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.registry import EFFECTS, find_effect
+from camgeo.dynamics.effects.results import CONTACT_FORCE, FINDERS
+from camgeo.scene.scene import load_scene
 from tests.effects.scenes import SCENES, design
 from tests.effects.test_laziness import TABLES, TOGETHER
 from tests.long_form import LONG

@@ -21,14 +21,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.check.finding import Finding
-from camgeo.design import Design
-from camgeo.effects.effect import Column
-from camgeo.effects.registry import EFFECTS, find_effect
-from camgeo.effects.results import FINDERS
-from camgeo.effects.rules import FLATS, ONE_DISC, ONE_ROLLER, ROLLERS
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.effect import Column
+from camgeo.dynamics.effects.registry import EFFECTS, find_effect
+from camgeo.dynamics.effects.results import FINDERS
+from camgeo.dynamics.effects.rules import FLATS, ONE_DISC, ONE_ROLLER, ROLLERS
 from camgeo.errors import EffectError, Fault, GeometryError, SceneError
 from camgeo.numeric.arrays import FloatArray
-from camgeo.scene.load import parse_scene
+from camgeo.scene.scene import parse_scene
 from camgeo.scene.schema import schema
 from camgeo.scene.whole_schema import whole_schema
 from camgeo.units import TURN

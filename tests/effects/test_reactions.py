@@ -8,10 +8,10 @@ from typing import Any, Final
 import numpy as np
 import pytest
 
-from camgeo.design import Design
-from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.design.design import Design
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.scene.load import load_scene
+from camgeo.scene.scene import load_scene
 from tests.effects.scenes import SCENES, assert_refused, design
 from tests.effects.test_physics import (
     DIFFERENCE,

@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 import pytest
 
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.effects.scenes import design
 from tests.effects.test_physics import along, pull

@@ -14,14 +14,14 @@ from typing import Any
 
 import pytest
 
-from camgeo.effects.effect import GROUP, Effect, Request
-from camgeo.effects.graph import Effects
-from camgeo.effects.registry import EFFECTS, effect_names, find_effect
-from camgeo.effects.results import INERTIA
-from camgeo.effects.rules import FLATS, ONE_DISC, Only
+from camgeo.dynamics.effects.effect import GROUP, Effect, Request
+from camgeo.dynamics.effects.graph import Effects
+from camgeo.dynamics.effects.registry import EFFECTS, effect_names, find_effect
+from camgeo.dynamics.effects.results import INERTIA
+from camgeo.dynamics.effects.rules import FLATS, ONE_DISC, Only
 from camgeo.errors import CamgeoError, GeometryError, SceneError, UnknownNameError
 from camgeo.lazy import Ledger
-from camgeo.scene.load import parse_scene
+from camgeo.scene.scene import parse_scene
 from tests.effects.fakes import fake
 from tests.scene.scenes import PLATE, ROCKER
 
@@ -119,7 +119,7 @@ def test_none_needs_itself(name: str) -> None:
 
 DECLARED = """
 import json, sys
-from camgeo.effects.registry import find_effect
+from camgeo.dynamics.effects.registry import find_effect
 before, imported = set(sys.modules), {}
 for name in sys.argv[1:]:
     find_effect(name)
@@ -146,11 +146,11 @@ def imported() -> dict[str, list[str]]:
 @pytest.mark.parametrize("name", EFFECTS)
 def test_each_is_declared_alone(name: str) -> None:
     """Finding one imports none of the others, and nothing that computes it."""
-    package = f"camgeo.effects.{name.replace('-', '_')}"
+    package = f"camgeo.dynamics.effects.{name.replace('-', '_')}"
     own = {package, f"{package}.table"}
-    found = {module for module in imported()[name] if module.startswith("camgeo.effects.")}
+    found = {module for module in imported()[name] if module.startswith("camgeo.dynamics.effects.")}
     assert package in found
-    assert found <= own | {"camgeo.effects.results"}
+    assert found <= own | {"camgeo.dynamics.effects.results"}
 
 
 def test_there_is_no_such_effect(register: Register) -> None:
@@ -209,7 +209,7 @@ def test_its_table_is_converted_by_its_schema(register: Register) -> None:
 
 def test_its_effect_is_computed_on_a_design(register: Register) -> None:
     register(NAME, FOREIGN)
-    from camgeo.design import Design
+    from camgeo.design.design import Design
 
     scene = parse_scene(with_noise("mass = 2"))
     assert Design(scene).effect(NAME) == {"mass": 2e-3}
@@ -279,7 +279,7 @@ def test_where_it_has_no_place_is_reported(register: Register) -> None:
 def test_request_is_what_it_gets(register: Register) -> None:
     seen: list[Request[Any]] = []
     register(NAME, fake(NAME, seen.append, parse=parse, schema=SCHEMA))
-    from camgeo.design import Design
+    from camgeo.design.design import Design
 
     design = Design(parse_scene(with_noise("mass = 3")))
     assert design.effect(NAME) is None

@@ -8,15 +8,15 @@ from typing import Any, TypeVar
 
 import pytest
 
-from camgeo.effects.contact_force.result import compute as contact_force
-from camgeo.effects.drive_torque.result import compute as drive_torque
-from camgeo.effects.effect import Key, Request, Results
-from camgeo.effects.friction.result import compute as friction
-from camgeo.effects.gravity.result import compute as gravity
-from camgeo.effects.inertia.result import compute as inertia
-from camgeo.effects.load.result import compute as load
-from camgeo.effects.registry import EFFECTS, find_effect
-from camgeo.effects.results import (
+from camgeo.dynamics.effects.contact_force.result import compute as contact_force
+from camgeo.dynamics.effects.drive_torque.result import compute as drive_torque
+from camgeo.dynamics.effects.effect import Key, Request, Results
+from camgeo.dynamics.effects.friction.result import compute as friction
+from camgeo.dynamics.effects.gravity.result import compute as gravity
+from camgeo.dynamics.effects.inertia.result import compute as inertia
+from camgeo.dynamics.effects.load.result import compute as load
+from camgeo.dynamics.effects.registry import EFFECTS, find_effect
+from camgeo.dynamics.effects.results import (
     CONTACT_FORCE,
     DRIVE_TORQUE,
     FRICTION,
@@ -27,8 +27,8 @@ from camgeo.effects.results import (
     VIBRATION,
     Friction,
 )
-from camgeo.effects.spring.result import compute as spring
-from camgeo.effects.vibration.result import compute as vibration
+from camgeo.dynamics.effects.spring.result import compute as spring
+from camgeo.dynamics.effects.vibration.result import compute as vibration
 
 Answer = TypeVar("Answer")
 Pair = tuple[str, Callable[..., Any]]

@@ -7,13 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from camgeo.effects.shock_spectrum import result as module
-from camgeo.effects.shock_spectrum.result import ShockSpectrum, measured
-from camgeo.motion.laws import make_law
+from camgeo.dynamics.effects.shock_spectrum import result as module
+from camgeo.dynamics.effects.shock_spectrum.result import ShockSpectrum, measured
+from camgeo.dynamics.oscillator import steady
+from camgeo.dynamics.oscillator.steady import NODES, QUIET, Pieces, Shock, most_cells, solve
+from camgeo.kinematics.laws import make_law
 from camgeo.numeric.extremes import Extreme
-from camgeo.numeric.oscillator import spectrum
-from camgeo.numeric.oscillator.mode import NODES, Pieces, most_cells, solve
-from camgeo.numeric.oscillator.spectrum import QUIET, Shock
 from tests.effects.scenes import design
 from tests.findings import effect_findings
 from tests.laws import LAWS
@@ -205,5 +204,5 @@ def test_blocks_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     move = shock_of(LAWS["straight-line"])
     ratios = np.linspace(1e-3, 300.0, 500)
     found = move.residual(ratios)
-    monkeypatch.setattr(spectrum, "BLOCK", 100)
+    monkeypatch.setattr(steady, "BLOCK", 100)
     assert move.residual(ratios).tolist() == found.tolist()

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from camgeo.design import Design
-from camgeo.effects.effect import DataFile, Request, Results
-from camgeo.effects.force import Force
-from camgeo.effects.speed_fluctuation.result import SpeedFluctuation, compute
-from camgeo.effects.speed_fluctuation.table import Motor, parse, parse_motor
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.effect import DataFile, Request, Results
+from camgeo.dynamics.effects.forces import Force
+from camgeo.dynamics.effects.speed_fluctuation import Motor, parse, parse_motor
+from camgeo.dynamics.effects.speed_fluctuation.result import SpeedFluctuation, compute
 from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.quadrature import piecewise_integral

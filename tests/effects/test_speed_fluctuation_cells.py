@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from camgeo.effects.speed_fluctuation import steady as steady_module
+from camgeo.dynamics.effects.speed_fluctuation import result as steady_module
 from camgeo.errors import EffectError
 from tests.effects.scenes import design
 from tests.effects.test_speed_fluctuation import driven, steady

@@ -11,12 +11,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.design import Design
-from camgeo.effects.spring.table import parse
-from camgeo.effects.spring.travel import BetweenPoints, along_slider
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.spring import parse
+from camgeo.dynamics.effects.spring.result import BetweenPoints, along_slider
 from camgeo.errors import GeometryError
-from camgeo.mechanism.positions import locked_at
-from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.linkage import locked_at
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 from tests.effects.scenes import design

@@ -8,11 +8,11 @@ from typing import Any, Final
 import numpy as np
 import pytest
 
-from camgeo.design import Design
-from camgeo.effects.spring_surge.result import CLEAR, FARTHEST
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.spring_surge.result import CLEAR, FARTHEST
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray
-from camgeo.scene.load import parse_scene
+from camgeo.scene.scene import parse_scene
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import design
 from tests.integrals import cells, integrals

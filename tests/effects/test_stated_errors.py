@@ -16,16 +16,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.accuracy.effects import TIGHTER, compared, figures_of
-from camgeo.design import Design
-from camgeo.effects.effect import Bound, Result
-from camgeo.effects.nodes import WithTrain
-from camgeo.effects.registry import EFFECTS, find_effect
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.effect import Bound, Result
+from camgeo.dynamics.effects.graph import WithTrain
+from camgeo.dynamics.effects.registry import EFFECTS, find_effect
+from camgeo.dynamics.oscillator.steady import Response
 from camgeo.errors import EffectError
-from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.numeric.oscillator.steady import Response
-from camgeo.numeric.rounding import SHARE, resolved
-from camgeo.scene.load import load_scene, parse_scene
+from camgeo.numeric.arrays import SHARE, FloatArray, Side, resolved
+from camgeo.scene.scene import load_scene, parse_scene
+from camgeo.studies.accuracy.survey import TIGHTER, compared, figures_of
 from camgeo.units import TURN
 from tests.effects.scenes import SCENES, design
 from tests.long_form import LONG, examples

@@ -16,9 +16,9 @@ from tests.effects.scenes import SCENES
 from tests.waiting import PATIENCE
 
 DECLARATION: Final = """
-from camgeo.effects.effect import Effect
-from camgeo.effects.results import CONTACT_FORCE
-from camgeo.effects.rules import ONE_DISC, Only
+from camgeo.dynamics.effects.effect import Effect
+from camgeo.dynamics.effects.results import CONTACT_FORCE
+from camgeo.dynamics.effects.rules import ONE_DISC, Only
 
 
 def parse(table):
@@ -50,8 +50,8 @@ RESULT: Final = """
 from dataclasses import dataclass
 
 from camgeo.check.finding import Finding
-from camgeo.effects.effect import Column
-from camgeo.effects.results import CONTACT_FORCE
+from camgeo.dynamics.effects.effect import Column
+from camgeo.dynamics.effects.results import CONTACT_FORCE
 
 
 @dataclass(frozen=True)
@@ -98,11 +98,11 @@ def distribution(folder: Path) -> Path:
 
 def tree(folder: Path) -> Path:
     """A copy of camgeo with the effect as one of its own: a package, and a line of the registry."""
-    effects = copied(folder) / "effects"
+    effects = copied(folder) / "dynamics" / "effects"
     package = effects / "noise"
     package.mkdir()
     (package / "__init__.py").write_text(
-        DECLARATION.replace("PACKAGE", "camgeo.effects.noise"), "utf-8"
+        DECLARATION.replace("PACKAGE", "camgeo.dynamics.effects.noise"), "utf-8"
     )
     (package / "result.py").write_text(RESULT, "utf-8")
     line = '    "drive-torque",\n'
@@ -119,7 +119,7 @@ def home(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
 
 CALLS: Final = """
 import contextlib, io, json, sys
-from camgeo.cli.main import main
+from camgeo.app.cli.main import main
 answers = []
 for words in json.loads(sys.argv[1]):
     with contextlib.redirect_stdout(io.StringIO()) as said:
@@ -218,7 +218,7 @@ REFUSED: Final = (
 
 CHECK_EACH: Final = """
 import contextlib, io, json, sys
-from camgeo.cli.main import main
+from camgeo.app.cli.main import main
 answers = []
 for path in sys.argv[1:]:
     with contextlib.redirect_stderr(io.StringIO()) as reported:
@@ -245,7 +245,7 @@ def test_its_table_is_refused_in_the_words_of_all_others(home: Path, tmp_path: P
 
 def test_editors_know_it(home: Path) -> None:
     code = (
-        "from camgeo.effects.registry import effect_names\n"
+        "from camgeo.dynamics.effects.registry import effect_names\n"
         "from camgeo.scene.whole_schema import whole_schema\n"
         "import json; print(json.dumps(whole_schema(effect_names())))"
     )

@@ -15,8 +15,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from camgeo.design import Design
-from camgeo.effects.results import CONTACT_FORCE, DRIVE_TORQUE
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.results import CONTACT_FORCE, DRIVE_TORQUE
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import Side
 from tests.effects.scenes import design

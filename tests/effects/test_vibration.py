@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from camgeo.check.finding import Finding
-from camgeo.design import Design
-from camgeo.effects.effect import Request, Results
-from camgeo.effects.vibration import EFFECT
-from camgeo.effects.vibration.result import Vibration, compute
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.effect import Request, Results
+from camgeo.dynamics.effects.vibration import EFFECT
+from camgeo.dynamics.effects.vibration.result import Vibration, compute
 from camgeo.errors import EffectError, GeometryError, SceneError
-from camgeo.motion.laws import make_law
-from camgeo.motion.time_course import in_time
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 from tests.effects.scenes import assert_refused, design

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
-from camgeo.scene.load import load_scene, parse_scene
+from camgeo.scene.scene import load_scene, parse_scene
 from tests.reference import reference
 
 INCH = 25.4

@@ -18,10 +18,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.scene.load import load_scene, parse_scene
+from camgeo.scene.scene import load_scene, parse_scene
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import SCENES, assert_refused
 from tests.effects.test_physics import along, pull

@@ -14,10 +14,10 @@ import trimesh
 from ezdxf.document import Drawing
 from ezdxf.filemanagement import readfile
 
-from camgeo.design import Design
-from camgeo.formats import gcode
+from camgeo.design.design import Design
+from camgeo.milling.milling import GcodeSpec
 from camgeo.part.spec import PartSpec
-from camgeo.toolpath.spec import GcodeSpec
+from camgeo.scene.formats import gcode
 from tests.end_to_end.exact import Flank, Kept, half_width
 from tests.end_to_end.features import DENSE, Exact, Span, spans
 from tests.end_to_end.trimmed import kept_of, pitch_of

@@ -11,7 +11,7 @@ from typing import Any, Final
 import pytest
 
 from camgeo import load
-from camgeo.cli.main import main
+from camgeo.app.cli.main import main
 from tests.answers.documents import validator
 from tests.end_to_end.built import SCENES, Built
 from tests.long_form import LONG
@@ -84,5 +84,5 @@ def built(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
     with redirect_stdout(io.StringIO()) as reported:
         words = ["build", str(request.param), "-o", str(folder), "--only", formats, "--json"]
         assert main(words) == broken
-    validator("camgeo.answers.build").validate(json.loads(reported.getvalue()))
+    validator("camgeo.app.answers.build").validate(json.loads(reported.getvalue()))
     return built

@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 
 NODES = 200

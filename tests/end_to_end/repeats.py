@@ -29,9 +29,9 @@ from typing import Any, Final
 import numpy as np
 
 import camgeo
+from camgeo.design.writing import find_writer, writer_names
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray
-from camgeo.writing.writer import find_writer, writer_names
 
 ROOT: Final = Path(__file__).parents[2]
 

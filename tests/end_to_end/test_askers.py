@@ -21,8 +21,8 @@ import pytest
 import camgeo
 from camgeo import Design, Scene
 from camgeo.check.finding import Finding
+from camgeo.design.writing import make_files
 from camgeo.errors import CamgeoError, SceneError
-from camgeo.writing.write import make_files
 
 SCENES: Final = Path(__file__).parents[2] / "fixtures" / "scenes"
 

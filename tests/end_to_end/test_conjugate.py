@@ -14,11 +14,11 @@ import pytest
 from ezdxf.filemanagement import readfile
 
 from camgeo import load
-from camgeo.cli.main import main
-from camgeo.design import Design
+from camgeo.app.cli.main import main
+from camgeo.design.design import Design
 from camgeo.errors import UndercutError
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray
 from tests.end_to_end.built import SCENES
 from tests.measuring import DensePath, Outline

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from camgeo import load
-from camgeo.cli.main import main
-from camgeo.design import Design
-from camgeo.effects.registry import EFFECTS
-from camgeo.motion.time_course import in_time
+from camgeo.app.cli.main import main
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.registry import EFFECTS
+from camgeo.kinematics.time_course import in_time
 from tests.effects.scenes import SCENES
 from tests.long_form import LONG
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import shapely
 
-from camgeo.toolpath.cut import ContourCut
-from camgeo.toolpath.tool import Tool
+from camgeo.milling.cut import ContourCut
+from camgeo.milling.tool import Tool
 from tests.end_to_end.built import CHORDS, Built
 from tests.end_to_end.exact import TURN, Flank
 from tests.end_to_end.features import DENSE

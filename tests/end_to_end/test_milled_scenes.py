@@ -20,13 +20,13 @@ from typing import Any, Final
 import pytest
 
 import camgeo
-from camgeo.answers.setup import setup_sheet
-from camgeo.cli.main import main
-from camgeo.design import Design
-from camgeo.formats.gcode import FORMAT
-from camgeo.product.product import sides_of
-from camgeo.scene.load import parse_scene
-from camgeo.toolpath import machine as machines
+from camgeo.app.answers.setup import setup_sheet
+from camgeo.app.cli.main import main
+from camgeo.design.design import Design
+from camgeo.design.product import sides_of
+from camgeo.milling import machine as machines
+from camgeo.scene.formats.gcode import FORMAT
+from camgeo.scene.scene import parse_scene
 from camgeo_export.gcode.measure import bench_of
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import run, run_bytes

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 import camgeo
-from camgeo.cli.main import main
-from camgeo.product.product import disc_of, with_pair
-from camgeo.sheet.notes import notes_of
-from camgeo.sheet.views import drawn_of
+from camgeo.app.cli.main import main
+from camgeo.design.product import disc_of, with_pair
+from camgeo.pictures.sheet.sheet import notes_of
+from camgeo.pictures.sheet.views import drawn_of
 
 PAIR = Path(__file__).parents[2] / "fixtures" / "pairs" / "conjugate_pair.toml"
 

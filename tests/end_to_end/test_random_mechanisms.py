@@ -18,8 +18,7 @@ from typing import Any, Final
 import pytest
 
 from camgeo.errors import SceneError
-from camgeo.scene.load import load_scene
-from camgeo.scene.scene import Scene
+from camgeo.scene.scene import Scene, load_scene
 from tests.end_to_end.independent import ACCURACY, Model
 from tests.end_to_end.random_mechanisms import Drawn, Values, drawn
 from tests.fuzz.case import toml
@@ -249,7 +248,7 @@ def test_a_crash_and_a_hang_of_any_command_are_complaints(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("camgeo.cli.plot.run", broken)
+    monkeypatch.setattr("camgeo.app.cli.plot.run", broken)
     monkeypatch.setitem(LONG, "plot", 0.2)
     (found,) = complaints(2 * STRIDE, tmp_path)
     assert found.startswith(complaint)

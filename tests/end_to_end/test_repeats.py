@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 import pytest
 
-from camgeo.cli.main import main
+from camgeo.app.cli.main import main
 from camgeo.numeric.arrays import FloatArray
 from tests.end_to_end.repeats import (
     PICTURES,

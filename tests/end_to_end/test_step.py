@@ -9,14 +9,13 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.contour.contour import Contour
-from camgeo.formats.dxf import FORMAT as DXF
+from camgeo.geometry.contour.contour import Contour
+from camgeo.scene.formats.dxf import FORMAT as DXF
 from camgeo.units import MM_PER
-from camgeo_export.part21.model import Model
-from camgeo_export.part21.solid import Solid, solid_of
+from camgeo_export.part21.solid import Model, Solid, solid_of
 from camgeo_export.part21.text import exchange_of
 from camgeo_export.step.writer import WRITER
-from camgeo_export.verify.shell import bounds_of, is_flat, volume_of
+from camgeo_export.verify.step import bounds_of, is_flat, volume_of
 from tests.end_to_end.built import SCENES, Built
 
 READ: dict[str, Solid] = {}

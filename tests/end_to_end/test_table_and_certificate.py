@@ -9,12 +9,12 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from camgeo.design import Design
-from camgeo.formats.csv import FORMAT
-from camgeo.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.mechanism.translating_flat import TranslatingFlat
+from camgeo.design.design import Design
+from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
-from camgeo.scene.load import load_scene
+from camgeo.scene.formats.csv import FORMAT
+from camgeo.scene.scene import load_scene
 from camgeo.units import MM_PER
 from tests.end_to_end.built import SCENES, Built
 

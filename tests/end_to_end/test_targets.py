@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.contour.least_pieces import (
+from camgeo.geometry.contour.least_pieces import (
     forced_pieces,
     least_arcs,
     least_chords,
     least_cubics,
 )
-from camgeo.outline.path import Path as Outline
+from camgeo.geometry.outline.path import Path as Outline
 from camgeo.part.boundaries import CurveBoundary
 from tests.contour.paths import break_count
 from tests.end_to_end.built import SCENES
@@ -73,5 +73,5 @@ def test_few_pieces(scene: Path, form: str) -> None:
 
 
 def _forced_by_breaks(form: str, breaks: int, forced: int) -> float:
-    """Pieces that the ends of the smooth pieces cost, see `camgeo.contour.least_pieces`."""
+    """Pieces that ends of smooth pieces cost, see `camgeo.geometry.contour.least_pieces`."""
     return 0.0 if form == "polyline" else float(breaks - forced)

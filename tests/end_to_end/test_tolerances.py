@@ -16,12 +16,11 @@ from typing import Final
 import pytest
 
 import camgeo
-from camgeo.accuracy.contours import drawn_as
-from camgeo.accuracy.rows import FORMS
-from camgeo.contour.contour import Form
-from camgeo.design import Design
-from camgeo.verifying.verify import Against, Wanted, files_in, verify_files
-from camgeo.writing.write import Report
+from camgeo.design.design import Design
+from camgeo.design.verify import Against, Wanted, files_in, verify_files
+from camgeo.design.writing import Report
+from camgeo.geometry.contour.contour import Form
+from camgeo.studies.accuracy.contours import FORMS, drawn_as
 from tests.end_to_end.built import SCENES
 from tests.long_form import LONG
 

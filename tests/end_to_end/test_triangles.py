@@ -13,8 +13,8 @@ import math
 import numpy as np
 import pytest
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.least_pieces import CHORD, least_chords
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.least_pieces import CHORD, least_chords
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary
 from tests.end_to_end.built import Built

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from camgeo.cli.main import main
+from camgeo.app.cli.main import main
 from tests.answers.documents import validator
 from tests.end_to_end import damage as d
 from tests.end_to_end.built import SCENES, Built
@@ -142,7 +142,7 @@ def _verify(capsys: pytest.CaptureFixture[str], *words: object) -> tuple[int, di
     capsys.readouterr()
     code = main(["verify", *(str(word) for word in words), "--json"])
     document = json.loads(capsys.readouterr().out)
-    validator("camgeo.answers.verify").validate(document)
+    validator("camgeo.app.answers.verify").validate(document)
     assert document["passed"] == (code == 0)
     return code, document["files"][0]
 
@@ -176,7 +176,7 @@ def test_what_is_built_passes(
     scene = FOLDER / f"{built.design.name}.toml"
     assert main(["verify", str(tmp_path), "--scene", str(scene), "--json"]) == 0
     reported = json.loads(capsys.readouterr().out)
-    validator("camgeo.answers.verify").validate(reported)
+    validator("camgeo.app.answers.verify").validate(reported)
     kept = json.loads((tmp_path / "verification.json").read_text())
     assert [kept[key] for key in ("camgeo", "passed", "files")] == [
         reported[key] for key in ("camgeo", "passed", "files")

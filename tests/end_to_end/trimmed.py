@@ -1,8 +1,8 @@
 """What is left of a flank that undercuts, found by sampling and Newton's method.
 
-Nothing of `camgeo.outline` is used: a sample of the flank is covered if it is nearer to the pitch
-curve than the roller's radius, and where covered stretches begin and end the flank crosses itself.
-It finds what the fixture scenes have, tails wider than its samples, and no more.
+Nothing of `camgeo.geometry.outline` is used: a sample of the flank is covered if it is nearer to
+the pitch curve than the roller's radius, and where covered stretches begin and end the flank
+crosses itself. It finds what the fixture scenes have, tails wider than its samples, and no more.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.numeric.arrays import FloatArray
 from tests.end_to_end.exact import TURN, WHOLE, Flank, Kept, half_width
 from tests.measuring import DensePath

@@ -12,18 +12,18 @@ from typing import Any, Final
 
 import numpy as np
 
-from camgeo.design import Design
-from camgeo.product.product import Product
-from camgeo.scene.load import parse_scene
-from camgeo.toolpath.machine import load
-from camgeo.verifying.verification import Check, Reading, Verifier
-from camgeo.writing.writer import Writer
+from camgeo.design.design import Design
+from camgeo.design.product import Product
+from camgeo.design.verify import Check, Reading, Verifier
+from camgeo.design.writing import Writer
+from camgeo.milling.machine import load
+from camgeo.scene.scene import parse_scene
 from camgeo_export.dxf.writer import WRITER as DXF
 from camgeo_export.gcode.writer import WRITER as GCODE
 from camgeo_export.step.writer import WRITER as STEP
-from camgeo_export.stl.writer import FACET, PREFIX
-from camgeo_export.stl.writer import WRITER as STL
-from camgeo_export.svg.writer import WRITER as SVG
+from camgeo_export.stl import FACET, PREFIX
+from camgeo_export.stl import WRITER as STL
+from camgeo_export.svg import WRITER as SVG
 from camgeo_export.threemf.writer import MODEL_PATH
 from camgeo_export.threemf.writer import WRITER as THREEMF
 from camgeo_export.verify.dxf import VERIFIER as DXF_VERIFIER

@@ -14,46 +14,47 @@ from typing import Any, cast
 
 import numpy as np
 
-from camgeo.cam.cam import Cam
-from camgeo.cam.drive import Drive
-from camgeo.check.finding import Finding
+from camgeo.cam.cam import Cam, Drive
+from camgeo.check.finding import Finding, Limits
 from camgeo.check.judge import Judgement
-from camgeo.check.limits import Limits
-from camgeo.contour.contour import Contour, Effort, Fit
-from camgeo.contour.spline import Arc, SplineContour, SplineFit
-from camgeo.effects.effect import Column
-from camgeo.formats.drawing import DrawingSpec
-from camgeo.formats.dxf import DxfSpec
-from camgeo.formats.format import Options, Values
-from camgeo.formats.step import StepSpec
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion import plan
-from camgeo.motion.laws import make_law
-from camgeo.outline.moments import Moments, SecondMoments
+from camgeo.design.drawn import DrawnDisc, PrintedDisc
+from camgeo.design.milled import MilledDisc
+from camgeo.design.product import Product
+from camgeo.design.value_table import Table, TabulatedCam
+from camgeo.dynamics.effects.effect import Column
+from camgeo.geometry.contour.contour import Contour, Effort, Fit
+from camgeo.geometry.contour.spline import Arc, SplineContour, SplineFit
+from camgeo.geometry.outline.path import Moments, SecondMoments
+from camgeo.kinematics import plan
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.milling import machine
+from camgeo.milling.cut import ContourCut
+from camgeo.milling.milling import GcodeSpec, MillingSpec, Stock
+from camgeo.milling.moves import (
+    ArcFeed,
+    Feed,
+    Heights,
+    Move,
+    Operation,
+    Rapid,
+    Toolpath,
+    centre_feed,
+)
+from camgeo.milling.plan import Engaged, divided
+from camgeo.milling.planned import Sequence
+from camgeo.milling.stages import Flaw
+from camgeo.milling.tool import Tool
+from camgeo.milling.zero import OF_THE_PART, Zero
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Layer, Part
 from camgeo.part.spec import PartSpec
-from camgeo.product.drawn import DrawnDisc
-from camgeo.product.milled import MilledDisc
-from camgeo.product.printed import PrintedDisc
-from camgeo.product.product import Product
-from camgeo.product.value_table import Table, TabulatedCam
-from camgeo.scene.document import document
+from camgeo.scene.formats.drawing import DrawingSpec
+from camgeo.scene.formats.dxf import DxfSpec
+from camgeo.scene.formats.format import Options, Values
+from camgeo.scene.formats.step import StepSpec
 from camgeo.scene.scene import Scene
-from camgeo.scene.valid_values import ValidValues
-from camgeo.toolpath import machine
-from camgeo.toolpath.cut import ContourCut
-from camgeo.toolpath.engaged import Engaged
-from camgeo.toolpath.feeds import centre_feed
-from camgeo.toolpath.milling import MillingSpec
-from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Move, Operation, Rapid, Toolpath
-from camgeo.toolpath.plan import divided
-from camgeo.toolpath.sequence import Sequence
-from camgeo.toolpath.spec import GcodeSpec
-from camgeo.toolpath.stages import Flaw
-from camgeo.toolpath.stock import Stock
-from camgeo.toolpath.tool import Tool
-from camgeo.toolpath.zero import OF_THE_PART, Zero
+from camgeo.scene.values import ValidValues, document
 from camgeo.units import MM_PER, LengthUnit
 
 SPEND = 0.99

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.numeric.arrays import ComplexArray
-from camgeo_export.apart import of_polygons
+from camgeo_export.solid.prism import of_polygons
 
 
 def circle(radius: float, count: int) -> ComplexArray:

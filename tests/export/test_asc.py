@@ -11,16 +11,15 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.cli.main import main
-from camgeo.design import Design
-from camgeo.errors import SceneError
+from camgeo.app.cli.main import main
+from camgeo.design.design import Design
+from camgeo.design.product import Product
+from camgeo.design.writing import make_files
+from camgeo.errors import FileError, SceneError
 from camgeo.numeric.arrays import FloatArray
-from camgeo.product.product import Product
-from camgeo.scene.load import parse_scene
 from camgeo.scene.ocv import import_project
-from camgeo.writing.write import make_files
-from camgeo_export.asc.writer import COLUMNS, POINTS, SECOND, WRITER, AscWriter
-from camgeo_export.errors import FileError
+from camgeo.scene.scene import parse_scene
+from camgeo_export.asc import COLUMNS, POINTS, SECOND, WRITER, AscWriter
 from tests.reference import THESIS_CAMS, pitch_curve_of, reference, thesis_params
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"

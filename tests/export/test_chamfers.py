@@ -12,35 +12,27 @@ import pytest
 import trimesh
 
 import camgeo
-from camgeo.contour.contour import Contour
-from camgeo.errors import GeometryError
+from camgeo.design.verify import Reading
+from camgeo.design.writing import Writer
+from camgeo.errors import FileError, GeometryError
+from camgeo.geometry.contour.contour import Contour
 from camgeo.numeric.arrays import FloatArray, IntArray
-from camgeo.part.bands import Bevel
+from camgeo.part.assembly import bore_boundary
 from camgeo.part.boundaries import ExactBoundary
-from camgeo.part.boundary import Boundary
-from camgeo.part.features import bore_boundary
 from camgeo.part.mass import solid
-from camgeo.part.part import Layer, Part
+from camgeo.part.part import Bevel, Boundary, Layer, Part
 from camgeo.part.spec import DShaft, Keyway
 from camgeo.units import LengthUnit
-from camgeo.verifying.verification import Reading
-from camgeo.writing.writer import Writer
-from camgeo_export.errors import FileError
-from camgeo_export.part21.curves import Cone
-from camgeo_export.part21.model import Model
-from camgeo_export.part21.solid import solid_of
+from camgeo_export.part21.solid import Cone, Model, solid_of
 from camgeo_export.part21.text import exchange_of
 from camgeo_export.solid.measure import measure
 from camgeo_export.solid.prism import body
 from camgeo_export.step.writer import WRITER as STEP
-from camgeo_export.stl.writer import WRITER as STL
+from camgeo_export.stl import WRITER as STL
 from camgeo_export.threemf.writer import WRITER as THREEMF
-from camgeo_export.verify.bevels import _sections
-from camgeo_export.verify.body import body_checks
-from camgeo_export.verify.inclined import is_inclined
-from camgeo_export.verify.mesh import polygon
-from camgeo_export.verify.shell import bounds_of, volume_of
+from camgeo_export.verify.body import _sections, body_checks, polygon
 from camgeo_export.verify.step import VERIFIER as STEP_VERIFIER
+from camgeo_export.verify.step import bounds_of, is_inclined, volume_of
 from tests.effects.scenes import design
 from tests.export.test_solids import PartProduct
 from tests.export.verified import faults

@@ -15,17 +15,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import camgeo
-from camgeo.design import Design
+from camgeo.design.design import Design
+from camgeo.design.product import title_of
+from camgeo.design.verify import Verifier
 from camgeo.errors import SceneError
-from camgeo.formats.drawing import DrawingSpec
-from camgeo.product.product import title_of
-from camgeo.verifying.verification import Verifier
+from camgeo.scene.formats.drawing import DrawingSpec
 from camgeo_export.dxf.writer import WRITER as DXF
 from camgeo_export.gcode.comments import ascii_of, stated
 from camgeo_export.gcode.writer import WRITER as GCODE
 from camgeo_export.step.writer import WRITER as STEP
-from camgeo_export.svg.writer import WRITER as SVG
-from camgeo_export.table.writer import WRITER as CSV
+from camgeo_export.svg import WRITER as SVG
+from camgeo_export.table import WRITER as CSV
 from camgeo_export.threemf.writer import MODEL_PATH
 from camgeo_export.threemf.writer import WRITER as THREEMF
 from camgeo_export.verify.dxf import VERIFIER as DXF_VERIFIER

@@ -12,15 +12,14 @@ import pytest
 
 import camgeo
 from camgeo import reading
-from camgeo.formats.dxf import DxfSpec
+from camgeo.design.verify import Against, Reading, Wanted, verify_files
+from camgeo.errors import FileError
 from camgeo.numeric.arrays import phase
+from camgeo.scene.formats.dxf import DxfSpec
 from camgeo.units import LengthUnit
-from camgeo.verifying.verification import Reading
-from camgeo.verifying.verify import Against, Wanted, verify_files
-from camgeo_export.errors import FileError
-from camgeo_export.svg import writer
-from camgeo_export.svg.reader import drawing_of
-from camgeo_export.svg.writer import WRITER
+from camgeo_export import svg
+from camgeo_export.svg import WRITER
+from camgeo_export.svg_reader import drawing_of
 from camgeo_export.verify.svg import VERIFIER
 from tests.effects.scenes import SCENES
 from tests.export.stub_product import CircleBoundary, StubProduct
@@ -221,7 +220,7 @@ def test_what_may_not_be_parsed_is_refused(data: bytes, message: str) -> None:
 
 
 def test_nothing_is_written_that_would_not_be_read(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(writer, "SVG_PIECES", 20)
+    monkeypatch.setattr(svg, "SVG_PIECES", 20)
     with pytest.raises(FileError, match="at most 20 are allowed"):
         WRITER.write(StubProduct(), TOLERANCE)
     assert reading.SVG_PIECES > 20

@@ -16,19 +16,17 @@ from ezdxf.entities.dimension import Dimension
 from ezdxf.entities.mtext import MText
 from ezdxf.filemanagement import read as parsed
 
-from camgeo.design import Design
+from camgeo.design.design import Design
+from camgeo.design.product import Product, disc_of
+from camgeo.design.verify import Reading
 from camgeo.errors import FileError
-from camgeo.part.engraving import text_of
-from camgeo.product.product import Product, disc_of
-from camgeo.scene.load import load_scene, parse_scene
-from camgeo.sheet.ink import number_of
-from camgeo.sheet.marks import Diameter, Distance
-from camgeo.sheet.sheet import measured, sheets_of
+from camgeo.part.spec import text_of
+from camgeo.pictures.sheet.marks import Diameter, Distance
+from camgeo.pictures.sheet.placing import number_of
+from camgeo.pictures.sheet.sheet import measured, sheets_of
+from camgeo.scene.scene import load_scene, parse_scene
 from camgeo.units import MM_PER
-from camgeo.verifying.verification import Reading
-from camgeo_export.drawing.document import LAYERS
-from camgeo_export.drawing.strokes import GRAIN
-from camgeo_export.drawing.writer import PDF, SVG, WRITER
+from camgeo_export.drawing.writer import GRAIN, LAYERS, PDF, SVG, WRITER
 from camgeo_export.verify.dxf import VERIFIER
 from tests.sheet.sheets import (
     FIXTURES,

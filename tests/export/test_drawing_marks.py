@@ -13,14 +13,24 @@ import pytest
 from ezdxf.document import Drawing
 from ezdxf.filemanagement import read as parsed
 
-from camgeo.product.product import Product
-from camgeo.sheet.ink import ARROW, BEFORE, BEHIND, LETTERS, LIFTED
-from camgeo.sheet.lettering import NARROWED, squeeze
-from camgeo.sheet.marks import Chain, Diameter, Distance, Filled, Hatched, Label, Mark, Round, Sheet
-from camgeo.sheet.sheet import sheets_of
+from camgeo.design.product import Product
+from camgeo.pictures.sheet.marks import (
+    NARROWED,
+    Chain,
+    Diameter,
+    Distance,
+    Filled,
+    Hatched,
+    Label,
+    Mark,
+    Round,
+    Sheet,
+    squeeze,
+)
+from camgeo.pictures.sheet.placing import ARROW, BEFORE, BEHIND, LETTERS, LIFTED
+from camgeo.pictures.sheet.sheet import sheets_of
 from camgeo.units import MM_PER
-from camgeo_export.drawing.document import LAYERS, RARE
-from camgeo_export.drawing.writer import WRITER
+from camgeo_export.drawing.writer import LAYERS, RARE, WRITER
 from tests.sheet.sheets import TOLERANCE, part, products
 
 Placed = Callable[[complex], complex]

@@ -15,10 +15,9 @@ import numpy as np
 import pytest
 
 from camgeo.numeric.arrays import ComplexArray
-from camgeo.sheet.marks import Chain, Filled, Label, Round
-from camgeo.sheet.sheet import sheets_of
-from camgeo_export.drawing.document import LAYERS
-from camgeo_export.drawing.writer import PDF, SVG
+from camgeo.pictures.sheet.marks import Chain, Filled, Label, Round
+from camgeo.pictures.sheet.sheet import sheets_of
+from camgeo_export.drawing.writer import LAYERS, PDF, SVG
 from tests.export.test_drawing_marks import placed, product
 from tests.sheet.sheets import TOLERANCE
 

@@ -14,14 +14,14 @@ import pytest
 from ezdxf.path import make_path
 
 import camgeo
-from camgeo.contour.contour import Contour
-from camgeo.contour.spline import Arc
-from camgeo.formats.dxf import DxfSpec
+from camgeo.errors import FileError
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.spline import Arc
 from camgeo.numeric.arrays import FloatArray
+from camgeo.scene.formats.dxf import DxfSpec
 from camgeo.units import MM_PER, LengthUnit
 from camgeo_export.dxf.reader import drawing_of
 from camgeo_export.dxf.writer import WRITER
-from camgeo_export.errors import FileError
 from tests.export.stub_product import StubProduct
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"

@@ -12,18 +12,17 @@ import numpy as np
 import pytest
 from ezdxf.layouts.layout import Modelspace
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.cubics.deviation import spline_deviation
-from camgeo.contour.spline import CubicSpline, SplineContour
-from camgeo.formats.dxf import DxfSpec
-from camgeo.outline.path import whole
+from camgeo.errors import FileError
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.cubic_proof import spline_deviation
+from camgeo.geometry.contour.spline import CubicSpline, SplineContour
+from camgeo.geometry.outline.path import whole
 from camgeo.part.boundaries import CurveBoundary
-from camgeo.part.boundary import WRITTEN_SHARE
-from camgeo.part.part import Layer, Part
-from camgeo_export.dxf.curves import Curve
+from camgeo.part.part import WRITTEN_SHARE, Layer, Part
+from camgeo.scene.formats.dxf import DxfSpec
+from camgeo_export.dxf.items import Curve
 from camgeo_export.dxf.reader import READER, drawing_of
 from camgeo_export.dxf.writer import WRITER
-from camgeo_export.errors import FileError
 from tests.contour.cams import flank
 from tests.export.stub_product import CircleBoundary, StubProduct
 from tests.export.test_foreign_contours import drawn, stadium

@@ -8,23 +8,20 @@ import pytest
 import trimesh
 from ezdxf.filemanagement import read
 
-from camgeo.cam.contact import Contact
-from camgeo.formats.dxf import ENTITIES, DxfSpec, Entity
-from camgeo.formats.step import StepSpec
-from camgeo.part.engraving import Engraving, text_of
+from camgeo.cam.cam import Contact
+from camgeo.design.verify import Verifier
+from camgeo.design.writing import Writer
 from camgeo.part.mass import solid
 from camgeo.part.part import Part
-from camgeo.part.spec import PartSpec
-from camgeo.verifying.verification import Verifier
-from camgeo.writing.writer import Writer
+from camgeo.part.spec import Engraving, PartSpec, text_of
+from camgeo.scene.formats.dxf import ENTITIES, DxfSpec, Entity
+from camgeo.scene.formats.step import StepSpec
 from camgeo_export.dxf.writer import WRITER as DXF
-from camgeo_export.part21.curves import Extrusion
-from camgeo_export.part21.model import Model
-from camgeo_export.part21.solid import solid_of
+from camgeo_export.part21.solid import Extrusion, Model, solid_of
 from camgeo_export.part21.text import exchange_of
 from camgeo_export.step.writer import WRITER as STEP
-from camgeo_export.stl.writer import WRITER as STL
-from camgeo_export.svg.writer import WRITER as SVG
+from camgeo_export.stl import WRITER as STL
+from camgeo_export.svg import WRITER as SVG
 from camgeo_export.threemf.writer import WRITER as THREEMF
 from camgeo_export.verify.dxf import VERIFIER as OF_DXF
 from camgeo_export.verify.step import VERIFIER as OF_STEP

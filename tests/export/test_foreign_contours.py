@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 from ezdxf.layouts.layout import Modelspace
 
-from camgeo.contour.contour import Contour
-from camgeo.inspection.measured_points import read_points
+from camgeo.errors import FileError
+from camgeo.geometry.contour.contour import Contour
+from camgeo.studies.inspection import read_points
 from camgeo.units import LengthUnit
-from camgeo_export.contour_csv.reader import READER as CSV
+from camgeo_export.contour_csv import READER as CSV
 from camgeo_export.dxf.reader import READER as DXF
 from camgeo_export.dxf.writer import WRITER
-from camgeo_export.errors import FileError
-from camgeo_export.svg.contours import READER as SVG
+from camgeo_export.svg_reader import READER as SVG
 from tests.export.stub_product import StubProduct
 
 Drawing = Callable[[Modelspace], object]

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 from ezdxf.layouts.layout import Modelspace
 
-from camgeo.contour.foreign import Outlines, by_arcs
-from camgeo.contour.spline import SplineContour
 from camgeo.errors import FileError
+from camgeo.geometry.contour.foreign import Outlines, by_arcs
+from camgeo.geometry.contour.spline import SplineContour
 from camgeo.reading import PLACED
-from camgeo_export.dxf.curves import NEAR
+from camgeo_export.dxf.items import NEAR
 from camgeo_export.dxf.reader import READER
 from tests.export.test_foreign_contours import drawn
 from tests.export.test_shop_drawings import along

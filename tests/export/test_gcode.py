@@ -13,17 +13,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.errors import SceneError, ToleranceError
-from camgeo.toolpath import machine as machines
-from camgeo.toolpath.moves import ArcFeed, Feed, Rapid
-from camgeo.toolpath.spec import GcodeSpec
+from camgeo.design.verify import Origin, Reading
+from camgeo.errors import FileError, SceneError, ToleranceError
+from camgeo.milling import machine as machines
+from camgeo.milling.milling import GcodeSpec
+from camgeo.milling.moves import ArcFeed, Feed, Rapid
 from camgeo.units import LengthUnit
-from camgeo.verifying.verification import Origin, Reading
-from camgeo_export.errors import FileError
-from camgeo_export.gcode.blocks import Budget, Grid, budget
-from camgeo_export.gcode.dialects import Iso
-from camgeo_export.gcode.speller import Speller
-from camgeo_export.gcode.writer import WRITER
+from camgeo_export.gcode.comments import Budget, Grid, budget
+from camgeo_export.gcode.writer import WRITER, Iso, Speller
 from camgeo_export.interpreter.run import Run, run
 from camgeo_export.verify.gcode import VERIFIER
 from tests.export.stub_product import TOOL, StubProduct
@@ -460,7 +457,7 @@ def test_names_are_made_safe_for_comments() -> None:
 
 def test_comments_up_to_the_end_of_a_line(tmp_path: Path) -> None:
     """Some controllers want comments like this; what they state is read all the same."""
-    text = files("camgeo.toolpath").joinpath("machines", "linuxcnc.toml").read_text("utf-8")
+    text = files("camgeo.milling").joinpath("machines", "linuxcnc.toml").read_text("utf-8")
     profile = tmp_path / "semicolon.toml"
     profile.write_text(
         text.replace('open = "("', 'open = "; "').replace('close = ")"', 'close = ""')

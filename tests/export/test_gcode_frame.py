@@ -8,15 +8,14 @@ from dataclasses import replace
 import pytest
 
 from camgeo.errors import SceneError, ToleranceError
-from camgeo.toolpath import machine as machines
-from camgeo.toolpath.machine import Machine
-from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Operation, Rapid, Stop, Toolpath
-from camgeo.toolpath.spec import GcodeSpec
-from camgeo.toolpath.tool import Tool
+from camgeo.milling import machine as machines
+from camgeo.milling.machine import Machine
+from camgeo.milling.milling import GcodeSpec
+from camgeo.milling.moves import ArcFeed, Feed, Heights, Operation, Rapid, Stop, Toolpath
+from camgeo.milling.tool import Tool
 from camgeo.units import LengthUnit
-from camgeo_export.gcode.blocks import budget
-from camgeo_export.gcode.frame import Setup, numbered, written
-from camgeo_export.gcode.writer import WRITER
+from camgeo_export.gcode.comments import budget
+from camgeo_export.gcode.writer import WRITER, Setup, numbered, written
 from camgeo_export.verify.gcode import VERIFIER
 from tests.export.stub_product import TOOL, StubProduct
 

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.answers.report import report
-from camgeo.displayed import Displayed
-from camgeo_export.report.page import render
+from camgeo.app.answers.report import report
+from camgeo.record import Displayed
+from camgeo_export.report import render
 from tests.hostile_scene import ALL_AT_ONCE, HOSTILE, Page, harmless, hostile_design
 from tests.long_form import LONG
 

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from camgeo import reading
-from camgeo.cli.main import main
+from camgeo.app.cli.main import main
 from camgeo.errors import FileError
-from camgeo.toolpath import plan
-from camgeo.toolpath.strategies import walk
+from camgeo.milling import plan
+from camgeo.milling.strategies import walk
 from camgeo_export.dxf import writer as dxf_writer
-from camgeo_export.gcode import speller
+from camgeo_export.gcode import writer
 from camgeo_export.solid import prism
 from camgeo_export.step import writer as step_writer
 from tests.export.stub_product import StubProduct
@@ -32,7 +32,7 @@ SCENE = Path(__file__).parents[2] / "fixtures" / "scenes" / "setzhub.toml"
         ("gcode", walk, "PROGRAM_LINES", "gcode: the program would have more than 200,000 lines"),
         (
             "gcode",
-            speller,
+            writer,
             "PROGRAM_LINES",
             "gcode: the program would have more than 200,000 lines",
         ),
@@ -47,7 +47,7 @@ def test_a_file_that_would_not_be_read_is_refused_before_anything_is_written(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    monkeypatch.setattr(module, limit, 1 if module is speller else 20)
+    monkeypatch.setattr(module, limit, 1 if module is writer else 20)
     assert main(["build", str(SCENE), "-o", str(tmp_path / "out"), "--only", name]) == 2
     said = capsys.readouterr().err
     assert message in said

@@ -7,13 +7,13 @@ from collections.abc import Callable
 import pytest
 
 from camgeo.errors import FileError
+from camgeo_export import svg as svg_writer
+from camgeo_export import svg_reader
 from camgeo_export.dxf import reader as dxf_reader
 from camgeo_export.dxf import writer as dxf_writer
 from camgeo_export.solid import prism
 from camgeo_export.step import writer as step_writer
-from camgeo_export.stl.writer import WRITER as STL
-from camgeo_export.svg import reader as svg_reader
-from camgeo_export.svg import writer as svg_writer
+from camgeo_export.stl import WRITER as STL
 from tests.export.stub_product import PIECES, StubProduct
 
 PRODUCT = StubProduct()

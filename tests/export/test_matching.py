@@ -8,8 +8,8 @@ import math
 import numpy as np
 import pytest
 
-from camgeo.contour.contour import Contour
-from camgeo_export.matching import paired
+from camgeo.geometry.contour.contour import Contour
+from camgeo_export.reading import paired
 
 HOLES = [Contour.circle(3.0, 30.0 * cmath.exp(2j * math.pi * k / 6.0)) for k in range(6)]
 

@@ -16,33 +16,33 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.answers.answer import MARKS
-from camgeo.answers.compare import compare
-from camgeo.answers.laws import laws_of_all_tasks, laws_of_task
-from camgeo.answers.refusal import refusal
-from camgeo.answers.render import text as render_text
-from camgeo.answers.report import Report, report
-from camgeo.answers.size import size
-from camgeo.answers.sweep import Sweep, answer_of
-from camgeo.answers.table import ValueTable, table_of_scene
-from camgeo.answers.verify import Verification, verify
+from camgeo.app.answers.answer import MARKS
+from camgeo.app.answers.answer import text as render_text
+from camgeo.app.answers.compare import compare
+from camgeo.app.answers.laws import laws_of_all_tasks, laws_of_task
+from camgeo.app.answers.refusal import refusal
+from camgeo.app.answers.report import Report, report
+from camgeo.app.answers.size import size
+from camgeo.app.answers.sweep import Sweep, answer_of
+from camgeo.app.answers.table import ValueTable, table_of_scene
+from camgeo.app.answers.verify import Verification, verify
+from camgeo.app.cli.main import main
 from camgeo.check.finding import Finding, Findings, Severity
-from camgeo.cli.main import main
-from camgeo.design import Design
-from camgeo.displayed import Displayed
+from camgeo.design.design import Design
+from camgeo.design.value_table import Table
+from camgeo.design.verify import Check as Checked
+from camgeo.design.verify import Verdict
+from camgeo.design.writing import FileReport
+from camgeo.design.writing import Report as Written
 from camgeo.errors import GeometryError, SceneError
-from camgeo.figure.marks import Text
-from camgeo.motion.laws import make_law
-from camgeo.motion.laws.comparison import Running
-from camgeo.product.value_table import Table
-from camgeo.sweep.stated import family_of
-from camgeo.sweep.sweep import sweep
-from camgeo.verifying.verification import Check as Checked
-from camgeo.verifying.verification import Verdict
-from camgeo.writing.write import FileReport
-from camgeo.writing.write import Report as Written
-from camgeo_export.notebook.markup import BADGES, HEAD, TAIL
-from camgeo_export.plots.render import Picture, render
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.laws.comparison import Running
+from camgeo.pictures.model import Text
+from camgeo.record import Displayed
+from camgeo.studies.sweep.family import family_of
+from camgeo.studies.sweep.sweep import sweep
+from camgeo_export.notebook.display import BADGES, FIRST_ROWS, LAST_ROWS
+from camgeo_export.plots import Picture, render
 from tests import kept
 from tests.hostile_scene import HOSTILE, Page, harmless
 
@@ -136,7 +136,7 @@ def test_texts_stay_texts(text: str) -> None:
 
 def test_what_notebooks_show_is_as_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     """Objects of each kind, without what is in their pictures."""
-    monkeypatch.setattr("camgeo_export.plots.render.render", lambda *_: PNG)
+    monkeypatch.setattr("camgeo_export.plots.render", lambda *_: PNG)
     running = Running(12.0, 1.0, 25.0)
     shown: list[Displayed] = [
         design("cut_lobe").findings, gathered(), swept(),
@@ -183,7 +183,7 @@ def test_what_cannot_be_shown_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
         raise GeometryError("there is <no> such thing", key="follower", value="<b>")
 
     one = design("plate_translating")
-    monkeypatch.setattr("camgeo.figure.plots.of_design", refuse)
+    monkeypatch.setattr("camgeo.pictures.plots.of_design", refuse)
     assert "there is <no> such thing" in texts(one)
     assert "image/png" not in one._repr_mimebundle_()
     assert one._repr_png_() is None
@@ -219,16 +219,18 @@ def contrast(one: str, other: str) -> float:
     return (high + 0.05) / (low + 0.05)
 
 
-@pytest.mark.parametrize("count", [0, 1, HEAD + TAIL + 1, HEAD + TAIL + 2, 360])
+@pytest.mark.parametrize(
+    "count", [0, 1, FIRST_ROWS + LAST_ROWS + 1, FIRST_ROWS + LAST_ROWS + 2, 360]
+)
 def test_a_table_shows_its_beginning_and_its_end(count: int) -> None:
     values = np.arange(2.0 * count).reshape(count, 2) - 1.0 / 3.0
     page = html(Table(("a [mm]", "b"), values))
     rows = re.findall(r"<tr>(.*?)</tr>", page)[1:]
-    assert len(rows) == min(count, HEAD + TAIL + 1)
+    assert len(rows) == min(count, FIRST_ROWS + LAST_ROWS + 1)
     cells = [re.findall("<td>(.*?)</td>", row) for row in rows]
     for row, cell in zip([*values[:1], *values[-1:]], [*cells[:1], *cells[-1:]], strict=True):
         assert cell == [f"{each:.6g}" for each in row]
-    assert (["⋮", "⋮"] in cells) == (count > HEAD + TAIL + 1)
+    assert (["⋮", "⋮"] in cells) == (count > FIRST_ROWS + LAST_ROWS + 1)
     assert f"{count} row" in page
 
 
@@ -317,8 +319,8 @@ def test_plots_are_those_of_the_command(tmp_path: Path) -> None:
     assert isinstance(made, Picture)
     made.savefig(tmp_path / "b.png")
     assert (tmp_path / "b.png").read_bytes().startswith(PNG)
-    from camgeo.figure.plots import of_design
-    from camgeo_export.plots.render import saved
+    from camgeo.pictures.plots import of_design
+    from camgeo_export.plots import saved
 
     assert saved(made, ".svg") == picture.read_bytes()
     data, told = made._repr_mimebundle_()

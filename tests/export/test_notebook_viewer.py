@@ -12,9 +12,9 @@ import pytest
 import traitlets
 
 import camgeo
-from camgeo.design import Design
-from camgeo.designing.painting import painted
-from camgeo.designing.recent import Recent
+from camgeo.app.designing.painting import painted
+from camgeo.app.designing.recent import Recent
+from camgeo.design.design import Design
 from camgeo.errors import CamgeoError
 from camgeo_export.browser.bundles import bundle
 from camgeo_export.notebook.viewer import viewer

@@ -13,12 +13,12 @@ import shapely
 import trimesh
 
 import camgeo
+from camgeo.design.product import Product
+from camgeo.design.verify import Reading
+from camgeo.design.writing import Writer
 from camgeo.part.mass import solid
-from camgeo.product.product import Product
-from camgeo.verifying.verification import Reading
-from camgeo.writing.writer import Writer
 from camgeo_export.step.writer import WRITER as STEP
-from camgeo_export.stl.writer import WRITER as STL
+from camgeo_export.stl import WRITER as STL
 from camgeo_export.threemf.writer import WRITER as THREEMF
 from camgeo_export.verify.step import StepVerifier
 

@@ -10,13 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import camgeo_export
+from camgeo.errors import FileError
 from camgeo.reading import COORDINATE
-from camgeo_export.errors import FileError
-from camgeo_export.part21.model import Model
+from camgeo_export.part21.solid import Model
 from camgeo_export.part21.text import Record, exchange_of
 from camgeo_export.part21.text import Ref as ReadRef
 from camgeo_export.part21.text import Word as ReadWord
-from camgeo_export.step.text import DERIVED, NONE, Entities, Ref, Typed, flag, real, spelled
+from camgeo_export.step.writer import DERIVED, NONE, Entities, Ref, Typed, flag, real, spelled
 
 HEAD = "ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('X'));\nENDSEC;\nDATA;\n"
 TAIL = "ENDSEC;\nEND-ISO-10303-21;\n"

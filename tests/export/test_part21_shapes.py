@@ -14,17 +14,16 @@ from functools import cache
 
 import pytest
 
-from camgeo.formats.step import StepSpec
-from camgeo.product.product import Product
+from camgeo.design.product import Product
+from camgeo.design.verify import Reading
+from camgeo.errors import FileError
 from camgeo.reading import NESTED
-from camgeo.verifying.verification import Reading
-from camgeo_export.errors import FileError
-from camgeo_export.part21 import curves, text
-from camgeo_export.part21.model import Model
-from camgeo_export.part21.solid import Solid, solid_of
+from camgeo.scene.formats.step import StepSpec
+from camgeo_export.part21 import solid as curves
+from camgeo_export.part21 import text
+from camgeo_export.part21.solid import Model, Solid, solid_of
 from camgeo_export.part21.text import exchange_of
-from camgeo_export.step.text import real
-from camgeo_export.step.writer import WRITER
+from camgeo_export.step.writer import WRITER, real
 from camgeo_export.verify.step import VERIFIER
 from tests.export.test_dxf_spline import PRODUCTS
 from tests.export.test_step_exact import TOLERANCE, product

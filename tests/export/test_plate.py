@@ -10,12 +10,12 @@ import lib3mf  # type: ignore[import-untyped]  # it has no types
 import pytest
 
 import camgeo
+from camgeo.design.plate import plate_of
+from camgeo.design.product import Product
+from camgeo.design.verify import Reading
+from camgeo.design.writing import make_files
+from camgeo.errors import FileError
 from camgeo.part.mass import solid
-from camgeo.product.plate import plate_of
-from camgeo.product.product import Product
-from camgeo.verifying.verification import Reading
-from camgeo.writing.write import make_files
-from camgeo_export.errors import FileError
 from camgeo_export.threemf.writer import WRITER
 from camgeo_export.verify.threemf import VERIFIER
 from tests.contour.cams import SCENES

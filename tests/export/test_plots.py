@@ -18,23 +18,28 @@ from matplotlib.patches import FancyArrowPatch, Patch
 from matplotlib.text import Annotation
 from matplotlib.transforms import TransformedPath
 
-from camgeo.figure.marks import (
+from camgeo.pictures.model import (
     Area,
     Arrow,
+    Axis,
     Band,
     Box,
     Circle,
+    Entry,
     Field,
+    Figure,
     Fill,
+    Inset,
+    Legend,
     Line,
     Mark,
+    Panel,
     Rule,
     Style,
     Text,
     over,
 )
-from camgeo.figure.model import Axis, Entry, Figure, Inset, Legend, Panel
-from camgeo_export.plots.render import drawn, saved
+from camgeo_export.plots import drawn, saved
 
 STYLES: Final = (
     Style("#12365c"),

@@ -9,15 +9,15 @@ import lib3mf  # type: ignore[import-untyped]  # it has no types
 import pytest
 
 import camgeo
+from camgeo.design.drawn import COMPENSATED
+from camgeo.design.product import Product
+from camgeo.design.verify import Reading
+from camgeo.design.writing import Writer
+from camgeo.errors import FileError
 from camgeo.part.mass import solid
-from camgeo.product.printed import COMPENSATED
-from camgeo.product.product import Product
-from camgeo.verifying.verification import Reading
-from camgeo.writing.writer import Writer
 from camgeo_export.dxf.writer import WRITER as DXF
-from camgeo_export.errors import FileError
 from camgeo_export.step.writer import WRITER as STEP
-from camgeo_export.stl.writer import WRITER as STL
+from camgeo_export.stl import WRITER as STL
 from camgeo_export.threemf.writer import WRITER as THREEMF
 from camgeo_export.verify.stl import VERIFIER as STL_VERIFIER
 from camgeo_export.verify.threemf import VERIFIER as THREEMF_VERIFIER

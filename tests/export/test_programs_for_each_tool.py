@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 
 import camgeo
-from camgeo.answers.render import text
-from camgeo.answers.setup import setup_sheet
-from camgeo.cli.main import main
-from camgeo.design import Design
+from camgeo.app.answers.answer import text
+from camgeo.app.answers.setup import setup_sheet
+from camgeo.app.cli.main import main
+from camgeo.design.design import Design
+from camgeo.design.product import disc_of
 from camgeo.errors import SceneError
-from camgeo.product.product import disc_of
 from camgeo_export.gcode.writer import WRITER
 
 SCENES = Path(__file__).resolve().parents[2] / "fixtures" / "scenes"

@@ -12,22 +12,21 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from camgeo.cam.contact import Contact
-from camgeo.contour.contour import Contour
+from camgeo.cam.cam import Contact
+from camgeo.design.writing import Writer
 from camgeo.errors import GeometryError
+from camgeo.geometry.contour.contour import Contour
 from camgeo.numeric.arrays import FloatArray
 from camgeo.part.bevels import bevelled
-from camgeo.part.chamfers import Chamfers
 from camgeo.part.mass import solid as exact
 from camgeo.part.part import Part
-from camgeo.part.spec import Counterbore, Holes, Hub, PartSpec
-from camgeo.writing.writer import Writer
+from camgeo.part.spec import Chamfers, Counterbore, Holes, Hub, PartSpec
 from camgeo_export.solid.measure import measure
 from camgeo_export.solid.prism import body
 from camgeo_export.step.writer import WRITER as STEP
-from camgeo_export.stl.writer import WRITER as STL
+from camgeo_export.stl import WRITER as STL
 from camgeo_export.threemf.writer import WRITER as THREEMF
-from camgeo_export.verify.mesh import solid_checks
+from camgeo_export.verify.body import solid_checks
 from tests.export.test_solids import PartProduct
 from tests.long_form import examples
 from tests.part.parts import FLANKS, chamfers, made, made_or_refused, specs, tight_specs

@@ -18,14 +18,13 @@ import numpy as np
 import pytest
 import trimesh
 
-from camgeo.answers.report import Report, report
-from camgeo.cli.main import main
-from camgeo.design import Design
-from camgeo.figure.marks import Text
-from camgeo.scene.load import load_scene
-from camgeo.scene.scene import Scene
+from camgeo.app.answers.report import Report, report
+from camgeo.app.cli.main import main
+from camgeo.design.design import Design
+from camgeo.pictures.model import Text
+from camgeo.scene.scene import Scene, load_scene
 from camgeo_export.browser.bundles import bundle
-from camgeo_export.report.page import DIGITS, render
+from camgeo_export.report import DIGITS, render
 from tests import kept
 from tests.long_form import LONG
 
@@ -80,7 +79,9 @@ def test_the_page_of_setzhub_has_everything_in_one_small_file(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """With price list and certificate, for which the files are made."""
-    monkeypatch.setattr("camgeo.answers.report.TOLERANCES", (1e-1, 1e-2))  # finer ones take long
+    monkeypatch.setattr(
+        "camgeo.app.answers.report.TOLERANCES", (1e-1, 1e-2)
+    )  # finer ones take long
     coarse = {"output.tolerance": 0.05, "output.fit": "fast"}
     scene = load_scene(SCENES / "setzhub.toml")
     whole = report(Design(scene if LONG else scene.with_values(coarse)))

@@ -21,12 +21,12 @@ from ezdxf.document import Drawing
 from ezdxf.layouts.base import BaseLayout
 from ezdxf.math import ConstructionArc, Matrix44, rational_bspline_from_arc
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.foreign import Outlines, by_arcs
-from camgeo.contour.spline import SplineContour
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.foreign import Outlines, by_arcs
+from camgeo.geometry.contour.spline import SplineContour
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import LengthUnit
-from camgeo_export.dxf.curves import NEAR
+from camgeo_export.dxf.items import NEAR
 from camgeo_export.dxf.reader import READER
 
 Way = Callable[[Drawing, BaseLayout], object]

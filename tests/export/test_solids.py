@@ -12,13 +12,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from camgeo.errors import ToleranceError
+from camgeo.design.writing import Writer
+from camgeo.errors import FileError, ToleranceError
 from camgeo.part.part import Layer, Part
-from camgeo.writing.writer import Writer
-from camgeo_export.errors import FileError
 from camgeo_export.solid.prism import FIT_SHARE, body
-from camgeo_export.stl.writer import FACET
-from camgeo_export.stl.writer import WRITER as STL
+from camgeo_export.stl import FACET
+from camgeo_export.stl import WRITER as STL
 from camgeo_export.threemf.writer import WRITER as THREEMF
 from camgeo_export.verify.body import body_checks
 from tests.export.stub_product import CircleBoundary, StubProduct

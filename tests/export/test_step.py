@@ -11,23 +11,19 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.spline import CubicSpline, SplineContour
-from camgeo.errors import GeometryError, ToleranceError
-from camgeo.formats.step import StepSpec
+from camgeo.design.product import Product
+from camgeo.design.verify import Reading
+from camgeo.errors import FileError, GeometryError, ToleranceError
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.spline import CubicSpline, SplineContour
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Layer, Part
-from camgeo.product.product import Product
-from camgeo.verifying.verification import Reading
-from camgeo_export.errors import FileError
-from camgeo_export.part21.curves import Extrusion
-from camgeo_export.part21.model import Model
-from camgeo_export.part21.solid import Solid, solid_of
+from camgeo.scene.formats.step import StepSpec
+from camgeo_export.part21.solid import Extrusion, Model, Solid, solid_of
 from camgeo_export.part21.text import exchange_of
-from camgeo_export.step import rings
+from camgeo_export.step import writer
 from camgeo_export.step.writer import WRITER
-from camgeo_export.verify.shell import bounds_of, is_flat, shell_checks, volume_of
-from camgeo_export.verify.step import VERIFIER
+from camgeo_export.verify.step import VERIFIER, bounds_of, is_flat, shell_checks, volume_of
 from tests.export.stub_product import PIECES, CircleBoundary, StubProduct
 from tests.export.test_dxf_spline import PRODUCTS
 from tests.export.test_solids import BORE, PARTS, POCKETS, RIM, VOLUMES, PartProduct
@@ -90,7 +86,7 @@ def test_a_spline_that_is_closed_is_divided() -> None:
     knots = np.array([0.0] * 4 + [1.0, 2.0, 3.0] + [4.0] * 4)
     controls = np.array([30, 30 + 20j, 40j, -50, -40j, 30 - 20j, 30], dtype=complex)
     contour = SplineContour((CubicSpline(knots, controls),))
-    strands = rings._open(contour)
+    strands = writer._open(contour)
     assert len(strands) == 2
     assert SplineContour(strands).area == pytest.approx(contour.area, rel=1e-15)
 
@@ -256,7 +252,7 @@ def test_what_is_almost_straight_is_a_line_or_refused(monkeypatch: pytest.Monkey
     curved = WRITER.write(product(1.25e-3), 1e-3)
     assert curved.facts["cylinders"] == 1
     assert WRITER.measure(product(1.25e-3), curved.data) <= 1e-9
-    monkeypatch.setattr(rings, "SAGITTA", 0.0)
+    monkeypatch.setattr(writer, "SAGITTA", 0.0)
     with pytest.raises(ToleranceError, match="too flat"):
         WRITER.write(product(1.25e-7), 1e-3)
 

@@ -11,17 +11,25 @@ from functools import cache
 import numpy as np
 import pytest
 
-from camgeo.cam.contact import Contact
-from camgeo.contour.contour import Contour
-from camgeo.formats.step import StepSpec
+from camgeo.cam.cam import Contact
+from camgeo.geometry.contour.contour import Contour
 from camgeo.numeric.arrays import FloatArray
-from camgeo.part.bands import Bevel
+from camgeo.part.assembly import bore_boundary
 from camgeo.part.boundaries import ExactBoundary
-from camgeo.part.chamfers import Chamfer, Chamfers
-from camgeo.part.features import bore_boundary
 from camgeo.part.mass import solid
-from camgeo.part.part import Layer, Part
-from camgeo.part.spec import Counterbore, DShaft, Holes, Hub, Keyway, Mark, PartSpec
+from camgeo.part.part import Bevel, Layer, Part
+from camgeo.part.spec import (
+    Chamfer,
+    Chamfers,
+    Counterbore,
+    DShaft,
+    Holes,
+    Hub,
+    Keyway,
+    Mark,
+    PartSpec,
+)
+from camgeo.scene.formats.step import StepSpec
 from camgeo_export.step.writer import WRITER
 from tests.export.exchange import CLOSE, Exchange, Ref, Surface
 from tests.export.stub_product import StubProduct

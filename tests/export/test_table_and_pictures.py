@@ -8,20 +8,18 @@ from collections.abc import Sequence
 import matplotlib as mpl
 import pytest
 
-from camgeo.cam.cam import Cam
-from camgeo.cam.drive import Drive
-from camgeo.errors import UnknownNameError
-from camgeo.figure.model import Figure
-from camgeo.figure.plots import OWN, find, stacked
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.product.product import Product
-from camgeo.product.value_table import Table
+from camgeo.cam.cam import Cam, Drive
+from camgeo.design.product import Product
+from camgeo.design.value_table import Table
+from camgeo.errors import FileError, UnknownNameError
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.pictures.model import Figure
+from camgeo.pictures.plots import OWN, find, stacked
 from camgeo.units import LengthUnit
-from camgeo_export.errors import FileError
-from camgeo_export.picture import writer as pictures
-from camgeo_export.picture.writer import PNG, SVG, PictureWriter
-from camgeo_export.plots.render import render
-from camgeo_export.table.writer import WRITER as CSV
+from camgeo_export import picture as pictures
+from camgeo_export.picture import PNG, SVG, PictureWriter
+from camgeo_export.plots import render
+from camgeo_export.table import WRITER as CSV
 from tests.export.stub_product import StubProduct, there_and_back
 
 ROCKER = StubProduct(

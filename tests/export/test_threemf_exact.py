@@ -15,12 +15,12 @@ import pytest
 import trimesh
 
 import camgeo
+from camgeo.design.plate import plate_of
+from camgeo.design.product import Product
+from camgeo.errors import FileError
 from camgeo.part.mass import solid
 from camgeo.part.part import Part
-from camgeo.product.plate import plate_of
-from camgeo.product.product import Product
-from camgeo_export.errors import FileError
-from camgeo_export.stl.writer import WRITER as STL
+from camgeo_export.stl import WRITER as STL
 from camgeo_export.threemf import parts
 from camgeo_export.threemf.parts import check_bodies, packed, parts_of
 from camgeo_export.threemf.writer import WRITER

@@ -15,8 +15,7 @@ import lib3mf  # type: ignore[import-untyped]  # it has no types
 import pytest
 
 from camgeo_export.threemf.parts import packed, parts_of
-from camgeo_export.verify.package import package_checks
-from camgeo_export.verify.threemf import VERIFIER
+from camgeo_export.verify.threemf import VERIFIER, package_checks
 from tests.long_form import LONG
 
 Edits = tuple[tuple[str, str, str], ...]

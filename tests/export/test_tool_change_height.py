@@ -8,8 +8,8 @@ import pytest
 
 import camgeo
 from camgeo.errors import GeometryError
-from camgeo.toolpath.machine import load, names
-from camgeo.toolpath.spec import GcodeSpec
+from camgeo.milling.machine import load, names
+from camgeo.milling.milling import GcodeSpec
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import Run, run
 from tests.export.stub_product import StubProduct

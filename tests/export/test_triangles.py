@@ -12,8 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
-from camgeo_export.solid import triangles
-from camgeo_export.solid.triangles import PIECE, triangulated
+from camgeo_export.solid import prism
+from camgeo_export.solid.prism import PIECE, triangulated
 
 SIZE = 10.0
 """Largest radius of the rings that are drawn [mm]."""
@@ -87,7 +87,7 @@ def test_triangles_cover_the_face_once(rings: list[ComplexArray], most: int) -> 
 
 @given(faces())
 def test_a_small_face_is_left_to_the_ears(rings: list[ComplexArray]) -> None:
-    seen = triangles._tilted(rings)
+    seen = prism._tilted(rings)
     ears = manifold3d.triangulate([np.column_stack((each.real, each.imag)) for each in seen])
     np.testing.assert_array_equal(triangulated(rings), ears)
 
@@ -134,5 +134,5 @@ def test_a_spiral_is_divided_across_its_arm() -> None:
 
 def test_a_face_without_a_proved_diagonal_stays_whole(monkeypatch: pytest.MonkeyPatch) -> None:
     rings = [toothed(60, 40.0, 3), toothed(30, 8.0, 0)[::-1]]
-    monkeypatch.setattr(triangles, "_clear", lambda *_: False)
+    monkeypatch.setattr(prism, "_clear", lambda *_: False)
     np.testing.assert_array_equal(triangulated(rings, 20), triangulated(rings))

@@ -16,20 +16,20 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 import camgeo
-from camgeo.contour.contour import Contour
-from camgeo.contour.spline import Arc, CubicSpline, SplineContour
-from camgeo.design import Design
-from camgeo.product.product import Product
-from camgeo.verifying.verification import Origin, Reading, Verifier, length_of
+from camgeo.design.design import Design
+from camgeo.design.product import Product
+from camgeo.design.verify import Origin, Reading, Verifier, length_of
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour
 from camgeo_export.gcode.writer import WRITER as GCODE
-from camgeo_export.matching import farthest
-from camgeo_export.stl.writer import WRITER as STL
+from camgeo_export.reading import farthest
+from camgeo_export.stl import WRITER as STL
 from camgeo_export.threemf.writer import MODEL_PATH
 from camgeo_export.threemf.writer import WRITER as THREEMF
+from camgeo_export.verify.body import merged, solid_checks, volume
 from camgeo_export.verify.dxf import VERIFIER as DXF_VERIFIER
 from camgeo_export.verify.gcode import VERIFIER as GCODE_VERIFIER
-from camgeo_export.verify.mesh import merged, solid_checks, volume
-from camgeo_export.verify.shapes import joints_of
+from camgeo_export.verify.plane import joints_of
 from camgeo_export.verify.stl import VERIFIER as STL_VERIFIER
 from camgeo_export.verify.threemf import VERIFIER as THREEMF_VERIFIER
 from tests.export.verified import TOLERANCE, Checks, checked

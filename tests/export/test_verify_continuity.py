@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 import camgeo
-from camgeo.product.product import Product
-from camgeo.verifying.verification import Reading
+from camgeo.design.product import Product
+from camgeo.design.verify import Reading
 from camgeo_export.dxf.writer import WRITER
 from camgeo_export.gcode.writer import WRITER as GCODE
 from camgeo_export.threemf.writer import MODEL_PATH

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 import camgeo
-from camgeo.product.product import Product
-from camgeo.toolpath.machine import names
-from camgeo.verifying.verification import Check, Reading
+from camgeo.design.product import Product
+from camgeo.design.verify import Check, Reading
+from camgeo.milling.machine import names
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.verify.gcode import VERIFIER
 from tests.long_form import examples

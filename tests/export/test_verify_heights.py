@@ -8,9 +8,9 @@ import math
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from camgeo.toolpath.cut import Cut
+from camgeo.milling.cut import Cut
 from camgeo_export.gcode.moves import CutterMove
-from camgeo_export.verify.heights import at_no_height
+from camgeo_export.verify.gcode import at_no_height
 from tests.toolpath.milled import tool
 
 RADIUS = 30.0

@@ -6,12 +6,11 @@ import math
 
 import numpy as np
 
-from camgeo.contour.contour import Contour
+from camgeo.design.verify import Check
+from camgeo.geometry.contour.contour import Contour
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.boundaries import ExactBoundary
-from camgeo.verifying.verification import Check
-from camgeo_export.verify.plane import contour_checks
-from camgeo_export.verify.shapes import shapes_of
+from camgeo_export.verify.plane import contour_checks, shapes_of
 
 SIDES = 12
 

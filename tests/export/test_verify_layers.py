@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 import camgeo
-from camgeo.product.product import Product
-from camgeo.verifying.verification import Reading
+from camgeo.design.product import Product
+from camgeo.design.verify import Reading
 from camgeo_export.dxf import writer
 from camgeo_export.dxf.writer import WRITER
-from camgeo_export.layers import CUT
+from camgeo_export.reading import CUT
 from camgeo_export.verify.dxf import VERIFIER
 from tests.effects.scenes import SCENES
 from tests.export.verified import TOLERANCE, checked, faults

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 import camgeo
-from camgeo.formats.dxf import DxfSpec
-from camgeo.product.product import Product
-from camgeo.verifying.verification import Check, Reading
+from camgeo.design.product import Product
+from camgeo.design.verify import Check, Reading
+from camgeo.scene.formats.dxf import DxfSpec
 from camgeo_export.dxf.writer import WRITER
 from camgeo_export.verify.dxf import VERIFIER
 from tests.export import verified

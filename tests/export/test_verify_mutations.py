@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.toolpath.machine import load
-from camgeo.toolpath.tool import Tool
-from camgeo.verifying.verification import Reading
+from camgeo.design.verify import Reading
+from camgeo.milling.machine import load
+from camgeo.milling.tool import Tool
 from camgeo_export.gcode.writer import WRITER as GCODE
 from camgeo_export.interpreter.run import run
-from camgeo_export.stl.writer import FACET, PREFIX
-from camgeo_export.stl.writer import WRITER as STL
+from camgeo_export.stl import FACET, PREFIX
+from camgeo_export.stl import WRITER as STL
 from camgeo_export.threemf.parts import PRODUCTION, packed, parts_of
 from camgeo_export.threemf.writer import (
     CONTENT_TYPES_PATH,

@@ -6,12 +6,12 @@ import re
 
 import pytest
 
-from camgeo.toolpath.machine import load
-from camgeo.toolpath.moves import ArcFeed, Feed
-from camgeo.toolpath.spec import GcodeSpec
-from camgeo.toolpath.tool import Tool
+from camgeo.design.verify import Check
+from camgeo.milling.machine import load
+from camgeo.milling.milling import GcodeSpec
+from camgeo.milling.moves import ArcFeed, Feed
+from camgeo.milling.tool import Tool
 from camgeo.units import LengthUnit
-from camgeo.verifying.verification import Check
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import run
 from camgeo_export.verify.simulated import runs_in, simulation_checks

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from camgeo.writing.writer import Writer
+from camgeo.design.writing import Writer
 from camgeo_export.dxf.writer import WRITER as DXF
 from camgeo_export.gcode.writer import WRITER as GCODE
-from camgeo_export.picture.writer import PNG, SVG
+from camgeo_export.picture import PNG, SVG
 from camgeo_export.step.writer import WRITER as STEP
-from camgeo_export.stl.writer import WRITER as STL
-from camgeo_export.table.writer import WRITER as CSV
+from camgeo_export.stl import WRITER as STL
+from camgeo_export.table import WRITER as CSV
 from camgeo_export.threemf.writer import WRITER as THREEMF
 from tests.export.stub_product import StubProduct
 

@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, Final
 
-from camgeo.design import Design
-from camgeo.product.product import Product
-from camgeo.scene.load import parse_scene
-from camgeo.toolpath.machine import load, names
-from camgeo.toolpath.spec import GcodeSpec
-from camgeo.toolpath.tool import Tool
+from camgeo.design.design import Design
+from camgeo.design.product import Product
+from camgeo.milling.machine import load, names
+from camgeo.milling.milling import GcodeSpec
+from camgeo.milling.tool import Tool
+from camgeo.scene.scene import parse_scene
 from camgeo_export.gcode.writer import WRITER
 from tests.export.stub_product import StubProduct
 from tests.interpreter.results import weighted

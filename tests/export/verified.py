@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from camgeo.product.product import Product
-from camgeo.verifying.verification import Check, Reading, Verifier
+from camgeo.design.product import Product
+from camgeo.design.verify import Check, Reading, Verifier
 
 TOLERANCE = 0.01
 """Of all these files [mm]."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from matplotlib import rc_context
 from matplotlib.figure import Figure as Page
 
-from camgeo.figure.model import Figure
-from camgeo_export.plots.render import RC, page
+from camgeo.pictures.model import Figure
+from camgeo_export.plots import RC, page
 
 
 def drawn(figure: Figure) -> Page:

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.figure.animation import animation
-from camgeo.figure.marks import Area, Line
+from camgeo.pictures.mechanism import animation
+from camgeo.pictures.model import Area, Line
 from tests import kept
 
 FIXTURES: Final = Path(__file__).parents[2] / "fixtures"

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 import camgeo
-from camgeo.figure.backplot import CLAMP, figure
-from camgeo.figure.marks import Area
+from camgeo.pictures.backplot import CLAMP, figure
+from camgeo.pictures.model import Area
 
 SCENE = Path(__file__).parents[2] / "fixtures" / "milling" / "moved_clamps.toml"
 

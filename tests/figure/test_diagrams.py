@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.figure.diagrams import RATIO, RATIO_STYLE, curvature
-from camgeo.figure.marks import Line, Rule
+from camgeo.pictures.model import Line, Rule
+from camgeo.pictures.motion import RATIO, RATIO_STYLE, curvature
 from camgeo.units import MM_PER
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from camgeo.effects.effect import Column
-from camgeo.figure import effects
-from camgeo.figure.style import LIMIT
+from camgeo.design.product import Product
+from camgeo.dynamics.effects.effect import Column
 from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.product.product import Product
+from camgeo.pictures import effects
+from camgeo.pictures.model import LIMIT
 from camgeo.units import TURN
-from camgeo_export.plots.render import render
+from camgeo_export.plots import render
 from tests.effects.scenes import design
 from tests.export.stub_product import StubProduct
 from tests.figure import drawing

@@ -18,37 +18,54 @@ import pytest
 from matplotlib.figure import Figure as Page
 
 import camgeo
-from camgeo.cam.disc import Disc
+from camgeo.app.cli.plot import RENDERERS
+from camgeo.cam.cam import Disc
 from camgeo.check.sizing.smallest import size as sized
 from camgeo.check.sizing.task import task_of
-from camgeo.cli.plot import RENDERERS
-from camgeo.figure import accuracy, inspection, laws, plots, replay, size, slotted_lever, stability
-from camgeo.figure.layout import grid, limits, log_limits, rooms, round_ticks
-from camgeo.figure.marks import (
+from camgeo.geometry.outline.exact_flank import ExactFlank
+from camgeo.geometry.outline.path import Flank
+from camgeo.geometry.outline.replay import replay_outline
+from camgeo.kinematics.laws.comparison import compare
+from camgeo.kinematics.mechanism.slotted_lever import DrivenLever, SlottedLever
+from camgeo.pictures import (
+    accuracy,
+    inspection,
+    laws,
+    plots,
+    replay,
+    size,
+    slotted_lever,
+    stability,
+)
+from camgeo.pictures.model import (
     Area,
     Arrow,
+    Axis,
     Band,
     Circle,
+    Entry,
     Field,
+    Figure,
     Fill,
+    Inset,
+    Legend,
     Line,
     Mark,
+    Panel,
     Rule,
     Style,
     Text,
+    entries,
+    grid,
+    limits,
+    log_limits,
     over,
+    rooms,
+    round_ticks,
 )
-from camgeo.figure.model import Axis, Entry, Figure, Inset, Legend, Panel, entries
-from camgeo.inspection.deviation import Deviations, Gap
-from camgeo.inspection.exact_flank import ExactFlank
-from camgeo.inspection.pressed import lift_errors
-from camgeo.mechanism.slotted_lever import SlottedLever
-from camgeo.mechanism.slotted_lever_drive import DrivenLever
-from camgeo.motion.laws.comparison import compare
-from camgeo.outline.path import Flank
-from camgeo.outline.replay import replay_outline
 from camgeo.stability.measure import Reading
-from camgeo_export.plots.render import draw, render
+from camgeo.studies.inspection import Deviations, Gap, lift_errors
+from camgeo_export.plots import draw, render
 from tests import kept
 from tests.cli.test_accuracy import made_up
 from tests.export.stub_product import StubProduct
@@ -212,7 +229,7 @@ def test_no_builder_loads_what_draws() -> None:
     modules = [name.replace("-", "_") for name in OF_DATA]
     modules += [builder.partition(":")[0] for builder in plots.OWN.values()]
     code = (
-        f"import sys; from camgeo.figure import {', '.join(modules)}, plots;"
+        f"import sys; from camgeo.pictures import {', '.join(modules)}, plots;"
         "sys.exit('matplotlib' in sys.modules or 'camgeo_export' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], capture_output=True).returncode == 0

@@ -6,21 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.cli import plot
-from camgeo.figure import (  # noqa: F401  what the commands draw
-    accuracy,
-    animation,
-    backplot,
-    compare,
-    inspection,
-    laws,
-    replay,
-    size,
-    slotted_lever,
-    tolerance,
+from camgeo.app.cli import plot
+from camgeo.pictures import (
+    sweep,  # noqa: F401  what `sweep` draws
 )
-from camgeo.figure.model import Figure
-from camgeo.figure.sweep import pictures  # noqa: F401  what `sweep` draws
+from camgeo.pictures.model import Figure
 from tests import kept
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"

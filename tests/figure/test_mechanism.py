@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 import camgeo
-from camgeo.figure import mechanism
-from camgeo.figure.marks import Text
-from camgeo.mechanism.sketch import Dimension, MechanismSketch
+from camgeo.kinematics.mechanism.sketch import Dimension, MechanismSketch
+from camgeo.pictures import mechanism
+from camgeo.pictures.model import Text
 
 SCENES = sorted((Path(__file__).parents[2] / "fixtures" / "scenes").glob("*.toml"))
 

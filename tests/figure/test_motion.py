@@ -17,16 +17,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import camgeo
-from camgeo.cam.drive import Drive
-from camgeo.design import Design
-from camgeo.figure import motion
-from camgeo.figure.motion_plan import plan_sketch, spread
-from camgeo.motion.joints import breaks
-from camgeo.motion.laws import make_law
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.cam.cam import Drive
+from camgeo.design.design import Design
+from camgeo.design.product import Product
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move, breaks
 from camgeo.numeric.arrays import FloatArray
-from camgeo.product.product import Product
-from camgeo_export.plots.render import render
+from camgeo.pictures import motion
+from camgeo.pictures.motion import plan_sketch, spread
+from camgeo_export.plots import render
 from tests.export.stub_product import CAM, StubProduct
 from tests.figure import drawing
 

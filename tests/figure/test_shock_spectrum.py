@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.errors import SceneError
-from camgeo.figure.marks import Line, Rule, Text
-from camgeo.figure.plots import SPECTRUM, of_design
-from camgeo.figure.shock_spectrum import figure
-from camgeo.scene.load import load_scene, parse_scene
-from camgeo_export.plots.render import render
+from camgeo.pictures.effects import spectrum_figure
+from camgeo.pictures.model import Line, Rule, Text
+from camgeo.pictures.plots import SPECTRUM, of_design
+from camgeo.scene.scene import load_scene, parse_scene
+from camgeo_export.plots import render
 from tests.answers.documents import FIXTURES
 
 PRESS = FIXTURES / "effects" / "press.toml"
@@ -80,7 +80,7 @@ def test_a_scene_without_the_effect_has_no_such_picture() -> None:
 
 
 def test_a_motion_without_a_move_from_rest_to_rest_says_so() -> None:
-    drawn = figure("swing", (), 10.0)
+    drawn = spectrum_figure("swing", (), 10.0)
     (panel,) = drawn.panels
     (words,) = panel.marks
     assert isinstance(words, Text)

@@ -12,10 +12,9 @@ import camgeo
 from camgeo.check.judge import transmission_angle_limit
 from camgeo.check.sizing.smallest import Sizing, size
 from camgeo.check.sizing.task import Task, task_of
-from camgeo.figure.marks import Circle, Field, Line
-from camgeo.figure.model import Panel
-from camgeo.figure.size import figure, seen, window
-from camgeo_export.plots.render import render
+from camgeo.pictures.model import Circle, Field, Line, Panel
+from camgeo.pictures.size import figure, seen, window
+from camgeo_export.plots import render
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 

@@ -9,12 +9,11 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from camgeo.figure.slotted_lever import PANELS, crank_angles, figure
-from camgeo.mechanism.slotted_lever import SlottedLever
-from camgeo.mechanism.slotted_lever_drive import DrivenLever
+from camgeo.kinematics.mechanism.slotted_lever import DrivenLever, SlottedLever
 from camgeo.numeric.arrays import FloatArray
+from camgeo.pictures.slotted_lever import PANELS, crank_angles, figure
 from camgeo.units import RPM
-from camgeo_export.plots.render import render
+from camgeo_export.plots import render
 from tests.figure import drawing
 
 LEVERS = {

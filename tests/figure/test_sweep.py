@@ -11,15 +11,21 @@ import numpy as np
 import pytest
 
 from camgeo.errors import GeometryError, UnknownNameError
-from camgeo.figure.marks import Area, Line
-from camgeo.figure.model import Figure
-from camgeo.figure.sweep.columns import COLOURS, FAILED, column
-from camgeo.figure.sweep.pictures import map_of, objectives, parallel, pareto, require
-from camgeo.sweep.family import Family, Sample
-from camgeo.sweep.rows import Row
-from camgeo.sweep.stated import family_of
-from camgeo.sweep.sweep import Result, sweep
-from camgeo_export.plots.render import render
+from camgeo.pictures.model import Area, Figure, Line
+from camgeo.pictures.sweep import (
+    COLOURS,
+    FAILED,
+    column,
+    map_of,
+    objectives,
+    parallel,
+    pareto,
+    require,
+)
+from camgeo.studies.sweep.family import Family, Sample, family_of
+from camgeo.studies.sweep.rows import Row
+from camgeo.studies.sweep.sweep import Result, sweep
+from camgeo_export.plots import render
 from tests.sweep.families import SETZHUB, family
 
 

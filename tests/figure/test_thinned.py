@@ -8,14 +8,14 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.design import Design
-from camgeo.figure import diagrams, motion
-from camgeo.figure.animation import CHORDS, animation
-from camgeo.figure.marks import Area, Line
-from camgeo.figure.model import Figure
-from camgeo.figure.thinned import CURVE, PAPER, READ, SEEN, few_of, thinned, thinned_turn
+from camgeo.design.design import Design
 from camgeo.numeric.arrays import FloatArray
-from camgeo.scene.load import load_scene
+from camgeo.pictures import motion
+from camgeo.pictures import motion as diagrams
+from camgeo.pictures.mechanism import CHORDS, animation
+from camgeo.pictures.model import Area, Figure, Line
+from camgeo.pictures.thinned import CURVE, PAPER, READ, SEEN, few_of, thinned, thinned_turn
+from camgeo.scene.scene import load_scene
 from camgeo.units import TURN
 from tests.test_architecture import ROOT
 

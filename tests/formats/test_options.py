@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from camgeo.errors import GeometryError
-from camgeo.formats.csv import LARGEST_STEP, SMALLEST_STEP, CsvSpec
-from camgeo.formats.dxf import ENTITIES, DxfSpec
-from camgeo.formats.registry import find_format
+from camgeo.scene.formats.csv import LARGEST_STEP, SMALLEST_STEP, CsvSpec
+from camgeo.scene.formats.dxf import ENTITIES, DxfSpec
+from camgeo.scene.formats.format import find_format
 
 
 @pytest.mark.parametrize(

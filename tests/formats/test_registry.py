@@ -9,16 +9,21 @@ from typing import Any
 
 import pytest
 
+from camgeo.design.writing import find_writer, with_companions
 from camgeo.errors import CamgeoError, UnknownNameError
-from camgeo.formats import registry
-from camgeo.formats.format import Format, Options, no_options
-from camgeo.formats.registry import FORMATS, find_format, foreign_names
-from camgeo.scene.document import document
-from camgeo.scene.load import parse_scene
-from camgeo.scene.valid_values import ValidValues
-from camgeo.toolpath.machine import names
-from camgeo.toolpath.spec import GcodeSpec
-from camgeo.writing.writer import find_writer, with_companions
+from camgeo.milling.machine import names
+from camgeo.milling.milling import GcodeSpec
+from camgeo.scene.formats import format as registry
+from camgeo.scene.formats.format import (
+    FORMATS,
+    Format,
+    Options,
+    find_format,
+    foreign_names,
+    no_options,
+)
+from camgeo.scene.scene import parse_scene
+from camgeo.scene.values import ValidValues, document
 from tests.scene.scenes import PLATE
 
 
@@ -36,17 +41,19 @@ def test_each_is_the_format_of_its_name_and_of_its_writer(name: str) -> None:
 
 def test_declarations_import_nothing_that_computes() -> None:
     modules = {place.partition(":")[0] for place in FORMATS.values()}
-    imports = "; ".join(f"import camgeo.formats.{name}" for name in modules)
+    imports = "; ".join(f"import camgeo.scene.formats.{name}" for name in modules)
     code = (
-        f"import camgeo.design, sys; had = set(sys.modules); {imports};"
+        f"import camgeo.design.design, sys; had = set(sys.modules); {imports};"
         " print(*set(sys.modules) - had)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     loaded = {name for name in done.stdout.split() if name.startswith("camgeo")}
-    declared = {name for name in loaded if name.startswith("camgeo.formats")}
-    assert declared >= {f"camgeo.formats.{name}" for name in modules}
-    toolpath = {"camgeo.toolpath", "camgeo.toolpath.spec", "camgeo.toolpath.tool"}
-    assert loaded - declared <= {"camgeo.numeric.checked", "camgeo.declared", *toolpath}
+    declared = {name for name in loaded if name.startswith("camgeo.scene.formats")}
+    assert declared >= {f"camgeo.scene.formats.{name}" for name in modules}
+    milling = {f"camgeo.milling{name}" for name in ("", ".holding", ".milling", ".tool")}
+    assert loaded - declared <= {
+        "camgeo.numeric.checked", "camgeo.record", "camgeo.scene", *milling,
+    }  # fmt: skip
 
 
 def test_options_are_those_of_the_format_that_is_asked_for() -> None:

@@ -8,7 +8,7 @@ import pytest
 
 import camgeo
 from camgeo.errors import GeometryError, SceneError
-from camgeo.formats.threemf import BODIES, FORMAT, ThreeMfSpec, parse
+from camgeo.scene.formats.threemf import BODIES, FORMAT, ThreeMfSpec, parse
 from tests.contour.cams import SCENES
 
 PLATE: dict[str, Any] = {"output.3mf.plate": ["cam", "roller", "test-ring"], "part.bore": 20}

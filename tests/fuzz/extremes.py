@@ -7,8 +7,8 @@ from pathlib import Path
 from random import Random
 from typing import Any, Final
 
-from camgeo.mechanism.declared.registry import FOLLOWERS
-from camgeo.motion.laws import FAMILIES
+from camgeo.kinematics.laws import FAMILIES
+from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS
 from tests.fuzz.case import PYTHON, SCENE, Case, Step, toml
 from tests.fuzz.drawn import WHOLE, table
 from tests.fuzz.scenes import FIXTURES, FOLLOWER_TABLES, accepted

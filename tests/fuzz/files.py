@@ -12,12 +12,12 @@ from pathlib import Path
 from random import Random
 from typing import Final
 
-from camgeo.answers.probe import probe
-from camgeo.answers.render import table
-from camgeo.design import Design
-from camgeo.inspection.alignment import Align
-from camgeo.scene.load import load_scene
-from camgeo.toolpath.machine import names
+from camgeo.app.answers.answer import table
+from camgeo.app.answers.probe import probe
+from camgeo.design.design import Design
+from camgeo.milling.machine import names
+from camgeo.scene.scene import load_scene
+from camgeo.studies.inspection import Align
 from tests.fuzz.case import SCENE, Case, Step
 from tests.fuzz.drawn import EDGES
 

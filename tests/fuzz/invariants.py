@@ -21,12 +21,11 @@ from typing import Any, Final
 import numpy as np
 from jsonschema_rs import Draft202012Validator
 
-from camgeo.answers.answer import CRASHED
-from camgeo.answers.render import schema_of
-from camgeo.cli.main import TRACEBACK, main
-from camgeo.design import Design
+from camgeo.app.answers.answer import CRASHED, schema_of
+from camgeo.app.cli.main import TRACEBACK, main
+from camgeo.design.design import Design
 from camgeo.errors import CamgeoError, SceneError
-from camgeo.scene.load import load_scene
+from camgeo.scene.scene import load_scene
 from tests.effects.test_random_scenes import assert_findings, assert_well_formed
 from tests.fuzz.case import PYTHON, Case, Step
 from tests.fuzz.lines import commands
@@ -244,7 +243,7 @@ def _check_json(step: Step, case: Case, code: int) -> None:
 
 @cache
 def _validator(name: str) -> Draft202012Validator:
-    return Draft202012Validator(schema_of(f"camgeo.answers.{name.replace('-', '_')}"))
+    return Draft202012Validator(schema_of(f"camgeo.app.answers.{name.replace('-', '_')}"))
 
 
 def sound_call(words: Step, given: str = "") -> tuple[int, str, str]:

@@ -8,11 +8,11 @@ from pathlib import Path
 from random import Random
 from typing import Final
 
-from camgeo.cli.main import COMMANDS, parser
-from camgeo.figure import plots
-from camgeo.formats.registry import FORMATS
-from camgeo.motion.laws import FAMILIES
-from camgeo.toolpath.machine import names as machines
+from camgeo.app.cli.main import COMMANDS, parser
+from camgeo.kinematics.laws import FAMILIES
+from camgeo.milling.machine import names as machines
+from camgeo.pictures import plots
+from camgeo.scene.formats.format import FORMATS
 from tests.fuzz.case import SCENE, Case, Step
 from tests.fuzz.drawn import WORDS
 from tests.fuzz.files import outputs, probed

@@ -5,7 +5,7 @@ from __future__ import annotations
 from random import Random
 from typing import Any, Final
 
-from camgeo.motion.laws import FAMILIES
+from camgeo.kinematics.laws import FAMILIES
 
 
 def family(rng: Random, radius: float) -> dict[str, Any]:

@@ -11,15 +11,15 @@ from pathlib import Path
 from random import Random
 from typing import Any, Final
 
-from camgeo.answers.explain import GOALS
+from camgeo.app.answers.explain import GOALS
 from camgeo.errors import SceneError
-from camgeo.figure import plots
-from camgeo.formats.registry import FORMATS
-from camgeo.formats.threemf import BODIES
-from camgeo.mechanism.declared.registry import FOLLOWERS
-from camgeo.motion.laws import FAMILIES
-from camgeo.scene.load import parse_scene
-from camgeo.scene.new import KINDS, template
+from camgeo.kinematics.laws import FAMILIES
+from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS
+from camgeo.pictures import plots
+from camgeo.scene.formats.format import FORMATS
+from camgeo.scene.formats.threemf import BODIES
+from camgeo.scene.scene import parse_scene
+from camgeo.scene.toml import TEMPLATE_KINDS, template
 from tests.effects.test_random_scenes import scene_of
 from tests.end_to_end.random_mechanisms import drawn
 from tests.fuzz.case import PYTHON, SCENE, Case, Step, toml
@@ -131,7 +131,7 @@ def _drawn(rng: Random) -> tuple[dict[str, Any], Path, str]:
         name, text = scene_of(rng)
         return tomllib.loads(text), Path(name).parent, "effects"
     if chance < 0.56:
-        kind = rng.choice(KINDS)
+        kind = rng.choice(TEMPLATE_KINDS)
         return tomllib.loads(template(kind)), FIXTURES, kind
     if chance < 0.78:
         number = rng.randrange(10**6)

@@ -10,7 +10,7 @@ from random import Random
 import pytest
 
 from camgeo.errors import SceneError
-from camgeo.scene.load import load_scene
+from camgeo.scene.scene import load_scene
 from tests.fuzz.__main__ import call
 from tests.fuzz.case import SCENE, SCENE_STEPS, Case, restore, store, toml
 from tests.fuzz.cases import KINDS, draw

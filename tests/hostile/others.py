@@ -9,7 +9,7 @@ import zipfile
 
 import numpy as np
 
-from camgeo_export.stl.writer import FACET, PREFIX
+from camgeo_export.stl import FACET, PREFIX
 from camgeo_export.threemf.writer import (
     CONTENT_TYPES_PATH,
     CORE,

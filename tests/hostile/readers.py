@@ -10,23 +10,21 @@ from pathlib import Path
 from typing import Final
 
 import camgeo
-from camgeo.answers.inspect import of_points
-from camgeo.answers.replay.contour_file import Reader
-from camgeo.effects.effect import DataFile
-from camgeo.effects.load.profile import read_load_table
-from camgeo.effects.speed_fluctuation.table import read_motor
+from camgeo.app.answers.inspect import of_points
+from camgeo.app.answers.replay import Reader
+from camgeo.design.linting import Bench
+from camgeo.design.product import Product
+from camgeo.design.verify import Against, Wanted, certificate_in, verify_files
+from camgeo.design.writing import find_writer
+from camgeo.dynamics.effects.effect import DataFile
+from camgeo.dynamics.effects.load import read_load_table
+from camgeo.dynamics.effects.speed_fluctuation import read_motor
 from camgeo.errors import CamgeoError
-from camgeo.inspection.alignment import Align
-from camgeo.inspection.measured_points import read_points
-from camgeo.motion.motion_tables import read_lift_table, read_speed_table
-from camgeo.product.product import Product
+from camgeo.kinematics.tables import read_lift_table, read_speed_table
+from camgeo.milling.machine import load
 from camgeo.scene.ocv import import_project
-from camgeo.toolpath.machine import load
-from camgeo.verifying.certificate import certificate_in
-from camgeo.verifying.linting import Bench
-from camgeo.verifying.verify import Against, Wanted, verify_files
-from camgeo.writing.writer import find_writer
-from camgeo_export.contour_csv.reader import READER as CONTOUR
+from camgeo.studies.inspection import Align, read_points
+from camgeo_export.contour_csv import READER as CONTOUR
 from camgeo_export.dxf.reader import READER as DRAWING
 from camgeo_export.interpreter.run import LINTER
 
@@ -184,7 +182,7 @@ def good(name: str) -> bytes:
         "loads": lambda: (FIXTURES / "effects" / "linked_press_load.csv").read_bytes(),
         "motor": lambda: b"n [rpm];M [Nm]\n0;20\n500;12,5\n1000;0\n",
         "scene": lambda: (FIXTURES / "scenes" / "setzhub.toml").read_bytes(),
-        "machine": lambda: (folder / "toolpath" / "machines" / "linuxcnc.toml").read_bytes(),
+        "machine": lambda: (folder / "milling" / "machines" / "linuxcnc.toml").read_bytes(),
         "certificate": lambda: (
             b'{"scene": {"sha256": "' + b"0" * 64 + b'", "files": {"a.csv": "' + b"1" * 64 + b'"}},'
             b' "files": [{"file": "a.dxf", "sha256": "' + b"2" * 64 + b'", "tolerance_mm": 0.01}]}'

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 
 import camgeo
-from camgeo.inspection.exact_flank import ExactFlank, Places
+from camgeo.design.product import Product
+from camgeo.geometry.outline.exact_flank import ExactFlank, Places
+from camgeo.geometry.outline.path import Flank
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.outline.path import Flank
-from camgeo.product.product import Product
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 

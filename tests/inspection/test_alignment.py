@@ -9,7 +9,9 @@ import pytest
 
 import camgeo
 from camgeo.errors import GeometryError
-from camgeo.inspection.alignment import (
+from camgeo.geometry.outline.exact_flank import ExactFlank
+from camgeo.geometry.outline.path import Flank
+from camgeo.studies.inspection import (
     Align,
     Frame,
     _fit,
@@ -18,8 +20,6 @@ from camgeo.inspection.alignment import (
     _uncertainties,
     aligned,
 )
-from camgeo.inspection.exact_flank import ExactFlank
-from camgeo.outline.path import Flank
 from tests.inspection.flanks import KINDS, SCENES, every, flank_of, measured
 
 SHIFT, TURN = 3.1 - 2.2j, 2.0

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from camgeo.inspection.axes import other_axes
-from camgeo.outline.path import Flank
+from camgeo.geometry.outline.path import Flank
+from camgeo.studies.inspection import other_axes
 from tests.inspection.flanks import every, flank_of, measured
 
 SHIFT, TURN = 12.0 - 5.0j, 1.2

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from camgeo.errors import GeometryError
-from camgeo.inspection.alignment import Align, aligned
-from camgeo.inspection.deviation import Deviations, deviations_of
-from camgeo.inspection.exact_flank import ExactFlank
+from camgeo.geometry.outline.exact_flank import ExactFlank
+from camgeo.geometry.outline.path import Flank
 from camgeo.numeric.arrays import ComplexArray
-from camgeo.outline.path import Flank
+from camgeo.studies.inspection import Align, Deviations, aligned, deviations_of
 from tests.inspection.flanks import AT, BUMP, KINDS, bump, every, flank_of, measured
 
 

@@ -8,8 +8,8 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.inspection.exact_flank import ExactFlank
-from camgeo.outline.path import Flank, Path, Pivot
+from camgeo.geometry.outline.exact_flank import ExactFlank
+from camgeo.geometry.outline.path import Flank, Path, Pivot
 from tests.inspection.flanks import KINDS, TRIMMED, every, flank_of, measured
 
 ROUNDING = 1e-12

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from camgeo.errors import GeometryError
-from camgeo.inspection.measured_points import MOST, read_points
+from camgeo.studies.inspection import MOST, read_points
 
 ROWS = [(float(k), 0.5 * k * k) for k in range(12)]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from camgeo.inspection.exact_flank import Feet
-from camgeo.inspection.normals import false_share, off_radius, stated_normals
-from camgeo.outline.path import Flank
+from camgeo.geometry.outline.exact_flank import Feet
+from camgeo.geometry.outline.path import Flank
+from camgeo.studies.inspection import false_share, off_radius, stated_normals
 from tests.inspection.flanks import KINDS, every, flank_of
 
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from camgeo.inspection.deviation import Deviations, Gap
-from camgeo.inspection.exact_flank import ExactFlank
-from camgeo.inspection.pressed import LiftErrors, lift_errors, measured_contour
+from camgeo.geometry.outline.exact_flank import ExactFlank
+from camgeo.geometry.outline.path import Flank
+from camgeo.geometry.outline.replay import replay_contour, replay_outline
 from camgeo.numeric.arrays import FloatArray
-from camgeo.outline.path import Flank
-from camgeo.outline.replay import replay_contour, replay_outline
+from camgeo.studies.inspection import Deviations, Gap, LiftErrors, lift_errors, measured_contour
 from camgeo.units import TURN
 from tests.inspection.flanks import BUMP, KINDS, TRIMMED, bump, disc_of, every, flank_of
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from camgeo.errors import GeometryError
-from camgeo.inspection.probing import at_cam_angles, evenly, length_of
-from camgeo.outline.path import Flank
+from camgeo.geometry.outline.path import Flank
+from camgeo.studies.inspection import evenly, length_of, points_at_cam_angles
 from tests.inspection.flanks import KINDS, TRIMMED, disc_of, flank_of
 
 DEGREES = np.radians(np.arange(360.0))
@@ -15,7 +15,7 @@ DEGREES = np.radians(np.arange(360.0))
 
 @pytest.mark.parametrize(("name", "side"), KINDS)
 def test_points_at_cam_angles_are_those_of_the_curve(name: str, side: Flank) -> None:
-    found = at_cam_angles(flank_of(name, side), DEGREES)
+    found = points_at_cam_angles(flank_of(name, side), DEGREES)
     curve = disc_of(name).cam.disc.curve(side)
     assert np.array_equal(found.places.phi, DEGREES)
     assert np.max(np.abs(found.places.points - curve.point(DEGREES))) < 1e-12
@@ -24,11 +24,11 @@ def test_points_at_cam_angles_are_those_of_the_curve(name: str, side: Flank) -> 
 
 def test_what_the_disc_lacks_is_left_out() -> None:
     flank = flank_of("swallow_tail", Flank.INNER)
-    found = at_cam_angles(flank, DEGREES)
+    found = points_at_cam_angles(flank, DEGREES)
     lost = DEGREES[np.isnan(flank.course_of(DEGREES))]
     assert 0 < len(lost) == found.missing == 360 - len(found.places)
     with pytest.raises(GeometryError, match="nothing of the flank"):
-        at_cam_angles(flank, lost)
+        points_at_cam_angles(flank, lost)
 
 
 @pytest.mark.parametrize(("name", "side"), [*KINDS, *TRIMMED])
@@ -52,25 +52,25 @@ def test_even_points_are_equally_far_apart_along_the_flank(name: str, side: Flan
 
 def test_the_ball_must_fit() -> None:
     """On a convex flank every ball fits; in a concave part none above its radius of curvature."""
-    assert at_cam_angles(flank_of("tappet", Flank.INNER), DEGREES, 50.0).obstructed is None
+    assert points_at_cam_angles(flank_of("tappet", Flank.INNER), DEGREES, 50.0).obstructed is None
     flank = flank_of("setzhub", Flank.INNER)
     tightest = float(np.min(disc_of("setzhub").cam.disc.curve(Flank.INNER).curvature(DEGREES)))
     assert tightest < 0.0
     radius = -1.0 / tightest
-    assert at_cam_angles(flank, DEGREES, 0.9 * radius).obstructed is None
-    blocked = at_cam_angles(flank, DEGREES, 1.3 * radius).obstructed
+    assert points_at_cam_angles(flank, DEGREES, 0.9 * radius).obstructed is None
+    blocked = points_at_cam_angles(flank, DEGREES, 1.3 * radius).obstructed
     assert blocked is not None
     assert blocked.value > 0.0
     hole = flank_of("ring", Flank.OUTER)
-    assert at_cam_angles(hole, DEGREES, 5.0).obstructed is None
-    large = at_cam_angles(hole, DEGREES, 0.95 * hole.size).obstructed
+    assert points_at_cam_angles(hole, DEGREES, 5.0).obstructed is None
+    large = points_at_cam_angles(hole, DEGREES, 0.95 * hole.size).obstructed
     assert large is not None
 
 
 @pytest.mark.parametrize(("name", "side"), KINDS)
 def test_centres_lie_a_radius_off_the_flank(name: str, side: Flank) -> None:
     flank = flank_of(name, side)
-    found = at_cam_angles(flank, DEGREES[::10], 1.5)
+    found = points_at_cam_angles(flank, DEGREES[::10], 1.5)
     feet = flank.feet(found.centres)
     assert np.max(np.abs(feet.distances - 1.5)) < 1e-12
     share = 2.0 * np.sin(0.5 * found.off_radius.value) ** 2

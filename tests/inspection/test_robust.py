@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from camgeo.inspection.alignment import (
+from camgeo.geometry.outline.path import Flank
+from camgeo.studies.inspection import (
     PATIENT,
     ROBUST,
     Align,
@@ -14,10 +15,10 @@ from camgeo.inspection.alignment import (
     _result,
     _uncertainties,
     aligned,
+    deviations_of,
+    standard_error,
+    weights,
 )
-from camgeo.inspection.deviation import deviations_of
-from camgeo.inspection.robust import standard_error, weights
-from camgeo.outline.path import Flank
 from tests.inspection.flanks import AT, BUMP, KINDS, bump, every, flank_of, measured
 
 SHIFT, TURN = 12.0 - 5.0j, 1.2

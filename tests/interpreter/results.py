@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import Any, Final
 
-from camgeo.toolpath.machine import load
-from camgeo.verifying.linting import Bench
-from camgeo_export.errors import FileError
+from camgeo.design.linting import Bench
+from camgeo.errors import FileError
+from camgeo.milling.machine import load
 from camgeo_export.gcode.moves import Event
 from camgeo_export.interpreter.run import LINTER, run
 from tests.interpreter.programs import GOOD

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.toolpath.machine import load, names
-from camgeo_export.interpreter.rules import RULES
+from camgeo.milling.machine import load, names
+from camgeo_export.interpreter.iso import RULES
 from camgeo_export.interpreter.run import Run, run
 from tests.interpreter.programs import GOOD
 from tests.long_form import examples

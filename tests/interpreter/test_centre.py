@@ -10,11 +10,11 @@ from typing import Final
 
 import pytest
 
-from camgeo.toolpath.machine import load
-from camgeo.verifying.linting import Bench
+from camgeo.design.linting import Bench
+from camgeo.milling.machine import load
 from camgeo_export.gcode.moves import CutterMove
-from camgeo_export.interpreter.centre import centres, judge
-from camgeo_export.interpreter.rules import Findings
+from camgeo_export.interpreter.compensation import centres, judge
+from camgeo_export.interpreter.iso import Findings
 from camgeo_export.interpreter.run import Run, run
 from tests.judges import rs274
 from tests.judges.paths import difference

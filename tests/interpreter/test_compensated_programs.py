@@ -8,13 +8,12 @@ from typing import Final
 
 import pytest
 
-from camgeo.design import Design
-from camgeo.errors import SceneError
-from camgeo.product.product import Product
-from camgeo.scene.load import parse_scene
-from camgeo.toolpath.machine import load, names
-from camgeo.verifying.verification import Check, Reading
-from camgeo_export.errors import FileError
+from camgeo.design.design import Design
+from camgeo.design.product import Product
+from camgeo.design.verify import Check, Reading
+from camgeo.errors import FileError, SceneError
+from camgeo.milling.machine import load, names
+from camgeo.scene.scene import parse_scene
 from camgeo_export.gcode.measure import bench_of
 from camgeo_export.gcode.moves import CutterMove
 from camgeo_export.gcode.writer import WRITER

@@ -14,10 +14,10 @@ from typing import Final
 
 import pytest
 
+from camgeo.design.product import Product
+from camgeo.design.verify import Reading
 from camgeo.errors import ToleranceError
-from camgeo.product.product import Product
-from camgeo.toolpath.machine import load, names
-from camgeo.verifying.verification import Reading
+from camgeo.milling.machine import load, names
 from camgeo_export.gcode.measure import bench_of
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import Run, run_bytes

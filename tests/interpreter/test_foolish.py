@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 
 import pytest
 
-from camgeo.toolpath.machine import load
-from camgeo.verifying.linting import Bench
+from camgeo.design.linting import Bench
+from camgeo.milling.machine import load
 from camgeo_export.interpreter.run import Run, run
 from tests.interpreter.programs import GOOD
 

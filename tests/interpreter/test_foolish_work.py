@@ -13,11 +13,11 @@ from pathlib import Path
 import pytest
 
 import camgeo
-from camgeo.answers.lint import lint
-from camgeo.answers.render import text
-from camgeo.cli.main import main
-from camgeo.toolpath.machine import load
-from camgeo.verifying.linting import LineFinding
+from camgeo.app.answers.answer import text
+from camgeo.app.answers.lint import lint
+from camgeo.app.cli.main import main
+from camgeo.design.linting import LineFinding
+from camgeo.milling.machine import load
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.verify.gcode import VERIFIER
 from tests.answers.documents import RING, UNHELD, document

@@ -15,7 +15,7 @@ from typing import Final
 import pytest
 
 from camgeo.errors import FileError
-from camgeo.toolpath.machine import load
+from camgeo.milling.machine import load
 from camgeo_export.interpreter.run import Run, run, run_bytes
 from tests.interpreter.programs import GOOD
 

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 
 import pytest
 
+from camgeo.milling.machine import load
 from camgeo.numeric.arrays import phase
-from camgeo.toolpath.machine import load
 from camgeo_export.gcode.moves import CutterMove
 from camgeo_export.interpreter.run import run
 

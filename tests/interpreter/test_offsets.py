@@ -10,7 +10,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from camgeo_export.gcode.moves import CutterMove, Kind
-from camgeo_export.interpreter.offsets import Parallel, meeting
+from camgeo_export.interpreter.compensation import Parallel, meeting
 
 RADIUS = 1.0
 

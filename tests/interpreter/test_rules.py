@@ -5,9 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from camgeo.toolpath.machine_fields import MEANINGS
-from camgeo_export.interpreter.codes import COMMON, GROUP_OF
-from camgeo_export.interpreter.rules import RULES
+from camgeo.milling.machine import MEANINGS
+from camgeo_export.interpreter.iso import COMMON, GROUP_OF, RULES
 from tests.interpreter.test_foolish import LINUXCNC, OTHERS
 
 ROOT = Path(__file__).parents[2]

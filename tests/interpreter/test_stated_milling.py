@@ -9,11 +9,11 @@ from typing import Final
 import pytest
 
 import camgeo
-from camgeo.design import Design
-from camgeo.formats.gcode import FORMAT
-from camgeo.product.product import Product
-from camgeo.toolpath.machine import load
-from camgeo.verifying.verification import Reading
+from camgeo.design.design import Design
+from camgeo.design.product import Product
+from camgeo.design.verify import Reading
+from camgeo.milling.machine import load
+from camgeo.scene.formats.gcode import FORMAT
 from camgeo_export.gcode.measure import bench_of
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import run_bytes

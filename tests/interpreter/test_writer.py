@@ -9,11 +9,11 @@ from dataclasses import replace
 
 import pytest
 
-from camgeo.toolpath.machine import load, names
-from camgeo.toolpath.spec import GcodeSpec
+from camgeo.design.linting import Bench
+from camgeo.design.verify import Reading
+from camgeo.milling.machine import load, names
+from camgeo.milling.milling import GcodeSpec
 from camgeo.units import LengthUnit
-from camgeo.verifying.linting import Bench
-from camgeo.verifying.verification import Reading
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import run, run_bytes
 from camgeo_export.verify.gcode import VERIFIER

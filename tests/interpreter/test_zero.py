@@ -9,15 +9,15 @@ from typing import Final
 
 import pytest
 
-from camgeo.answers.render import text as rendered
-from camgeo.answers.setup import setup_sheet
-from camgeo.design import Design
+from camgeo.app.answers.answer import text as rendered
+from camgeo.app.answers.setup import setup_sheet
+from camgeo.design.design import Design
+from camgeo.design.product import Product
+from camgeo.design.verify import Reading
 from camgeo.errors import SceneError
-from camgeo.product.product import Product
-from camgeo.scene.load import parse_scene
-from camgeo.toolpath.machine import load, names
-from camgeo.toolpath.spec import CORNERS, HEIGHTS
-from camgeo.verifying.verification import Reading
+from camgeo.milling.machine import load, names
+from camgeo.milling.milling import CORNERS, HEIGHTS
+from camgeo.scene.scene import parse_scene
 from camgeo_export.gcode.measure import bench_of
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import Run, run

@@ -13,7 +13,7 @@ from random import Random
 from typing import Final
 
 import camgeo
-from camgeo.toolpath.machine import load
+from camgeo.milling.machine import load
 from camgeo_export.interpreter.run import run
 from tests.judges import (
     bad,

@@ -6,8 +6,8 @@ import os
 from pathlib import Path
 from typing import Final
 
-from camgeo.toolpath.machine import load
-from camgeo.verifying.linting import LineFinding
+from camgeo.design.linting import LineFinding
+from camgeo.milling.machine import load
 from camgeo_export.interpreter.run import run_bytes
 
 VARIABLE: Final = "CAMGEO_LINUXCNC"

@@ -12,11 +12,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final
 
-from camgeo.cli.main import main
-from camgeo.design import Design
+from camgeo.app.cli.main import main
+from camgeo.design.design import Design
 from camgeo.errors import CamgeoError
-from camgeo.scene.load import parse_scene
-from camgeo.wording import counted
+from camgeo.scene.scene import parse_scene
+from camgeo.units import counted
 from tests.hostile_scene import ALL_AT_ONCE, HOSTILE, hostile_design
 from tests.judges.designer_page import JOINTS, DesignerPage
 from tests.judges.painted import farthest, frame_of

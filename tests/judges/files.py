@@ -13,15 +13,15 @@ from ezdxf import bbox
 from ezdxf.filemanagement import read
 
 import camgeo
-from camgeo.cli.main import main
-from camgeo.design import Design
-from camgeo.formats.step import WALLS
+from camgeo.app.cli.main import main
+from camgeo.design.design import Design
+from camgeo.design.product import Product
+from camgeo.design.writing import Writer, pieces_of
 from camgeo.part.part import Part
-from camgeo.product.product import Product
-from camgeo.writing.writer import Writer, pieces_of
+from camgeo.scene.formats.step import WALLS
 from camgeo_export.dxf.writer import WRITER as DXF
 from camgeo_export.step.writer import WRITER as STEP
-from camgeo_export.stl.writer import WRITER as STL
+from camgeo_export.stl import WRITER as STL
 from camgeo_export.threemf.writer import WRITER as THREEMF
 from tests.judges.programs import FIXTURES, PAIRS, TOLERANCE, scene_of
 

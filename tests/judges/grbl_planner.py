@@ -18,12 +18,12 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.design import Design
+from camgeo.design.design import Design
+from camgeo.milling.look_ahead import SECONDS, Blocks, Dynamics, block_times
+from camgeo.milling.machine import load
+from camgeo.milling.machining_time import blocks_of
+from camgeo.milling.moves import Point
 from camgeo.numeric.arrays import FloatArray
-from camgeo.toolpath.look_ahead import SECONDS, Blocks, Dynamics, block_times
-from camgeo.toolpath.machine import load
-from camgeo.toolpath.machining_time import blocks_of
-from camgeo.toolpath.moves import Point
 from tests.judges.programs_of_others import Refusal
 
 VARIABLE: Final = "CAMGEO_GRBL_PLANNER"

@@ -11,9 +11,9 @@ from random import Random
 from typing import Final
 
 import camgeo
-from camgeo.design import Design
-from camgeo.product.product import Product, sides_of
-from camgeo.toolpath import machine as machines
+from camgeo.design.design import Design
+from camgeo.design.product import Product, sides_of
+from camgeo.milling import machine as machines
 from camgeo_export.gcode.writer import WRITER
 
 FIXTURES: Final = Path(__file__).parents[2] / "fixtures" / "scenes"

@@ -9,8 +9,8 @@ from typing import Any, Final
 
 import pytest
 
-from camgeo.designing import painting
-from camgeo.designing.edits import Changed, changed
+from camgeo.app.designing import painting
+from camgeo.app.designing.edits import Changed, changed
 from tests.designer.conftest import MISSING
 from tests.judges import axe, browsing
 from tests.judges.designer_page import DesignerPage, shown

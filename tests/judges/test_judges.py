@@ -14,8 +14,8 @@ from random import Random
 import pytest
 
 import camgeo
-from camgeo.toolpath.machine import load
-from camgeo.verifying.verification import Reading
+from camgeo.design.verify import Reading
+from camgeo.milling.machine import load
 from camgeo_export.interpreter.run import run
 from camgeo_export.step.writer import WRITER as STEP_WRITER
 from camgeo_export.verify.step import VERIFIER as STEP

@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 import shapely
 
-from camgeo.figure.marks import Line, Style, over
-from camgeo.figure.model import Axis, Figure, Panel, data_of
 from camgeo.numeric.arrays import FloatArray
+from camgeo.pictures.model import Axis, Figure, Line, Panel, Style, figure_data, over
 from tests.judges import chromium
 from tests.judges.chromium_viewer import shown
 from tests.judges.files import reports
@@ -50,7 +49,7 @@ def curves() -> list[FloatArray]:
 def figure(lines: list[FloatArray]) -> dict[str, Any]:
     marks = tuple(Line(points, Style("#000000")) for points in lines)
     panel = Panel((0.0, 0.0, 1.0, 1.0), Axis((0.0, 1.0)), Axis((0.0, 1.0)), marks, bare=True)
-    return {"figure": data_of(Figure((SIDE, SIDE), (panel,))), "sentence": "<img src=x>"}
+    return {"figure": figure_data(Figure((SIDE, SIDE), (panel,))), "sentence": "<img src=x>"}
 
 
 def drawn(path: str) -> list[FloatArray]:

@@ -19,9 +19,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final
 
-from camgeo.answers.answer import STOPPED
-from camgeo.writing import transaction
-from camgeo.writing.transaction import STAGING, settle, write_set
+from camgeo.app.answers.answer import STOPPED
+from camgeo.design import writing
+from camgeo.design.writing import STAGING, settle, write_set
 from tests.kill.sets import MEMORY, Files, everything, is_safe, is_whole, put, stub_set
 from tests.kill.signals import BUILD, SCENE, SIGNALS, Fault, forked, require, stopped, usual_signals
 from tests.seeds import add_seed, moment
@@ -118,7 +118,7 @@ def main(words: Sequence[str] | None = None) -> int:
     add_seed(parser)
     wanted = parser.parse_args(words)
     usual_signals()
-    transaction.PATIENCE = PATIENCE  # type: ignore[misc]  # the machine may be busy
+    writing.PATIENCE = PATIENCE  # type: ignore[misc]  # the machine may be busy
     print(f"{wanted.count} cases, --seed {wanted.seed}", flush=True)  # noqa: T201 - a program
     for case in range(wanted.count):
         source = random.Random(f"{wanted.seed} {case}")

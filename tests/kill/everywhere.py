@@ -26,9 +26,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
-from camgeo.cli.main import main as cli
-from camgeo.writing import transaction
-from camgeo.writing.transaction import STAGING, settle, write_set
+from camgeo.app.cli.main import main as cli
+from camgeo.design import writing
+from camgeo.design.writing import STAGING, settle, write_set
 from tests.kill.sets import MEMORY, Files, everything, is_safe, is_whole, put, stub_set
 from tests.kill.signals import BUILD, SCENE, SIGNALS, Fault, forked, require, stopped, usual_signals
 from tests.kill.stops import Steps, stepping
@@ -205,7 +205,7 @@ def steps_of(old: Files) -> range:
 
 def main() -> int:
     usual_signals()
-    transaction.PATIENCE = PATIENCE  # type: ignore[misc]  # another process may have to wait
+    writing.PATIENCE = PATIENCE  # type: ignore[misc]  # another process may have to wait
     told: Counter[str] = Counter()
     for act in (alone, beside, builds):
         for number in SIGNALS if act is not builds else BUILT:

@@ -8,9 +8,8 @@ import random
 from pathlib import Path
 from typing import Final
 
-from camgeo.verifying.certificate import certificate_in
-from camgeo.writing.transaction import STAGING, interrupted
-from camgeo.writing.write import CERTIFICATE
+from camgeo.design.verify import certificate_in
+from camgeo.design.writing import CERTIFICATE, STAGING, interrupted
 
 Files = dict[str, bytes]
 

@@ -9,8 +9,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-from camgeo.answers.answer import STOPPED
-from camgeo.cli.main import Stopped, stop_on_signals
+from camgeo.app.answers.answer import STOPPED
+from camgeo.app.cli.main import Stopped, stop_on_signals
 from tests.kill.sets import everything
 
 SIGNALS: Final = (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP, signal.SIGINT)

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from camgeo.writing import transaction
+from camgeo.design import writing
 
 STEPS = ("mkdir", "link", "replace", "unlink", "rmdir", "fsync")
 """Functions of `os` that change the disk; the writing of a file is a step, too."""
@@ -73,7 +73,7 @@ def stepping(steps: Steps) -> Generator[Steps]:
         for name in STEPS:
             original = nothing if name == "fsync" else getattr(os, name)
             patch.setattr(os, name, steps.wrapped(original, nothing))
-        patch.setattr(transaction, "_write_durably", steps.wrapped(write, half))
+        patch.setattr(writing, "_write_durably", steps.wrapped(write, half))
         yield steps
 
 
@@ -90,5 +90,5 @@ def full_after(room: int) -> Generator[None]:
         left -= len(data)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(transaction, "_write_durably", write)
+        patch.setattr(writing, "_write_durably", write)
         yield

@@ -13,9 +13,9 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.cli.main import Stopped
+from camgeo.app.cli.main import Stopped
+from camgeo.design.writing import settle, write_set
 from camgeo.errors import OutputError
-from camgeo.writing.transaction import settle, write_set
 from tests.kill.sets import MEMORY, Files, everything, is_safe, is_whole, put, stub_set
 from tests.kill.stops import Killed, Steps, full_after, stepping
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from camgeo.mechanism.linkage_protocol import Linkage
-from camgeo.motion.motion import Motion
+from camgeo.kinematics.mechanism.linkage import Linkage
+from camgeo.kinematics.motion import Motion
 from camgeo.units import TURN
 from tests.integrals import cells
 

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from mpmath import mp, mpc, mpf
 
-from camgeo.mechanism.four_bar import FourBar
-from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.kinematics.mechanism.four_bar import FourBar
+from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.numeric.arrays import FloatArray
 
 DIGITS = 50

@@ -10,21 +10,20 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.closing import (
+from camgeo.kinematics.mechanism.four_bar import FourBar
+from camgeo.kinematics.mechanism.linkage import Linkage, monotone_runs
+from camgeo.kinematics.mechanism.linked_motion import (
     SIZES,
+    LinkedMotion,
     clear_range,
     closing_sizes,
     openings,
     why_open,
 )
-from camgeo.mechanism.four_bar import FourBar
-from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.mechanism.linkage_protocol import Linkage
-from camgeo.mechanism.positions import monotone_runs
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
-from camgeo.motion.extremes import lift_range
-from camgeo.motion.plan import MotionPlan, Move
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.kinematics.motion import lift_range
+from camgeo.kinematics.plan import MotionPlan, Move
 from camgeo.units import TURN
 from tests.reference import POLYNOMIAL
 from tests.strategies import attack, four_bars, slider_cranks, slider_driven_cranks

@@ -10,12 +10,12 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
-from camgeo.mechanism.conjugate import FLAT, return_on_carriage, return_on_lever
-from camgeo.mechanism.follower_path import path_of
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.conjugate import FLAT, return_on_carriage, return_on_lever
+from camgeo.kinematics.mechanism.follower_path import path_of
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.units import TURN
 from tests.long_form import examples
 from tests.pairs import Lever, Pair, pairs

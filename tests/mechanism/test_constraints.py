@@ -13,20 +13,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpc, mpf
 
-from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
-from camgeo.mechanism.follower import Follower
-from camgeo.mechanism.four_bar import FourBar
-from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.mechanism.linkage_protocol import Linkage
-from camgeo.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
-from camgeo.mechanism.translating_flat import TranslatingFlat
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.motion import Motion
-from camgeo.motion.plan import MotionPlan, Move
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.kinematics.mechanism.follower import Follower
+from camgeo.kinematics.mechanism.four_bar import FourBar
+from camgeo.kinematics.mechanism.linkage import Linkage
+from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.motion import Motion
+from camgeo.kinematics.plan import MotionPlan, Move
 from camgeo.units import TURN
 from tests.long_form import examples
 from tests.mechanism.constraints import (

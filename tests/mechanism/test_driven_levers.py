@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.slotted_lever import SlottedLever
-from camgeo.mechanism.slotted_lever_drive import (
+from camgeo.kinematics.mechanism.slotted_lever import (
     NAMES,
     DrivenLever,
+    SlottedLever,
     crank_for_swing,
     lever_table,
 )

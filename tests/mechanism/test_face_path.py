@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.face import FlatFollower
-from camgeo.mechanism.face_path import face_path_of
-from camgeo.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.mechanism.translating_flat import TranslatingFlat
-from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.geometry.outline.face import face_path_of
+from camgeo.kinematics.mechanism.face import FlatFollower
+from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 
 FOLLOWERS: dict[str, FlatFollower] = {
     "guided": TranslatingFlat(40.0, 0.7, 1),

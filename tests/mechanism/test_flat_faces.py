@@ -13,13 +13,13 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.optimize import brentq, minimize_scalar
 
-from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
-from camgeo.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.mechanism.translating_flat import TranslatingFlat
-from camgeo.motion.plan import MotionPlan
+from camgeo.geometry.outline.convex import touch
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.plan import MotionPlan
 from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
-from camgeo.outline.convex import touch
 from camgeo.units import TURN
 from tests.integrals import cells, integrals
 from tests.laws import LAWS
@@ -282,7 +282,7 @@ def test_mirrored_and_turned(curve: PitchCurve, angle: float) -> None:
 @attack
 @given(curve=flat_curves(tuple(LAWS)), count=st.integers(1, 30))
 def test_bounds_do_all_that_is_asked_of_them(curve: PitchCurve, count: int) -> None:
-    """Of Z' and Z'' all over each cell; the third one as `camgeo.mechanism.face` says."""
+    """Of Z' and Z'' all over each cell; the third as `camgeo.kinematics.mechanism.face` says."""
     low, high = cells(curve.borders, count)
     middle, (first, second, third) = curve.jet_and_bounds(low, high)
     half = 0.5 * (high - low)

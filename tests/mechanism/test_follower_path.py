@@ -11,12 +11,11 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
-from camgeo.mechanism.follower_path import Bows, FollowerPath, path_of
-from camgeo.mechanism.lift_jet import lift_jet
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.kinematics.mechanism.follower_path import Bows, FollowerPath, lift_jet, path_of
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from tests.strategies import attack, oscillating_rollers, pitch_curves, signs, translating_rollers
 
 FOLLOWERS = (

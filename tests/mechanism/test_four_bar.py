@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.check.linkage import check_linkage
+from camgeo.check.machine import check_linkage
 from camgeo.errors import GeometryError
-from camgeo.mechanism.four_bar import FourBar
-from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.kinematics.mechanism.four_bar import FourBar
+from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.units import TURN
 from tests.integrals import cells
 from tests.long_form import examples

@@ -16,18 +16,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, UndercutError
-from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.motion import Motion
-from camgeo.motion.plan import MotionPlan
+from camgeo.geometry.outline.outline import Outline, real_outline
+from camgeo.geometry.outline.path import area
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.motion import Motion
+from camgeo.kinematics.plan import MotionPlan
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.outline.moments import area
-from camgeo.outline.outline import Outline, real_outline
 from camgeo.units import TURN
 from tests.integrals import cells
 from tests.mechanism.test_followers import backwards

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.linkage import LinkedMotion, linked
-from camgeo.mechanism.several import alike, several
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.kinematics.mechanism.linked_motion import LinkedMotion, linked
+from camgeo.kinematics.mechanism.several import alike, several
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import Side
 from tests.reference import POLYNOMIAL, plan_of, slider_crank_of, thesis_params
 

@@ -12,13 +12,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.four_bar import FourBar
-from camgeo.mechanism.linkage_protocol import Linkage
-from camgeo.mechanism.positions import locked_at
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
-from camgeo.motion.laws import make_law
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.mechanism.four_bar import FourBar
+from camgeo.kinematics.mechanism.linkage import Linkage, locked_at
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 
 SLIDER: Final = SliderCrank(100.0, 160.0, math.radians(15.0), True, 1, 1, 1)
 

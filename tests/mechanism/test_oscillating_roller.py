@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp, mpc, mpf
 
-from camgeo.curve.pitch_curve import PitchCurve
 from camgeo.errors import GeometryError
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.motion.plan import MotionPlan, Move
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.plan import MotionPlan, Move
 from camgeo.numeric.arrays import phase
 from camgeo.units import TURN
 from tests.reference import POLYNOMIAL

@@ -11,12 +11,11 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.closing import SIZES, clear_range
-from camgeo.mechanism.four_bar import FourBar
-from camgeo.mechanism.linkage_protocol import BACK, OUT, Linkage, Size
-from camgeo.mechanism.positions import position_text
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.kinematics.mechanism.four_bar import FourBar
+from camgeo.kinematics.mechanism.linkage import BACK, OUT, Linkage, Size, position_text
+from camgeo.kinematics.mechanism.linked_motion import SIZES, clear_range
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.numeric.arrays import FloatArray, IntArray
 from tests.long_form import examples
 from tests.strategies import attack, four_bars, slider_cranks, slider_driven_cranks

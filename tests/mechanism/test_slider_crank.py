@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.mechanism.positions import locked_at
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.motion.laws import make_law
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.mechanism.linkage import locked_at
+from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import TURN
 from tests.integrals import cells, integrals

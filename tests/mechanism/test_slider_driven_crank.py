@@ -9,10 +9,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
-from camgeo.motion.plan import MotionPlan
+from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.kinematics.plan import MotionPlan
 from camgeo.units import TURN
 from tests.integrals import cells
 from tests.long_form import examples

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from mpmath import mp, mpc, mpf
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.slotted_lever import SlottedLever
+from camgeo.kinematics.mechanism.slotted_lever import SlottedLever
 from camgeo.units import TURN
 from tests.strategies import attack
 

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.design import Design
-from camgeo.mechanism.sketch import MechanismSketch, Places
-from camgeo.scene.load import parse_scene
+from camgeo.design.design import Design
+from camgeo.kinematics.mechanism.sketch import MechanismSketch, Places
+from camgeo.scene.scene import parse_scene
 from camgeo.units import TURN
 
 TEMPLATES: Final = Path(camgeo.__file__).parent / "scene" / "templates"

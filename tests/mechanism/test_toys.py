@@ -17,8 +17,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.mechanism.values import Angle, Length
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.values import Angle, Length
 from camgeo.numeric.checked import check_fields, hold
 
 
@@ -53,12 +53,12 @@ class Mushroom:
 
 DECLARED_FOLLOWER = '''"""The mushroom follower, declared."""
 
-from camgeo.declared import schema_beside
-from camgeo.mechanism.kind import FollowerKind
+from camgeo.record import schema_beside
+from camgeo.kinematics.mechanism.values import FollowerKind
 
 
 def build(values):
-    from camgeo.mechanism.mushroom import Mushroom
+    from camgeo.kinematics.mechanism.mushroom import Mushroom
 
     return values.build(Mushroom)
 
@@ -117,12 +117,12 @@ DECLARED_LINKAGE = '''"""A slider-crank of equal crank and coupler, declared: on
 
 import math
 
-from camgeo.declared import schema_beside
-from camgeo.mechanism.kind import LinkageKind
+from camgeo.record import schema_beside
+from camgeo.kinematics.mechanism.values import LinkageKind
 
 
 def build(values, unit):
-    from camgeo.mechanism.slider_crank import SliderCrank
+    from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 
     arm = values.mm * values.table["arm"]
     return SliderCrank(arm, arm, math.radians(30.0), False, 1, 1, 1)
@@ -173,7 +173,7 @@ to = 0
 def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of the package with both toys: new files, and one that existed."""
     tree = tmp_path_factory.mktemp("toys")
-    mechanism = copied(tree) / "mechanism"
+    mechanism = copied(tree) / "kinematics" / "mechanism"
     declared = mechanism / "declared"
     (mechanism / "mushroom.py").write_text(FOLLOWER, encoding="utf-8")
     (declared / "mushroom.py").write_text(DECLARED_FOLLOWER, encoding="utf-8")
@@ -184,7 +184,10 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
     template.write_text(TEMPLATE, encoding="utf-8")
     replaced(
         declared / "registry.py",
-        ("\nif TYPE", "from camgeo.mechanism.declared import mushroom, toggle\n\nif TYPE"),
+        (
+            "\nif TYPE",
+            "from camgeo.kinematics.mechanism.declared import mushroom, toggle\n\nif TYPE",
+        ),
         ("FOLLOWERS: Final = {\n", "FOLLOWERS: Final = {\n    'mushroom': mushroom.KIND} | {\n"),
         ("LINKAGES: Final = {\n", "LINKAGES: Final = {\n    'toggle': toggle.KIND} | {\n"),
     )

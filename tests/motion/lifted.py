@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.motion.plan import MotionPlan
+from camgeo.kinematics.plan import MotionPlan
 from camgeo.units import TURN
 
 PHI: Final = np.concatenate((np.linspace(-0.1, TURN + 0.1, 501), [0.0, TURN]))

@@ -4,8 +4,8 @@ A law is a tuple of pieces, each with one formula in z for f, f', f'' and f''', 
 guideline's equation numbers. Corrected equations carry a prime. Evaluate with
 `tests.motion.oracle.DIGITS` digits: the printed forms lose most of them near the ends.
 
-Parameters are mpmath numbers under the names of `camgeo.motion.laws.make_law`; all formulas write
-C_a as `ca` and C_a* as `cb`, m = 1 - lambda.
+Parameters are mpmath numbers under the names of `camgeo.kinematics.laws.make_law`; all formulas
+write C_a as `ca` and C_a* as `cb`, m = 1 - lambda.
 """
 
 from __future__ import annotations

@@ -11,9 +11,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.motion.laws import BALANCES, FAMILIES, make_law
-from camgeo.motion.laws.balance import balanced, equal_accelerations
-from camgeo.motion.laws.characteristic import Characteristic, characteristic
+from camgeo.kinematics.laws import BALANCES, FAMILIES, make_law
+from camgeo.kinematics.laws.law import Characteristic, characteristic
+from camgeo.kinematics.planning.build import balanced, equal_accelerations
 from tests.strategies import attack
 
 CLAIMS = [

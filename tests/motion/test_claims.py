@@ -14,9 +14,8 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from camgeo.motion.laws import make_law
-from camgeo.motion.laws.characteristic import characteristic
-from camgeo.motion.laws.law import Law
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.laws.law import Law, characteristic
 from tests.motion import printed
 from tests.motion.oracle import DIGITS, decimal, exact, exact_pieces, ulps
 from tests.motion.printed import Number, Pieces

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from camgeo.errors import GeometryError
-from camgeo.motion.boundary import TASKS
-from camgeo.motion.laws import FAMILIES, make_law
-from camgeo.motion.laws.comparison import QUANTITIES, Entry, Running, compare, entry_of
-from camgeo.motion.laws.law import Law
+from camgeo.kinematics.laws import FAMILIES, make_law
+from camgeo.kinematics.laws.comparison import QUANTITIES, Entry, Running, compare, entry_of
+from camgeo.kinematics.laws.law import Law
+from camgeo.kinematics.motion import TASKS
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 

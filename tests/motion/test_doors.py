@@ -17,19 +17,16 @@ import numpy as np
 import pytest
 
 from camgeo.errors import GeometryError
-from camgeo.motion.joints import breaks
-from camgeo.motion.laws import FAMILIES, make_law
-from camgeo.motion.laws.balance import balanced
-from camgeo.motion.laws.characteristic import characteristic
-from camgeo.motion.laws.comparison import Running, compare
-from camgeo.motion.motion_tables import read_lift_table, read_speed_table
-from camgeo.motion.plan import Dwell, MotionPlan, Move, SplineMove
-from camgeo.motion.planning.planner import plan_motion
-from camgeo.motion.planning.request import MoveRequest, PointsRequest, TableRequest
-from camgeo.motion.points import clamped_spline, periodic_spline, smooth_clamped_spline
-from camgeo.motion.spline import Spline
-from camgeo.motion.time_course import ConstantSpeed, SpeedCurve, plan_extremes, time_extremes
-from camgeo.motion.value_table import law_table
+from camgeo.kinematics.laws import FAMILIES, make_law
+from camgeo.kinematics.laws.comparison import Running, compare
+from camgeo.kinematics.laws.law import characteristic
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move, SplineMove, breaks
+from camgeo.kinematics.planning.build import balanced
+from camgeo.kinematics.planning.planner import plan_motion
+from camgeo.kinematics.planning.requests import MoveRequest, PointsRequest, TableRequest
+from camgeo.kinematics.splines import Spline, clamped_spline, periodic_spline, smooth_clamped_spline
+from camgeo.kinematics.tables import law_table, read_lift_table, read_speed_table
+from camgeo.kinematics.time_course import ConstantSpeed, SpeedCurve, plan_extremes, time_extremes
 from camgeo.units import TURN
 from tests.long_form import examples
 

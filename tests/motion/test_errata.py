@@ -16,8 +16,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
-from camgeo.motion.laws import make_law
-from camgeo.motion.laws.characteristic import characteristic
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.laws.law import characteristic
 from tests.motion import printed
 from tests.motion.oracle import (
     DIGITS,

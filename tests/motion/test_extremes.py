@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from camgeo.motion.extremes import lift_range, pieces, turning_angles
-from camgeo.motion.motion import Dwell as DwellSpan
-from camgeo.motion.motion import Jet
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.kinematics.motion import Dwell as DwellSpan
+from camgeo.kinematics.motion import Jet, lift_range, pieces, turning_angles
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.units import TURN
 from tests.laws import LAWS

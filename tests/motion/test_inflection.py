@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from mpmath import mp
 
 from camgeo.errors import GeometryError
-from camgeo.motion.laws.characteristic import characteristic
-from camgeo.motion.laws.law import Law
+from camgeo.kinematics.laws.law import Law, characteristic
 from tests.laws import LAWS
 from tests.motion.oracle import decimal, ulps
 from tests.reference import POLYNOMIAL, hard_case, shift

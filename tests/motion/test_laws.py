@@ -24,10 +24,9 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 
 from camgeo.errors import GeometryError
-from camgeo.motion.boundary import TASKS
-from camgeo.motion.laws import ALIASES, FAMILIES, find_family, make_law
-from camgeo.motion.laws.characteristic import acceleration_jumps, characteristic
-from camgeo.motion.laws.law import Law, Region, Values
+from camgeo.kinematics.laws import ALIASES, FAMILIES, find_family, make_law
+from camgeo.kinematics.laws.law import Law, Region, Values, acceleration_jumps, characteristic
+from camgeo.kinematics.motion import TASKS
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
 from tests.laws import LAWS

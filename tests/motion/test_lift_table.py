@@ -10,9 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.motion.motion_tables import read_lift_table
-from camgeo.motion.points import periodic_spline
-from camgeo.motion.two_columns import TwoColumns
+from camgeo.kinematics.splines import periodic_spline
+from camgeo.kinematics.tables import TwoColumns, read_lift_table
 from camgeo.numeric.columns import MOST_ROWS
 from camgeo.reading import TABLE
 from camgeo.units import TURN

@@ -10,11 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.motion.laws import FAMILIES, law_of
-from camgeo.motion.piece import MANY
-from camgeo.motion.plan import MotionPlan, Move
-from camgeo.motion.planning.planner import plan_motion
-from camgeo.motion.planning.request import MoveRequest, PointsRequest, Request, TableRequest
+from camgeo.kinematics.laws import FAMILIES, law_of
+from camgeo.kinematics.plan import MANY, MotionPlan, Move
+from camgeo.kinematics.planning.planner import plan_motion
+from camgeo.kinematics.planning.requests import MoveRequest, PointsRequest, Request, TableRequest
 from camgeo.units import TURN
 from tests.strategies import FAMILY_TASKS, attack, plans
 

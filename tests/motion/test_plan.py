@@ -9,10 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.motion.joints import joints
-from camgeo.motion.laws.law import Law, Values
-from camgeo.motion.motion import Dwell as DwellSpan
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.kinematics.laws.law import Law, Values
+from camgeo.kinematics.motion import Dwell as DwellSpan
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move, joints
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.units import TURN
 from tests.laws import LAWS

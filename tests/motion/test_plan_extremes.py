@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.motion.plan import MotionPlan
-from camgeo.motion.planning.planner import plan_motion
-from camgeo.motion.planning.request import MoveRequest, TableRequest
-from camgeo.motion.time_course import (
+from camgeo.kinematics.plan import MotionPlan
+from camgeo.kinematics.planning.planner import plan_motion
+from camgeo.kinematics.planning.requests import MoveRequest, TableRequest
+from camgeo.kinematics.time_course import (
     ConstantSpeed,
     SpeedCurve,
     in_time,

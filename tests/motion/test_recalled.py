@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from camgeo import load
-from camgeo.motion import kept
-from camgeo.motion.kept import kept_with_owner
-from camgeo.motion.laws import law_of
-from camgeo.motion.laws.characteristic import characteristic
-from camgeo.motion.plan import MotionPlan
+from camgeo.kinematics.laws import law_of
+from camgeo.kinematics.laws.law import characteristic
+from camgeo.kinematics.plan import MotionPlan
+from camgeo.numeric import kept
+from camgeo.numeric.kept import kept_with_owner
 from camgeo.units import TURN
 from tests.effects.scenes import SCENES
 

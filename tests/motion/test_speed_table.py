@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from camgeo.errors import GeometryError
-from camgeo.motion.motion_tables import read_speed_table
+from camgeo.kinematics.tables import read_speed_table
 
 ROWS = [(0.0, 0.0), (0.1, 30.0), (0.2, 90.0), (0.35, 200.0), (0.5, 300.0), (0.6, 360.0)]
 

@@ -20,17 +20,20 @@ from numpy.polynomial import Polynomial
 from scipy.interpolate import make_interp_spline
 
 from camgeo.errors import GeometryError
-from camgeo.motion.boundary import Boundary
-from camgeo.motion.points import (
+from camgeo.kinematics.motion import Boundary
+from camgeo.kinematics.splines import (
+    DEGREE,
     MOST_UNEQUAL,
+    NEAR_ENOUGH,
+    Smoothing,
+    Spline,
     clamped_spline,
+    from_stress,
     periodic_spline,
     report,
     smooth_clamped_spline,
     smooth_periodic_spline,
 )
-from camgeo.motion.spline import DEGREE, Spline
-from camgeo.motion.spline_energy import NEAR_ENOUGH, Smoothing, from_stress
 from camgeo.numeric.arrays import BoolArray, FloatArray
 from camgeo.units import TURN
 from tests.long_form import examples
@@ -264,8 +267,8 @@ def test_no_inverse_of_what_falls() -> None:
 def test_evaluation_needs_no_scipy() -> None:
     program = (
         "import sys, numpy as np\n"
-        "from camgeo.motion.points import periodic_spline\n"
-        "from camgeo.motion.spline import Spline\n"
+        "from camgeo.kinematics.splines import periodic_spline\n"
+        "from camgeo.kinematics.splines import Spline\n"
         "s = Spline(np.array([0.0, 1.0]), np.ones((1, 6)))\n"
         "s.values(np.array([0.5])), s.extremes(0), s.bounds(2), s.inverse(np.array([1.5]))\n"
         "sys.exit('scipy' in sys.modules)\n"

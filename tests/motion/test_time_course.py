@@ -14,10 +14,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.motion.motion import Dwell as DwellSpan
-from camgeo.motion.motion import Jet
-from camgeo.motion.plan import Dwell, MotionPlan, Move
-from camgeo.motion.time_course import (
+from camgeo.kinematics.motion import Dwell as DwellSpan
+from camgeo.kinematics.motion import Jet
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
+from camgeo.kinematics.time_course import (
     ConstantSpeed,
     SpeedCurve,
     TimeCourse,

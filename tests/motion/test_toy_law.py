@@ -11,8 +11,8 @@ from tests.copies import commands, copied, replaced, run_copy
 
 TOY = '''"""Septic from rest to rest with a part of the 3-4-5 polynomial's jerk at the ends."""
 
-from camgeo.motion.laws.family import Family, Option
-from camgeo.motion.laws.two_point import law_of_boundary_values
+from camgeo.kinematics.laws.family import Family, Option
+from camgeo.kinematics.laws.polynomials import law_of_boundary_values
 
 SMOOTH = Option(
     name="smooth",
@@ -61,7 +61,7 @@ to = 0
 def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of the package with the toy law, and a scene that names it."""
     tree = tmp_path_factory.mktemp("toy")
-    laws = copied(tree) / "motion" / "laws"
+    laws = copied(tree) / "kinematics" / "laws"
     (laws / "toy_septic.py").write_text(TOY, encoding="utf-8")
     replaced(laws / "__init__.py", (LINE, f'{LINE}    "toy-septic",\n'))
     (tree / "toy.toml").write_text(SCENE, encoding="utf-8")
@@ -113,9 +113,9 @@ def test_auto_picks_it_and_its_plan_travels(tree: Path) -> None:
     script = """
 import pickle, numpy as np
 from decimal import Decimal
-from camgeo.motion.plan import Dwell
-from camgeo.motion.planning.planner import plan_motion
-from camgeo.motion.planning.request import MoveRequest
+from camgeo.kinematics.plan import Dwell
+from camgeo.kinematics.planning.planner import plan_motion
+from camgeo.kinematics.planning.requests import MoveRequest
 from camgeo.scene.schema import schema
 asked = [MoveRequest(Decimal(span), to, "auto", optimise={"jerk": 1.0})
          for span, to in ((120, 12.0), (180, 0.0))]

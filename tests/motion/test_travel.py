@@ -18,18 +18,16 @@ import pytest
 from hypothesis import given
 
 from camgeo.errors import VersionError
-from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.motion.joints import joints
-from camgeo.motion.laws import FAMILIES, make_law
-from camgeo.motion.laws.law import Law
-from camgeo.motion.motion import Motion
-from camgeo.motion.motion_tables import read_lift_table
-from camgeo.motion.plan import Dwell, MotionPlan, Move, SplineMove
-from camgeo.motion.planning.planner import plan_motion
-from camgeo.motion.time_course import ConstantSpeed, SpeedCurve
-from camgeo.motion.two_columns import TwoColumns
+from camgeo.kinematics.laws import FAMILIES, make_law
+from camgeo.kinematics.laws.law import Law
+from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.motion import Motion
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move, SplineMove, joints
+from camgeo.kinematics.planning.planner import plan_motion
+from camgeo.kinematics.tables import TwoColumns, read_lift_table
+from camgeo.kinematics.time_course import ConstantSpeed, SpeedCurve
 from camgeo.numeric.arrays import FloatArray
-from camgeo.scene.load import load_scene
+from camgeo.scene.scene import load_scene
 from camgeo.units import TURN
 from tests.motion.lifted import PHI, lift_of
 from tests.motion.planning import wishes
@@ -159,7 +157,7 @@ def test_a_plan_travels_without_what_was_computed_and_names_its_version(
     data = pickle.dumps(plan)
     assert data == fresh
     assert type(pickle.loads(data)) is MotionPlan
-    monkeypatch.setattr("camgeo.pickled.__version__", "99.0")
+    monkeypatch.setattr("camgeo.record.__version__", "99.0")
     with pytest.raises(VersionError, match="a MotionPlan pickled by camgeo"):
         pickle.loads(data)
 

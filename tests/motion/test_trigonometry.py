@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from camgeo.motion.laws.trigonometry import COEFFICIENTS, x_minus_sin
+from camgeo.kinematics.laws.pulse import COEFFICIENTS, x_minus_sin
 from tests.motion.oracle import DIGITS, worst_ulps
 from tests.motion.printed import Number
 

@@ -11,10 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.motion.laws import FAMILIES, make_law
-from camgeo.motion.laws.family import COUNTED_FROM_END
-from camgeo.motion.laws.sine_straight import LEAST, curved_for
-from camgeo.motion.laws.two_pulses import Parts
+from camgeo.kinematics.laws import FAMILIES, make_law
+from camgeo.kinematics.laws.family import COUNTED_FROM_END
+from camgeo.kinematics.laws.sine_straight import LEAST, curved_for
+from camgeo.kinematics.laws.two_pulses import Parts
 from tests.strategies import attack
 
 NEAR_END = 1e-6

@@ -21,8 +21,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.motion.laws import make_law
-from camgeo.motion.value_table import LARGEST_STEP, NAMES, SMALLEST_STEP, law_table
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.tables import LARGEST_STEP, NAMES, SMALLEST_STEP, law_table
 from tests.long_form import examples
 
 FOLDER = Path(__file__).parents[2] / "fixtures" / "tables"

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from camgeo.motion.laws.law import Law
+from camgeo.dynamics.oscillator.steady import Shock, shock
+from camgeo.kinematics.laws.law import Law
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.oscillator.spectrum import Shock, shock
 
 
 def shock_of(law: Law) -> Shock:

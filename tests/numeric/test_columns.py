@@ -12,15 +12,15 @@ from camgeo.numeric.columns import (
     LONGEST_HEADING,
     MOST_COLUMNS,
     Asked,
-    Column,
     Columns,
+    NumberColumn,
     read_columns,
 )
 from camgeo.reading import DIGITS, TABLE
 
 ASKED = Asked(
-    (Column("x", ("x",), ("mm", "inch"), "mm or inch"), Column("y", ("y",))),
-    (Column("nx", ("nx", "i")), Column("ny", ("ny", "j"))),
+    (NumberColumn("x", ("x",), ("mm", "inch"), "mm or inch"), NumberColumn("y", ("y",))),
+    (NumberColumn("nx", ("nx", "i")), NumberColumn("ny", ("ny", "j"))),
     fewest=1,
     most=3,
 )

@@ -4,7 +4,7 @@ import mpmath
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.numeric.doubled import hypot_rest
+from camgeo.kinematics.mechanism.oscillating_roller import hypot_rest
 
 lengths = st.floats(1e-12, 1e12)
 signed = st.builds(lambda size, sign: sign * size, lengths, st.sampled_from([-1.0, 1.0]))

@@ -10,9 +10,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from camgeo.numeric.arrays import FloatArray, IntArray
-from camgeo.numeric.isolation import (
+from camgeo.numeric.extremes import (
     INSIDE,
-    NEGLIGIBLE,
+    NEGLIGIBLE_CHANGE,
     WIDEST,
     OfRows,
     cells_between,
@@ -106,7 +106,7 @@ def test_what_is_missed_changes_no_value_by_what_matters(place: float, depth: fl
         assert found == pytest.approx([place - half, place + half], abs=4.0 * EPS / half)
     else:
         assert not len(found)
-        assert falls <= NEGLIGIBLE * end
+        assert falls <= NEGLIGIBLE_CHANGE * end
 
 
 def test_rounding_ends_the_halving() -> None:

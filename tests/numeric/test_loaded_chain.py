@@ -11,10 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from camgeo.dynamics.oscillator.steady import Base, Forcing, ResonanceError, load_of, steady_state
+from camgeo.dynamics.oscillator.train import EPS, Stage, Train, chain, one_mass
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
-from camgeo.numeric.oscillator.chain import Stage, chain, one_mass
-from camgeo.numeric.oscillator.steady import Base, Forcing, ResonanceError, load_of, steady_state
-from camgeo.numeric.oscillator.train import EPS, Train
 from camgeo.units import TURN
 from tests.numeric.test_chain import CHAINS, HELD, polynomials
 from tests.strategies import attack

@@ -9,22 +9,24 @@ import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
-from camgeo.motion.laws import make_law
-from camgeo.motion.plan import Dwell, MotionPlan, Move
-from camgeo.motion.time_course import ConstantSpeed, in_time
-from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.numeric.oscillator import steady
-from camgeo.numeric.oscillator.chain import one_mass
-from camgeo.numeric.oscillator.mode import (
+from camgeo.dynamics.oscillator import steady
+from camgeo.dynamics.oscillator.steady import (
     MOST_PIECES,
+    Base,
     Pieces,
+    ResonanceError,
+    Response,
     gain_over,
     interpolated,
     series_values,
     solve,
+    steady_state,
 )
-from camgeo.numeric.oscillator.steady import Base, ResonanceError, Response, steady_state
-from camgeo.numeric.oscillator.train import Train
+from camgeo.dynamics.oscillator.train import Train, one_mass
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
+from camgeo.kinematics.time_course import ConstantSpeed, in_time
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.units import TURN
 from tests.strategies import attack

@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from camgeo.motion.laws import FAMILIES, make_law
+from camgeo.dynamics.oscillator.steady import SAMPLES
+from camgeo.kinematics.laws import FAMILIES, make_law
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.oscillator.spectrum import SAMPLES
 from tests.laws import LAWS
 from tests.numeric.shocks import shock_of, shock_spectrum
 from tests.strategies import attack

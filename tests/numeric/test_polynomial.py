@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.numeric.polynomial import (
+from camgeo.numeric.extremes import (
     bernstein,
     derivative,
     horner,

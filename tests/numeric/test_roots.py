@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.numeric.arrays import FloatArray, IntArray
-from camgeo.numeric.roots import (
+from camgeo.numeric.extremes import (
     MAX_STEPS,
     Function,
     bracketed_roots,

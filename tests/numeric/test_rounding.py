@@ -7,8 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from camgeo.numeric.many import ONE
-from camgeo.numeric.rounding import SHARE, resolved
+from camgeo.numeric.arrays import ONE, SHARE, resolved
 
 
 @pytest.mark.parametrize("size", [1.0, 250.0, 1e-9])

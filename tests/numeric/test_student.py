@@ -7,7 +7,7 @@ from itertools import pairwise
 import mpmath
 import pytest
 
-from camgeo.numeric.student import FEWEST, quantile
+from camgeo.studies.inspection import FEWEST_FREEDOMS, quantile
 
 
 @pytest.mark.parametrize(
@@ -22,7 +22,7 @@ def test_it_is_that_of_the_table(freedom: int, at_95: float, at_975: float) -> N
 
 def test_it_is_as_exact_as_stated() -> None:
     """With 8 degrees of freedom the quantile is 2.3060041350333704 (closed form, to its digits)."""
-    assert FEWEST == 8
+    assert FEWEST_FREEDOMS == 8
     assert quantile(0.975, 8) == pytest.approx(2.3060041350333704, rel=2e-5)
     assert quantile(0.5, 9) == 0.0
     assert quantile(0.025, 9) == pytest.approx(-quantile(0.975, 9), rel=1e-14)

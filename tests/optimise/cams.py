@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 from camgeo.numeric.arrays import FloatArray
-from camgeo.optimise.judging import Judge, Verdict
-from camgeo.scene.load import load_scene
-from camgeo.scene.scene import Scene
-from camgeo.sweep.family import Point
+from camgeo.scene.scene import Scene, load_scene
+from camgeo.studies.optimise.optimise import Judge, Verdict
+from camgeo.studies.sweep.family import Point
 from tests.sweep.families import FIXTURES, SETZHUB
 
 UNMADE: Final = dict.fromkeys(("part", "tool", "holding", "output"))

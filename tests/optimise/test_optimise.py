@@ -9,17 +9,14 @@ from multiprocessing import active_children
 import pytest
 
 from camgeo import loads
-from camgeo.answers.size import size
-from camgeo.design import Design
-from camgeo.optimise.judging import IMPOSSIBLE, Judge, Verdict
-from camgeo.optimise.optimise import optimise
-from camgeo.optimise.task import task_of
-from camgeo.optimise.trials import DUMB
-from camgeo.scene.load import load_scene
-from camgeo.sweep.engine import Chunks, dead
-from camgeo.sweep.family import Point
-from camgeo.sweep.pool import Pool
-from camgeo.sweep.rows import Work
+from camgeo.app.answers.size import size
+from camgeo.design.design import Design
+from camgeo.scene.scene import load_scene
+from camgeo.studies.optimise.optimise import DUMB, IMPOSSIBLE, Judge, Verdict, optimise
+from camgeo.studies.optimise.task import task_of
+from camgeo.studies.sweep.family import Point
+from camgeo.studies.sweep.pool import Pool
+from camgeo.studies.sweep.rows import Chunks, Work, dead
 from tests.answers.documents import RING, UNHELD
 from tests.long_form import LONG
 from tests.optimise.cams import PLAIN, bare

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from camgeo.numeric.arrays import FloatArray
-from camgeo.optimise.optimise import Found, optimise
-from camgeo.optimise.search import directions
-from camgeo.optimise.task import task_of
+from camgeo.studies.optimise.optimise import Found, directions, optimise
+from camgeo.studies.optimise.task import task_of
 from tests.optimise.cams import PLAIN, given
 
 A, B, C = "follower.base_radius", "follower.arm", "cam.speed"

@@ -7,10 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.optimise.space import Space
-from camgeo.sweep.family import Sample
-from camgeo.sweep.stated import family_of
-from camgeo.sweep.variables import parse
+from camgeo.studies.optimise.task import Space
+from camgeo.studies.sweep.family import Sample, family_of, parse
 from tests.sweep.families import SETZHUB
 
 

@@ -6,9 +6,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from camgeo.curve.pitch_curve import PitchCurve
+from camgeo.geometry.outline.path import Path, Pivot, Stretch
+from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.outline.path import Path, Pivot, Stretch
 from camgeo.units import TURN
 
 FORMULA = 65

@@ -9,12 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
-from camgeo.outline import cells as cells_module
-from camgeo.outline.cells import Cells, enclose, halved, overlapping
-from camgeo.outline.envelope import Envelope
+from camgeo.geometry.outline import envelope as cells_module
+from camgeo.geometry.outline.envelope import Cells, Envelope, enclose, halved, overlapping
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
 from tests.reference import hard_case, pitch_curve_of
 from tests.strategies import attack, signs, wild_pitch_curves
 
@@ -77,7 +76,7 @@ def test_boxes_of_halves_are_a_quarter_as_wide(pitch: PitchCurve, side: int) -> 
 
 def test_a_box_that_is_too_small_is_seen() -> None:
     """The check above can fail: half the box does not hold the cell."""
-    from camgeo.mechanism.translating_roller import TranslatingRoller
+    from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
     from tests.reference import plan_of
 
     plan = plan_of({"phi_H": [30, 60, 40, 80, 150]}, 20.0)
@@ -92,8 +91,8 @@ def test_a_box_that_is_too_small_is_seen() -> None:
 def test_cells_without_end_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     envelope = envelope_of(pitch_curve_of(hard_case("HC18")[0]), 1)
     cells = cells_of(envelope, 4)
-    monkeypatch.setattr("camgeo.outline.cells.MOST", len(cells) - 1)
-    monkeypatch.setattr("camgeo.outline.cells.MORE", 0)
+    monkeypatch.setattr("camgeo.geometry.outline.envelope.MOST", len(cells) - 1)
+    monkeypatch.setattr("camgeo.geometry.outline.envelope.MORE", 0)
     with pytest.raises(GeometryError, match="more tightly than can be resolved"):
         halved(envelope, cells)
 

@@ -11,17 +11,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.plan import Dwell, MotionPlan, Move
-from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.outline.clearance import (
+from camgeo.geometry.outline.clearance import (
     are_clear,
     nearest_to_axis,
     stays_on_one_side,
     surely_clear_of_axis,
 )
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
+from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import TURN
 from tests.laws import LAWS
 from tests.outline.clearing import distances
@@ -153,7 +153,7 @@ def test_a_point_beside_the_centre_of_a_rest_is_decided_in_few_cells(
 ) -> None:
     """The roller centre goes round it at a distance that hardly changes: |Z'| says nothing."""
     plan = MotionPlan((Dwell(Decimal(360)),))
-    monkeypatch.setattr("camgeo.curve.pieces.MOST", 1000)
+    monkeypatch.setattr("camgeo.geometry.pieces.MOST", 1000)
     off = 1e-6
     pitch = PitchCurve(plan, TranslatingRoller(10.0, 9.0), 1)
     own = np.array([[0.0, 1e-3]])

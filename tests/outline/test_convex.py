@@ -9,15 +9,15 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.arcs.fast import fit_arcs
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
-from camgeo.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.mechanism.translating_flat import TranslatingFlat
+from camgeo.geometry.contour.arcs import fit_arcs
+from camgeo.geometry.outline.convex import contact_extremes, convexity, touch
+from camgeo.geometry.outline.outline import real_outline
+from camgeo.geometry.outline.path import area
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.outline.convex import contact_extremes, convexity, touch
-from camgeo.outline.moments import area
-from camgeo.outline.outline import real_outline
 from camgeo.units import TURN
 from tests.integrals import cells, integrals
 from tests.mechanism.flat_faces import convex_curves, flat_curves
@@ -122,6 +122,6 @@ def test_undercut_between_the_samples_is_found(monkeypatch: pytest.MonkeyPatch) 
     curve = PitchCurve(plan, TranslatingFlat(20.0), 1)
     known = convexity(curve).radius
     none = np.empty(0), np.empty(0, dtype=np.intp)
-    monkeypatch.setattr("camgeo.curve.extremes.isolated_roots", lambda *_: none)
+    monkeypatch.setattr("camgeo.geometry.pieces.isolated_roots", lambda *_: none)
     found = convexity(curve).radius
     assert known[0] <= found[0] <= 0.0

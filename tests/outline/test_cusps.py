@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given
 
 import camgeo
-from camgeo.curve.extremes import Extremes, curvature_extremes
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
+from camgeo.geometry.outline.cusps import sure_bends, undercut_ranges
+from camgeo.geometry.outline.outline import backward_angles
+from camgeo.geometry.pieces import Extremes, curvature_extremes
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.numeric.arrays import frozen
-from camgeo.outline.cusps import sure_bends, undercut_ranges
-from camgeo.outline.face_outline import backward_angles
 from camgeo.units import TURN
 from tests.draws.trimmed import drawn, miss
 from tests.reference import hard_case, inner_of, pitch_curve_of

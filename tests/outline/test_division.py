@@ -7,17 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.errors import GeometryError
-from camgeo.mechanism.linkage import LinkedMotion
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.motion.plan import Dwell, MotionPlan, Move
-from camgeo.outline.division import STEEPEST, divide
-from camgeo.outline.envelope import Envelope
-from camgeo.scene.load import load_scene
+from camgeo.geometry.outline.envelope import STEEPEST, Envelope, divide
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
+from camgeo.scene.scene import load_scene
 from tests.reference import POLYNOMIAL
 
 FOUND = Path(__file__).parents[2] / "fixtures" / "found"
@@ -53,7 +52,7 @@ def test_few_cells_do_next_to_a_change_point() -> None:
 def test_an_unresolved_bend_is_reported_with_its_place(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("camgeo.outline.division.NARROWEST", 1e-3)
+    monkeypatch.setattr("camgeo.geometry.outline.envelope.NARROWEST", 1e-3)
     place = r"at cam angle 1(19|20)\.\d* deg .* more tightly than can be resolved"
     with pytest.raises(GeometryError, match=place):
         divide(Envelope(flank(1e-8)), NO_CUSPS)

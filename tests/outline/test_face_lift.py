@@ -14,22 +14,20 @@ from hypothesis import assume, given, reject, settings
 from hypothesis import strategies as st
 
 import camgeo
-from camgeo.contour.arcs.fast import fit_arcs
-from camgeo.contour.contour import Contour
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
-from camgeo.mechanism.face import FlatFollower
-from camgeo.mechanism.face_path import face_path_of
-from camgeo.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.mechanism.translating_flat import TranslatingFlat
-from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.geometry.contour.arcs import fit_arcs
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.outline.convex import contact_extremes, touch
+from camgeo.geometry.outline.face import FaceLift, face_path_of
+from camgeo.geometry.outline.path import whole
+from camgeo.geometry.outline.replay import Replay, replay_contour, replay_outline
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.face import FlatFollower
+from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.outline.convex import contact_extremes, touch
-from camgeo.outline.face_lift import FaceLift
-from camgeo.outline.path import whole
-from camgeo.outline.replay import replay_contour, replay_outline
-from camgeo.outline.replay_result import Replay
 from tests.contour.cams import dwell, polyline, translating
 from tests.long_form import examples
 from tests.measuring import Outline, polygon

@@ -13,21 +13,21 @@ from hypothesis import assume, given, reject, settings
 from scipy.spatial import ConvexHull
 from shapely.geometry.base import BaseGeometry
 
-from camgeo.contour.arcs.fast import fit_arcs
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, UndercutError
-from camgeo.mechanism.face import flat_follower
-from camgeo.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.mechanism.translating_flat import TranslatingFlat
-from camgeo.motion.laws import make_law
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.geometry.contour.arcs import fit_arcs
+from camgeo.geometry.outline.convex import Convexity, convexity, touch
+from camgeo.geometry.outline.face import contact_places
+from camgeo.geometry.outline.outline import Outline, real_outline
+from camgeo.geometry.outline.path import area
+from camgeo.geometry.outline.replay import replay_contour, replay_outline
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.mechanism.face import flat_follower
+from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.outline.convex import Convexity, convexity, touch
-from camgeo.outline.face_lift import contact_places
-from camgeo.outline.moments import area
-from camgeo.outline.outline import Outline, real_outline
-from camgeo.outline.replay import replay_contour, replay_outline
 from tests.long_form import examples
 from tests.mechanism.flat_faces import flat_curves
 from tests.strategies import attack
@@ -215,7 +215,7 @@ def test_blind_to_all_extremes_it_drops_the_same(
     known = outline_of(tappet(base))
     assert known.dropped
     none = np.empty(0), np.empty(0, dtype=np.intp)
-    monkeypatch.setattr("camgeo.curve.extremes.isolated_roots", lambda *_: none)
+    monkeypatch.setattr("camgeo.geometry.pieces.isolated_roots", lambda *_: none)
     found = outline_of(tappet(base))
     assert np.array(found.dropped) == pytest.approx(np.array(known.dropped), abs=1e-9)
     assert area(found.path) == pytest.approx(area(known.path), rel=1e-12)

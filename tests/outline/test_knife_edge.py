@@ -10,18 +10,18 @@ import pytest
 from hypothesis import assume, given
 
 import camgeo
-from camgeo.check.standstill import check_standstill
-from camgeo.contour.contour import Contour
-from camgeo.contour.exact import chords_of
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
-from camgeo.design import Design
+from camgeo.check.flank import check_standstill
+from camgeo.design.design import Design
 from camgeo.errors import SceneError
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.plan import MotionPlan
-from camgeo.outline.outline import real_outline
-from camgeo.outline.replay import replay_contour, replay_outline
-from camgeo.scene.load import parse_scene
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.exact import chords_of
+from camgeo.geometry.outline.outline import real_outline
+from camgeo.geometry.outline.replay import replay_contour, replay_outline
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import MotionPlan
+from camgeo.scene.scene import parse_scene
 from camgeo.units import TURN
 from tests.contour.cams import dwell
 from tests.strategies import attack, pitch_curves, signs, wild_pitch_curves, with_roller

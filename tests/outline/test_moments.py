@@ -12,24 +12,26 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.contour import Contour
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
-from camgeo.design import Design
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.motion import Dwell, Jet
-from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
-from camgeo.outline.moments import (
+from camgeo.design.design import Design
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.outline.path import (
     ROUNDING,
     Moments,
+    Path,
+    Pivot,
     area,
     path_moments,
     path_second_moments,
     piece_second_moments,
     total,
+    whole,
 )
-from camgeo.outline.path import Path, Pivot, whole
-from camgeo.scene.load import parse_scene
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.motion import Dwell, Jet
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
+from camgeo.scene.scene import parse_scene
 from tests.effects.scenes import design
 
 

@@ -14,20 +14,19 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, UndercutError
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.geometry.outline.clearance import stays_on_one_side
+from camgeo.geometry.outline.crossings import Node, crosses_itself, find_crossings
+from camgeo.geometry.outline.cusps import backward_ranges
+from camgeo.geometry.outline.envelope import KINK, Envelope, envelope_of
+from camgeo.geometry.outline.outline import Outline, _unsettled, real_outline
+from camgeo.geometry.outline.path import Path, Pivot, Stretch, area
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray
-from camgeo.outline.clearance import stays_on_one_side
-from camgeo.outline.crossings import Node, crosses_itself, find_crossings
-from camgeo.outline.cusps import backward_ranges
-from camgeo.outline.envelope import KINK, Envelope, envelope_of
-from camgeo.outline.moments import area
-from camgeo.outline.outline import Outline, _unsettled, real_outline
-from camgeo.outline.path import Path, Pivot, Stretch
 from camgeo.units import TURN
 from tests.laws import LAWS
 from tests.long_form import examples

@@ -10,14 +10,13 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.plan import MotionPlan
-from camgeo.outline.crossings import find_crossings
-from camgeo.outline.outline import real_outline
-from camgeo.outline.path import Path, Pivot
-from camgeo.outline.radii import encloses_axis, radii
+from camgeo.geometry.outline.crossings import find_crossings
+from camgeo.geometry.outline.outline import real_outline
+from camgeo.geometry.outline.path import Path, Pivot, encloses_axis, radii
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import MotionPlan
 from tests.contour.cams import dwell, move
 from tests.contour.paths import PATHS, dense_path, hard_curve
 from tests.outline.clearing import dense

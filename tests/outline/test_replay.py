@@ -12,20 +12,24 @@ from hypothesis import assume, given, reject, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from camgeo.contour.arcs.fast import fit_arcs
-from camgeo.contour.contour import Contour
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
-from camgeo.mechanism.follower_path import path_of
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.geometry.contour.arcs import fit_arcs
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.outline.outline import real_outline
+from camgeo.geometry.outline.path import Path, Pivot, Stretch, whole
+from camgeo.geometry.outline.replay import (
+    AS_DEMANDED_ELEMENT,
+    Replay,
+    replay_contour,
+    replay_outline,
+)
+from camgeo.geometry.outline.roller import ActualLift
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.follower_path import path_of
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.outline.outline import real_outline
-from camgeo.outline.path import Path, Pivot, Stretch, whole
-from camgeo.outline.replay import replay_contour, replay_outline
-from camgeo.outline.replay_lift import ActualLift
-from camgeo.outline.replay_result import AS_DEMANDED_ELEMENT, Replay
 from tests.contour.cams import curves, dwell, flank, move, outline, polyline, translating
 from tests.long_form import examples
 from tests.measuring import Outline, polygon

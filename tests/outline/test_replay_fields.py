@@ -10,14 +10,20 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.contour.arcs.fast import fit_arcs
-from camgeo.contour.chords.fast import fit_polyline
-from camgeo.contour.contour import Contour
-from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.geometry.contour.arcs import fit_arcs
+from camgeo.geometry.contour.chords import fit_polyline
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.outline.path import whole
+from camgeo.geometry.outline.replay import (
+    AS_DEMANDED_ELEMENT,
+    Replay,
+    closing_error,
+    play,
+    replay_contour,
+    replay_outline,
+)
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.outline.path import whole
-from camgeo.outline.replay import replay_contour, replay_outline
-from camgeo.outline.replay_result import AS_DEMANDED_ELEMENT, Replay, closing_error, play
 from camgeo.units import TURN
 from tests.contour.cams import flank, outline
 from tests.outline.test_face_lift import GUIDED, rounded

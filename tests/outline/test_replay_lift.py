@@ -10,15 +10,15 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import camgeo
-from camgeo.check.side_clearance import largest_deviation
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
+from camgeo.check.flank import largest_deviation
 from camgeo.errors import GeometryError
-from camgeo.mechanism.follower_path import path_of
+from camgeo.geometry.outline.outline import real_outline
+from camgeo.geometry.outline.replay import replay_outline
+from camgeo.geometry.outline.roller import PlayedLift
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.follower_path import path_of
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.outline.outline import real_outline
-from camgeo.outline.replay import replay_outline
-from camgeo.outline.replay_lift import PlayedLift
 from camgeo.units import TURN
 from tests.contour.cams import dwell, move, translating
 from tests.integrals import cells, integrals

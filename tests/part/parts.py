@@ -8,18 +8,27 @@ from typing import Final
 
 from hypothesis import strategies as st
 
-from camgeo.cam.contact import Contact
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
+from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.plan import MotionPlan
-from camgeo.outline.path import whole
-from camgeo.part.build import build_part
-from camgeo.part.chamfers import Chamfer, Chamfers
-from camgeo.part.faces import SIDES
+from camgeo.geometry.outline.path import whole
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import MotionPlan
+from camgeo.part.assembly import build_part
 from camgeo.part.part import Part
-from camgeo.part.spec import Counterbore, DShaft, Holes, Hub, Keyway, Mark, PartSpec
+from camgeo.part.spec import (
+    SIDES,
+    Chamfer,
+    Chamfers,
+    Counterbore,
+    DShaft,
+    Holes,
+    Hub,
+    Keyway,
+    Mark,
+    PartSpec,
+)
 from tests.contour.cams import dwell, move
 
 ROLLER: Final = 8.0

@@ -11,11 +11,10 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.cam.contact import Contact
-from camgeo.contour.contour import Contour
-from camgeo.contour.simple import winding_number
+from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError
-from camgeo.part.features import flattened, mark_outline
+from camgeo.geometry.contour.contour import Contour, winding_number
+from camgeo.part.assembly import flattened, mark_outline
 from camgeo.part.mass import solid
 from camgeo.part.part import Boundary, Part
 from camgeo.part.spec import Counterbore, DShaft, Holes, Hub, Keyway, Mark, PartSpec, SetScrew

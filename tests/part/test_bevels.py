@@ -11,18 +11,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from camgeo.cam.contact import Contact
-from camgeo.contour.contour import Contour
+from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError, SceneError
-from camgeo.part.bands import Bevel
+from camgeo.geometry.contour.contour import Contour
 from camgeo.part.bevels import bevelled
 from camgeo.part.boundaries import ExactBoundary
-from camgeo.part.chamfers import Chamfer, Chamfers
-from camgeo.part.edges import edges_of
 from camgeo.part.mass import disc_moments, solid
-from camgeo.part.part import Layer, Part
-from camgeo.part.spec import Counterbore, DShaft, Holes, Hub, Keyway, PartSpec
-from camgeo.scene.load import parse_scene
+from camgeo.part.part import Bevel, Layer, Part, edges_of
+from camgeo.part.spec import Chamfer, Chamfers, Counterbore, DShaft, Holes, Hub, Keyway, PartSpec
+from camgeo.scene.scene import parse_scene
 from tests.part.parts import made
 from tests.part.test_mass import circle
 from tests.strategies import attack

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from camgeo.errors import GeometryError
-from camgeo.part.features import bore_boundary
+from camgeo.part.assembly import bore_boundary
 from camgeo.part.part import Wall
 from camgeo.part.spec import DShaft, Hub, Keyway, PartSpec, SetScrew
 

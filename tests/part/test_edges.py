@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from camgeo.contour.contour import Contour
+from camgeo.geometry.contour.contour import Contour
 from camgeo.part.boundaries import ExactBoundary
-from camgeo.part.edges import Edge, edges_of
-from camgeo.part.part import Layer, Part
-from camgeo_export.layers import layer_name, of_the_part
+from camgeo.part.part import Edge, Layer, Part, edges_of
+from camgeo_export.reading import layer_name, of_the_part
 from tests.effects.scenes import design
 
 

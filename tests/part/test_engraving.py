@@ -12,16 +12,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.cam.contact import Contact
+from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError
-from camgeo.outline.moments import total
-from camgeo.part.engraving import SENSES, Engraving, engravings_of, text_of
+from camgeo.geometry.outline.path import total
 from camgeo.part.glyphs import glyph
 from camgeo.part.lettering import Letter, lettered
-from camgeo.part.mass import solid
+from camgeo.part.mass import solid, thinnest
 from camgeo.part.part import Part
-from camgeo.part.spec import Holes, Hub, Mark, PartSpec
-from camgeo.part.webs import thinnest
+from camgeo.part.spec import SENSES, Engraving, Holes, Hub, Mark, PartSpec, engravings_of, text_of
 from tests.part.parts import made
 from tests.strategies import attack
 

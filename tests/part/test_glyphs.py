@@ -14,8 +14,8 @@ from fontTools.ttLib import TTFont  # type: ignore[import-untyped]  # has no typ
 from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import TextToPath
 
-from camgeo.contour.bezier import area, elevated
 from camgeo.errors import GeometryError
+from camgeo.geometry.contour.spline import area, elevated
 from camgeo.part.glyphs import CAPITAL, FILE, glyph, kerning, require_glyphs
 
 FONT = Path(mpl.get_data_path()) / FILE

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.part.keyways import ROWS, SMALLEST, Row, din_6885_1
+from camgeo.part.spec import ROWS, SMALLEST, Row, din_6885_1
 from tests.strategies import attack
 
 DIN = {

@@ -9,16 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.contour.bezier import area, at, elevated
-from camgeo.contour.contour import Contour
-from camgeo.contour.nearness import distances
-from camgeo.contour.pieces import Pieces
-from camgeo.contour.simple import winding_number
-from camgeo.contour.spline import CubicSpline, SplineContour
 from camgeo.errors import GeometryError, ToleranceError
+from camgeo.geometry.contour.contour import Contour, Pieces, distances, winding_number
+from camgeo.geometry.contour.spline import CubicSpline, SplineContour, area, at, elevated
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.glyphs import glyph
-from camgeo.part.letter_boundary import LetterBoundary
+from camgeo.part.lettering import LetterBoundary
 from tests.strategies import attack
 
 TURNED = 30.0 * np.exp(2.0j)

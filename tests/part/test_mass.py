@@ -11,12 +11,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.outline.path import Path, Pivot, SecondMoments, radii
 from camgeo.numeric.arrays import FloatArray
-from camgeo.outline.moments import SecondMoments
-from camgeo.outline.path import Path, Pivot
-from camgeo.outline.radii import radii
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.mass import disc_moments, largest_diameter, section_area, solid
 from camgeo.part.part import Layer, Part

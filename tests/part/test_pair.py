@@ -11,24 +11,32 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.cam.contact import Contact
-from camgeo.contour.contour import Contour
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
+from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError
-from camgeo.mechanism.conjugate import return_on_carriage
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.outline.path import Path, whole
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.outline.path import Path, whole
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.conjugate import return_on_carriage
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.part.assembly import bore_outline, build_pair, build_part
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
-from camgeo.part.build import build_part
-from camgeo.part.chamfers import Chamfer, Chamfers
-from camgeo.part.engraving import Engraving
-from camgeo.part.features import bore_outline
 from camgeo.part.mass import solid
-from camgeo.part.pair import build_pair
-from camgeo.part.pair_spec import DISCS, Pair
 from camgeo.part.part import Part
-from camgeo.part.spec import Counterbore, Holes, Hub, Keyway, Mark, PartSpec, SetScrew
+from camgeo.part.spec import (
+    DISCS,
+    Chamfer,
+    Chamfers,
+    Counterbore,
+    Engraving,
+    Holes,
+    Hub,
+    Keyway,
+    Mark,
+    Pair,
+    PartSpec,
+    SetScrew,
+)
 from tests.long_form import examples
 from tests.part.parts import PITCH, ROLLER
 

@@ -12,24 +12,22 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.cam.contact import Contact
-from camgeo.contour.contour import Contour
-from camgeo.contour.simple import winding_number
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
+from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError, UndercutError
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.plan import MotionPlan
-from camgeo.outline.path import Path, Pivot, whole
+from camgeo.geometry.contour.contour import Contour, winding_number
+from camgeo.geometry.outline.path import Path, Pivot, whole
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import MotionPlan
 from camgeo.part import boundaries
+from camgeo.part.assembly import bore_outline, build_part
 from camgeo.part.boundaries import (
     CurveBoundary,
     ExactBoundary,
     largest_radius,
     smallest_radius,
 )
-from camgeo.part.build import build_part
-from camgeo.part.features import bore_outline
 from camgeo.part.part import Layer, Part
 from camgeo.part.spec import Keyway, PartSpec
 from tests.contour.cams import dwell, flank, move, outline
@@ -237,7 +235,7 @@ def test_undercut_is_no_part() -> None:
 
 @pytest.mark.parametrize("name", [("setzhub", -1), ("schnitt", -1), ("groove", 1)], ids=str)
 def test_extreme_radii(name: tuple[str, int]) -> None:
-    from camgeo.contour.arcs.fast import fit_arcs
+    from camgeo.geometry.contour.arcs import fit_arcs
 
     contour = fit_arcs(whole(flank(*name)), 0.01).contour
     radii = np.abs(outline(contour).dense(50_000))

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.contour.contour import Contour
+from camgeo.geometry.contour.contour import Contour
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Layer, Part
 

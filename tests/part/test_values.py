@@ -8,10 +8,18 @@ from typing import Any
 import pytest
 
 from camgeo.errors import GeometryError
-from camgeo.part.chamfers import Chamfer
-from camgeo.part.engraving import Engraving
-from camgeo.part.pair_spec import Pair
-from camgeo.part.spec import Counterbore, DShaft, Holes, Hub, Keyway, Mark, SetScrew
+from camgeo.part.spec import (
+    Chamfer,
+    Counterbore,
+    DShaft,
+    Engraving,
+    Holes,
+    Hub,
+    Keyway,
+    Mark,
+    Pair,
+    SetScrew,
+)
 
 VALUES: dict[str, tuple[type, dict[str, float]]] = {
     "part.keyway": (Keyway, {"width": 6.0, "depth": 2.8}),

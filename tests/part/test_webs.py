@@ -11,12 +11,12 @@ import shapely
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from camgeo.cam.contact import Contact
-from camgeo.contour.contour import Fit
+from camgeo.cam.cam import Contact
+from camgeo.geometry.contour.contour import Fit
 from camgeo.part.boundaries import CurveBoundary
+from camgeo.part.mass import SHARE, TOLERANCES, surely_thick, thinnest, thinnest_of_each
 from camgeo.part.part import Boundary, Part
 from camgeo.part.spec import Holes, Hub, Keyway, PartSpec
-from camgeo.part.webs import SHARE, TOLERANCES, surely_thick, thinnest, thinnest_of_each
 from tests.draws.walls import misses
 from tests.part.parts import FLANKS, made, made_or_refused, specs
 from tests.strategies import attack

@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import pytest
 
-from camgeo.cam.contact import Contact
+from camgeo.cam.cam import Contact
+from camgeo.design.plate import ring_part, roller_part
 from camgeo.errors import GeometryError
+from camgeo.part.compensation import with_clearance
 from camgeo.part.mass import solid
+from camgeo.part.printing import PrintSpec
 from camgeo.part.spec import Keyway, PartSpec
-from camgeo.printing.accessories import ring_part, roller_part
-from camgeo.printing.compensation import with_clearance
-from camgeo.printing.spec import PrintSpec
 from tests.part.parts import made
 
 DISC = PartSpec(thickness=10.0, bore=20.0, rim=140.0, keyway=Keyway(6.0, 2.8, 0.4))

@@ -10,15 +10,14 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from camgeo.cam.contact import Contact
+from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError
 from camgeo.part.boundaries import ExactBoundary
-from camgeo.part.chamfers import Chamfer, Chamfers
+from camgeo.part.compensation import compensated, with_clearance
 from camgeo.part.mass import solid
 from camgeo.part.part import Part
-from camgeo.part.spec import DShaft, Holes, Hub, Keyway, PartSpec
-from camgeo.printing.compensation import compensated, with_clearance
-from camgeo.printing.spec import Foot, PrintSpec, Shrinkage
+from camgeo.part.printing import Foot, PrintSpec, Shrinkage
+from camgeo.part.spec import Chamfer, Chamfers, DShaft, Holes, Hub, Keyway, PartSpec
 from tests.part.parts import FLANKS, made, made_or_refused, specs
 from tests.strategies import attack
 

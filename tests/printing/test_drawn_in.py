@@ -12,16 +12,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import camgeo
-from camgeo.contour.contour import Contour
-from camgeo.contour.parallel import parallel
 from camgeo.errors import GeometryError
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.parallel import parallel
+from camgeo.part.assembly import bore_outline, flattened, mark_outline
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
-from camgeo.part.features import bore_outline, flattened, mark_outline
-from camgeo.part.letter_boundary import LetterBoundary
+from camgeo.part.compensation import ScaledBoundary, drawn_in
+from camgeo.part.lettering import LetterBoundary
 from camgeo.part.part import Boundary
 from camgeo.part.spec import DShaft, Keyway, Mark
-from camgeo.printing.drawn_in import drawn_in
-from camgeo.printing.scaled import ScaledBoundary
 from tests.contour.cams import SCENES
 from tests.long_form import examples
 from tests.strategies import attack

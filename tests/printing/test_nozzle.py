@@ -11,14 +11,13 @@ import pytest
 import shapely
 
 import camgeo
-from camgeo.cam.contact import Contact
+from camgeo.cam.cam import Contact
 from camgeo.check.finding import Finding
-from camgeo.contour.contour import Contour
+from camgeo.geometry.contour.contour import Contour
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
-from camgeo.part.engraving import Engraving
+from camgeo.part.nozzle import RADIUS, STROKE, WALL, findings_of, sunk
 from camgeo.part.part import Layer, Part
-from camgeo.part.spec import Holes, Mark, PartSpec
-from camgeo.printing.nozzle import RADIUS, STROKE, WALL, findings_of, sunk
+from camgeo.part.spec import Engraving, Holes, Mark, PartSpec
 from tests.contour.cams import SCENES
 from tests.part.parts import made
 

@@ -7,12 +7,12 @@ import pickle
 import numpy as np
 import pytest
 
-from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
+from camgeo.geometry.contour.contour import Contour
+from camgeo.part.assembly import bore_outline
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
-from camgeo.part.features import bore_outline
+from camgeo.part.compensation import ScaledBoundary, scaled, scaled_contour, scaled_splines
 from camgeo.part.spec import Keyway
-from camgeo.printing.scaled import ScaledBoundary, scaled, scaled_contour, scaled_splines
 from tests.export.stub_product import CircleBoundary
 from tests.part.parts import INNER
 

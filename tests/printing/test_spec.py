@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from camgeo.errors import GeometryError
-from camgeo.printing.spec import Foot, PrintSpec, Shrinkage, print_of
+from camgeo.part.printing import Foot, PrintSpec, Shrinkage, print_of
 
 TABLE = {
     "bore_clearance": 0.2,

@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
-from camgeo.design import Design
-from camgeo.product.machining import machining_of, machining_time
-from camgeo.scene.load import load_scene
-from camgeo.toolpath import plan
+from camgeo.design.design import Design
+from camgeo.design.machining import machining_of, machining_time
+from camgeo.milling import plan
+from camgeo.scene.scene import load_scene
 
 SETZHUB = Path(__file__).parents[2] / "fixtures" / "scenes" / "setzhub.toml"
 

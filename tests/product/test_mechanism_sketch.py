@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.design import Design
-from camgeo.mechanism.sketch import MechanismSketch
-from camgeo.scene.load import load_scene
+from camgeo.design.design import Design
+from camgeo.kinematics.mechanism.sketch import MechanismSketch
+from camgeo.scene.scene import load_scene
 from camgeo.units import MM_PER, TURN
 
 SCENES = sorted((Path(__file__).resolve().parents[2] / "fixtures" / "scenes").glob("*.toml"))

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 import camgeo
+from camgeo.design.plate import STEP, Piece, plate_of
 from camgeo.errors import GeometryError
-from camgeo.product.plate import STEP, Piece, plate_of
 from tests.contour.cams import SCENES
 
 

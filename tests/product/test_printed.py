@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 
 import camgeo
+from camgeo.design.drawn import COMPENSATED
+from camgeo.design.judged_part import findings_on, poor_in
 from camgeo.errors import GeometryError
-from camgeo.product.judged_part import findings_on, poor_in
-from camgeo.product.printed import COMPENSATED
 from tests.contour.cams import SCENES
 
 

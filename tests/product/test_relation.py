@@ -11,9 +11,8 @@ import pytest
 
 import camgeo
 from camgeo.check.finding import Finding
-from camgeo.product.judged_part import findings_on, part_of, poor_in
-from camgeo.product.product import bodies_of, with_pair
-from camgeo.product.relation import relation_of
+from camgeo.design.judged_part import findings_on, part_of, poor_in
+from camgeo.design.product import bodies_of, relation_of, with_pair
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
 

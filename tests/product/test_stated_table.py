@@ -12,14 +12,13 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.design import Design
-from camgeo.errors import GeometryError, SceneError, ToleranceError
-from camgeo.formats.csv import CsvSpec
-from camgeo.product import value_table
-from camgeo.product.value_table import Table, rounded
-from camgeo_export.asc.writer import WRITER as ASC
-from camgeo_export.errors import FileError
-from camgeo_export.table.writer import WRITER
+from camgeo.design import value_table
+from camgeo.design.design import Design
+from camgeo.design.value_table import Table, rounded
+from camgeo.errors import FileError, GeometryError, SceneError, ToleranceError
+from camgeo.scene.formats.csv import CsvSpec
+from camgeo_export.asc import WRITER as ASC
+from camgeo_export.table import WRITER
 from tests.effects.scenes import SCENES
 
 SETZHUB = SCENES / "setzhub.toml"

@@ -17,13 +17,13 @@ import numpy as np
 import pytest
 
 import camgeo
+from camgeo.design.drawn import DrawnDisc
+from camgeo.design.milled import MilledDisc
+from camgeo.design.pictured import PicturedCam
+from camgeo.design.product import Product
+from camgeo.design.value_table import TabulatedCam
 from camgeo.errors import GeometryError
-from camgeo.pickled import Pickled
-from camgeo.product.drawn import DrawnDisc
-from camgeo.product.milled import MilledDisc
-from camgeo.product.pictured import PicturedCam
-from camgeo.product.product import Product
-from camgeo.product.value_table import TabulatedCam
+from camgeo.record import Pickled
 from tests.export.stub_product import StubProduct
 
 SCENE = Path(__file__).parents[2] / "fixtures" / "scenes" / "setzhub.toml"
@@ -66,9 +66,9 @@ def test_a_product_is_small() -> None:
 @pytest.mark.parametrize("name", READERS)
 def test_a_writer_is_computed_its_own_view_and_no_other(name: str) -> None:
     code = (
-        "import camgeo, json, sys; from camgeo.writing.writer import find_writer;"
+        "import camgeo, json, sys; from camgeo.design.writing import find_writer;"
         f"find_writer({name!r}).write(camgeo.load(sys.argv[1]).disc, 0.01);"
-        "print(json.dumps([n for n in sys.modules if n.startswith('camgeo.product.')]))"
+        "print(json.dumps([n for n in sys.modules if n.startswith('camgeo.design.')]))"
     )
     done = subprocess.run(
         [sys.executable, "-c", code, str(SCENE)], capture_output=True, text=True, check=True

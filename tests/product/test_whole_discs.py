@@ -12,15 +12,13 @@ import pytest
 
 import camgeo
 from camgeo.check.finding import BROKEN, Finding
+from camgeo.design.judged_part import PartFound, broken_in, findings_on, part_of, poor_in
+from camgeo.design.milled import MilledDisc
+from camgeo.design.product import Product, disc_of, title_of, with_pair
 from camgeo.errors import UnsafeError
 from camgeo.numeric.arrays import FloatArray
-from camgeo.part.mass import solid
-from camgeo.part.webs import thinnest_of_each
-from camgeo.product.judged_part import PartFound, broken_in, findings_on, part_of, poor_in
-from camgeo.product.milled import MilledDisc
-from camgeo.product.product import Product, disc_of, title_of, with_pair
-from camgeo.sweep.asked import asked_of
-from camgeo.sweep.reading import read
+from camgeo.part.mass import solid, thinnest_of_each
+from camgeo.studies.sweep.rows import asked_of, read
 from tests.contour.cams import SCENES
 
 FOUND = Path(__file__).parents[2] / "fixtures" / "found"

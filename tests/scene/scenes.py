@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pathlib
 
-from camgeo.scene.load import parse_scene
-from camgeo.scene.scene import Scene
+from camgeo.scene.scene import Scene, parse_scene
 
 FIXTURES = pathlib.Path(__file__).parents[2] / "fixtures" / "scenes"
 

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from camgeo.check.judge import disc_findings
-from camgeo.design import Design
-from camgeo.effects.rules import ONE_DISC
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.rules import ONE_DISC
 from camgeo.errors import SceneError
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.scene.load import parse_scene
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.scene.scene import parse_scene
 from camgeo.units import TURN
 from tests.effects.scenes import only_for
 from tests.findings import effect_findings

@@ -8,20 +8,17 @@ from decimal import Decimal
 
 import pytest
 
-from camgeo.formats import csv, gcode
-from camgeo.formats.format import OutputSpec
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.plan import Dwell, Move
-from camgeo.part.engraving import Engraving
-from camgeo.part.spec import Hub, Keyway, Mark, PartSpec
-from camgeo.toolpath.holding import Holding
-from camgeo.toolpath.milling import MillingSpec
-from camgeo.toolpath.moves import Heights
-from camgeo.toolpath.spec import GcodeSpec
-from camgeo.toolpath.stock import Stock
-from camgeo.toolpath.tool import Tool
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import Dwell, Move
+from camgeo.milling.holding import Holding
+from camgeo.milling.milling import GcodeSpec, MillingSpec, Stock
+from camgeo.milling.moves import Heights
+from camgeo.milling.tool import Tool
+from camgeo.part.spec import Engraving, Hub, Keyway, Mark, PartSpec
+from camgeo.scene.formats import csv, gcode
+from camgeo.scene.formats.format import OutputSpec
 from tests.scene.scenes import GROOVE, LINKED, PLATE, ROCKER, loaded
 
 TOOL = Tool(

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from camgeo.errors import SceneError
-from camgeo.formats.drawing import DrawingSpec
-from camgeo.scene.load import parse_scene
+from camgeo.scene.formats.drawing import DrawingSpec
+from camgeo.scene.scene import parse_scene
 from camgeo.scene.schema import schema_of_all
 from tests.scene.scenes import PLATE
 

@@ -9,15 +9,14 @@ from typing import Any
 
 import pytest
 
-from camgeo.effects import registry
-from camgeo.effects.effect import DataFile, Effect
-from camgeo.effects.registry import EFFECTS, find_effect
+from camgeo.dynamics.effects import registry
+from camgeo.dynamics.effects.effect import DataFile, Effect
+from camgeo.dynamics.effects.registry import EFFECTS, find_effect
 from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.scene import effects as tables
-from camgeo.scene.inside import SCALES
-from camgeo.scene.load import load_scene, parse_scene
-from camgeo.scene.scene import Scene
+from camgeo.scene.scene import Scene, load_scene, parse_scene
 from camgeo.scene.schema import Node, resolved
+from camgeo.scene.values import SCALES
 from tests.effects.fakes import fake
 from tests.scene.scenes import PLATE, ROCKER
 

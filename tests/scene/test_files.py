@@ -11,7 +11,7 @@ import pytest
 import camgeo
 from camgeo.errors import SceneError
 from camgeo.reading import SCENE
-from camgeo.scene.load import load_scene, parse_scene
+from camgeo.scene.scene import load_scene, parse_scene
 from tests.scene.scenes import PLATE
 
 BYTES = [
@@ -97,7 +97,7 @@ def test_the_source_is_named(tmp_path: pathlib.Path) -> None:
 
 def test_loading_imports_no_more_than_it_needs() -> None:
     code = (
-        "import sys; from camgeo.scene.load import parse_scene; "
+        "import sys; from camgeo.scene.scene import parse_scene; "
         f"parse_scene({PLATE!r}); print(*sys.modules)"
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

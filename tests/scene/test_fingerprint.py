@@ -9,12 +9,11 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from camgeo.effects import registry
-from camgeo.effects.registry import EFFECTS
+from camgeo.dynamics.effects import registry
+from camgeo.dynamics.effects.registry import EFFECTS
 from camgeo.scene import effects as tables
-from camgeo.scene.document import document
-from camgeo.scene.identity import without_effects
-from camgeo.scene.load import parse_scene
+from camgeo.scene.scene import parse_scene, without_effects
+from camgeo.scene.values import document
 from tests.effects.fakes import fake
 from tests.scene.scenes import GROOVE, PLATE
 

@@ -7,15 +7,15 @@ from pathlib import Path
 
 import pytest
 
+from camgeo.app.cli.main import main
 from camgeo.check.judge import TRIM
-from camgeo.cli.main import main
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.errors import SceneError
-from camgeo.formats.registry import find_format
-from camgeo.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.mechanism.translating_flat import TranslatingFlat
-from camgeo.scene.load import parse_scene
-from camgeo.scene.new import template
+from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+from camgeo.scene.formats.format import find_format
+from camgeo.scene.scene import parse_scene
+from camgeo.scene.toml import template
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 

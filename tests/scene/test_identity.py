@@ -14,9 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import SceneError
-from camgeo.scene.identity import identity_of, made_of
-from camgeo.scene.load import load_scene, parse_scene
-from camgeo.scene.scene import Scene
+from camgeo.scene.scene import Scene, identity_of, load_scene, made_of, parse_scene
 from camgeo.scene.schema import keys_of, resolved, schema_of_all
 from tests.long_form import examples
 from tests.scene.scenes import FIXTURES, GROOVE, LINKED, PLATE, ROCKER, loaded, spoilt

@@ -10,8 +10,7 @@ from typing import Final
 import pytest
 
 from camgeo.errors import SceneError
-from camgeo.scene.load import load_scene, parse_scene
-from camgeo.scene.scene import Scene
+from camgeo.scene.scene import Scene, load_scene, parse_scene
 from tests import kept
 from tests.scene.scenes import FIXTURES, GROOVE, LINKED, spoilt
 from tests.scene.test_messages import FAULTS

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from camgeo.scene.keys import Path, key_lines, line_of, spelled
+from camgeo.scene.keys import KeyPath, key_lines, line_of, spelled
 from tests.scene.scenes import FIXTURES, GROOVE, LINKED, PLATE, ROCKER
 
 TRICKY = '''
@@ -109,7 +109,7 @@ def test_every_key_has_its_line(text: str) -> None:
         assert names[-1] in rows[line - 1]
 
 
-def _paths(tree: dict[str, Any], path: Path = ()) -> Iterator[Path]:
+def _paths(tree: dict[str, Any], path: KeyPath = ()) -> Iterator[KeyPath]:
     for key, value in tree.items():
         yield (*path, key)
         if isinstance(value, dict):

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.errors import GeometryError, SceneError
-from camgeo.formats.registry import find_format
-from camgeo.mechanism.four_bar import FourBar
-from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
-from camgeo.scene.load import parse_scene
+from camgeo.kinematics.mechanism.four_bar import FourBar
+from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.scene.formats.format import find_format
+from camgeo.scene.scene import parse_scene
 from tests.findings import effect_findings
 from tests.scene.scenes import LINKED
 

@@ -10,9 +10,9 @@ import re
 import pytest
 
 from camgeo.errors import SceneError
-from camgeo.formats.gcode import FORMAT
-from camgeo.formats.registry import find_format
-from camgeo.scene.load import parse_scene
+from camgeo.scene.formats.format import find_format
+from camgeo.scene.formats.gcode import FORMAT
+from camgeo.scene.scene import parse_scene
 from tests.scene.scenes import GROOVE, LINKED, PLATE, ROCKER, spoilt
 
 Change = tuple[str, str]

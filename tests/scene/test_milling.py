@@ -8,15 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.answers.check import check
-from camgeo.answers.setup import setup_sheet
-from camgeo.design import Design
+from camgeo.app.answers.check import check
+from camgeo.app.answers.setup import setup_sheet
+from camgeo.design.design import Design
 from camgeo.errors import SceneError
-from camgeo.formats.registry import find_format
-from camgeo.scene.load import load_scene, parse_scene
-from camgeo.scene.scene import Scene
-from camgeo.toolpath.holding import Clamp, Tabs
-from camgeo.toolpath.tool import Tool
+from camgeo.milling.holding import Clamp, Tabs
+from camgeo.milling.tool import Tool
+from camgeo.scene.formats.format import find_format
+from camgeo.scene.scene import Scene, load_scene, parse_scene
 from tests.scene.scenes import PLATE, spoilt
 
 HEAD = PLATE[: PLATE.index("[[tool]]")]

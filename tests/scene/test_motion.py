@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from camgeo.errors import SceneError
-from camgeo.motion.plan import MotionPlan, Move, SplineMove
-from camgeo.scene.load import load_scene, parse_scene
+from camgeo.kinematics.plan import MotionPlan, Move, SplineMove
+from camgeo.scene.scene import load_scene, parse_scene
 
 HEAD = """camgeo = 1
 name = "motion"

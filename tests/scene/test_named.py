@@ -7,7 +7,7 @@ from pathlib import Path
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.scene.named import named, stamp
+from camgeo.scene.values import named, stamp
 
 FOLDER = Path("/scenes")
 

@@ -10,17 +10,16 @@ from typing import Any
 
 import pytest
 
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.errors import SceneError, UnknownNameError
 from camgeo.scene.keys import key_lines, spelled, value_at
-from camgeo.scene.load import parse_scene
-from camgeo.scene.new import KINDS, template
-from camgeo.scene.scene import Scene
+from camgeo.scene.scene import Scene, parse_scene
 from camgeo.scene.schema import keys_of, resolved, schema_of_all
+from camgeo.scene.toml import TEMPLATE_KINDS, template
 from tests.findings import effect_findings
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", TEMPLATE_KINDS)
 def test_template_loads(kind: str) -> None:
     scene = parse_scene(template(kind))
     assert isinstance(scene, Scene)
@@ -32,7 +31,7 @@ def test_template_loads(kind: str) -> None:
     assert (scene.returning is not None) == kind.startswith("conjugate-")
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", TEMPLATE_KINDS)
 def test_template_explains_each_key(kind: str) -> None:
     known: set[str] = set()
     for line in template(kind).splitlines():
@@ -62,7 +61,7 @@ def choices(text: str) -> Iterator[tuple[str, str, set[str]]]:
             yield spelled(path), "\n".join((lines[line - 1], *below)), set(values)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", TEMPLATE_KINDS)
 def test_comments_name_every_value_of_a_choice(kind: str) -> None:
     """All values that the schema allows, except those ruled out by the template's machine."""
     text = template(kind)
@@ -76,7 +75,7 @@ def test_comments_name_every_value_of_a_choice(kind: str) -> None:
                 parse_scene(text.replace(entry, other))
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", TEMPLATE_KINDS)
 def test_effects_that_are_offered_work(kind: str) -> None:
     """Taken out of their comments as the template says, they break no limit."""
     head, mark, rest = template(kind).partition("# Effects:")
@@ -93,7 +92,7 @@ def test_effects_that_are_offered_work(kind: str) -> None:
     assert [f for f in effect_findings(design) if f.severity not in ("ok", "warning")] == []
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", TEMPLATE_KINDS)
 def test_template_fits_a_screen(kind: str) -> None:
     assert max(map(len, template(kind).splitlines())) <= 100
 

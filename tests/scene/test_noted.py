@@ -15,12 +15,9 @@ import pytest
 import camgeo
 from camgeo.errors import SceneError
 from camgeo.scene import rules
-from camgeo.scene.document import document_of_tree
 from camgeo.scene.keys import spelled
-from camgeo.scene.load import load_scene
-from camgeo.scene.noted import Reads, changes, unchanged
-from camgeo.scene.scene import Scene
-from camgeo.scene.tree import edited
+from camgeo.scene.scene import Scene, load_scene
+from camgeo.scene.values import Reads, changes, document_of_tree, edited, unchanged
 from tests.long_form import examples
 
 ROOT: Final = Path(__file__).parents[2]

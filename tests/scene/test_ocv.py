@@ -14,11 +14,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import camgeo
-from camgeo.cli.main import main
-from camgeo.design import Design
+from camgeo.app.cli.main import main
+from camgeo.design.design import Design
 from camgeo.errors import SceneError
-from camgeo.scene.load import parse_scene
 from camgeo.scene.ocv import FIELDS, RANGES, SIZE, import_project, project_numbers, scene_name
+from camgeo.scene.scene import parse_scene
 from camgeo.scene.schema import schema
 from camgeo.scene.whole_schema import whole_schema
 from tests.reference import THESIS_CAMS, pitch_curve_of, reference, thesis_params

@@ -5,11 +5,10 @@ from __future__ import annotations
 import pytest
 
 from camgeo.errors import SceneError
-from camgeo.optimise.optimise import optimise
-from camgeo.optimise.task import Effort, task_of
-from camgeo.scene.load import parse_scene
-from camgeo.scene.scene import Scene
-from camgeo.sweep.stated import family_of
+from camgeo.scene.scene import Scene, parse_scene
+from camgeo.studies.optimise.optimise import optimise
+from camgeo.studies.optimise.task import Effort, task_of
+from camgeo.studies.sweep.family import family_of
 from tests.optimise.cams import PLAIN
 from tests.sweep.families import FIXTURES, SETZHUB
 

@@ -8,13 +8,13 @@ from typing import Any
 import pytest
 
 from camgeo.errors import SceneError
-from camgeo.scene.keys import Path, spelled
-from camgeo.scene.load import load_scene
-from camgeo.scene.paths import value_path
+from camgeo.scene.keys import KeyPath, spelled
+from camgeo.scene.scene import load_scene
+from camgeo.scene.values import value_path
 from tests.answers.documents import FIXTURES
 
 
-def leaves(tree: Any, path: Path = ()) -> Iterator[Path]:
+def leaves(tree: Any, path: KeyPath = ()) -> Iterator[KeyPath]:
     """The paths of all single values of a tree."""
     if isinstance(tree, dict | list):
         items = tree.items() if isinstance(tree, dict) else enumerate(tree)

@@ -7,9 +7,8 @@ from typing import Any
 import pytest
 
 from camgeo.errors import SceneError
-from camgeo.printing.spec import Foot, PrintSpec, Shrinkage
-from camgeo.scene.load import load_scene
-from camgeo.scene.scene import Scene
+from camgeo.part.printing import Foot, PrintSpec, Shrinkage
+from camgeo.scene.scene import Scene, load_scene
 from tests.contour.cams import SCENES
 
 WHOLE = {

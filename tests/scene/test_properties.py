@@ -15,9 +15,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import SceneError
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.plan import Move
-from camgeo.scene.load import load_scene, parse_scene
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import Move
+from camgeo.scene.scene import load_scene, parse_scene
 from tests.scene.scenes import FIXTURES, GROOVE, LINKED, PLATE, ROCKER, loaded
 
 SCENES = [tomllib.loads(text) for text in (PLATE, ROCKER, LINKED, GROOVE)]

@@ -16,11 +16,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import camgeo
-from camgeo import pickled
+from camgeo import record
 from camgeo.errors import SceneError, VersionError
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.scene.load import load_scene, parse_scene
-from camgeo.scene.scene import Scene
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.scene.scene import Scene, load_scene, parse_scene
 from tests.scene.scenes import FIXTURES, GROOVE, LINKED, PLATE, ROCKER, loaded
 from tests.scene.test_messages import FAULTS
 
@@ -320,7 +319,7 @@ def test_its_files_travel_with_it(tmp_path: pathlib.Path) -> None:
 
 def test_another_version_refuses_it(monkeypatch: pytest.MonkeyPatch) -> None:
     data = pickle.dumps(loaded(PLATE))
-    monkeypatch.setattr(pickled, "__version__", "another")
+    monkeypatch.setattr(record, "__version__", "another")
     with pytest.raises(VersionError, match=r"a scene pickled by camgeo .* cannot be read"):
         pickle.loads(data)
 

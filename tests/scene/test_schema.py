@@ -8,16 +8,16 @@ from typing import Any
 
 import jsonschema_rs
 
-from camgeo.check.limits import Limits
-from camgeo.declared import allowed
-from camgeo.formats.csv import CsvSpec
-from camgeo.formats.dxf import DxfSpec
-from camgeo.formats.format import OutputSpec
-from camgeo.motion.laws import ALIASES, FAMILIES
-from camgeo.motion.planning.request import AUTO
+from camgeo.check.finding import Limits
+from camgeo.kinematics.laws import ALIASES, FAMILIES
+from camgeo.kinematics.planning.requests import AUTO
+from camgeo.milling.milling import GcodeSpec
+from camgeo.record import allowed
+from camgeo.scene.formats.csv import CsvSpec
+from camgeo.scene.formats.dxf import DxfSpec
+from camgeo.scene.formats.format import OutputSpec
 from camgeo.scene.schema import Node, definition, resolved, schema
 from camgeo.scene.whole_schema import whole_schema
-from camgeo.toolpath.spec import GcodeSpec
 
 
 def test_schema_is_valid() -> None:

@@ -5,10 +5,8 @@ from __future__ import annotations
 import pytest
 
 from camgeo.errors import SceneError
-from camgeo.scene.load import parse_scene
-from camgeo.scene.scene import Scene
-from camgeo.sweep.family import Sample
-from camgeo.sweep.stated import family_of, questions_of
+from camgeo.scene.scene import Scene, parse_scene
+from camgeo.studies.sweep.family import Sample, family_of, questions_of
 from tests.sweep.families import FIXTURES, SETZHUB
 
 TEXT = (FIXTURES / "scenes" / "setzhub.toml").read_text()

@@ -14,11 +14,9 @@ from hypothesis import strategies as st
 
 from camgeo.errors import SceneError
 from camgeo.scene import toml
-from camgeo.scene.load import load_scene, parse_scene
-from camgeo.scene.new import TEMPLATES
-from camgeo.scene.scene import Scene
-from camgeo.scene.toml import written_into
-from camgeo.scene.tree import edited, read_only
+from camgeo.scene.scene import Scene, load_scene, parse_scene
+from camgeo.scene.toml import TEMPLATES, written_into
+from camgeo.scene.values import edited, read_only
 from tests.long_form import examples
 from tests.scene.scenes import FIXTURES, PLATE
 from tests.scene.test_scene import leaves

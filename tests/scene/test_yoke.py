@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.errors import SceneError
-from camgeo.scene.load import parse_scene
+from camgeo.scene.scene import parse_scene
 
 SCENES = Path(__file__).resolve().parents[2] / "fixtures" / "scenes"
 

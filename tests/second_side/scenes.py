@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import cache
 from typing import Final
 
-from camgeo.design import Design
-from camgeo.product.product import Product, sides_of
-from camgeo.scene.load import parse_scene
+from camgeo.design.design import Design
+from camgeo.design.product import Product, sides_of
+from camgeo.scene.scene import parse_scene
 
 TOLERANCE: Final = 0.02
 

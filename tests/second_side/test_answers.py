@@ -9,17 +9,16 @@ from typing import Final
 import numpy as np
 import pytest
 
-from camgeo.answers.check import check
-from camgeo.answers.lint import Lint, lint
-from camgeo.answers.render import text, to_json
-from camgeo.answers.setup import SetupSheet, setup_sheet
-from camgeo.answers.setup.rendering import html
+from camgeo.app.answers.answer import text, to_json
+from camgeo.app.answers.check import check
+from camgeo.app.answers.lint import Lint, lint
+from camgeo.app.answers.setup import SetupSheet, html, setup_sheet
+from camgeo.design.product import sides_of
 from camgeo.errors import SceneError
-from camgeo.figure.backplot import figure
-from camgeo.figure.marks import Area
-from camgeo.product.product import sides_of
-from camgeo.scene.load import parse_scene
-from camgeo.toolpath.turning import HOW
+from camgeo.milling.holding import HOW
+from camgeo.pictures.backplot import figure
+from camgeo.pictures.model import Area
+from camgeo.scene.scene import parse_scene
 from camgeo_export.gcode.writer import WRITER
 from tests.answers.documents import validator
 from tests.second_side.scenes import FACED, FROM_BELOW, TOLERANCE, design, scene, second
@@ -51,7 +50,7 @@ def test_the_sheet_has_a_part_for_each_side() -> None:
 
 def test_its_json_is_as_its_schema_says() -> None:
     document = to_json(sheet_of(FROM_BELOW))
-    validator("camgeo.answers.setup").validate(document)
+    validator("camgeo.app.answers.setup").validate(document)
     assert document["second_side"]["side"].startswith("second side")
     assert [each["name"] for each in document["second_side"]["operations"]] == [
         "rough outline",
@@ -69,7 +68,7 @@ def test_the_check_judges_and_times_both() -> None:
     seconds = [each.seconds for each in found.machining.programs.values()]
     assert found.machining.seconds == pytest.approx(sum(each or 0.0 for each in seconds))
     assert "milling of both-second-side: simulated, nothing found" in text(found)
-    validator("camgeo.answers.check").validate(to_json(found))
+    validator("camgeo.app.answers.check").validate(to_json(found))
 
 
 def test_the_backplot_shows_the_work_as_it_lies() -> None:

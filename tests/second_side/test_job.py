@@ -8,13 +8,13 @@ from typing import Final
 
 import pytest
 
+from camgeo.design.milled import job
+from camgeo.design.product import sides_of
 from camgeo.errors import SceneError, UnsafeError
-from camgeo.product.milled import job
-from camgeo.product.product import sides_of
-from camgeo.toolpath.judged import runs_of
-from camgeo.toolpath.moves import Point, Stop
-from camgeo.toolpath.sides import Done, Side, settled, simulated
-from camgeo.toolpath.stages import Flaw
+from camgeo.milling.judged import runs_of
+from camgeo.milling.moves import Point, Stop
+from camgeo.milling.simulation import Done, Side, settled, simulated
+from camgeo.milling.stages import Flaw
 from tests.second_side.scenes import FACED, FROM_BELOW, HALVES, TOLERANCE, design, scene
 
 OPERATIONS: Final = """[[second_side.operation]]

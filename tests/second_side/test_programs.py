@@ -9,12 +9,12 @@ from typing import Final
 
 import pytest
 
-from camgeo.product.product import Product, disc_of, programs_of, sides_of
-from camgeo.toolpath.machine import load, names
-from camgeo.toolpath.moves import ArcFeed
-from camgeo.toolpath.turning import mirrored
-from camgeo.verifying.verification import Reading
-from camgeo_export.gcode.blocks import budget
+from camgeo.design.product import Product, disc_of, programs_of, sides_of
+from camgeo.design.verify import Reading
+from camgeo.milling.holding import mirrored
+from camgeo.milling.machine import load, names
+from camgeo.milling.moves import ArcFeed
+from camgeo_export.gcode.comments import budget
 from camgeo_export.gcode.measure import bench_of
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import run

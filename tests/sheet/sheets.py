@@ -11,13 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from camgeo.design import Design
+from camgeo.design.design import Design
+from camgeo.design.product import Product
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray
-from camgeo.product.product import Product
-from camgeo.scene.load import load_scene, parse_scene
-from camgeo.sheet.lettering import squeeze, width_of
-from camgeo.sheet.marks import Chain, Diameter, Distance, Label, Sheet
-from camgeo.sheet.sheet import sheets_of
+from camgeo.pictures.sheet.marks import Chain, Diameter, Distance, Label, Sheet, squeeze, width_of
+from camgeo.pictures.sheet.sheet import sheets_of
+from camgeo.scene.scene import load_scene, parse_scene
 from camgeo.units import MM_PER
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"

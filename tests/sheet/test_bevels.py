@@ -7,19 +7,18 @@ import math
 import numpy as np
 import pytest
 
-from camgeo.contour.contour import Contour
-from camgeo.design import Design
+from camgeo.design.design import Design
+from camgeo.geometry.contour.contour import Contour
+from camgeo.part.assembly import bore_boundary
 from camgeo.part.bevels import bevelled as part_with
-from camgeo.part.chamfers import Chamfer, Chamfers
-from camgeo.part.features import bore_boundary
 from camgeo.part.part import Layer, Part
-from camgeo.part.spec import Keyway
-from camgeo.scene.load import parse_scene
-from camgeo.sheet.bevels import bevelled, corners_of, edges_above
-from camgeo.sheet.marks import Chain, Distance, Hatched, Label, Mark
-from camgeo.sheet.section import hatching, section
-from camgeo.sheet.shape import Shape, shape_of
-from camgeo.sheet.sheet import sheets_of
+from camgeo.part.spec import Chamfer, Chamfers, Keyway
+from camgeo.pictures.sheet.bevels import bevelled, corners_of, edges_above
+from camgeo.pictures.sheet.marks import Chain, Distance, Hatched, Label, Mark
+from camgeo.pictures.sheet.section import hatching, section
+from camgeo.pictures.sheet.shape import Shape, shape_of
+from camgeo.pictures.sheet.sheet import sheets_of
+from camgeo.scene.scene import parse_scene
 from tests.sheet.sheets import HUBBED, edited, overlaps, text_boxes
 from tests.sheet.test_section import BORE, HUB, OUTLINE, lines
 

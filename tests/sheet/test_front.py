@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from camgeo.contour.contour import Contour
-from camgeo.sheet.front import DASH_DOT, DASH_DOTS, dashed, dashed_stretch, in_dashes
-from camgeo.sheet.marks import Chain, Label, Mark, line
+from camgeo.geometry.contour.contour import Contour
+from camgeo.pictures.sheet.front import DASH_DOT, DASH_DOTS, dashed, dashed_stretch, in_dashes
+from camgeo.pictures.sheet.marks import Chain, Label, Mark, line
 
 
 def length(chain: Chain) -> float:

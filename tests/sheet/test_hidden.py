@@ -10,11 +10,11 @@ import pytest
 import shapely
 
 import camgeo
-from camgeo.product.product import Product
-from camgeo.sheet.hidden import chains_of
-from camgeo.sheet.marks import Chain
-from camgeo.sheet.shape import Edge, Shape, shape_of
-from camgeo.sheet.sheet import measured, sheets_of
+from camgeo.design.product import Product
+from camgeo.pictures.sheet.front import chains_of
+from camgeo.pictures.sheet.marks import Chain
+from camgeo.pictures.sheet.shape import Edge, Shape, shape_of
+from camgeo.pictures.sheet.sheet import measured, sheets_of
 from camgeo_export.drawing.writer import WRITER, with_pair
 
 PAIR = Path(__file__).parents[2] / "fixtures" / "pairs" / "conjugate_pair.toml"

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 
 import camgeo
-from camgeo.design import Design
-from camgeo.scene.load import load_scene, parse_scene
-from camgeo.sheet.marks import Chain, Filled, Hatched, Mark, Sheet
-from camgeo.sheet.sheet import sheets_of
+from camgeo.design.design import Design
+from camgeo.pictures.sheet.marks import Chain, Filled, Hatched, Mark, Sheet
+from camgeo.pictures.sheet.sheet import sheets_of
+from camgeo.scene.scene import load_scene, parse_scene
 from tests import kept
 from tests.sheet.sheets import FULL, HUBBED, TOLERANCE, edited
 

@@ -8,8 +8,8 @@ import pytest
 from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import TextPath
 
-from camgeo.sheet.lettering import NARROWED, squeeze, width_of, wrapped
-from camgeo.sheet.scales import scale_of, scales, spelled
+from camgeo.pictures.sheet.marks import NARROWED, squeeze, width_of, wrapped
+from camgeo.pictures.sheet.sheet import scale_of, scales, spelled
 
 
 @pytest.mark.parametrize("text", ["0123456789", "The quick brown fox", "Rolle 14 mm (88.84)"])

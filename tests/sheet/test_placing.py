@@ -9,9 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.sheet.ink import boxes, number_of
-from camgeo.sheet.marks import Chain, Distance, line
-from camgeo.sheet.placing import cleared, placed
+from camgeo.pictures.sheet.marks import Chain, Distance, line
+from camgeo.pictures.sheet.placing import boxes, cleared, number_of, placed
 
 BOX = boxes([(10 + 0j, 1.0 + 0j, 6.0, 2.0)])
 

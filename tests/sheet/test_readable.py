@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from camgeo.sheet.marks import Chain, Distance, Sheet, View, line
-from camgeo.sheet.readable import across, dots, findings_of
-from camgeo.sheet.sheet import sheets_of
+from camgeo.pictures.sheet.marks import Chain, Distance, Sheet, View, line
+from camgeo.pictures.sheet.placing import across, dots, findings_of
+from camgeo.pictures.sheet.sheet import sheets_of
 from tests.sheet.sheets import TOLERANCE, part, sheets
 
 

@@ -11,15 +11,15 @@ from hypothesis import strategies as st
 from shapely import LineString, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from camgeo.cam.contact import Contact
-from camgeo.contour.contour import Contour
+from camgeo.cam.cam import Contact
+from camgeo.geometry.contour.contour import Contour
+from camgeo.part.assembly import bore_boundary
 from camgeo.part.boundaries import ExactBoundary
-from camgeo.part.features import bore_boundary
 from camgeo.part.part import Boundary, Layer, Part
 from camgeo.part.spec import Keyway, PartSpec
-from camgeo.sheet.marks import Chain, Hatched, Mark
-from camgeo.sheet.section import hatching, section
-from camgeo.sheet.shape import COARSE, shape_of
+from camgeo.pictures.sheet.marks import Chain, Hatched, Mark
+from camgeo.pictures.sheet.section import hatching, section
+from camgeo.pictures.sheet.shape import COARSE, shape_of
 from tests.part.parts import FLANKS, made_or_refused, specs
 
 

@@ -8,14 +8,12 @@ import tomllib
 import numpy as np
 import pytest
 
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.errors import SceneError
 from camgeo.numeric.arrays import ComplexArray
-from camgeo.scene.load import parse_scene
-from camgeo.sheet.frame import LEFT, MARGIN
-from camgeo.sheet.marks import Chain, Diameter, Distance, Label, Round, Sheet, View
-from camgeo.sheet.scales import scales
-from camgeo.sheet.sheet import measured, sheets_of
+from camgeo.pictures.sheet.marks import Chain, Diameter, Distance, Label, Round, Sheet, View
+from camgeo.pictures.sheet.sheet import LEFT, MARGIN, measured, scales, sheets_of
+from camgeo.scene.scene import parse_scene
 from tests.sheet.sheets import (
     EDGES,
     FIXTURES,

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from camgeo.sheet import placing
-from camgeo.sheet.ink import Ink
-from camgeo.sheet.marks import Chain, Label, Mark, Round
-from camgeo.sheet.placing import Options
-from camgeo.sheet.sheet import sheets_of
+from camgeo.pictures.sheet import placing
+from camgeo.pictures.sheet.marks import Chain, Label, Mark, Round
+from camgeo.pictures.sheet.placing import Ink, Options
+from camgeo.pictures.sheet.sheet import sheets_of
 from camgeo.units import LengthUnit
 from tests.long_form import LONG
 from tests.sheet.sheets import (

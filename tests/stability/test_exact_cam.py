@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from mpmath import mp, mpf
 
-from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.stability import cams, loops
 from camgeo.stability.cam_case import CamSpec
 from camgeo.stability.exact_cam import CamJet

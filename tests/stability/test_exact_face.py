@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 from mpmath import mp, mpf
 
-from camgeo.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from camgeo.stability import faces
 from camgeo.stability.cam_case import CamSpec
 from camgeo.stability.exact_face import FaceJet, face_jet

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from camgeo.mechanism.four_bar import FourBar
-from camgeo.mechanism.slider_crank import SliderCrank
-from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.kinematics.mechanism.four_bar import FourBar
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.stability import loops
 from camgeo.stability.cam_case import CamSpec
 from camgeo.stability.linkage import exact_linkage

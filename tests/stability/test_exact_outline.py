@@ -10,8 +10,8 @@ import pytest
 from mpmath import mp, mpf
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.stability.cam_case import CamSpec
 from camgeo.stability.exact_outline import ROLLER, ExactOutline
 from camgeo.stability.outlines import INNER, OUTER, flanks

@@ -7,11 +7,11 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.mechanism.four_bar import FourBar
-from camgeo.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.laws import make_law
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.mechanism.four_bar import FourBar
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.stability import faces
 from camgeo.stability.cam_case import CamSpec, cases_of
 from camgeo.stability.lifts import HALVES

@@ -11,13 +11,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
-from camgeo.mechanism.follower import bend_of_path
-from camgeo.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.geometry.outline.outline import real_outline
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.follower import bend_of_path
+from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
-from camgeo.outline.outline import real_outline
 from camgeo.stability import cams, faces, loops, outlines, slotted_levers
 from camgeo.stability.cam_case import CamSpec, cases_of
 from camgeo.stability.measure import Case, Found, Reading, measure

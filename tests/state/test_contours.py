@@ -15,19 +15,18 @@ import numpy as np
 import pytest
 
 from camgeo.check.finding import Finding
-from camgeo.contour.contour import Contour, Form
-from camgeo.curve.working_curve import WorkingCurve
-from camgeo.design import Design
-from camgeo.effects.lift_off.crossing import flank_changes
-from camgeo.effects.results import CONTACT_FORCE
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.lift_off.result import flank_changes
+from camgeo.dynamics.effects.results import CONTACT_FORCE
+from camgeo.dynamics.state.state import FIRST, SECOND
+from camgeo.dynamics.state.written import Contours, Written
 from camgeo.errors import SceneError
-from camgeo.mechanism.follower_path import path_of
+from camgeo.geometry.contour.contour import Contour, Form
+from camgeo.geometry.outline.roller import PlayedLift
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.follower_path import path_of
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.outline.replay_lift import PlayedLift
-from camgeo.part.boundary import written_contour
-from camgeo.state.contours import Contours
-from camgeo.state.state import FIRST, SECOND
-from camgeo.state.written import Written
+from camgeo.part.part import written_contour
 from tests.effects.scenes import design
 from tests.effects.test_premises import GROOVE
 from tests.effects.test_trimmed_cams import on_guide, on_rocker

@@ -13,13 +13,13 @@ import mpmath
 import numpy as np
 import pytest
 
-from camgeo.design import Design
-from camgeo.effects.results import CONTACT_FORCE
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.results import CONTACT_FORCE
+from camgeo.dynamics.state.outline import OfOutline
+from camgeo.dynamics.state.state import FarMotion
 from camgeo.errors import GeometryError
-from camgeo.motion.motion import Jet
+from camgeo.kinematics.motion import Jet
 from camgeo.numeric.arrays import SIDES
-from camgeo.state.far import FarMotion
-from camgeo.state.outline import OfOutline
 from tests.effects.scenes import design
 from tests.effects.test_trimmed_cams import corner_of, on_guide, on_rocker
 

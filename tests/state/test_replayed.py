@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.motion.motion import Dwell
+from camgeo.dynamics.state.outline import ReplayedMotion
+from camgeo.geometry.outline.roller import AS_DEMANDED
+from camgeo.kinematics.motion import Dwell
 from camgeo.numeric.arrays import FloatArray, IntArray
-from camgeo.outline.replay_lift import AS_DEMANDED
-from camgeo.state.replayed import ReplayedMotion
 from camgeo.units import TURN
 from tests.effects.scenes import design
 from tests.strategies import attack

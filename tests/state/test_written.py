@@ -18,14 +18,14 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.contour import Contour, Form
-from camgeo.design import Design
-from camgeo.effects.results import CONTACT_FORCE
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.results import CONTACT_FORCE
+from camgeo.dynamics.state.written import Written
 from camgeo.errors import SceneError
+from camgeo.geometry.contour.contour import Contour, Form
 from camgeo.numeric.arrays import SIDES
-from camgeo.part.boundary import written_contour
-from camgeo.scene.load import load_scene
-from camgeo.state.written import Written
+from camgeo.part.part import written_contour
+from camgeo.scene.scene import load_scene
 from tests.effects.scenes import design
 from tests.effects.test_trimmed_cams import on_guide, on_rocker
 

@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.design import Design
+from camgeo.design.design import Design
+from camgeo.design.writing import find_writer
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import MM_PER
-from camgeo.writing.writer import find_writer
 from tests.long_form import LONG
 from tests.state.test_contours import places_of
 

@@ -14,11 +14,10 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Final
 
-from camgeo.sweep import engine
-from camgeo.sweep import sweep as running
-from camgeo.sweep.asked import Asked
-from camgeo.sweep.family import Family
-from camgeo.sweep.rows import Work
+from camgeo.studies.sweep import rows
+from camgeo.studies.sweep import sweep as running
+from camgeo.studies.sweep.family import Family
+from camgeo.studies.sweep.rows import Asked, Work
 from tests.sweep.families import LAWS, family
 from tests.sweep.logged import Logged
 
@@ -44,10 +43,10 @@ def in_chunk(count: int) -> int:
 def main() -> None:
     """Resume the store."""
     store, where, count, log = Path(sys.argv[1]), sys.argv[2], int(sys.argv[3]), sys.argv[4]
-    engine.CHUNK = NEVER  # type: ignore[misc]  # smaller chunks here
-    engine.MOST_IN_CHUNK = in_chunk(int(count))  # type: ignore[misc]  # as above
+    rows.CHUNK = NEVER  # type: ignore[misc]  # smaller chunks here
+    rows.MOST_IN_CHUNK = in_chunk(int(count))  # type: ignore[misc]  # as above
     pool = where.isdecimal()
-    chosen = engine.engine_of("pool" if pool else "cluster", int(where) if pool else where)
+    chosen = rows.engine_of("pool" if pool else "cluster", int(where) if pool else where)
 
     def logged(found: Family, asked: Iterable[Asked]) -> Logged:
         work = Work.of(found, asked)

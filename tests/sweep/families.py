@@ -5,10 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from camgeo.scene.load import load_scene
-from camgeo.scene.scene import Scene
-from camgeo.sweep.family import Family
-from camgeo.sweep.stated import family_of
+from camgeo.scene.scene import Scene, load_scene
+from camgeo.studies.sweep.family import Family, family_of
 
 FIXTURES: Final = Path(__file__).parents[2] / "fixtures"
 

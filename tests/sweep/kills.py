@@ -26,11 +26,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Final, Literal
 
-from camgeo.design import Design
-from camgeo.sweep.asked import asked_of
-from camgeo.sweep.engine import AHEAD
-from camgeo.sweep.rows import Work, rows_of
-from camgeo.sweep.sweep import sweep
+from camgeo.design.design import Design
+from camgeo.studies.sweep.rows import AHEAD, Work, asked_of, rows_of
+from camgeo.studies.sweep.sweep import sweep
 from tests.seeds import add_seed, moment
 from tests.sweep.driver import ASK, in_chunk, killed_family
 from tests.sweep.processes import ROOT, WORKERS, Processes

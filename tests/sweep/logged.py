@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from camgeo.sweep.family import Point, mark
-from camgeo.sweep.rows import Row, Work
+from camgeo.studies.sweep.family import Point, mark
+from camgeo.studies.sweep.rows import Row, Work
 
 if TYPE_CHECKING:
     from camgeo.lazy import Ledger

@@ -17,15 +17,15 @@ from typing import Any
 
 import pytest
 
-from camgeo.cli.main import main
+from camgeo.app.cli.main import main
 from camgeo.errors import CamgeoError, GeometryError, VersionError
 from camgeo.lazy import Ledger
-from camgeo.sweep import cluster, engine
-from camgeo.sweep.cluster import Cluster
-from camgeo.sweep.engine import Chunks, Loop
-from camgeo.sweep.family import Point
-from camgeo.sweep.rows import Row, Work, rows_of
-from camgeo.sweep.sweep import sweep
+from camgeo.studies.sweep import cluster
+from camgeo.studies.sweep import rows as engine
+from camgeo.studies.sweep.cluster import Cluster
+from camgeo.studies.sweep.family import Point
+from camgeo.studies.sweep.rows import Chunks, Loop, Row, Work, rows_of
+from camgeo.studies.sweep.sweep import sweep
 from tests.sweep.driver import NEVER
 from tests.sweep.families import FIXTURES, family
 from tests.sweep.kills import swept
@@ -147,7 +147,7 @@ def test_what_the_scheduler_forgets_is_handed_out_again(
 
 def become(version: str) -> None:
     """In a worker: a camgeo of that version."""
-    from camgeo.sweep import rows
+    from camgeo.studies.sweep import rows
 
     vars(rows)["__version__"] = version
 
@@ -240,9 +240,9 @@ def test_a_missing_extra_names_its_command(monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_dask_is_imported_for_a_cluster_only() -> None:
     code = (
-        "import sys; from camgeo.cli.main import main;"
+        "import sys; from camgeo.app.cli.main import main;"
         f"main(['sweep', {SCENE!r}, '--vary', 'follower.base_radius=45,46', '--ask', 'laws']);"
-        "assert not {'dask', 'distributed', 'camgeo.sweep.cluster'} & sys.modules.keys()"
+        "assert not {'dask', 'distributed', 'camgeo.studies.sweep.cluster'} & sys.modules.keys()"
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr

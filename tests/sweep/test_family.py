@@ -7,8 +7,7 @@ import math
 import pytest
 
 from camgeo.errors import CamgeoError, GeometryError, SceneError
-from camgeo.sweep.family import METHODS, Family, Sample
-from camgeo.sweep.stated import family_of
+from camgeo.studies.sweep.family import METHODS, Family, Sample, family_of
 from tests.speed import spending
 from tests.sweep.families import FIXTURES, SETZHUB, family
 
@@ -109,7 +108,7 @@ def test_samples_that_there_are_not(sample: tuple[int, str, int]) -> None:
 
 
 def test_files_that_designs_name_are_read_once() -> None:
-    from camgeo.scene.load import load_scene
+    from camgeo.scene.scene import load_scene
 
     scene = load_scene(FIXTURES / "scenes" / "measured.toml")
     index = next(k for k, each in enumerate(scene.values["motion"], 1) if "file" in each)

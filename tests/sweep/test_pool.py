@@ -17,16 +17,13 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.errors import GeometryError, UnknownNameError
 from camgeo.lazy import Ledger
-from camgeo.sweep.asked import asked_of
-from camgeo.sweep.engine import ENGINES, Loop, engine_of
-from camgeo.sweep.family import Point
-from camgeo.sweep.pool import DEADLY, THREADS, Pool
-from camgeo.sweep.rows import Row, Work, rows_of
-from camgeo.sweep.store import Heading, Store
-from camgeo.sweep.sweep import sweep
+from camgeo.studies.sweep.family import Point
+from camgeo.studies.sweep.pool import DEADLY, THREADS, Pool
+from camgeo.studies.sweep.rows import ENGINES, Loop, Row, Work, asked_of, engine_of, rows_of
+from camgeo.studies.sweep.sweep import Heading, Store, sweep
 from tests.sweep.driver import ASK, killed_family
 from tests.sweep.families import FIXTURES, family
 from tests.sweep.kills import Fault, require_rows_of_the_loop, swept
@@ -123,7 +120,7 @@ def test_a_worker_has_one_thread_and_leaves_ctrl_c_to_the_driver() -> None:
 
 
 UNGUARDED = """
-from camgeo.sweep.pool import Pool
+from camgeo.studies.sweep.pool import Pool
 from tests.sweep.families import family
 from tests.sweep.test_rows import work_on
 
@@ -187,7 +184,7 @@ def test_a_row_that_differs_in_a_bit_is_seen(tmp_path: Path) -> None:
 
 
 def test_a_call_with_workers(capsys: pytest.CaptureFixture[str]) -> None:
-    from camgeo.cli.main import main
+    from camgeo.app.cli.main import main
 
     scene = str(FIXTURES / "scenes" / "setzhub.toml")
     words = ["sweep", scene, "--vary", "follower.base_radius=45:60:3", "--ask", "laws"]

@@ -9,17 +9,24 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgeo.answers.check import check
+from camgeo.app.answers.check import check
 from camgeo.check.judge import WORST_FIRST
-from camgeo.design import Design
+from camgeo.design.design import Design
+from camgeo.design.judged_part import part_of
+from camgeo.design.value_table import bare
 from camgeo.errors import GeometryError, UnknownNameError
 from camgeo.lazy import Ledger
-from camgeo.product.judged_part import part_of
-from camgeo.product.value_table import bare
-from camgeo.scene.load import load_scene
-from camgeo.sweep.asked import BY_GROUP, Asked, asked_of, hyphened
-from camgeo.sweep.reading import Reading, judged, read
-from camgeo.sweep.rows import Work
+from camgeo.scene.scene import load_scene
+from camgeo.studies.sweep.rows import (
+    BY_GROUP,
+    Asked,
+    Reading,
+    Work,
+    asked_of,
+    hyphened,
+    judged,
+    read,
+)
 from tests.sweep.families import FIXTURES, SETZHUB, family
 
 SCENES = [
@@ -223,12 +230,12 @@ def test_the_same_word_is_asked_once() -> None:
 
 
 def test_an_error_of_camgeo_is_a_reason_too(monkeypatch: pytest.MonkeyPatch) -> None:
-    from camgeo.sweep import reading
+    from camgeo.studies.sweep import rows
 
     def broken(_: Design, __: Asked) -> Reading:
         raise ZeroDivisionError("of the test")
 
-    monkeypatch.setitem(reading.ANSWERS, "angle", broken)
+    monkeypatch.setitem(rows.ANSWERS, "angle", broken)
     found = answer(Design(SETZHUB), "transmission-angle")
     assert found == Reading(None, "", "internal error: ZeroDivisionError: of the test")
 

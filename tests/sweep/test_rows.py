@@ -8,13 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.errors import VersionError
-from camgeo.scene.load import load_scene
-from camgeo.sweep.asked import asked_of
-from camgeo.sweep.engine import MOST_IN_CHUNK, Pace
-from camgeo.sweep.family import Family
-from camgeo.sweep.rows import Work, rows_of
+from camgeo.scene.scene import load_scene
+from camgeo.studies.sweep.family import Family
+from camgeo.studies.sweep.rows import MOST_IN_CHUNK, Pace, Work, asked_of, rows_of
 from tests.sweep.families import FIXTURES, family
 
 ASK = ("transmission-angle", "radius-ratio-inner", "peak:kappa", "peak:a", "diameter")

@@ -10,16 +10,20 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.errors import CamgeoError, FileError, OutputError
-from camgeo.sweep import local
-from camgeo.sweep.asked import asked_of
-from camgeo.sweep.engine import Chunks
-from camgeo.sweep.family import Family, Point
-from camgeo.sweep.local import kind_of, mounted
-from camgeo.sweep.rows import Row, Work, rows_of
-from camgeo.sweep.store import Heading, Store
-from camgeo.sweep.sweep import Result, progress_words, sweep
+from camgeo.studies.sweep import sweep as local
+from camgeo.studies.sweep.family import Family, Point
+from camgeo.studies.sweep.rows import Chunks, Row, Work, asked_of, rows_of
+from camgeo.studies.sweep.sweep import (
+    Heading,
+    Result,
+    Store,
+    kind_of,
+    mounted,
+    progress_words,
+    sweep,
+)
 from tests.draws.stores import DAMAGES, FIRST_FORMAT, misses
 from tests.sweep.families import SETZHUB, family
 

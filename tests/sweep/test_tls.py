@@ -9,9 +9,9 @@ from contextlib import AbstractContextManager
 import pytest
 
 from camgeo.errors import CamgeoError
-from camgeo.sweep import cluster
-from camgeo.sweep.cluster import Cluster
-from camgeo.sweep.rows import rows_of
+from camgeo.studies.sweep import cluster
+from camgeo.studies.sweep.cluster import Cluster
+from camgeo.studies.sweep.rows import rows_of
 from tests.sweep.families import FIXTURES, family
 from tests.sweep.processes import AT_ONCE, Processes
 from tests.sweep.test_rows import work_on

@@ -15,22 +15,29 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import camgeo
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.errors import GeometryError, SceneError
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
+from camgeo.kinematics.mechanism.follower import RelativeJet
+from camgeo.kinematics.mechanism.several import alike, several
+from camgeo.kinematics.plan import MotionPlan
 from camgeo.lazy import Ledger
-from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
-from camgeo.mechanism.follower import RelativeJet
-from camgeo.mechanism.several import alike, several
-from camgeo.motion.plan import MotionPlan
 from camgeo.numeric.arrays import FloatArray
-from camgeo.scene.load import load_scene
-from camgeo.scene.scene import Scene
+from camgeo.scene.scene import Scene, load_scene
 from camgeo.scene.varied import Value
-from camgeo.sweep.asked import asked_of
-from camgeo.sweep.family import Family, Point
-from camgeo.sweep.reading import TOGETHER, Reading, alike_designs, read, read_each
-from camgeo.sweep.rows import Row, Work, rows_of
+from camgeo.studies.sweep.family import Family, Point
+from camgeo.studies.sweep.rows import (
+    TOGETHER,
+    Reading,
+    Row,
+    Work,
+    alike_designs,
+    asked_of,
+    read,
+    read_each,
+    rows_of,
+)
 from tests.strategies import attack
 from tests.sweep.families import FIXTURES, LAWS, family
 from tests.sweep.test_rows import work_on

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.sweep.variables import Listed, Range, Variable, parse
+from camgeo.studies.sweep.family import Listed, Range, Variable, parse
 
 
 def rows(text: str) -> list[tuple[object, ...]]:

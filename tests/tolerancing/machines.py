@@ -7,16 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from camgeo.design import Design
-from camgeo.outline.path import Flank
-from camgeo.scene.load import load_scene
-from camgeo.scene.scene import Scene
-from camgeo.tolerancing.freedoms import Deviations, Unit
-from camgeo.tolerancing.linear import Linear
-from camgeo.tolerancing.machine import Machine
-from camgeo.tolerancing.replay import replayed
-from camgeo.tolerancing.sensitivity import Sensitivities
-from camgeo.tolerancing.stated import stated_of
+from camgeo.design.design import Design
+from camgeo.geometry.outline.path import Flank
+from camgeo.scene.scene import Scene, load_scene
+from camgeo.studies.tolerancing.linear import Linear
+from camgeo.studies.tolerancing.machine import Machine
+from camgeo.studies.tolerancing.replay import replayed
+from camgeo.studies.tolerancing.sensitivity import Sensitivities
+from camgeo.studies.tolerancing.sources import Deviations, Unit
+from camgeo.studies.tolerancing.stated import stated_of
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
 

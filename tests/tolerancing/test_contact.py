@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from camgeo.answers.render import text
-from camgeo.answers.tolerance import tolerance
-from camgeo.design import Design
-from camgeo.effects.results import CONTACT_FORCE
-from camgeo.outline.path import Flank
-from camgeo.scene.load import load_scene
-from camgeo.tolerancing.contact import contact_forces
-from camgeo.tolerancing.dimensions import dimensions_of
-from camgeo.tolerancing.freedoms import Deviations
-from camgeo.tolerancing.replay import replayed
+from camgeo.app.answers.answer import text
+from camgeo.app.answers.tolerance import tolerance
+from camgeo.design.design import Design
+from camgeo.dynamics.effects.results import CONTACT_FORCE
+from camgeo.geometry.outline.path import Flank
+from camgeo.scene.scene import load_scene
+from camgeo.studies.tolerancing.contact import contact_forces
+from camgeo.studies.tolerancing.replay import replayed
+from camgeo.studies.tolerancing.sources import Deviations
+from camgeo.studies.tolerancing.stated import dimensions_of
 from tests.answers.documents import document
 from tests.tolerancing.machines import ANGLES, LEVER, sensitivities
 

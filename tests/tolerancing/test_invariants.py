@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from camgeo.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.numeric.arrays import ComplexArray
-from camgeo.tolerancing.dimensions import dimensions_of
-from camgeo.tolerancing.freedoms import Deviations, Freedom
-from camgeo.tolerancing.replay import replayed
-from camgeo.tolerancing.sensitivity import Sensitivities
+from camgeo.studies.tolerancing.replay import replayed
+from camgeo.studies.tolerancing.sensitivity import Sensitivities
+from camgeo.studies.tolerancing.sources import Deviations, Freedom
+from camgeo.studies.tolerancing.stated import dimensions_of
 from tests.tolerancing.machines import errors, fixture
 
 SIZE = 0.4

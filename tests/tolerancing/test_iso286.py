@@ -9,7 +9,7 @@ from itertools import pairwise
 import pytest
 
 from camgeo.errors import GeometryError
-from camgeo.tolerancing.iso286 import HOLES, SHAFTS, limits_of
+from camgeo.studies.tolerancing.stated import HOLES, SHAFTS, limits_of
 
 SIZES = (3, 6, 10, 18, 30, 50, 80, 120, 180, 250, 315, 400, 500)
 

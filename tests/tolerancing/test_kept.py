@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, Final
 
-from camgeo.answers import render
-from camgeo.answers.tolerance import tolerance
-from camgeo.design import Design
+from camgeo.app.answers import answer
+from camgeo.app.answers.tolerance import tolerance
+from camgeo.design.design import Design
 from camgeo.errors import CamgeoError
-from camgeo.outline.path import Flank
-from camgeo.scene.load import load_scene
-from camgeo.scene.scene import Scene
-from camgeo.tolerancing.dimensions import dimensions_of
-from camgeo.tolerancing.machine import Machine
+from camgeo.geometry.outline.path import Flank
+from camgeo.scene.scene import Scene, load_scene
+from camgeo.studies.tolerancing.machine import Machine
+from camgeo.studies.tolerancing.stated import dimensions_of
 from tests import kept
 from tests.thinned import WHOLE, share
 from tests.tolerancing.machines import FIXTURES, LEVER
@@ -77,8 +76,8 @@ def test_analyses_are_as_kept() -> None:
             found = tolerance(
                 Design(toleranced(load_scene(FIXTURES / "scenes" / f"{name}.toml"))), count=0
             )
-            yield name, kept.document(render.to_json(found))
-            yield f"{name}: table", kept.document(kept.summary(render.table(found).values))
+            yield name, kept.document(answer.to_json(found))
+            yield f"{name}: table", kept.document(kept.summary(answer.table(found).values))
 
     kept.compare("tolerancing/analyses.txt", parts(), whole=WHOLE)
 

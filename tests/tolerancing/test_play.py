@@ -15,16 +15,13 @@ from functools import cached_property
 import numpy as np
 import pytest
 
-from camgeo.answers.tolerance import tolerance
-from camgeo.design import Design
-from camgeo.mechanism.follower import Follower
-from camgeo.scene.load import load_scene
-from camgeo.scene.scene import Scene
-from camgeo.tolerancing.dimensions import dimensions_of
-from camgeo.tolerancing.freedoms import Deviations
-from camgeo.tolerancing.linear import deviations_of
-from camgeo.tolerancing.play import Play
-from camgeo.tolerancing.stated import machines_of, stated_of
+from camgeo.app.answers.tolerance import tolerance
+from camgeo.design.design import Design
+from camgeo.kinematics.mechanism.follower import Follower
+from camgeo.scene.scene import Scene, load_scene
+from camgeo.studies.tolerancing.linear import Play, deviations_of
+from camgeo.studies.tolerancing.sources import Deviations
+from camgeo.studies.tolerancing.stated import dimensions_of, machines_of, stated_of
 from tests.tolerancing.machines import FIXTURES, LEVER
 
 Array = np.ndarray

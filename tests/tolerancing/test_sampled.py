@@ -8,13 +8,10 @@ import numpy as np
 import pytest
 
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.scene.load import load_scene
-from camgeo.tolerancing.distribution import SHAPES, Distribution, Shape
-from camgeo.tolerancing.freedoms import Deviations
-from camgeo.tolerancing.linear import ANGLES, deviations_of
-from camgeo.tolerancing.replay import replayed
-from camgeo.tolerancing.sampled import sampled
-from camgeo.tolerancing.sources import Source
+from camgeo.scene.scene import load_scene
+from camgeo.studies.tolerancing.linear import ANGLES, deviations_of, sampled
+from camgeo.studies.tolerancing.replay import replayed
+from camgeo.studies.tolerancing.sources import SHAPES, Deviations, Distribution, Shape, Source
 from tests.tolerancing.machines import FIXTURES, LEVER, lifter, linear_of
 
 

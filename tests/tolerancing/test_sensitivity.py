@@ -7,18 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from camgeo.contour.contour import Contour
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
-from camgeo.mechanism.declared.registry import FOLLOWERS, LINKAGES
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.outline.replay import replay_contour
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.outline.replay import replay_contour
-from camgeo.tolerancing import replay
-from camgeo.tolerancing.dimensions import dimensions_of
-from camgeo.tolerancing.freedoms import Deviations, Freedom, Unit, Way
-from camgeo.tolerancing.replay import replayed
-from camgeo.tolerancing.sensitivity import Sensitivities
+from camgeo.studies.tolerancing import replay
+from camgeo.studies.tolerancing.replay import replayed
+from camgeo.studies.tolerancing.sensitivity import Sensitivities
+from camgeo.studies.tolerancing.sources import Deviations, Freedom, Unit, Way
+from camgeo.studies.tolerancing.stated import dimensions_of
 from camgeo.units import TURN
 from tests.tolerancing.machines import ANGLES, errors, fixture
 

@@ -10,12 +10,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.nearness import distances
-from camgeo.contour.simple import winding_number
+from camgeo.geometry.contour.contour import Contour, distances, winding_number
+from camgeo.milling.moves import ArcFeed, Feed, Move, Rapid
+from camgeo.milling.track import Track
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.toolpath.moves import ArcFeed, Feed, Move, Rapid
-from camgeo.toolpath.plane.track import Track
 
 BEHIND = 1e-4
 """The last stretch [mm] of the path that does not count as swept: the cutter's own circle lies on

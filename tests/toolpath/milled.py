@@ -4,22 +4,21 @@ from __future__ import annotations
 
 from typing import Any
 
-from camgeo.cam.contact import Contact
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.plan import MotionPlan
-from camgeo.outline.path import whole
-from camgeo.part.build import build_part
+from camgeo.cam.cam import Contact
+from camgeo.geometry.outline.path import whole
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import MotionPlan
+from camgeo.milling.cut import Cut
+from camgeo.milling.holding import Holding
+from camgeo.milling.milling import MillingSpec, OperationSpec, Stock
+from camgeo.milling.moves import Heights
+from camgeo.milling.planned import Sequence, sequence_of
+from camgeo.milling.tool import Tool
+from camgeo.part.assembly import build_part
 from camgeo.part.part import Part
 from camgeo.part.spec import PartSpec
-from camgeo.toolpath.cut import Cut
-from camgeo.toolpath.holding import Holding
-from camgeo.toolpath.milling import MillingSpec, OperationSpec
-from camgeo.toolpath.moves import Heights
-from camgeo.toolpath.sequence import Sequence, sequence_of
-from camgeo.toolpath.stock import Stock
-from camgeo.toolpath.tool import Tool
 from tests.contour.cams import dwell, move
 
 ROLLER = 8.0

@@ -11,19 +11,18 @@ from typing import Any, Final
 
 import numpy as np
 
-from camgeo.design import Design
-from camgeo.product.milled import MilledDisc, job
-from camgeo.scene.load import parse_scene
-from camgeo.toolpath.backplot import KINDS, plotted
-from camgeo.toolpath.blank import box, described
-from camgeo.toolpath.compensation import limits_of, programmed
-from camgeo.toolpath.cut import AreaCut, ContourCut, Cut, LetterCut, LineCut, PointCut
-from camgeo.toolpath.judged import runs_of, setup_of
-from camgeo.toolpath.machine import load
-from camgeo.toolpath.machining_time import arc_sweep, times_on
-from camgeo.toolpath.moves import ArcFeed, Move, Rapid, Stop, Toolpath
-from camgeo.toolpath.reach import depths
-from camgeo.toolpath.verdict import FINENESS
+from camgeo.design.design import Design
+from camgeo.design.milled import MilledDisc, job
+from camgeo.milling.blank import box, described
+from camgeo.milling.compensation import limits_of, programmed
+from camgeo.milling.cut import AreaCut, ContourCut, Cut, LetterCut, LineCut, PointCut
+from camgeo.milling.judged import PART_FINENESS, runs_of, setup_of
+from camgeo.milling.machine import load
+from camgeo.milling.machining_time import arc_sweep, times_on
+from camgeo.milling.moves import ArcFeed, Move, Rapid, Stop, Toolpath
+from camgeo.pictures.backplot import KINDS, plotted
+from camgeo.scene.scene import parse_scene
+from camgeo_export.verify.simulated import depths
 from tests.second_side import scenes as second_side
 
 ROOT: Final = Path(__file__).resolve().parents[2]
@@ -273,7 +272,7 @@ def document(name: str) -> dict[str, Any]:
     machine = load(disc.gcode.machine)
     runs = runs_of(plan)
     cuts = [operation.cut for operation in plan.operations]
-    setup = setup_of(cuts, runs, part, stock, disc.spec.holding, FINENESS)
+    setup = setup_of(cuts, runs, part, stock, disc.spec.holding, PART_FINENESS)
     if name in SIDES:  # it starts from what the first side leaves
         setup = job(disc, tuple(cuts), runs, TOLERANCE)[-1].setup
     limits = limits_of(plan.operations)

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.contour.contour import Contour
+from camgeo.geometry.contour.contour import Contour
+from camgeo.milling.course import course_of
+from camgeo.milling.cut import ContourCut
+from camgeo.milling.moves import ArcFeed, Feed, Heights, Operation, Rapid, Toolpath
+from camgeo.milling.tool import Tool
 from camgeo.part.boundaries import ExactBoundary
-from camgeo.toolpath.backplot import plotted
-from camgeo.toolpath.course import course_of
-from camgeo.toolpath.cut import ContourCut
-from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Operation, Rapid, Toolpath
-from camgeo.toolpath.tool import Tool
+from camgeo.pictures.backplot import plotted
 
 SCENES = Path(__file__).resolve().parents[2] / "fixtures" / "scenes"
 

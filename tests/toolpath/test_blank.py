@@ -6,12 +6,12 @@ from typing import Final
 
 import pytest
 
-from camgeo.contour.contour import Contour
+from camgeo.geometry.contour.contour import Contour
+from camgeo.milling.blank import box, described
+from camgeo.milling.milling import Stock
+from camgeo.milling.zero import OF_THE_PART, Zero
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Layer, Part
-from camgeo.toolpath.blank import box, described
-from camgeo.toolpath.stock import Stock
-from camgeo.toolpath.zero import OF_THE_PART, Zero
 
 RIM: Final = ExactBoundary("rim", hole=False, exact=Contour.circle(20.0))
 

@@ -8,16 +8,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
+from camgeo.geometry.contour.contour import Contour
+from camgeo.milling.compensation import LEAD, SHARE, Limit, limit_of, limits_of, programmed
+from camgeo.milling.cut import ContourCut
+from camgeo.milling.holding import Clamp
+from camgeo.milling.machine import load
+from camgeo.milling.moves import ArcFeed, Feed, Heights, Operation, Stop
+from camgeo.milling.strategies import STRATEGIES
+from camgeo.milling.tool import Tool
 from camgeo.part.boundaries import ExactBoundary
-from camgeo.toolpath.compensation import LEAD, SHARE, Limit, limit_of, limits_of, programmed
-from camgeo.toolpath.cut import ContourCut
-from camgeo.toolpath.holding import Clamp
-from camgeo.toolpath.machine import load
-from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Operation, Stop
-from camgeo.toolpath.strategies import STRATEGIES
-from camgeo.toolpath.tool import Tool
 
 TOOL: Final = Tool(
     number=3, diameter=4.0, spindle_speed=1000.0, feed=100.0, plunge_feed=50.0, stepdown=5.0

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.toolpath.course import below, course_of, unlifted
-from camgeo.toolpath.moves import ArcFeed, Feed, Move, Rapid, Stop
+from camgeo.milling.course import below, course_of, unlifted
+from camgeo.milling.moves import ArcFeed, Feed, Move, Rapid, Stop
 
 FEED = 100.0
 

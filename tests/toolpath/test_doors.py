@@ -8,13 +8,13 @@ from typing import Any
 
 import pytest
 
-from camgeo.contour.contour import Contour
 from camgeo.errors import GeometryError
+from camgeo.geometry.contour.contour import Contour
+from camgeo.milling.cut import MOST_PASSES, ContourCut, passes
+from camgeo.milling.machine import load
+from camgeo.milling.moves import ArcFeed, Feed, Heights, Operation, Rapid, Toolpath
+from camgeo.milling.tool import Tool
 from camgeo.part.boundaries import ExactBoundary
-from camgeo.toolpath.cut import MOST_PASSES, ContourCut, passes
-from camgeo.toolpath.machine import load
-from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Operation, Rapid, Toolpath
-from camgeo.toolpath.tool import Tool
 
 TOOL = Tool(number=1, diameter=6.0, spindle_speed=3000.0, feed=300.0, plunge_feed=100.0)
 

@@ -7,14 +7,13 @@ from dataclasses import replace
 
 import pytest
 
-from camgeo.contour.contour import Contour
+from camgeo.geometry.contour.contour import Contour
+from camgeo.milling.course import course_of
+from camgeo.milling.cut import AreaCut, Cut, PointCut
+from camgeo.milling.machine import load
+from camgeo.milling.moves import ArcFeed, Feed, Move, Operation, Point, Toolpath
+from camgeo.milling.plan import engaged, entries, plan_toolpath
 from camgeo.part.boundaries import ExactBoundary
-from camgeo.toolpath.course import course_of
-from camgeo.toolpath.cut import AreaCut, Cut, PointCut
-from camgeo.toolpath.engaged import engaged, entries
-from camgeo.toolpath.machine import load
-from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Point, Toolpath
-from camgeo.toolpath.plan import plan_toolpath
 from tests.toolpath.milled import HEIGHTS, tool
 
 TOLERANCE = 0.01

@@ -10,11 +10,11 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.contour import Contour
+from camgeo.geometry.contour.contour import Contour
+from camgeo.milling.course import course_of
+from camgeo.milling.moves import ArcFeed, Feed, Move, Point, Rapid
+from camgeo.milling.plan import Cutting
 from camgeo.numeric.arrays import ComplexArray, taken
-from camgeo.toolpath.course import course_of
-from camgeo.toolpath.engagement import Cutting
-from camgeo.toolpath.moves import ArcFeed, Feed, Move, Point, Rapid
 
 RADIUS = 3.0
 DEPTH = -1.0

@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 
 import camgeo
-from camgeo.answers.check import check
-from camgeo.answers.render import text
-from camgeo.answers.setup import setup_sheet
+from camgeo.app.answers.answer import text
+from camgeo.app.answers.check import check
+from camgeo.app.answers.setup import setup_sheet
 from camgeo.check.finding import Finding
-from camgeo.design import Design
-from camgeo.product.milled import compared
-from camgeo.toolpath.features import Feature
+from camgeo.design.design import Design
+from camgeo.design.milled import compared
+from camgeo.milling.features import Feature
 from tests.answers.documents import document
 
 FOUND = Path(__file__).parents[2] / "fixtures" / "found"

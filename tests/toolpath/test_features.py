@@ -9,19 +9,18 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.cam.contact import Contact
+from camgeo.cam.cam import Contact
 from camgeo.check.finding import Finding
+from camgeo.design.milled import MilledDisc
 from camgeo.errors import GeometryError, SceneError
+from camgeo.milling.cut import AreaCut, LineCut, PointCut
+from camgeo.milling.judged import left_out
+from camgeo.milling.machine import load
+from camgeo.milling.milling import OperationSpec, Stock
+from camgeo.milling.moves import Feed, Stop
+from camgeo.milling.plan import plan_toolpath
+from camgeo.milling.strategies import STRATEGIES
 from camgeo.part.spec import Counterbore, DShaft, Holes, Hub, Mark, PartSpec
-from camgeo.product.milled import MilledDisc
-from camgeo.toolpath.cut import AreaCut, LineCut, PointCut
-from camgeo.toolpath.judged import left_out
-from camgeo.toolpath.machine import load
-from camgeo.toolpath.milling import OperationSpec
-from camgeo.toolpath.moves import Feed, Stop
-from camgeo.toolpath.plan import plan_toolpath
-from camgeo.toolpath.stock import Stock
-from camgeo.toolpath.strategies import STRATEGIES
 from tests.toolpath.milled import HEIGHTS, SPEC, named, part, sequence, tool
 
 HUBBED = replace(

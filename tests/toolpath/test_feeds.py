@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.toolpath.feeds import centre_feed
+from camgeo.milling.moves import centre_feed
 
 
 @given(st.floats(0.01, 1e3), st.floats(0.1, 50.0), st.floats(1.0, 1e4))

@@ -7,16 +7,16 @@ import math
 import numpy as np
 import pytest
 
-from camgeo.cam.contact import Contact
-from camgeo.contour.contour import Contour
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
+from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError, UndercutError
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.plan import MotionPlan
-from camgeo.outline.path import whole
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.outline.path import whole
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import MotionPlan
+from camgeo.milling.cut import core, largest_diameter, tightest
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
-from camgeo.toolpath.fitting import core, largest_diameter, tightest
 from tests.contour.cams import dwell, move
 from tests.toolpath.milled import sequence, tool
 

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 
 import camgeo
+from camgeo.milling.look_ahead import block_times
+from camgeo.milling.machine import load
+from camgeo.milling.machining_time import blocks_of
+from camgeo.milling.moves import Feed, Move, Point, Rapid
 from camgeo.numeric.arrays import FloatArray
-from camgeo.toolpath.look_ahead import block_times
-from camgeo.toolpath.machine import load
-from camgeo.toolpath.machining_time import blocks_of
-from camgeo.toolpath.moves import Feed, Move, Point, Rapid
 from tests.judges.grbl_planner import FLOAT, MACHINE, absent, planned, times_of
 
 planner = pytest.mark.skipif(bool(absent()), reason=absent() or "is there")

@@ -6,15 +6,15 @@ import math
 
 import pytest
 
-from camgeo.cam.contact import Contact
-from camgeo.contour.contour import POINTS
+from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError
-from camgeo.toolpath.cut import ContourCut
-from camgeo.toolpath.guard import LARGEST
-from camgeo.toolpath.holding import Clamp, Holding, Tabs
-from camgeo.toolpath.moves import Heights
-from camgeo.toolpath.simulation import FINENESS
-from camgeo.toolpath.stock import Stock
+from camgeo.geometry.contour.contour import POINTS
+from camgeo.milling.cut import ContourCut
+from camgeo.milling.guard import LARGEST
+from camgeo.milling.holding import Clamp, Holding, Tabs
+from camgeo.milling.milling import Stock
+from camgeo.milling.moves import Heights
+from camgeo.milling.simulation import FINENESS
 from tests.toolpath.milled import BORE, RIM, THICKNESS, named, sequence, tool
 
 INNER, OUTER, GROOVE = Contact.INNER, Contact.OUTER, Contact.GROOVE

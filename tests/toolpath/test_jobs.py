@@ -11,8 +11,8 @@ import pytest
 import shapely
 
 import camgeo
-from camgeo.answers.check import check
-from camgeo.product.milled import MilledDisc
+from camgeo.app.answers.check import check
+from camgeo.design.milled import MilledDisc
 from tests.draws.jobs import Job, Told, drawn, misses, polygons, read, swept
 
 FRAME = (Path(__file__).parents[2] / "fixtures" / "found" / "loose_frame.toml").read_text("utf-8")

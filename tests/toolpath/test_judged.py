@@ -9,19 +9,17 @@ from pathlib import Path
 import pytest
 
 import camgeo
-from camgeo.cam.contact import Contact
+from camgeo.cam.cam import Contact
+from camgeo.milling.course import course_of
+from camgeo.milling.holding import Clamp, Holding, Tabs
+from camgeo.milling.judged import runs_of, setup_of
+from camgeo.milling.machine import load
+from camgeo.milling.milling import MillingSpec, OperationSpec, Stock
+from camgeo.milling.moves import Stop, Toolpath
+from camgeo.milling.plan import Cutting, plan_toolpath
+from camgeo.milling.simulation import Simulation, simulate
+from camgeo.milling.stages import Setup
 from camgeo.part.part import Part
-from camgeo.toolpath.course import course_of
-from camgeo.toolpath.engagement import Cutting
-from camgeo.toolpath.holding import Clamp, Holding, Tabs
-from camgeo.toolpath.judged import runs_of, setup_of
-from camgeo.toolpath.machine import load
-from camgeo.toolpath.milling import MillingSpec, OperationSpec
-from camgeo.toolpath.moves import Stop, Toolpath
-from camgeo.toolpath.plan import plan_toolpath
-from camgeo.toolpath.setup import Setup
-from camgeo.toolpath.simulation import Simulation, simulate
-from camgeo.toolpath.stock import Stock
 from tests.toolpath.milled import FIXTURE, HEIGHTS, part, sequence, tool
 
 SCENES = Path(__file__).resolve().parents[2] / "fixtures" / "scenes"

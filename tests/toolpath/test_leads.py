@@ -11,22 +11,22 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.nearness import distances, least_distance
 from camgeo.errors import GeometryError
-from camgeo.part.boundaries import CurveBoundary
-from camgeo.toolpath.leads import (
+from camgeo.geometry.contour.contour import Contour, distances, least_distance
+from camgeo.milling.track import (
     CLOSE,
     SMALLEST_SHARE,
     Beside,
     Lead,
+    Track,
     begun,
+    biarcs,
     flattest,
     joined,
     lead_at,
     started,
 )
-from camgeo.toolpath.plane.track import Track, biarcs
+from camgeo.part.boundaries import CurveBoundary
 from tests.contour.cams import outline
 from tests.contour.paths import cut_off_lobe, swallow_tail
 from tests.toolpath.plane.tracks import dense

@@ -11,21 +11,20 @@ import pytest
 import shapely
 
 import camgeo
-from camgeo.cam.contact import Contact
-from camgeo.errors import GeometryError
+from camgeo.cam.cam import Contact
+from camgeo.errors import FileError, GeometryError
+from camgeo.milling.cut import LetterCut
+from camgeo.milling.judged import left_out
+from camgeo.milling.machine import load
+from camgeo.milling.making import CORNERS, OFF, centres, strokes
+from camgeo.milling.milling import OperationSpec
+from camgeo.milling.moves import Feed, Stop
+from camgeo.milling.plan import plan_toolpath
+from camgeo.milling.stages import polygon
+from camgeo.milling.strategies.marks import letters
+from camgeo.milling.tool import Tool
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.part.engraving import Engraving
-from camgeo.toolpath.cut import LetterCut
-from camgeo.toolpath.judged import left_out
-from camgeo.toolpath.lettering import CORNERS, OFF, centres, strokes
-from camgeo.toolpath.machine import load
-from camgeo.toolpath.milling import OperationSpec
-from camgeo.toolpath.moves import Feed, Stop
-from camgeo.toolpath.plan import plan_toolpath
-from camgeo.toolpath.strategies.letters import letters
-from camgeo.toolpath.sweep import polygon
-from camgeo.toolpath.tool import Tool
-from camgeo_export.errors import FileError
+from camgeo.part.spec import Engraving
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.verify.gcode import VERIFIER
 from tests.export.verified import TOLERANCE, faults
@@ -186,7 +185,7 @@ def test_moves_go_straight_down_and_around(climb: bool) -> None:
 
 def test_a_path_that_would_cut_an_outline_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     cut = cut_of(MILL, FINE)
-    monkeypatch.setattr("camgeo.toolpath.lettering.OFF", -0.01)
+    monkeypatch.setattr("camgeo.milling.making.OFF", -0.01)
     with pytest.raises(GeometryError, match="too near to an outline"):
         letters(cut, HEIGHTS, 0.01, "fast")
     with pytest.raises(TypeError, match="cuts letters"):
@@ -210,7 +209,7 @@ def test_a_program_is_measured_verified_and_simulated() -> None:
 
 
 def test_rounds_without_number_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("camgeo.toolpath.lettering.MOST_TURNS", 3)
+    monkeypatch.setattr("camgeo.milling.making.MOST_TURNS", 3)
     with pytest.raises(GeometryError, match="more than 3 rounds in a stroke") as caught:
         letters(replace(cut_of(MILL, FINE), stepover=1e-6), HEIGHTS, 0.01, "fast")
     assert caught.value.key == "tool.stepover"

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from camgeo.milling.look_ahead import SECONDS, Blocks, Dynamics, block_times
+from camgeo.milling.machining_time import blocks_of
+from camgeo.milling.moves import Feed, Move
 from camgeo.numeric.arrays import FloatArray
-from camgeo.toolpath.look_ahead import SECONDS, Blocks, Dynamics, block_times
-from camgeo.toolpath.machining_time import blocks_of
-from camgeo.toolpath.moves import Feed, Move
 
 MACHINE = Dynamics(acceleration=500.0, rapid_feed=6000.0, look_ahead=10)
 """v = 100 mm/s after 0.2 s and 10 mm."""

@@ -17,10 +17,18 @@ from hypothesis import strategies as st
 from jsonschema_rs import meta
 
 from camgeo.errors import Fault, SceneError
-from camgeo.toolpath import machine as machines
-from camgeo.toolpath.machine import Machine, load, names, parse
-from camgeo.toolpath.machine_fields import EVIDENCE, MEANINGS
-from camgeo.toolpath.machine_schema import EARLIER, faults_of, schema
+from camgeo.milling import machine as machines
+from camgeo.milling.machine import (
+    EARLIER,
+    EVIDENCE,
+    MEANINGS,
+    Machine,
+    faults_of,
+    load,
+    names,
+    parse,
+    schema,
+)
 
 FOLDER = Path(machines.__file__).parent / "machines"
 

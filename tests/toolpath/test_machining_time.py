@@ -9,18 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.contour.contour import Contour
+from camgeo.geometry.contour.contour import Contour
+from camgeo.milling.cut import ContourCut
+from camgeo.milling.look_ahead import Dynamics
+from camgeo.milling.machining_time import arc_sweep, blocks_of, contour_time, toolpath_times
+from camgeo.milling.moves import ArcFeed, Feed, Heights, Move, Operation, Rapid, Stop, Toolpath
+from camgeo.milling.tool import Tool
 from camgeo.part.boundaries import ExactBoundary
-from camgeo.toolpath.cut import ContourCut
-from camgeo.toolpath.look_ahead import Dynamics
-from camgeo.toolpath.machining_time import (
-    arc_sweep,
-    blocks_of,
-    contour_time,
-    toolpath_times,
-)
-from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Move, Operation, Rapid, Stop, Toolpath
-from camgeo.toolpath.tool import Tool
 
 MACHINE = Dynamics(acceleration=500.0, rapid_feed=6000.0, look_ahead=10)
 """v = 100 mm/s after 0.2 s and 10 mm."""

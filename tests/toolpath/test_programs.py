@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from camgeo.milling.cut import ContourCut, PointCut
+from camgeo.milling.moves import ArcFeed, Operation, Rapid, Stop
+from camgeo.milling.tool import CHAMFER_MILL, DRILL
 from camgeo.part.part import Part, Wall
-from camgeo.toolpath.cut import ContourCut, PointCut
-from camgeo.toolpath.moves import ArcFeed, Operation, Rapid, Stop
-from camgeo.toolpath.tool import CHAMFER_MILL, DRILL
 from tests.kept import compare_documents
 from tests.toolpath.programs import NAMES, TOLERANCE, document, milled, toolpath
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from camgeo.toolpath.moves import ArcFeed, Feed, Move, Point, Rapid
-from camgeo.toolpath.reach import Depth, depths
-from camgeo.toolpath.setup import Run, Setup
+from camgeo.milling.moves import ArcFeed, Feed, Move, Point, Rapid
+from camgeo.milling.stages import Run, Setup
+from camgeo_export.verify.simulated import Depth, depths
 from tests.toolpath.test_simulation import FEED, PLATE, RADIUS
 
 

@@ -7,14 +7,13 @@ from itertools import pairwise
 
 import pytest
 
-from camgeo.cam.contact import Contact
+from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError
+from camgeo.milling.cut import AreaCut, ContourCut, PointCut
+from camgeo.milling.milling import OperationSpec, Stock
+from camgeo.milling.strategies import STRATEGIES
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.spec import Keyway
-from camgeo.toolpath.cut import AreaCut, ContourCut, PointCut
-from camgeo.toolpath.milling import OperationSpec
-from camgeo.toolpath.stock import Stock
-from camgeo.toolpath.strategies import STRATEGIES
 from tests.toolpath.milled import (
     BORE,
     FIXTURE,

@@ -11,12 +11,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.contour import Contour
-from camgeo.toolpath.course import course_of
-from camgeo.toolpath.moves import ArcFeed, Feed, Move, Point, Rapid, Stop
-from camgeo.toolpath.setup import Chamfer, Run, Setup
-from camgeo.toolpath.simulation import Simulation, simulate
-from camgeo.toolpath.stages import Body, Flaw
+from camgeo.geometry.contour.contour import Contour
+from camgeo.milling.course import course_of
+from camgeo.milling.moves import ArcFeed, Feed, Move, Point, Rapid, Stop
+from camgeo.milling.simulation import Simulation, simulate
+from camgeo.milling.stages import Body, Chamfer, Flaw, Run, Setup
 
 RADIUS = 3.0
 FEED = 100.0

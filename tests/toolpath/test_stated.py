@@ -9,18 +9,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.cam.contact import Contact
-from camgeo.contour.nearness import distances
+from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError
+from camgeo.geometry.contour.contour import distances
+from camgeo.milling.cut import AreaCut, ContourCut, Cut, PointCut, slack_of
+from camgeo.milling.holding import Holding, Tabs
+from camgeo.milling.milling import OperationSpec, Stock
+from camgeo.milling.moves import ArcFeed
+from camgeo.milling.strategies import STRATEGIES
+from camgeo.milling.tool import Tool
+from camgeo.milling.track import Track
 from camgeo.part.spec import Keyway
-from camgeo.toolpath.cut import AreaCut, ContourCut, Cut, PointCut, slack_of
-from camgeo.toolpath.holding import Holding, Tabs
-from camgeo.toolpath.milling import OperationSpec
-from camgeo.toolpath.moves import ArcFeed
-from camgeo.toolpath.plane.track import Track
-from camgeo.toolpath.stock import Stock
-from camgeo.toolpath.strategies import STRATEGIES
-from camgeo.toolpath.tool import Tool
 from tests.toolpath.milled import (
     BORE,
     FIXTURE,

@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from camgeo.contour.contour import Contour
-from camgeo.toolpath.course import below, course_of
-from camgeo.toolpath.moves import ArcFeed, Feed, Move, Rapid
-from camgeo.toolpath.sweep import (
+from camgeo.geometry.contour.contour import Contour
+from camgeo.milling.course import below, course_of
+from camgeo.milling.moves import ArcFeed, Feed, Move, Rapid
+from camgeo.milling.stages import (
     NOTHING,
     Known,
     parts,

@@ -10,28 +10,27 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.cam.contact import Contact
-from camgeo.contour.contour import Effort
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
+from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.plan import MotionPlan
-from camgeo.outline.path import whole
-from camgeo.part.build import build_part
+from camgeo.geometry.contour.contour import Effort
+from camgeo.geometry.outline.path import whole
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import MotionPlan
+from camgeo.milling import plan
+from camgeo.milling.cut import ContourCut, Cut, PointCut
+from camgeo.milling.holding import Holding
+from camgeo.milling.machine import load
+from camgeo.milling.milling import MillingSpec, Stock
+from camgeo.milling.moves import ArcFeed, Feed, Heights, Move, Operation, Rapid, Stop, Toolpath
+from camgeo.milling.plan import plan_toolpath
+from camgeo.milling.planned import sequence_of
+from camgeo.milling.strategies import STRATEGIES
+from camgeo.milling.tool import Tool
+from camgeo.part.assembly import build_part
 from camgeo.part.part import Part
 from camgeo.part.spec import Keyway, PartSpec
-from camgeo.toolpath import plan
-from camgeo.toolpath.cut import ContourCut, Cut, PointCut
-from camgeo.toolpath.holding import Holding
-from camgeo.toolpath.machine import load
-from camgeo.toolpath.milling import MillingSpec
-from camgeo.toolpath.moves import ArcFeed, Feed, Heights, Move, Operation, Rapid, Stop, Toolpath
-from camgeo.toolpath.plan import plan_toolpath
-from camgeo.toolpath.sequence import sequence_of
-from camgeo.toolpath.stock import Stock
-from camgeo.toolpath.strategies import STRATEGIES
-from camgeo.toolpath.tool import Tool
 from tests.contour.cams import dense, dwell, move
 from tests.measuring import DensePath, Outline
 

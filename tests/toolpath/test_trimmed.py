@@ -9,24 +9,23 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from camgeo.cam.contact import Contact
-from camgeo.contour.contour import Contour
-from camgeo.curve.working_curve import WorkingCurve
+from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError
-from camgeo.outline.path import Path, whole
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.outline.path import Path, whole
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.milling.cut import ContourCut
+from camgeo.milling.holding import Holding
+from camgeo.milling.machine import load
+from camgeo.milling.milling import MillingSpec, Stock
+from camgeo.milling.moves import ArcFeed, Heights, Operation, Rapid, Toolpath
+from camgeo.milling.plan import plan_toolpath
+from camgeo.milling.planned import sequence_of
+from camgeo.milling.tool import Tool
+from camgeo.part.assembly import build_part
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
-from camgeo.part.build import build_part
 from camgeo.part.part import Layer, Part
 from camgeo.part.spec import PartSpec
-from camgeo.toolpath.cut import ContourCut
-from camgeo.toolpath.holding import Holding
-from camgeo.toolpath.machine import load
-from camgeo.toolpath.milling import MillingSpec
-from camgeo.toolpath.moves import ArcFeed, Heights, Operation, Rapid, Toolpath
-from camgeo.toolpath.plan import plan_toolpath
-from camgeo.toolpath.sequence import sequence_of
-from camgeo.toolpath.stock import Stock
-from camgeo.toolpath.tool import Tool
 from tests.contour.cams import dense, dwell, move, translating
 from tests.contour.paths import SAGITTA, cut_off_lobe, dense_path, shocks, swallow_tail
 from tests.measuring import DensePath, Outline

@@ -7,9 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.toolpath.holding import Clamp
-from camgeo.toolpath.turning import AXES, NOT, OTHER, mirrored, mirrored_all
-from camgeo.toolpath.zero import Zero
+from camgeo.milling.holding import AXES, NOT, OTHER, Clamp, mirrored, mirrored_all
+from camgeo.milling.zero import Zero
 
 LENGTHS = st.floats(-1e3, 1e3)
 PLACES = st.builds(complex, LENGTHS, LENGTHS)

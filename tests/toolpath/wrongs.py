@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from dataclasses import asdict, replace
 from typing import Any, Final
 
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.errors import CamgeoError
-from camgeo.scene.load import parse_scene
-from camgeo.toolpath.moves import ArcFeed, Feed, Move, Operation, Rapid, Stop, Toolpath
+from camgeo.milling.moves import ArcFeed, Feed, Move, Operation, Rapid, Stop, Toolpath
+from camgeo.scene.scene import parse_scene
 from tests.toolpath.programs import (
     CHAMFER,
     CLAMPS,

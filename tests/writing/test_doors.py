@@ -7,15 +7,15 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.answers.check import check
-from camgeo.cli.main import main
-from camgeo.design import Design
+from camgeo.app.answers.check import check
+from camgeo.app.cli.main import main
+from camgeo.design.design import Design
+from camgeo.design.verify import Against, Wanted, files_in, verify_files
+from camgeo.design.writing import make_files, write_files
 from camgeo.errors import SceneError, UndercutError
-from camgeo.formats.registry import FORMATS, find_format
-from camgeo.scene.load import load_scene, parse_scene
-from camgeo.toolpath import machine
-from camgeo.verifying.verify import Against, Wanted, files_in, verify_files
-from camgeo.writing.write import make_files, write_files
+from camgeo.milling import machine
+from camgeo.scene.formats.format import FORMATS, find_format
+from camgeo.scene.scene import load_scene, parse_scene
 from tests.scene.scenes import GROOVE, PLATE, spoilt
 
 UNDERCUT = spoilt(PLATE, ("roller_radius = 10", "roller_radius = 45"))

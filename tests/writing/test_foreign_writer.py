@@ -17,8 +17,8 @@ WRITER = """
 from dataclasses import dataclass
 
 from camgeo.errors import GeometryError
-from camgeo.writing.writer import Written
-from camgeo.formats.format import Format
+from camgeo.design.writing import Written
+from camgeo.scene.formats.format import Format
 
 
 @dataclass(frozen=True)
@@ -156,7 +156,7 @@ WRONG: Final = (
 
 BUILD_EACH: Final = """
 import contextlib, io, json, sys
-from camgeo.cli.main import main
+from camgeo.app.cli.main import main
 answers = []
 for path in sys.argv[1:]:
     with contextlib.redirect_stderr(io.StringIO()) as reported:

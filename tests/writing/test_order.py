@@ -9,10 +9,9 @@ from typing import Any
 
 import pytest
 
+from camgeo.design.writing import STAGING, make_files, settle, write_files, write_set
 from camgeo.errors import SceneError
-from camgeo.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
-from camgeo.writing.transaction import STAGING, settle, write_set
-from camgeo.writing.write import make_files, write_files
+from camgeo.scene.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from tests.export.stub_product import StubProduct
 
 OLD, NEW = ({name: f"{name} {age}".encode() for name in ("a", "b", "certificate")}
@@ -94,7 +93,7 @@ def test_what_is_taken_back_is_on_disk_before_the_next_step(
 
     with monkeypatch.context() as patch:
         patch.setattr(Path, "replace", stopping)
-        patch.setattr("camgeo.writing.transaction._restore", lambda _: "")
+        patch.setattr("camgeo.design.writing._restore", lambda _: "")
         with pytest.raises(KeyboardInterrupt):
             write_set(folder, NEW, force=True)
     steps.clear()
@@ -127,8 +126,8 @@ def test_nothing_is_overwritten_unless_it_is_asked_for(
         asked.append(force)
         return tuple(map(Path, files))
 
-    monkeypatch.setattr("camgeo.writing.write.write_set", written)
-    monkeypatch.setattr("camgeo.writing.write.make_files", lambda *_, **__: ({"a": b""}, ()))
+    monkeypatch.setattr("camgeo.design.writing.write_set", written)
+    monkeypatch.setattr("camgeo.design.writing.make_files", lambda *_, **__: ({"a": b""}, ()))
     write_files((StubProduct(),), tmp_path, ("dxf",), 0.01)
     write_files((StubProduct(),), tmp_path, ("dxf",), 0.01, force=True)
     assert asked == [False, True]

@@ -11,9 +11,9 @@ from typing import Any
 
 import pytest
 
+from camgeo.design import writing
+from camgeo.design.writing import JOURNAL, NEW, OLD, STAGING, settle, write_set
 from camgeo.errors import OutputError
-from camgeo.writing import transaction
-from camgeo.writing.transaction import JOURNAL, NEW, OLD, STAGING, settle, write_set
 from tests.kill.sets import everything
 from tests.waiting import PATIENCE, joined, until
 
@@ -98,8 +98,8 @@ def test_failing_write_leaves_nothing(
         before = {"out/a.dxf": b"old a", "out/c.stl": b"old c"}
         for name, data in before.items():
             (tmp_path / name).write_bytes(data)
-    failing = _fails_at(number, transaction._write_durably, error)
-    monkeypatch.setattr(transaction, "_write_durably", failing)
+    failing = _fails_at(number, writing._write_durably, error)
+    monkeypatch.setattr(writing, "_write_durably", failing)
     expected = OutputError if isinstance(error, OSError) else type(error)
     with pytest.raises(expected) as caught:
         write_set(folder, FILES, force=True)
@@ -179,14 +179,14 @@ def test_a_parent_that_cannot_be_synchronised(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As with a folder that may be written but not read."""
-    original = transaction._sync
+    original = writing._sync
 
     def refused(path: Path) -> None:
         if path == tmp_path:
             raise PermissionError(errno.EACCES, "Permission denied", str(path))
         original(path)
 
-    monkeypatch.setattr(transaction, "_sync", refused)
+    monkeypatch.setattr(writing, "_sync", refused)
     write_set(tmp_path / "out", FILES, force=False)
     assert everything(tmp_path / "out") == FILES
 
@@ -196,7 +196,7 @@ def test_a_parent_that_cannot_be_synchronised(
 
 def test_another_writer_is_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A thread is excluded like another process."""
-    monkeypatch.setattr(transaction, "PATIENCE", PATIENCE)
+    monkeypatch.setattr(writing, "PATIENCE", PATIENCE)
     messages: list[str] = []
     written = threading.Event()
 
@@ -204,11 +204,11 @@ def test_another_writer_is_waited_for(tmp_path: Path, monkeypatch: pytest.Monkey
         write_set(tmp_path, FILES, force=False, progress=messages.append)
         written.set()
 
-    with transaction._locked(tmp_path, messages.append):
+    with writing._locked(tmp_path, messages.append):
         (tmp_path / STAGING).mkdir()
-        (tmp_path / STAGING / transaction.WRITER).write_text("4711")
+        (tmp_path / STAGING / writing.WRITER).write_text("4711")
         with monkeypatch.context() as patch:
-            patch.setattr(transaction, "PATIENCE", 0.1)
+            patch.setattr(writing, "PATIENCE", 0.1)
             message = "process 4711 is writing there; nothing was written"
             with pytest.raises(OutputError, match=message):
                 write_set(tmp_path, FILES, force=False)

@@ -13,15 +13,13 @@ from pathlib import Path
 import pytest
 
 import camgeo
-from camgeo.answers.check import check
+from camgeo.app.answers.check import check
+from camgeo.design import writing as write_module
+from camgeo.design import writing as writer_module
+from camgeo.design.product import Product
+from camgeo.design.writing import Written, find_writer, find_writers, write_files, writer_names
 from camgeo.errors import SceneError, ToleranceError
-from camgeo.formats.format import Format, no_options
-from camgeo.formats.registry import writer_entries
-from camgeo.product.product import Product
-from camgeo.writing import write as write_module
-from camgeo.writing import writer as writer_module
-from camgeo.writing.write import write_files
-from camgeo.writing.writer import Written, find_writer, find_writers, writer_names
+from camgeo.scene.formats.format import Format, no_options, writer_entries
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 

@@ -3,17 +3,750 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
-from typing import Final
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from decimal import ROUND_FLOOR, Decimal, localcontext
+from functools import lru_cache, singledispatch
+from typing import Any, Final
 
-from camgeo.check.cures.conditions import Angle, Bend, Condition, Convex, Discs, Ratio
-from camgeo.check.cures.cure import Cure
-from camgeo.check.cures.laws import other_law
-from camgeo.check.cures.sizes import base_radius, face_out, offset_or_arm, roller_radius
-from camgeo.check.cures.spans import longer_segment
-from camgeo.check.cures.task import Edits, Task
+from camgeo.cam.cam import Cam
+from camgeo.check.cures.search import (
+    BEYOND,
+    UNKNOWN,
+    Along,
+    Angle,
+    Bend,
+    Change,
+    Condition,
+    Conditions,
+    Convex,
+    Cure,
+    Discs,
+    Edits,
+    Excess,
+    Judge,
+    Length,
+    Ratio,
+    Span,
+    Task,
+    Way,
+    angles_of,
+    crossings,
+    degrees,
+    digits_for,
+    dwells_around,
+    dwells_beside,
+    edits_of,
+    faulty_segments,
+    from_rest_to_rest,
+    holds,
+    key_of,
+    length_cure,
+    margins_of_each,
+    moved,
+    no_cure,
+    percent,
+    plan_of,
+    rests_beside,
+    rounded_beyond,
+    shown,
+    sized,
+    worst_place,
+)
 from camgeo.check.finding import BROKEN, RETURN, Finding
-from camgeo.units import LengthUnit
+from camgeo.errors import GeometryError
+from camgeo.geometry.pieces import curvature_extremes
+from camgeo.kinematics.laws import FAMILIES, law_of
+from camgeo.kinematics.laws.law import Law, acceleration_jumps, characteristic
+from camgeo.kinematics.mechanism.face import flat_follower
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import EXACT, MotionPlan, Move
+from camgeo.numeric.arrays import FloatArray
+from camgeo.units import MM_PER, LengthUnit
+
+# -- sizes ----------------------------------------------------------------------------------------
+# Cures by one dimension of the follower: base radius, roller radius, offset or arm.
+
+
+LARGEST_BASE: Final = 100.0
+"""Largest base radius tried, as a multiple of the present one."""
+
+KNOWN: Final = 64
+"""Latest values of a size of which the discs are kept: conditions and checks share what they find
+in them."""
+
+INSIDE: Final = 1e-6
+"""Fraction of the base radius by which an offset, arm or base radius stays clear of the value at
+which the mechanism locks or is stretched out, or the roller covers the cam axis."""
+
+TABLES: Final = ("follower", "follower.return")
+"""The scene's table of each disc's roller."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Size:
+    """A dimension of the follower, a `Knob` of the search.
+
+    Attributes
+    ----------
+    start, scale : its present value, and what a change is compared with [mm].
+    made : the discs with another value.
+    """
+
+    start: float
+    scale: float
+    made: Callable[[float], Discs]
+
+    def make(self, value: float) -> Discs:
+        """See `Knob`."""
+        return self.made(value)
+
+    def worst(self, value: float, conditions: Conditions) -> Along | None:
+        """See `Knob`."""
+        found = worst_place(self.made(value), conditions)
+        if found is None:
+            return None
+        condition, number, phi = found
+
+        def cam(other: float) -> Cam | None:
+            try:
+                return self.made(other)[number]
+            except GeometryError:
+                return None
+
+        def along(values: FloatArray) -> FloatArray:
+            return margins_of_each(condition, [cam(each) for each in values.tolist()], phi)
+
+        return along
+
+    def nearest(
+        self,
+        low: float,
+        high: float,
+        conditions: Conditions,
+        judged: Callable[[float], Excess],
+        unit: LengthUnit,
+    ) -> Length | None:
+        """The nearest length between `low` and `high` [mm] at which what is `judged` holds."""
+
+        def rounded(value: float) -> float:
+            upward, mm = value > self.start, MM_PER[unit]
+            digits = digits_for(self.start, value)
+            return mm * float(rounded_beyond(value / mm, digits, upward=upward))
+
+        up = Way(self, max(high, self.start), conditions, judged, rounded).nearest()
+        if up is not None:
+            low = max(low, self.start - (up - self.start))
+        way = Way(self, min(low, self.start), conditions, judged, rounded)
+        down = way.nearest()
+        limit = up if down is None else down
+        if limit is None:
+            return None
+
+        def cures(value: float) -> bool:
+            return way.keeps(value) and holds(judged(value))
+
+        return Length.beyond(self.start, limit, cures, unit, upward=down is None)
+
+
+def base_radius(task: Task) -> Cure:
+    """Another base circle; an oscillating follower keeps its pivot and arm.
+
+    The return roller of a pair moves with the main one.
+    """
+    main = task.discs[0]
+    old = main.follower.base_radius
+    high = min(LARGEST_BASE * old, max(main.follower.farthest * (1.0 - INSIDE), old))
+    low = _knob(main.follower)[-1] + INSIDE * old
+    if main.contact.runs_inside:
+        low = max(low, main.disc.flank_distance * (1.0 + INSIDE))
+    return _other(task, "base radius", 0, (min(low, old), high), old)
+
+
+def offset_or_arm(task: Task) -> Cure:
+    """Another offset |e| < r_G of a guide, or another arm of a rocker with the same pivot and r_G.
+
+    Of a pair whose return disc alone is at fault, that of the return roller.
+    """
+    number = 1 if len(task.discs) > 1 and _is_kept(task, task.discs[:1]) else 0
+    knob, low, high, scale, _ = _knob(task.discs[number].follower)
+    return _other(task, knob, number, (low, high), scale)
+
+
+def _other(task: Task, knob: str, number: int, within: tuple[float, float], scale: float) -> Cure:
+    """Another value of one dimension, in whichever direction the change is smaller."""
+    field = knob.replace(" ", "_")
+    key, old = f"{TABLES[number]}.{field}", float(getattr(task.discs[number].follower, field))
+    mm = MM_PER[task.unit]
+
+    @lru_cache(KNOWN)
+    def made(value: float) -> Discs:
+        return sized(task.discs, number, **{field: mm * (value / mm)})
+
+    size = Size(old, scale, made)
+    length = _sought(task, size, within, lambda value: {key: value / mm})
+    ends = f"{within[0] / mm:.6g} and {within[1] / mm:.6g} {task.unit}"
+    none = f"no other {knob} between {ends} cures it"
+    cure = length_cure(knob, key, old, length, scale, none, task.unit)
+    return task.finished(cure, None if length is None else size.made(length.value))
+
+
+def _sought(
+    task: Task, size: Size, within: tuple[float, float], edits: Callable[[float], Edits]
+) -> Length | None:
+    for conditions, verdict in task.stages:
+
+        def judged(value: float, verdict: Judge = verdict) -> Excess:
+            return verdict(size.made(value), edits(value))
+
+        length = size.nearest(*within, conditions, judged, task.unit)
+        if length is not None:
+            return length
+    return None
+
+
+def roller_radius(task: Task) -> Cure:
+    """A smaller roller: at most the smallest r_K that matters, in closed form (Wirsig eq. 3.36).
+
+    In a groove with side clearance c at most r_K - c/2; the clearance is kept. Smaller still, by a
+    search, if the flank of that roller crosses itself. Of a pair each roller that needs it.
+    """
+    made, found = task.discs, list[Cure]()
+    for number in reversed(range(len(made))):  # the return roller may have the main one's size
+        if len(made) > 1 and _is_kept(task, (made[number],)):
+            continue
+        key, old = f"{TABLES[number]}.roller_radius", made[number].follower.roller_radius
+        length = _smaller_roller(task, made, number, key)
+        none = f"no smaller roller radius cures it ({key}){_why(task, made[number])}"
+        cure = length_cure("roller radius", key, old, length, old, none, task.unit, "at most ")
+        if length is None:
+            return task.finished(cure)
+        found.append(cure)
+        made = sized(made, number, roller_radius=length.value)
+    return _together(task, found, made)
+
+
+def _smaller_roller(task: Task, discs: Discs, number: int, key: str) -> Length | None:
+    """That of one disc: of a pair the other one may be at fault too."""
+    old, mm = discs[number].follower.roller_radius, MM_PER[task.unit]
+    size = Size(old, old, lambda value: (sized(discs, number, roller_radius=value)[number],))
+    low = BEYOND * old
+    if len(discs) == 1:
+        return _sought(task, size, (low, old), lambda value: {key: value / mm})
+    conditions = (task.condition,)
+
+    def judged(value: float) -> Excess:
+        return UNKNOWN if _crosses(size.made(value)) else {}
+
+    return size.nearest(low, old, conditions, judged, task.unit)
+
+
+def _why(task: Task, cam: Cam) -> str:
+    """Why no roller at all fits a disc."""
+    if cam.follower.roller_radius == 0.0:
+        return ": a knife edge has no roller to make smaller"
+    bends = curvature_extremes(cam.disc.pitch_curve)
+    extremes = bends.smallest()[0], bends.largest()[0]
+    kappa = max(-flank.sign * each for flank in cam.contact.flanks for each in extremes)
+    if kappa <= 0.0:
+        return ""
+    mm = MM_PER[task.unit]
+    play, radius = cam.clearance / mm, 1.0 / (kappa * mm)
+    beside = f", beside a play of {play:.6g} {task.unit}" if play > 0.0 else ""
+    return f": the smallest radius of curvature is {radius:.3g} {task.unit}{beside}"
+
+
+def _is_kept(task: Task, discs: Discs) -> bool:
+    """Whether the fault is not that of these discs."""
+    try:
+        crosses = task.condition.vital and _crosses(discs)
+        return not crosses and worst_place(discs, (task.condition,)) is None
+    except GeometryError:
+        return False
+
+
+def _crosses(discs: Discs) -> bool:
+    try:
+        return bool(crossings(discs))
+    except GeometryError:  # it cannot be decided
+        return True
+
+
+def _together(task: Task, found: list[Cure], made: Discs) -> Cure:
+    """The cures of all discs as one, led by the most costly; no cure unless it cures both."""
+    leading = max(found, key=lambda cure: cure.cost or 0.0)
+    others = [cure for cure in found if cure is not leading]
+    sentence = " and ".join(cure.sentence for cure in (leading, *others))
+    also = tuple(Change(each.key, each.value_from, each.value_to or 0.0) for each in others)
+    cure = replace(leading, sentence=sentence, also=also)
+    if not holds(task.failing(made, edits_of(cure))):
+        reason = "no smaller roller radii cure both discs"
+        none = no_cure(leading.knob, leading.key, leading.value_from, leading.unit, reason)
+        return task.finished(none)
+    return task.finished(cure, made)
+
+
+def face_out(task: Task) -> Cure:
+    """The least base radius, on a rocker with as much more face offset, that leaves no undercut.
+
+    Moved out by D, a face has the parallel outline, all of whose radii are larger by D.
+    """
+    (cam,) = task.discs
+    follower = flat_follower(cam.follower)
+    old, mm = follower.base_radius, MM_PER[task.unit]
+    present = {key: getattr(follower, _field(key)) / mm for key in follower.raised_by}
+
+    def raised(value: float) -> dict[str, float]:
+        """Each length in the unit that goes with the base radius `value` [mm], by its key."""
+        more = Decimal(repr(value / mm)) - Decimal(repr(old / mm))
+        return {key: float(Decimal(repr(each)) + more) for key, each in present.items()}
+
+    def made(value: float) -> Discs:
+        return (cam.sized(**{_field(key): mm * each for key, each in raised(value).items()}),)
+
+    length = _sought(task, Size(old, old, made), (old, LARGEST_BASE * old), raised)
+    first, *others = follower.raised_by
+    none = f"no larger {' and '.join(follower.raised_by)} cures it"
+    cure = length_cure("base radius", first, old, length, old, none, task.unit, "at least ")
+    if length is None:
+        return task.finished(cure)
+    if others:
+        lengths = raised(length.value)
+        also = tuple(Change(key, present[key], lengths[key]) for key in others)
+        beside = " and ".join(f"{key} {shown(lengths[key])} {task.unit}" for key in others)
+        cure = replace(cure, sentence=f"{cure.sentence}, with {beside}", also=also)
+    return task.finished(cure, made(length.value))
+
+
+def _field(key: str) -> str:
+    """The field of a key of the scene."""
+    return key.removeprefix("follower.")
+
+
+@singledispatch
+def _knob(follower: Any) -> tuple[str, float, float, float, float]:
+    """The dimension to change besides the radii: its name, bounds, and a scale for it; and the base
+    radius down to which there is a mechanism [mm].
+    """
+    raise TypeError(type(follower))
+
+
+@_knob.register
+def _(follower: TranslatingRoller) -> tuple[str, float, float, float, float]:
+    high = (1.0 - INSIDE) * follower.base_radius
+    return "offset", -high, high, follower.base_radius, abs(follower.offset)
+
+
+@_knob.register
+def _(follower: OscillatingRoller) -> tuple[str, float, float, float, float]:
+    distance, base = follower.centre_distance, follower.base_radius
+    low, high = abs(distance - base) + INSIDE * base, (distance + base) - INSIDE * base
+    return "arm", low, high, follower.arm, abs(follower.excess)
+
+
+# -- remedies -------------------------------------------------------------------------------------
+
+
+# -- laws -----------------------------------------------------------------------------------------
+# Cure by another law for the moves at fault, with sizes and spans unchanged.
+
+
+OTHER_LAW = "other law"
+
+TASK = "R-R"
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """A law that could replace another, and what that would cost.
+
+    Attributes
+    ----------
+    law : with its default parameters.
+    growth : relative increase of the peak acceleration, 0 if it does not grow.
+    """
+
+    law: Law
+    growth: float
+
+
+def other_law(task: Task) -> Cure:
+    """Another family for the moves from rest to rest that are at fault, with default parameters.
+
+    Of those that cure, the one whose peak acceleration grows least; one whose acceleration jumps
+    only if the present one's does. Each move gets its own; if the flank then crosses itself, all
+    get the same.
+    """
+    discs = task.discs
+    plan, places = plan_of(discs), faulty_segments(task, discs)
+    for number in places:
+        move = plan.segments[number]
+        if not (isinstance(move, Move) and move.law.task == TASK and _at_rest(plan, number, move)):
+            key = key_of(number, move, "law")
+            reason = f"another law: {key} is at fault and is not a law from rest to rest"
+            present = move.law.name if isinstance(move, Move) else ""
+            return task.finished(no_cure(OTHER_LAW, key, present, "", reason))
+    number = places[0]
+    for conditions, verdict in task.stages:
+        fitting = _fitting(discs, places, conditions)
+        number = next((each for each, offers in fitting.items() if not offers), number)
+        if not all(fitting.values()):
+            continue
+        first = {number: offers[0] for number, offers in fitting.items()}
+        for offers in (first, *_same_for_all(fitting)):
+            cure, made = _other_laws(plan, offers), _with(discs, offers)
+            if holds(verdict(made, edits_of(cure))):
+                return task.finished(cure, made)
+    move = _move(plan, number)
+    key = key_of(number, move, "law")
+    reason = f"no other {key} cures it at these sizes"
+    return task.finished(no_cure(OTHER_LAW, key, move.law.name, "", reason))
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """A law from rest to rest, the peak of its acceleration, and whether this jumps."""
+
+    law: Law
+    peak: float
+    jerky: bool
+
+    @classmethod
+    def of(cls, law: Law) -> Choice:
+        """What is known of `law`."""
+        return cls(law, _peak(law), _jerks(law))
+
+
+def choices() -> list[Choice]:
+    """All laws that a move can have from rest to rest, with their default parameters."""
+    families = [family for family in FAMILIES.values() if TASK in family.tasks]
+    return [Choice.of(law_of(family.name, TASK, {})) for family in families]
+
+
+def offers_for(
+    plan: MotionPlan, number: int, present: Choice, laws: Sequence[Choice]
+) -> list[Offer]:
+    """Those of the `laws` that could take the place of the `present` one, cheapest first."""
+    found = []
+    for each in laws:
+        law, old = each.law, present.law
+        same = law.name == old.name and law.parameters == old.parameters
+        if not same and (present.jerky or not each.jerky) and rests_beside(plan, number, law):
+            found.append((Offer(law, max(0.0, each.peak / present.peak - 1.0)), each.jerky))
+    return [offer for offer, _ in sorted(found, key=lambda each: (each[0].growth, each[1]))]
+
+
+def _fitting(discs: Discs, places: Sequence[int], conditions: Conditions) -> dict[int, list[Offer]]:
+    """For each move the offers that keep the conditions in it, the cheapest first.
+
+    As these depend over a move on its own law and on no other, a law is tried in all places at
+    once.
+    """
+    plan, laws = plan_of(discs), choices()
+    present = {number: _move(plan, number).law for number in places}
+    different = {id(law): law for law in present.values()}
+    known = {key: Choice.of(law) for key, law in different.items()}
+    offers = {n: offers_for(plan, n, known[id(law)], laws) for n, law in present.items()}
+    fit: set[tuple[int, str]] = set()
+    for name in {offer.law.name for every in offers.values() for offer in every}:
+        tried = {n: each for n, every in offers.items() for each in every if each.law.name == name}
+        fit |= {(number, name) for number in _fit(discs, tried, conditions)}
+    return {
+        number: [offer for offer in every if (number, offer.law.name) in fit]
+        for number, every in offers.items()
+    }
+
+
+def _fit(discs: Discs, offers: Mapping[int, Offer], conditions: Conditions) -> list[int]:
+    """Those of the moves that keep the conditions by the `offers`."""
+    made, plan = _with(discs, offers), plan_of(discs)
+    try:
+        return [n for n in offers if worst_place(made, conditions, angles_of(plan, n)) is None]
+    except GeometryError:  # which may be for one of them alone
+        if len(offers) == 1:
+            return []
+        each = ({number: offer} for number, offer in offers.items())
+        return [number for one in each for number in _fit(discs, one, conditions)]
+
+
+def _same_for_all(fitting: Mapping[int, list[Offer]]) -> list[dict[int, Offer]]:
+    """Each law that fits all moves, for all of them, cheapest first."""
+    by_name = [{offer.law.name: offer for offer in offers} for offers in fitting.values()]
+    names = [name for name in by_name[0] if all(name in offers for offers in by_name)]
+    every = [
+        {number: offers[name] for number, offers in zip(fitting, by_name, strict=True)}
+        for name in names
+    ]
+    return sorted(every, key=lambda offers: max(offer.growth for offer in offers.values()))
+
+
+def _with(discs: Discs, offers: Mapping[int, Offer]) -> Discs:
+    segments = list(plan_of(discs).segments)
+    for number, offer in offers.items():
+        segments[number] = replace(_move(plan_of(discs), number), law=offer.law)
+    return moved(discs, MotionPlan(tuple(segments)))
+
+
+def _at_rest(plan: MotionPlan, number: int, move: Move) -> bool:
+    """Whether another law can take its place: beside a dwell, or where this one also rests."""
+    sides = zip((move.law.start, move.law.end), dwells_beside(plan, number), strict=True)
+    return all(dwells or end.velocity == end.acceleration == 0.0 for end, dwells in sides)
+
+
+def _move(plan: MotionPlan, number: int) -> Move:
+    """A segment that is known to be a move."""
+    move = plan.segments[number]
+    assert isinstance(move, Move)
+    return move
+
+
+def _peak(law: Law) -> float:
+    """Largest magnitude of f''; infinite for a law that starts or ends with a shock."""
+    if law.start.velocity or law.end.velocity:
+        return math.inf
+    values = characteristic(law)
+    return max(abs(values.largest_acceleration.value), abs(values.least_acceleration.value))
+
+
+def _jerks(law: Law) -> bool:
+    """Whether the acceleration jumps, between two rests."""
+    ends = (law.start, law.end)
+    return any(end.velocity or end.acceleration for end in ends) or bool(acceleration_jumps(law))
+
+
+def _other_laws(plan: MotionPlan, offers: Mapping[int, Offer]) -> Cure:
+    changes = {}
+    for number, offer in offers.items():
+        move = _move(plan, number)
+        changes[number] = Change(key_of(number, move, "law"), move.law.name, offer.law.name)
+    leading = max(offers, key=lambda number: offers[number].growth)
+    cost = offers[leading].growth
+    named = " and ".join(
+        f'{change.key} "{change.value_to}" instead of "{change.value_from}"'
+        for change in changes.values()
+    )
+    grows = f"grows by {percent(cost)}" if cost > 0.0 else "does not grow"
+    sentence = f"{named}, with default parameters (the peak of the acceleration {grows})"
+    also = tuple(change for number, change in changes.items() if number != leading)
+    return changes[leading].cure(OTHER_LAW, "", cost, sentence, also)
+
+
+# -- spans ----------------------------------------------------------------------------------------
+# Cure by longer segments: moves at fault take cam angle from the dwells next to them.
+
+
+LONGER_SEGMENT: Final = "longer segment"
+
+STEP: Final = Decimal("0.000001")
+"""Spans are rounded to millionths of a degree, to the next one beyond the limit."""
+
+MOST: Final = 1e-6
+"""Accuracy, as a fraction of a span, of the largest growth for which the dwells have room."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Growth:
+    """The growth of several moves by one factor, less 1, a `Knob` of the search.
+
+    Attributes
+    ----------
+    discs : as they are.
+    spans : of the moves, by their numbers in the plan, at growth 0.
+    """
+
+    discs: Discs
+    spans: Mapping[int, Decimal]
+    start: float = 0.0
+    scale: float = 1.0
+
+    def plan(self, growth: float, *, rounded: bool = True) -> MotionPlan | None:
+        """The plan, with spans that are rounded up; None if the dwells are too short."""
+        with localcontext(EXACT):
+            factor = 1 + Decimal(growth)
+            spans = {number: span * factor for number, span in self.spans.items()}
+        if rounded:
+            spans = {number: _rounded_up(span) for number, span in spans.items()}
+        return longer_plan(plan_of(self.discs), spans)
+
+    def make(self, value: float) -> Discs:
+        """See `Knob`."""
+        longer = self.plan(value, rounded=False)
+        if longer is None:
+            raise GeometryError("the dwells are too short", key="motion")
+        return moved(self.discs, longer)
+
+    def worst(self, value: float, conditions: Conditions) -> Along | None:
+        """See `Knob`; longer than they must be, moves hardly break anything."""
+        if worst_place(self.make(value), conditions) is not None:
+            raise GeometryError("these moves are too short", key="motion")
+        return None
+
+    @property
+    def most(self) -> float:
+        """The largest one for which the dwells have room, up to `MOST` of it."""
+        most, too_much = 0.0, float(360 / min(self.spans.values()))
+        while too_much - most > MOST * max(1.0, most):
+            middle = 0.5 * (most + too_much)
+            most, too_much = (most, middle) if self.plan(middle) is None else (middle, too_much)
+        return most
+
+
+def longer_segment(task: Task) -> Cure:
+    """Longer spans for the moves at fault, at the expense of the dwells next to them.
+
+    Each move has its own limit. Against global undercut all of them grow by one factor. Each takes
+    from the dwells before and after it in proportion to their length.
+    """
+    discs = task.discs
+    plan, places = plan_of(discs), faulty_segments(task, discs)
+    for number in places:
+        segment = plan.segments[number]
+        if not from_rest_to_rest(plan, number):
+            key = key_of(number, segment, "span")
+            reason = f"the span of a segment: {key} is at fault and is not a move from rest to rest"
+            return task.finished(no_cure(LONGER_SEGMENT, key, segment.span, "deg", reason))
+    for conditions, verdict in task.stages:
+        longer = _longer(task, places, conditions, verdict)
+        if longer is not None:
+            return task.finished(_longer_segments(plan, longer, places), moved(discs, longer))
+    return task.finished(_too_short(plan, places[0]))
+
+
+def _longer(
+    task: Task,
+    places: Sequence[int],
+    conditions: Conditions,
+    verdict: Judge,
+) -> MotionPlan | None:
+    """The plan with moves that are long enough; None if there is no room for them."""
+    discs, plan = task.discs, plan_of(task.discs)
+
+    def judged(longer: MotionPlan | None) -> Excess:
+        if longer is None or longer == plan:
+            return UNKNOWN
+        return verdict(moved(discs, longer), edits_of(_longer_segments(plan, longer, places)))
+
+    spans = _limits(discs, places, conditions)
+    longer = None if spans is None else longer_plan(plan, spans)
+    if spans is None or longer is None:
+        return None
+    if holds(judged(longer)):
+        return longer
+    growth = Growth(discs, spans)
+    way = Way(growth, growth.most, conditions, lambda value: judged(growth.plan(value)))
+    limit = way.nearest()
+    longer = None if limit is None else growth.plan(limit)
+    return longer if holds(judged(longer)) else None
+
+
+def _limits(
+    discs: Discs, places: Sequence[int], conditions: Conditions
+) -> dict[int, Decimal] | None:
+    """For each move its least span that keeps the conditions; None if the dwells beside one are
+    too short.
+    """
+    plan = plan_of(discs)
+    spans: dict[int, Decimal] = {}
+    for number in places:
+        present = plan.segments[number].span
+        beside = (plan.segments[each].span for each in dwells_around(plan, number))
+        most = sum(beside, present)
+        knob = Span(discs, number)
+        limit = Way(knob, float(most), conditions, lambda _: {}).nearest()
+        if limit is None:
+            return None
+        spans[number] = present if limit == float(present) else _rounded_up(Decimal(limit))
+        if spans[number] > most:
+            return None
+    return spans
+
+
+def longer_plan(plan: MotionPlan, spans: Mapping[int, Decimal]) -> MotionPlan | None:
+    """The plan with other spans of the moves at some indices; None if the dwells are too short.
+
+    A move takes first from dwells that are next to no other of these moves.
+    """
+    segments = list(plan.segments)
+    beside = {number: dwells_around(plan, number) for number in spans}
+    users = Counter(place for places in beside.values() for place in places)
+    with localcontext(EXACT):
+        rests = {place: segments[place].span for place in users}
+        for number, span in spans.items():
+            missing = span - segments[number].span
+            for shared in (False, True):
+                among = [place for place in beside[number] if (users[place] > 1) == shared]
+                missing = _take(rests, among, missing)
+            if missing > 0:
+                return None
+            segments[number] = replace(segments[number], span=span)
+    for place, rest in rests.items():
+        segments[place] = replace(segments[place], span=rest)
+    return MotionPlan(tuple(segments))
+
+
+def _take(rests: dict[int, Decimal], among: list[int], wanted: Decimal) -> Decimal:
+    """Take `wanted` degrees from the dwells in proportion to their length; return what lacks."""
+    there = sum((rests[place] for place in among), Decimal(0))
+    part = min(wanted, there)
+    if part <= 0:
+        return wanted
+    left = part
+    for place in among:
+        share = (rests[place] * part / there).quantize(STEP, rounding=ROUND_FLOOR)
+        share = min(share, rests[place], left)
+        rests[place] -= share
+        left -= share
+    for place in among:  # what the rounding left over
+        share = min(left, rests[place])
+        rests[place] -= share
+        left -= share
+    return wanted - part
+
+
+def _rounded_up(span: Decimal) -> Decimal:
+    """The next larger multiple of the step."""
+    with localcontext(EXACT):
+        return span.quantize(STEP, rounding=ROUND_FLOOR) + STEP
+
+
+def _longer_segments(old: MotionPlan, new: MotionPlan, places: Sequence[int]) -> Cure:
+    changes = {
+        number: Change(key_of(number, before, "span"), before.span, after.span)
+        for number, (before, after) in enumerate(zip(old.segments, new.segments, strict=True))
+        if before.span != after.span
+    }
+    shares = {
+        number: float(new.segments[number].span / old.segments[number].span - 1)
+        for number in places
+    }
+    leading = max(shares, key=shares.__getitem__)
+    also = [changes[number] for number in places if number != leading and number in changes]
+    dwells = [change for number, change in changes.items() if number not in places]
+    moves = " and ".join(_told(changes[number]) for number in places if number in changes)
+    taken = " and ".join(_told(change) for change in dwells)
+    cost = shares[leading]
+    sentence = f"longer: {moves} (a change by {percent(cost)}), taken from {taken}"
+    return changes[leading].cure(LONGER_SEGMENT, "deg", cost, sentence, (*also, *dwells))
+
+
+def _told(change: Change) -> str:
+    old, new = change.value_from, change.value_to
+    assert isinstance(old, Decimal)
+    assert isinstance(new, Decimal)
+    return f"{change.key} {degrees(new)} deg instead of {degrees(old)}"
+
+
+def _too_short(plan: MotionPlan, number: int) -> Cure:
+    segment = plan.segments[number]
+    key = key_of(number, segment, "span")
+    reason = f"no longer {key} cures it: the dwells next to it leave too little room"
+    return no_cure(LONGER_SEGMENT, key, segment.span, "deg", reason)
+
+
+# -- remedies -------------------------------------------------------------------------------------
+
 
 OF_MOTION: Final = (longer_segment, other_law)
 

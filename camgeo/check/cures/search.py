@@ -1,30 +1,49 @@
-"""The nearest value of a size at which a fault is gone, whatever the size and whatever the fault.
-
-Where a condition is broken, the cam angle at which it is worst proves it broken for all values up
-to the one at which the margin of that place alone vanishes. There another place may be the worst,
-from which the search goes on: so it comes to the nearest value at which no place breaks anything,
-step by step and from the broken side, and no window is jumped over. Along the way it solves
-equations in one unknown.
-
-What no place decides is left to the verdict on the value found. If it is a flank that crosses
-itself, the search goes on where the neck is as wide as the roller; else in growing steps, from
-which the limit is halved in.
-"""
+"""A cure: one knob of the design, turned just far enough to remove a fault."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Final, Protocol
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal, localcontext
+from itertools import chain
+from typing import ClassVar, Final, Protocol, Self
 
 import numpy as np
 
-from camgeo.check.cures.conditions import Conditions, Discs
-from camgeo.check.cures.neck import Neck, crossings, followed, narrowest
-from camgeo.errors import GeometryError
-from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.roots import bracketed_roots
+from camgeo.cam.cam import Cam
+from camgeo.check.finding import BROKEN, CONVEXITY, NO_OUTLINE, RETURN, UNDERCUT, Finding
+from camgeo.check.flank import transmission_angle_extremes
+from camgeo.check.machine import check_follower
+from camgeo.errors import GeometryError, SceneError
+from camgeo.geometry.outline.cusps import CUSP
+from camgeo.geometry.pieces import Extremes, curvature_extremes
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.together import LinkedMotions, Repeated, one_curve
+from camgeo.kinematics.laws.law import Law
+from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.mechanism.several import alike
+from camgeo.kinematics.motion import FULL_ORDER, Jet, Motion
+from camgeo.kinematics.plan import EXACT, SNAP, Dwell, MotionPlan, Move, Segment
+from camgeo.lazy import Ledger
+from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.extremes import bracketed_roots
+from camgeo.units import MM_PER, TURN, LengthUnit, in_unit, listed
+
+# -- search ---------------------------------------------------------------------------------------
+# The nearest value of a size at which a fault is gone, whatever the size and whatever the fault.
+#
+# Where a condition is broken, the cam angle at which it is worst proves it broken for all values up
+# to the one at which the margin of that place alone vanishes. There another place may be the worst,
+# from which the search goes on: so it comes to the nearest value at which no place breaks anything,
+# step by step and from the broken side, and no window is jumped over. Along the way it solves
+# equations in one unknown.
+#
+# What no place decides is left to the verdict on the value found. If it is a flank that crosses
+# itself, the search goes on where the neck is as wide as the roller; else in growing steps, from
+# which the limit is halved in.
+
 
 FIRST: Final = 0.005
 """First step, as a fraction of the scale, where no place of the cam says how far to go."""
@@ -309,3 +328,828 @@ def _highest(low: FloatArray, middle: FloatArray, high: FloatArray) -> FloatArra
 def _root(function: Callable[[float], float], low: float, high: float) -> float:
     """The root of `function` between `low` and `high`, where it has opposite signs."""
     return _bracketed(lambda x: np.array([function(float(each)) for each in x]), low, high)
+
+
+# -- conditions -----------------------------------------------------------------------------------
+# What a cam must hold, as margins over the cam angle: positive where a limit is kept.
+#
+# Each is a function of the place alone, so that the place where it is worst proves for which other
+# values of a size it is broken too. What no place decides by itself, as whether a flank crosses
+# itself, is left to the checks.
+
+
+Discs = tuple[Cam, ...]
+"""The cam, or the main and the return cam of a pair. Both have one drive."""
+
+SIDES: Final[tuple[Side, Side]] = ("right", "left")
+
+Range = tuple[float, float]
+"""Cam angles [rad] of two breaks, or the ends of a dwell."""
+
+
+def sized(discs: Discs, number: int = 0, **sizes: float) -> Discs:
+    """The same with other dimensions of the follower of disc `number`, as its table states them.
+
+    A return roller follows the main one in what is not stated for it. GeometryError if the
+    dimensions are impossible.
+    """
+    main, *others = discs
+    if number == 0:
+        main = main.sized(**sizes)
+    changed = [main]
+    for place, cam in enumerate(others, start=1):
+        mount = cam.mount
+        assert mount is not None  # what makes it the second disc of a pair
+        mount = mount.sized(**sizes) if place == number else mount
+        follower = mount.roller(main.follower)
+        changed.append(replace(cam, follower=follower, mount=mount, ledger=Ledger()))
+    return tuple(changed)
+
+
+def moved(discs: Discs, plan: MotionPlan) -> Discs:
+    """The same with another motion plan."""
+    main, *others = discs
+    main = main.moved(plan)
+    return (main, *(replace(cam, drive=main.drive, ledger=Ledger()) for cam in others))
+
+
+def plan_of(discs: Discs) -> MotionPlan:
+    """The motion plan of their drive."""
+    return discs[0].drive.plan
+
+
+def angles_of(plan: MotionPlan, number: int) -> Range:
+    """Cam angles [rad] at which a segment starts and ends."""
+    first, last = plan.joints_deg[number : number + 2]
+    return math.radians(float(first)), math.radians(float(last))
+
+
+def segment_at(plan: MotionPlan, angle: float) -> int:
+    """Index of the segment that contains the cam angle [rad]; the last with a length if none
+    does.
+    """
+    last = 0
+    for number, segment in enumerate(plan.segments):
+        if not segment.span:
+            continue
+        start, end = angles_of(plan, number)
+        if start <= angle < end:
+            return number
+        last = number
+    return last
+
+
+@dataclass(frozen=True, slots=True)
+class Condition(ABC):
+    """A limit at each cam angle.
+
+    Attributes
+    ----------
+    names : beginnings of the names of the findings that report where it is broken.
+    vital : whether there is no disc then.
+    """
+
+    names: ClassVar[tuple[str, ...]]
+    vital: ClassVar[bool] = False
+
+    @abstractmethod
+    def over_turn(self, cam: Cam) -> Extremes:
+        """All local extremes of the margin. GeometryError if the pitch curve stands still."""
+
+    @abstractmethod
+    def at(self, curve: PitchCurve, cams: Sequence[Cam], phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) what has the sign of the margins at `phi` (n,) [rad], and no poles, on `curve`,
+        which is that of `cams`: one for each place, or one for all.
+        """
+
+
+@dataclass(frozen=True, slots=True)
+class Bend(Condition):
+    """1 + d kappa of the flanks in use: neither cusp nor local undercut, with the play of a groove.
+
+    With `ratio` the rule r_R <= ratio r_K: the same, of a roller r_R/ratio without play.
+    """
+
+    names: ClassVar[tuple[str, ...]] = UNDERCUT
+    vital = True
+
+    ratio: float | None = None
+
+    def _distances(self, cam: Cam) -> tuple[float, ...]:
+        if self.ratio is None:
+            return cam.distances
+        radius = cam.follower.roller_radius / self.ratio
+        return tuple(math.copysign(radius, each) for each in cam.distances)
+
+    def over_turn(self, cam: Cam) -> Extremes:
+        bends = curvature_extremes(cam.disc.pitch_curve)
+        every = [1.0 + each * bends.values for each in self._distances(cam)]
+        return Extremes(bends.phi, np.min(every, axis=0))
+
+    def at(self, curve: PitchCurve, cams: Sequence[Cam], phi: FloatArray, side: Side) -> FloatArray:
+        relative = curve.relative_jet(phi, side, order=2)
+        bend = curve.follower.curvature(relative, np.ones_like(phi), curve.rotation)
+        speed = np.hypot(relative.u, relative.v)
+        distances = np.array([self._distances(cam) for cam in cams]).T
+        size = np.array([cam.follower.base_radius for cam in cams])
+        return np.asarray(np.min(speed**3 + distances * bend, axis=0) / size**3)
+
+
+@dataclass(frozen=True, slots=True)
+class Ratio(Bend):
+    """See `Bend`."""
+
+    names = ("radius-ratio",)
+    vital = False
+
+
+@dataclass(frozen=True, slots=True)
+class Angle(Condition):
+    """The transmission angle beyond its `limit` [rad]."""
+
+    names = ("transmission-angle",)
+
+    limit: float
+
+    def over_turn(self, cam: Cam) -> Extremes:
+        found = transmission_angle_extremes(cam.disc.pitch_curve)
+        return Extremes(found.phi, found.values - self.limit)
+
+    def at(self, curve: PitchCurve, _: Sequence[Cam], phi: FloatArray, side: Side) -> FloatArray:
+        relative = curve.relative_jet(phi, side, order=1)
+        u, v = np.abs(relative.u), np.abs(relative.v)
+        return np.asarray(u * math.cos(self.limit) - v * math.sin(self.limit))
+
+
+@dataclass(frozen=True, slots=True)
+class Convex(Condition):
+    """The radius of curvature under a flat face, as a fraction of the base radius."""
+
+    names = (CONVEXITY,)
+    vital = True
+
+    def over_turn(self, cam: Cam) -> Extremes:
+        from camgeo.geometry.outline.convex import SMALLEST, convexity  # few cams have a flat face
+
+        radius, phi = convexity(cam.disc.pitch_curve).radius
+        margin = radius / cam.follower.base_radius - SMALLEST
+        return Extremes(np.array([phi]), np.array([margin]))
+
+    def at(self, curve: PitchCurve, _: Sequence[Cam], phi: FloatArray, side: Side) -> FloatArray:
+        from camgeo.geometry.outline.convex import SMALLEST, touch
+
+        found, size = touch(curve, phi, side), curve.follower.base_radius
+        return np.asarray(found.pace[0] - SMALLEST * size * found.turn[0])
+
+
+Conditions = tuple[Condition, ...]
+
+
+def worst_place(
+    discs: Discs, conditions: Conditions, within: Range | None = None
+) -> tuple[Condition, int, float] | None:
+    """The first of the `conditions` that a disc breaks, the number of the disc, and the cam angle
+    [rad] where it is worst; None if all are kept. `within` is all that is looked at.
+
+    GeometryError if there is no such mechanism: it does not close, its roller covers the cam axis,
+    its guide touches the base circle, or its roller centre stands still.
+    """
+    for number, cam in enumerate(discs):
+        inside = cam.contact.runs_inside
+        for wrong in check_follower(cam.follower, runs_on_inner=inside, clearance=cam.clearance):
+            raise GeometryError(wrong.sentence, key="follower")
+        for condition in conditions:
+            found = condition.over_turn(cam)
+            start, end = (0, len(found.phi)) if within is None else places_in(found, within)
+            worst = start + int(np.argmin(found.values[start:end]))
+            if found.values[worst] <= CUSP:
+                return condition, number, float(found.phi[worst])
+    return None
+
+
+def places_in(found: Extremes, within: Range) -> tuple[int, int]:
+    """The first and the last but one of the places `found` from one cam angle to the other, these
+    seen from inside.
+    """
+    shift = TURN if within[0] < found.phi[0] - SNAP else 0.0
+    start, end = within[0] + shift + SNAP, within[1] + shift - SNAP
+    first = max(int(np.searchsorted(found.phi, start, side="right")) - 1, 0)
+    return first, min(int(np.searchsorted(found.phi, end)) + 1, len(found.phi))
+
+
+def margin_of_either_side(
+    condition: Condition, curve: PitchCurve, cams: Sequence[Cam], phi: float, count: int
+) -> FloatArray:
+    """(count,) see `Condition.at`, all at `phi` [rad]: at a break the smaller one."""
+    places = np.full(count, phi)
+    both = [condition.at(curve, cams, places, side) for side in SIDES]
+    return np.asarray(np.minimum(*both))
+
+
+def margins_of_each(condition: Condition, cams: Sequence[Cam | None], phi: float) -> FloatArray:
+    """(n,) the same of `cams` of one motion; -1 where there is no mechanism."""
+    margins = np.full(len(cams), -1.0)
+    kinds: dict[Hashable, list[int]] = {}
+    for k, cam in enumerate(cams):
+        if cam is not None:
+            kinds.setdefault(alike(cam.follower), []).append(k)
+    for places in kinds.values():
+        some = [cam for k in places if (cam := cams[k]) is not None]
+        curves = [cam.disc.pitch_curve for cam in some]
+        curve = one_curve(curves, np.arange(len(some)), 1) if len(some) > 1 else curves[0]
+        margins[places] = margin_of_either_side(condition, curve, some, phi, len(some))
+    return margins
+
+
+# -- neck -----------------------------------------------------------------------------------------
+# Necks: chords of the pitch curve at right angles to it at both ends, where two flanks touch.
+#
+# A flank at the distance d touches itself where such a chord is 2 |d| long and d points into it,
+# and crosses itself where it is shorter. So global undercut is measured by a smooth number, whose
+# root is the limit, which need not be enclosed by trial.
+
+
+STEPS = 40
+"""Most Newton steps; from a nearby crossing ten are plenty."""
+
+LONGEST = 0.1
+"""Longest Newton step [rad]: 6 degrees, so that it stays in the moves where it began."""
+
+SQUARE = 1e-10
+"""Largest cosine between chord and tangent that counts as a right angle; its square is rounding."""
+
+TOGETHER = 1e-3
+"""Ends closer than this [rad] are running into each other: between the ends of a neck the curve
+makes half a turn, and where they meet their two equations become one."""
+
+Pair = tuple[int, float, float]
+"""A crossing of a flank in use: the number of its disc, and its two cam angles [rad] in
+[0, 2 pi)."""
+
+Pairs = tuple[Pair, ...]
+
+Place = tuple[int, float]
+"""A cam angle as the index of its segment in the plan and the fraction of the segment's span."""
+
+
+@dataclass(frozen=True, slots=True)
+class Neck:
+    """A chord of the pitch curve at right angles to it at both ends.
+
+    Attributes
+    ----------
+    disc : number of its disc.
+    first, second : its ends; as fractions of segments they survive a change of the spans.
+    clearance : its length minus twice the distance of the flanks from the pitch curve [mm].
+    """
+
+    disc: int
+    first: Place
+    second: Place
+    clearance: float
+
+
+def crossings(discs: Discs) -> Pairs:
+    """The crossings of each flank with itself, see `camgeo.geometry.outline.crossings`."""
+    from camgeo.geometry.outline.crossings import find_crossings  # only regular flanks need it
+
+    return tuple(
+        (number, each.first, each.second)
+        for number, cam in enumerate(discs)
+        for _, flank in cam.disc.flanks
+        for each in find_crossings(flank)
+    )
+
+
+def narrowest(discs: Discs, pairs: Pairs) -> Neck | None:
+    """The neck with the smallest clearance near the crossings; None if none is found."""
+    necks = [neck for pair in pairs if (neck := _neck(discs, *pair)) is not None]
+    return min(necks, key=lambda neck: neck.clearance, default=None)
+
+
+def followed(discs: Discs, neck: Neck) -> Neck | None:
+    """The same neck of changed discs; None if it cannot be followed."""
+    cam = discs[neck.disc]
+    return _neck(discs, neck.disc, _angle(cam, neck.first), _angle(cam, neck.second))
+
+
+def _neck(discs: Discs, number: int, first: float, second: float) -> Neck | None:
+    cam = discs[number]
+    try:
+        pitch = cam.disc.pitch_curve
+        ends = _square_chord(pitch, first, second)
+    except GeometryError:
+        return None
+    if ends is None:
+        return None
+    angles = np.array(ends)
+    point, slope = pitch.jet(angles)[:2]
+    chord = complex(point[1] - point[0])
+    inward = 1j * pitch.rotation * slope / np.abs(slope) * np.array([1.0, -1.0])
+    facing = (np.conj(chord) * inward).real
+    # The flank lies in the chord at both its ends, or at neither.
+    if not any(np.all(distance * facing > 0.0) for distance in cam.distances):
+        return None
+    clearance = abs(chord) - 2.0 * cam.disc.flank_distance
+    return Neck(number, _place(cam, ends[0]), _place(cam, ends[1]), clearance)
+
+
+def _square_chord(pitch: PitchCurve, first: float, second: float) -> tuple[float, float] | None:
+    """Ends [rad] of a nearby shortest chord, by Newton's method; None if it does not converge."""
+    angles = np.array([first, second])
+    for _ in range(STEPS):
+        if abs(math.remainder(float(angles[1] - angles[0]), math.tau)) < TOGETHER:
+            return None
+        point, slope, bend = pitch.jet(angles)[:3]
+        chord = np.conj(complex(point[1] - point[0]))
+        # Half the square of the chord's length, its gradient and its Hessian.
+        sign = np.array([-1.0, 1.0])
+        gradient = sign * (chord * slope).real
+        speed = np.abs(slope)
+        if np.all(np.abs(gradient) <= SQUARE * speed * abs(chord)):
+            return float(angles[0]), float(angles[1])
+        own = speed**2 + sign * (chord * bend).real
+        mixed = -float((np.conj(slope[0]) * slope[1]).real)
+        if min(own) <= 0.0 or own[0] * own[1] <= mixed**2:  # no minimum: go downhill
+            own, mixed = speed**2, 0.0
+        crosswise = own[::-1] * gradient - mixed * gradient[::-1]
+        step = crosswise / (own[0] * own[1] - mixed**2)
+        longest = float(np.max(np.abs(step)))
+        if longest == 0.0:
+            return None
+        angles = angles - step * min(1.0, LONGEST / longest)
+    return None
+
+
+def _place(cam: Cam, angle: float) -> Place:
+    number = segment_at(cam.drive.plan, angle % math.tau)
+    start, end = angles_of(cam.drive.plan, number)
+    return number, (angle % math.tau - start) / (end - start)
+
+
+def _angle(cam: Cam, place: Place) -> float:
+    start, end = angles_of(cam.drive.plan, place[0])
+    return start + place[1] * (end - start)
+
+
+# -- cure -----------------------------------------------------------------------------------------
+
+
+DIGITS = 6
+"""Significant digits of a length in a sentence, unless the change needs more."""
+
+OF_CHANGE = 3
+"""Significant digits of a change that the lengths before and after must show."""
+
+MOST_DIGITS = 17
+"""Significant digits that tell any two doubles apart."""
+
+Value = float | Decimal | str
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """One key of the scene with another value.
+
+    Attributes
+    ----------
+    key : path of the key in the scene, e.g. "motion[2].span".
+    value_from, value_to : the present and the new value, in the unit of the scene or in degrees, or
+        names of laws.
+    """
+
+    key: str
+    value_from: Value
+    value_to: Value
+
+    def cure(
+        self, knob: str, unit: str, cost: float, sentence: str, also: tuple[Change, ...]
+    ) -> Cure:
+        """The change as a cure, with `also` the changes that go with it."""
+        return Cure(knob, self.key, self.value_from, self.value_to, unit, cost, sentence, also)
+
+
+@dataclass(frozen=True, slots=True)
+class Cure:
+    """The nearest value of one knob at which a fault is gone; or that there is none.
+
+    Attributes
+    ----------
+    knob : "base radius", "roller radius", "offset", "arm", "longer segment" or "other law".
+    key : path of its key in the scene.
+    value_from : the present value, in `unit`; for a law its name.
+    value_to : the value that cures: for a length the limit rounded to the side on which it cures,
+        as the sentence has it; for a span the next millionth of a degree beyond the limit; for a
+        law its name. None if the knob has no cure.
+    unit : of both: that of the scene for a length, "deg", or "".
+    cost : relative change, referred to the base radius for an offset; for a law the relative
+        increase of its peak acceleration, 0 if that does not grow. The largest one if several
+        moves change. None if the knob has no cure.
+    sentence : all of this in words.
+    also : the other keys that change with it, e.g. the dwells beside a longer move.
+    limit : for a length, the exact value [mm] at which the finding disappears.
+    fault : that it removes: "undercut", "radius ratio", "transmission angle" or "convexity".
+    breaks : names of the findings that report limits which held, and which it breaks: empty unless
+        the knob has no value that breaks none.
+    """
+
+    knob: str
+    key: str
+    value_from: Value
+    value_to: Value | None
+    unit: str
+    cost: float | None
+    sentence: str
+    also: tuple[Change, ...] = ()
+    limit: float | None = None
+    fault: str = ""
+    breaks: tuple[str, ...] = ()
+
+    @property
+    def statement(self) -> str:
+        """The sentence, after the fault, and whether there is a cure of it."""
+        return f"{self.fault}: {'' if self.works else 'no cure: '}{self.sentence}"
+
+    @property
+    def works(self) -> bool:
+        """Whether the knob has a cure."""
+        return self.value_to is not None
+
+
+@dataclass(frozen=True, slots=True)
+class Length:
+    """A length that cures, and how messages show it.
+
+    Attributes
+    ----------
+    limit : beyond which lengths cure [mm].
+    stated : a length beyond it with few digits, which cures, in the unit of the scene.
+    value : the same [mm].
+    digits : number of significant digits that show the change to it.
+    """
+
+    limit: float
+    stated: float
+    value: float
+    digits: int
+
+    @classmethod
+    def beyond(
+        cls,
+        old: float,
+        limit: float,
+        cures: Callable[[float], bool],
+        unit: LengthUnit,
+        *,
+        upward: bool,
+    ) -> Self | None:
+        """The length with the fewest digits, above `limit` if `upward`, else below, that `cures`.
+
+        The digits, in `unit`, show the change from the `old` one. All lengths in mm. None if no
+        such length cures.
+        """
+        mm = MM_PER[unit]
+        for digits in range(digits_for(old, limit), MOST_DIGITS + 1):
+            for steps in (0, 1):  # a rounded length may be the limit itself
+                stated = float(rounded_beyond(limit / mm, digits, upward=upward, steps=steps))
+                if cures(mm * stated):
+                    return cls(limit, stated, mm * stated, digits)
+        return None
+
+
+def length_cure(
+    knob: str,
+    key: str,
+    old: float,
+    length: Length | None,
+    scale: float,
+    none: str,
+    unit: LengthUnit,
+    bound: str = "",
+) -> Cure:
+    """The cure by the `length` of the follower at `key`, now `old` [mm], stated in `unit`.
+
+    `bound` is "at least " or "at most " if all lengths beyond it cure as well. The cost is the
+    change relative to `scale` [mm]. Without a length it is no cure, as `none` says.
+    """
+    present = old / MM_PER[unit]
+    if length is None:
+        return no_cure(knob, key, present, unit, none)
+    cost = abs(length.limit - old) / scale
+    sentence = (
+        f"{knob} {bound}{shown(length.stated)} {unit} instead of {present:.{length.digits}g} {unit}"
+        f" ({key}, a change by {percent(cost)})"
+    )
+    return Cure(knob, key, present, length.stated, unit, cost, sentence, limit=length.limit)
+
+
+def no_cure(knob: str, key: str, old: Value, unit: str, reason: str) -> Cure:
+    """The statement that a knob has no cure, with the reason as a sentence."""
+    return Cure(knob, key, old, None, unit, None, reason)
+
+
+def digits_for(old: float, new: float) -> int:
+    """Significant digits that show the change from `old` to `new`."""
+    change, size = abs(new - old), max(abs(old), abs(new))
+    if change == 0.0:
+        return DIGITS
+    return min(max(DIGITS, OF_CHANGE + math.ceil(math.log10(size / change))), MOST_DIGITS)
+
+
+def rounded_beyond(value: float, digits: int, *, upward: bool, steps: int = 0) -> str:
+    """`value` rounded up or down to significant digits, to the side on which it cures, and `steps`
+    units of the last digit farther.
+    """
+    exact = Decimal(value)
+    if not exact and not steps:
+        return "0"
+    step = Decimal(1).scaleb((exact.adjusted() if exact else 0) + 1 - digits)
+    rounded = exact.quantize(step, rounding=ROUND_CEILING if upward else ROUND_FLOOR)
+    return f"{(rounded + (steps if upward else -steps) * step).normalize():f}"
+
+
+def shown(value: float) -> str:
+    """A rounded length with the digits that it has."""
+    return f"{Decimal(repr(value)).normalize():f}"
+
+
+def percent(share: float) -> str:
+    """A fraction in per cent, for a sentence."""
+    return f"{100.0 * share:.3g} %"
+
+
+# -- task -----------------------------------------------------------------------------------------
+# What is to be cured: a fault of a design, the limits that held, and the verdict on changes.
+
+
+Edits = Mapping[str, Value]
+"""New values by key, in the unit of the scene or in degrees."""
+
+Judge = Callable[[Discs, Edits], Excess]
+"""The verdict on changed discs, which the edits make."""
+
+CAUSES: Final = ("outline-", "curvature", "standstill")
+"""Beginnings of the names of findings with which nothing is known of undercut."""
+
+NAMED: Final = 3
+"""Limits that a sentence names."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Task:
+    """A fault, and what a cure of it must not break.
+
+    Attributes
+    ----------
+    fault : in words, e.g. "undercut".
+    condition : what it breaks.
+    held : what else the places of the cam decide, and what they keep now.
+    discs : as they are.
+    unit : of lengths in sentences.
+    before : names of the limits that are broken as it is.
+    judged : the findings on changed discs, which the edits make, and on their parts, which are
+        looked at only where the discs hold; SceneError or GeometryError if there are no such.
+    """
+
+    fault: str
+    condition: Condition
+    held: Conditions
+    discs: Discs
+    unit: LengthUnit
+    before: frozenset[str]
+    judged: Callable[[Discs, Edits], tuple[Iterable[Finding], Iterable[Finding]]]
+
+    @property
+    def stages(self) -> Iterator[tuple[Conditions, Judge]]:
+        """Conditions and verdicts by which a cure is sought: first one that breaks nothing, then
+        one that cures.
+        """
+        least = (self.condition, *(each for each in self.held if each.vital))
+        yield (self.condition, *self.held), self.breaking
+        yield least, self.failing
+
+    def breaking(self, discs: Discs, edits: Edits) -> Excess:
+        """By how much a change that cures exceeds the limits that held; else what `failing` is."""
+        failing = self.failing(discs, edits)
+        if not holds(failing):
+            return failing
+        on_discs, on_parts = self.judged(discs, edits)
+        excess = self._excess(on_discs)
+        return {**excess, **self._excess(on_parts)} if holds(excess) else excess
+
+    def failing(self, discs: Discs, edits: Edits) -> Excess:
+        """Not empty if a change does not cure, or leaves no disc."""
+        try:
+            found = [each for each in self.judged(discs, edits)[0] if each.severity in BROKEN]
+        except (GeometryError, SceneError):
+            return UNKNOWN
+        fault = (*self.condition.names, *CAUSES)
+        if any(each.name.removeprefix(f"{RETURN}: ").startswith(fault) for each in found):
+            return UNKNOWN
+        return UNKNOWN if any(map(self._is_fatal, found)) else {}
+
+    def _is_fatal(self, found: Finding) -> bool:
+        return found.severity in NO_OUTLINE and found.name not in self.before
+
+    def _excess(self, findings: Iterable[Finding]) -> Excess:
+        """Of the findings that break a limit that held, and of those that hold."""
+        excess: dict[str, float] = {}
+        for each in findings:
+            broken, beyond = each.severity in BROKEN, math.inf
+            if each.value is not None and each.limit is not None:
+                beyond = abs(each.value - each.limit)
+            if each.name not in self.before and (broken or beyond < math.inf):
+                beyond = beyond if broken else -beyond
+                excess[each.name] = max(beyond, excess.get(each.name, beyond))
+        return excess
+
+    def finished(self, cure: Cure, discs: Discs | None = None) -> Cure:
+        """The cure of this fault that makes these `discs`, which says what is broken then."""
+        cure = replace(cure, fault=self.fault)
+        every = () if discs is None else chain(*self.judged(discs, edits_of(cure)))
+        found = [each for each in every if each.severity in BROKEN]
+        if not found:
+            return cure
+        new = [each for each in found if each.name not in self.before]
+        old = dict.fromkeys(each.name for each in found if each.name in self.before)
+        words = (
+            [f"breaks {listed([_stated(each, self.unit) for each in new], NAMED)}"] if new else []
+        )
+        words += [f"leaves {listed([*old], NAMED)} broken"] if old else []
+        names = tuple(dict.fromkeys(each.name for each in new))
+        return replace(cure, breaks=names, sentence=f"{cure.sentence}, but {' and '.join(words)}")
+
+
+def _stated(found: Finding, unit: LengthUnit) -> str:
+    """A broken limit, with what it is broken by."""
+    if found.value is None or found.limit is None:
+        return f"{found.name} ({found.sentence})"
+    value, limit = (f"{each:.4g} {found.unit}".rstrip() for each in (found.value, found.limit))
+    return in_unit(f"{found.name} ({value}, limit {limit})", unit, (found.value, found.limit))
+
+
+def edits_of(cure: Cure) -> dict[str, Value]:
+    """What a cure, which works, writes into the scene."""
+    assert cure.value_to is not None
+    changes = (Change(cure.key, cure.value_from, cure.value_to), *cure.also)
+    return {each.key: each.value_to for each in changes}
+
+
+# -- moves ----------------------------------------------------------------------------------------
+# The moves at fault, the span of one, and what may change in them so that they still join.
+
+
+def faulty_segments(task: Task, discs: Discs) -> tuple[int, ...]:
+    """Indices in the plan of the segments that are at fault.
+
+    Those in which the condition is broken; if there are none, those whose flanks cross each other,
+    without the dwells if there is a move among them: the move next to a dwell is what can change.
+    """
+    plan = plan_of(discs)
+    extremes = [task.condition.over_turn(cam) for cam in discs]
+
+    def broken(within: Range) -> bool:
+        parts = ((found.values, places_in(found, within)) for found in extremes)
+        return any(np.min(values[slice(*ends)]) <= CUSP for values, ends in parts)
+
+    numbers = [number for number, segment in enumerate(plan.segments) if segment.span]
+    local = [number for number in numbers if broken(angles_of(plan, number))]
+    if local:
+        return tuple(local)
+    angles = [angle for _, *both in crossings(discs) for angle in both]
+    places = sorted({segment_at(plan, angle) for angle in angles})
+    moves = [place for place in places if not isinstance(plan.segments[place], Dwell)]
+    return tuple(moves or places or numbers)
+
+
+def from_rest_to_rest(plan: MotionPlan, number: int) -> bool:
+    """Whether a segment is a move whose span can change without affecting its joints."""
+    move = plan.segments[number]
+    if not isinstance(move, Move) or move.span == 0:
+        return False
+    return rests_beside(plan, number, move.law)
+
+
+def rests_beside(plan: MotionPlan, number: int, law: Law) -> bool:
+    """Whether `law` joins with its neighbours in place of a segment, going from rest to rest.
+
+    Its velocity is 0 at both ends, and its acceleration too at an end without a dwell next to it.
+    """
+    sides = zip((law.start, law.end), dwells_beside(plan, number), strict=True)
+    return all(
+        end.velocity == 0.0 and (end.acceleration == 0.0 or bool(dwells)) for end, dwells in sides
+    )
+
+
+def dwells_beside(plan: MotionPlan, number: int) -> tuple[list[int], list[int]]:
+    """Indices of the dwells adjacent to a segment, before and after it, nearest first.
+
+    Dwells of length zero are skipped.
+    """
+
+    def run(step: int) -> list[int]:
+        segments, found = plan.segments, []
+        for away in range(1, len(segments)):
+            place = (number + step * away) % len(segments)
+            if not isinstance(segments[place], Dwell):
+                break
+            if segments[place].span:
+                found.append(place)
+        return found
+
+    return run(-1), run(1)
+
+
+def dwells_around(plan: MotionPlan, number: int) -> tuple[int, ...]:
+    """Indices of the dwells adjacent to a segment on either side, each once."""
+    before, after = dwells_beside(plan, number)
+    return tuple(dict.fromkeys(before + after))
+
+
+def key_of(number: int, segment: Segment, what: str) -> str:
+    """The scene's key of a segment, e.g. "motion[2].span"; for a dwell that of its length."""
+    return f"motion[{number + 1}].{'dwell' if isinstance(segment, Dwell) else what}"
+
+
+def degrees(value: Decimal) -> str:
+    """An angle as a scene would write it, for a sentence."""
+    return f"{value.normalize():f}" if value else "0"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stretched(Repeated):
+    """A motion at one cam angle, asked for n times, if the move there has n other spans.
+
+    Attributes
+    ----------
+    growth : (n,) by how much each of them is longer.
+    """
+
+    growth: FloatArray
+
+    def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
+        """See `Motion.jet`: each derivative by the cam angle is divided by the growth once more."""
+        found = self.motion.jet(phi, side, order)
+        return np.asarray(found / self.growth ** np.arange(len(found))[:, np.newaxis])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Span:
+    """The span of a move [deg], a `Knob` of the search: in a motion of that move alone.
+
+    The curvature and the transmission angle over a move depend on its own span only.
+
+    Attributes
+    ----------
+    discs : with the whole motion.
+    number : of the move in its plan.
+    """
+
+    discs: Discs
+    number: int
+
+    @property
+    def start(self) -> float:
+        """See `Knob`."""
+        return float(plan_of(self.discs).segments[self.number].span)
+
+    @property
+    def scale(self) -> float:
+        """See `Knob`."""
+        return self.start
+
+    def make(self, value: float) -> Discs:
+        """See `Knob`: other moves lead from the first position to that of the move, and back."""
+        plan = plan_of(self.discs)
+        move = plan.segments[self.number]
+        assert isinstance(move, Move)
+        before = [each.to for each in plan.segments[: self.number] if not isinstance(each, Dwell)]
+        first = before[-1] if before else 0.0
+        with localcontext(EXACT):
+            span = Decimal(value)
+            rest = (360 - span) / 2
+            there = Move(rest, first, move.law) if first else Dwell(rest)
+            back = Move(rest, 0.0, move.law) if move.to else Dwell(rest)
+        return moved(self.discs, MotionPlan((there, replace(move, span=span), back)))
+
+    def worst(self, value: float, conditions: Conditions) -> Along | None:
+        """See `Knob`."""
+        discs = self.make(value)
+        found = worst_place(discs, conditions, angles_of(plan_of(discs), 1))
+        if found is None:
+            return None
+        condition, number, phi = found
+        cam = discs[number]
+        curve = cam.disc.pitch_curve
+
+        def along(values: FloatArray) -> FloatArray:
+            motion: Motion
+            if isinstance(curve.motion, LinkedMotion):
+                demanded = Stretched(curve.motion.demanded, 1, values / value)
+                motion = LinkedMotions(demanded, curve.motion.linkage)
+            else:
+                motion = Stretched(curve.motion, 1, values / value)
+            other = replace(curve, motion=motion)
+            return margin_of_either_side(condition, other, (cam,), phi, len(values))
+
+        return along

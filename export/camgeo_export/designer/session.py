@@ -7,19 +7,30 @@ later one has been made meanwhile: the newest wins.
 from __future__ import annotations
 
 import asyncio
+import base64
+import io
+import json
+import re
+import time
+import zipfile
 from collections import deque
-from collections.abc import Callable, Coroutine, Mapping, Sequence
+from collections.abc import Callable, Coroutine, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any, Final
+from urllib.parse import quote
 
-from camgeo.designing import edits, opened
-from camgeo.designing.children import Refused
-from camgeo.designing.desk import Desk
-from camgeo.designing.verdict import verdict_of
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from camgeo.app.designing import desk as opened
+from camgeo.app.designing import edits
+from camgeo.app.designing.children import Refused
+from camgeo.app.designing.desk import Desk
+from camgeo.app.designing.faults import verdict_of
+from camgeo.design.writing import writer_names
 from camgeo.errors import CamgeoError
-from camgeo.scene.new import KINDS, template
-from camgeo.writing.writer import writer_names
-from camgeo_export.designer.files import Files
-from camgeo_export.designer.jobs import Jobs, head_of
+from camgeo.scene.toml import TEMPLATE_KINDS, template
+from camgeo.scene.values import Stamp, named, stamp
 from camgeo_export.designer.messages import (
     ANSWERS,
     LONG,
@@ -27,22 +38,11 @@ from camgeo_export.designer.messages import (
     MOST_JOBS,
     TEXTUAL,
     WHOLE,
+    Jobs,
     MessageError,
     Said,
+    head_of,
     understood,
-)
-from camgeo_export.designer.named_files import NamedFiles
-from camgeo_export.designer.pages import (
-    BECOME,
-    EMPTY,
-    NOTHING,
-    Asked,
-    Message,
-    Page,
-    body,
-    refused,
-    told,
-    unpainted,
 )
 
 PAUSE: Final = 0.12
@@ -350,7 +350,7 @@ class Session:
             "pinned": self._pinned is not None,
             "folder": str(desk.folder),
             "folder_files": self._scenes,
-            "templates": KINDS,
+            "templates": TEMPLATE_KINDS,
             "formats": self._formats,
         }
         return Message("state", {**found, "text": desk.text} if whole else found)
@@ -393,3 +393,228 @@ class Session:
                 self._broadcast(self._state())
                 if disk != "same":
                     self._broadcast(told(f"{self.desk.name} has been {BECOME[disk]}"))
+
+
+# -- files ----------------------------------------------------------------------------------------
+# The files of the last build, for download.
+
+
+ALL: Final = "all.zip"
+"""The name under which all files are downloaded as one."""
+
+EARLIEST: Final = (1980, 1, 1, 0, 0, 0)
+"""Time of files in an archive: always the same, so that the same files give the same bytes."""
+
+
+class Files:
+    """The files of the last build, by their names."""
+
+    def __init__(self) -> None:
+        self._data: dict[str, bytes] = {}
+        self._build = 0
+
+    def take(self, built: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
+        """Replace the files by those of a build; return what pages are told about them."""
+        self._data = {str(each["name"]): base64.b64decode(each["bytes"]) for each in built}
+        self._build += 1
+        return [
+            {**_told(each), "url": f"/files/{quote(str(each['name']))}?build={self._build}"}
+            for each in built
+        ]
+
+    def get(self, name: str, build: str) -> bytes | None:
+        """The file of that name, if it is of the last build; `build` may be empty."""
+        if build and build != str(self._build):
+            return None
+        if name == ALL and self._data and ALL not in self._data:
+            return self._archive()
+        return self._data.get(name)
+
+    def _archive(self) -> bytes:
+        stream = io.BytesIO()
+        with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+            for name, data in self._data.items():
+                archive.writestr(zipfile.ZipInfo(name, EARLIEST), data)
+        return stream.getvalue()
+
+
+def disposition(name: str) -> str:
+    """The header that makes a browser save a file under its name."""
+    plain = re.sub(r"[^A-Za-z0-9._-]", "_", name)
+    return f"attachment; filename=\"{plain}\"; filename*=UTF-8''{quote(name, safe='')}"
+
+
+def _told(each: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in each.items() if key != "bytes"}
+
+
+# -- named files ----------------------------------------------------------------------------------
+# The files that the scene on a desk names, and whether they have changed.
+
+
+LONGEST: Final = 200_000
+"""Most characters of a text that is searched for names; searching holds up other threads."""
+
+
+class NamedFiles:
+    """The files that a text names, checked at intervals."""
+
+    def __init__(self) -> None:
+        self._text = ""
+        self._files: tuple[Path, ...] = ()
+        self._seen: dict[Path, Stamp] = {}
+
+    async def changed(self, text: str, folder: Path) -> bool:
+        """Whether a file that the `text` names has changed since the last call; not on the first.
+
+        While the text is not TOML, the last known names count.
+        """
+        if text != self._text and len(text) <= LONGEST:
+            self._text = text
+            found = await asyncio.to_thread(named, text, folder)
+            self._files = self._files if found is None else found
+        now = {path: stamp(path) for path in self._files}
+        seen, self._seen = self._seen, now
+        return any(seen.get(path, now[path]) != now[path] for path in now)
+
+
+# -- pages ----------------------------------------------------------------------------------------
+# The pages that show a session: what waits to be sent to each, and how fast each may ask.
+
+
+LATEST: Final = (
+    "state", "verdict", "curves", "moved", "findings", "pinned", "built", "sized", "solid",
+    "templates", "effects",
+)  # fmt: skip
+"""Kinds of messages of which a page needs the latest only: a page that takes them slowly, or not at
+all, has no more than one of each waiting."""
+
+MOST_WAITING: Final = 50
+"""Other messages that wait for a page; later ones are dropped."""
+
+RATE: Final = 100.0
+"""Messages in a second that are taken from a page; a drag makes sixty. The rest waits there."""
+
+BURST: Final = 200.0
+"""Messages that it may send at once."""
+
+NOTHING: Final = b"{}"
+
+EMPTY: Final[Mapping[str, Any]] = {
+    "faults": [], "name": "", "unit": "mm", "animation": None, "charts": [], "handles": [],
+    "plan": [], "form": [],
+}  # fmt: skip
+"""Curves of no scene."""
+
+BECOME: Final[Mapping[str, str]] = {
+    "changed": "changed on disk; it is not overwritten unless you ask for it",
+    "gone": "removed from disk",
+}
+"""What has become of the file."""
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """A message to a page.
+
+    Attributes
+    ----------
+    kind : of it.
+    head : what is said of the body, or the whole message.
+    body : a JSON object with more, as the process that computed it wrote it.
+    key : under which the body is; empty if it is on a level with the head.
+    """
+
+    kind: str
+    head: Mapping[str, Any] = field(default_factory=dict)
+    body: bytes = NOTHING
+    key: str = ""
+
+    @property
+    def text(self) -> str:
+        """The message as JSON."""
+        head = json.dumps(
+            {"kind": self.kind, **self.head}, ensure_ascii=False, allow_nan=False
+        ).removesuffix("}")
+        body = self.body.decode()
+        if self.key:
+            return f'{head}, "{self.key}": {body}}}'
+        rest = body.lstrip().removeprefix("{")
+        return f"{head}{'' if rest.strip() == '}' else ', '}{rest}"
+
+    def after(self, before: Message) -> Message:
+        """The later one of two messages of a kind, with what only the earlier one says."""
+        if self.kind == "state":
+            return replace(self, head={**before.head, **self.head})
+        if self.kind in ("curves", "moved") and self.head.get("answers") is None:
+            return replace(self, head={**self.head, "answers": before.head.get("answers")})
+        return self
+
+
+def body(found: Mapping[str, Any]) -> bytes:
+    """A JSON object as the body of a message."""
+    return json.dumps(found, ensure_ascii=False, allow_nan=False).encode()
+
+
+def unpainted(error: Exception, **more: Any) -> bytes:
+    """Curves of a text whose picture cannot be had, and why: that is no fault of the scene."""
+    return body({"faults": [], "refused": f"the picture ({error})", **more})
+
+
+def refused(id_: str | int | None, sentence: str, **more: Any) -> Message:
+    """That the message `id_` is not done, and why."""
+    return Message("refused", {"id": id_, "message": sentence, **more})
+
+
+def told(sentence: str) -> Message:
+    """A sentence for the user."""
+    return Message("told", {"message": sentence})
+
+
+class Page:
+    """A page that is connected."""
+
+    def __init__(self, socket: WebSocket) -> None:
+        self.socket = socket
+        self._waiting: dict[object, Message] = {}
+        self._ready = asyncio.Event()
+        self._left, self._seen = BURST, time.monotonic()
+
+    def put(self, message: Message) -> None:
+        """Send a message as soon as the page takes it; of some kinds only the latest."""
+        key: object = message.kind if message.kind in LATEST else object()
+        before = self._waiting.pop(key, None)
+        if before is not None:
+            message = message.after(before)
+        if key == message.kind or len(self._waiting) < MOST_WAITING:
+            self._waiting[key] = message
+        self._ready.set()
+
+    async def send(self) -> None:
+        """Send what waits, until the page is gone."""
+        while True:
+            await self._ready.wait()
+            self._ready.clear()
+            while self._waiting:
+                await self.socket.send_text(self._waiting.pop(next(iter(self._waiting))).text)
+
+    async def receive(self) -> str:
+        """The next message of the page; WebSocketDisconnect if it is gone, or sends no text."""
+        now = time.monotonic()
+        self._left = min(BURST, self._left + RATE * (now - self._seen)) - 1.0
+        self._seen = now
+        if self._left < 0.0:
+            await asyncio.sleep(-self._left / RATE)
+        message = await self.socket.receive()
+        text = message.get("text")
+        if message["type"] != "websocket.receive" or text is None:
+            raise WebSocketDisconnect(message.get("code", 1003))
+        return str(text)
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A request, and the page that it is from."""
+
+    page: Page
+    said: Said

@@ -2,26 +2,720 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+import cmath
+import math
+import pathlib
+import zlib
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import singledispatchmethod
+from itertools import pairwise
 from typing import Final
 
+import matplotlib as mpl
+import numpy as np
+from ezdxf.addons.drawing.backend import Backend, BkPath2d, BkPoints2d, ImageData
+from ezdxf.addons.drawing.config import BackgroundPolicy, ColorPolicy, Configuration
+from ezdxf.addons.drawing.frontend import Frontend
+from ezdxf.addons.drawing.properties import BackendProperties, RenderContext
+from ezdxf.addons.drawing.type_hints import Color
 from ezdxf.document import Drawing
+from ezdxf.entities.dimstyleoverride import DimStyleOverride
+from ezdxf.entities.dxfgfx import DXFGraphic
+from ezdxf.enums import TextEntityAlignment
+from ezdxf.filemanagement import new
+from ezdxf.fonts import fonts
+from ezdxf.layouts.layout import Modelspace
+from ezdxf.math import Vec2
+from ezdxf.path import Curve3To, Curve4To, LineTo
 
-from camgeo.formats.drawing import FORMAT
-from camgeo.formats.format import Format
-from camgeo.product.product import Product
-from camgeo.sheet.marks import Sheet
-from camgeo.sheet.readable import findings_of
-from camgeo.sheet.scales import SMALLEST, spelled
-from camgeo.sheet.sheet import measured, sheets_of
-from camgeo.writing.writer import Written
-from camgeo_export.drawing.document import document_of
-from camgeo_export.drawing.measure import measure
-from camgeo_export.drawing.page import pdf, svg
-from camgeo_export.drawing.strokes import Strokes, know_the_font, strokes_of
-from camgeo_export.dxf.file import bytes_of, describe, fixed_metadata
+from camgeo.design.product import Product
+from camgeo.design.writing import Written
+from camgeo.errors import FileError
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.pictures.sheet.front import dashed_stretch
+from camgeo.pictures.sheet.marks import (
+    DIAMETER,
+    NARROWED,
+    Chain,
+    Diameter,
+    Distance,
+    Filled,
+    Hatched,
+    Label,
+    Layer,
+    Mark,
+    Round,
+    Sheet,
+    squeeze,
+)
+from camgeo.pictures.sheet.placing import (
+    ARROW,
+    BEFORE,
+    BEHIND,
+    LETTERS,
+    LIFTED,
+    QUARTERS,
+    findings_of,
+    number_of,
+)
+from camgeo.pictures.sheet.section import hatching
+from camgeo.pictures.sheet.sheet import SMALLEST, measured, sheets_of, spelled
+from camgeo.scene.formats.drawing import FORMAT
+from camgeo.scene.formats.format import Format
+from camgeo.units import MM_PER
+from camgeo_export.dxf.items import Item
+from camgeo_export.dxf.reader import drawing_of
+from camgeo_export.dxf.writer import INSUNITS, UNITS_OF_HEADER, bytes_of, describe, fixed_metadata
+from camgeo_export.reading import deviation
+
+# -- document -------------------------------------------------------------------------------------
+# A sheet as a DXF document: the part at true size, the sheet around it at the inverse scale.
+#
+# So every dimension measures the part itself, with factor 1, and its text is what it measures. The
+# sheet is plotted at its scale, which fills the paper. Everything is in the model space, for many
+# programs show no other.
+
+
+STYLE: Final = "CAMGEO"
+"""Name of our text style and of our dimension style."""
+
+FONT: Final = "DejaVuSans.ttf"
+"""Comes with matplotlib, so that PDF and SVG are the same on every machine."""
+
+DASHED: Final = "DASHED"
+"""A name that all programs know."""
+
+HIDDEN: Final = (5.25, 4.2, -1.05)
+"""Line 02 of ISO 128-2 for lines 0.35 wide: the whole pattern, dash and gap [mm of paper]. Other
+patterns are drawn."""
+
+LAYERS: Final[dict[Layer, tuple[int, str, int]]] = {
+    "OUTLINE": (7, "CONTINUOUS", 50),
+    "HIDDEN": (7, DASHED, 25),
+    "SECTION": (7, "CONTINUOUS", 50),
+    "EDGES": (7, "CONTINUOUS", 50),
+    "CENTRE": (1, "CONTINUOUS", 25),
+    "PITCH_CURVE": (3, "CONTINUOUS", 25),
+    "BASE_CIRCLE": (5, "CONTINUOUS", 25),
+    "HATCH": (8, "CONTINUOUS", 25),
+    "DIMENSION": (7, "CONTINUOUS", 25),
+    "SYMBOL": (7, "CONTINUOUS", 25),
+    "TEXT": (7, "CONTINUOUS", 25),
+    "FRAME": (7, "CONTINUOUS", 70),
+    "GRID": (7, "CONTINUOUS", 25),
+    "DIAGRAM": (7, "CONTINUOUS", 50),
+    "ENGRAVING": (7, "CONTINUOUS", 18),
+}
+"""Colour, line type and width [1/100 mm] of each layer."""
+
+RARE: Final[frozenset[Layer]] = frozenset(("ENGRAVING",))
+"""Layers that only sheets have which need them."""
+
+HATCHING: Final = 2.5
+"""Distance between the lines of a cut face [mm of paper]."""
+
+BY_LAYER: Final = 256
+"""Colour number of what has the colour of its layer."""
+
+ANSI31: Final = 3.175
+"""The same of the pattern of that name at scale 1, for programs that have patterns of their own."""
+
+SIZES: Final = {
+    "dimtxt": LETTERS,
+    "dimasz": ARROW,
+    "dimexe": BEHIND,
+    "dimexo": BEFORE,
+    "dimgap": LIFTED,
+}
+"""Of dimensions [mm of paper]: text, arrows, extension lines beyond and before, gap."""
+
+APART: Final = 20.0
+"""Between sheets side by side [mm of paper]."""
+
+JUSTIFIED: Final = {"left": "LEFT", "centre": "CENTER", "right": "RIGHT"}
+
+
+def document_of(sheets: Sequence[Sheet]) -> Drawing:
+    """The document of sheets side by side; to be made and written with `fixed_metadata`."""
+    first = sheets[0]
+    document = new("R2010", units=INSUNITS[first.unit])
+    document.header["$MEASUREMENT"] = UNITS_OF_HEADER[first.unit]
+    drawing = _Drawing(document, first)
+    drawing.tables()
+    for sheet, at in zip(sheets, corners(sheets), strict=True):
+        for view in sheet.views:
+            shift = at + view.at / sheet.scale
+            for mark in view.marks:
+                drawing.add(mark, 1.0, shift)
+        for mark in sheet.marks:
+            drawing.add(mark, 1.0 / sheet.scale, at)
+    drawing.extents(len(sheets))
+    return document
+
+
+def corners(sheets: Sequence[Sheet]) -> list[complex]:
+    """Lower left corners of sheets side by side [mm of the part]: the origin is that of the first
+    one's first view.
+    """
+    first = sheets[0]
+    origin = first.views[0].at if first.views else 0j
+    step = first.width + APART
+    return [(number * step - origin) / first.scale for number in range(len(sheets))]
+
+
+class _Drawing:
+    """Adds marks to a document."""
+
+    def __init__(self, document: Drawing, sheet: Sheet) -> None:
+        self._document = document
+        self._sheet = sheet
+        self._space: Modelspace = document.modelspace()
+        self._mm = MM_PER[sheet.unit]
+        self._paper = 1.0 / (sheet.scale * self._mm)  # units for each mm of paper
+        self._factor, self._shift = 1.0, 0j
+
+    def tables(self) -> None:
+        """Line types, layers, text and dimension style, and the scale of patterns."""
+        self._document.linetypes.add(DASHED, list(HIDDEN), description="hidden edges")
+        self._document.header["$LTSCALE"] = self._paper
+        marks = (mark for view in self._sheet.views for mark in view.marks)
+        used = {getattr(mark, "layer", "") for mark in marks}
+        for layer, (colour, kind, width) in LAYERS.items():
+            if layer in RARE - used:
+                continue
+            self._document.layers.add(layer, color=colour, linetype=kind, lineweight=width)
+        self._document.styles.add(STYLE, font=FONT, dxfattribs={"width": NARROWED})
+        style = self._document.dimstyles.new(STYLE)
+        for name, size in SIZES.items():
+            style.set_dxf_attrib(name, size)
+        style.dxf.dimscale = self._paper
+        for name, size in {**SIZES, "dimscale": self._paper, "dimlfac": 1.0}.items():
+            self._document.header[f"${name.upper()}"] = size  # some programs know no styles
+        style.dxf.dimlfac = 1.0
+        style.dxf.dimtxsty = STYLE
+        style.dxf.dimdsep = ord("," if self._sheet.comma else ".")
+        style.dxf.dimzin = 8  # no zeros at the end
+        style.dxf.dimlunit = 2  # decimal
+        style.dxf.dimtad = 1  # text above its line,
+        style.dxf.dimtih = style.dxf.dimtoh = 0  # and along it
+        style.dxf.dimtix = 1  # nowhere but where it was placed,
+        style.dxf.dimtofl = 1  # the line also between arrows that are outside
+        style.dxf.dimlwd = style.dxf.dimlwe = 25
+
+    def extents(self, count: int) -> None:
+        """What programs show when the drawing is opened: all sheets."""
+        sheet = self._sheet
+        low = self._xy(0j, 1.0 / sheet.scale, corners([sheet])[0])
+        wide = (count * (sheet.width + APART) - APART) * self._paper
+        high = sheet.height * self._paper
+        corner = (low[0] + wide, low[1] + high)
+        self._space.reset_extents((*low, 0.0), (*corner, 0.0))
+        self._space.reset_limits(low, corner)
+        (view,) = self._document.viewports.get_config("*Active")
+        view.dxf.center = (low[0] + 0.5 * wide, low[1] + 0.5 * high)
+        view.dxf.height = 1.05 * max(wide, high)
+        view.dxf.aspect_ratio = 4.0 / 3.0
+
+    def add(self, mark: Mark, factor: float, shift: complex) -> None:
+        """A mark of a view or of the sheet, enlarged and moved [mm of the part]."""
+        self._factor, self._shift = factor, shift
+        self._add(mark)
+
+    def _xy(self, point: complex, factor: float, shift: complex) -> tuple[float, float]:
+        moved = (point * factor + shift) / self._mm
+        return moved.real + 0.0, moved.imag + 0.0  # + 0.0 turns -0.0 into 0.0
+
+    def _at(self, point: complex) -> tuple[float, float]:
+        return self._xy(complex(point), self._factor, self._shift)
+
+    def _length(self, size: float) -> float:
+        return size * self._factor / self._mm
+
+    @singledispatchmethod
+    def _add(self, mark: object) -> None:
+        raise TypeError(f"{type(mark).__name__} is not a mark")
+
+    @_add.register
+    def _(self, mark: Chain) -> None:
+        attributes = {"layer": mark.layer}
+        if len(mark.vertices) == 2 and not mark.closed and not mark.sweeps[0]:
+            start, end = (self._at(each) for each in mark.vertices.tolist())
+            self._space.add_line(start, end, dxfattribs=attributes)
+            return
+        bulges = np.tan(mark.sweeps / 4.0) + 0.0
+        points = [
+            (*self._at(at), bulge)
+            for at, bulge in zip(mark.vertices.tolist(), bulges.tolist(), strict=True)
+        ]
+        polyline = self._space.add_lwpolyline(points, "xyb", close=mark.closed,
+                                              dxfattribs=attributes)  # fmt: skip
+        polyline.dxf.flags |= 128  # the pattern of a line runs on around vertices
+
+    @_add.register
+    def _(self, mark: Round) -> None:
+        centre, radius = self._at(mark.centre), self._length(mark.radius)
+        self._space.add_circle(centre, radius, dxfattribs={"layer": mark.layer})
+
+    @_add.register
+    def _(self, mark: Label) -> None:
+        narrow = squeeze(mark.text, mark.height, mark.width)
+        text = self._space.add_text(
+            mark.text,
+            height=mark.height * self._paper,
+            rotation=math.degrees(mark.angle),
+            dxfattribs={"layer": mark.layer, "style": STYLE, "width": NARROWED * narrow},
+        )
+        text.set_placement(self._at(mark.at), align=TextEntityAlignment[JUSTIFIED[mark.across]])
+
+    @_add.register
+    def _(self, mark: Filled) -> None:
+        corners = [self._at(each) for each in mark.corners]
+        if len(corners) == 4:
+            corners[2], corners[3] = corners[3], corners[2]  # of a SOLID they go across
+        self._space.add_solid(corners, dxfattribs={"layer": mark.layer})
+
+    @_add.register
+    def _(self, mark: Hatched) -> None:
+        hatch = self._space.add_hatch(dxfattribs={"layer": "HATCH"})
+        step = ANSI31 * math.sqrt(0.5)
+        pattern = [[45.0, (0.0, 0.0), (-step, step), []]]
+        scale = HATCHING * self._paper / ANSI31
+        hatch.set_pattern_fill("ANSI31", BY_LAYER, scale=scale, definition=pattern)
+        corners = [self._at(each) for each in mark.corners.tolist()]
+        hatch.paths.add_polyline_path(corners, is_closed=True)
+
+    @_add.register
+    def _(self, mark: Distance) -> None:
+        override = self._override(mark.prefix, mark)
+        if mark.bare:
+            names = ["", ""]
+            names[mark.bare - 1] = "NONE"
+            override |= {"dimsah": 1, "dimblk1": names[0], "dimblk2": names[1]}
+        drawn = self._space.add_linear_dim(
+            base=self._at(mark.line),
+            p1=self._at(mark.first),
+            p2=self._at(mark.second),
+            angle=math.degrees(mark.angle),
+            dimstyle=STYLE,
+            override=override,
+            dxfattribs={"layer": "DIMENSION"},
+        )
+        if mark.aside:
+            drawn.shift_text(mark.aside * self._paper, 0.0)
+        self._state(drawn, mark)
+
+    @_add.register
+    def _(self, mark: Diameter) -> None:
+        text = number_of(mark, self._sheet.unit).replace(DIAMETER, "Ø")
+        own = {"dimtmove": 1, "dimtoh": 1, "dimtad": 1, "dimtofl": 0, "dimcen": 0.0}
+        override = {**self._override(mark.prefix, mark), **own}
+        reach = self._length(mark.radius) + mark.reach * self._paper
+        centre = self._at(mark.centre)
+        way = (math.cos(mark.angle), math.sin(mark.angle))
+        drawn = self._space.add_diameter_dim(
+            center=centre,
+            radius=self._length(mark.radius),
+            angle=math.degrees(mark.angle),
+            location=(centre[0] + reach * way[0], centre[1] + reach * way[1]),
+            text=text.replace(".", ",") if self._sheet.comma else text,
+            dimstyle=STYLE,
+            override=override,
+            dxfattribs={"layer": "DIMENSION"},
+        )
+        self._state(drawn, mark)
+        drawn.dimension.dxf.text = "<>"  # ezdxf would write a second sign before the number
+
+    def _state(self, drawn: DimStyleOverride, mark: Distance | Diameter) -> None:
+        """Draw a dimension, and state what it measures, which ezdxf does not."""
+        drawn.render()
+        drawn.dimension.dxf.actual_measurement = self._length(mark.measure)
+
+    def _override(self, prefix: str, mark: Distance | Diameter) -> dict[str, object]:
+        return {"dimdec": mark.decimals, "dimpost": f"{prefix}<>{mark.suffix}"}
+
+
+# -- page -----------------------------------------------------------------------------------------
+# A drawing as PDF and SVG, at true scale: coordinates are whole multiples of `GRAIN`.
+
+
+POINT: Final = 25.4 / 72.0
+"""Unit of a PDF [mm]."""
+
+TURN: Final = 0.25 * math.pi
+"""Most that a cubic of a PDF turns, which then leaves its arc by less than 1e-5 of the radius."""
+
+Pieces = list[tuple[complex, complex, float, complex]]
+"""Start and end in whole grains, angle turned [rad], centre of an arc."""
+
+
+def svg(pages: Sequence[Strokes]) -> bytes:
+    """The pages side by side in one picture: letters are defined once and used where they stand."""
+    wide = sum(each.width for each in pages) + APART * (len(pages) - 1)
+    high = max(each.height for each in pages)
+    box = f'width="{wide:g}mm" height="{high:g}mm" viewBox="0 0 {_grains(wide)} {_grains(high)}"'
+    found = [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        f'<svg xmlns="http://www.w3.org/2000/svg" {box}>',
+        '<rect width="100%" height="100%" fill="#fff"/>',
+    ]
+    left = 0.0
+    for number, each in enumerate(pages):
+        found.append(f'<g transform="translate({_grains(left)} 0)">' if number else "<g>")
+        found += _svg_page(each, number)
+        found.append("</g>")
+        left += each.width + APART
+    return "\n".join([*found, "</svg>", ""]).encode()
+
+
+def _grains(length: float) -> int:
+    return round(length / GRAIN)
+
+
+def _svg_page(page: Strokes, number: int) -> Iterator[str]:
+    top = _grains(page.height)
+    yield '<g fill="none" stroke="#000" stroke-linejoin="round">'
+    for width, strokes in sorted(page.lines.items()):
+        path = "".join(_svg_stroke(each, top) for each in strokes)
+        yield f'<path stroke-width="{_grains(0.01 * width)}" d="{path}"/>'
+    yield "</g>"
+    yield "<defs>"
+    for shape, name in page.shapes.items():
+        yield f'<path id="s{number}-{name}" d="{_svg_outline(shape)}"/>'
+    yield "</defs>"
+    for name, at in page.places:
+        yield f'<use href="#s{number}-{name}" x="{at.real:.0f}" y="{top - at.imag:.0f}"/>'
+
+
+def _svg_stroke(stroke: Stroke, top: int) -> str:
+    pieces = _pieces(stroke)
+    if not pieces:
+        return ""
+    found = [f"M{pieces[0][0].real:.0f} {top - pieces[0][0].imag:.0f}"]
+    for start, end, sweep, centre in pieces:
+        way = f"{_number(end.real - start.real)}{_signed(start.imag - end.imag)}"
+        if sweep:
+            radius = f"{abs(start - centre):.0f}"
+            flags = f"{int(abs(sweep) > math.pi)} {int(sweep < 0.0)}"
+            found.append(f"a{radius} {radius} 0 {flags} {way}")
+        else:
+            found.append(f"l{way}")
+    return "".join([*found, "z"] if stroke.closed else found)
+
+
+def _svg_outline(outline: Outline) -> str:
+    found, at = [], 0j
+    for word, points in outline:
+        found.append(word.lower())
+        ways = [point - at for point in points]
+        numbers = "".join(f"{_signed(w.real)}{_signed(-w.imag)}" for w in ways)
+        found.append(numbers.strip())
+        at = points[-1] if points else at
+    return "".join(found)
+
+
+def _number(value: float) -> str:
+    return f"{value + 0.0:.0f}"
+
+
+def _signed(value: float) -> str:
+    """A number after another one: a minus separates them."""
+    text = _number(value)
+    return text if text.startswith("-") else f" {text}"
+
+
+def _pieces(stroke: Stroke) -> Pieces:
+    """The pieces of a stroke that are longer than a grain."""
+    points = [rounded(each) for each in stroke.vertices.tolist()]
+    sweeps = stroke.sweeps.tolist()
+    if stroke.closed:
+        points.append(points[0])
+    exact = [*stroke.vertices.tolist(), complex(stroke.vertices[0])]
+    found: Pieces = []
+    for (start, end), sweep, one, other in zip(pairwise(points), sweeps, exact, exact[1:],
+                                               strict=False):  # fmt: skip
+        if start != end:
+            centre = 0j
+            if sweep:
+                centre = 0.5 * (one + other) + 0.5j * (other - one) / math.tan(0.5 * sweep)
+            found.append((start, end, sweep, centre))
+    return found
+
+
+def pdf(pages: Sequence[Strokes]) -> bytes:
+    """A document with a page for each."""
+    objects: list[bytes] = [b"<< /Type /Catalog /Pages 2 0 R >>"]
+    kids = " ".join(f"{4 + 2 * number} 0 R" for number in range(len(pages)))
+    objects.append(f"<< /Type /Pages /Kids [ {kids} ] /Count {len(pages)} >>".encode())
+    objects.append(b"<< /Creator (camgeo) >>")
+    for number, each in enumerate(pages):
+        size = f"{each.width / POINT:.4f} {each.height / POINT:.4f}"
+        objects.append(
+            f"<< /Type /Page /Parent 2 0 R /MediaBox [ 0 0 {size} ] /Resources << >>"
+            f" /Contents {5 + 2 * number} 0 R >>".encode()
+        )
+        stream = zlib.compress("\n".join(_pdf_page(each)).encode(), 9)
+        head = f"<< /Length {len(stream)} /Filter /FlateDecode >>\nstream\n".encode()
+        objects.append(head + stream + b"\nendstream")
+    found = bytearray(b"%PDF-1.4\n%\xc2\xb5\xc2\xb6\n")
+    places = []
+    for number, body in enumerate(objects):
+        places.append(len(found))
+        found += f"{number + 1} 0 obj\n".encode() + body + b"\nendobj\n"
+    start = len(found)
+    table = "".join(f"{place:010d} 00000 n \n" for place in places)
+    found += f"xref\n0 {len(objects) + 1}\n0000000000 65535 f \n{table}".encode()
+    found += f"trailer\n<< /Size {len(objects) + 1} /Root 1 0 R /Info 3 0 R >>\n".encode()
+    return bytes(found + f"startxref\n{start}\n%%EOF\n".encode())
+
+
+def _pdf_page(page: Strokes) -> Iterator[str]:
+    grain = GRAIN / POINT
+    yield f"{grain:.9f} 0 0 {grain:.9f} 0 0 cm 1 j"
+    for width, strokes in sorted(page.lines.items()):
+        yield f"{_grains(0.01 * width)} w"
+        for each in strokes:
+            yield from _pdf_stroke(each)
+        yield "S"
+    shapes = {name: " ".join(_pdf_outline(shape)) for shape, name in page.shapes.items()}
+    for name, at in page.places:
+        yield f"q 1 0 0 1 {_xy(at)} cm {shapes[name]} f Q"
+
+
+def _xy(point: complex) -> str:
+    return f"{_number(point.real)} {_number(point.imag)}"
+
+
+def _pdf_stroke(stroke: Stroke) -> Iterator[str]:
+    pieces = _pieces(stroke)
+    if not pieces:
+        return
+    yield f"{_xy(pieces[0][0])} m"
+    for start, end, sweep, centre in pieces:
+        if not sweep:
+            yield f"{_xy(end)} l"
+            continue
+        count = math.ceil(abs(sweep) / TURN)
+        turn = sweep / count
+        reach = 4.0 / 3.0 * math.tan(0.25 * turn)
+        turned = np.exp(1j * turn * np.arange(count + 1))
+        points = [start, *(centre + (start - centre) * each for each in turned[1:-1]), end]
+        for one, other in pairwise(points):
+            first = one + reach * 1j * (one - centre)
+            second = other - reach * 1j * (other - centre)
+            yield f"{_xy(first)} {_xy(second)} {_xy(other)} c"
+    if stroke.closed:
+        yield "h"
+
+
+def _pdf_outline(outline: Outline) -> Iterator[str]:
+    at = 0j
+    for word, points in outline:
+        if word == "Q":  # a quadratic as a cubic
+            points = (at + 2 / 3 * (points[0] - at), points[1] + 2 / 3 * (points[0] - points[1]),
+                      points[1])  # fmt: skip
+        numbers = " ".join(map(_xy, points))
+        letter = {"M": "m", "L": "l", "Q": "c", "C": "c", "Z": "h"}[word]
+        yield f"{numbers} {letter}".strip()
+        at = points[-1] if points else at
+
+
+# -- strokes --------------------------------------------------------------------------------------
+# What is drawn on a page: lines and arcs by their widths, letters and other filled areas.
+#
+# Lines are taken from the sheet itself, with its arcs; texts and dimensions are taken apart by
+# ezdxf's drawing add-on. Everything is black.
+
+
+GRAIN: Final = 0.005
+"""Of coordinates on a page [mm]: they are whole multiples."""
+
+WRITTEN: Final = frozenset(("TEXT", "DIMENSION"))
+"""Entities that ezdxf takes apart."""
+
+Outline = tuple[tuple[str, tuple[complex, ...]], ...]
+"""A filled outline: commands "M", "L", "Q", "C" and "Z" with their points, in grains."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stroke:
+    """Lines and arcs end to end [grains].
+
+    Attributes
+    ----------
+    vertices : (n,) complex.
+    sweeps : (n,) angle turned to the next [rad], 0 is a line; the last one counts if it is closed.
+    """
+
+    vertices: ComplexArray
+    sweeps: FloatArray
+    closed: bool = False
+
+
+@dataclass(slots=True)
+class Strokes:
+    """What is drawn on a page.
+
+    Attributes
+    ----------
+    width, height : of the page [mm].
+    lines : by the width of the line [1/100 mm].
+    shapes : filled outlines, each from its own first point.
+    places : number of each filled outline, and where its first point is [grains].
+    """
+
+    width: float
+    height: float
+    lines: dict[int, list[Stroke]] = field(default_factory=dict)
+    shapes: dict[Outline, int] = field(default_factory=dict)
+    places: list[tuple[int, complex]] = field(default_factory=list)
+
+    def add(self, width: int, stroke: Stroke) -> None:
+        """A line of some width [1/100 mm]."""
+        self.lines.setdefault(width, []).append(stroke)
+
+    def fill(self, outline: Iterable[tuple[str, tuple[complex, ...]]]) -> int:
+        """A filled outline [grains], whose number is returned."""
+        made = list(outline)
+        origin = made[0][1][0]
+        own = tuple((w, tuple(rounded(each - origin) for each in points)) for w, points in made)
+        number = self.shapes.setdefault(own, len(self.shapes))
+        self.places.append((number, rounded(origin)))
+        return number
+
+
+def rounded(point: complex) -> complex:
+    """A point in whole grains."""
+    return complex(round(point.real), round(point.imag))
+
+
+def know_the_font() -> None:
+    """Make our font known to ezdxf, which looks only at those of the system."""
+    if not fonts.font_manager.has_font(FONT):
+        folder = pathlib.Path(mpl.get_data_path()) / "fonts" / "ttf"
+        fonts.font_manager.build([str(folder)], support_dirs=False)
+
+
+def strokes_of(document: Drawing, sheet: Sheet) -> Strokes:
+    """What is drawn on a sheet; `document` has it alone."""
+    found = Strokes(sheet.width, sheet.height)
+    for view in sheet.views:
+        for mark in view.marks:
+            for layer, stroke in _strokes(mark, view.at, sheet.scale):
+                found.add(layer, stroke)
+    for mark in sheet.marks:
+        for layer, stroke in _strokes(mark, 0j, 1.0):
+            found.add(layer, stroke)
+    for marks, at, scale in ((sheet.marks, 0j, 1.0),
+                             *((v.marks, v.at, sheet.scale) for v in sheet.views)):  # fmt: skip
+        for mark in marks:
+            if isinstance(mark, Filled):
+                found.fill(_polygon([(at + scale * each) / GRAIN for each in mark.corners]))
+    low = corners([sheet])[0] / MM_PER[sheet.unit]
+    backend = _Taken(found, low, sheet.scale * MM_PER[sheet.unit] / GRAIN)
+    config = Configuration(
+        color_policy=ColorPolicy.BLACK, background_policy=BackgroundPolicy.OFF,
+        min_lineweight=0.0,
+    )  # fmt: skip
+    Frontend(RenderContext(document), backend, config=config).draw_layout(
+        document.modelspace(), finalize=False, filter_func=_is_written
+    )
+    return found
+
+
+def _is_written(entity: DXFGraphic) -> bool:
+    return entity.dxftype() in WRITTEN
+
+
+def _strokes(mark: Mark, at: complex, scale: float) -> Iterator[tuple[int, Stroke]]:
+    """The lines of a mark, hidden ones in dashes, and their widths [1/100 mm]."""
+    if isinstance(mark, Round):
+        points = (at + scale * (mark.centre + mark.radius * QUARTERS)) / GRAIN
+        yield LAYERS[mark.layer][2], Stroke(points, np.full(4, 0.5 * np.pi), closed=True)
+    elif isinstance(mark, Hatched):
+        for ends in hatching(mark, HATCHING / scale):
+            points = np.array([(at + scale * end) / GRAIN for end in ends], np.complex128)
+            yield LAYERS["HATCH"][2], Stroke(points, np.zeros(2))
+    elif isinstance(mark, Chain):
+        chains: Iterable[Chain] = (mark,)
+        if mark.layer == "HIDDEN":
+            chains = dashed_stretch(mark, scale, (HIDDEN[1], -HIDDEN[2]))
+        for each in chains:
+            points = (at + scale * each.vertices) / GRAIN
+            yield LAYERS[each.layer][2], Stroke(points, each.sweeps, each.closed)
+
+
+def _polygon(points: list[complex]) -> Iterator[tuple[str, tuple[complex, ...]]]:
+    yield "M", (points[0],)
+    for point in points[1:]:
+        yield "L", (point,)
+    yield "Z", ()
+
+
+class _Taken(Backend):
+    """Takes texts and dimensions as lines and outlines."""
+
+    def __init__(self, found: Strokes, low: complex, factor: float) -> None:
+        super().__init__()
+        self._found, self._low, self._factor = found, low, factor
+        self._letters: dict[tuple[bytes, bytes], int] = {}
+
+    def _at(self, point: Vec2) -> complex:
+        return (complex(point.x, point.y) - self._low) * self._factor
+
+    def draw_line(self, start: Vec2, end: Vec2, properties: BackendProperties) -> None:
+        """A line of a dimension."""
+        ends = np.array([self._at(start), self._at(end)], np.complex128)
+        self._found.add(round(100.0 * properties.lineweight), Stroke(ends, np.zeros(2)))
+
+    def draw_filled_paths(self, paths: Iterable[BkPath2d], properties: BackendProperties) -> None:
+        """Letters, each by itself."""
+        for path in paths:
+            if not len(path):
+                continue
+            corners = path.np_vertices()
+            points = (corners[:, 0] + 1j * corners[:, 1] - self._low) * self._factor
+            shape = np.rint(points - points[0]) + 0.0
+            key = bytes(path.command_codes()), shape.tobytes()
+            if key in self._letters:
+                self._found.places.append((self._letters[key], rounded(complex(points[0]))))
+            else:
+                self._letters[key] = self._found.fill(self._outline(path))
+
+    def _outline(self, path: BkPath2d) -> Iterator[tuple[str, tuple[complex, ...]]]:
+        yield "M", (self._at(path.start),)
+        for element in path.commands():
+            end = self._at(Vec2(element.end))
+            if isinstance(element, LineTo):
+                yield "L", (end,)
+            elif isinstance(element, Curve3To):
+                yield "Q", (self._at(Vec2(element.ctrl)), end)
+            elif isinstance(element, Curve4To):
+                yield "C", (self._at(Vec2(element.ctrl1)), self._at(Vec2(element.ctrl2)), end)
+            else:
+                yield "Z", ()
+                yield "M", (end,)
+        yield "Z", ()
+
+    def draw_filled_polygon(self, points: BkPoints2d, properties: BackendProperties) -> None:
+        """An arrow."""
+        self._found.fill(_polygon([self._at(point) for point in points.vertices()]))
+
+    def draw_point(self, pos: Vec2, properties: BackendProperties) -> None:
+        """Points of dimensions are not drawn."""
+
+    def draw_image(self, image_data: ImageData, properties: BackendProperties) -> None:
+        """There is none."""
+
+    def set_background(self, color: Color) -> None:
+        """Paper has its own."""
+
+    def clear(self) -> None:
+        """Nothing is kept."""
+
+
+# -- writer ---------------------------------------------------------------------------------------
 
 
 def _made(product: Product, tolerance: float) -> tuple[tuple[Sheet, ...], Drawing]:
@@ -118,3 +812,54 @@ class DrawingWriter:
 PDF: Final = PageWriter(replace(FORMAT, suffix="-drawing.pdf"), pdf)
 SVG: Final = PageWriter(replace(FORMAT, suffix="-drawing.svg"), svg)
 WRITER: Final = DrawingWriter(FORMAT, (PDF, SVG))
+
+
+# -- measure --------------------------------------------------------------------------------------
+# A sheet read back: its edges against the part, its dimensions against what they measure.
+
+
+EDGES: Final = ("OUTLINE", "HIDDEN", "ENGRAVING")
+"""Layers of the front view's edges, in the axes of the part."""
+
+DIAMETER_SIGN: Final = 3
+"""Type of a dimension of a diameter, in the lowest bits of group 70."""
+
+KIND: Final = 7
+"""Those bits."""
+
+
+def measure(product: Product, data: bytes) -> float:
+    """Largest proved deviation of the edges [mm].
+
+    Raises FileError if a boundary is missing, or a dimension has a text of its own or does not
+    state what its definition points are apart.
+    """
+    drawing = drawing_of(data)
+    if drawing.scale() != MM_PER[product.unit]:
+        raise FileError(f"$INSUNITS does not say {product.unit}")
+    drawn = tuple(item for item in drawing.items if item.layer in EDGES)
+    contours = replace(drawing, items=drawn).contours(None)  # an edge may be hidden in part
+    largest = deviation(contours, product.drawn.part.boundaries)
+    for item in drawing.items:
+        if item.kind == "DIMENSION":
+            largest = max(largest, abs(_stated(item) - apart(item)) * drawing.scale())
+    return largest
+
+
+def _stated(item: Item) -> float:
+    """What a dimension says that it measures, in units of the drawing."""
+    if item.text(1) not in ("", "<>"):
+        raise item.fault(f"has the text {item.text(1)!r} instead of what it measures")
+    return item.number(42)
+
+
+def apart(item: Item) -> float:
+    """What the definition points of a dimension measure, in units of the drawing."""
+    if int(item.number(70)) & KIND == DIAMETER_SIGN:
+        return abs(_point(item, 10) - _point(item, 15))
+    along = cmath.rect(1.0, math.radians(item.number(50, 0.0)))
+    return abs(((_point(item, 14) - _point(item, 13)) * along.conjugate()).real)
+
+
+def _point(item: Item, code: int) -> complex:
+    return complex(item.number(code), item.number(code + 10))

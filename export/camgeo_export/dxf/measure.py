@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from camgeo.contour.contour import Contour
-from camgeo.formats.dxf import FORMAT, SINGLE
-from camgeo.product.product import Product
+from camgeo.design.product import Product
+from camgeo.errors import FileError
+from camgeo.geometry.contour.contour import Contour
+from camgeo.scene.formats.dxf import FORMAT, SINGLE
 from camgeo.units import MM_PER
 from camgeo_export.dxf.reader import Drawing, drawing_of
-from camgeo_export.errors import FileError
-from camgeo_export.layers import layered
-from camgeo_export.matching import deviation
+from camgeo_export.reading import deviation, layered
 
 KINDS: dict[str, tuple[str, ...]] = {
     "PITCH_CURVE": ("LWPOLYLINE",),

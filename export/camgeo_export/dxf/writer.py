@@ -1,7 +1,7 @@
 """DXF: the part's boundaries as closed polylines with bulges or as splines, at true size.
 
 R2010, one LWPOLYLINE per boundary, on layer CUT if it goes through the disc, else on a layer named
-by its depth (`camgeo_export.layers`). As splines a boundary is a chain of cubic SPLINE entities
+by its depth (`camgeo_export.reading`). As splines a boundary is a chain of cubic SPLINE entities
 with knots and control points, and an ARC or LINE wherever it is exactly one. The pitch curve,
 always a polyline, the base circle and the mark of the cam axis are on their own layers, so that a
 shop can remove them. No text, no dimensions.
@@ -9,31 +9,32 @@ shop can remove them. No text, no dimensions.
 
 from __future__ import annotations
 
+import io
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 import numpy as np
+from ezdxf import options  # type: ignore[attr-defined] # exported, but not declared
+from ezdxf.document import Drawing
 from ezdxf.entities.lwpolyline import LWPolylinePoints
 from ezdxf.filemanagement import new
 from ezdxf.layouts.layout import Modelspace
 from ezdxf.lldxf.types import DXFTag
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.spline import CubicSpline, SplineContour, strands_of
-from camgeo.formats.dxf import FORMAT, SINGLE
-from camgeo.numeric.arrays import phase
-from camgeo.part.boundary import WRITTEN_SHARE, Boundary, written_contour
-from camgeo.product.product import Product
+from camgeo.design.product import Product, title_of
+from camgeo.design.writing import Written
+from camgeo.errors import FileError
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.spline import CubicSpline, SplineContour, strands_of
+from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
+from camgeo.part.part import WRITTEN_SHARE, Boundary, written_contour
 from camgeo.reading import DRAWING_LINES
-from camgeo.units import MM_PER
-from camgeo.wording import counted
-from camgeo.writing.writer import Written
-from camgeo_export.dxf.curves import Curve
-from camgeo_export.dxf.file import INSUNITS, MEASUREMENT, bytes_of, describe, fixed_metadata
+from camgeo.scene.formats.dxf import FORMAT, SINGLE
+from camgeo.units import MM_PER, LengthUnit, counted
+from camgeo_export.dxf.items import Curve
 from camgeo_export.dxf.measure import measure
-from camgeo_export.dxf.view import show
-from camgeo_export.errors import FileError
-from camgeo_export.layers import CUT, layered
+from camgeo_export.reading import CUT, layered
 
 PITCH = "PITCH_CURVE"
 
@@ -75,7 +76,7 @@ class DxfWriter:
         _limit(sum(map(len, (*curves, *([] if pitch is None else [pitch])))))
         with fixed_metadata():
             document = new("R2010", units=INSUNITS[product.unit])
-            document.header["$MEASUREMENT"] = MEASUREMENT[product.unit]
+            document.header["$MEASUREMENT"] = UNITS_OF_HEADER[product.unit]
             describe(document, product, tolerance)
             space = document.modelspace()
             _draw(space, product, cut, pitch)
@@ -229,3 +230,118 @@ def _xy(point: complex, scale: float) -> tuple[float, float]:
 
 
 WRITER = DxfWriter()
+
+
+# -- view -----------------------------------------------------------------------------------------
+# What a drawing shows when it is opened: its extents, its limits and the view of the model space.
+#
+# Most programs open a drawing in the view that it states, wherever its entities lie.
+
+
+MARGIN = 0.05
+"""Of the view, on each side, as a fraction of the larger side of the drawing."""
+
+ASPECT = 4.0 / 3.0
+"""Width of the view over its height. The view is as high as the drawing is wide, so a window of any
+shape shows the whole drawing."""
+
+ACTIVE = "*Active"
+"""Name of the view that is open."""
+
+
+def show(space: Modelspace, contours: Sequence[Contour | SplineContour], scale: float) -> None:
+    """Fit extents, limits and view to what is drawn: `contours` [mm], at `scale` mm per unit."""
+    points = np.concatenate([_extremes(contour) for contour in contours]) / scale
+    low = complex(points.real.min(), points.imag.min())
+    high = complex(points.real.max(), points.imag.max())
+    size = max((high - low).real, (high - low).imag)
+    margin = MARGIN * size * (1.0 + 1.0j)
+    space.reset_extents((low.real, low.imag, 0.0), (high.real, high.imag, 0.0))
+    least, most = low - margin, high + margin
+    space.reset_limits((least.real, least.imag), (most.real, most.imag))
+    middle = 0.5 * (low + high)
+    (view,) = space.doc.viewports.get_config(ACTIVE)
+    view.dxf.center = (middle.real, middle.imag)
+    view.dxf.height = (1.0 + 2.0 * MARGIN) * size
+    view.dxf.aspect_ratio = ASPECT
+
+
+def _extremes(contour: Contour | SplineContour) -> ComplexArray:
+    """(n,) complex [mm] points on the contour, the outermost ones along both axes among them."""
+    if isinstance(contour, Contour):
+        return _of_pieces(contour.vertices, contour.sweeps, contour.centres)
+    rows = [(arc.start, arc.sweep, arc.centre) for arc in contour.arcs]
+    starts, sweeps, centres = np.array(rows, dtype=np.complex128).reshape(-1, 3).T
+    splines = [_of_cubics(spline.beziers) for spline in contour.splines]
+    return np.concatenate((_of_pieces(starts, sweeps.real, centres), *splines))
+
+
+def _of_pieces(starts: ComplexArray, sweeps: FloatArray, centres: ComplexArray) -> ComplexArray:
+    """The starts, and where arcs run along an axis."""
+    bent = sweeps != 0.0
+    starts_of, centres, sweeps = starts[bent], centres[bent], sweeps[bent]
+    arm = starts_of - centres
+    found = [starts]
+    for direction in (1.0, 1.0j, -1.0, -1.0j):
+        turned = np.angle(direction / arm) * np.sign(sweeps) % (2.0 * np.pi)
+        reached = turned <= np.abs(sweeps)
+        found.append((centres + np.abs(arm) * direction)[reached])
+    return np.concatenate(found)
+
+
+def _of_cubics(pieces: ComplexArray) -> ComplexArray:
+    """The ends of (n, 4) Bezier pieces, and where they run along an axis."""
+    found = [pieces[:, 0], pieces[:, 3]]
+    for values in (pieces.real, pieces.imag):
+        a, b, c = np.diff(values, axis=1).T
+        # The derivative is a (1 - t)^2 + 2 b t (1 - t) + c t^2.
+        root = np.sqrt(np.maximum(b * b - a * c, 0.0))
+        for bottom in (a - b + root, a - b - root):
+            share = np.where(bottom == 0.0, 0.0, a) / np.where(bottom == 0.0, 1.0, bottom)
+            share = np.clip(share, 0.0, 1.0)[:, None]
+            level = pieces
+            while level.shape[1] > 1:  # de Casteljau's algorithm
+                level = (1.0 - share) * level[:, :-1] + share * level[:, 1:]
+            found.append(level[:, 0])
+    return np.concatenate(found)
+
+
+# -- file -----------------------------------------------------------------------------------------
+# What all DXF files of ours have in common: their units, their origin, and the same bytes.
+
+
+INSUNITS: dict[LengthUnit, int] = {"mm": 4, "inch": 1}
+UNITS_OF_HEADER: dict[LengthUnit, int] = {"mm": 1, "inch": 0}
+
+
+@contextmanager
+def fixed_metadata() -> Iterator[None]:
+    """Drawings without time stamps and random identifiers, which ezdxf stamps on a file when
+    creating and when writing it; its setting is restored.
+    """
+    before = options.write_fixed_meta_data_for_testing
+    options.write_fixed_meta_data_for_testing = True
+    try:
+        yield
+    finally:
+        options.write_fixed_meta_data_for_testing = before
+
+
+def describe(document: Drawing, product: Product, tolerance: float) -> None:
+    """Record the file's origin as custom document properties: no text enters the drawing."""
+    properties = document.header.custom_vars
+    properties.append("camgeo", product.version)
+    properties.append("scene", product.scene_hash)
+    properties.append("tolerance mm", repr(tolerance))
+    if title_of(product) != product.name:
+        properties.append("title", title_of(product))
+
+
+def bytes_of(document: Drawing) -> bytes:
+    """The document as a file; to be called with `fixed_metadata`."""
+    # ezdxf declares the classes in use in the order of a set, which differs between runs.
+    for kind in sorted(document.entitydb.dxf_types_in_use()):
+        document.classes.add_class(kind)
+    stream = io.StringIO()
+    document.write(stream)
+    return stream.getvalue().encode(document.output_encoding)

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import cmath
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.spline import Arc
+from camgeo.errors import FileError
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.spline import Arc
 from camgeo.numeric.arrays import IntArray
-from camgeo_export.errors import FileError
+from camgeo.reading import PATHS, PROGRAM, beyond
+from camgeo.units import counted
 
 if TYPE_CHECKING:
     from shapely import STRtree
+
 
 Kind = Literal["rapid", "line", "arc"]
 
@@ -172,3 +178,37 @@ def loop_of(run: list[CutterMove], gap: float) -> Loop:
     contour = Contour.through(vertices, sweeps)
     first = run[0]
     return Loop(first.operation, first.tool, min(heights), len(heights) == 1, contour, mismatch)
+
+
+# -- loops ----------------------------------------------------------------------------------------
+# The closed paths that the moves of a program run in the plane, level or not.
+
+
+def closed_paths(moves: Iterable[CutterMove], gap: float = 0.0) -> list[Loop]:
+    """Closed runs of cuts in the plane; leads into and out of them are omitted.
+
+    A run that ends up to `gap` [mm] from where it began is closed, too; its mismatch is larger by
+    that. The cutter may come down along a run, or be lifted over tabs; where it moves along Z alone
+    or traverses, the run ends.
+    """
+    found: list[Loop] = []
+    run: list[CutterMove] = []
+    # A point already visited closes a loop; the search then starts again, so that a path which
+    # overlaps its beginning is found once, and no loop contains another.
+    reached: dict[complex, int] = {}
+    for move in moves:
+        cuts = move.kind != "rapid" and not (move.start == move.end and move.sweep == 0.0)
+        cuts = cuts and not (cmath.isnan(move.start) or math.isnan(move.z_start))
+        if not cuts or (run and run[-1].operation != move.operation):
+            found += nearly_closed(run, gap)
+            run, reached = [], {}
+        if not cuts:
+            continue
+        reached[move.start] = len(run)
+        run.append(move)
+        if len(found) > PATHS:
+            raise beyond("the program", counted(len(found), "closed path"), PATHS, PROGRAM)
+        if move.end in reached:
+            found.append(loop_of(run[reached[move.end] :], 0.0))
+            run, reached = [], {}
+    return found + nearly_closed(run, gap)

@@ -5,12 +5,20 @@ from __future__ import annotations
 from collections.abc import Set
 from typing import Final
 
-from camgeo_export.interpreter.block import Block, Number
-from camgeo_export.interpreter.codes import COORDINATES, CYCLE, GROUP_OF, KNOWN, normal
 from camgeo_export.interpreter.controller import ALONE, Controller
 from camgeo_export.interpreter.holes import CYCLES
-from camgeo_export.interpreter.iso import Words, shown
-from camgeo_export.interpreter.rules import Findings
+from camgeo_export.interpreter.iso import (
+    COORDINATES,
+    CYCLE,
+    GROUP_OF,
+    KNOWN,
+    Block,
+    Findings,
+    Number,
+    Words,
+    normal,
+    shown,
+)
 
 READ: Final = frozenset("DEFGHIJKLMNOPQRSTXYZ")
 """Letters whose words are read."""

@@ -11,13 +11,11 @@ from typing import Final
 
 from camgeo.units import MM_PER
 from camgeo_export.gcode.moves import Event
-from camgeo_export.interpreter.block import AXES, Block
-from camgeo_export.interpreter.controller import Controller
+from camgeo_export.interpreter.controller import UNKNOWN, Controller, State
 from camgeo_export.interpreter.decode import unused
+from camgeo_export.interpreter.holes import dwell_of, feed
+from camgeo_export.interpreter.iso import AXES, Block, Findings
 from camgeo_export.interpreter.motion import Mover
-from camgeo_export.interpreter.quantities import dwell_of, feed
-from camgeo_export.interpreter.rules import Findings
-from camgeo_export.interpreter.state import UNKNOWN, State
 
 EVENTS: Final = {
     "tool change": "tool",

@@ -12,13 +12,9 @@ from typing import Final
 
 from camgeo.reading import number_of
 from camgeo.units import MM_PER
-from camgeo_export.interpreter.block import Block, Number
-from camgeo_export.interpreter.codes import normal
-from camgeo_export.interpreter.controller import Controller
+from camgeo_export.interpreter.controller import Controller, State
 from camgeo_export.interpreter.decode import code, within_reach
-from camgeo_export.interpreter.iso import shown
-from camgeo_export.interpreter.rules import Findings
-from camgeo_export.interpreter.state import State
+from camgeo_export.interpreter.iso import Block, Findings, Number, normal, shown
 
 NUMBER: Final = r"[-+]?(?:\d+\.?\d*|\.\d+)"
 

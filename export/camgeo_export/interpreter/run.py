@@ -4,29 +4,25 @@ from __future__ import annotations
 
 import math
 import re
+from codecs import BOM_UTF8
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
+from camgeo.design.linting import MOST, Bench, LineFinding, Linted
+from camgeo.errors import FileError
+from camgeo.milling.holding import OTHER
+from camgeo.milling.machine import LONGEST_LINE, Machine
+from camgeo.milling.zero import Zero
 from camgeo.reading import PROGRAM, check_text, lines_of
-from camgeo.toolpath.machine import Machine
-from camgeo.toolpath.turning import OTHER
-from camgeo.toolpath.zero import Zero
-from camgeo.verifying.linting import MOST, Bench, LineFinding, Linted
-from camgeo_export.errors import FileError
-from camgeo_export.gcode.loops import closed_paths
-from camgeo_export.gcode.moves import CutterMove, Event, Loop
-from camgeo_export.interpreter.block import Block
-from camgeo_export.interpreter.centre import Radius, centres
-from camgeo_export.interpreter.controller import Controller, controller_of
+from camgeo_export.gcode.moves import CutterMove, Event, Loop, closed_paths
+from camgeo_export.interpreter.compensation import Radius, centres
+from camgeo_export.interpreter.controller import Controller, State, controller_of
 from camgeo_export.interpreter.decode import decode
 from camgeo_export.interpreter.execute import Executor
-from camgeo_export.interpreter.iso import without_comments, words_of
+from camgeo_export.interpreter.iso import Block, Enough, Findings, Words, without_comments, words_of
 from camgeo_export.interpreter.klartext import Klartext
 from camgeo_export.interpreter.motion import Mover
-from camgeo_export.interpreter.rules import Enough, Findings
-from camgeo_export.interpreter.state import State
-from camgeo_export.interpreter.text import CARRIAGE_RETURNS, check_ends, check_line, check_number
 
 NOTE: Final = re.compile(r"\(([^()]*)\)|;(.*)")
 """A comment in brackets, or one up to the end of the line, in whatever dialect."""
@@ -82,7 +78,7 @@ class Run:
     central: bool = False
 
     def loops(self, gap: float = 0.0) -> list[Loop]:
-        """Closed runs of cuts, see `camgeo_export.gcode.loops`."""
+        """Closed runs of cuts, see `camgeo_export.gcode.moves`."""
         return closed_paths(self.moves, gap)
 
     @property
@@ -371,3 +367,60 @@ class GcodeLinter:
 
 
 LINTER = GcodeLinter()
+
+
+# -- text -----------------------------------------------------------------------------------------
+# Limits of a program as a text: lengths of lines, characters, numbers of blocks, `%`.
+
+
+UNCOUNTED: Final = re.compile(r"\([^)]*+\)?+|;.*+|\s++", re.ASCII)
+"""Comments and blanks of a line."""
+
+CARRIAGE_RETURNS: Final = {"blank": "\n", "end": None, "unknown": None}
+"""How the lines of a program are told apart, by what the controller does with a carriage return
+alone: as `io.TextIOWrapper` has it."""
+
+
+def check_line(line: int, text: str, machine: Machine, findings: Findings) -> bool:
+    """Find what the controller cannot read of a line as a text; whether it is read at all."""
+    form = machine.text
+    long = len(text) > LONGEST_LINE
+    code = machine.reading.counted == "code" and not long
+    counted = UNCOUNTED.sub("", text) if code and len(text) > form.longest_line else text
+    size = len(counted if counted.isascii() else counted.encode("utf-8", "replace"))
+    if size > form.longest_line:
+        what = f"a line of {size} characters"
+        findings.add(line, "line-length", what, allowed=f"at most {form.longest_line}")
+        if long:
+            return False
+    shown = text.removesuffix("\r")
+    if shown.isascii() and shown.isprintable():
+        return True
+    wrong = next((each for each in text if each not in "\t\r" and not " " <= each <= "~"), "")
+    if wrong:
+        what = f"the character {wrong!a} at column {text.index(wrong) + 1}"
+        findings.add(line, "characters", what, allowed="printable ASCII")
+    return True
+
+
+def check_ends(data: bytes, machine: Machine, findings: Findings) -> None:
+    """Find what of a program's bytes the controller takes otherwise than an editor shows."""
+    if data.startswith(BOM_UTF8) and not machine.reading.byte_order_mark:
+        what = "the program begins with a byte order mark"
+        findings.add(1, "characters", what, allowed="printable ASCII")
+    if machine.reading.carriage_return == "end" or b"\r" not in data:
+        return
+    before, alone, _ = data.replace(b"\r\n", b"\n").partition(b"\r")
+    if alone:
+        does = {"blank": "which this controller reads over: the block goes on behind it"}
+        what = does.get(machine.reading.carriage_return, "of which it is not known what it does")
+        line = 1 + before.count(b"\n")
+        findings.add(line, "line-end", f"a carriage return without a line feed, {what}")
+
+
+def check_number(words: Words, largest: int, findings: Findings) -> None:
+    """Find the number of a block that is too large."""
+    for letter, number in words.words:
+        if letter == "N" and number.value > largest:
+            what, allowed = f"N{number.text} is too large", f"at most {largest}"
+            findings.add(words.line, "line-number", what, allowed=allowed)

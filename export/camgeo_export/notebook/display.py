@@ -2,40 +2,37 @@
 
 from __future__ import annotations
 
+import base64
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import singledispatch
 from html import escape
-from typing import Any, cast
+from typing import Any, Final, cast
 
-from camgeo.answers import render
-from camgeo.answers.answer import MANY, MARKS, Answer, verdict_on
-from camgeo.answers.check import Check
-from camgeo.answers.compare import Cell, Compare
-from camgeo.answers.laws import UNITS, LawRow, Laws
-from camgeo.answers.laws.rendering import HEAD, PHYSICAL_HEAD
-from camgeo.answers.report import Report, advised
-from camgeo.answers.report.steps import next_step
-from camgeo.answers.sweep import Sweep
-from camgeo.answers.sweep.rendering import FEW, headed
-from camgeo.answers.sweep.rendering import shown as cell
-from camgeo.answers.table import ValueTable
-from camgeo.answers.verify import Verification
-from camgeo.check.finding import Finding, Findings, LazyFindings, Severity
+from camgeo.app.answers import answer
+from camgeo.app.answers.answer import MANY, MARKS, Answer, verdict_on
+from camgeo.app.answers.check import Check
+from camgeo.app.answers.compare import Cell, Compare
+from camgeo.app.answers.laws import HEAD, PHYSICAL_HEAD, UNITS, LawRow, Laws
+from camgeo.app.answers.report import Report, advised, next_step
+from camgeo.app.answers.sweep import FEW, Sweep, headed
+from camgeo.app.answers.sweep import shown as cell
+from camgeo.app.answers.table import ValueTable
+from camgeo.app.answers.verify import Verification
+from camgeo.check.finding import Finding, Findings, LazyFindings, Severity, Verdict
 from camgeo.check.judge import Judgement
-from camgeo.design import Design
-from camgeo.displayed import Displayed
-from camgeo.effects.effect import Result
+from camgeo.design.design import Design
+from camgeo.design.value_table import Table
+from camgeo.design.writing import Report as Written
+from camgeo.dynamics.effects.effect import Result
 from camgeo.errors import CamgeoError
-from camgeo.figure import plots
-from camgeo.figure.model import Figure
-from camgeo.motion.laws.comparison import QUANTITIES, entry_of
-from camgeo.motion.laws.law import Law
-from camgeo.product.value_table import Table
-from camgeo.wording import counted
-from camgeo.writing.write import Report as Written
-from camgeo_export.notebook import markup
+from camgeo.kinematics.laws.comparison import QUANTITIES, entry_of
+from camgeo.kinematics.laws.law import Law
+from camgeo.pictures import plots
+from camgeo.pictures.model import Figure
+from camgeo.record import Displayed
+from camgeo.units import counted
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,13 +61,13 @@ def display(value: Displayed) -> dict[str, str | bytes]:
     try:
         found = shown(value)
     except CamgeoError as error:
-        found = Shown(markup.heading(repr(value)) + markup.preformatted(str(error)))
+        found = Shown(heading(repr(value)) + preformatted(str(error)))
     html, png = found.html, None
     if found.figure is not None:
-        from camgeo_export.plots.render import render as drawn  # many objects have no picture
+        from camgeo_export.plots import render as drawn  # many objects have no picture
 
         png = drawn(found.figure, ".png")
-        html += markup.picture(png, found.figure.size[0], found.told)
+        html += picture(png, found.figure.size[0], found.told)
     html = f"<div>{html}{found.below}</div>"
     return {"text/html": html} | ({} if png is None else {"image/png": png})
 
@@ -94,9 +91,9 @@ def _(value: Design) -> Shown:
     try:
         figure, why = plots.of_design(value, what)[0], ""
     except CamgeoError as error:
-        figure, why = None, markup.preformatted(str(error))
-    head = markup.heading(value.name, verdict_on(value.findings))
-    told = "".join(map(markup.paragraph, stated))
+        figure, why = None, preformatted(str(error))
+    head = heading(value.name, verdict_on(value.findings))
+    told = "".join(map(paragraph, stated))
     below = _findings(value.findings)
     return Shown(head + told + why, figure, f"{what[0].capitalize()} of {value.name}", below)
 
@@ -117,15 +114,15 @@ def _findings(found: Findings) -> str:
     """The findings that are not "ok", each with its next step; the others are folded."""
     wrong = [("", each, next_step(each, ())) for each in found if each.severity != "ok"]
     right = [("", each, "") for each in found if each.severity == "ok"]
-    table = markup.findings(wrong) if wrong else ""
+    table = findings(wrong) if wrong else ""
     several = Counter[str](each.verdict for _, each, _ in right)
     told = ", ".join(counted(several[each], MARKS[each], MANY[each]) for each in several)
-    return table + (markup.folded(told, markup.findings(right)) if right else "")
+    return table + (folded(told, findings(right)) if right else "")
 
 
 @shown.register
 def _(value: Finding) -> Shown:
-    return Shown(markup.findings([("", value, next_step(value, ()))]))
+    return Shown(findings([("", value, next_step(value, ()))]))
 
 
 @shown.register
@@ -136,12 +133,12 @@ def _(value: LazyFindings) -> Shown:
 @shown.register
 def _(value: Findings) -> Shown:
     found = [("", each, next_step(each, ())) for each in value]
-    return Shown(markup.findings(found) if found else markup.paragraph("no findings"))
+    return Shown(findings(found) if found else paragraph("no findings"))
 
 
 @shown.register
 def _(value: Judgement) -> Shown:
-    return Shown(markup.paragraph(verdict_on(value.findings)), below=_findings(value.findings))
+    return Shown(paragraph(verdict_on(value.findings)), below=_findings(value.findings))
 
 
 @shown.register
@@ -151,7 +148,7 @@ def _(value: Result) -> Shown:
 
 @shown.register
 def _(value: Table) -> Shown:
-    return Shown(markup.values(value))
+    return Shown(values(value))
 
 
 @shown.register
@@ -167,10 +164,10 @@ def _(value: Law) -> Shown:
 @shown.register
 def _(value: Answer) -> Shown:
     """Its text, and its picture if answers of this kind have one."""
-    words = markup.preformatted(render.text(value))
-    if not render.has(value, "figure"):
+    words = preformatted(answer.text(value))
+    if not answer.has(value, "figure"):
         return Shown(words)
-    return Shown(words, render.figure(value), f"picture of camgeo {value.command}")
+    return Shown(words, answer.figure(value), f"picture of camgeo {value.command}")
 
 
 @shown.register
@@ -178,13 +175,13 @@ def _(value: Check) -> Shown:
     found = [(each.about, each.finding, each.step) for each in advised(value)]
     items = "".join(f"<li>{escape(each.statement)}</li>" for each in value.cures)
     listed = f"<p>Each of these cures the fault that it names:</p><ul>{items}</ul>" if items else ""
-    table = markup.heading(value.scene.name) + markup.findings(found) + listed
+    table = heading(value.scene.name) + findings(found) + listed
     return Shown(table + _as_text(value))
 
 
 def _as_text(value: Answer) -> str:
     """What the command prints; it has numbers that the table lacks."""
-    return markup.folded("as text", markup.preformatted(render.text(value)))
+    return folded("as text", preformatted(answer.text(value)))
 
 
 @shown.register
@@ -193,7 +190,7 @@ def _(value: Report) -> Shown:
     checked = shown(value.check)
     told = [f"{each.title}: {each.sentence}" for each in value.charts]
     told += [f"left out: {each}" for each in value.left_out]
-    return Shown(checked.html + "".join(map(markup.paragraph, told)))
+    return Shown(checked.html + "".join(map(paragraph, told)))
 
 
 @shown.register
@@ -209,11 +206,11 @@ def _(value: Laws) -> Shown:
             (escape(each.task), escape(" to ".join(each.ends)), escape(", ".join(each.families)))
             for each in value.tasks or ()
         ]
-        return Shown(markup.rows_of(("task", "from, to", "laws"), told, numbers=False))
+        return Shown(rows_of(("task", "from, to", "laws"), told, numbers=False))
     rows = [[escape(cell) for cell in _of_law(row)] for row in value.rows]
-    table = markup.rows_of(("law", "parameters", *HEAD), rows, numbers=False)
+    table = rows_of(("law", "parameters", *HEAD), rows, numbers=False)
     table += _of_move(value.rows) + _as_text(value)
-    return Shown(table, render.figure(value), "f', f'', f''' and f' f'' of each law over the move")
+    return Shown(table, answer.figure(value), "f', f'', f''' and f' f'' of each law over the move")
 
 
 def _of_move(rows: Sequence[LawRow]) -> str:
@@ -229,7 +226,7 @@ def _of_move(rows: Sequence[LawRow]) -> str:
         ]
         for name, own in moved
     ]
-    return markup.rows_of(("law", *heads), found, numbers=False)
+    return rows_of(("law", *heads), found, numbers=False)
 
 
 def _of_law(row: LawRow) -> list[str]:
@@ -256,10 +253,10 @@ def _(value: Written) -> Shown:
         for each in value.files
     ]
     told = [("", finding, "") for each in value.files for finding in each.findings]
-    below = markup.findings(told) if told else ""
+    below = findings(told) if told else ""
     folder = {str(path.parent) for path in value.paths}
-    table = markup.rows_of(heads, rows, numbers=False)
-    return Shown(table + markup.paragraph(", ".join(sorted(folder))) + below)
+    table = rows_of(heads, rows, numbers=False)
+    return Shown(table + paragraph(", ".join(sorted(folder))) + below)
 
 
 @shown.register
@@ -271,7 +268,7 @@ def _(value: Verification) -> Shown:
         off, tolerance = verdict.deviation, verdict.tolerance
         rows.append(
             (
-                markup.badge("ok", "pass") if verdict.passed else markup.badge("broken", "FAIL"),
+                badge("ok", "pass") if verdict.passed else badge("broken", "FAIL"),
                 escape(path.name),
                 "-" if off is None else f"{off:.3g}",
                 "-" if tolerance is None else f"{tolerance[0]:g}, by {escape(tolerance[1])}",
@@ -279,20 +276,20 @@ def _(value: Verification) -> Shown:
             )
         )
     heads = ("verdict", "file", "deviation [mm]", "tolerance [mm]", "fails")
-    return Shown(markup.rows_of(heads, rows, numbers=False) + _as_text(value))
+    return Shown(rows_of(heads, rows, numbers=False) + _as_text(value))
 
 
 @shown.register
 def _(value: Sweep) -> Shown:
     """The rows of a small family; for a larger one, what the command prints."""
     if value.count > FEW:
-        return Shown(markup.preformatted(render.text(value)))
+        return Shown(preformatted(answer.text(value)))
     heads = [*value.keys, *map(headed, value.spans), *(["reason"] if value.failed else [])]
     rows = []
     for each in value.designs:
         cells = [*map(cell, (*each.values.values(), *each.answers.values()))]
         rows.append([escape(text) for text in (*cells, each.reason)][: len(heads)])
-    return Shown(markup.rows_of(heads, rows, numbers=False))
+    return Shown(rows_of(heads, rows, numbers=False))
 
 
 @shown.register
@@ -302,19 +299,137 @@ def _(value: Compare) -> Shown:
         [escape(each.key), *(escape(text) or "-" for text in each.values)] for each in value.keys
     ]
     if any(each.verdict for each in value.designs):
-        verdicts = [markup.badge(cast("Severity", each.verdict)) for each in value.designs]
+        verdicts = [badge(cast("Severity", each.verdict)) for each in value.designs]
         rows.append(["verdict", *verdicts])
     rows += [[escape(line.name), *map(_compared, line.cells)] for line in value.lines]
     heads = ["", *(each.label for each in value.designs)]
     reasons = dict.fromkeys(one.reason for line in value.lines for one in line.cells if one.reason)
-    told = "".join(map(markup.paragraph, reasons))
-    table = markup.rows_of(heads, rows, numbers=False) + told
-    return Shown(table, render.figure(value), "flanks and curves of the designs over each other")
+    told = "".join(map(paragraph, reasons))
+    table = rows_of(heads, rows, numbers=False) + told
+    return Shown(table, answer.figure(value), "flanks and curves of the designs over each other")
 
 
 def _compared(found: Cell) -> str:
     text = "-" if found.value is None else f"{cell(found.value)} {found.unit}".rstrip()
     if found.severity in ("", "ok"):
         return escape(found.verdict if found.value is None and found.verdict else text)
-    mark = markup.badge(cast("Severity", found.severity))
+    mark = badge(cast("Severity", found.severity))
     return mark if found.value is None else f"{escape(text)} {mark}"
+
+
+# -- markup ---------------------------------------------------------------------------------------
+# The HTML of a notebook: tables, pictures and words, with every text escaped.
+#
+# There are no scripts, no style sheets and no text colours: it can be read on light and dark pages,
+# and a front end that does not trust a notebook removes nothing that matters.
+
+
+FIRST_ROWS, LAST_ROWS = 12, 4
+"""Rows of a long table that are shown, from its beginning and from its end."""
+
+DIGITS: Final = 6
+"""Significant digits of its numbers."""
+
+NUMBERS: Final = "text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap"
+"""Of a table; its cells inherit it."""
+
+TEXTS: Final = ' style="text-align:left;vertical-align:top"'
+"""Of each cell: front ends align cells to the right."""
+
+ALIGNED: Final = (
+    "font-family:monospace;white-space:pre;word-break:normal;overflow-x:auto;line-height:1.3"
+)
+"""Of text in columns, which front ends would wrap and set like sentences."""
+
+BADGE: Final = "padding:0 .4em;border-radius:.2em;white-space:nowrap;font-weight:bold"
+
+BADGES: Final[dict[Verdict, tuple[str, str]]] = {
+    "invalid": ("✗", f"{BADGE};background:#a3121f;color:#fff"),
+    "no-disc": ("✗", f"{BADGE};background:#a3121f;color:#fff"),
+    "broken": ("✗", f"{BADGE};background:#a3121f;color:#fff"),
+    "warning": ("!", f"{BADGE};background:#ffd257;color:#241a00"),
+    "ok": ("✓", "white-space:nowrap"),
+    "figure": ("=", "white-space:nowrap"),
+    "note": ("–", "white-space:nowrap"),
+}
+"""Sign and style of a verdict; its word says the same as its colours."""
+
+
+def paragraph(text: str) -> str:
+    """A text."""
+    return f"<p>{escape(text)}</p>"
+
+
+def heading(text: str, more: str = "") -> str:
+    """The name of what is shown, and what it is; not a heading of the page around it."""
+    return f"<p><strong>{escape(text)}</strong>{f', {escape(more)}' if more else ''}</p>"
+
+
+def preformatted(text: str) -> str:
+    """Lines that are aligned by spaces."""
+    return f'<pre style="{ALIGNED}">{escape(text)}</pre>'
+
+
+def folded(summary: str, content: str) -> str:
+    """Content that opens at a click."""
+    return f"<details><summary>{escape(summary)}</summary>{content}</details>"
+
+
+def picture(png: bytes, width: float, told: str) -> str:
+    """A picture at most `width` [inch] wide, with alternative text; on white, whatever the page."""
+    data = base64.b64encode(png).decode()
+    return (
+        f'<img src="data:image/png;base64,{data}" alt="{escape(told)}" width="{96.0 * width:.0f}"'
+        ' style="max-width:100%;height:auto;background:#fff">'
+    )
+
+
+def rows_of(heads: Sequence[str], rows: Iterable[Sequence[str]], *, numbers: bool) -> str:
+    """A table of cells that are already HTML, below headings that are escaped here."""
+    style = "" if numbers else TEXTS
+    head = "".join(f'<th scope="col"{style}>{escape(each)}</th>' for each in heads)
+    cells = ("".join(f"<td{style}>{cell}</td>" for cell in row) for row in rows)
+    body = "".join(f"<tr>{row}</tr>" for row in cells)
+    whole = f' style="{NUMBERS}"' if numbers else ""
+    return (
+        f'<div style="overflow-x:auto" tabindex="0"><table{whole}>'
+        f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>"
+    )
+
+
+def badge(verdict: Verdict, word: str = "") -> str:
+    """A verdict as sign and word, by default its own word."""
+    sign, style = BADGES[verdict]
+    return f'<span style="{style}">{sign} {escape(word or MARKS[verdict])}</span>'
+
+
+def findings(found: Iterable[tuple[str, Finding, str]]) -> str:
+    """A table of findings, each with what was judged and with its next step.
+
+    Empty columns are left out.
+    """
+    told = [
+        (badge(each.verdict), *map(escape, (about, each.name, each.sentence, step)))
+        for about, each, step in found
+    ]
+    heads = ("verdict", "of", "finding", "in words", "next step")
+    kept = [k for k in range(len(heads)) if any(row[k] for row in told)]
+    rows = [[row[k] for k in kept] for row in told]
+    return rows_of([heads[k] for k in kept], rows, numbers=False)
+
+
+def values(table: Table) -> str:
+    """A table of numbers, a long one cut to its beginning and end, with the number of rows."""
+    count = len(table.values)
+    shown = [*range(count)]
+    if count > FIRST_ROWS + LAST_ROWS + 1:
+        shown = [*range(FIRST_ROWS), *range(count - LAST_ROWS, count)]
+    rows = [[_number(value) for value in table.values[k].tolist()] for k in shown]
+    if len(shown) < count:
+        rows.insert(FIRST_ROWS, ["⋮"] * len(table.names))
+    size = f"{counted(count, 'row')}, {counted(len(table.names), 'column')}"
+    return rows_of(table.names, rows, numbers=True) + paragraph(size)
+
+
+def _number(value: float) -> str:
+    return f"{value + 0.0:.{DIGITS}g}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from camgeo.design import Design
+from camgeo.design.design import Design
 from camgeo.errors import CamgeoError
 
 if TYPE_CHECKING:
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def viewer(design: Design) -> Viewer:
-    """The widget of a design, see `camgeo.design.Design.view`.
+    """The widget of a design, see `camgeo.design.design.Design.view`.
 
     Raises
     ------

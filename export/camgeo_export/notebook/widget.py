@@ -8,9 +8,9 @@ from typing import Any
 import anywidget
 import traitlets
 
-from camgeo.design import Design
-from camgeo.designing.painting import painted
-from camgeo.designing.recent import Recent
+from camgeo.app.designing.painting import painted
+from camgeo.app.designing.recent import Recent
+from camgeo.design.design import Design
 from camgeo_export.browser.bundles import bundle
 
 

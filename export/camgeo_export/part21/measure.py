@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from camgeo.errors import GeometryError
-from camgeo.product.product import Product, title_of
-from camgeo.units import MM_PER
-from camgeo.wording import counted
-from camgeo_export.errors import FileError
-from camgeo_export.matching import deviation
-from camgeo_export.part21.model import Model
-from camgeo_export.part21.solid import solid_of
+from camgeo.design.product import Product, title_of
+from camgeo.errors import FileError, GeometryError
+from camgeo.units import MM_PER, counted
+from camgeo_export.part21.solid import Model, solid_of
 from camgeo_export.part21.text import exchange_of
-from camgeo_export.verify.bevels import slopes_of
-from camgeo_export.verify.contents import UNCERTAINTY, contents_check
-from camgeo_export.verify.inclined import slope_contours
-from camgeo_export.verify.shell import bounds_of, gap, levels, shell_checks
+from camgeo_export.reading import deviation
+from camgeo_export.verify.body import slopes_of
+from camgeo_export.verify.step import (
+    UNCERTAINTY,
+    bounds_of,
+    contents_check,
+    gap,
+    levels,
+    shell_checks,
+    slope_contours,
+)
 
 
 def measure(product: Product, data: bytes) -> float:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Final, NoReturn
 
+from camgeo.errors import FileError
 from camgeo.reading import (
     COORDINATE,
     INSTANCES,
@@ -17,7 +18,6 @@ from camgeo.reading import (
     check_size,
     number_of,
 )
-from camgeo_export.errors import FileError
 
 FIRST, LAST = "ISO-10303-21", "END-ISO-10303-21"
 

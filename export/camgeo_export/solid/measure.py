@@ -4,14 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from camgeo.errors import GeometryError
+from camgeo.errors import FileError, GeometryError
 from camgeo.numeric.arrays import FloatArray, IntArray
 from camgeo.part.part import Part
-from camgeo.wording import counted
-from camgeo_export.errors import FileError
-from camgeo_export.matching import deviation
-from camgeo_export.verify.bevels import contours_of, slopes_of, sloping
-from camgeo_export.verify.mesh import border_loops, merged, polygon, solid_checks, upright
+from camgeo.units import counted
+from camgeo_export.reading import deviation
+from camgeo_export.verify.body import (
+    border_loops,
+    contours_of,
+    merged,
+    polygon,
+    slopes_of,
+    sloping,
+    solid_checks,
+    upright,
+)
 
 SAME = 1e-6
 """Share of its size by which the heights of the edges of a chamfer may be rounded in a file."""

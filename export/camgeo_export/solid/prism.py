@@ -9,26 +9,23 @@ are bent, it goes in steps from parallel to parallel.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from itertools import count, groupby, pairwise, takewhile
+from itertools import combinations, count, groupby, pairwise, takewhile
 from typing import NamedTuple
 
 import manifold3d
 import numpy as np
 import shapely
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.exact import matching_chords_of
-from camgeo.contour.parallel import steps_to
-from camgeo.errors import FileError, ToleranceError
-from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
-from camgeo.part.bands import Band, Bevel
-from camgeo.part.part import Boundary, Level, Part
+from camgeo.errors import FileError, GeometryError, ToleranceError
+from camgeo.geometry.contour.contour import Contour, Pieces, least_distance
+from camgeo.geometry.contour.exact import matching_chords_of
+from camgeo.geometry.contour.parallel import steps_to
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from camgeo.part.part import Band, Bevel, Boundary, Level, Part
 from camgeo.reading import FACETS
-from camgeo.wording import counted
-from camgeo_export.apart import of_polygons, require_apart
-from camgeo_export.solid.triangles import triangulated
+from camgeo.units import counted
 
 FIT_SHARE = 0.98
 """Share of the tolerance that the chords may use; the rest is for the rounding of the file and for
@@ -314,3 +311,301 @@ class _Mesh:
         if solid.status() != manifold3d.Error.NoError or not solid.volume() > 0.0:
             raise ArithmeticError(f"the triangles enclose no body: {solid.status()}")
         return Body(vertices, triangles, float(solid.volume()))
+
+
+# -- triangles ------------------------------------------------------------------------------------
+# Triangles of a flat face between rings, with no vertices but theirs.
+#
+# The triangulation of manifold3d cuts ears, in a time that can grow with the square of the points,
+# so a face of many is divided along diagonals first. A diagonal counts only if its sign tests, in
+# doubles with the bound of their error, prove that it meets no side: where none is found the face
+# stays whole, and what is lost is time.
+
+
+PIECE = 2000
+"""Points of a face above which it is divided. Of the face of a disc with a bore, ears of as many
+take twice the time per point that those of 250 take, which is about what division adds."""
+
+STARTS, QUARTERS = 8, 4
+"""Vertices at which a diagonal is looked for, evenly over a ring, and the parts of the ring in each
+of which it may end, at the nearest vertex."""
+
+ROUNDING = 4.0 * 2.0**-53
+"""Relative error of a sign test in doubles is below this: (3 + 16 u) u with u = 2^-53, J. R.
+Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates (1997).
+"""
+
+TILT, TOWARDS = 0.25, np.exp(1.0j)
+"""Tilt of a face that is triangulated, and the direction [rad] in which it recedes: an axis of
+symmetry that no drawing has."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Face:
+    """A face: indices of the points of its outer ring, counter-clockwise, and of its holes."""
+
+    outer: IntArray
+    holes: tuple[IntArray, ...]
+
+    @property
+    def rings(self) -> tuple[IntArray, ...]:
+        return self.outer, *self.holes
+
+    @property
+    def count(self) -> int:
+        return sum(map(len, self.rings))
+
+
+def triangulated(rings: list[ComplexArray], most: int = PIECE) -> IntArray:
+    """(m, 3) counter-clockwise triangles of the face on the left of disjoint rings.
+
+    They index the points of all rings in one row. Of n points around h holes there are n - 2 + 2 h
+    triangles (a further outer ring has two less). `most` points are triangulated at once.
+    """
+    at, seen = np.concatenate(rings), np.concatenate(_tilted(rings))
+    indices = np.split(np.arange(len(at)), np.cumsum([len(ring) for ring in rings])[:-1])
+    flat = np.column_stack((seen.real, seen.imag))
+    if len(at) <= most:
+        whole: IntArray = manifold3d.triangulate([flat[ring] for ring in indices])
+        return whole
+    outward = [_area(at[ring]) > 0.0 for ring in indices]
+    waiting = _faces(
+        [ring for ring, outer in zip(indices, outward, strict=True) if outer],
+        [ring for ring, outer in zip(indices, outward, strict=True) if not outer],
+        at,
+    )
+    found: list[IntArray] = []
+    while waiting:
+        face = waiting.pop()
+        halves = _divided(face, at, seen) if face.count > most else []
+        waiting += halves
+        if not halves:
+            ears = manifold3d.triangulate([flat[ring] for ring in face.rings])
+            found.append(np.concatenate(face.rings)[ears])
+    return np.concatenate(found)
+
+
+def _tilted(rings: list[ComplexArray]) -> list[ComplexArray]:
+    """The rings in perspective, where the same triangles are as good.
+
+    Straight lines stay straight and no triangle turns over, but nothing is symmetric. Of the equal
+    choices that symmetry offers the last digits would pick one, and they differ by processor.
+    """
+    size = max(float(np.max(np.abs(ring))) for ring in rings)
+    return [ring / (1.0 + TILT / size * (ring * np.conj(TOWARDS)).real) for ring in rings]
+
+
+def _faces(outers: list[IntArray], holes: list[IntArray], at: ComplexArray) -> list[_Face]:
+    """Each hole in the smallest of the outer rings around it."""
+    if len(outers) == 1:
+        return [_Face(outers[0], tuple(holes))]
+    outers = sorted(outers, key=lambda ring: _area(at[ring]))
+    around = [shapely.Polygon(np.column_stack((at[ring].real, at[ring].imag))) for ring in outers]
+    shapely.prepare(around)
+    within: list[list[IntArray]] = [[] for _ in outers]
+    for hole in holes:
+        start = shapely.Point(at[hole[0]].real, at[hole[0]].imag)
+        within[[each.contains(start) for each in around].index(True)].append(hole)
+    return [_Face(outer, tuple(each)) for outer, each in zip(outers, within, strict=True)]
+
+
+def _divided(face: _Face, at: ComplexArray, seen: ComplexArray) -> list[_Face]:
+    """Two faces with the same points, or none if no diagonal was found."""
+    if not face.holes:
+        return _across(face, at, seen)
+    return _through_hole(face, at, seen) or _across(face, at, seen)
+
+
+def _across(face: _Face, at: ComplexArray, seen: ComplexArray) -> list[_Face]:
+    """The face divided along the shortest diagonal found, a quarter of the ring on either side."""
+    ring, count = face.outer, len(face.outer)
+    least = max(2, count // 4)  # a side is no diagonal
+    pairs = [
+        (start, (start + end) % count)
+        for start in _evenly(count)
+        for end in _nearest(
+            seen[ring[start]], seen[np.roll(ring, -start)], least, count - least + 1
+        )
+    ]
+    for i, j in sorted(pairs, key=lambda pair: _length(seen, ring[pair[0]], ring[pair[1]])):
+        parts = [_along(ring, i, j), _along(ring, j, i)]
+        # A diagonal outside of the ring would leave one of them clockwise.
+        if all(_turns_left(at[part]) for part in parts) and _clear(face, at, ring[i], ring[j]):
+            return _faces(parts, list(face.holes), at)
+    return []
+
+
+def _through_hole(face: _Face, at: ComplexArray, seen: ComplexArray) -> list[_Face]:
+    """The face divided along two diagonals, from its largest hole to the outer ring."""
+    order = sorted(range(len(face.holes)), key=lambda k: len(face.holes[k]))
+    hole = face.holes[order[-1]]
+    bridges: list[tuple[int, int]] = []
+    for start in _evenly(len(hole)):
+        ends = _nearest(seen[hole[start]], seen[face.outer], 0, len(face.outer))
+        for end in sorted(ends, key=lambda j: float(abs(seen[hole[start]] - seen[face.outer[j]]))):
+            if _clear(face, at, face.outer[end], hole[start]):
+                bridges.append((end, start))
+                break
+    best: list[IntArray] = []
+    for (i, k), (j, m) in combinations(bridges, 2):
+        there, here = at[face.outer[[i, j]]], at[hole[[k, m]]]
+        if i == j or not _apart(there[0], here[0], there[1], here[1]):
+            continue
+        parts = [
+            np.concatenate((_along(face.outer, i, j), _along(hole, m, k))),
+            np.concatenate((_along(face.outer, j, i), _along(hole, k, m))),
+        ]
+        if not best or min(map(len, parts)) > min(map(len, best)):
+            best = parts
+    others = [face.holes[k] for k in sorted(order[:-1])]
+    return _faces(best, others, at) if best else []
+
+
+def _evenly(count: int) -> list[int]:
+    """Positions of some vertices of a ring of so many."""
+    return sorted({count * k // STARTS for k in range(STARTS)})
+
+
+def _nearest(to: complex, ring: ComplexArray, first: int, end: int) -> Iterator[int]:
+    """Positions of the vertices nearest to a point, one in each part of ring[first:end]."""
+    away = ring - to
+    squares = away.real**2 + away.imag**2
+    limits = [first + (end - first) * k // QUARTERS for k in range(QUARTERS + 1)]
+    for low, high in pairwise(limits):
+        if low < high:
+            yield low + int(np.argmin(squares[low:high]))
+
+
+def _along(ring: IntArray, i: int, j: int) -> IntArray:
+    """The ring from position i on to position j, both included."""
+    return ring[i : j + 1] if i < j else np.concatenate((ring[i:], ring[: j + 1]))
+
+
+def _length(points: ComplexArray, i: int, j: int) -> float:
+    return float(abs(points[i] - points[j]))
+
+
+def _area(ring: ComplexArray) -> float:
+    """Of a polygon, positive counter-clockwise."""
+    arms = ring - ring[0]
+    return 0.5 * float(np.sum((np.conj(arms) * np.roll(arms, -1)).imag))
+
+
+def _turns_left(ring: ComplexArray) -> bool:
+    """Whether a ring is proved counter-clockwise by its area, the rounding of the sum included."""
+    reach = float(np.max(np.abs(ring - ring[0])))
+    return _area(ring) > len(ring) ** 2 * ROUNDING * reach**2
+
+
+def _clear(face: _Face, at: ComplexArray, i: int, j: int) -> bool:
+    """Whether the segment between two vertices is proved to meet no side that ends at neither."""
+    for ring in face.rings:
+        after = np.roll(ring, -1)
+        ends_there = (ring == i) | (ring == j) | (after == i) | (after == j)
+        if not np.all(ends_there | _apart(at[i], at[j], at[ring], at[after])):
+            return False
+    return True
+
+
+def _apart(
+    p: complex, q: complex, a: ComplexArray | complex, b: ComplexArray | complex
+) -> BoolArray:
+    """Whether segments pq and ab are proved disjoint: one lies on one side of the other's line."""
+    found: BoolArray = (_side(p, q, a) * _side(p, q, b) > 0.0) | (
+        _side(a, b, p) * _side(a, b, q) > 0.0
+    )
+    return found
+
+
+def _side(
+    p: ComplexArray | complex, q: ComplexArray | complex, a: ComplexArray | complex
+) -> FloatArray:
+    """1 where point a is proved left of the line from p to q, -1 where right, otherwise 0."""
+    along, to = np.subtract(q, p), np.subtract(a, p)
+    left, right = along.real * to.imag, along.imag * to.real
+    product = left - right
+    proved = np.abs(product) > ROUNDING * (np.abs(left) + np.abs(right))
+    found: FloatArray = np.where(proved, np.sign(product), 0.0)
+    return found
+
+
+# -- apart ----------------------------------------------------------------------------------------
+# Walls of a solid that its tolerance does not keep apart.
+
+
+Nearest = Callable[[str, str], tuple[float, complex] | None]
+"""Of the rings of two boundaries, by their names: how near they come [mm], and where; None if that
+is farther than the tolerance."""
+
+
+def require_apart(part: Part, nearest: Nearest, tolerance: float) -> None:
+    """Raise GeometryError with key "part" and the place if two walls, or edges at one height, come
+    within `tolerance` [mm], that of the rings: no file of it tells them apart.
+    """
+    for one, other in _together(part):
+        if (found := nearest(one, other)) is not None:
+            apart, place = found
+            message = (
+                f"a solid within {tolerance:g} mm does not keep the {one} and the {other} apart:"
+                f" {apart:.3g} mm are left near ({place.real:.5g}, {place.imag:.5g}) mm; take a"
+                " smaller tolerance"
+            )
+            raise GeometryError(message, key="part")
+
+
+def _together(part: Part) -> list[tuple[str, str]]:
+    """Names of boundaries that are in one layer, or end or begin at one height."""
+    groups: list[Iterable[Boundary]] = [layer.boundaries for layer in part.layers]
+    groups += [level.boundaries for level in part.levels]
+    found = {
+        (one.name, other.name): None for group in groups for one, other in combinations(group, 2)
+    }
+    return list(found)
+
+
+def of_polygons(rings: Mapping[str, ComplexArray], tolerance: float) -> Nearest:
+    """Of polygons (n,) [mm]."""
+    lines = {
+        name: shapely.LinearRing(np.column_stack((ring.real, ring.imag)))
+        for name, ring in rings.items()
+    }
+    # Without their trees each side of one is compared with each of the other.
+    shapely.prepare(list(lines.values()))
+
+    def nearest(one: str, other: str) -> tuple[float, complex] | None:
+        if not shapely.dwithin(lines[one], lines[other], tolerance):
+            return None
+        x, y = shapely.get_coordinates(shapely.shortest_line(lines[one], lines[other]))[0]
+        return float(shapely.distance(lines[one], lines[other])), complex(x, y)
+
+    return nearest
+
+
+def of_contours(contours: Mapping[str, Contour], tolerance: float) -> Nearest:
+    """Of contours of lines and arcs, in closed form."""
+    boxes = {name: _box(contour) for name, contour in contours.items()}
+
+    def nearest(one: str, other: str) -> tuple[float, complex] | None:
+        if not shapely.dwithin(boxes[one], boxes[other], tolerance):
+            return None
+        runs = [Pieces.around([contours[name]]) for name in (one, other)]
+        apart = least_distance(*runs)
+        if apart > tolerance:
+            return None
+        corners = contours[one].vertices, contours[other].vertices
+        off = np.abs(corners[0][:, None] - corners[1])
+        return apart, complex(corners[0][np.argmin(np.min(off, axis=1))])
+
+    return nearest
+
+
+def _box(contour: Contour) -> shapely.Polygon:
+    """Around the contour: no piece is farther from its ends than its arc is high."""
+    high = np.where(
+        contour.sweeps != 0.0, 2.0 * contour.radii * np.sin(0.25 * contour.sweeps) ** 2, 0.0
+    )
+    points = np.concatenate((contour.vertices, contour.ends))
+    reach = float(np.max(high, initial=0.0))
+    low, top = np.min(points.real), np.max(points.real)
+    left, right = np.min(points.imag), np.max(points.imag)
+    return shapely.box(low - reach, left - reach, top + reach, right + reach)

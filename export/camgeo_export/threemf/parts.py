@@ -18,6 +18,7 @@ from itertools import chain
 from typing import Final
 from xml.etree import ElementTree as ET
 
+from camgeo.errors import FileError
 from camgeo.reading import (
     ATTRIBUTES,
     COORDINATE,
@@ -33,8 +34,7 @@ from camgeo.reading import (
     check_size,
     number_of,
 )
-from camgeo.wording import counted
-from camgeo_export.errors import FileError
+from camgeo.units import counted
 from camgeo_export.threemf.writer import CORE
 
 NAME: Final = "the package"

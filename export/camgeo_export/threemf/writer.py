@@ -12,13 +12,13 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from camgeo.formats.threemf import FORMAT
+from camgeo.design.plate import Piece, plate_of
+from camgeo.design.product import Product, bodies_of, title_of
+from camgeo.design.writing import Written
+from camgeo.errors import FileError
 from camgeo.numeric.arrays import FloatArray, IntArray
 from camgeo.part.part import Part
-from camgeo.product.plate import Piece, plate_of
-from camgeo.product.product import Product, bodies_of, title_of
-from camgeo.writing.writer import Written
-from camgeo_export.errors import FileError
+from camgeo.scene.formats.threemf import FORMAT
 from camgeo_export.solid.measure import measure
 from camgeo_export.solid.prism import Body, body, limit_facets
 

@@ -5,34 +5,23 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-import trimesh
 
-from camgeo.errors import CamgeoError, GeometryError
+from camgeo.design.product import Product
+from camgeo.design.verify import Check, failed, near, reported
+from camgeo.errors import CamgeoError, FileError, GeometryError
+from camgeo.geometry.contour.contour import Contour
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray
 from camgeo.part.boundaries import numbers_of
 from camgeo.part.mass import volume_within
-from camgeo.part.part import Boundary, Part
-from camgeo.product.product import Product
+from camgeo.part.part import Band, Boundary, Part
 from camgeo.reading import COORDINATE
-from camgeo.verifying.verification import Check, failed, near, reported
-from camgeo.wording import counted
-from camgeo_export.errors import FileError
-from camgeo_export.matching import AnyContour
-from camgeo_export.verify.bevels import Slope, contours_of, slopes_of, sloping
-from camgeo_export.verify.mesh import (
-    border_loops,
-    levels_of,
-    merged,
-    polygon,
-    solid_checks,
-    upright,
-    volume,
-)
-from camgeo_export.verify.plane import contour_checks, matched
-from camgeo_export.verify.shapes import Shape, shapes_of
+from camgeo.units import counted
+from camgeo_export.reading import AnyContour
+from camgeo_export.verify.plane import Shape, contour_checks, matched, shapes_of
 
 PLACES = ("lower edge", "half way up", "upper edge")
 """Where a chamfer is compared."""
@@ -46,6 +35,8 @@ def mesh_checks(product: Product, data: bytes, scale: float, tolerance: float) -
 
 def mesh_in(data: bytes, scale: float) -> tuple[FloatArray, IntArray] | Check:
     """Vertices (n, 3) [mm] and triangles (m, 3) of a 3MF package; a failed check if it has none."""
+    import trimesh  # a build measures its meshes without
+
     try:
         with np.errstate(all="ignore"):  # transforms may overflow, which is seen in the vertices
             mesh = trimesh.load_mesh(io.BytesIO(data), file_type="3mf", process=False)
@@ -246,3 +237,277 @@ def _area(boundaries: tuple[Boundary, ...], shapes: dict[str, Shape]) -> float:
     return math.fsum(
         (shapes[each.name].area or 0.0) * (-1.0 if each.hole else 1.0) for each in boundaries
     )
+
+
+# -- mesh -----------------------------------------------------------------------------------------
+# Whether a mesh is one closed, outward body, or where it is not; the boundaries of its faces.
+
+
+ROUNDING = 2.0**-52 * 4.0
+"""Height below which a facet has no area, as a fraction of the mesh's reach."""
+
+
+def merged(vertices: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArray]:
+    """The mesh with coincident vertices merged: an STL repeats them."""
+    unique, index = np.unique(vertices, axis=0, return_inverse=True)
+    return unique, index.reshape(-1)[triangles]
+
+
+def polygon(points: FloatArray) -> Contour:
+    """The closed contour through `points` (n, 3) [mm] at one height."""
+    return Contour.polygon(points[:, 0] + 1j * points[:, 1])
+
+
+def heights(corners: FloatArray) -> FloatArray:
+    """(m,) [mm] height of each triangle (m, 3, 3) over its longest side; 0 for a point."""
+    sides = corners - np.roll(corners, 1, axis=1)
+    longest = np.linalg.norm(sides, axis=2).max(axis=1)
+    doubled = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    found: FloatArray = doubled / np.where(longest > 0.0, longest, 1.0)
+    return found
+
+
+def volume(vertices: FloatArray, triangles: IntArray) -> float:
+    """Enclosed volume [mm^3], positive where the facets are turned outwards."""
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6.0
+
+
+def solid_checks(vertices: FloatArray, triangles: IntArray) -> list[Check]:
+    """Closed: each edge has two facets. Oriented: they traverse it in opposite directions."""
+    checks = [_facets(vertices, triangles)]
+    start = triangles.reshape(-1).astype(np.int64)
+    end = np.roll(triangles, -1, axis=1).reshape(-1).astype(np.int64)
+    count = len(vertices)
+    key = np.minimum(start, end) * count + np.maximum(start, end)
+    edges, place, used = np.unique(key, return_inverse=True, return_counts=True)
+    place = place.reshape(-1)
+    single = np.flatnonzero(used != 2)
+    note = ""
+    if len(single):
+        edge = _edge_text(vertices, int(edges[single[0]]), count)
+        note = f"the edge {edge} has {used[single[0]]} of 2 facets"
+    checks.append(
+        Check("closed", "", float(len(single)), None, 0.0, "open edges", not len(single), note)
+    )
+    forth = np.where(start < end, 1, -1)
+    turned = np.bincount(place, weights=forth, minlength=len(edges))
+    same = (used == 2) & (turned != 0.0)
+    note = ""
+    if np.any(same):
+        note = _flipped_text(vertices, triangles, place, same)
+    wrong = int(np.count_nonzero(same))
+    checks.append(
+        Check("oriented", "", float(wrong), None, 0.0, "edges run twice", not wrong, note)
+    )
+    if not len(single) and not wrong and not volume(vertices, triangles) > 0.0:
+        checks.append(failed("oriented", "the mesh is turned inside out"))
+    return checks
+
+
+def upright_facets(corners: FloatArray, within: float = 0.0) -> BoolArray:
+    """(m,) whether facets (m, 3, 3) have a vertical edge, `within` a length [mm]."""
+    plane = corners[:, :, 0] + 1j * corners[:, :, 1]
+    steep = np.abs(plane - np.roll(plane, 1, axis=1)) <= within
+    # A short edge of a flat border is not one.
+    steep &= np.abs(corners[:, :, 2] - np.roll(corners[:, :, 2], 1, axis=1)) > within
+    found: BoolArray = steep.any(axis=1)
+    return found
+
+
+def upright(corners: FloatArray, within: float = 0.0) -> Check:
+    """Each facet that is neither flat nor of a chamfer must have an edge that is vertical, `within`
+    a length [mm].
+    """
+    found = upright_facets(corners, within)
+    if found.all():
+        return Check("walls", "", "upright", ok=True)
+    first = corners[int(np.argmin(found))].mean(axis=0)
+    count = counted(int(np.count_nonzero(~found)), "facet")
+    return failed("walls", f"{count} neither flat nor upright, one near {point_text(first)} mm")
+
+
+def levels_of(heights: FloatArray, within: float) -> tuple[IntArray, FloatArray]:
+    """The numbers of the levels of `heights` [mm], ascending, in the same shape; and (k, 2) the
+    least and greatest height of each level, in which each follows the one below `within` a length.
+    """
+    found, index = np.unique(heights, return_inverse=True)
+    level = np.concatenate(([0], np.cumsum(np.diff(found) > within)))
+    first = np.flatnonzero(np.diff(level, prepend=-1))
+    last = np.append(first[1:] - 1, len(found) - 1)
+    return level[index.reshape(heights.shape)], np.column_stack((found[first], found[last]))
+
+
+def border_loops(triangles: IntArray) -> list[list[int]]:
+    """Closed chains of the edges that belong to only one of `triangles` (m, 3)."""
+    start = triangles.reshape(-1).tolist()
+    end = np.roll(triangles, -1, axis=1).reshape(-1).tolist()
+    edges = set(zip(start, end, strict=True))
+    border = [edge for edge in zip(start, end, strict=True) if edge[::-1] not in edges]
+    after = dict(border)
+    if len(after) != len(border):
+        raise FileError("boundaries of the mesh touch each other")
+    loops = []
+    while after:
+        first, following = after.popitem()
+        loop = [first]
+        while following != first:
+            loop.append(following)
+            following = after.pop(following)
+        loops.append(loop)
+    return loops
+
+
+def _facets(vertices: FloatArray, triangles: IntArray) -> Check:
+    """No facet has two corners at the same place, or all three on a line."""
+    same = (triangles == np.roll(triangles, 1, axis=1)).any(axis=1)
+    bad = np.flatnonzero(same | (heights(vertices[triangles]) <= ROUNDING * np.abs(vertices).max()))
+    note = ""
+    if len(bad):
+        place = point_text(vertices[triangles[bad[0], 0]])
+        note = f"{len(bad)} of them have no area, facet {bad[0] + 1} at {place} mm among them"
+    return Check("facets", "", float(len(triangles)), ok=not len(bad), note=note)
+
+
+def _flipped_text(
+    vertices: FloatArray,
+    triangles: IntArray,
+    place: IntArray,
+    same: np.ndarray[tuple[int], np.dtype[np.bool_]],
+) -> str:
+    """Which facet is oriented against most of its neighbours."""
+    against = same[place].reshape(-1, 3).sum(axis=1)
+    facet = int(np.argmax(against))
+    middle = vertices[triangles[facet]].mean(axis=0)
+    return f"facet {facet + 1}, near {point_text(middle)} mm, is turned against its neighbours"
+
+
+def _edge_text(vertices: FloatArray, key: int, count: int) -> str:
+    one, other = divmod(key, count)
+    return f"from {point_text(vertices[one])} mm to {point_text(vertices[other])} mm"
+
+
+def point_text(point: FloatArray) -> str:
+    """A `point` (3,) in a message."""
+    return f"({', '.join(f'{value:.6g}' for value in point)})"
+
+
+# -- bevels ---------------------------------------------------------------------------------------
+# The chamfers of a mesh: facets between two heights that are neither flat nor upright.
+#
+# Their edges are compared with those of the part, and so is their section half way up, where facets
+# whose lower and upper edge do not match would sag most.
+
+
+@dataclass(frozen=True, slots=True)
+class Slope:
+    """The chamfers of a part between the same two heights [mm] over its lower face."""
+
+    z0: float
+    z1: float
+    bands: tuple[Band, ...]
+
+    @property
+    def name(self) -> str:
+        """What it is called in messages."""
+        return f"chamfer from Z {self.z0:g} to {self.z1:g} mm"
+
+    def edges(self, height: int) -> tuple[Boundary, ...]:
+        """The exact edges: 0 the lower ones, 2 the upper ones, 1 the sections half way up."""
+        if height == 1:
+            return tuple(band.section(0.5 * (band.z0 + band.z1)) for band in self.bands)
+        return tuple(band.upper if height else band.lower for band in self.bands)
+
+
+def slopes_of(part: Part) -> tuple[Slope, ...]:
+    """The chamfers of a part, from the lowest upwards."""
+    if not part.bevels:
+        return ()
+    base = part.layers[0].z0
+    found: dict[tuple[float, float], list[Band]] = {}
+    for band in part.bands:
+        if not band.is_upright:
+            found.setdefault((band.z0 - base, band.z1 - base), []).append(band)
+    return tuple(Slope(*heights, tuple(found[heights])) for heights in sorted(found))
+
+
+def sloping(
+    vertices: FloatArray,
+    triangles: IntArray,
+    among: BoolArray,
+    slopes: Sequence[Slope],
+    within: float,
+) -> IntArray:
+    """(m,) the numbers of the slopes to which facets belong, -1 for none.
+
+    Facets that lean, `among` some of all (m,), and hang together reach from the lower to the upper
+    edge of one slope, `within` a length [mm]; along bent corners they do in several steps.
+    """
+    numbers = np.full(len(triangles), -1)
+    if not slopes:
+        return numbers
+    from scipy.sparse import coo_array  # only for parts with chamfers
+    from scipy.sparse.csgraph import connected_components
+
+    own = np.flatnonzero(among & ~upright_facets(vertices[triangles], within))
+    corners = triangles[own]
+    pairs = np.concatenate((corners[:, :2], corners[:, 1:]))
+    size = len(vertices)
+    links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(size, size))
+    count, labels = connected_components(links, directed=False)
+    labels = labels[corners[:, 0]]
+    low, high = np.full(count, np.inf), np.full(count, -np.inf)
+    heights = vertices[corners][:, :, 2]
+    np.minimum.at(low, labels, heights.min(axis=1))
+    np.maximum.at(high, labels, heights.max(axis=1))
+    for number, slope in enumerate(slopes):
+        there = (np.abs(low - slope.z0) <= within) & (np.abs(high - slope.z1) <= within)
+        numbers[own[there[labels]]] = number
+    return numbers
+
+
+def contours_of(vertices: FloatArray, triangles: IntArray) -> Iterator[list[Contour]]:
+    """Of the facets (m, 3) of a slope the lower edges, the sections half way up, the upper edges.
+
+    Raises
+    ------
+    FileError
+        If there are none, or if they do not reach all round from a lower to an upper edge.
+    """
+    if not len(triangles):
+        raise FileError("there is no chamfer")
+    loops = border_loops(triangles)
+    middle = 0.5 * (np.min(vertices[triangles][:, :, 2]) + np.max(vertices[triangles][:, :, 2]))
+    lower = [loop for loop in loops if np.all(vertices[loop][:, 2] < middle)]
+    upper = [loop for loop in loops if np.all(vertices[loop][:, 2] > middle)]
+    if len(lower) + len(upper) < len(loops) or len(lower) != len(upper):
+        raise FileError("a chamfer does not reach all round from its lower to its upper edge")
+    yield [polygon(vertices[loop]) for loop in lower]
+    yield [polygon(points) for points in _sections(vertices, triangles, middle)]
+    yield [polygon(vertices[loop]) for loop in upper]
+
+
+def _sections(vertices: FloatArray, triangles: IntArray, z: float) -> Iterator[FloatArray]:
+    """Where edges cross a height (n, 3), loop by loop: each facet that does joins two."""
+    above = vertices[:, 2] > z
+    after: dict[tuple[int, int], tuple[int, int]] = {}
+    for facet in triangles[above[triangles].any(axis=1) & ~above[triangles].all(axis=1)].tolist():
+        for k in range(3):
+            one, other = facet[k], facet[(k + 1) % 3]
+            if not above[one] and above[other]:
+                up = (one, other)
+            elif above[one] and not above[other]:
+                down = (other, one)
+        after[up] = down
+    while after:
+        first, following = after.popitem()
+        loop = [first]
+        while following != first:
+            if following not in after:
+                raise FileError("the facets of a chamfer do not go round")
+            loop.append(following)
+            following = after.pop(following)
+        low, high = vertices[np.array(loop).T]
+        share = (z - low[:, 2:]) / (high[:, 2:] - low[:, 2:])
+        points = low + share * (high - low)
+        yield points[np.any(points != np.roll(points, 1, axis=0), axis=1)]

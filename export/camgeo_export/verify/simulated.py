@@ -4,26 +4,36 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import groupby
+from types import MappingProxyType
 from typing import Final
 
-from camgeo.contour.pieces import HALF_TURN
-from camgeo.contour.spline import Arc
-from camgeo.product.milled import job
-from camgeo.product.product import Product
-from camgeo.toolpath.cut import Cut
-from camgeo.toolpath.holding import Obstacle
-from camgeo.toolpath.judged import run_with, runs_of
-from camgeo.toolpath.milling import MillingSpec
-from camgeo.toolpath.moves import ArcFeed, Feed, Move, Point, Rapid
-from camgeo.toolpath.setup import Run
-from camgeo.toolpath.sides import settled
-from camgeo.toolpath.tool import Tool
-from camgeo.verifying.verification import Check, failed, reported
-from camgeo.wording import counted
-from camgeo_export.errors import FileError
+import numpy as np
+import shapely
+
+from camgeo.design.linting import LineFinding
+from camgeo.design.milled import job
+from camgeo.design.product import Product
+from camgeo.design.verify import Check, failed, reported
+from camgeo.errors import FileError, SceneError
+from camgeo.geometry.contour.contour import HALF_TURN, Pieces, distances
+from camgeo.geometry.contour.spline import Arc
+from camgeo.milling.areas import inside
+from camgeo.milling.bench import Bench
+from camgeo.milling.course import Course, course_of
+from camgeo.milling.cut import ContourCut, Cut
+from camgeo.milling.holding import Obstacle
+from camgeo.milling.judged import run_with, runs_of
+from camgeo.milling.milling import MillingSpec
+from camgeo.milling.moves import ArcFeed, Feed, Move, Point, Rapid, Stop
+from camgeo.milling.simulation import ALLOWED, Done, Side, settled, simulated
+from camgeo.milling.stages import Flaw, Run, Setup
+from camgeo.milling.tool import END_MILL, Tool
+from camgeo.milling.track import Track
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, joined, taken
+from camgeo.units import counted
 from camgeo_export.gcode.moves import CutterMove
 from camgeo_export.interpreter.run import Run as Program
 
@@ -194,3 +204,303 @@ def _moves(move: CutterMove, start: Point, end: Point) -> Iterator[Move]:
 def _arc(arc: Arc, z: float, feed: float) -> ArcFeed:
     end, centre = complex(arc.end), complex(arc.centre)
     return ArcFeed((end.real, end.imag, z), (centre.real, centre.imag), arc.sweep > 0.0, feed)
+
+
+# -- lines ----------------------------------------------------------------------------------------
+# What a program of any origin does to the blank of a scene, by line.
+
+
+WORK: Final = "work"
+"""What these findings concern."""
+
+RULES: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "rapid": "rapid-in-material",
+        "plunge": "plunge",
+        "gouge": "gouged-part",
+        "obstacle": "collision",
+        "depth": "too-low",
+        "shank": "shank",
+        "loose": "loose-piece",
+        "rest": "rest",
+    }
+)
+"""Rules by the names of flaws."""
+
+DEEPER: Final = 1e-3
+"""By how much a depth may exceed what is stated [mm]: heights are printed rounded."""
+
+
+def work_findings(product: Product, program: Program) -> tuple[LineFinding, ...]:
+    """What the tools of the scene, run as the program says, do to its blank and its part."""
+    milled = product.milled
+    spec = milled.spec
+    assert spec is not None  # for the scene has a tool
+    cuts = _cuts(product)
+    try:
+        found = traced(product, program, cuts)
+    except FileError as error:
+        place, _, what = str(error).rpartition(": ")
+        line = int(place.removeprefix("line ")) if place else 0
+        return (LineFinding(line, "unknown-tool", WORK, what),)
+    if not found:
+        return ()
+    runs = tuple(_named_apart([each.run for each in found]))
+    level = program.step if math.isfinite(program.step) else 0.0
+    done = _done(product, cuts, runs, level)
+    bench = Bench(milled.part, spec)
+    told = []
+    for side, flaws in zip(done, settled(done), strict=True):
+        own = side.side.runs is runs
+        for flaw, seen in zip(side.simulation.flaws, flaws, strict=True):
+            if not seen.watched:
+                told.append(_finding(flaw, seen, found, bench) if own else _of_other(seen))
+        told += _too_deep(side.setup, found) if own else ()
+    return tuple(sorted(told, key=lambda each: each.line or math.inf))
+
+
+def _done(
+    product: Product, cuts: tuple[Cut, ...], runs: tuple[Run, ...], level: float
+) -> tuple[Done, ...]:
+    """Both sides of the job, or the only one; also where nothing can be planned of it."""
+    milled = product.milled
+    try:
+        tolerance = product.scene.output.tolerance
+        return job(milled, cuts, runs, tolerance, level=level, allowed=ALLOWED)
+    except SceneError:
+        assert milled.spec is not None  # for the scene has a tool
+        side = Side(milled.part, milled.spec, cuts, runs)
+        return simulated([side], allowed=ALLOWED, level=level, of=1)
+
+
+def _of_other(flaw: Flaw) -> LineFinding:
+    """What goes wrong with the other side of the job, as it is planned, or is left after both."""
+    return LineFinding(0, RULES[flaw.name], WORK, f"of the other side, {flaw.sentence}")
+
+
+def _cuts(product: Product) -> tuple[Cut, ...]:
+    """Those that the scene plans; stand-ins that cut every wall, where its own tools cannot."""
+    try:
+        return product.milled.cuts
+    except SceneError:
+        spec = product.milled.spec
+        assert spec is not None  # for the scene has a tool
+        return tuple(
+            ContourCut(
+                name=wall.boundary.name,
+                strategy="profile",
+                tool=spec.tools[0],
+                top=wall.z1,
+                depths=(wall.z0,),
+                centre=wall.boundary,
+                right=wall.boundary.name,
+            )
+            for wall in product.milled.part.walls
+        )
+
+
+def _named_apart(runs: Sequence[Run]) -> list[Run]:
+    """The runs by names of their own: what is wrong is told once for each name."""
+    return [replace(run, name=f"{number} {run.name}") for number, run in enumerate(runs)]
+
+
+def _finding(flaw: Flaw, seen: Flaw, found: Sequence[Traced], bench: Bench) -> LineFinding:
+    """A flaw with its line; `seen` is the same with its place as the work lies."""
+    number, _, name = flaw.operation.partition(" ")
+    each = found[int(number)]
+    what = seen.sentence.removeprefix(f"{flaw.operation}: ")
+    reason = _too_large(flaw, each.tool, bench) if flaw.name in ("gouge", "rest") else ""
+    what = f"{name}: {what}; {reason}" if reason else f"{name}: {what}"
+    return LineFinding(_line(flaw, each), RULES[flaw.name], WORK, what)
+
+
+def _too_large(flaw: Flaw, tool: Tool, bench: Bench) -> str:
+    """Whether the wall at the place of a flaw is too narrow for the tool; empty if not."""
+    place = np.array([complex(*flaw.place[:2])])
+    contours = [wall.boundary.arcs(ALLOWED, "fast").contour for wall in bench.part.walls]
+    away = [float(distances(place, Track.around(each))[0]) for each in contours]
+    return bench.too_large(tool, bench.part.walls[int(np.argmin(away))].boundary)
+
+
+def _line(flaw: Flaw, each: Traced) -> int:
+    """The first line of a run that comes to the place of a flaw as deep as it is told."""
+    run = each.run
+    if flaw.name == "rest":
+        return 0
+    if flaw.name == "loose":
+        return max((line for line, move in _lined(each) if not isinstance(move, Rapid)), default=0)
+    moves = [
+        move if isinstance(move, Stop) or not isinstance(move, Rapid) else Feed(move.end, 1.0)
+        for move in run.moves
+    ]
+    course = course_of(moves, run.start)
+    kind = isinstance
+    wanted = np.array(
+        [kind(run.moves[k], Rapid) == (flaw.name == "rapid") for k in course.moves.tolist()]
+    )
+    x, y, z = flaw.place
+    away = course.apart(np.full(len(course), complex(x, y)))
+    away = np.where(wanted & (course.lowest <= z + DEEPER), away, np.inf)
+    if not np.any(np.isfinite(away)):
+        return 0
+    touching = np.flatnonzero(away <= max(run.radius, float(np.min(away))) + ALLOWED)
+    return each.lines[int(course.moves[touching[0]])]
+
+
+def _lined(each: Traced) -> Iterator[tuple[int, object]]:
+    return zip(each.lines, each.run.moves, strict=True)
+
+
+def _too_deep(setup: Setup, found: Sequence[Traced]) -> Iterator[LineFinding]:
+    """The first move of each run that digs deeper than its tool may, for each limit."""
+    told: set[tuple[int, str]] = set()
+    for depth in depths(setup, [each.run for each in found]):
+        each = found[depth.run]
+        for rule, value, limit, what in _limits(each.tool, depth):
+            if value > limit + DEEPER and (depth.run, rule) not in told:
+                told.add((depth.run, rule))
+                x, y, _ = depth.place
+                text = f"{each.run.name}: {what} at X {x:.4g}, Y {y:.4g} mm"
+                line = each.lines[depth.move]
+                yield LineFinding(line, rule, WORK, text, f"{value:.4g} mm", f"{limit:g} mm")
+
+
+def _limits(tool: Tool, depth: Depth) -> Iterator[tuple[str, float, float, str]]:
+    """Rule, depth, limit and words for what a tool must not do."""
+    if tool.kind != END_MILL:
+        return
+    if tool.stepdown is not None:
+        yield "slot-depth", depth.ahead, tool.stepdown, "a slot deeper than the tool's stepdown"
+    if tool.flute_length is not None:
+        yield "flute-length", depth.beside, tool.flute_length, "deeper than the cutting edges are"
+    if tool.stick_out is not None:
+        yield (
+            "holder",
+            depth.beside,
+            tool.stick_out,
+            "deeper than the tool sticks out of its holder",
+        )
+
+
+# -- reach ----------------------------------------------------------------------------------------
+# How much material stands before and beside a cutter: against its stepdown and its edges.
+#
+# Every feed move is judged at its end and in its middle, in front of the cutter and on both sides:
+# there the material reaches from the tip up to what moves before it have left, exactly. In front of
+# a cutter it stands as deep as the cutter digs a slot.
+
+
+SHARES: Final = (0.5, 1.0)
+"""Of each piece, where the cutter is judged."""
+
+RIM: Final = 1e-3
+"""Share of the radius by which the places looked at lie inside the cutter ahead, and outside on its
+sides; what lies twice that inside those that came by before counts as cleared."""
+
+SIDES: Final = np.array([1.0 - RIM, -1j * (1.0 + RIM), 1j * (1.0 + RIM)])
+"""Places that are looked at, in radii, seen in the direction of the cutter."""
+
+BATCH: Final = 64
+"""Places that are compared with the courses at once."""
+
+
+@dataclass(frozen=True, slots=True)
+class Depth:
+    """The deepest material at a cutter in one run.
+
+    Attributes
+    ----------
+    run, move : numbers of the run, and of the move in it.
+    ahead : depth of the slot that the cutter digs [mm].
+    beside : height of the material above the tip, ahead or on a side [mm].
+    place : of the tip.
+    """
+
+    run: int
+    move: int
+    ahead: float
+    beside: float
+    place: Point
+
+
+def depths(setup: Setup, runs: Sequence[Run]) -> Iterator[Depth]:
+    """What stands at the cutter in each feed move that is not straight up or down."""
+    courses = [course_of(run.moves, run.start) for run in runs]
+    if not any(len(each) for each in courses):
+        return
+    whole = joined(courses)
+    owners = np.concatenate([np.full(len(each), k) for k, each in enumerate(courses)])
+    radii = np.array([run.radius for run in runs])[owners]
+    standing = _standing(setup)
+    moving = np.flatnonzero(whole.lengths > 0.0)
+    for first in range(0, len(moving), BATCH):
+        yield from _of_pieces(
+            moving[first : first + BATCH], whole, owners, radii, standing
+        )  # fmt: skip
+
+
+def _standing(setup: Setup) -> Callable[[ComplexArray], FloatArray]:
+    """Up to which Z [mm] material reaches at places (n,) at first; -infinite beside it."""
+    if setup.before is None:
+        blank = Pieces.around(setup.blank)
+        return lambda places: np.where(inside(blank, places), setup.top, -np.inf)
+    slabs = setup.before.slabs
+
+    def left(places: ComplexArray) -> FloatArray:
+        found = np.full(len(places), -np.inf)
+        for slab in slabs:  # from the lowest
+            found[shapely.contains_xy(slab.material, places.real, places.imag)] = slab.z1
+        return found
+
+    return left
+
+
+def _of_pieces(
+    pieces: np.ndarray[tuple[int], np.dtype[np.intp]],
+    whole: Course,
+    owners: np.ndarray[tuple[int], np.dtype[np.intp]],
+    radii: FloatArray,
+    standing: Callable[[ComplexArray], FloatArray],
+) -> Iterator[Depth]:
+    """Of some pieces of the course, in their order."""
+    numbers = np.repeat(pieces, len(SHARES))
+    shares = np.tile(SHARES, len(pieces))
+    some = taken(whole, numbers)
+    places, tips = some.at(shares), some.from_z + shares * (some.to_z - some.from_z)
+    rims = radii[numbers] * some.tangents(places)
+    looked = (places[:, None] + rims[:, None] * SIDES).ravel()
+    order = np.repeat(numbers, len(SIDES))
+    tops = standing(looked)
+    near = _near(whole, looked, radii)
+    cleared = _cleared(whole, near, looked, order, radii)
+    found = np.minimum(tops, cleared).reshape(-1, len(SIDES)) - tips[:, None]
+    for k, piece in enumerate(numbers.tolist()):
+        at = (float(places[k].real), float(places[k].imag), float(tips[k]))
+        ahead, beside = max(0.0, float(found[k, 0])), max(0.0, float(np.max(found[k])))
+        yield Depth(int(owners[piece]), int(whole.moves[piece]), ahead, beside, at)
+
+
+def _near(whole: Course, places: ComplexArray, radii: FloatArray) -> BoolArray:
+    """(n,) which pieces may come within their radius of one of `places`."""
+    middle = 0.5 * (whole.starts + whole.ends)
+    half = 0.5 * np.abs(whole.ends - whole.starts)
+    centre = complex(np.mean(places))
+    wide = float(np.max(np.abs(places - centre)))
+    found: BoolArray = np.abs(middle - centre) <= half + radii + wide
+    return found
+
+
+def _cleared(
+    whole: Course,
+    near: BoolArray,
+    places: ComplexArray,
+    order: np.ndarray[tuple[int], np.dtype[np.intp]],
+    radii: FloatArray,
+) -> FloatArray:
+    """(k,) lowest Z [mm] of a tip that passed over each place before; infinite if none did."""
+    picked = np.flatnonzero(near)
+    some = taken(whole, picked)
+    over = some.apart(places[:, None]) < (1.0 - 2.0 * RIM) * radii[picked]
+    over &= picked[None, :] < order[:, None]
+    found: FloatArray = np.min(np.where(over, some.lowest[None, :], np.inf), axis=1, initial=np.inf)
+    return found

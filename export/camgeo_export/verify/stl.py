@@ -8,8 +8,10 @@ from array import array
 
 import numpy as np
 
+from camgeo.design.product import Product
+from camgeo.design.verify import Check, Origin, Reading, equal, failed, reported
+from camgeo.errors import FileError
 from camgeo.numeric.arrays import FloatArray
-from camgeo.product.product import Product
 from camgeo.reading import (
     COORDINATE,
     FACETS,
@@ -20,13 +22,9 @@ from camgeo.reading import (
     lines_of,
     number_of,
 )
-from camgeo.units import MM_PER, LengthUnit
-from camgeo.verifying.verification import Check, Origin, Reading, equal, failed, reported
-from camgeo.wording import counted
-from camgeo_export.errors import FileError
-from camgeo_export.stl.writer import FACET, HEADER_BYTES, PREFIX
-from camgeo_export.verify.body import body_checks
-from camgeo_export.verify.mesh import heights, point_text
+from camgeo.units import MM_PER, LengthUnit, counted
+from camgeo_export.stl import FACET, HEADER_BYTES, PREFIX
+from camgeo_export.verify.body import body_checks, heights, point_text
 
 OURS = re.compile(rb"camgeo \S+ unit (\w+) scene ([0-9a-f]*)")
 

@@ -5,16 +5,14 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
-from camgeo.errors import CamgeoError
-from camgeo.formats.plain import CUT_SVG
-from camgeo.product.product import Product
-from camgeo.verifying.verification import Check, Origin, Reading, failed, length_of, reported
-from camgeo_export.errors import FileError
-from camgeo_export.layers import layered
-from camgeo_export.svg.measure import check_contents
-from camgeo_export.svg.reader import check_xml, drawing_of
-from camgeo_export.verify.plane import contour_checks, matched
-from camgeo_export.verify.shapes import shapes_of
+from camgeo.design.product import Product
+from camgeo.design.verify import Check, Origin, Reading, failed, length_of, reported
+from camgeo.errors import CamgeoError, FileError
+from camgeo.scene.formats.format import CUT_SVG
+from camgeo_export.reading import layered
+from camgeo_export.svg import check_contents
+from camgeo_export.svg_reader import check_xml, drawing_of
+from camgeo_export.verify.plane import contour_checks, matched, shapes_of
 
 NOTE = re.compile(
     rb"<desc>camgeo [^;<]{1,100}; scene ([0-9a-f]{1,64}); tolerance ([-+.0-9e]{1,40}) mm</desc>"

@@ -3,19 +3,32 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping
+import posixpath
+import re
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
 from xml.etree import ElementTree as ET
 
-from camgeo.product.plate import plate_of
-from camgeo.product.product import Product, title_of
-from camgeo.verifying.verification import Check, Origin, Reading, failed, length_of, unit_check
-from camgeo_export.errors import FileError
-from camgeo_export.threemf.parts import check_bodies, packed, parts_of
-from camgeo_export.threemf.writer import MODEL_PATH
-from camgeo_export.verify.body import compensation_checks, mesh_checks
-from camgeo_export.verify.model import core
-from camgeo_export.verify.package import model_path, package_checks
-from camgeo_export.verify.plate import plate_checks
+from camgeo.design.plate import Piece, plate_of
+from camgeo.design.product import Product, title_of
+from camgeo.design.verify import Check, Origin, Reading, failed, length_of, unit_check
+from camgeo.errors import FileError
+from camgeo.reading import number_of
+from camgeo.units import counted
+from camgeo_export.threemf.parts import PATH, PRODUCTION, check_bodies, packed, parts_of
+from camgeo_export.threemf.writer import (
+    CONTENT_TYPES,
+    CONTENT_TYPES_PATH,
+    CORE,
+    MODEL_PATH,
+    MODEL_RELATION,
+    MODEL_TYPE,
+    RELATIONSHIP_TYPE,
+    RELATIONSHIPS,
+    RELATIONSHIPS_PATH,
+)
+from camgeo_export.verify.body import checks_of_body, compensation_checks, mesh_checks, mesh_in
 
 MM_PER_UNIT = {
     "micron": 1e-3,
@@ -101,3 +114,553 @@ def _model(parts: Mapping[str, bytes]) -> bytes:
 
 
 VERIFIER = ThreeMfVerifier()
+
+
+# -- model ----------------------------------------------------------------------------------------
+# What the model of a 3MF package must hold, by the clauses of the 3MF core specification 1.3.
+#
+# The rules are those that strict readers like lib3mf apply to the core of a model; what extensions
+# add to it is not read. Coordinates and transforms are looked at before (`threemf.parts`), the mesh
+# itself is compared elsewhere.
+
+
+XML: Final = "{http://www.w3.org/XML/1998/namespace}"
+LANGUAGE: Final = f"{XML}lang"
+SPACE: Final = f"{XML}space"
+
+READ_EXTENSIONS: Final = (PRODUCTION,)
+"""Namespaces of the extensions that a model may require: they only spread it over several files."""
+
+ATTRIBUTES: Final[Mapping[str, Collection[str]]] = {
+    "model": ("unit", LANGUAGE, "requiredextensions", "recommendedextensions", "thumbnail"),
+    "metadata": ("name", "preserve", "type"),
+    "metadatagroup": (),
+    "resources": (),
+    "basematerials": ("id",),
+    "base": ("name", "displaycolor"),
+    "object": ("id", "type", "name", "partnumber", "pid", "pindex", "thumbnail"),
+    "mesh": (),
+    "vertices": (),
+    "vertex": ("x", "y", "z"),
+    "triangles": (),
+    "triangle": ("v1", "v2", "v3", "p1", "p2", "p3", "pid"),
+    "components": (),
+    "component": ("objectid", "transform"),
+    "build": (),
+    "item": ("objectid", "transform", "partnumber"),
+}
+"""Elements of the core specification, each with its attributes."""
+
+TYPES: Final = ("model", "solidsupport", "support", "surface", "other")
+"""Types of objects."""
+
+METADATA: Final = (
+    "Title", "Designer", "Description", "Copyright", "LicenseTerms", "Rating", "CreationDate",
+    "ModificationDate", "Application",
+)  # fmt: skip
+"""Names of metadata without a namespace."""
+
+COLOUR: Final = re.compile("#[0-9A-Fa-f]{6}([0-9A-Fa-f]{2})?")
+
+LARGEST: Final = 2**31 - 1
+"""Of ids and indices."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Model:
+    """A valid model.
+
+    Attributes
+    ----------
+    root : its element.
+    metadata : texts by name.
+    objects : by their ids, in their order.
+    items : what is built.
+    """
+
+    root: ET.Element
+    metadata: Mapping[str, str]
+    objects: Mapping[str, ET.Element]
+    items: Sequence[ET.Element]
+
+
+def fault(clause: str, what: str) -> FileError:
+    """The error for what breaks a clause of the core specification."""
+    return FileError(f"{what} (3MF core specification, {clause})")
+
+
+def core(*tags: str) -> str:
+    """The path of nested elements of the core specification."""
+    return "/".join(f"{{{CORE}}}{tag}" for tag in tags)
+
+
+def model_of(
+    content: bytes,
+    thumbnails: Collection[str] = (),
+    own: Mapping[str, Collection[str]] | None = None,
+) -> Model:
+    """A model, if it is valid; raises FileError or SyntaxError with what is wrong.
+
+    Parameters
+    ----------
+    thumbnails : names of the parts to which it has a relationship as a picture.
+    own : its elements and their attributes, where it may have no others.
+    """
+    prefixes: dict[str, str] = {}
+    root: ET.Element | None = None
+    for event, item in ET.iterparse(io.BytesIO(content), events=("start-ns", "start")):
+        if root is None and event == "start-ns":
+            prefixes[item[0]] = item[1]
+        elif root is None:
+            root = item
+    if root is None or root.tag != core("model"):
+        raise FileError(f"its root is not the model of {CORE}")
+    _check_elements(root, own or ATTRIBUTES, alone=own is not None)
+    for prefix in root.get("requiredextensions", "").split():
+        if prefixes.get(prefix) not in READ_EXTENSIONS:
+            raise FileError(f"it requires the extension {prefix!r}, which is not read")
+    for group in root.iter(core("metadatagroup")):
+        _metadata(group, prefixes)
+    metadata = _metadata(root, prefixes)
+    order = [each.tag for each in root if each.tag in (core("resources"), core("build"))]
+    if order != [core("resources"), core("build")]:
+        raise fault("3.4", "it has not one element resources, and after it one element build")
+    objects = _objects(root, thumbnails)
+    return Model(root, metadata, objects, _items(root, objects))
+
+
+def _check_elements(
+    root: ET.Element, allowed: Mapping[str, Collection[str]], *, alone: bool
+) -> None:
+    """2.3.2: every element and attribute of the core namespace is known; there are no others if
+    what is allowed stands `alone`.
+    """
+    name = core("")
+    for each in root.iter():
+        if SPACE in each.attrib:
+            raise fault("2.3.4", "it has the attribute xml:space")
+        if not each.tag.startswith(name):
+            if alone:
+                raise FileError(f"the element {each.tag} is not one of camgeo's")
+            continue
+        tag = each.tag.removeprefix(name)
+        if tag not in allowed:
+            raise fault("2.3.2", f"the element {tag} is not expected")
+        for attribute in each.attrib:
+            if attribute not in allowed[tag] and (alone or not attribute.startswith("{")):
+                raise fault("2.3.2", f"the attribute {attribute} of {tag} is not expected")
+
+
+def _metadata(holder: ET.Element, prefixes: Mapping[str, str]) -> dict[str, str]:
+    """3.4.1: texts of the metadata by name. A name is there once, and one of `METADATA`, or has a
+    namespace that the model declares.
+    """
+    found: dict[str, str] = {}
+    for each in holder.findall(core("metadata")):
+        name = each.get("name", "")
+        prefix, colon, _ = name.partition(":")
+        if name in found:
+            raise fault("3.4.1", f"the metadata {name!r} appears twice")
+        if prefix not in prefixes if colon else name not in METADATA:
+            wanted = "neither one of 3MF's own nor of a namespace that the model declares"
+            raise fault("3.4.1", f"the metadata {name!r} is {wanted}")
+        found[name] = each.text or ""
+    return found
+
+
+def _objects(root: ET.Element, thumbnails: Collection[str]) -> dict[str, ET.Element]:
+    """3.4.2: the objects by id. An id is unique among all resources, and what refers to a resource
+    comes after it (3.4).
+    """
+    objects: dict[str, ET.Element] = {}
+    groups: dict[str, int] = {}  # how many properties each has
+    for each in root.iterfind(core("resources") + "/*"):
+        key, own = each.get("id", ""), each.tag.startswith(core(""))
+        if not 1 <= _number(key) <= LARGEST:
+            if own:
+                raise fault("3.4.2", f"the resource id {key!r} is not valid")
+            continue  # not a resource: an extension may have other elements here
+        if key in objects or key in groups:
+            raise fault("3.4.2", f"the resource id {key!r} appears twice")
+        if each.tag == core("object"):
+            _check_object(each, objects, groups, thumbnails)
+            objects[key] = each
+        else:
+            groups[key] = len(each)
+    for base in root.iterfind(core("resources", "basematerials", "base")):
+        if not COLOUR.fullmatch(base.get("displaycolor", "")):
+            raise fault("5.1.1", f"{base.get('displaycolor')!r} is not a colour #RRGGBB")
+    return objects
+
+
+def _check_object(
+    each: ET.Element,
+    objects: Mapping[str, ET.Element],
+    groups: Mapping[str, int],
+    thumbnails: Collection[str],
+) -> None:
+    """4: an object is a mesh or has components; it refers to objects and groups before it."""
+    name = f"the object {each.get('id')}"
+    if each.get("type", "model") not in TYPES:
+        raise fault("4", f"{each.get('type')!r} is not a type of object")
+    shapes = [*each.findall(core("mesh")), *each.findall(core("components"))]
+    if len(shapes) != 1:
+        raise fault("4", f"{name} has {len(shapes)} meshes or lists of components, not one")
+    picture = each.get("thumbnail")
+    if picture is not None and picture not in thumbnails:
+        raise fault("4", f"the thumbnail {picture!r} of {name} is not a part that the model names")
+    if "pindex" in each.attrib and "pid" not in each.attrib:
+        raise fault("4", f"{name} has a pindex and no pid")
+    _check_properties(each, each.get("pid"), ("pindex",), groups, "4", name)
+    for component in each.iterfind(core("components", "component")):
+        other = component.get("objectid", "")
+        if PATH not in component.attrib and other not in objects:
+            raise fault(
+                "4.2.1", f"{name} has the component {other!r}, which is no object before it"
+            )
+    count = len(each.findall(core("mesh", "vertices", "vertex")))
+    for triangle in each.iterfind(core("mesh", "triangles", "triangle")):
+        corners = [_number(triangle.get(corner)) for corner in ("v1", "v2", "v3")]
+        if min(corners) < 0 or max(corners) >= count or len({*corners}) != len(corners):
+            stated = ", ".join(str(triangle.get(corner)) for corner in ("v1", "v2", "v3"))
+            wanted = f"not three different ones of its {counted(count, 'vertex', 'vertices')}"
+            raise fault("4.1.4.1", f"a triangle of {name} has the corners {stated}, {wanted}")
+        if len(triangle.attrib) > len(corners):
+            pid = triangle.get("pid", each.get("pid"))
+            _check_properties(triangle, pid, ("p1", "p2", "p3"), groups, "4.1.4.1", name)
+
+
+def _check_properties(
+    element: ET.Element,
+    pid: str | None,
+    indices: Sequence[str],
+    groups: Mapping[str, int],
+    clause: str,
+    name: str,
+) -> None:
+    """That an element has properties of a group that there is."""
+    if pid is None:
+        return
+    if pid not in groups:
+        raise fault(clause, f"{name} has the properties {pid!r}, which do not come before it")
+    for index in indices:
+        if index in element.attrib and not 0 <= _number(element.get(index)) < groups[pid]:
+            known = counted(groups[pid], "property", "properties")
+            raise fault(clause, f"{name} has {index} = {element.get(index)!r} of {known}")
+
+
+def _number(text: str | None) -> int:
+    """A whole number from 0; -1 for any other text."""
+    found = (text or "").strip()
+    return int(found) if found.isascii() and found.isdecimal() else -1
+
+
+def _items(root: ET.Element, objects: Mapping[str, ET.Element]) -> list[ET.Element]:
+    """3.4.3: what is built, at least one object, and none of type "other", by itself or within
+    another one.
+    """
+    items = root.findall(core("build", "item"))
+    if not items:
+        raise FileError("it builds nothing: its build has no item")
+    others: set[str] = set()
+    for key, each in objects.items():
+        inner = [one.get("objectid") for one in each.iterfind(core("components", "component"))]
+        if any(one in others for one in inner) or (not inner and each.get("type") == "other"):
+            others.add(key)
+    for item in items:
+        key = item.get("objectid", "")
+        if PATH in item.attrib:
+            raise FileError("it builds an object of another part, which is not read")
+        if key not in objects:
+            raise fault("3.4.3.1", f"it builds the object {key!r}, which does not exist")
+        if key in others:
+            raise fault("3.4.3.1", f"it builds the object {key!r}, which is of type 'other'")
+    return items
+
+
+# -- package --------------------------------------------------------------------------------------
+# Whether other programs can read a 3MF package: its parts, and how they refer to each other; that
+# one of camgeo's holds what it should.
+#
+# The rules are those of the Open Packaging Conventions (ECMA-376, part 2) and of the 3MF core
+# specification, as strict readers like lib3mf apply them; `verify.model` has those of the model.
+
+
+OUR_ATTRIBUTES: Final[Mapping[str, Collection[str]]] = {
+    "model": ("unit", LANGUAGE),
+    "metadata": ("name",),
+    "resources": (),
+    "object": ("id", "type", "name"),
+    "mesh": (),
+    "vertices": (),
+    "vertex": ("x", "y", "z"),
+    "triangles": (),
+    "triangle": ("v1", "v2", "v3"),
+    "build": (),
+    "item": ("objectid",),
+}
+"""Those that our packages have."""
+
+PLATE_ATTRIBUTES: Final[Mapping[str, Collection[str]]] = {
+    **OUR_ATTRIBUTES,
+    "basematerials": ("id",),
+    "base": ("name", "displaycolor"),
+    "object": ("id", "type", "name", "pid", "pindex"),
+    "item": ("objectid", "transform"),
+}
+"""Those of our packages with a plate."""
+
+IDENTIFIER: Final = re.compile(r"[A-Za-z_][\w.-]*")
+
+SCHEME: Final = re.compile(r"[A-Za-z][\w+.-]*:")
+"""How an address outside the package begins."""
+
+THUMBNAIL: Final = f"{RELATIONSHIPS}/metadata/thumbnail"
+PRINT_TICKET: Final = "http://schemas.microsoft.com/3dmanufacturing/2013/01/printticket"
+TEXTURE: Final = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dtexture"
+"""Types of relationships."""
+
+PICTURES: Final = (THUMBNAIL, TEXTURE)
+"""Those by which an object's thumbnail is named, the second one in older files."""
+
+NEEDED: Final = (MODEL_RELATION, PRINT_TICKET, *PICTURES)
+"""Those whose target must be in the package."""
+
+ONCE: Final = {False: (MODEL_RELATION, THUMBNAIL), True: (PRINT_TICKET,)}
+"""Those that a package has once, and those that a model has."""
+
+TYPE_OF: Final[Mapping[str, Collection[str]]] = {
+    MODEL_RELATION: (MODEL_TYPE,),
+    THUMBNAIL: ("image/png", "image/jpeg"),
+    PRINT_TICKET: ("application/vnd.ms-printing.printticket+xml",),
+}
+"""Content types of what relationships lead to (2.1.3 and appendix C)."""
+
+
+def package_checks(
+    parts: Mapping[str, bytes], ours: bool, name: str, plate: Sequence[Piece] = ()
+) -> list[Check]:
+    """That the package of these `parts` is complete and valid; one of `ours` must hold the part
+    `name`, or the bodies of a `plate`.
+    """
+    try:
+        path = model_path(parts)
+        if ours:
+            _require_our_parts(parts, path)
+        pictures = [f"/{each.target}" for each in _relations(parts, path) if each.type in PICTURES]
+    except (SyntaxError, ValueError) as error:
+        return [failed("package", str(error))]
+    checks = [Check("package", "", path, ok=True)]
+    try:
+        _check_model(parts[path], pictures, ours, name, plate)
+    except (SyntaxError, ValueError) as error:
+        return [*checks, failed("model", str(error))]
+    return [*checks, Check("model", "", "valid", ok=True)]
+
+
+def model_path(parts: Mapping[str, bytes]) -> str:
+    """The part that holds the model; raises FileError unless the package leads to it, and all that
+    it and the model refer to is there.
+    """
+    for name in (CONTENT_TYPES_PATH, RELATIONSHIPS_PATH):
+        if name not in parts:
+            raise FileError(f"it has no {name}: other programs do not read it")
+    found = _relations(parts, "")
+    models = [each.target for each in found if each.type == MODEL_RELATION]
+    if len(models) != 1:
+        raise FileError(f"{RELATIONSHIPS_PATH}: {len(models)} models are named, not one")
+    types = _types(parts)
+    for each in (*found, *_relations(parts, models[0])):
+        _check_type(types, each.target, TYPE_OF.get(each.type, ()))
+    _check_type(types, RELATIONSHIPS_PATH, (RELATIONSHIP_TYPE,))
+    return models[0]
+
+
+@dataclass(frozen=True, slots=True)
+class _Relation:
+    """A relationship: its type, and the part that it leads to."""
+
+    type: str
+    target: str
+
+
+def _relations(parts: Mapping[str, bytes], source: str) -> list[_Relation]:
+    """The relationships of a part, or of the package, whose name is empty.
+
+    By OPC (ECMA-376-2, 9.3) each has an identifier of its own. By 2.1.1 of the core specification
+    none leads out of the package, no two of a type lead to one part, and what must be there is; by
+    2.1.2 to 2.1.4 there is one at most of the types in `ONCE`.
+    """
+    folder, name = posixpath.split(source)
+    path = posixpath.join(folder, "_rels", f"{name}.rels")
+    seen: set[str] = set()
+    found: dict[_Relation, _Relation] = {}  # by what there may be once
+    for element in _children(parts, path, RELATIONSHIPS, "Relationships") if path in parts else ():
+        key, kind, target = (element.get(word, "") for word in ("Id", "Type", "Target"))
+        if not IDENTIFIER.fullmatch(key) or key in seen:
+            raise FileError(f"{path}: the Id {key!r} is not valid, or appears twice")
+        seen.add(key)
+        if not target or element.get("TargetMode") == "External" or SCHEME.match(target):
+            raise fault("2.1.1", f"{path}: the target {target!r} is not in the package")
+        whole = target if kind == MODEL_RELATION else posixpath.join("/", folder, target)
+        relation = _Relation(kind, posixpath.normpath(whole).removeprefix("/"))
+        if kind in NEEDED and (whole[0] != "/" or relation.target not in parts):
+            raise fault("2.1.1", f"{path}: the target {target!r} is not in the package")
+        once = replace(relation, target="") if kind in ONCE[bool(source)] else relation
+        if once in found:
+            raise fault("2.1", f"{path}: it has two relationships of the type {kind}")
+        found[once] = relation
+    return list(found.values())
+
+
+def _children(parts: Mapping[str, bytes], path: str, namespace: str, root: str) -> list[ET.Element]:
+    """The elements of a part, whose root must be `root` of the `namespace`."""
+    try:
+        found = ET.fromstring(parts[path])
+    except SyntaxError as error:
+        raise FileError(f"{path}: {error}") from None
+    if found.tag != f"{{{namespace}}}{root}":
+        raise FileError(f"{path}: its root is {found.tag}, not {root} of {namespace}")
+    return list(found)
+
+
+def _types(parts: Mapping[str, bytes]) -> dict[tuple[str, str], str]:
+    """The content types that are stated, by extension or by part."""
+    types: dict[tuple[str, str], str] = {}
+    for each in _children(parts, CONTENT_TYPES_PATH, CONTENT_TYPES, "Types"):
+        kind = each.tag.rpartition("}")[2]
+        key = each.get({"Default": "Extension", "Override": "PartName"}.get(kind, ""), "").lower()
+        if not key or (kind, key) in types:
+            raise FileError(
+                f"{CONTENT_TYPES_PATH}: {kind} {key!r} is not expected, or appears twice"
+            )
+        types[kind, key] = each.get("ContentType", "")
+    return types
+
+
+def _check_type(types: Mapping[tuple[str, str], str], part: str, allowed: Collection[str]) -> None:
+    """That the content type of a part is one of those that its kind may have, if there are any."""
+    extension = posixpath.splitext(part.lower())[1].removeprefix(".")
+    extension = extension or posixpath.basename(part).removeprefix(".")
+    by_extension = types.get(("Default", extension), "")
+    found = types.get(("Override", f"/{part.lower()}"), by_extension)
+    if allowed and found not in allowed:
+        what = f"the type of {part} is {found or 'not stated'}"
+        raise FileError(f"{CONTENT_TYPES_PATH}: {what}, not {' or '.join(allowed)}")
+
+
+def _require_our_parts(parts: Mapping[str, bytes], path: str) -> None:
+    own = (CONTENT_TYPES_PATH, RELATIONSHIPS_PATH, MODEL_PATH)
+    foreign = [name for name in parts if name not in own]
+    if foreign or path != MODEL_PATH:
+        raise FileError(f"{foreign[0] if foreign else path} is not a part of camgeo's packages")
+
+
+def _check_model(
+    content: bytes, thumbnails: Collection[str], ours: bool, name: str, plate: Sequence[Piece]
+) -> None:
+    """Raise FileError or SyntaxError unless the model is valid, and ours as it should be."""
+    if not ours:
+        model_of(content, thumbnails)
+        return
+    model = model_of(content, own=PLATE_ATTRIBUTES if plate else OUR_ATTRIBUTES)
+    objects = list(model.objects.values())
+    if any(each.get("type", "model") != "model" for each in objects):
+        raise FileError("not all of its objects are models")
+    if model.metadata.get("Title") != name:
+        raise FileError(f"its title is named {model.metadata.get('Title')!r}, not {name!r}")
+    if plate:
+        _check_plate(model.root, objects, model.items, plate)
+    else:
+        _check_one(objects, model.items, name)
+
+
+def _check_one(objects: Sequence[ET.Element], items: Sequence[ET.Element], name: str) -> None:
+    if len(objects) != 1 or len(items) != 1:
+        raise FileError(f"it has {len(objects)} objects, built {len(items)} times, not one")
+    if objects[0].get("name") != name:
+        raise FileError(f"its object is named {objects[0].get('name')!r}, not {name!r}")
+
+
+def _check_plate(
+    root: ET.Element,
+    objects: Sequence[ET.Element],
+    items: Sequence[ET.Element],
+    plate: Sequence[Piece],
+) -> None:
+    """Each body is there once, with its name and colour, and stands where it should."""
+    if len(objects) != len(plate) or len(items) != len(plate):
+        found = f"{len(objects)} objects, built {len(items)} times"
+        raise FileError(f"it has {found}, not the {len(plate)} of the plate")
+    groups = root.findall(core("resources", "basematerials"))
+    colours = [dict(base.attrib) for group in groups for base in group]
+    if colours != [{"name": each.name, "displaycolor": each.colour} for each in plate]:
+        raise FileError("its colours are not those of the bodies on the plate")
+    own = groups[0].get("id", "")
+    for number, (each, item, piece) in enumerate(zip(objects, items, plate, strict=True)):
+        if each.get("name") != piece.name:
+            raise FileError(f"an object is named {each.get('name')!r}, not {piece.name!r}")
+        if (each.get("pid"), each.get("pindex")) != (own, str(number)):
+            raise FileError(f"the {piece.name} has not its colour")
+        words = item.get("transform", "").split(" ")
+        wanted = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, piece.x, piece.y, 0.0]
+        if item.get("objectid") != each.get("id") or [number_of(word) for word in words] != wanted:
+            raise FileError(f"the {piece.name} does not stand at ({piece.x:g}, {piece.y:g}) mm")
+
+
+# -- plate ----------------------------------------------------------------------------------------
+# The bodies of a plate, each compared with what it should be.
+
+
+def plate_checks(
+    plate: Sequence[Piece],
+    parts: Mapping[str, bytes],
+    model: bytes,
+    scale: float,
+    tolerance: float,
+) -> list[Check]:
+    """All checks of the bodies in a package, each as if it were the only one, and not moved.
+
+    Parameters
+    ----------
+    plate : what the package should hold.
+    parts : of the package.
+    model : that which it leads to; `scale` [mm] is its unit.
+    tolerance : [mm].
+    """
+    count = len(ET.fromstring(model).findall(f"{{{CORE}}}resources/{{{CORE}}}object"))
+    if count != len(plate):
+        return [failed("bodies", f"{count}, expected {len(plate)}")]
+    checks: list[Check] = []
+    for number, piece in enumerate(plate):
+        alone = packed({f"/{MODEL_PATH}": _alone(model, number), **parts})
+        checks += [
+            replace(each, of=f"{piece.name}: {each.of}" if each.of else piece.name)
+            for each in _checks(piece, alone, scale, tolerance)
+        ]
+    return checks
+
+
+def _checks(piece: Piece, data: bytes, scale: float, tolerance: float) -> list[Check]:
+    mesh = mesh_in(data, scale)
+    if isinstance(mesh, Check):
+        return [mesh]
+    return checks_of_body(piece.part, piece.reach, *mesh, tolerance)
+
+
+def _alone(model: bytes, number: int) -> bytes:
+    """The model with one of its objects only, not transformed."""
+    root = ET.fromstring(model)
+    resources = root.find(f"{{{CORE}}}resources")
+    build = root.find(f"{{{CORE}}}build")
+    assert resources is not None  # it has objects
+    kept = resources.findall(f"{{{CORE}}}object")[number]
+    for each in resources.findall(f"{{{CORE}}}object"):
+        if each is not kept:
+            resources.remove(each)
+    if build is not None:
+        root.remove(build)
+    own = ET.SubElement(root, f"{{{CORE}}}build")
+    ET.SubElement(own, f"{{{CORE}}}item", {"objectid": kept.get("id", "")})
+    found: bytes = ET.tostring(root, "UTF-8", xml_declaration=True)
+    return found

@@ -7,11 +7,19 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.arcs.arc_splines import PROBES, Arcs, JointedCurve, Strands, arc_splines
-from camgeo.contour.arcs.joints import ArcSystem, Layout, evened
-from camgeo.contour.joints import bends_of
-from camgeo.contour.least_pieces import ARC
-from camgeo.curve.pieces import smooth_pieces
+from camgeo.geometry.contour.fewest_arcs import (
+    PROBES,
+    Arcs,
+    ArcSystem,
+    JointedCurve,
+    Layout,
+    Strands,
+    arc_splines,
+    evened,
+)
+from camgeo.geometry.contour.least_pieces import ARC
+from camgeo.geometry.contour.legs import bends_of
+from camgeo.geometry.pieces import smooth_pieces
 from camgeo.numeric.arrays import IntArray
 from tests.contour.cams import FLANKS, dwell, flank, translating
 

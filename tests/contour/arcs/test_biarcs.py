@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.contour.arcs.biarcs import OUTERMOST, tangent_turns
-from camgeo.contour.least_pieces import ARC
+from camgeo.geometry.contour.arcs import OUTERMOST, tangent_turns
+from camgeo.geometry.contour.least_pieces import ARC
 from camgeo.numeric.arrays import FloatArray
 
 PLACES = np.arange(1, 6) / 6

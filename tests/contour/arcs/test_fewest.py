@@ -11,20 +11,19 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 
-from camgeo.contour.arcs import fewest as fewest_module
-from camgeo.contour.arcs.arc_splines import Strands
-from camgeo.contour.arcs.fast import fit_arcs
-from camgeo.contour.arcs.fewest import fewest_arcs
-from camgeo.contour.contour import Fit
-from camgeo.contour.least_pieces import forced_pieces, least_arcs
-from camgeo.curve.pieces import smooth_pieces
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, ToleranceError, UndercutError
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.plan import MotionPlan, Move
+from camgeo.geometry.contour import fewest_arcs as fewest_module
+from camgeo.geometry.contour.arcs import fit_arcs
+from camgeo.geometry.contour.contour import Fit
+from camgeo.geometry.contour.fewest_arcs import Strands, fewest_arcs
+from camgeo.geometry.contour.least_pieces import forced_pieces, least_arcs
+from camgeo.geometry.outline.path import whole
+from camgeo.geometry.pieces import smooth_pieces
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import MotionPlan, Move
 from camgeo.numeric.arrays import IntArray
-from camgeo.outline.path import whole
 from tests.contour.cams import (
     FLANKS,
     TURN,

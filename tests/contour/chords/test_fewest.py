@@ -11,13 +11,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.chords.fast import fit_polyline
-from camgeo.contour.chords.fewest import fewest_chords
-from camgeo.contour.contour import Fit
-from camgeo.contour.legs import StretchLeg, legs_of
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import ToleranceError, UndercutError
-from camgeo.outline.path import Path, whole
+from camgeo.geometry.contour.chords import fit_polyline
+from camgeo.geometry.contour.contour import Fit
+from camgeo.geometry.contour.fewest_chords import fewest_chords
+from camgeo.geometry.contour.legs import StretchLeg, legs_of
+from camgeo.geometry.outline.path import Path, whole
+from camgeo.geometry.working_curve import WorkingCurve
 from tests.contour.cams import FLANKS, Dense, curves, dense_flank, dwell, flank, move
 from tests.contour.cams import translating as cam
 from tests.contour.paths import PATHS, SAGITTA, measured

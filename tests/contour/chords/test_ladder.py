@@ -10,12 +10,17 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.chords import ladder as ladder_module
-from camgeo.contour.chords.evened import Evened, evened
-from camgeo.contour.chords.ladder import Ladder
-from camgeo.contour.chords.two_sided import Stretched, StretchTable, stretch_table
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import ToleranceError
+from camgeo.geometry.contour import fewest_chords as ladder_module
+from camgeo.geometry.contour.fewest_chords import (
+    Evened,
+    Ladder,
+    Stretched,
+    StretchTable,
+    evened,
+    stretch_table,
+)
+from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.contour.cams import TURN, curves, flank
 from tests.long_form import examples

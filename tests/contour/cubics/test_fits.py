@@ -12,18 +12,21 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.cubics import fits
-from camgeo.contour.cubics.deviation import fitted_deviation, spline_deviation
-from camgeo.contour.cubics.fits import fewest_cubics, fit_spline
-from camgeo.contour.cubics.lines_and_arcs import approximating_arcs
-from camgeo.contour.cubics.parts import parts_of
-from camgeo.contour.least_pieces import forced_pieces, least_cubics
-from camgeo.contour.legs import legs_of
-from camgeo.contour.spline import Arc, CubicSpline, SplineContour, SplineFit
-from camgeo.curve.pieces import smooth_pieces
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError, ToleranceError, UndercutError
-from camgeo.outline.path import Path, whole
+from camgeo.geometry.contour import cubics
+from camgeo.geometry.contour.cubic_proof import (
+    approximating_arcs,
+    fitted_deviation,
+    parts_of,
+    spline_deviation,
+)
+from camgeo.geometry.contour.cubics import fewest_cubics, fit_spline
+from camgeo.geometry.contour.least_pieces import forced_pieces, least_cubics
+from camgeo.geometry.contour.legs import legs_of
+from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour, SplineFit
+from camgeo.geometry.outline.path import Path, whole
+from camgeo.geometry.pieces import smooth_pieces
+from camgeo.geometry.working_curve import WorkingCurve
 from tests.contour.cams import FLANKS, TURN, curves, dwell, flank, move
 from tests.contour.cams import translating as cam
 from tests.contour.paths import PATHS, SAGITTA, break_count, dense_path
@@ -188,7 +191,7 @@ def test_the_first_proof_holds(name: tuple[str, int], monkeypatch: pytest.Monkey
         proofs.append((args[-1], bound))
         return bound
 
-    monkeypatch.setattr(fits, "fitted_deviation", counted)
+    monkeypatch.setattr(cubics, "fitted_deviation", counted)
     before = 0
     tolerances = np.geomspace(1e-1, 1e-8, 22)
     for tolerance in tolerances:

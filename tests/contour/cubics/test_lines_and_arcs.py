@@ -8,9 +8,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import make_interp_spline
 
-from camgeo.contour.cubics.lines_and_arcs import approximating_arcs
-from camgeo.contour.spline import Arc, CubicSpline, SplineContour
 from camgeo.errors import GeometryError
+from camgeo.geometry.contour.cubic_proof import approximating_arcs
+from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour
 from tests.contour.cams import outline
 from tests.contour.splines import dense
 from tests.contour.test_spline import blob, slot

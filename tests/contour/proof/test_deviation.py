@@ -13,20 +13,19 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.arcs.fast import fit_arcs
-from camgeo.contour.chords.fast import fit_polyline
-from camgeo.contour.contour import Contour
-from camgeo.contour.proof.deviation import deviation
-from camgeo.contour.proof.locate import locate
-from camgeo.curve.pitch_curve import PitchCurve
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
-from camgeo.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.mechanism.translating_roller import TranslatingRoller
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.geometry.contour.arcs import fit_arcs
+from camgeo.geometry.contour.chords import fit_polyline
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.proof import deviation, locate
+from camgeo.geometry.outline.outline import real_outline
+from camgeo.geometry.outline.path import whole
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray
-from camgeo.outline.outline import real_outline
-from camgeo.outline.path import whole
 from tests.contour.cams import FLANKS, TURN, curves, dense_flank, dwell, flank, polyline
 from tests.laws import LAWS
 from tests.long_form import examples

@@ -7,13 +7,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.arcs.fast import fit_arcs
-from camgeo.contour.chords.fast import fit_polyline
-from camgeo.contour.contour import Contour
-from camgeo.contour.proof.deviation import deviation
-from camgeo.contour.proof.locate import locate
 from camgeo.errors import GeometryError
-from camgeo.outline.path import Path, whole
+from camgeo.geometry.contour.arcs import fit_arcs
+from camgeo.geometry.contour.chords import fit_polyline
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.proof import deviation, locate
+from camgeo.geometry.outline.path import Path, whole
 from tests.contour.cams import TURN, polyline
 from tests.contour.paths import (
     PATHS,

@@ -13,18 +13,11 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.motion.joints import Joint, joints
-from camgeo.motion.laws import FAMILIES, make_law
-from camgeo.motion.laws.characteristic import acceleration_jumps, characteristic
-from camgeo.motion.plan import Dwell, MotionPlan, Move
-from camgeo.motion.planning.planner import plan_motion
-from camgeo.motion.planning.request import (
-    AUTO,
-    CRITERIA,
-    MoveRequest,
-    PointsRequest,
-    Request,
-)
+from camgeo.kinematics.laws import FAMILIES, make_law
+from camgeo.kinematics.laws.law import acceleration_jumps, characteristic
+from camgeo.kinematics.plan import Dwell, Joint, MotionPlan, Move, joints
+from camgeo.kinematics.planning.planner import plan_motion
+from camgeo.kinematics.planning.requests import AUTO, CRITERIA, MoveRequest, PointsRequest, Request
 from tests.long_form import examples
 from tests.speed import spending
 from tests.strategies import attack

@@ -12,12 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.motion.laws import FAMILIES, make_law
-from camgeo.motion.laws.balance import equal_accelerations
-from camgeo.motion.laws.characteristic import acceleration_jumps
-from camgeo.motion.laws.law import Law
-from camgeo.motion.planning.auto import best_law
-from camgeo.motion.planning.request import CRITERIA
+from camgeo.kinematics.laws import FAMILIES, make_law
+from camgeo.kinematics.laws.law import Law, acceleration_jumps
+from camgeo.kinematics.planning.build import best_law, equal_accelerations
+from camgeo.kinematics.planning.requests import CRITERIA
 from tests.motion.planning.wishes import laws, move, move_of, planned, rest
 from tests.strategies import attack
 

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 
-from camgeo.motion.joints import joints
-from camgeo.motion.laws import make_law
-from camgeo.motion.plan import Dwell, MotionPlan, Move
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move, joints
 from tests.laws import LAWS
 from tests.motion.planning.wishes import move, planned, rest
 from tests.strategies import attack, plans

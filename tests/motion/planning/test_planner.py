@@ -13,10 +13,14 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.motion.joints import Joint, joints
-from camgeo.motion.plan import Dwell, MotionPlan, Move, SplineMove
-from camgeo.motion.planning.request import MoveRequest, PointsRequest, Request, TableRequest
-from camgeo.motion.planning.tasks import FREE
+from camgeo.kinematics.plan import Dwell, Joint, MotionPlan, Move, SplineMove, joints
+from camgeo.kinematics.planning.requests import (
+    FREE,
+    MoveRequest,
+    PointsRequest,
+    Request,
+    TableRequest,
+)
 from camgeo.numeric.arrays import FloatArray
 from tests.laws import LAWS
 from tests.long_form import examples

@@ -14,9 +14,15 @@ import numpy as np
 import pytest
 
 from camgeo.errors import GeometryError
-from camgeo.motion.plan import Dwell
-from camgeo.motion.planning.planner import plan_motion
-from camgeo.motion.planning.request import MoveRequest, PointsRequest, Request, TableRequest, Unit
+from camgeo.kinematics.plan import Dwell
+from camgeo.kinematics.planning.planner import plan_motion
+from camgeo.kinematics.planning.requests import (
+    MoveRequest,
+    PointsRequest,
+    Request,
+    TableRequest,
+    Unit,
+)
 
 ROW = np.array([0.25, 0.5])
 SPAN = Decimal(60)

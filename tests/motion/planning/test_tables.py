@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from camgeo.errors import GeometryError
-from camgeo.motion.joints import joints
-from camgeo.motion.points import clamped_spline
+from camgeo.kinematics.plan import joints
+from camgeo.kinematics.splines import clamped_spline
 from tests.motion.planning.wishes import data_of, laws, move, planned, rest, table
 
 TURN = 2.0 * math.pi

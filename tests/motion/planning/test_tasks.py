@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 
 from camgeo.errors import GeometryError
-from camgeo.motion.boundary import TASKS
-from camgeo.motion.laws import FAMILIES
-from camgeo.motion.planning.chain import Chain, Joint
-from camgeo.motion.planning.planner import plan_motion
-from camgeo.motion.planning.request import Request, Unit
+from camgeo.kinematics.laws import FAMILIES
+from camgeo.kinematics.motion import TASKS
+from camgeo.kinematics.planning.planner import plan_motion
+from camgeo.kinematics.planning.requests import Chain, Joint, Request, Unit
 from tests.motion.planning.wishes import laws, move, planned, rest, table, through
 
 

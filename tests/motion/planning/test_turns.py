@@ -10,13 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.motion.joints import joints
-from camgeo.motion.laws import make_law
-from camgeo.motion.laws.characteristic import characteristic
-from camgeo.motion.plan import MotionPlan
-from camgeo.motion.planning.auto import best_law, best_turn, size_of
-from camgeo.motion.planning.request import CRITERIA, Request
-from camgeo.motion.time_course import ConstantSpeed, plan_extremes
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.laws.law import characteristic
+from camgeo.kinematics.plan import MotionPlan, joints
+from camgeo.kinematics.planning.build import best_law, best_turn, size_of
+from camgeo.kinematics.planning.requests import CRITERIA, Request
+from camgeo.kinematics.time_course import ConstantSpeed, plan_extremes
 from tests.long_form import examples
 from tests.motion.planning.wishes import laws, move, move_of, planned, rest, through
 from tests.strategies import attack

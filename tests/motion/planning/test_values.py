@@ -9,10 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.motion.joints import Joint, joints
-from camgeo.motion.laws import make_law
-from camgeo.motion.plan import MotionPlan
-from camgeo.motion.planning.request import Request
+from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.plan import Joint, MotionPlan, joints
+from camgeo.kinematics.planning.requests import Request
 from tests.motion.planning.wishes import data_of, laws, move, move_of, planned, rest, through
 from tests.strategies import attack
 

@@ -10,10 +10,10 @@ from functools import cache
 import numpy as np
 from hypothesis import strategies as st
 
-from camgeo.motion.boundary import Boundary
-from camgeo.motion.plan import Dwell, MotionPlan, Move, SplineMove
-from camgeo.motion.planning.planner import plan_motion
-from camgeo.motion.planning.request import (
+from camgeo.kinematics.motion import Boundary
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move, SplineMove
+from camgeo.kinematics.planning.planner import plan_motion
+from camgeo.kinematics.planning.requests import (
     CRITERIA,
     MoveRequest,
     PointsRequest,

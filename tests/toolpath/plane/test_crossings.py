@@ -7,10 +7,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.nearness import distances
-from camgeo.contour.pieces import Pieces
-from camgeo.toolpath.plane.crossings import crossings, inside
+from camgeo.geometry.contour.contour import Contour, Pieces, distances
+from camgeo.milling.areas import crossings, inside
 from tests.toolpath.plane.tracks import any_track
 
 RECTANGLE = Contour.polygon(np.array([-50.0 - 25.0j, 50.0 - 25.0j, 50.0 + 25.0j, -50.0 + 25.0j]))

@@ -8,15 +8,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.nearness import distances
 from camgeo.errors import GeometryError
+from camgeo.geometry.contour.contour import Contour, distances
+from camgeo.geometry.outline.path import whole
+from camgeo.milling.areas import Morph, Star, engagements, fitted, paced
+from camgeo.milling.track import Track
 from camgeo.numeric.arrays import BoolArray, ComplexArray
-from camgeo.outline.path import whole
 from camgeo.part.boundaries import CurveBoundary
-from camgeo.toolpath.plane.spiral import Morph, engagements, fitted, paced
-from camgeo.toolpath.plane.star import Star
-from camgeo.toolpath.plane.track import Track
 from tests.contour.cams import dwell, flank, move, translating
 
 RADIUS = 5.0

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.nearness import distances
-from camgeo.toolpath.plane.star import Star
-from camgeo.toolpath.plane.track import Track
+from camgeo.geometry.contour.contour import Contour, distances
+from camgeo.milling.areas import Star
+from camgeo.milling.track import Track
 
 SLOT = Contour(
     np.array([-10 - 1j, 10 - 1j, 10 + 1j, -10 + 1j]),

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.nearness import distances
-from camgeo.toolpath.plane.track import Track, biarcs, chained
+from camgeo.geometry.contour.contour import Contour, distances
+from camgeo.milling.track import Track, biarcs, chained
 from tests.toolpath.plane.tracks import any_track, dense
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from camgeo.milling.track import Track
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.toolpath.plane.track import Track
 
 
 def any_track(rng: np.random.Generator, count: int = 6, size: float = 10.0) -> Track:

@@ -7,15 +7,15 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
-from camgeo.contour.contour import Contour, Effort
-from camgeo.outline.path import whole
+from camgeo.geometry.contour.contour import Contour, Effort
+from camgeo.geometry.outline.path import whole
+from camgeo.milling.cut import AreaCut, ContourCut, Cut
+from camgeo.milling.machining_time import arc_sweep
+from camgeo.milling.moves import ArcFeed, Heights, Move, Rapid
+from camgeo.milling.strategies import STRATEGIES
+from camgeo.milling.tool import Tool
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary
-from camgeo.toolpath.cut import AreaCut, ContourCut, Cut
-from camgeo.toolpath.machining_time import arc_sweep
-from camgeo.toolpath.moves import ArcFeed, Heights, Move, Rapid
-from camgeo.toolpath.strategies import STRATEGIES
-from camgeo.toolpath.tool import Tool
 from tests.contour.cams import dwell, move, translating
 
 HEIGHTS = Heights(clearance=12.0, retract=3.0)

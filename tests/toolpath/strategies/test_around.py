@@ -10,13 +10,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from camgeo.contour.nearness import distances
 from camgeo.errors import GeometryError
+from camgeo.geometry.contour.contour import distances
+from camgeo.milling.cut import ContourCut, slack_of
+from camgeo.milling.holding import Clamp, Tabs
+from camgeo.milling.moves import ArcFeed, Feed, Rapid
+from camgeo.milling.tool import ToolError
 from camgeo.numeric.arrays import FloatArray
-from camgeo.toolpath.cut import ContourCut, slack_of
-from camgeo.toolpath.holding import Clamp, Tabs
-from camgeo.toolpath.moves import ArcFeed, Feed, Rapid
-from camgeo.toolpath.tool import ToolError
 from tests.measuring import DensePath
 from tests.toolpath.cutting import levels
 from tests.toolpath.plane.tracks import dense

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.toolpath.cut import AreaCut, ContourCut, Cut
-from camgeo.toolpath.moves import ArcFeed
+from camgeo.milling.cut import AreaCut, ContourCut, Cut
+from camgeo.milling.moves import ArcFeed
 from tests.long_form import examples
 from tests.toolpath.strategies import test_around, test_inside, test_others, test_outside
 from tests.toolpath.strategies.sound import TOOL, cleared, made, require_sound, round_hole

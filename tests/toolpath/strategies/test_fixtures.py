@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from camgeo.outline.path import whole
+from camgeo.geometry.outline.path import whole
+from camgeo.milling.moves import Rapid
 from camgeo.part.boundaries import CurveBoundary
-from camgeo.toolpath.moves import Rapid
 from tests.contour.cams import flank
 from tests.toolpath.cutting import engagement, levels
 from tests.toolpath.strategies.sound import LIMIT, TOOL, cleared, made, require_sound, round_blank

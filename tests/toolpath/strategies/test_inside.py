@@ -9,15 +9,13 @@ import numpy as np
 import pytest
 import shapely
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.nearness import distances
 from camgeo.errors import GeometryError
-from camgeo.outline.path import whole
+from camgeo.geometry.contour.contour import Contour, distances
+from camgeo.geometry.outline.path import whole
+from camgeo.milling.moves import ArcFeed, Rapid, centre_feed
+from camgeo.milling.strategies.clear import HELIX
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import Boundary
-from camgeo.toolpath.feeds import centre_feed
-from camgeo.toolpath.moves import ArcFeed, Rapid
-from camgeo.toolpath.strategies.inside import HELIX
 from tests.contour.cams import dwell, move, translating
 from tests.toolpath.cutting import engagement, levels
 from tests.toolpath.plane.tracks import dense

@@ -9,14 +9,13 @@ import numpy as np
 import pytest
 import shapely
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.nearness import distances
 from camgeo.errors import FileError, GeometryError
-from camgeo.outline.path import whole
+from camgeo.geometry.contour.contour import Contour, distances
+from camgeo.geometry.outline.path import whole
+from camgeo.milling.cut import AreaCut, PointCut
+from camgeo.milling.moves import Feed, Rapid
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary
-from camgeo.toolpath.cut import AreaCut, PointCut
-from camgeo.toolpath.moves import Feed, Rapid
 from tests.contour.cams import dwell, move, translating
 from tests.toolpath.cutting import engagement, levels
 from tests.toolpath.plane.tracks import dense
@@ -110,7 +109,7 @@ def test_rounds_without_number_are_refused() -> None:
 def test_moves_end_where_no_program_can_be_read(monkeypatch: pytest.MonkeyPatch) -> None:
     """Those of one cut alone, before the others are made."""
     count = len(made(GROOVE))
-    monkeypatch.setattr("camgeo.toolpath.strategies.walk.PROGRAM_LINES", count // 2)
+    monkeypatch.setattr("camgeo.milling.strategies.walk.PROGRAM_LINES", count // 2)
     with pytest.raises(FileError, match="the limit for a program that is read"):
         made(GROOVE)
 

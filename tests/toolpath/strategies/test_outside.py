@@ -11,13 +11,12 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.nearness import distances
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
-from camgeo.outline.path import whole
+from camgeo.geometry.contour.contour import Contour, distances
+from camgeo.geometry.outline.path import whole
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.milling.moves import ArcFeed, Rapid
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
-from camgeo.toolpath.moves import ArcFeed, Rapid
 from tests.contour.cams import curves
 from tests.long_form import examples
 from tests.toolpath.cutting import engagement, levels

@@ -10,17 +10,16 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from camgeo.contour.contour import Contour
-from camgeo.contour.nearness import distances
-from camgeo.curve.working_curve import WorkingCurve
 from camgeo.errors import GeometryError
-from camgeo.outline.path import whole
+from camgeo.geometry.contour.contour import Contour, distances
+from camgeo.geometry.outline.path import whole
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.milling.cut import AreaCut
+from camgeo.milling.moves import ArcFeed, Rapid
+from camgeo.milling.strategies.trochoid import NARROWEST, ahead, engaged
+from camgeo.milling.track import Track, chained
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import Boundary
-from camgeo.toolpath.cut import AreaCut
-from camgeo.toolpath.moves import ArcFeed, Rapid
-from camgeo.toolpath.plane.track import Track, chained
-from camgeo.toolpath.strategies.trochoid import NARROWEST, ahead, engaged
 from tests.contour.cams import curves
 from tests.long_form import examples
 from tests.toolpath.cutting import engagement, levels

@@ -1,5 +1,5 @@
-// What is drawn, as Python hands it over: camgeo.figure.model, camgeo.figure.marks and
-// camgeo.figure.animation as JSON. Widths and sizes of text are points, 72 to the inch; a gap in a
+// What is drawn, as Python hands it over: camgeo.pictures.model, camgeo.pictures.model and
+// camgeo.pictures.mechanism as JSON. Widths and sizes of text are points, 72 to the inch; a gap in a
 // line is null.
 
 export type Place = [number, number];

@@ -1,4 +1,4 @@
-// Draws figures, data of camgeo.figure.model, as SVG, and draws them anew in place.
+// Draws figures, data of camgeo.pictures.model, as SVG, and draws them anew in place.
 
 import { drawAxes, POINTS, scale, valueAt } from "./axes";
 import type { Figure, Legend, Line, Panel } from "./data";

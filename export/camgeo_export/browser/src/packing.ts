@@ -1,4 +1,4 @@
-// Pictures as they come from Python, their long lists of numbers packed: camgeo.designing.packing.
+// Pictures as they come from Python, their long lists of numbers packed: camgeo.app.designing.painting.
 
 import type { Animation, Figure } from "./data";
 

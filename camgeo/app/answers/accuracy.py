@@ -1,0 +1,451 @@
+"""What `camgeo accuracy` finds: what accuracy costs, and where more of it stops paying off."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Final
+
+from camgeo.app.answers.answer import Answer
+from camgeo.design.design import Design
+from camgeo.geometry.contour.contour import Form
+from camgeo.pictures.model import Figure
+from camgeo.scene.scene import Scene
+from camgeo.studies.accuracy import survey as surveys
+from camgeo.studies.accuracy.benefit import harmonics
+from camgeo.studies.accuracy.bill import STAGES, BillRow
+from camgeo.studies.accuracy.contours import (
+    FORMS,
+    ContourRow,
+    EffectRow,
+    SolidRow,
+    TableRow,
+    in_length,
+)
+from camgeo.studies.accuracy.knee import advice, step_sentence
+from camgeo.studies.accuracy.survey import TOLERANCES, Survey, own_contour, own_rows
+from camgeo.units import MM_PER, RPM, LengthUnit
+
+if TYPE_CHECKING:
+    from camgeo.studies.accuracy.benefit import BenefitRow
+
+
+@dataclass(frozen=True, slots=True)
+class Accuracy(Answer):
+    """What accuracy costs.
+
+    Attributes
+    ----------
+    scene : whose cam was measured.
+    survey : what was measured.
+    ripple : whether contours were replayed too.
+    turns : whether the positions of the motion are angles.
+    complete : whether not only the contour that the scene asks for was measured.
+    benefits : what each form does at one speed; empty if none was asked for.
+    """
+
+    command: ClassVar[str] = "accuracy"
+
+    scene: Scene
+    survey: Survey
+    ripple: bool
+    turns: bool
+    complete: bool = True
+    benefits: tuple[BenefitRow, ...] = ()
+
+    @property
+    def advice(self) -> str:
+        """What is recommended, in words."""
+        return advice(self.survey.knee)
+
+    @property
+    def step(self) -> str:
+        """What the last step of accuracy up to there costs and buys, in words."""
+        return step_sentence(self.survey.knee)
+
+    @property
+    def own(self) -> tuple[ContourRow, ...]:
+        """The rows of the contour that the scene asks for."""
+        return own_rows(self.scene, self.survey.contours)
+
+    @property
+    def enough(self) -> tuple[str, ...]:
+        """Which of the tolerances is enough at the speed asked for, in words, for each form."""
+        if not self.benefits:
+            return ()
+        from camgeo.studies.accuracy.knee import of_each_form
+
+        speed = self.benefits[0].speed / RPM
+        return tuple(f"at {speed:g} rev/min: {each}" for each in of_each_form(self.benefits))
+
+    @property
+    def form(self) -> Form:
+        """Of the contour in the drawing of the scene."""
+        return own_contour(self.scene)[0]
+
+    @property
+    def unit(self) -> str:
+        """Unit in which positions of the motion are shown."""
+        return "deg" if self.turns else self.scene.unit
+
+    def shown(self, lift: float) -> float:
+        """A lift [mm or rad] in that unit."""
+        return math.degrees(lift) if self.turns else lift / MM_PER[self.scene.unit]
+
+    @property
+    def tables(self) -> tuple[dict[str, Any], ...]:
+        """The rows of value tables, with the errors of their lift in that unit."""
+        return tuple(
+            {
+                "step_deg": row.step,
+                "rows": row.rows,
+                "bytes": row.size,
+                "seconds": row.seconds,
+                "spread": row.spread,
+                "interpolation_error": self.shown(row.error),
+                "unit": self.unit,
+            }
+            for row in self.survey.tables
+        )
+
+    @property
+    def written(self) -> tuple[dict[str, Any], ...]:
+        """What each form does at one speed, with accelerations in that unit."""
+        return tuple(
+            {
+                "contour": row.form,
+                "tolerance_mm": row.tolerance,
+                "speed_rpm": row.speed / RPM,
+                "acceleration": self._shown(row.acceleration),
+                "exact_acceleration": self._shown(row.exact_acceleration),
+                "jump": self._shown(row.jump),
+                "unit": self.unit,
+                "ripple": row.ripple,
+                "force_N": row.force,
+                "lowest_force_N": row.lowest,
+                "highest_force_N": row.highest,
+                "exact_lowest_force_N": row.exact_lowest,
+                "exact_highest_force_N": row.exact_highest,
+                "lift_off_rpm": _finite(row.lift_off),
+                "exact_lift_off_rpm": _finite(row.exact_lift_off),
+                "octaves": [self.shown(value) for value in row.octaves],
+                "octave_error": self._shown(row.octave_error),
+                "strongest_harmonic": row.strongest,
+                "fault": row.fault,
+            }
+            for row in self.benefits
+        )
+
+    def _shown(self, value: float | None) -> float | None:
+        return None if value is None else self.shown(value)
+
+
+def _finite(speed: float | None) -> float | None:
+    """[rev/min] of a speed [rad/s]; None for none, and for an infinite one."""
+    return None if speed is None or math.isinf(speed) else speed / RPM
+
+
+def accuracy(
+    design: Design,
+    tolerances: Sequence[float] = TOLERANCES,
+    *,
+    ripple: bool | None = None,
+    complete: bool = True,
+    bill: bool = False,
+    speed: float | None = None,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Accuracy:
+    """Measure what accuracy costs.
+
+    Parameters
+    ----------
+    tolerances : to measure [mm], the loosest first.
+    ripple : whether contours are replayed too; None for what the scene says.
+    speed : of the cam [rad/s] at which contours are judged by what they do; None for not.
+    complete : whether all forms and fits of the contour are measured, and all other files, value
+        tables and effects; else the contour that the scene asks for.
+    bill : whether the scene is also built within each of them.
+    progress : called with the name of each step.
+
+    Raises
+    ------
+    UndercutError, GeometryError
+        As `camgeo.studies.accuracy.survey.survey`.
+    """
+    if ripple is None:
+        ripple = design.scene.output.accuracy_ripple
+    benefits: tuple[BenefitRow, ...] = ()
+    if speed is not None:
+        from camgeo.studies.accuracy.benefit import (
+            benefit_rows,  # a survey without a speed needs none
+        )
+
+        forms = FORMS if complete else own_contour(design.scene)[:1]
+        benefits = benefit_rows(design, tolerances, (speed,), forms=forms, progress=progress)
+    found = surveys.survey(
+        design, tolerances, ripple=ripple, complete=complete, bill=bill, benefits=benefits,
+        progress=progress,
+    )  # fmt: skip
+    return Accuracy(design.scene, found, ripple, design.drive.unit == "rad", complete, benefits)
+
+
+# -- rendering ------------------------------------------------------------------------------------
+# What `camgeo accuracy` finds, as tables and as a picture.
+
+
+SUMMARY_COLUMNS: Final = """\
+pieces, bytes: of the contour in the drawing of the scene, and of that file; seconds: of CPU time on
+    this machine to fit, prove, write and read it, the median of some runs; spread: the ratio of
+    the upper quartile of these to the lower one; machining: seconds to mill once along the flanks;
+    --all has all other forms and files"""
+"""The columns of the few rows, explained below them."""
+
+COLUMNS: Final = """\
+pieces: in the contours of the flanks; of least: pieces other than dwells and turns, as a multiple
+    of the least number possible for small tolerances
+deviation: proved, both ways and for every point
+fit, proof, write, read: seconds of CPU time on this machine: the fit with its proof, the proof
+    again from the finished contour alone, the drawing written with all its curves, and read back;
+    spread: of them, the ratio of the upper quartile of some runs to the lower one
+round, shortest: seconds to mill once along the flanks at the feed of the scene, and as fast as the
+    controller can run these pieces, by its look-ahead, corners and accelerations
+ripple: largest error of the acceleration in a replay, as a share of its demanded peak
+error: bound on the error of the lift if it is interpolated linearly between two rows"""
+"""The columns of the tables, explained below them."""
+
+BILL_COLUMNS: Final = """\
+build: seconds of a whole build of the scene, from the loaded scene to the last file; evaluate:
+    motion, mechanism, findings, part, effects and tool paths; fit: contours with the proofs that
+    decide them; prove: further proofs, also of what was read back; write: the files and their
+    certificate; read: reading them back; machining: of all programs together"""
+"""The same for the table of builds."""
+
+BENEFIT_COLUMNS: Final = """\
+written: the follower on the contour as written; acceleration, force: largest deviation from the
+    exact motion; ripple: that of the acceleration as a share of its exact peak; least: contact
+    force, negative where the follower would have to be pulled or, held both ways, where the other
+    side carries; lifts off: from this speed of the cam on [rev/min]; octave: harmonics of the cam's
+    speed in which most of the deviation of the acceleration is, and its effective value in them"""
+"""The same for the table of benefits."""
+
+EFFECT_COLUMNS: Final = """\
+effects: tolerance, estimate and off are shares of the scale of a figure, e.g. the largest torque;
+    computed: seconds, without the effects that it needs; estimate: what it states of its error;
+    off: the difference from a result to a hundredth of the tightest tolerance, with the figure
+    that it is in; estimate and off are the largest of all values and columns"""
+"""The same for the table of effects."""
+
+SUMMARY: Final = (
+    "tolerance", "pieces", "bytes", "seconds", "spread", "machining", "acceleration off",
+)  # fmt: skip
+CONTOURS: Final = (
+    "contour", "effort", "tolerance", "pieces", "of least", "deviation", "DXF", "G-code", "fit",
+    "proof", "write", "read", "spread", "round", "shortest",
+)  # fmt: skip
+BILL: Final = ("build", *STAGES, "total", "spread", "pieces", "bytes", "machining")
+SOLIDS: Final = ("solid", "tolerance", "faces", "deviation", "bytes", "write", "read", "spread")
+EFFECTS: Final = ("effect", "tolerance", "computed", "spread", "estimate", "off", "figure")
+"""Heads of the columns; lengths in mm, sizes in bytes, times in seconds."""
+
+NONE: Final = "-"
+"""Shown in place of a missing value."""
+
+
+def text(answer: Accuracy) -> str:
+    """What the contour of the scene costs, or with all that was measured a table of each kind; the
+    step up to what is advised, and the advice.
+    """
+    name, unit = answer.scene.name, answer.scene.unit
+    lines = [f"{name}: what accuracy costs, in {unit}, bytes and seconds", ""]
+    lines += _tables(answer) if answer.complete else _summary(answer)
+    lines += [answer.step] if answer.step else []
+    return "\n".join([*lines, f"advice: {answer.advice}", *answer.enough])
+
+
+def _summary(answer: Accuracy) -> list[str]:
+    """The rows that a designer reads, and the table of builds if it was asked for."""
+    mm, bill = MM_PER[answer.scene.unit], answer.survey.in_length(answer.scene.unit).bill
+    off = {row.tolerance: row.ripple for row in answer.benefits if row.form == answer.form}
+    count = len(SUMMARY) if off or answer.ripple else len(SUMMARY) - 1
+    cells = [_own_cells(in_length(row, mm), off.get(row.tolerance, row.ripple))[:count]
+             for row in answer.own]  # fmt: skip
+    rows = [(each, row.fault) for each, row in zip(cells, answer.own, strict=True)]
+    builds = ["", *_columns(BILL, [_bill_cells(row) for row in bill])] if bill else []
+    notes = ["", SUMMARY_COLUMNS, BILL_COLUMNS][: 3 if bill else 2]
+    return [*_columns(SUMMARY[:count], rows), *builds, *notes]
+
+
+def _own_cells(row: ContourRow, off: float | None) -> list[str]:
+    cells = dict(zip(CONTOURS, _contour_cells(row, ripple=False)[0], strict=True))
+    seconds = _seconds(None if row.drawing is None else row.drawing.seconds)
+    sizes = [cells[name] for name in ("tolerance", "pieces", "DXF")]
+    return [*sizes, seconds, cells["spread"], cells["round"], _percent(off)]
+
+
+def _tables(answer: Accuracy) -> list[str]:
+    """A table each of contours, solids, builds, benefits, value tables and effects."""
+    length = answer.scene.unit
+    found, ripple = answer.survey.in_length(length), answer.ripple
+    heads = [*CONTOURS, "ripple"] if ripple else list(CONTOURS)
+    lines = _columns(heads, [_contour_cells(row, ripple=ripple) for row in found.contours])
+    if found.solids:
+        lines += ["", *_columns(SOLIDS, [_solid_cells(row) for row in found.solids])]
+    if found.bill:
+        lines += ["", *_columns(BILL, [_bill_cells(row) for row in found.bill])]
+    if answer.benefits:
+        lines += [
+            "",
+            *_columns(_benefits(answer), [_benefit_cells(row, length) for row in answer.written]),
+        ]
+    heads = ["step [deg]", "rows", "bytes", "made", "spread", f"error [{answer.unit}]"]
+    lines += ["", *_columns(heads, [_table_cells(row, answer) for row in found.tables])]
+    if found.effects:
+        lines += ["", *_columns(EFFECTS, [_effect_cells(row) for row in found.effects])]
+    if found.rounded:
+        lines += ["", *map(_rounded, found.rounded)]
+    lines += ["", COLUMNS, *([BILL_COLUMNS] if found.bill else [])]
+    lines += [BENEFIT_COLUMNS] if answer.benefits else []
+    return [*lines, *([EFFECT_COLUMNS] if found.effects else [])]
+
+
+def figure(answer: Accuracy) -> Figure:
+    """What was measured over the tolerance, a panel for each kind of cost."""
+    buys = " and buys" if answer.benefits else ""
+    title = f"{answer.scene.name}: what accuracy costs{buys}"
+    from camgeo.pictures import accuracy as picture
+
+    return picture.figure(
+        answer.survey,
+        title=title,
+        benefits=answer.benefits,
+        form=answer.form,
+        unit="rad" if answer.turns else "mm",
+        length=answer.scene.unit,
+    )
+
+
+def _columns(heads: Sequence[str], rows: Sequence[tuple[list[str], str]]) -> list[str]:
+    """Columns, right-aligned except the first; a row with gaps is followed by the reason."""
+    table = [list(heads), *(cells for cells, _ in rows)]
+    widths = [max(len(cells[column]) for cells in table) for column in range(len(heads))]
+    faults = ["", *(fault for _, fault in rows)]
+    lines = []
+    for cells, fault in zip(table, faults, strict=True):
+        line = "  ".join(
+            cell.rjust(width) if column else cell.ljust(width)
+            for column, (cell, width) in enumerate(zip(cells, widths, strict=True))
+        )
+        lines.append(f"{line}  {fault}".rstrip())
+    return lines
+
+
+def _contour_cells(row: ContourRow, *, ripple: bool) -> tuple[list[str], str]:
+    count, drawing = row.count, row.drawing
+    cells = [row.form, row.effort, f"{row.tolerance:g}"]
+    cells += [
+        NONE if count is None else f"{count.pieces:,}",
+        NONE if count is None or count.ratio is None else f"{count.ratio:.3f}",
+        NONE if count is None else f"{count.deviation:.3g}",
+        NONE if drawing is None else f"{drawing.size:,}",
+        NONE if row.program is None else f"{row.program.size:,}",
+        _seconds(None if count is None else count.fit_seconds),
+        _seconds(None if count is None else count.proof_seconds),
+        _seconds(None if drawing is None else drawing.write_seconds),
+        _seconds(None if drawing is None else drawing.read_seconds),
+        NONE if count is None else f"{row.spread:.2f}",
+        _tenths(row.round_seconds),
+        _tenths(row.shortest_seconds),
+    ]
+    if ripple:
+        cells.append(_percent(row.ripple))
+    return cells, row.fault
+
+
+def _solid_cells(row: SolidRow) -> tuple[list[str], str]:
+    file, cells = row.file, [row.format, f"{row.tolerance:g}"]
+    if file is None:
+        return [*cells, *[NONE] * 6], row.fault
+    faces = file.facts.get("triangles") or file.facts["faces"]
+    cells += [f"{faces:,}", f"{file.deviation:.3g}", f"{file.size:,}"]
+    cells += [_seconds(file.write_seconds), _seconds(file.read_seconds), f"{file.spread:.2f}"]
+    return cells, row.fault
+
+
+def _bill_cells(row: BillRow) -> tuple[list[str], str]:
+    seconds = [row.stages.get(stage) for stage in STAGES]
+    cells = [f"{row.tolerance:g}", *map(_seconds, (*seconds, row.total))]
+    cells.append(f"{row.spread:.2f}" if row.stages else NONE)
+    cells += [NONE if each is None else f"{each:,}" for each in (row.pieces, row.size)]
+    return [*cells, _seconds(row.machining_seconds)], row.fault
+
+
+def _benefits(answer: Accuracy) -> list[str]:
+    """Heads of the table of benefits."""
+    heads = ["written", "tolerance", f"acceleration [{answer.unit}/s^2]", "ripple"]
+    return [*heads, "force [N]", "least [N]", "lifts off", "octave", f"in it [{answer.unit}/s^2]"]
+
+
+def _benefit_cells(row: dict[str, Any], length: LengthUnit) -> tuple[list[str], str]:
+    figures = (row["force_N"], row["lowest_force_N"], row["lift_off_rpm"])
+    cells = [
+        row["contour"],
+        f"{row['tolerance_mm'] / MM_PER[length]:.6g}",
+        _three(row["acceleration"]),
+        _percent(row["ripple"]),
+        *map(_three, figures),
+    ]
+    octaves = row["octaves"]
+    strongest = max(range(len(octaves)), key=octaves.__getitem__, default=None)
+    cells += [NONE] * 2 if strongest is None else [
+        harmonics(strongest), _three(octaves[strongest]),
+    ]  # fmt: skip
+    return cells, row["fault"]
+
+
+def _three(value: float | None) -> str:
+    """Three digits, the units at least."""
+    return NONE if value is None else f"{value:,.0f}" if abs(value) >= 100.0 else f"{value:.3g}"
+
+
+def _table_cells(row: TableRow, answer: Accuracy) -> tuple[list[str], str]:
+    error = f"{answer.shown(row.error):.2g}"
+    return [
+        f"{row.step}",
+        f"{row.rows:,}",
+        f"{row.size:,}",
+        _seconds(row.seconds),
+        f"{row.spread:.2f}",
+        error,
+    ], ""
+
+
+def _effect_cells(row: EffectRow) -> tuple[list[str], str]:
+    spread = NONE if row.seconds is None else f"{row.spread:.2f}"
+    cells = [row.effect, f"{row.tolerance:g}", _seconds(row.seconds), spread]
+    return [*cells, _share(row.error), _share(row.difference), row.figure or NONE], row.fault
+
+
+def _rounded(row: EffectRow) -> str:
+    """The sentence on an effect that no tolerance changes."""
+    estimate = "it is exact" if row.error is None else f"estimate {_share(row.error)}"
+    return (
+        f"{row.effect}: rounding at any tolerance ({estimate}, off {_share(row.difference)}),"
+        f" computed in {_seconds(row.seconds)} s"
+    )
+
+
+def _percent(share: float | None) -> str:
+    return NONE if share is None else f"{100.0 * share:.3g} %"
+
+
+def _tenths(seconds: float | None) -> str:
+    return NONE if seconds is None else f"{seconds:.1f}"
+
+
+def _share(value: float | None) -> str:
+    return NONE if value is None else f"{value:.2g}"
+
+
+def _seconds(value: float | None) -> str:
+    return NONE if value is None else f"{value:.2g}" if value < 10.0 else f"{value:.0f}"

@@ -1,0 +1,119 @@
+"""What `camgeo build` writes: the files of a scene, and their certificate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import chain
+from pathlib import Path
+from typing import ClassVar
+
+from camgeo.app.answers.answer import Answer, exit_code
+from camgeo.check.finding import Finding
+from camgeo.design.design import Design
+from camgeo.design.product import in_one_piece
+from camgeo.design.writing import FileReport, write_files
+from camgeo.scene.scene import Scene
+from camgeo.units import MM_PER, LengthUnit, counted
+
+
+@dataclass(frozen=True, slots=True)
+class Build(Answer):
+    """The files that were written.
+
+    Attributes
+    ----------
+    scene : whose files they are.
+    tolerance : largest deviation allowed [mm].
+    findings : those that break a limit, and warnings.
+    folder : in which the files lie.
+    files : that were written; empty if the cam has no outline.
+    certificate : its name beside the files; None if there are none.
+    """
+
+    command: ClassVar[str] = "build"
+
+    scene: Scene
+    tolerance: float
+    findings: tuple[Finding, ...]
+    folder: str
+    files: tuple[FileReport, ...] = ()
+    certificate: str | None = None
+
+    @property
+    def exit_code(self) -> int:
+        """2 if there is no such mechanism, 1 if a limit is broken or there is no such disc."""
+        return exit_code(self.findings)
+
+
+def poor_findings(design: Design) -> tuple[Finding, ...]:
+    """What is found in a design and in its parts beyond a limit, or worth a warning; what makes a
+    part impossible is left to its files.
+    """
+    bad = tuple(each for each in design.findings if each.severity != "ok")
+    if not design.judgement.has_outline:
+        return bad
+    from camgeo.design.judged_part import poor_in  # a cam without outline has no part
+    from camgeo.design.product import with_pair
+
+    return (*bad, *chain.from_iterable(map(poor_in, with_pair(design.discs))))
+
+
+def build(
+    design: Design,
+    folder: str | Path,
+    formats: Sequence[str] | None = None,
+    *,
+    tolerance: float | None = None,
+    force: bool = False,
+    findings: tuple[Finding, ...] | None = None,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Build:
+    """Write the files, as `Design.write` does; none for a cam that has no outline.
+
+    `findings` are those of `told`, where they are known; `progress` is called with the name of each
+    step. Raises as `Design.write`.
+    """
+    output = design.scene.output
+    asked = output.tolerance if tolerance is None else tolerance
+    bad = poor_findings(design) if findings is None else findings
+    scene, where = design.scene, str(folder)
+    if not design.judgement.has_outline:
+        return Build(scene, asked, bad, where)
+    names = output.formats if formats is None else tuple(formats)
+    report = write_files(design.discs, folder, names, asked, force=force, progress=progress)
+    watched = tuple(finding for each in report.files for finding in each.findings)
+    return Build(scene, asked, bad + watched, where, report.files, report.paths[-1].name)
+
+
+# -- rendering ------------------------------------------------------------------------------------
+# What `camgeo build` writes, in words.
+
+
+WIDTH = 39
+"""Of the paths."""
+
+
+def text(answer: Build) -> str:
+    """A line for each file, and one for the certificate; lengths in the scene's unit."""
+    folder, unit = Path(answer.folder), answer.scene.unit
+    lines = [f"{folder / file.name!s:{WIDTH}} {_size(file, unit)}" for file in answer.files]
+    relation = _relation(answer)
+    lines += [relation] if relation and answer.files else []
+    if answer.certificate is not None:
+        lines.append(f"{folder / answer.certificate!s:{WIDTH}} the proof of these deviations")
+    return "\n".join(lines)
+
+
+def _relation(answer: Build) -> str:
+    """How the discs of a pair in one piece stand to each other; empty of other designs."""
+    part = answer.scene.part
+    return "" if part is None or part.pair is None else in_one_piece(part.pair)
+
+
+def _size(file: FileReport, unit: LengthUnit) -> str:
+    size = f"{counted(file.size, 'byte'):>16}"
+    if file.deviation is None:
+        return size
+    off, tolerance = file.deviation / MM_PER[unit], file.tolerance / MM_PER[unit]
+    return f"{size}, at most {off:.3g} {unit} off (tolerance {tolerance:g} {unit})"

@@ -1,0 +1,267 @@
+"""What `camgeo compare` finds: a few designs side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Any, ClassVar, Final
+
+from camgeo.app.answers.answer import MARKS, Answer
+from camgeo.app.answers.check import check
+from camgeo.app.answers.sweep import aligned, shown_in
+from camgeo.check.finding import Finding
+from camgeo.check.judge import worst
+from camgeo.design.design import Design
+from camgeo.errors import GeometryError, UnknownNameError
+from camgeo.pictures.model import Figure
+from camgeo.scene.keys import KeyPath, spelled
+from camgeo.studies.sweep.rows import asked_of, canonical, read
+from camgeo.units import LengthUnit, counted, in_unit, shortened
+
+MOST: Final = 8
+"""Designs that can be told apart in a table and a picture."""
+
+NAME: Final = ("name",)
+"""The key in which all scenes differ, and which says nothing of the design."""
+
+
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """One of the designs.
+
+    Attributes
+    ----------
+    label : that tells it from the others.
+    design : itself.
+    verdict : the worst severity of its findings; empty if only some questions were asked.
+    """
+
+    label: str
+    design: Design
+    verdict: str
+
+    @property
+    def name(self) -> str:
+        """Of the scene."""
+        return self.design.name
+
+    @property
+    def identity(self) -> str:
+        """Of the scene."""
+        return self.design.scene.identity
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """A key of the scenes with its values in the order of the designs, as text; empty if a scene
+    does not state it.
+    """
+
+    key: str
+    values: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """What one design answers.
+
+    Attributes
+    ----------
+    value : a number in `unit`, or a word; None if there is none.
+    severity, verdict : of the finding; empty if there is none.
+    reason : why there is no value; or empty.
+    """
+
+    value: float | str | None = None
+    unit: str = ""
+    severity: str = ""
+    reason: str = ""
+    verdict: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A finding or a question, with what each design answers."""
+
+    name: str
+    cells: tuple[Cell, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Compare(Answer):
+    """A few designs side by side.
+
+    Attributes
+    ----------
+    designs : in the order given.
+    keys : in which the scenes differ.
+    lines : the findings of all, or what was asked.
+    """
+
+    command: ClassVar[str] = "compare"
+
+    designs: tuple[Compared, ...]
+    keys: tuple[Key, ...]
+    lines: tuple[Line, ...]
+
+
+def compare(designs: Sequence[tuple[str, Design]], ask: Sequence[str] = ()) -> Compare:
+    """Compare designs with their labels.
+
+    Parameters
+    ----------
+    ask : names, see `camgeo.studies.sweep.rows`; if there are none, all findings of a check.
+
+    Raises
+    ------
+    GeometryError
+        For fewer than two designs, or more than can be told apart.
+    UnknownNameError
+        If no design knows a name that is asked.
+    """
+    if not 2 <= len(designs) <= MOST:
+        message = f"2 to {MOST} designs can be compared, not {counted(len(designs), 'design')}"
+        raise GeometryError(message)
+    if ask:
+        columns = [_answers(design, ask, designs) for _, design in designs]
+        verdicts = [""] * len(designs)
+    else:
+        found = [_everything(label, design) for label, design in designs]
+        columns = [_findings(each) for each in found]
+        verdicts = [worst(each) for each in found]
+    names = dict.fromkeys(name for column in columns for name in column)
+    lines = tuple(
+        Line(name, tuple(column.get(name, Cell()) for column in columns)) for name in names
+    )
+    compared = tuple(
+        Compared(label, design, verdict)
+        for (label, design), verdict in zip(designs, verdicts, strict=True)
+    )
+    return Compare(compared, _differing([design for _, design in designs]), lines)
+
+
+def _everything(label: str, design: Design) -> tuple[Finding, ...]:
+    """The findings of a check; an error names the design."""
+    try:
+        return check(design).everything
+    except GeometryError as error:
+        raise GeometryError(f"{label}: {error.message}", error.key, error.value) from error
+
+
+def _findings(findings: Sequence[Finding]) -> dict[str, Cell]:
+    """The first finding of each name."""
+    found: dict[str, Cell] = {}
+    for each in findings:
+        value = None if each.value is None else float(each.value)
+        found.setdefault(each.name, Cell(value, each.unit, each.severity, "", each.verdict))
+    return found
+
+
+def _answers(
+    design: Design, ask: Sequence[str], designs: Sequence[tuple[str, Design]]
+) -> dict[str, Cell]:
+    """What a design answers; of a name that only others know, nothing."""
+    found: dict[str, Cell] = {}
+    for word in ask:
+        try:
+            (asked,) = asked_of(design, [word])
+        except (UnknownNameError, GeometryError) as error:
+            if not any(_knows(other, word) for _, other in designs):
+                raise
+            unknown = isinstance(error, UnknownNameError)
+            reason = "has no such finding or column" if unknown else str(error)
+            found[canonical(word)] = Cell(reason=reason)
+        else:
+            reading = read(design, asked)
+            found[asked.word] = Cell(reading.value, reading.unit, "", reading.reason)
+    return found
+
+
+def _knows(design: Design, word: str) -> bool:
+    try:
+        asked_of(design, [word])
+    except (UnknownNameError, GeometryError):
+        return False
+    return True
+
+
+def _differing(designs: Sequence[Design]) -> tuple[Key, ...]:
+    """The keys at which the scenes do not all state the same."""
+    stated = [dict(_leaves(design.scene.values)) for design in designs]
+    paths = dict.fromkeys(path for values in stated for path in values)
+    found = []
+    for path in paths:
+        values = [values.get(path) for values in stated]
+        if path != NAME and any(value != values[0] for value in values):
+            found.append(Key(spelled(path), tuple(map(_shown, values))))
+    return tuple(found)
+
+
+def _leaves(values: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
+    """The single values of tables and lists, with their paths."""
+    if isinstance(values, Mapping):
+        for key, value in values.items():
+            yield from _leaves(value, (*path, key))
+    elif isinstance(values, tuple):
+        for index, value in enumerate(values):
+            yield from _leaves(value, (*path, index))
+    else:
+        yield path, values
+
+
+def _shown(value: Any) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:f}" if isinstance(value, Decimal) and abs(value) < 1e15 else str(value)
+
+
+# -- rendering ------------------------------------------------------------------------------------
+# What `camgeo compare` finds, as text and as a picture.
+
+
+MOST_KEYS: Final = 30
+"""Keys that are printed; scenes that differ in more have little in common."""
+
+LONGEST: Final = 40
+"""Characters of a cell."""
+
+
+def text(answer: Compare) -> str:
+    """Keys in which the scenes differ, then the findings, a column for each design."""
+    labels = [each.label for each in answer.designs]
+    rows = [["", *labels]]
+    for key in answer.keys[:MOST_KEYS]:
+        rows.append([key.key, *(shortened(value, LONGEST) or "-" for value in key.values)])
+    rest = len(answer.keys) - MOST_KEYS
+    if rest > 0:
+        rows.append([f"and {counted(rest, 'other key')}", *("" for _ in labels)])
+    rows.append(["" for _ in rows[0]])
+    if any(each.verdict for each in answer.designs):
+        rows.append(["verdict", *(each.verdict for each in answer.designs)])
+    units = [each.design.scene.unit for each in answer.designs]
+    rows += [[line.name, *map(_cell, line.cells, units)] for line in answer.lines]
+    lines = aligned(rows)
+    told = dict.fromkeys(
+        f"{label}: {line.name}: {in_unit(cell.reason, unit)}"
+        for line in answer.lines
+        for label, cell, unit in zip(labels, line.cells, units, strict=True)
+        if cell.reason
+    )
+    return "\n".join([*lines, *(["", *told] if told else [])])
+
+
+def _cell(cell: Cell, length: LengthUnit) -> str:
+    mark = "" if cell.severity in ("", "ok") else MARKS[cell.severity]
+    if cell.value is None:
+        return mark or (cell.verdict or "-")
+    return " ".join(filter(None, (*shown_in(length, cell.value, cell.unit), mark)))
+
+
+def figure(answer: Compare) -> Figure:
+    """The designs over each other."""
+    from camgeo.pictures import compare as picture
+
+    return picture.figure([(each.label, each.design) for each in answer.designs])

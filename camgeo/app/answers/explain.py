@@ -1,0 +1,187 @@
+"""What `camgeo explain` finds: what a command computes for a scene, why, and how long it takes."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from itertools import chain
+from typing import ClassVar, Final
+
+from camgeo.app.answers.answer import Answer
+from camgeo.app.answers.check import OF_MILLING, OF_PART, Check, check
+from camgeo.cam.cam import Disc, Drive
+from camgeo.check.finding import Finding
+from camgeo.check.judge import FINDINGS, Judgement
+from camgeo.design.design import Design
+from camgeo.design.drawn import DrawnDisc
+from camgeo.design.milled import MilledDisc
+from camgeo.lazy import Run, lazy_names
+from camgeo.scene.scene import Scene
+from camgeo.units import counted
+
+EFFECTS: Final = "effects."
+"""Prefix of the names of quantities that are effects."""
+
+BY_CHECK: Final = "by_check"
+"""The quantity of `Judgement` that has the findings of its checks."""
+
+OWNERS: Final = (Drive, Disc, Judgement, DrawnDisc, MilledDisc)
+"""Classes with quantities that are computed on demand, in the order of the stages."""
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation(Answer):
+    """What a command computes.
+
+    Attributes
+    ----------
+    scene : for which it does.
+    goal : the command.
+    computed : quantities, in the order in which they were finished.
+    reasons : why effects among them were computed, by the names of the quantities.
+    left_alone : quantities and effects that were not computed.
+    findings : of the checks, effects and parts among them, by the names of the quantities.
+    """
+
+    command: ClassVar[str] = "explain"
+
+    scene: Scene
+    goal: str
+    computed: tuple[Run, ...]
+    reasons: Mapping[str, str]
+    left_alone: tuple[str, ...]
+    findings: Mapping[str, tuple[Finding, ...]]
+
+
+def explain(design: Design, goal: str = "check") -> Explanation:
+    """Do what a command of `GOALS` does with a new design, and report what that took."""
+    made = GOALS[goal](design)
+    runs = tuple(design.ledger.runs)
+    ran = {_plain(each.name) for each in runs}
+    effects = sorted({each.name for each in runs if each.name.startswith(EFFECTS)})
+    reasons = {name: _reason(design, name) for name in effects}
+    alone = tuple(name for name in quantities() if name not in ran)
+    found = _found(design, made) if BY_CHECK in ran else {}
+    return Explanation(design.scene, goal, runs, reasons, alone, found)
+
+
+def _found(design: Design, made: object) -> dict[str, tuple[Finding, ...]]:
+    """The findings of each check, effect and part, by the names of the quantities."""
+    found = {f"{FINDINGS}{name}": own for name, own in design.judgement.by_check.items()}
+    if isinstance(made, Check):
+        found |= {f"{FINDINGS}{EFFECTS}{name}": own for name, own in made.effects.items()}
+        if made.parts:
+            own = (each.findings for each in made.parts.values())
+            found[OF_PART] = tuple(chain.from_iterable(own))
+        if made.machining is not None:
+            found[OF_MILLING] = made.machining.findings
+    return found
+
+
+def _table(design: Design) -> None:
+    """Compute what `camgeo table` needs."""
+    design.tabulated.table()
+
+
+def _build(design: Design) -> None:
+    """Compute what `camgeo build` needs; nothing is written."""
+    from camgeo.design.writing import make_files
+
+    if design.judgement.has_outline:
+        make_files(design.discs, design.scene.output.formats, design.scene.output.tolerance)
+
+
+GOALS: Final[dict[str, Callable[[Design], object]]] = {
+    "check": check,
+    "table": _table,
+    "build": _build,
+}
+
+
+def quantities() -> tuple[str, ...]:
+    """Names of all quantities that a design computes on demand, including effects."""
+    from camgeo.dynamics.effects.graph import node_name
+    from camgeo.dynamics.effects.registry import effect_names
+
+    effects = (node_name(name) for name in effect_names())
+    return (*(name for owner in OWNERS for name in lazy_names(owner)), *effects)
+
+
+def _plain(quantity: str) -> str:
+    """The name of a quantity without what the ledger adds for the state of an effect."""
+    return quantity.partition(" ")[0] if quantity.startswith(EFFECTS) else quantity
+
+
+def _reason(design: Design, quantity: str) -> str:
+    """Why an effect was computed."""
+    name = _plain(quantity).removeprefix(EFFECTS)
+    inputs = design.effects.inputs(name)
+    named = "named by the scene" if name in design.scene.effects else "needed"
+    return named + (f"; from {', '.join(inputs)}" if inputs else "")
+
+
+# -- rendering ------------------------------------------------------------------------------------
+# What `camgeo explain` finds, in words.
+
+
+MILLI: Final = 1e3
+INDENT: Final = "  "
+
+
+def text(answer: Explanation) -> str:
+    """The quantities as a tree, with their times, and what was not computed."""
+    total = sum(each.own_seconds for each in answer.computed)
+    number = counted(len(answer.computed), "quantity", "quantities")
+    command = f"camgeo {answer.goal}"
+    return "\n".join(
+        (
+            f"What `{command}` computes for {answer.scene.name}, each quantity below the one",
+            "that first asked for it. Times in ms: with all that it asked for, and its own. Checks",
+            "name their findings.",
+            "",
+            f"{'all':>10}{'own':>10}",
+            *tree_lines(answer),
+            "",
+            f"{MILLI * total:10.3f}  in total, for {number}",
+            "",
+            f"Not computed: {', '.join(answer.left_alone) or 'nothing'}",
+        )
+    )
+
+
+def tree_lines(answer: Explanation) -> list[str]:
+    """One line per quantity, below the one that requested it first."""
+    below: dict[str, list[Run]] = {}
+    for each in answer.computed:
+        below.setdefault(each.asked_by, []).append(each)
+    shown: set[str] = set()
+
+    def lines(asker: str, depth: int) -> list[str]:
+        found = []
+        for each in below.get(asker, []):
+            notes = (answer.reasons.get(each.name, ""), "has no answer" if each.failed else "")
+            note = "; ".join(filter(None, notes))
+            told = each.name in answer.findings
+            name = INDENT * depth + each.name
+            found.append(
+                f"{MILLI * each.seconds:10.3f}{MILLI * each.own_seconds:10.3f}  {name}"
+                + (f"  ({note})" if note else "")
+                + (f": {found_words(answer.findings[each.name])}" if told else "")
+            )
+            if each.name not in shown:
+                shown.add(each.name)
+                found += lines(each.name, depth + 1)
+        return found
+
+    return lines("", 0)
+
+
+def found_words(findings: Iterable[Finding]) -> str:
+    """The names of findings, with the severities of those that are not "ok"."""
+    counts = Counter(
+        each.name if each.severity == "ok" else f"{each.name} ({each.severity})"
+        for each in findings
+    )
+    words = (name if count == 1 else f"{count} {name}" for name, count in counts.items())
+    return ", ".join(words) or "none"

@@ -1,0 +1,519 @@
+"""What `camgeo inspect` finds: a measured disc compared with the exact one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar, Final
+
+import numpy as np
+
+from camgeo.app.answers.answer import Answer, exit_code, finding_lines
+from camgeo.check.finding import Finding, held
+from camgeo.design.design import Design
+from camgeo.design.product import Product, disc_of
+from camgeo.design.value_table import Table
+from camgeo.errors import Fault, FileError, GeometryError, SceneError, unreadable
+from camgeo.geometry.outline.exact_flank import ExactFlank
+from camgeo.geometry.outline.path import Flank
+from camgeo.numeric.extremes import Extreme, Extremes
+from camgeo.reading import TABLE, read_within
+from camgeo.scene.scene import Scene
+from camgeo.studies.inspection import (
+    CONFIDENCE,
+    TELLING,
+    Align,
+    Alignment,
+    Deviations,
+    LiftErrors,
+    MeasuredPoints,
+    aligned,
+    deviations_of,
+    false_share,
+    lift_errors,
+    off_radius,
+    other_axes,
+    read_points,
+    stated_normals,
+)
+from camgeo.units import (
+    MM_PER,
+    LengthUnit,
+    at_cam_angles,
+    cam_angle,
+    counted,
+    over_cam_angles,
+    small,
+)
+
+if TYPE_CHECKING:
+    from camgeo.pictures.model import Figure
+
+
+WIDEST_GAP: Final = math.radians(10.0)
+"""Range of the path [rad] without a point beyond which the follower is not pressed on the disc."""
+
+LEAST_FORM: Final = 1e-6
+"""Errors of form [mm] below a nanometre are rounding."""
+
+UNSURE: Final = math.radians(0.1)
+"""Uncertainty of a turn [rad] from which on the points do not show it: about what the play of a
+keyway allows."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LiftEffect:
+    """What the deviations do to the follower, in `unit`; cam angles in rad.
+
+    Attributes
+    ----------
+    errors : over the cam angle [mm or rad].
+    of : "rocker" behind a linkage, else "follower".
+    unit : that of the scene, or "deg".
+    factor : `unit` per mm or rad.
+    extremes : smallest and largest error.
+    uncertainty : of the error of the larger magnitude, by that of the deviations.
+    """
+
+    errors: LiftErrors
+    of: str
+    unit: str
+    factor: float
+    extremes: Extremes
+    uncertainty: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Inspection(Answer):
+    """A measured flank.
+
+    Attributes
+    ----------
+    scene : that says what the disc should be.
+    disc, flank : which one was measured.
+    file : name of the file with the points.
+    count : of its points.
+    ball : radius [mm] of the ball whose centres they are, 0 for points of the flank.
+    tolerance : width [mm] of the zone about the flank in which points may lie; None if not stated.
+    robust : whether the fit passes over local errors of form.
+    alignment : how the points lie on the flank.
+    deviations : over the cam angle.
+    lift : effect on the follower; None if it cannot be told, see the findings.
+    findings : worst first.
+    """
+
+    command: ClassVar[str] = "inspect"
+
+    scene: Scene
+    disc: Product
+    flank: Flank
+    file: str
+    count: int
+    ball: float
+    tolerance: float | None
+    robust: bool
+    alignment: Alignment
+    deviations: Deviations
+    lift: LiftEffect | None
+    findings: tuple[Finding, ...]
+
+    @property
+    def exit_code(self) -> int:
+        """1 if the profile is out of tolerance."""
+        return exit_code(self.findings)
+
+    @property
+    def align(self) -> str:
+        """What was fitted."""
+        return self.alignment.align.value
+
+    @property
+    def confidence(self) -> float:
+        """Of all uncertainties."""
+        return CONFIDENCE
+
+    @property
+    def shift(self) -> complex | None:
+        """Of the part in the axes of the measurement [mm]; None if not fitted."""
+        uncertainty = self.alignment.shift_uncertainty
+        return None if uncertainty is None else self.alignment.frame.shift
+
+    @property
+    def turn(self) -> float | None:
+        """Of the part in the axes of the measurement [rad], counter-clockwise positive; None if
+        not fitted.
+        """
+        uncertainty = self.alignment.turn_uncertainty
+        return None if uncertainty is None else self.alignment.frame.turn
+
+    @property
+    def delay(self) -> float | None:
+        """Cam angle [rad] by which the motion comes later because the part is turned; None if not
+        fitted.
+        """
+        return None if self.turn is None else -self.scene.rotation * self.turn
+
+
+def inspect(
+    design: Design,
+    file: str | Path,
+    flank: str | None = None,
+    *,
+    align: str = Align.DATUM,
+    robust: bool = False,
+    unit: LengthUnit | None = None,
+    ball: float = 0.0,
+    tolerance: float | None = None,
+) -> Inspection:
+    """Compare the points of a file with the exact flank of a design.
+
+    Parameters
+    ----------
+    file : CSV, see `camgeo.studies.inspection`. The end of its name says of a conjugate
+        pair which disc it is of ("-return"), and of a groove which flank ("-inner", "-outer").
+    flank : "inner" or "outer"; None by the file's name, or the one that closes the contact.
+    align : "datum", "rotation" or "free", see `camgeo.studies.inspection`.
+    robust : whether a fit passes over local errors of form; without a fit it makes no difference.
+    unit : of a file that states none; None for that of the scene.
+    ball : radius [mm] of the ball whose centres the points are; 0 for points of the flank.
+    tolerance : width [mm] of the zone about the flank in which all points must lie.
+
+    Raises
+    ------
+    SceneError
+        If the file cannot be read.
+    FileError, GeometryError
+        If it is too large, or has no such points; if there is no such disc; if no fit settles.
+    """
+    path = Path(file)
+    disc, side = _measured(design, path.stem, flank)
+    measured = read_points(_data(path), path.name, unit or design.scene.unit)
+    return of_points(
+        disc,
+        side,
+        measured,
+        path.name,
+        align=Align(align),
+        robust=robust,
+        ball=ball,
+        tolerance=tolerance,
+    )
+
+
+def of_points(
+    disc: Product,
+    side: Flank,
+    measured: MeasuredPoints,
+    name: str,
+    *,
+    align: Align = Align.DATUM,
+    robust: bool = False,
+    ball: float = 0.0,
+    tolerance: float | None = None,
+) -> Inspection:
+    """Compare `measured` points of a flank with it; `name` is that of their file."""
+    cam = disc.cam
+    exact = ExactFlank(cam.disc.outline(side).path, side)
+    alignment = aligned(exact, measured.points, align, ball, robust=robust)
+    deviations = deviations_of(exact, alignment.feet, alignment.deviations)
+    findings = [
+        _profile(deviations, tolerance),
+        _coverage(deviations),
+        *_turn(alignment),
+        *([] if robust else _form(alignment, deviations)),
+        *_axes(exact, measured, deviations, ball),
+        *_normals(alignment, measured),
+    ]
+    effect = None
+    if deviations.widest.width <= WIDEST_GAP:
+        try:
+            effect = _effect(disc, exact, deviations)
+        except GeometryError as error:
+            sentence = f"the follower cannot be pressed on the measured disc: {error}"
+            findings.append(Finding("lift-error", "warning", sentence))
+    order = ("broken", "warning", "ok")
+    findings.sort(key=lambda each: order.index(each.severity))
+    return Inspection(
+        disc.scene,
+        disc,
+        side,
+        name,
+        len(measured.points),
+        ball,
+        tolerance,
+        robust and align is not Align.DATUM,
+        alignment,
+        deviations,
+        effect,
+        tuple(findings),
+    )
+
+
+def _measured(design: Design, stem: str, flank: str | None) -> tuple[Product, Flank]:
+    """The disc and the flank that a file named `stem` without its ending was measured on."""
+    if flank is not None:
+        return disc_of(design.discs, stem), Flank(flank)
+    for side in design.cam.contact.flanks:
+        if stem.lower().endswith(f"-{side}"):
+            return disc_of(design.discs, stem[: -len(side) - 1]), side
+    return disc_of(design.discs, stem), design.cam.contact.main
+
+
+def _data(path: Path) -> bytes:
+    try:
+        return read_within(path, TABLE)
+    except FileError:
+        raise
+    except (OSError, ValueError) as error:
+        message = f"cannot be read: {unreadable(error)}"
+        raise SceneError([Fault("MEASURED", str(path), message)]) from error
+
+
+def _effect(disc: Product, exact: ExactFlank, deviations: Deviations) -> LiftEffect:
+    """The effect on the follower, in the unit of the scene."""
+    cam = disc.cam
+    errors = lift_errors(exact, deviations, clearance=cam.clearance)
+    turns = cam.lift_unit == "rad"
+    factor = math.degrees(1.0) if turns else 1.0 / MM_PER[disc.scene.unit]
+    found = errors.extremes
+    low, high = (
+        Extreme(each.value * factor + 0.0, each.place) for each in (found.lowest, found.highest)
+    )
+    worst = high if high.value >= -low.value else low
+    leverage = abs(float(exact.curve.pitch.leverage(np.array([worst.place]))[0]))
+    uncertainty = math.inf if leverage == 0.0 else deviations.uncertainty * factor / leverage
+    return LiftEffect(
+        errors,
+        "rocker" if cam.drive.linkage is not None and turns else "follower",
+        "deg" if turns else disc.scene.unit,
+        factor,
+        Extremes(low, high),
+        uncertainty,
+    )
+
+
+def _profile(deviations: Deviations, tolerance: float | None) -> Finding:
+    found = deviations.extremes
+    worst = max(found.highest, found.lowest, key=lambda each: abs(each.value))
+    what = "more" if worst.value > 0.0 else "less"
+    statement = (
+        f"all points lie in a zone {small(deviations.profile, 'mm')} wide; most off"
+        f" {at_cam_angles(worst.place)}, {small(abs(worst.value), 'mm')} of material {what}"
+    )
+    return held("profile", statement, deviations.profile, tolerance, "mm", worst.place)
+
+
+def _coverage(deviations: Deviations) -> Finding:
+    width, start = deviations.widest.width, deviations.widest.place
+    degrees = math.degrees(width)
+    where = over_cam_angles(start, start + width)
+    if width <= WIDEST_GAP:
+        sentence = f"at most {degrees:.3g} deg between points, {where}"
+        return Finding("coverage", "ok", sentence, degrees, unit="deg", cam_angle=start)
+    sentence = (
+        f"no points {where}: what the deviations do to the follower is told for points at most"
+        f" {math.degrees(WIDEST_GAP):g} deg apart"
+    )
+    limit = math.degrees(WIDEST_GAP)
+    return Finding("coverage", "warning", sentence, degrees, limit, "deg", start)
+
+
+def _turn(alignment: Alignment) -> Iterator[Finding]:
+    unsure, other = alignment.turn_uncertainty, alignment.other_turn
+    if unsure is None:
+        return
+    limit, degrees = math.degrees(UNSURE), math.degrees(unsure)
+    if math.isinf(unsure):
+        yield Finding(
+            "turn",
+            "warning",
+            "the flank is too round to show the turn of the part: any fits",
+            None,
+            limit,
+            "deg",
+        )
+    elif unsure > UNSURE:
+        sentence = f"the flank hardly shows the turn of the part, to {small(degrees, 'deg')}"
+        yield Finding("turn", "warning", sentence, degrees, limit, "deg")
+    else:
+        yield Finding("turn", "ok", f"known to {small(degrees, 'deg')}", degrees, limit, "deg")
+    if other is not None:
+        value = math.degrees(other)
+        sentence = f"the points fit as well with the part turned by {value:.6g} deg"
+        yield Finding("other-turn", "warning", sentence, value, unit="deg")
+
+
+def _form(alignment: Alignment, deviations: Deviations) -> Iterator[Finding]:
+    """Errors of form that the stated uncertainty of a fit does not count."""
+    form = deviations.form
+    if alignment.align is Align.DATUM or form < LEAST_FORM:
+        return
+    shift, turn = (form * each for each in alignment.sway)
+    bounds = [small(shift, "mm")] * (alignment.align is Align.FREE)
+    bounds += [small(math.degrees(turn), "deg")] * (turn > 0.0)
+    sentence = (
+        f"errors of form of {small(form, 'mm')} (root mean square) may have moved the fit by up to"
+        f" {' and '.join(bounds)}, which its uncertainty does not count;"
+        " --robust passes over local ones"
+    )
+    if bounds:
+        yield Finding("form", "warning", sentence, form, unit="mm")
+
+
+def _axes(
+    exact: ExactFlank, measured: MeasuredPoints, deviations: Deviations, ball: float
+) -> Iterator[Finding]:
+    """Other axes in which points fit that are grossly off."""
+    found = other_axes(exact, measured.points, deviations.root_mean_square, ball)
+    if found is None:
+        return
+    frame = found.frame
+    part = (
+        f"shifted by {small(frame.shift.real, 'mm')} and {small(frame.shift.imag, 'mm')} and turned"
+        f" by {small(math.degrees(frame.turn), 'deg')}"
+    )
+    left = f"to {small(found.left, 'mm')} (root mean square)"
+    sentence = (
+        f"the points fit {left} with the part {part}: they are not in the axes of the scene's cam;"
+        " measure from bore and key, or align by free"
+    )
+    if found.mirrored:
+        sentence = (
+            f"with y reversed the points fit {left}, the part {part}: they were measured from the"
+            " other side of the disc"
+        )
+    yield Finding("axes", "warning", sentence, found.left, unit="mm")
+
+
+def _normals(alignment: Alignment, measured: MeasuredPoints) -> Iterator[Finding]:
+    if measured.normals is None:
+        return
+    feet = alignment.feet
+    found = stated_normals(feet, alignment.frame.turn, measured.normals)
+    off, limit = math.degrees(found.largest.value), math.degrees(TELLING)
+    place = found.largest.place
+    if found.radial:
+        share = float(np.max(false_share(off_radius(feet))))
+        sentence = (
+            f"those of the file point along the radius, up to {off:.3g} deg off the true ones at"
+            f" cam angle {cam_angle(place)} deg: if the ball was compensated along them, the flank"
+            f" seems to have up to {share:.3g} mm too much material per mm of the ball's radius;"
+            " measure with the normals of camgeo probe, or inspect the ball's centres with --ball"
+        )
+        yield Finding("radial-normals", "warning", sentence, off, limit, "deg", place)
+    elif found.largest.value > TELLING:
+        sentence = (
+            f"those of the file are up to {off:.3g} deg off the true ones, {at_cam_angles(place)}"
+        )
+        yield Finding("normals", "warning", sentence, off, limit, "deg", place)
+    else:
+        sentence = f"those of the file are within {small(off, 'deg')} of the true ones"
+        yield Finding("normals", "ok", sentence, off, limit, "deg", place)
+    if found.into_material:
+        yield Finding(
+            "normals-inward", "warning", "those of the file point into the material", None
+        )
+
+
+# -- rendering ------------------------------------------------------------------------------------
+# What `camgeo inspect` finds, in words, as a table and as a picture.
+
+
+WIDTH: Final = 22
+"""Of the names."""
+
+ALIGNED: Final = {
+    "datum": "as measured from the datum",
+    "rotation": "turned to fit",
+    "free": "shifted and turned to fit",
+}
+
+
+def text(answer: Inspection) -> str:
+    """The deviations, the frame that was fitted, and what the follower does."""
+    points = counted(answer.count, "point" if answer.ball == 0.0 else "centre")
+    head = f"{answer.disc.name}: {points} of the {answer.flank} flank, {answer.file}"
+    found, sure = answer.deviations, f"{100.0 * answer.confidence:g} %"
+    lines = [f"{head}, {_fitted(answer)}"]
+    low, high = found.extremes.lowest, found.extremes.highest
+    lines.append(_line("more material", _at(high, "mm")))
+    lines.append(_line("less material", _at(low, "mm")))
+    lines.append(_line("profile", f"{small(found.profile, 'mm')}, twice the larger of the two"))
+    lines.append(_line("root mean square", small(found.root_mean_square, "mm")))
+    scatter = f"{small(found.scatter, 'mm')} of a reading; all deviations within"
+    lines.append(_line("scatter", f"{scatter} {small(found.uncertainty, 'mm')} ({sure})"))
+    alignment = answer.alignment
+    if (shift := answer.shift) is not None and alignment.shift_uncertainty is not None:
+        for name, value, off in zip(
+            "xy", (shift.real, shift.imag), alignment.shift_uncertainty, strict=True
+        ):
+            within = f"± {small(off, 'mm')} ({sure})"
+            lines.append(_line(f"shift in {name}", f"{small(value, 'mm', signed=True)} {within}"))
+    if answer.turn is not None and alignment.turn_uncertainty is not None:
+        off = math.degrees(alignment.turn_uncertainty)
+        within = f"± {small(off, 'deg')} ({sure})" if math.isfinite(off) else "± unknown"
+        turn = small(math.degrees(answer.turn), "deg", signed=True)
+        delay = math.degrees(answer.delay or 0.0)
+        when = f"the motion comes {small(abs(delay), 'deg')} {'late' if delay > 0.0 else 'early'}"
+        lines.append(_line("turn", f"{turn} {within}; {when}"))
+    if answer.lift is not None:
+        lines += _lift_lines(answer.lift, sure)
+    return "\n".join([*lines, *finding_lines(answer.findings)])
+
+
+def table(answer: Inspection) -> Table:
+    """One row for each place measured, in the order of the path: its foot on the exact flank, the
+    true normal, the deviation and the error of the lift there, in the unit of the scene.
+    """
+    unit, places = answer.scene.unit, answer.deviations.places
+    mm = MM_PER[unit]
+    columns = {
+        "phi [deg]": np.degrees(places.phi),
+        f"x [{unit}]": places.points.real / mm,
+        f"y [{unit}]": places.points.imag / mm,
+        "nx": places.normals.real,
+        "ny": places.normals.imag,
+        f"deviation [{unit}]": answer.deviations.values / mm,
+    }
+    if (lift := answer.lift) is not None:
+        index = np.searchsorted(lift.errors.phi, places.phi)
+        columns[f"lift error [{lift.unit}]"] = lift.errors.errors[index] * lift.factor
+    return Table(tuple(columns), np.column_stack(tuple(columns.values())))
+
+
+def figure(answer: Inspection) -> Figure:
+    """Deviations and lift errors over the cam angle."""
+    from camgeo.pictures import inspection
+
+    mm, lift = MM_PER[answer.scene.unit], answer.lift
+    return inspection.figure(
+        answer.deviations,
+        None if lift is None else lift.errors,
+        title=f"{answer.disc.name}: {answer.flank} flank, {answer.file}, {_fitted(answer)}",
+        unit=(answer.scene.unit, 1.0 / mm),
+        lift_unit=("", 1.0) if lift is None else (lift.unit, lift.factor),
+        tolerance=answer.tolerance,
+        joints=answer.disc.cam.drive.joints,
+    )
+
+
+def _fitted(answer: Inspection) -> str:
+    return ALIGNED[answer.align] + ", but for local errors" * answer.robust
+
+
+def _lift_lines(lift: LiftEffect, sure: str) -> list[str]:
+    low, high = lift.extremes.lowest, lift.extremes.highest
+    return [
+        _line("lift error", f"{_at(high, lift.unit)}, of the {lift.of}"),
+        _line("", f"{_at(low, lift.unit)}; ± {small(lift.uncertainty, lift.unit)} ({sure})"),
+    ]
+
+
+def _line(name: str, text: str) -> str:
+    return f"{name:{WIDTH}}{text}"
+
+
+def _at(extreme: Extreme, unit: str) -> str:
+    return f"{small(extreme.value, unit, signed=True)} {at_cam_angles(extreme.place)}"

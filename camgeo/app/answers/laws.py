@@ -1,0 +1,281 @@
+"""What `camgeo laws` finds: the motion laws of a task side by side, or those for each task."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, ClassVar, Final
+
+from camgeo.app.answers.answer import Answer
+from camgeo.errors import Fault, SceneError
+from camgeo.kinematics.laws import ALIASES, FAMILIES, OPTIONS, find_family
+from camgeo.kinematics.laws.comparison import QUANTITIES, Entry, Running, compare
+from camgeo.kinematics.motion import ENDS, NAMES, TASKS, ends_of
+from camgeo.numeric.extremes import Extreme
+from camgeo.units import RPM
+
+if TYPE_CHECKING:
+    from camgeo.pictures.model import Figure
+
+
+UNITS: Final = ("mm/s", "mm/s^2", "mm/s^2", "mm/s^3", "mm/s^3", "N m/kg", "N m/kg")
+"""Of the physical values of `QUANTITIES`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Physical:
+    """A physical value in `unit`, one of `UNITS`."""
+
+    value: float
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class LawRow:
+    """One law of a comparison.
+
+    Attributes
+    ----------
+    entry : the law with its characteristic values, or the reason why there is none.
+    physical : `QUANTITIES` of the move, None for what is unbounded; None without a law or a move.
+    """
+
+    entry: Entry
+    physical: Mapping[str, Physical | None] | None = None
+
+    @property
+    def parameters(self) -> Mapping[str, float]:
+        """Those of the law, by name; none if there is no law."""
+        return {} if self.entry.law is None else self.entry.law.parameters
+
+    @property
+    def values(self) -> dict[str, Extreme | None] | None:
+        """All characteristic values by name, None for what is unbounded; None without a law."""
+        values, unbounded = self.entry.values, self.entry.unbounded
+        if values is None:
+            return None
+        names = [field.name for field in fields(values)]
+        return {name: None if name in unbounded else getattr(values, name) for name in names}
+
+
+@dataclass(frozen=True, slots=True)
+class TaskLaws:
+    """A motion task (VDI 2143-1, Tafel 1) with the parameters of each family available for it."""
+
+    task: str
+    families: Mapping[str, tuple[str, ...]]
+
+    @property
+    def ends(self) -> tuple[str, ...]:
+        """What the move meets at its start and at its end, in words."""
+        names: dict[str, str] = {end: NAMES[end] for end in ENDS}
+        return tuple(names[end] for end in ends_of(self.task))
+
+
+@dataclass(frozen=True, slots=True)
+class Laws(Answer):
+    """Motion laws.
+
+    Attributes
+    ----------
+    rows : the laws of one task side by side; None if all tasks are listed.
+    running : the move that gives them physical values; None if none was named.
+    tasks : all tasks; None if laws of one are compared.
+    places : whether the text shows z of the extremes too.
+    """
+
+    command: ClassVar[str] = "laws"
+
+    rows: tuple[LawRow, ...] | None = None
+    running: Running | None = None
+    tasks: tuple[TaskLaws, ...] | None = None
+    places: bool = False
+
+
+def laws_of_task(
+    task: str,
+    given: Mapping[str, float],
+    names: Sequence[str] = (),
+    *,
+    running: Running | None = None,
+    places: bool = False,
+) -> Laws:
+    """Compare the laws of a task; `task`, `given`, `names` as of `compare`, the rest of `Laws`.
+
+    Raises
+    ------
+    SceneError
+        If none of the laws is possible, with the reason for each.
+    """
+    found = compare(task, given, names)
+    if all(entry.law is None for entry in found):
+        raise SceneError(_impossible(found))
+    rows = tuple(LawRow(each, _physical(each, running)) for each in found)
+    return Laws(rows, running, places=places)
+
+
+def _impossible(entries: Sequence[Entry]) -> list[Fault]:
+    """Why no law is possible: one fault for all laws with the same reason."""
+    reasons: dict[str, list[str]] = {}
+    for entry in entries:
+        reasons.setdefault(entry.reason, []).append(entry.name)
+    return [
+        Fault(", ".join(names), "", f"not possible: {reason}") for reason, names in reasons.items()
+    ]
+
+
+def laws_of_all_tasks(names: Sequence[str] = ()) -> Laws:
+    """List the families available for each task, of all or of `names`; GeometryError if unknown."""
+    wanted = {find_family(name).name for name in names}
+    return Laws(
+        tasks=tuple(
+            TaskLaws(
+                task,
+                {
+                    name: family.parameters[task]
+                    for name, family in FAMILIES.items()
+                    if task in family.tasks and (not wanted or name in wanted)
+                },
+            )
+            for task in TASKS
+        )
+    )
+
+
+def _physical(entry: Entry, running: Running | None) -> dict[str, Physical | None] | None:
+    if running is None or entry.values is None:
+        return None
+    found: dict[str, Physical | None] = {}
+    for quantity, unit in zip(QUANTITIES, UNITS, strict=True):
+        value = entry.bounded(quantity)
+        physical = None if value is None else Physical(running.physical(quantity, value), unit)
+        found[quantity] = physical
+    return found
+
+
+# -- rendering ------------------------------------------------------------------------------------
+# What `camgeo laws` finds, as a table and as a picture.
+
+
+HEAD: Final = ("C_v", "C_a", "C_a*", "C_j", "C_j*", "C_Mdyn", "C_Mdyn*")
+"""Symbols of `QUANTITIES`, as in VDI 2143."""
+
+PHYSICAL_HEAD: Final = ("v", "a", "a*", "j", "j*", "M/m", "M/m*")
+"""Those of the same quantities of a move; M/m is the torque against the inertia of 1 kg."""
+
+SYMBOLS: Final = {
+    "inflection": "lambda",
+    **{name: option.symbol for name, option in OPTIONS.items()},
+}
+"""Names in the table for parameters to which the guideline gives a letter."""
+
+CELL: Final = 12
+
+
+def text(answer: Laws) -> str:
+    """The comparison, one row per law, or the list of the tasks."""
+    if answer.tasks is not None:
+        return "\n".join(_tasks(answer.tasks))
+    rows = answer.rows or ()
+    width = max(len(row.entry.name) for row in rows) + 2
+    lines = _compared(rows, width, places=answer.places)
+    if answer.running is not None:
+        lines += _physical_table(rows, answer.running, width)
+    return "\n".join([*lines, *_notes([row.entry for row in rows])])
+
+
+def figure(answer: Laws) -> Figure:
+    """The curves of the laws of one task, one row per law."""
+    from camgeo.pictures import laws
+
+    return laws.figure([row.entry for row in answer.rows or ()])
+
+
+def _tasks(tasks: Sequence[TaskLaws]) -> list[str]:
+    ends = [" to ".join(each.ends) for each in tasks]
+    width = max(map(len, ends)) + 2
+    return [
+        f"{each.task:6}{end:{width}}{', '.join(each.families) or 'none of these'}"
+        for each, end in zip(tasks, ends, strict=True)
+    ]
+
+
+def _compared(rows: Sequence[LawRow], width: int, *, places: bool) -> list[str]:
+    parameters = [_parameters(row) for row in rows]
+    second = max(len("parameters"), *map(len, parameters)) + 2
+    head = "".join(f"{name:>{CELL}}" for name in HEAD)
+    lines = [f"{'law':{width}}{'parameters':{second}}{head}  remarks"]
+    for row, given in zip(rows, parameters, strict=True):
+        name, values = row.entry.name, row.values
+        if values is None:
+            lines.append(f"{name:{width}}not possible: {row.entry.reason}")
+            continue
+        extremes = [values[quantity] for quantity in QUANTITIES]
+        cells = "".join(_cell(None if each is None else each.value, ".5f") for each in extremes)
+        lines.append(f"{name:{width}}{given:{second}}{cells}  {_remarks(row.entry)}".rstrip())
+        if places:
+            cells = "".join(
+                _cell(None if each is None else each.place, ".5f", "-") for each in extremes
+            )
+            lines.append(f"{'':{width}}{'  at z':{second}}{cells}")
+    return lines
+
+
+def _physical_table(rows: Sequence[LawRow], running: Running, width: int) -> list[str]:
+    move = (
+        f"{running.speed / RPM:g} rev/min, {math.degrees(running.span):g} degrees,"
+        f" stroke {running.stroke:g} mm; M/m: torque against the inertia of 1 kg"
+    )
+    head = f"{'law':{width}}" + "".join(f"{name:>{CELL}}" for name in PHYSICAL_HEAD)
+    units = " " * width + "".join(f"{f'[{unit}]':>{CELL}}" for unit in UNITS)
+    lines = ["", move, head, units]
+    for row in rows:
+        if row.physical is not None:
+            cells = (
+                _cell(None if each is None else each.value, ".5g") for each in row.physical.values()
+            )
+            lines.append(f"{row.entry.name:{width}}" + "".join(cells))
+    return lines
+
+
+def _cell(value: float | None, form: str, missing: str = "unbounded") -> str:
+    return f"{missing if value is None else format(value + 0.0, form):>{CELL}}"
+
+
+def _parameters(row: LawRow) -> str:
+    return " ".join(f"{SYMBOLS.get(key, key)}={value:.6g}" for key, value in row.parameters.items())
+
+
+def _remarks(entry: Entry) -> str:
+    """Shocks and jerks with their z, and whether the move runs back or overshoots."""
+    found = []
+    for word, places in (("shock", entry.shocks), ("jerk", entry.jerks)):
+        if places:
+            found.append(f"{word} at z = {', '.join(f'{place:.6g}' for place in places)}")
+    if entry.runs_back:
+        found.append("overshoots" if entry.overshoots else "runs back")
+    return "; ".join(found)
+
+
+def _notes(entries: Sequence[Entry]) -> list[str]:
+    """The parameters ignored or assumed in each row, and alternative names of the laws."""
+    ignored: dict[tuple[str, ...], list[str]] = {}
+    assumed: dict[tuple[str, ...], list[str]] = {}
+    for entry in entries:
+        if entry.law is not None:
+            ignored.setdefault(entry.ignored, []).append(entry.name)
+            assumed.setdefault(entry.assumed, []).append(entry.name)
+    kinds = (
+        (f"ignored, no parameters for {entries[0].task}", ignored),
+        ("not given, taken as 0", assumed),
+    )
+    found = [
+        f"{start}: {', '.join(keys)} ({', '.join(names)})"
+        for start, groups in kinds
+        for keys, names in groups.items()
+        if keys
+    ]
+    listed = {entry.name for entry in entries}
+    found += [f"{alias} is {name}" for alias, name in ALIASES.items() if name in listed]
+    return ["", *found] if found else []

@@ -1,0 +1,239 @@
+"""What `camgeo lint` finds: programs run as the controller of a machine profile would run them."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import ClassVar, Final
+
+from camgeo.app.answers.answer import BROKEN, FINE, WRONG, Answer
+from camgeo.design.design import Design
+from camgeo.design.linting import Bench, LineFinding, Linted, Linter, linter, work_judge
+from camgeo.design.product import Product, disc_of, sides_of
+from camgeo.errors import Fault, FileError, SceneError, unreadable
+from camgeo.milling.machine import Machine, load
+from camgeo.reading import PROGRAM, read_within
+from camgeo.scene.scene import Scene
+from camgeo.units import LengthUnit, counted, in_unit, shortened
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """A finding with the line that it concerns.
+
+    Attributes
+    ----------
+    found : the finding.
+    text : of the line; empty if it concerns the whole program.
+    """
+
+    found: LineFinding
+    text: str
+
+    @property
+    def line(self) -> int | None:
+        return self.found.line or None
+
+    @property
+    def value(self) -> str | None:
+        return self.found.value or None
+
+    @property
+    def allowed(self) -> str | None:
+        return self.found.allowed or None
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """One file.
+
+    Attributes
+    ----------
+    path : of the file.
+    damage : why it cannot be read; empty if it can.
+    found : what was found in it; None if it cannot be read.
+    """
+
+    path: Path
+    damage: str = ""
+    found: Linted | None = None
+
+    @property
+    def file(self) -> str:
+        return str(self.path)
+
+    @property
+    def refused(self) -> str | None:
+        return self.damage or None
+
+    @property
+    def moves(self) -> int:
+        return 0 if self.found is None else self.found.moves
+
+    @property
+    def complete(self) -> bool:
+        return self.found is not None and self.found.complete
+
+    @property
+    def findings(self) -> tuple[Placed, ...]:
+        """By line, those of the whole program last."""
+        found = self.found
+        if found is None:
+            return ()
+        return tuple(Placed(each, found.texts.get(each.line, "")) for each in found.findings)
+
+
+@dataclass(frozen=True, slots=True)
+class Lint(Answer):
+    """Programs, and what was found in them.
+
+    Attributes
+    ----------
+    machine : profile that they were read with.
+    bench : what was taken of the work.
+    programs : one per file.
+    scene : with tools, blank and holding; None without one.
+    """
+
+    command: ClassVar[str] = "lint"
+
+    machine: Machine
+    bench: Bench
+    programs: tuple[Program, ...]
+    scene: Scene | None = None
+
+    @property
+    def clean(self) -> bool:
+        """Whether all files could be read and nothing was found in any."""
+        return all(each.found is not None and not each.findings for each in self.programs)
+
+    @property
+    def exit_code(self) -> int:
+        """2 if a file cannot be read, 1 if something was found, else 0."""
+        if any(each.damage for each in self.programs):
+            return WRONG
+        return FINE if self.clean else BROKEN
+
+
+def lint(
+    paths: Sequence[Path],
+    machine: str,
+    bench: Bench | None = None,
+    design: Design | None = None,
+    *,
+    second_side: bool = False,
+) -> Lint:
+    """Run programs, and find what is wrong with them.
+
+    Parameters
+    ----------
+    paths : of the files.
+    machine : name of a machine profile, or the path of one.
+    bench : what the programs do not say of the work; by default Z 0 is the top of the stock.
+    design : whose tools, blank and holding they are run with; None if that is not to be judged.
+    second_side : whether they mill the second side of it; else they say so in a comment.
+
+    Raises
+    ------
+    SceneError
+        If there is no such profile, or it is wrong; if the scene's own program cannot be planned.
+    """
+    profile, work, runs = load(machine, "machine"), bench or Bench(), linter()
+    if design is not None and not design.scene.states_milling:
+        fault = Fault("tool", "", "is not stated: nothing is known of the work")
+        raise SceneError([fault], design.scene.source.file)
+    if second_side and design is not None and len(sides_of(design.disc)) == 1:
+        raise SceneError([Fault("second_side", "", "is not stated")], design.scene.source.file)
+
+    def of(path: Path) -> Product | None:
+        """What a program mills."""
+        if design is None:
+            return None
+        disc = disc_of(design.discs, path.stem)
+        return sides_of(disc)[-1] if second_side else disc
+
+    found = tuple(_program(path, profile, work, runs, of(path)) for path in paths)
+    return Lint(profile, work, found, None if design is None else design.scene)
+
+
+def _program(
+    path: Path, machine: Machine, bench: Bench, runs: Linter, product: Product | None
+) -> Program:
+    try:
+        data = read_within(path, PROGRAM)
+        found = runs.lint(data, machine, bench)
+        if product is not None:
+            found = _with(found, work_judge().worked(product, data, machine), data)
+        return Program(path, found=found)
+    except FileError as error:
+        return Program(path, str(error))
+    except (OSError, ValueError) as error:  # the latter for a path that no file can have
+        return Program(path, f"cannot be read: {unreadable(error)}")
+
+
+def _with(found: Linted, further: tuple[LineFinding, ...], data: bytes) -> Linted:
+    """The same with further findings, and the texts of their lines."""
+    lines = data.decode("utf-8", "replace").splitlines()
+    texts = {each.line: lines[each.line - 1] for each in further if 0 < each.line <= len(lines)}
+    both = sorted((*found.findings, *further), key=lambda each: each.line or math.inf)
+    return replace(found, findings=tuple(both), texts={**texts, **found.texts})
+
+
+# -- rendering ------------------------------------------------------------------------------------
+# What `camgeo lint` finds, in words.
+
+
+WIDTH: Final = 100
+
+LONGEST: Final = 80
+"""Characters shown of a line of a program."""
+
+INDENT: Final = " " * 12
+
+
+def text(answer: Lint) -> str:
+    """Each file with what was found in it: line, its text, what is wrong, what is allowed."""
+    lines: list[str] = []
+    unit = "mm" if answer.scene is None else answer.scene.unit
+    for program in answer.programs:
+        lines += _of(program, answer.machine.name, unit)
+    return "\n".join(lines)
+
+
+def _of(program: Program, machine: str, unit: LengthUnit) -> list[str]:
+    if program.damage:
+        return [f"{program.path}: cannot be used: {program.damage}"]
+    found = program.findings
+    count = counted(len(found), "finding") if found else "nothing found"
+    lines = [f"{program.path}: {count}, {counted(program.moves, 'move')}, as for {machine}"]
+    last = -1
+    for each in found:
+        place = each.line or 0
+        if place != last:
+            lines.append(_place(each))
+        last = place
+        lines += _said(each, unit)
+    if not program.complete:
+        lines.append("  and perhaps more: the program was not read further")
+    return lines
+
+
+def _place(each: Placed) -> str:
+    """The line, and its text."""
+    if each.line is None:
+        return "  the program"
+    return f"  line {each.line:<5} {shortened(each.text.strip(), LONGEST)}".rstrip()
+
+
+def _said(each: Placed, unit: LengthUnit) -> list[str]:
+    """What is wrong in it, in that unit before a line may end between a number and its unit."""
+    found = each.found
+    said = f"{found.rule}: {found.what}"
+    said += f", {found.value}" if found.value else ""
+    said += f"; allowed: {found.allowed}" if found.allowed else ""
+    return textwrap.wrap(
+        in_unit(said, unit), WIDTH, initial_indent=INDENT, subsequent_indent=INDENT + "  "
+    )

@@ -1,0 +1,164 @@
+"""What `camgeo machines` finds: the machine profiles, or one of them with all its keys."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any, ClassVar
+
+from camgeo.app.answers.answer import Answer
+from camgeo.milling.machine import EVIDENCE, Evidence, Machine, load, names, schema
+
+
+@dataclass(frozen=True, slots=True)
+class Listed:
+    """A profile of a list.
+
+    Attributes
+    ----------
+    profile : the name by which scenes refer to it.
+    machine : what it says.
+    """
+
+    profile: str
+    machine: Machine
+
+    @property
+    def evidence(self) -> Mapping[str, int]:
+        """Number of its statements of each kind, the best evidence first."""
+        found = Counter(each.kind for each in self.machine.evidence)
+        return {kind: found[kind] for kind in EVIDENCE if found[kind]}
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """A key of a profile.
+
+    Attributes
+    ----------
+    key : with the names of its tables.
+    value : as in a profile file.
+    unit : of a number; empty if it has none.
+    description : what it means.
+    """
+
+    key: str
+    value: str
+    unit: str
+    description: str
+
+
+@dataclass(frozen=True, slots=True)
+class Machines(Answer):
+    """Machine profiles.
+
+    Attributes
+    ----------
+    listed : all profiles of camgeo; None if one is shown.
+    shown : that profile; None for the list.
+    """
+
+    command: ClassVar[str] = "machines"
+
+    listed: tuple[Listed, ...] | None = None
+    shown: Listed | None = None
+
+    @property
+    def keys(self) -> tuple[Key, ...] | None:
+        """Those of the profile that is shown, in the order of the schema."""
+        return None if self.shown is None else tuple(keys_of(self.shown.machine))
+
+    @property
+    def evidence(self) -> tuple[Evidence, ...] | None:
+        """That of the profile that is shown."""
+        return None if self.shown is None else self.shown.machine.evidence
+
+
+def machines() -> Machines:
+    """The profiles of camgeo."""
+    return Machines(tuple(Listed(name, load(name)) for name in names()))
+
+
+def machine(name: str) -> Machines:
+    """One profile, by its name or its file; SceneError with all its faults."""
+    return Machines(shown=Listed(name, load(name, "PROFILE")))
+
+
+def keys_of(owner: Any, node: Mapping[str, Any] | None = None, path: str = "") -> Iterator[Key]:
+    """The keys of a profile or of one of its tables that have a value, but its evidence."""
+    nodes = (schema() if node is None else node)["properties"]
+    for field in fields(owner):
+        value, key = getattr(owner, field.name), f"{path}{field.name}"
+        if value is None or key == "evidence":
+            continue
+        own = nodes[field.name]
+        if is_dataclass(value):
+            yield from keys_of(value, own, f"{key}.")
+        elif isinstance(value, Mapping):
+            for name, item in value.items():
+                quoted = name if name.replace("_", "").isalnum() else json.dumps(name)
+                yield Key(f"{key}.{quoted}", _toml(item), "", own["description"])
+        else:
+            yield Key(key, _toml(value), own.get("x-unit", ""), own["description"])
+
+
+def _toml(value: object) -> str:
+    if isinstance(value, bool | str):
+        return json.dumps(value)
+    if isinstance(value, tuple):
+        return f"[{', '.join(_toml(each) for each in value)}]"
+    return f"{value:.15g}"
+
+
+# -- rendering ------------------------------------------------------------------------------------
+# What `camgeo machines` finds, in words.
+
+
+WORDS = {
+    "manual": "manual", "source code": "source code", "interpreter": "interpreter",
+    "machine": "machine", "post": "post", "none": "not confirmed",
+}  # fmt: skip
+"""Of the kinds of evidence."""
+
+
+def text(answer: Machines) -> str:
+    """One line per profile, or the keys of one with what they rest on."""
+    if answer.listed is not None:
+        return "\n".join(_list(answer.listed))
+    assert answer.shown is not None
+    shown, machine = answer.shown, answer.shown.machine
+    lines = [f"{shown.profile}: {machine.controller}", ""]
+    lines += _keys(answer.keys or ())
+    if machine.evidence:
+        lines += ["", "what it rests on"]
+    for each in machine.evidence:
+        lines.append(f"  {WORDS[each.kind]}: {', '.join(each.about)}")
+        lines.append(f"    {each.text}")
+        lines += [f"    {each.source}"] if each.source else []
+    return "\n".join(lines)
+
+
+def evidence_line(listed: Listed) -> str:
+    """How many statements rest on what."""
+    return ", ".join(f"{count} {WORDS[kind]}" for kind, count in listed.evidence.items())
+
+
+def _list(listed: Sequence[Listed]) -> list[str]:
+    rows = [
+        (each.profile, each.machine.extension, each.machine.controller, evidence_line(each))
+        for each in listed
+    ]
+    widths = [max(len(row[column]) for row in rows) + 2 for column in range(3)]
+    return [
+        "".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=False)) + row[-1]
+        for row in rows
+    ]
+
+
+def _keys(keys: Sequence[Key]) -> list[str]:
+    width = max(len(each.key) for each in keys)
+    return [
+        f"{each.key:{width}} = {each.value}{f' {each.unit}' if each.unit else ''}" for each in keys
+    ]

@@ -1,0 +1,281 @@
+"""What `camgeo optimise` finds: the best design, its scene, and the record of the search."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Final
+
+from camgeo.app.answers.answer import BROKEN, FINE, Answer
+from camgeo.app.answers.sweep import aligned, exact, shown, shown_in
+from camgeo.scene.scene import Scene
+from camgeo.scene.varied import Value
+from camgeo.studies.optimise.optimise import Found, Trial
+from camgeo.studies.sweep.family import Range, Variable
+from camgeo.units import counted, shortened, unit_in
+
+if TYPE_CHECKING:
+    from camgeo.pictures.model import Figure
+
+
+@dataclass(frozen=True, slots=True)
+class Tried:
+    """One design.
+
+    Attributes
+    ----------
+    number : in the order of the trials, from 1.
+    values : by the keys that vary.
+    answers : by what was asked; None where there is none.
+    violated : in words, the limits that it breaks, or why there is no such design; the worst first.
+    """
+
+    number: int
+    values: Mapping[str, Value]
+    answers: Mapping[str, float | None]
+    violated: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Bound:
+    """What a variable could be: numbers from `start` to `stop`, or one of `values`."""
+
+    keys: tuple[str, ...]
+    start: float | None
+    stop: float | None
+    values: tuple[tuple[Value, ...], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Objective:
+    """What was sought, and in which unit it is stated."""
+
+    asked: str
+    sense: str
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class Optimum(Answer):
+    """What an optimisation found.
+
+    Attributes
+    ----------
+    found : the task, all trials and the best.
+    """
+
+    command: ClassVar[str] = "optimise"
+
+    found: Found
+
+    @property
+    def scene(self) -> Scene:
+        """The scene that the search starts from."""
+        return self.found.task.family.scene
+
+    @property
+    def objectives(self) -> tuple[Objective, ...]:
+        """In their order."""
+        asked = self.found.task.asked
+        return tuple(
+            Objective(goal.asked.word, goal.sense, self.units[asked.index(goal.asked)])
+            for goal in self.found.task.goals
+        )
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Of what was asked; empty where no design has an answer."""
+        places = range(len(self.found.task.asked))
+        rows = [each.units for each in self.found.trials if each.units]
+        return tuple(next((row[place] for row in rows if row[place]), "") for place in places)
+
+    @property
+    def limits(self) -> tuple[str, ...]:
+        """Stated with the call."""
+        return tuple(map(str, self.found.task.limits))
+
+    @property
+    def ignored(self) -> tuple[str, ...]:
+        """Findings whose limits in the scene were left out of account."""
+        return tuple(sorted(self.found.task.ignored))
+
+    @property
+    def bounds(self) -> tuple[Bound, ...]:
+        """Of the variables."""
+        return tuple(map(_bound, self.found.task.family.variables))
+
+    @property
+    def evaluations(self) -> int:
+        """Designs that were tried."""
+        return len(self.found.trials)
+
+    @property
+    def kept(self) -> int:
+        """Designs that keep all limits."""
+        return sum(each.feasible for each in self.found.trials)
+
+    @property
+    def start(self) -> Tried | None:
+        """The design of the scene; None if it is not within the bounds."""
+        return None if self.found.start is None else self.tried(self.found.start)
+
+    @property
+    def best(self) -> Tried:
+        """The best design as the search found it, or, if none keeps the limits, the nearest."""
+        return self.tried(self.found.best)
+
+    @property
+    def written(self) -> Tried | None:
+        """The best design with short numbers, as it is written; None if none keeps the limits."""
+        return None if self.found.made is None else self.tried(self.found.made)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Limits of the scene that the design breaks, and that were left out of account."""
+        return () if self.found.made is None else self.found.made.remarks
+
+    @property
+    def front(self) -> tuple[Tried, ...]:
+        """Of several objectives, the designs that no other one beats; else none."""
+        several = len(self.found.task.goals) > 1
+        return tuple(map(self.tried, self.found.front)) if several else ()
+
+    @property
+    def exit_code(self) -> int:
+        """1 if no design keeps the limits."""
+        return BROKEN if self.found.made is None else FINE
+
+    def tried(self, trial: Trial) -> Tried:
+        """A design with its keys and what was asked."""
+        words = [each.word for each in self.found.task.asked]
+        values = self.found.task.family.edits(trial.point)
+        answers = dict(zip(words, trial.values, strict=True))
+        return Tried(trial.number, values, answers, trial.broken)
+
+
+def _bound(variable: Variable) -> Bound:
+    values = variable.values
+    if isinstance(values, Range) and values.steps is None:
+        return Bound(variable.keys, float(values.start), float(values.stop), ())
+    listed = tuple(values.at(place) for place in range(values.count))
+    return Bound(variable.keys, None, None, listed)
+
+
+# -- rendering ------------------------------------------------------------------------------------
+# What `camgeo optimise` finds, as text, as a table and as a picture.
+
+
+MOST_FRONT: Final = 20
+"""Designs of a front that are printed."""
+
+MOST_BROKEN: Final = 4
+
+LONGEST: Final = 140
+"""Characters of what is violated."""
+
+
+def text(answer: Optimum) -> str:
+    """The best design beside that of the scene, the front, and what the search was."""
+    sought = [f"{each.sense} {each.asked}" for each in answer.objectives]
+    lines = [f"{answer.scene.name}: {', '.join(sought)}"]
+    if answer.limits:
+        lines.append(f"limits, besides the other ones of the scene: {', '.join(answer.limits)}")
+    if answer.ignored:
+        lines.append(f"limits of the scene that do not count: {', '.join(answer.ignored)}")
+    lines += ["", *_designs(answer), ""]
+    if answer.written is None:
+        lines.append("no design that was tried keeps all limits; the nearest violates:")
+        lines += _broken(answer.best)
+        lines.append("")
+    lines += [f"beyond a limit that does not count: {each}" for each in answer.remarks]
+    if answer.front:
+        lines += [f"{counted(len(answer.front), 'design')} that no other beats:", *_front(answer)]
+        lines.append("")
+    lines += [_searched(answer), *(f"  {_bounds(each)}" for each in answer.bounds)]
+    return "\n".join(lines)
+
+
+def _designs(answer: Optimum) -> list[str]:
+    """A column for the scene's own design and one for the best."""
+    written, length = answer.written, answer.scene.unit
+    best = answer.best if written is None else written
+    columns: list[tuple[str, Tried]] = [("nearest" if written is None else "best", best)]
+    if answer.start is not None:
+        columns.insert(0, ("scene", answer.start))
+    rows = [["", *(name for name, _ in columns)]]
+    for key in best.values:
+        rows.append([key, *(shown(each.values[key]) for _, each in columns)])
+    for word, unit in zip(best.answers, answer.units, strict=True):
+        texts = [shown_in(length, each.answers[word], unit) for _, each in columns]
+        shown_unit = texts[0][1]
+        rows.append([f"{word} [{shown_unit}]" if unit else word, *(text for text, _ in texts)])
+    if answer.start is not None and answer.start.violated:
+        kept = ["no" if each.violated else "yes" for _, each in columns]
+        rows.append(["keeps all limits", *kept])
+    return aligned(rows)
+
+
+def _broken(design: Tried) -> list[str]:
+    found = [f"  {shortened(each, LONGEST)}" for each in design.violated[:MOST_BROKEN]]
+    rest = len(design.violated) - MOST_BROKEN
+    return [*found, f"  and {rest} more"] if rest > 0 else found
+
+
+def _front(answer: Optimum) -> list[str]:
+    words = [each.asked for each in answer.objectives]
+    length, units = answer.scene.unit, {each.asked: each.unit for each in answer.objectives}
+    heads = [f"{word} [{unit_in(unit, length)[0]}]" if unit else word
+             for word, unit in units.items()]  # fmt: skip
+    rows = [[*heads, *answer.best.values]]
+    designs = answer.front
+    if len(designs) > MOST_FRONT:  # evenly spaced, both ends among them
+        last = len(designs) - 1
+        designs = tuple(designs[k * last // (MOST_FRONT - 1)] for k in range(MOST_FRONT))
+    for each in designs:
+        answers = (shown_in(length, each.answers[word], units[word])[0] for word in words)
+        rows.append([*answers, *(shown(value) for value in each.values.values())])
+    more = len(answer.front) - len(designs)
+    told = [f"  and {counted(more, 'design')} between these"] if more else []
+    return [*(f"  {line}" for line in aligned(rows)), *told]
+
+
+def _searched(answer: Optimum) -> str:
+    count = counted(answer.evaluations, "design")
+    return (
+        f"tried {count} with seed {answer.found.seed}, {answer.kept:,} of them within all limits;"
+        f" ended: {answer.found.ended}"
+    )
+
+
+def _bounds(bound: Bound) -> str:
+    keys = ", ".join(bound.keys)
+    if bound.start is not None and bound.stop is not None:
+        return f"{keys} from {bound.start:g} to {bound.stop:g}"
+    values = ["/".join(map(shown, dict.fromkeys(row))) for row in bound.values]
+    if len(values) > 8:
+        values = [*values[:3], "...", values[-1]]
+    return f"{keys} one of {', '.join(values)}"
+
+
+def comma_separated(answer: Optimum) -> bytes:
+    """All designs that were tried as CSV in UTF-8, in their order."""
+    found = io.StringIO(newline="")
+    rows = csv.writer(found, lineterminator="\n")
+    words = [each.word for each in answer.found.task.asked]
+    heads = [f"{word} [{unit}]" if unit else word
+             for word, unit in zip(words, answer.units, strict=True)]  # fmt: skip
+    rows.writerow(["number", *answer.found.task.family.keys, *heads, "violation", "violated"])
+    for trial in answer.found.trials:
+        values: Mapping[str, object] = answer.found.task.family.edits(trial.point)
+        cells = [exact(each) for each in (*values.values(), *trial.values)]
+        rows.writerow([trial.number, *cells, repr(trial.violation), "; ".join(trial.broken)])
+    return found.getvalue().encode()
+
+
+def figure(answer: Optimum) -> Figure:
+    """The front of several objectives, or how one became better."""
+    from camgeo.pictures.sweep import of_search
+
+    return of_search(answer.found, answer.units)

@@ -1,0 +1,259 @@
+"""What `camgeo probe` finds: points of the flanks to be measured, with their true normals."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from decimal import Decimal
+from typing import ClassVar, Final
+
+import numpy as np
+
+from camgeo.app.answers.answer import Answer, exit_code, finding_lines
+from camgeo.check.finding import Finding
+from camgeo.design.design import Design
+from camgeo.design.product import Product
+from camgeo.design.value_table import Table, cam_angles
+from camgeo.geometry.outline.exact_flank import ExactFlank
+from camgeo.geometry.outline.path import Flank
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.extremes import Extreme
+from camgeo.scene.scene import Scene
+from camgeo.studies.inspection import ProbePoints, evenly, length_of, points_at_cam_angles
+from camgeo.units import MM_PER, at_cam_angles, counted
+from camgeo.units import at_cam_angles as places
+
+STEP: Final = Decimal(1)
+"""Of the cam angle [deg]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ProbedFlank:
+    """The points of one flank.
+
+    Attributes
+    ----------
+    disc : whose flank it is.
+    flank : which one.
+    points : to be measured.
+    length : of the flank [mm].
+    lifts : (n,) of the follower when it touches the points [mm or rad].
+    findings : on the ball and on what the disc lacks.
+    """
+
+    disc: Product
+    flank: Flank
+    points: ProbePoints
+    length: float
+    lifts: FloatArray
+    findings: tuple[Finding, ...]
+
+    @property
+    def count(self) -> int:
+        """Number of points."""
+        return len(self.points.places)
+
+    @property
+    def off_radius(self) -> Extreme:
+        """The largest angle [rad] between a normal and the radius, with its cam angle."""
+        return self.points.off_radius
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Probing(Answer):
+    """Points to be measured.
+
+    Attributes
+    ----------
+    scene : whose flanks they are of.
+    step : of the cam angle [deg]; None if they are evenly spaced.
+    spacing : largest distance along the flank [mm]; None if they are at a step of the cam angle.
+    ball : radius of the measuring ball [mm], 0 for none.
+    tolerance : width [mm] of the zone about the flank in which points may lie; None if not stated.
+    flanks : all in use, those of the main disc first.
+    lift_curve : (n, 2) cam angle [rad] and lift [mm or rad] at every `step`, or every degree.
+    """
+
+    command: ClassVar[str] = "probe"
+
+    scene: Scene
+    step: Decimal | None
+    spacing: float | None
+    ball: float
+    tolerance: float | None
+    flanks: tuple[ProbedFlank, ...]
+    lift_curve: FloatArray
+
+    @property
+    def exit_code(self) -> int:
+        """1 if the ball does not fit somewhere."""
+        return exit_code(finding for each in self.flanks for finding in each.findings)
+
+    @property
+    def each(self) -> tuple[Probing, ...]:
+        """One answer for each flank."""
+        return tuple(replace(self, flanks=(one,)) for one in self.flanks)
+
+
+def probe(
+    design: Design,
+    flank: str | None = None,
+    *,
+    step: Decimal | None = None,
+    spacing: float | None = None,
+    ball: float = 0.0,
+    tolerance: float | None = None,
+) -> Probing:
+    """Points of the flanks of a design.
+
+    Parameters
+    ----------
+    flank : "inner" or "outer"; None for all in use.
+    step : of the cam angle [deg]; every degree if neither it nor a spacing is given.
+    spacing : largest distance along the flank [mm]; the points are equally far apart.
+    ball : radius of the measuring ball [mm].
+    tolerance : see `Probing`.
+
+    Raises
+    ------
+    GeometryError
+        If there is no such disc, or the spacing gives too many points.
+    """
+    if spacing is None:
+        step = STEP if step is None else step
+    found = []
+    for disc in design.discs:
+        sides = disc.cam.contact.flanks if flank is None else (Flank(flank),)
+        for side in sides:
+            exact = ExactFlank(disc.cam.disc.outline(side).path, side)
+            if spacing is not None:
+                points = evenly(exact, spacing, ball)
+            else:
+                points = points_at_cam_angles(exact, np.radians(cam_angles(step or STEP)), ball)
+            lifts = disc.cam.drive.motion.jet(points.places.phi, "right", 1)[0]
+            findings = tuple(_findings(points))
+            length = length_of(exact)
+            found.append(ProbedFlank(disc, side, points, length, lifts, findings))
+    return Probing(
+        design.scene, step, spacing, ball, tolerance, tuple(found), _lift_curve(design, step)
+    )
+
+
+def _lift_curve(design: Design, step: Decimal | None) -> FloatArray:
+    """Cam angle and the lift that the follower really makes on the main disc."""
+    cam = design.cam
+    phi: FloatArray = np.radians(cam_angles(step or STEP))
+    side = cam.contact.main
+    if cam.disc.outline(side).is_trimmed:
+        return np.column_stack((phi, cam.disc.replay(side).lift.at(phi)))
+    return np.column_stack((phi, cam.drive.motion.jet(phi, "right", 1)[0]))
+
+
+def _findings(points: ProbePoints) -> list[Finding]:
+    found = []
+    if points.ball > 0.0:
+        blocked = points.obstructed
+        if blocked is None:
+            sentence = f"a ball of radius {points.ball:g} mm touches each point alone"
+            found.append(Finding("ball", "ok", sentence, points.ball, unit="mm"))
+        else:
+            sentence = (
+                f"a ball of radius {points.ball:g} mm cannot touch the point"
+                f" {places(blocked.place)}: another place of the flank is {blocked.value:.3g} mm"
+                " nearer to its centre; take a smaller ball"
+            )
+            found.append(
+                Finding("ball", "broken", sentence, points.ball, None, "mm", blocked.place)
+            )
+        if points.feigned > 0.0:
+            delta = points.off_radius
+            sentence = (
+                f"along the radius instead of the normal, {math.degrees(delta.value):.3g} deg off"
+                f" {places(delta.place)}, this ball would feign {points.feigned:.3g} mm of material"
+            )
+            found.append(Finding("ball-compensation", "ok", sentence, points.feigned, unit="mm"))
+    if points.missing:
+        sentence = (
+            f"{points.missing} of the cam angles have no point: the disc has nothing of the flank"
+            " there"
+        )
+        found.append(Finding("left-out", "warning", sentence, float(points.missing)))
+    return found
+
+
+# -- rendering ------------------------------------------------------------------------------------
+# What `camgeo probe` finds, in words and as tables.
+
+
+def text(answer: Probing) -> str:
+    """The points of each flank, summed up."""
+    lines = []
+    for each in answer.flanks:
+        spaced = "evenly along it" if answer.step is None else f"every {answer.step} deg"
+        lines.append(
+            f"{each.disc.name}: {counted(each.count, 'point')} of the {each.flank} flank, {spaced},"
+            f" {each.length:.6g} mm long"
+        )
+        off = each.off_radius
+        lines.append(
+            f"        {'normals':26}up to {math.degrees(off.value):.4g} deg off the radius,"
+            f" {at_cam_angles(off.place)}"
+        )
+        lines += finding_lines(each.findings)
+    return "\n".join(lines)
+
+
+def table(answer: Probing) -> Table:
+    """The points of the first flank: a curve in the plane with its normals, out of the material."""
+    return flank_table(answer, answer.flanks[0])
+
+
+def flank_table(answer: Probing, flank: ProbedFlank) -> Table:
+    """The points of one flank, in the unit of the scene.
+
+    `upper` and `lower` are the deviations allowed, positive for more material.
+    """
+    unit, places = answer.scene.unit, flank.points.places
+    mm = MM_PER[unit]
+    columns = {
+        "phi [deg]": _degrees(places.phi, answer.step),
+        f"x [{unit}]": places.points.real / mm,
+        f"y [{unit}]": places.points.imag / mm,
+        "nx": places.normals.real,
+        "ny": places.normals.imag,
+        _lift(answer): _scaled(answer, flank.lifts),
+    }
+    if answer.ball > 0.0:
+        columns[f"ball x [{unit}]"] = flank.points.centres.real / mm
+        columns[f"ball y [{unit}]"] = flank.points.centres.imag / mm
+    if answer.tolerance is not None:
+        half = np.full(flank.count, 0.5 * answer.tolerance / mm)
+        columns[f"upper [{unit}]"], columns[f"lower [{unit}]"] = half, -half
+    return Table(tuple(columns), np.column_stack(tuple(columns.values())))
+
+
+def lift_table(answer: Probing) -> Table:
+    """The lift curve."""
+    phi, lifts = answer.lift_curve.T
+    columns = (_degrees(phi, answer.step or STEP), _scaled(answer, lifts))
+    return Table(("phi [deg]", _lift(answer)), np.column_stack(columns))
+
+
+def _degrees(phi: FloatArray, step: Decimal | None) -> FloatArray:
+    """(n,) cam angles [deg]: at a step those that it states, which radians would round twice."""
+    if step is None:
+        return np.degrees(phi)
+    stated = cam_angles(step)
+    return stated[np.searchsorted(np.radians(stated), phi)]
+
+
+def _turns(answer: Probing) -> bool:
+    return answer.flanks[0].disc.cam.lift_unit == "rad"
+
+
+def _lift(answer: Probing) -> str:
+    return "psi [deg]" if _turns(answer) else f"s [{answer.scene.unit}]"
+
+
+def _scaled(answer: Probing, lifts: np.ndarray) -> np.ndarray:
+    return np.degrees(lifts) if _turns(answer) else lifts / MM_PER[answer.scene.unit]

@@ -1,0 +1,56 @@
+"""Why a command gives no answer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from camgeo.app.answers.answer import BROKEN, WRONG, Answer
+from camgeo.errors import CamgeoError, Fault, GeometryError, SceneError, UndercutError, UnsafeError
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal(Answer):
+    """An error that ended a command.
+
+    Attributes
+    ----------
+    error : name of its class.
+    message : the complete text.
+    file : that is wrong; empty if no file is.
+    faults : what is wrong.
+    exit_code : how the command ends.
+    """
+
+    command: ClassVar[str] = "refusal"
+
+    error: str
+    message: str
+    file: str
+    faults: tuple[Fault, ...]
+    exit_code: int = WRONG
+
+
+def refusal(error: CamgeoError) -> Refusal:
+    """The answer for an error; exit code 1 for a cam without an outline and for a program that must
+    not be run, else 2.
+    """
+    name, message = type(error).__name__, str(error)
+    if isinstance(error, SceneError):
+        return Refusal(name, message, error.file, error.faults)
+    if isinstance(error, UndercutError | UnsafeError):
+        message = f"{error.message}; nothing was written"
+        return Refusal(name, message, "", (Fault("", "", message),), BROKEN)
+    if isinstance(error, GeometryError):
+        fault = Fault(error.key, error.value, error.message)
+        return Refusal(name, message, "", (fault,))
+    return Refusal(name, message, "", (Fault("", "", message),))
+
+
+# -- rendering ------------------------------------------------------------------------------------
+# Why a command gives no answer, in words.
+
+
+def text(answer: Refusal) -> str:
+    """The faults, all at once."""
+    return f"camgeo: {answer.message}"

@@ -1,0 +1,544 @@
+"""What `camgeo replay` finds: the motion of the follower on a disc, and the demanded one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar, Final, Protocol
+
+import numpy as np
+
+from camgeo.app.answers.answer import Answer
+from camgeo.cam.cam import Cam
+from camgeo.design.design import Design
+from camgeo.design.product import Product, disc_of
+from camgeo.design.value_table import Table, cam_angles
+from camgeo.errors import Fault, FileError, GeometryError, SceneError, unreadable
+from camgeo.geometry.contour.contour import Contour, crossing, winding_number
+from camgeo.geometry.contour.foreign import Outlines, by_arcs
+from camgeo.geometry.contour.spline import SplineContour
+from camgeo.geometry.contour.spline_replay import replay_spline
+from camgeo.geometry.outline.face import FaceLift
+from camgeo.geometry.outline.path import Flank, area
+from camgeo.geometry.outline.replay import (
+    CORNER,
+    Jumps,
+    Replay,
+    closing_error,
+    play,
+    replay_contour,
+    replay_outline,
+)
+from camgeo.kinematics.time_course import in_time
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.extremes import Extreme, Extremes
+from camgeo.reading import DRAWING, read_within
+from camgeo.scene.scene import Scene
+from camgeo.units import MM_PER, TURN, LengthUnit, counted, in_unit
+
+if TYPE_CHECKING:
+    from camgeo.pictures.model import Figure
+
+
+STEP: Final = Decimal("0.1")
+"""Of the cam angle [deg]."""
+
+SLACK: Final = 1e-12
+"""Rounding of a contact's place, as a fraction of the base radius."""
+
+
+@dataclass(frozen=True, slots=True)
+class Peak:
+    """A largest magnitude.
+
+    Attributes
+    ----------
+    actual : with its sign and cam angle [rad]; None where the roller falls off an edge: no bound.
+    demanded : magnitude.
+    """
+
+    actual: Extreme | None
+    demanded: float
+
+
+@dataclass(frozen=True, slots=True)
+class FaceContact:
+    """Where a flat face is touched, measured along it as its ends are.
+
+    Attributes
+    ----------
+    lowest, highest : places [mm] with cam angles [rad].
+    leaves_face : whether they lie beyond an end that the scene states; the replay does not stop
+        there, as if the face were longer.
+    """
+
+    lowest: Extreme
+    highest: Extreme
+    leaves_face: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DiscReplay:
+    """The motion on one disc; lifts in `unit`, derivatives per rad, cam angles in rad.
+
+    Attributes
+    ----------
+    disc : whose cam demands the motion.
+    contour : on which the roller runs, in words.
+    note : which contour of a file was chosen; empty if it has only one.
+    notes : what of the file was left out, is not exact or may be meant otherwise.
+    replay : the motion itself [mm or rad].
+    of : "rocker" behind a linkage, else "follower".
+    unit : that of the scene, or "deg".
+    factor : `unit` per mm or rad.
+    lost_stroke : the largest, see `Replay`.
+    lift_error : actual - demanded lift of the largest magnitude.
+    velocity, acceleration : largest magnitudes.
+    ripple : largest error of the acceleration as a share of its demanded peak; None if that is 0,
+        or there is no bound.
+    shocks, drops : jumps of the velocity and of the lift.
+    contact : on a flat face; None for a roller.
+    in_time : "actual_velocity" and the like [`unit` per s^k]; None without a speed or a bound.
+    """
+
+    disc: Product
+    contour: str
+    note: str
+    notes: tuple[str, ...]
+    replay: Replay
+    of: str
+    unit: str
+    factor: float
+    lost_stroke: Extreme
+    lift_error: Extreme
+    velocity: Peak
+    acceleration: Peak
+    ripple: Extreme | None
+    shocks: Jumps
+    drops: Jumps
+    contact: FaceContact | None
+    in_time: Mapping[str, float] | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FollowerReplay(Answer):
+    """The motion of the follower on real discs.
+
+    Attributes
+    ----------
+    scene : that demands the motion.
+    flank : on which the roller runs.
+    step : of the cam angle in the table [deg].
+    discs : one, or both of a conjugate pair, the main one first.
+    closing : smallest and largest play between a pair as travel of the main roller [mm], negative
+        where the rollers are squeezed, with cam angles [rad]; None of one disc.
+    """
+
+    command: ClassVar[str] = "replay"
+
+    scene: Scene
+    flank: Flank
+    step: Decimal
+    discs: tuple[DiscReplay, ...]
+    closing: Extremes | None
+
+
+def replay(
+    design: Design,
+    files: Sequence[str | Path] = (),
+    flank: str | None = None,
+    *,
+    step: Decimal = STEP,
+    reading: Reading | None = None,
+    progress: Progress = lambda _: None,
+) -> FollowerReplay:
+    """Press the follower against the real outline, or against contours from files.
+
+    Parameters
+    ----------
+    files : one of each disc, or of one disc alone; none for the real outlines.
+    flank : "inner" or "outer"; None for that of the scene.
+    step : of the cam angle [deg].
+    reading : how the files are read.
+    progress : called with how far reading has come.
+
+    Raises
+    ------
+    SceneError
+        If there are more files than discs, or one has no contour on which the follower can run.
+    GeometryError
+        As `replay_contour` and `replay_outline`.
+    """
+    side, reading = Flank(flank or design.cam.contact.main), reading or Reading()
+    found = tuple(
+        _replayed(disc, file, side, math.radians(step), reading, progress)
+        for disc, file in _discs(design, side, tuple(map(Path, files)))
+    )
+    closing = None
+    if len(found) == 2:
+        main, other = (each.replay for each in found)
+        closing = _closing(design.cam, main, other)
+    return FollowerReplay(design.scene, side, step, found, closing)
+
+
+def _discs(
+    design: Design, flank: Flank, files: tuple[Path, ...]
+) -> list[tuple[Product, Path | None]]:
+    """The discs to replay, the main one first, each with its file or None for its real outline."""
+    discs = design.discs
+    if len(files) > len(discs):
+        allowed = "two files at most, one of each disc"
+        if len(discs) == 1:
+            allowed = "one file at most, because the scene has one disc"
+        raise SceneError([Fault("CONTOUR", "", allowed)])
+    if len(discs) == 1 or flank is Flank.OUTER:
+        return [(design.disc, files[0] if files else None)]
+    if not files:
+        return [(disc, None) for disc in discs]
+    named = [disc_of(discs, file.stem) for file in files]
+    if len(files) == 1:
+        return [(named[0], files[0])]
+    return list(zip(discs, files[::-1] if named == [*reversed(discs)] else files, strict=True))
+
+
+def _replayed(
+    disc: Product,
+    file: Path | None,
+    flank: Flank,
+    step: float,
+    reading: Reading,
+    progress: Progress,
+) -> DiscReplay:
+    """The roller of a disc on its outline, or on the contour of a file; `step` in rad."""
+    cam, pitch = disc.cam, disc.cam.disc.pitch_curve
+    if file is None:
+        outline = cam.disc.outline(flank).path
+        found = replay_outline(pitch, outline, step=step, clearance=cam.clearance)
+        return _result(disc, "the real outline", "", (), found)
+    chosen, plain, note, notes = outline_in(file, disc, flank, reading, progress)
+    corner = max(reading.corner, CORNER)
+    try:
+        if isinstance(chosen, SplineContour) and pitch.follower.has_pitch_curve:
+            try:
+                found = replay_spline(pitch, chosen, flank, step=step, corner=corner)
+                return _result(disc, file.name, note, notes, found)
+            except GeometryError:  # it is curved more tightly than that follows
+                pass
+        found = replay_contour(pitch, plain, flank, step=step, corner=corner)
+    except GeometryError as error:
+        if error.key:  # it is the call's
+            raise
+        raise SceneError([Fault("CONTOUR", str(file), error.message)]) from error
+    if plain is not chosen:
+        notes.append(f"{file.name}: splines are followed by arcs within {ARCS:g} mm")
+    return _result(disc, file.name, note, notes, found)
+
+
+def _result(
+    disc: Product, contour: str, note: str, notes: Sequence[str], replay: Replay
+) -> DiscReplay:
+    """The result of a replay, in the unit of the scene."""
+    cam, unit = disc.cam, disc.scene.unit
+    turns = cam.lift_unit == "rad"
+    factor = math.degrees(1.0) if turns else 1.0 / MM_PER[unit]
+    falls = bool(len(replay.drops))
+
+    def scaled(extreme: Extreme) -> Extreme:
+        return Extreme(extreme.value * factor + 0.0, extreme.place)
+
+    def peak(actual: Extreme | None, demanded: float) -> Peak:
+        return Peak(None if actual is None else scaled(actual), demanded * factor)
+
+    ripple, off, most = None, replay.largest_acceleration_error, replay.demanded_acceleration
+    if off is not None and most > 0.0:
+        ripple = Extreme(abs(off.value) / most, off.place)
+    return DiscReplay(
+        disc=disc,
+        contour=contour,
+        note=note,
+        notes=tuple(notes),
+        replay=replay,
+        of="rocker" if cam.drive.linkage is not None and turns else "follower",
+        unit="deg" if turns else unit,
+        factor=factor,
+        lost_stroke=scaled(replay.largest_loss),
+        lift_error=scaled(replay.largest_error),
+        velocity=peak(replay.velocity, replay.demanded_velocity),
+        acceleration=peak(replay.acceleration, replay.demanded_acceleration),
+        ripple=ripple,
+        shocks=replay.shocks.scaled(factor),
+        drops=replay.drops.scaled(factor),
+        contact=_contact(cam, replay),
+        in_time=None if falls else _in_time(cam, replay, factor),
+    )
+
+
+def _contact(cam: Cam, replay: Replay) -> FaceContact | None:
+    """Where a flat face is touched; None for a roller."""
+    if not isinstance(replay.lift, FaceLift):
+        return None
+    places, angles = replay.lift.contacts()
+    low, high = (
+        Extreme(float(places[k]), float(angles[k])) for k in (np.argmin(places), np.argmax(places))
+    )
+    slack, face = SLACK * cam.follower.base_radius, cam.follower.face
+    leaves = face is not None and not face[0] - slack <= low.value <= high.value <= face[1] + slack
+    return FaceContact(low, high, leaves)
+
+
+def _closing(cam: Cam, main: Replay, other: Replay) -> Extremes:
+    """Play and squeeze of a conjugate pair, see `FollowerReplay`."""
+    scale = abs(cam.follower.reach)
+
+    def travel(play: Extreme) -> Extreme:
+        return Extreme(scale * play.value + 0.0, play.place % TURN)
+
+    found = closing_error(main, other)
+    return Extremes(travel(found.lowest), travel(found.highest))
+
+
+def _in_time(cam: Cam, replay: Replay, factor: float) -> dict[str, float] | None:
+    """Largest velocity and acceleration per second, actual and demanded at the samples."""
+    course = cam.drive.time_course
+    if course is None:
+        return None
+    out = {}
+    for name, jet in (("actual", replay.actual), ("demanded", replay.demanded)):
+        full = np.vstack((jet, np.zeros_like(jet[:1])))
+        timed = np.abs(in_time(full, course, replay.phi)) * factor
+        out[f"{name}_velocity"] = float(np.max(timed[1]))
+        out[f"{name}_acceleration"] = float(np.max(timed[2][replay.smooth]))
+    return out
+
+
+# -- rendering ------------------------------------------------------------------------------------
+# What `camgeo replay` finds, in words, as a table and as a picture.
+
+
+WIDTH: Final = 22
+"""Of the names."""
+
+TOUCHING: Final = 1e-9
+"""Rollers that are squeezed by up to this [mm] touch: rounding."""
+
+
+def text(answer: FollowerReplay) -> str:
+    """What the follower does on each disc, and how a pair closes."""
+    lines = []
+    for each in answer.discs:
+        what = each.disc.cam.follower.touching
+        lines.append(f"{each.disc.name}: the {what} on {each.contour}, {answer.flank} flank")
+        lines += _lines(each)
+    if answer.closing is not None:
+        lines += [f"{answer.scene.name}: both discs", *_closing_lines(answer.closing)]
+    return "\n".join(lines)
+
+
+def table(answer: FollowerReplay) -> Table:
+    """One row for every step of the cam angle, right-hand values; of a pair with the play."""
+    first = answer.discs[0]
+    degrees = cam_angles(answer.step)
+    phi: FloatArray = np.radians(degrees)
+    lift, unit = first.replay.lift, first.unit
+    demanded = lift.motion.jet(phi, "right", 2) * first.factor
+    actual = lift.jet(phi) * first.factor
+    columns = {
+        "phi [deg]": degrees,
+        f"s demanded [{unit}]": demanded[0],
+        f"s [{unit}]": actual[0],
+        f"difference [{unit}]": actual[0] - demanded[0],
+        f"s' [{unit}/rad]": actual[1],
+        f"s'' [{unit}/rad^2]": actual[2],
+        f"s' demanded [{unit}/rad]": demanded[1],
+        f"s'' demanded [{unit}/rad^2]": demanded[2],
+    }
+    if answer.closing is not None:
+        main, other = (each.replay for each in answer.discs)
+        columns[f"play [{unit}]"] = play(main, other, phi) * first.factor
+    return Table(tuple(columns), np.column_stack(tuple(columns.values())))
+
+
+def figure(answer: FollowerReplay) -> Figure:
+    """Lift, velocity and acceleration on the first disc."""
+    from camgeo.pictures import replay
+
+    first = answer.discs[0]
+    return replay.figure(
+        first.replay,
+        title=f"{first.disc.name}: replay, {answer.flank} flank, {first.contour}",
+        unit=first.unit,
+        scale=first.factor,
+        joints=first.disc.cam.drive.joints,
+    )
+
+
+def _lines(disc: DiscReplay) -> list[str]:
+    """What the follower does, a line each."""
+    unit = disc.unit
+    lines = [_line("lost stroke", _at(disc.lost_stroke, unit))]
+    lines.append(_line("lift error", _at(disc.lift_error, unit)))
+    for name, peak, per in (
+        ("velocity", disc.velocity, "rad"),
+        ("acceleration", disc.acceleration, "rad^2"),
+    ):
+        actual = "unbounded" if peak.actual is None else _at(peak.actual, f"{unit}/{per}")
+        lines.append(_line(name, f"{actual}; demanded {peak.demanded:.6g}"))
+    if disc.ripple is not None:
+        share = f"{_percent(disc.ripple.value)} of the demanded peak acceleration"
+        lines.append(_line("ripple", f"{share}, at {_place(disc.ripple)}"))
+    shocks, largest = "none", disc.shocks.largest
+    if largest is not None:
+        shocks = f"{len(disc.shocks)}, the largest {_at(largest, f'{unit}/rad')}"
+        if disc.replay.largest_shock is not None:
+            shocks += f", {_percent(disc.replay.largest_shock)} of the demanded peak velocity"
+    lines.append(_line("shocks", shocks))
+    if (drop := disc.drops.largest) is not None:
+        count = len(disc.drops)
+        often = "once," if count == 1 else f"{count} times, the largest"
+        lines.append(_line("falls off an edge", f"{often} {_at(drop, unit)}"))
+    if (contact := disc.contact) is not None:
+        ends = " to ".join(_at(each, "mm") for each in (contact.lowest, contact.highest))
+        beyond = "; it leaves the face, as if it were longer" if contact.leaves_face else ""
+        lines.append(_line("contact on the face", f"{ends}{beyond}"))
+    if (timed := disc.in_time) is not None:
+        for name, per in (("velocity", "s"), ("acceleration", "s^2")):
+            actual, demanded = (f"{timed[f'{of}_{name}']:.6g}" for of in ("actual", "demanded"))
+            lines.append(_line(f"{name} in time", f"{actual} {unit}/{per}; demanded {demanded}"))
+    return lines
+
+
+def _closing_lines(closing: Extremes) -> list[str]:
+    """Play, and squeeze where it is negative."""
+    lines = []
+    for name, each in (("largest play", closing.highest), ("smallest play", closing.lowest)):
+        tail = ": the rollers are squeezed there" if each.value < -TOUCHING else ""
+        lines.append(_line(name, f"{_at(each, 'mm')}, as travel of the main roller{tail}"))
+    return lines
+
+
+def _line(name: str, text: str) -> str:
+    return f"{name:{WIDTH}}{text}"
+
+
+def _at(extreme: Extreme, unit: str) -> str:
+    return f"{extreme.value:.6g} {unit} at {_place(extreme)}"
+
+
+def _place(extreme: Extreme) -> str:
+    return f"cam angle {math.degrees(extreme.place):.6g} deg"
+
+
+def _percent(share: float) -> str:
+    percent = 100.0 * share
+    return f"{percent:.0f} %" if percent >= 100.0 else f"{percent:.3g} %"
+
+
+# -- contour file ---------------------------------------------------------------------------------
+# The contour of a disc in a file of any origin: read, chosen among others, its axis found.
+
+
+Progress = Callable[[str], object]
+
+READERS: Final = "camgeo.readers"
+"""Entry points that read contours from files, by what the file's name ends in without the dot."""
+
+GAP: Final = 1e-3
+"""End points of a drawing up to this far apart [mm] are joined: the last digit that most programs
+write."""
+
+FLAT: Final = 1e-3
+"""Corners of a drawing up to this angle [degrees] are not counted: pieces of 0.1 mm whose ends are
+written with six decimals meet at angles of this size."""
+
+
+ARCS: Final = 1e-8
+"""Distance [mm] within which arcs follow a spline where the follower's motion on it has no closed
+form: under a flat face, and in hollows."""
+
+
+class Reader(Protocol):
+    """Reads closed contours from a file of one format, and tells how far it has come."""
+
+    def read(
+        self,
+        data: bytes,
+        name: str,
+        *,
+        layer: str | None,
+        unit: LengthUnit | None,
+        gap: float,
+        progress: Progress,
+    ) -> Outlines: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """How contours are read from files.
+
+    Attributes
+    ----------
+    layer : of a drawing; None for CUT, or all.
+    unit : of a file that does not say one.
+    gap : end points up to this far apart are joined [mm].
+    corner : corners up to this angle count as none [rad].
+    origin : where the cam axis lies in the axes of the file [mm].
+    """
+
+    layer: str | None = None
+    unit: LengthUnit | None = None
+    gap: float = GAP
+    corner: float = math.radians(FLAT)
+    origin: complex = 0j
+
+
+def outline_in(
+    file: Path, disc: Product, flank: Flank, reading: Reading, progress: Progress
+) -> tuple[Contour | SplineContour, Contour, str, list[str]]:
+    """The contour of the file whose area is nearest to that of the flank, about the cam axis; the
+    same with splines followed by arcs; a note on the choice, and others.
+
+    Raises SceneError if the file cannot be read, or the contour crosses itself or does not go round
+    the cam axis.
+    """
+    readers = entry_points(group=READERS)
+    kind = file.suffix.removeprefix(".").lower()
+    if kind not in readers.names:
+        endings = ", ".join(f".{name}" for name in sorted(readers.names))
+        raise SceneError([Fault("CONTOUR", str(file), f"the name must end in one of {endings}")])
+    reader: Reader = readers[kind].load()
+    try:
+        data = read_within(file, DRAWING)
+    except FileError:
+        raise
+    except (OSError, ValueError) as error:
+        message = f"cannot be read: {unreadable(error)}"
+        raise SceneError([Fault("CONTOUR", str(file), message)]) from error
+    read = reader.read(
+        data,
+        file.name,
+        layer=reading.layer,
+        unit=reading.unit,
+        gap=reading.gap,
+        progress=progress,
+    ).about(reading.origin)
+    own = abs(area(dict(zip(Flank, disc.cam.disc.untrimmed_paths, strict=True))[flank]))
+    chosen = min(read.contours, key=lambda contour: abs(contour.area - own))
+    size = in_unit(f"{chosen.area:.6g} mm^2", disc.unit)
+    note = f"{file.name}: {counted(len(read.contours), 'contour')}; the one of {size} is used"
+    note = note if len(read.contours) > 1 else ""
+    plain = by_arcs(chosen, ARCS) if isinstance(chosen, SplineContour) else chosen
+    elsewhere = read.off_axis(plain) if flank is Flank.INNER else ""
+    message = ""
+    if (place := crossing(plain)) is not None:
+        message = f"crosses itself ({place}): no disc has this outline"
+    elif winding_number(plain, 0j) != 1:
+        message = "does not go round the cam axis, the origin of its axes; "
+        message += elsewhere or "say with --origin where the axis is"
+    if message:
+        raise SceneError([Fault("CONTOUR", str(file), message, note)])
+    told = [f"{file.name}: {elsewhere} puts the cam axis there, not into the origin"]
+    return chosen, plain, note, [*read.notes, *(told if elsewhere else ())]

@@ -1,0 +1,491 @@
+"""What `camgeo report` gathers: all that is known of a design, to be looked at on one page."""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING, Any, ClassVar, Final
+
+import numpy as np
+
+from camgeo.app.answers.answer import MANY, MARKS, Answer
+from camgeo.app.answers.check import Check, check
+from camgeo.check.cures.search import Cure
+from camgeo.check.finding import RETURN, Finding, Severity
+from camgeo.errors import CamgeoError, SceneError
+from camgeo.pictures import effects, motion, plots
+from camgeo.pictures import motion as diagrams
+from camgeo.pictures.mechanism import Animation, animation
+from camgeo.pictures.model import Figure, Line, Panel, Rule
+from camgeo.pictures.motion import DOWNWARDS, INFINITE
+from camgeo.units import counted
+
+if TYPE_CHECKING:
+    from camgeo.design.design import Design
+    from camgeo.design.product import Product
+    from camgeo.design.value_table import Table
+    from camgeo.scene.scene import Scene
+    from camgeo.studies.accuracy.survey import Survey
+
+
+STEP: Final = 5
+"""Of the value table [degrees]: as many rows as a sheet holds."""
+
+TOLERANCES: Final = (1e-2, 1e-3, 1e-4)
+"""Of the price list [mm]."""
+
+FACETS, LEAST = 5e-4, 1e-3
+"""Tolerance of the solid, relative to the base radius, and the least [mm]: finer than is seen."""
+
+TOGETHER: Final = 6
+"""Most panels of effects in a diagram: as many as fit on a sheet."""
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Advised:
+    """A finding with what to do about it.
+
+    Attributes
+    ----------
+    about : what was judged: the cam, an effect, a part or a program.
+    finding : the finding.
+    step : the next step; empty if there is none.
+    """
+
+    about: str
+    finding: Finding
+    step: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chart:
+    """A diagram over the cam angle.
+
+    Attributes
+    ----------
+    title : what it shows.
+    figure : the diagram.
+    readings : the extremes of its curves.
+    """
+
+    title: str
+    figure: Figure
+    readings: tuple[Reading, ...]
+
+    @property
+    def sentence(self) -> str:
+        """The diagram in words."""
+        return sentence(self.readings)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Report(Answer):
+    """A design, as it is looked at.
+
+    Attributes
+    ----------
+    scene : of the design.
+    check : the findings.
+    advised : all findings, each with its next step.
+    animation : a turn of the mechanism; None if there is none, or if it has no position somewhere.
+    charts : the diagrams.
+    table : the value table, a row every STEP degrees; None if it cannot be computed.
+    prices : what accuracy costs in pieces, bytes and milling time; None if it was not asked for or
+        there is no disc.
+    solids : binary STL files of the bodies, coarser than they are made, by their names; empty if
+        the part has no thickness.
+    certificate : of the files that the scene asks for, as it would be beside them; None likewise.
+    left_out : what the page lacks, and why.
+    """
+
+    command: ClassVar[str] = "report"
+
+    scene: Scene
+    check: Check
+    advised: tuple[Advised, ...]
+    animation: Animation | None
+    charts: tuple[Chart, ...]
+    table: Table | None
+    prices: Survey | None
+    solids: Mapping[str, bytes]
+    certificate: Mapping[str, Any] | None
+    left_out: tuple[str, ...]
+
+    @property
+    def certified(self) -> str | None:
+        """The hash of the scene in the certificate; None if there is none."""
+        return None if self.certificate is None else str(self.certificate["scene"]["sha256"])
+
+    @property
+    def exit_code(self) -> int:
+        """That of the check."""
+        return self.check.exit_code
+
+
+def report(design: Design, *, quick: bool = False, progress: Progress = lambda _: None) -> Report:
+    """Gather all that is known of a design.
+
+    Parameters
+    ----------
+    quick : whether price list and certificate are left out, for which files are made.
+    progress : called with the name of each step.
+
+    Raises
+    ------
+    CamgeoError
+        As `check`. What cannot be shown for another reason is left out, with the reason.
+    """
+    progress("findings")
+    checked = check(design)
+    left_out: list[str] = []
+
+    def tried(what: str, make: Callable[[], Any]) -> Any:
+        progress(what)
+        try:
+            return make()
+        except CamgeoError as error:
+            left_out.append(f"{what}: {_reason(error)}")
+            return None
+
+    turn = None
+    if design.scene.follower is None:
+        left_out.append("mechanism: the scene has no follower, so there is no disc")
+    else:
+        turn = tried("mechanism", lambda: animation(design.disc))
+    wanted = [("motion plan and diagrams", partial(_motion, design))]
+    wanted += tried("diagrams of the disc", lambda: [*_of_discs(design)]) or ()
+    charts = [
+        Chart(what, figure, readings(figure))
+        for what, make in wanted
+        if (figure := tried(what, make)) is not None
+    ]
+    table = tried("value table", lambda: design.tabulated.written(STEP))
+    solids: dict[str, bytes] = {}
+    if turn is not None:
+        solids = tried("solid", lambda: coarse_solids(design, progress)) or {}
+    prices = certificate = None
+    if quick:
+        left_out.append("price list of accuracy and certificate: --quick leaves them out")
+    elif turn is not None:
+        prices = tried("price list of accuracy", lambda: _prices(design, progress))
+        certificate = tried("certificate", lambda: _certificate(design, progress))
+    return Report(
+        design.scene,
+        checked,
+        advised(checked),
+        turn,
+        tuple(charts),
+        table,
+        prices,
+        solids,
+        certificate,
+        tuple(left_out),
+    )
+
+
+def _reason(error: CamgeoError) -> str:
+    """The error in a line."""
+    several = error.faults if isinstance(error, SceneError) else (error,)
+    return " ".join("; ".join(map(str, several)).split())
+
+
+def _motion(design: Design) -> Figure:
+    scene = design.scene
+    return motion.of_drive(design.name, scene.unit, design.drive, scene.lift_unit)
+
+
+def _of_discs(design: Design) -> Iterator[tuple[str, Callable[[], Figure]]]:
+    """The title of each diagram that needs a disc, and what makes it."""
+    if design.scene.follower is None:
+        return
+    for disc in design.discs:
+        name = "" if disc is design.disc else f" of {disc.name}"
+        yield f"transmission angle{name}", partial(diagrams.transmission_angle, disc)
+        yield f"curvature{name}", partial(diagrams.curvature, disc)
+    if design.scene.effects:
+        yield from of_effects(design.disc)
+    if plots.SPECTRUM in design.scene.effects:
+        yield "shock spectra", lambda: plots.of_design(design, [plots.SPECTRUM])[0]
+
+
+def of_effects(disc: Product) -> Iterator[tuple[str, partial[Figure]]]:
+    """Title and maker of each diagram of the scene's effects, of at most TOGETHER panels."""
+    groups = effects.panels(disc.columns())
+    parts = [groups[k : k + TOGETHER] for k in range(0, len(groups), TOGETHER)]
+    for number, part in enumerate(parts, start=1):
+        chosen = tuple(column for group in part for column in group)
+        share = f", {number} of {len(parts)}" if len(parts) > 1 else ""
+        one = replace(disc, columns=partial(tuple, chosen))
+        yield f"forces and effects{share}", partial(effects.figure, one)
+
+
+def advised(found: Check) -> tuple[Advised, ...]:
+    """All findings of a check, each with its next step."""
+    groups = [("cam", found.findings), *found.effects.items()]
+    groups += [(f"part {name}", part.findings) for name, part in found.parts.items()]
+    if found.machining is not None:
+        groups += [
+            (f"program {name}", each.findings) for name, each in found.machining.programs.items()
+        ]
+    groups.append(("formats", found.formats))
+    return tuple(
+        Advised(about, finding, next_step(finding, found.cures))
+        for about, findings in groups
+        for finding in findings
+    )
+
+
+def _prices(design: Design, progress: Progress) -> Survey:
+    """Of contours alone, with what is the same on every machine."""
+    from camgeo.studies.accuracy.contours import contour_rows
+    from camgeo.studies.accuracy.knee import knee_of
+    from camgeo.studies.accuracy.survey import Survey, own_rows
+
+    rows = contour_rows(design, TOLERANCES, ripple=False, progress=progress, timed=False)
+    return Survey(rows, (), (), knee_of(own_rows(design.scene, rows), timed=False))
+
+
+def coarse_solids(design: Design, progress: Progress = lambda _: None) -> dict[str, bytes]:
+    """Binary STL files of the bodies by name, coarser than made; raises as `make_files`."""
+    from camgeo.design.writing import CERTIFICATE, make_files
+
+    coarse = max(FACETS * design.cam.follower.base_radius, LEAST)
+    contents, _ = make_files(design.discs, ("stl",), coarse, progress=progress)
+    return {name: data for name, data in contents.items() if name != CERTIFICATE}
+
+
+def _certificate(design: Design, progress: Progress) -> dict[str, Any]:
+    """Of the files that the scene asks for; none of them is written."""
+    from camgeo.design.writing import CERTIFICATE, make_files
+
+    output = design.scene.output
+    contents, _ = make_files(design.discs, output.formats, output.tolerance, progress=progress)
+    found: dict[str, Any] = json.loads(contents[CERTIFICATE])
+    return found
+
+
+# -- rendering ------------------------------------------------------------------------------------
+# What `camgeo report` gathers, in words.
+
+
+def text(answer: Report) -> str:
+    """The verdict, what the page has, what it lacks, and the next steps."""
+    verdicts = Counter[str](each.finding.verdict for each in answer.advised)
+    several = (each for each in MARKS if verdicts[each])
+    found = ", ".join(counted(verdicts[each], MARKS[each], MANY[each]) for each in several)
+    lines = [f"{answer.scene.name}: {counted(len(answer.advised), 'finding')}: {found}"]
+    lines += [f"  {chart.title}: {chart.sentence}" for chart in answer.charts]
+    lines += [f"  left out: {each}" for each in answer.left_out]
+    lines += [
+        f"{MARKS[each.finding.severity]:8}{each.finding.name}: {each.step}"
+        for each in answer.advised
+        if each.step
+    ]
+    return "\n".join(lines)
+
+
+# -- readings -------------------------------------------------------------------------------------
+# What a diagram over the cam angle says, in numbers: the extremes of each of its curves.
+
+
+CURVE: Final = 100
+"""A line of fewer points is no curve over the turn but a joint, a spike, or part of a plan."""
+
+TOLD: Final = 4
+"""Most curves of a diagram in its sentence; the table has all."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """The extremes of one curve.
+
+    Attributes
+    ----------
+    name : of the quantity, with its unit in brackets.
+    low, high : smallest and largest value, infinite where the diagram says so.
+    low_at, high_at : cam angles of the first of each [rad].
+    limits : with which it is compared, and what the diagram calls them.
+    """
+
+    name: str
+    low: float
+    low_at: float
+    high: float
+    high_at: float
+    limits: tuple[tuple[str, float], ...] = ()
+
+
+def readings(figure: Figure) -> tuple[Reading, ...]:
+    """Those of all curves of a figure over the cam angle, from the top."""
+    return tuple(each for panel in figure.panels for each in _of_panel(panel))
+
+
+def sentence(found: tuple[Reading, ...]) -> str:
+    """The first curves in words."""
+    told = [
+        f"{plain(each.name)} from {shown(each.low)} at {math.degrees(each.low_at):.1f}° to"
+        f" {shown(each.high)} at {math.degrees(each.high_at):.1f}°"
+        for each in found[:TOLD]
+    ]
+    more = len(found) - TOLD
+    return "; ".join(told) + (f"; {more} more in the table" if more > 0 else "") + "."
+
+
+def shown(value: float) -> str:
+    """Five digits, with a minus that is one."""
+    if math.isinf(value):
+        return "∞" if value > 0.0 else "−∞"
+    return f"{value + 0.0:.5g}".replace("-", "−")
+
+
+def plain(text: str) -> str:
+    """A text of a figure without the signs of its subscripts."""
+    return text.replace("$_", "").replace("$", "")
+
+
+def _of_panel(panel: Panel) -> Iterator[Reading]:
+    if panel.bare or panel.x.limits != (0.0, 360.0):
+        return
+    limits = tuple(
+        (plain(mark.label), mark.at)
+        for mark in panel.marks
+        if isinstance(mark, Rule) and mark.axis == "y" and mark.label
+    )
+    beyond = {}
+    for style, value in ((INFINITE, math.inf), (DOWNWARDS, -math.inf)):
+        places = [
+            float(mark.points[0, 0])
+            for mark in panel.marks
+            if isinstance(mark, Line) and mark.style == style
+        ]
+        if places:
+            beyond[value] = min(places)
+    for mark in panel.marks:
+        if isinstance(mark, Line) and len(mark.points) > CURVE:
+            x, y = mark.points.T
+            low, high = int(np.nanargmin(y)), int(np.nanargmax(y))
+            ends = [(float(y[k]), float(x[k])) for k in (low, high)]
+            if -math.inf in beyond:
+                ends[0] = -math.inf, beyond[-math.inf]
+            if math.inf in beyond:
+                ends[1] = math.inf, beyond[math.inf]
+            name = _named(mark.label, panel.y.label)
+            (lowest, low_at), (highest, high_at) = ends
+            angles = math.radians(low_at), math.radians(high_at)
+            yield Reading(name, lowest, angles[0], highest, angles[1], limits)
+
+
+def _named(label: str, axis: str) -> str:
+    """The name of a curve with the unit of its axis."""
+    if not label or label.startswith("pitch curve") or label == "outline":
+        return axis
+    unit = axis[axis.index("[") :] if "[" in axis else ""
+    return f"{label} {unit}".strip()
+
+
+# -- steps ----------------------------------------------------------------------------------------
+# The next step for each finding: what a designer can do about it, and with which command.
+
+
+SIZE: Final = "camgeo size looks for the smallest cam that keeps this limit"
+LAWS: Final = "camgeo laws compares the laws that fit"
+
+BY_NAME: Final[Mapping[str, str]] = {
+    "transmission-angle": f"Enlarge the base radius or lengthen the move; {SIZE}.",
+    "radius-ratio": f"Take a smaller roller, a larger base radius or a longer move; {SIZE}.",
+    "undercut": f"Take a smaller roller, a larger base radius or a longer move; {SIZE}.",
+    "cusp": f"Take a smaller roller, a larger base radius or a longer move; {SIZE}.",
+    "outline": f"Take a smaller roller, a larger base radius or a longer move; {SIZE}.",
+    "lost-stroke": (
+        "Decide whether the machine can do without the lost stroke; else cure the undercut."
+    ),
+    "lobe": "Decide whether the part without the lobe is meant; else cure the undercut.",
+    "dead-centre": "Change crank, coupler or stroke until the linkage stays clear of it.",
+    "linkage-branch": "Change crank, coupler or stroke until the linkage stays on its branch.",
+    "linkage-transmission-angle": "Lengthen the coupler, or shorten the stroke or swing.",
+    "linkage-back-angle": "Lengthen the crank that the rocker turns, or shorten the stroke.",
+    "roller-over-axis": "Enlarge the base radius or shorten the stroke.",
+    "face-over-axis": "Enlarge the base radius or shorten the stroke.",
+    "standstill": "Move the pivot, or change the arm, away from this position.",
+    "joints": f"Let both segments meet with the same velocity and acceleration; {LAWS}.",
+    "shock": f"Take a law that begins and ends without a jump of velocity; {LAWS}.",
+    "jerk": f"Take a law without jumps of acceleration; {LAWS}.",
+    "overshoot": f"Lengthen the move or choose another law; {LAWS}.",
+    "closure": "Let the last segment end where the first one begins.",
+    "tangent-closure": "Let the motion end with the velocity with which it begins.",
+    "convexity": f"Enlarge the base radius: a flat face needs a convex cam; {SIZE}.",
+    "face-length": "Make the face longer, or state none to have it as long as needed.",
+    "form-closure": "Change the return follower until both keep contact, or add a spring.",
+    "closing-error": "Change the return follower, or allow the play that the sentence states.",
+    "lift-off": "Strengthen the spring, or lower the speed or the moving mass.",
+    "contact-force": "Lower the speed, the moving mass or the spring's preload.",
+    "contact-pressure": "Widen the contact, enlarge the roller, or take another material.",
+    "roller-life": "Take a larger roller, or lower the contact force.",
+    "drive-torque": "Lower the load or the speed, or lengthen the move.",
+    "largest-diameter": "Take a smaller base radius, or a blank that holds the disc.",
+    "mass": "Take a lighter material, lightening holes, or a larger limit.",
+}
+"""What helps, by the name of a finding or its beginning."""
+
+OTHERWISE: Final[Mapping[Severity, str]] = {
+    "ok": "",
+    "warning": "Decide whether it matters here: nothing is refused because of it.",
+    "broken": (
+        "Change what the sentence names until its limit is kept; or state another limit in the"
+        " scene, if this one is not meant."
+    ),
+    "no-disc": "Change the scene until such a disc exists: no file is made before.",
+    "invalid": "Change the scene: it describes no mechanism that can be made.",
+}
+
+FAULTS: Final[Mapping[str, str]] = {
+    "undercut": "undercut",
+    "cusp": "undercut",
+    "outline": "undercut",
+    "convexity": "convexity",
+    "radius-ratio": "radius ratio",
+    "transmission-angle": "transmission angle",
+}
+"""The fault that cures remove, by the beginning of the name of the finding."""
+
+
+def next_step(finding: Finding, cures: Sequence[Cure]) -> str:
+    """What to do about it; empty if nothing is to be done.
+
+    The cheapest of the `cures` that works, if there is one.
+    """
+    if finding.severity == "ok":
+        return ""
+    about = finding.name.removeprefix(f"{RETURN}: ")
+    faults = [fault for name, fault in FAULTS.items() if about.startswith(name)]
+    works = [cure.sentence for cure in cures if cure.works and cure.fault in faults]
+    if works:
+        return f"{works[0][:1].upper()}{works[0][1:]}; camgeo check tells what else cures it."
+    found = [name for name in BY_NAME if about.startswith(name)]
+    return BY_NAME[max(found, key=len)] if found else OTHERWISE[finding.severity]
+
+
+# -- triangles ------------------------------------------------------------------------------------
+# The triangles of solids, as the scripts of pages take them.
+
+
+FACET: Final = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+"""A triangle of a binary STL."""
+
+PREFIX: Final = 84
+"""Bytes of a binary STL before its triangles."""
+
+
+def triangles(stl: bytes) -> str:
+    """Three coordinates [mm] of three corners of each triangle of a binary STL, in base 64: single
+    precision, little-endian.
+    """
+    corners = np.frombuffer(stl, FACET, offset=PREFIX)["corners"]
+    return base64.b64encode(np.ascontiguousarray(corners).tobytes()).decode()

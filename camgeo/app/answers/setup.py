@@ -1,0 +1,473 @@
+"""The setup sheet of a program: what the machinist sets up, with the program simulated."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from html import escape
+from typing import ClassVar, Final
+
+from camgeo.app.answers.answer import BROKEN, FINE, MARKS, Answer
+from camgeo.design.design import Design
+from camgeo.design.milled import compared
+from camgeo.design.product import Product, programs_of, sides_of
+from camgeo.errors import GeometryError
+from camgeo.milling.blank import described
+from camgeo.milling.compensation import limits_of
+from camgeo.milling.features import Feature
+from camgeo.milling.holding import CLAMPS, FIXTURE, HOW, ONION_SKIN, SCREWS, TABS, Clamp, Holding
+from camgeo.milling.machine import Machine, load
+from camgeo.milling.machining_time import OperationTime, times_on
+from camgeo.milling.moves import Heights, Operation, Stop, Toolpath
+from camgeo.milling.plan import Engaged
+from camgeo.milling.planned import SEQUENCE
+from camgeo.milling.stages import Flaw
+from camgeo.milling.tool import Tool
+from camgeo.milling.zero import Zero
+from camgeo.scene.scene import Scene
+from camgeo.units import MM_PER, LengthUnit, clock, counted, in_unit
+
+DECIMALS: Final[dict[LengthUnit, int]] = {"mm": 4, "inch": 6}
+"""Of lengths in words."""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One operation, in its order.
+
+    Attributes
+    ----------
+    operation : that is run.
+    seconds : its machining time; None where the machine's dynamics are not known.
+    engaged : how its cutter is engaged, if it clears an area.
+    compensation : what the offset of its tool holds, and how far it may be off; or empty.
+    base : Z of the program's zero above the upper face of the part [mm].
+    """
+
+    operation: Operation
+    seconds: float | None
+    engaged: Engaged | None = None
+    compensation: str = ""
+    base: float = 0.0
+
+    @property
+    def name(self) -> str:
+        """Of the operation."""
+        return self.operation.name
+
+    @property
+    def tool(self) -> Tool:
+        """With the feeds and the speed of this operation."""
+        return self.operation.tool
+
+    @property
+    def number(self) -> int:
+        """Of the tool."""
+        return self.tool.number
+
+    @property
+    def lowest(self) -> float:
+        """Z of the tip at its deepest, from the program's zero [mm]."""
+        return min(move.end[2] for move in self.operation.travel) - self.base
+
+    @property
+    def stops(self) -> tuple[str, ...]:
+        """What the operator does at each halt."""
+        return tuple(move.note for move in self.operation.moves if isinstance(move, Stop))
+
+    @property
+    def note(self) -> str:
+        """For the operator; may be empty."""
+        return self.operation.cut.note
+
+
+@dataclass(frozen=True, slots=True)
+class SetupSheet(Answer):
+    """A setup sheet.
+
+    Attributes
+    ----------
+    scene : whose main disc is milled.
+    machine : the controller.
+    work_offset : as the scene states it; empty for the machine's first.
+    blank, holding, zero, traverses : in words; lengths in the unit of the scene.
+    tools : each once, in the order in which they are called.
+    steps : the operations.
+    told : of the sequence, a sentence each: what is not milled, and what is left to be done.
+    flaws : of the simulated program, with what is to be watched.
+    features : of the part, with the operations of all its sides; empty of a second side.
+    side : which side this is, and how the work lies, in words; None if there is but one.
+    second : the sheet of the second side; None if there is none, or if this is it.
+    """
+
+    command: ClassVar[str] = "setup"
+
+    scene: Scene
+    machine: str
+    work_offset: str
+    blank: str
+    holding: str
+    zero: str
+    traverses: str
+    tools: tuple[Tool, ...]
+    steps: tuple[Step, ...]
+    told: tuple[str, ...]
+    flaws: tuple[Flaw, ...]
+    features: tuple[Feature, ...] = ()
+    side: str | None = None
+    second: SetupSheet | None = None
+
+    @property
+    def sheets(self) -> tuple[SetupSheet, ...]:
+        """Of each side, the first one first."""
+        return (self,) if self.second is None else (self, self.second)
+
+    @property
+    def seconds(self) -> float | None:
+        """Machining time of all operations; None where it is not known."""
+        times = [step.seconds for step in self.steps]
+        return None if None in times else math.fsum(time for time in times if time is not None)
+
+    @property
+    def exit_code(self) -> int:
+        """1 if the program must not be run."""
+        watched = (flaw.watched for sheet in self.sheets for flaw in sheet.flaws)
+        spoilt = any(each.severity == "broken" for each in self.features)
+        return FINE if all(watched) and not spoilt else BROKEN
+
+
+def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
+    """The sheet of the main disc's program, within `tolerance` [mm] or the scene's, and that of its
+    second side with it.
+
+    Raises
+    ------
+    GeometryError
+        With the key of the scene, if it has no program.
+    """
+    if not design.scene.states_milling:
+        raise GeometryError("is not stated: there is no program to set up", key="tool")
+    tolerance = design.scene.output.tolerance if tolerance is None else tolerance
+    first, *others = sides_of(design.disc)
+    sheet = _sheet(design, first, tolerance)
+    if not others:
+        return sheet
+    (second,) = others
+    about = second.milled.zero.turned
+    return replace(
+        sheet,
+        side="first side",
+        second=replace(
+            _sheet(design, second, tolerance), side=f"second side, the work {HOW[about]}"
+        ),
+    )
+
+
+def _sheet(design: Design, product: Product, tolerance: float) -> SetupSheet:
+    """That of one side."""
+    milled = product.milled
+    toolpath, spec = milled.toolpath(tolerance), milled.spec
+    assert spec is not None  # for there is a program
+    machine, options = load(milled.gcode.machine), milled.gcode
+    zero, unit = milled.zero, design.scene.unit
+    told = (each.sentence for each in milled.sequence.findings if each.name != SEQUENCE)
+    return SetupSheet(
+        design.scene,
+        machine.name,
+        options.work_offset or next(iter(machine.work_offsets)),
+        described(spec.stock, milled.part, zero, unit),
+        _holding(spec.holding, zero, unit),
+        zero.sentence,
+        _traverses(options.heights, zero, unit),
+        _tools(toolpath),
+        _steps(
+            toolpath,
+            times_on(machine, toolpath, tolerance),
+            milled.engaged(toolpath),
+            machine,
+            zero,
+            unit,
+        ),
+        (*told, *_programs(product, machine)),
+        milled.flaws(toolpath, tolerance),
+        compared(milled),
+    )
+
+
+def _steps(
+    toolpath: Toolpath,
+    times: Sequence[OperationTime] | None,
+    found: Sequence[Engaged],
+    machine: Machine,
+    zero: Zero,
+    unit: LengthUnit,
+) -> tuple[Step, ...]:
+    seconds = {} if times is None else {each.name: each.seconds for each in times}
+    engaged = {each.operation: each for each in found}
+    words = machine.compensation
+    told = {
+        name: limit.sentence(words, lambda mm: f"{shown(mm, unit)} {unit}")
+        for name, limit in limits_of(toolpath.operations).items()
+        if words is not None
+    }
+    return tuple(
+        Step(each, seconds.get(name), engaged.get(name), told.get(name, ""), zero.z)
+        for name, each in ((each.name, each) for each in toolpath.operations)
+    )
+
+
+def _programs(side: Product, machine: Machine) -> Iterator[str]:
+    """Which operations are in which file, where a machine needs a program for each tool."""
+    products = programs_of(side)
+    for each in products if len(products) > 1 else ():
+        names = ", ".join(cut.name for cut in each.milled.cuts)
+        tool = each.milled.cuts[0].tool.number
+        yield f"{each.name}{machine.extension}: {names}, with tool {tool} in the spindle"
+
+
+def _tools(toolpath: Toolpath) -> tuple[Tool, ...]:
+    found: dict[int, Tool] = {}
+    for operation in toolpath.operations:
+        found.setdefault(operation.tool.number, operation.tool)
+    return tuple(found.values())
+
+
+def shown(mm: float, unit: LengthUnit) -> str:
+    """A length in the unit of the scene, to a ten-thousandth of a millimetre."""
+    return f"{round(mm / MM_PER[unit], DECIMALS[unit]) + 0.0:g}"
+
+
+def _holding(holding: Holding | None, zero: Zero, unit: LengthUnit) -> str:
+    """The holding in words, from the program's zero."""
+    if holding is None:
+        return "not stated; no cut goes through"
+    length = partial(shown, unit=unit)
+    tabs, skin = holding.tabs, holding.skin
+    words = {
+        FIXTURE: "from below: vacuum, tape, soft jaws or a chuck",
+        TABS: "" if tabs is None
+        else f"{tabs.count} tabs, {length(tabs.width)} x {length(tabs.height)} {unit}",
+        ONION_SKIN: "" if skin is None else f"a skin of {length(skin)} {unit}",
+        CLAMPS: "clamps",
+        SCREWS: "screws",
+    }[holding.kind]  # fmt: skip
+    places = "; ".join(_clamp(each, zero, unit) for each in holding.clamps)
+    through = holding.through
+    below = f"; cuts go {length(through)} {unit} below the part" if through else ""
+    return f"{words}{': ' if places else ''}{places}{below}"
+
+
+def _clamp(clamp: Clamp, zero: Zero, unit: LengthUnit) -> str:
+    """Where it stands, from the program's zero, and when."""
+    length, place = partial(shown, unit=unit), zero.of(clamp.place)
+    where = f"{clamp.what} at {length(place.real)}, {length(place.imag)} {unit}"
+    since = f", from {clamp.since} on" if clamp.since else ""
+    until = f", until {clamp.until}" if clamp.until else ""
+    return f"{where}, top at Z {length(clamp.height - zero.z)}{since}{until}"
+
+
+def _traverses(heights: Heights, zero: Zero, unit: LengthUnit) -> str:
+    """Their heights in words, from the program's zero."""
+    clearance, retract = (
+        shown(each - zero.z, unit) for each in (heights.clearance, heights.retract)
+    )
+    if retract == clearance:
+        return f"at Z {clearance}"
+    return f"at Z {clearance} between operations, at Z {retract} within them"
+
+
+# -- rendering ------------------------------------------------------------------------------------
+# The setup sheet as text, and as one HTML page that needs nothing else.
+
+
+NONE: Final = "-"
+"""Shown where nobody states a value."""
+
+TOOLS: Final = ("T", "tool", "diameter", "flutes", "cutting length", "stick-out", "shank")
+STEPS: Final = ("", "operation", "T", "speed", "feed", "plunge", "down to Z", "coolant", "time")
+"""Heads of the columns; lengths and feeds in the unit of the scene, speeds in rev/min."""
+
+FEED: Final[dict[LengthUnit, int]] = {"mm": 0, "inch": 2}
+"""Decimals of feeds."""
+
+STYLE: Final = """
+body { font: 14px/1.4 sans-serif; margin: 2em auto; max-width: 60em; color: #111; }
+h1 { font-size: 1.5em; } h2 { font-size: 1.1em; margin-top: 1.5em; }
+table { border-collapse: collapse; }
+th, td { border: 1px solid #999; padding: 0.2em 0.6em; text-align: right; }
+th:nth-child(2), td:nth-child(2) { text-align: left; }
+dt { font-weight: bold; } dd { margin: 0 0 0.4em 0; }
+.flaw { color: #b3261e; } svg { max-width: 100%; height: auto; }
+@media print { body { margin: 0; } h2, figure { break-inside: avoid; } }
+"""
+
+
+def text(answer: SetupSheet) -> str:
+    """The sheet for a terminal, one side after the other."""
+    return "\n\n".join(_side_text(sheet) for sheet in answer.sheets)
+
+
+def _side_text(answer: SetupSheet) -> str:
+    lines = [_head(answer), ""]
+    lines += [f"{name:10}{value}" for name, value in _facts(answer)]
+    unit = answer.scene.unit
+    lines += ["", *_columns(TOOLS, [_tool(tool, unit) for tool in answer.tools])]
+    steps = [_step(k, step, unit) for k, step in enumerate(answer.steps, 1)]
+    lines += ["", *_columns(STEPS, steps), _units(unit)]
+    lines += [f"   {each}" for each in _remarks(answer)]
+    marks = {True: MARKS["warning"], False: "FLAW"}
+    flaws = [f"{marks[flaw.watched]:8}{flaw.name:10}{flaw.sentence}" for flaw in answer.flaws]
+    lines += [""] * bool(answer.features)
+    lines += [f"{MARKS[each.severity]:8}{each.sentence}" for each in answer.features]
+    lines += ["", *flaws]
+    return "\n".join(lines if answer.flaws else [*lines, _verdict(answer)])
+
+
+def html(answer: SetupSheet, picture: str) -> str:
+    """The sheet as a page; `picture` is an SVG element, all other texts are escaped."""
+    name = escape(answer.scene.name)
+    sides = "".join(_side_html(sheet) for sheet in answer.sheets)
+    return f"""<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'">
+<title>{name}: setup</title>
+<style>{STYLE}</style>
+</head>
+<body>
+{sides}<h2>Backplot</h2>
+<figure>{picture}</figure>
+</body>
+</html>
+"""
+
+
+def _side_html(answer: SetupSheet) -> str:
+    """One side, from its heading to its simulation."""
+    facts = "".join(
+        f"<dt>{escape(key)}</dt><dd>{escape(value)}</dd>" for key, value in _facts(answer)
+    )
+    remarks = "".join(f"<li>{escape(each)}</li>" for each in _remarks(answer))
+    listed = f"<ul>{remarks}</ul>" if remarks else ""
+    unit = answer.scene.unit
+    features = "".join(
+        _item(each.sentence, unit, flaw=each.severity != "ok") for each in answer.features
+    )
+    part = f"<h2>Part</h2>\n<ul>{features}</ul>\n" if features else ""
+    flaws = "".join(_item(each.sentence, unit, flaw=True) for each in answer.flaws)
+    verdict = f"<ul>{flaws}</ul>" if flaws else f"<p>{escape(_verdict(answer))}</p>"
+    steps = [_step(k, step, unit) for k, step in enumerate(answer.steps, 1)]
+    return f"""<h1>{escape(_head(answer))}</h1>
+<dl>{facts}</dl>
+<h2>Tools</h2>
+{_table(TOOLS, [_tool(tool, unit) for tool in answer.tools])}
+<h2>Operations</h2>
+{_table(STEPS, steps)}
+{listed}
+<p>{_units(unit)} Each operation can be started alone.</p>
+{part}<h2>Simulation</h2>
+{verdict}
+"""
+
+
+def _item(sentence: str, unit: LengthUnit, *, flaw: bool) -> str:
+    mark = ' class="flaw"' if flaw else ""
+    return f"<li{mark}>{escape(in_unit(sentence, unit))}</li>"
+
+
+def _head(answer: SetupSheet) -> str:
+    side = "" if answer.side is None else f", {answer.side}"
+    return f"{answer.scene.name}: setup for {answer.machine}{side}"
+
+
+def svg_element(data: bytes) -> str:
+    """The SVG element of a picture, without the prologue of a file."""
+    source = data.decode("utf-8")
+    return source[source.index("<svg") :].strip()
+
+
+def _facts(answer: SetupSheet) -> list[tuple[str, str]]:
+    found = [
+        ("blank" if answer.second is not None or answer.side is None else "work", answer.blank),
+        ("zero", answer.zero),
+        ("offset", answer.work_offset),
+        ("held", answer.holding),
+        ("traverses", answer.traverses),
+    ]
+    if answer.seconds is not None:
+        found.append(("time", f"{clock(answer.seconds)}, tool changes left out"))
+    return found
+
+
+def _verdict(answer: SetupSheet) -> str:
+    steps = counted(len(answer.steps), "operation")
+    unlike = any(each.severity == "broken" for each in answer.features)
+    gouge = "more is taken off than the part states" if unlike else "no gouge"
+    return f"Simulated: {steps}, {gouge}, no rest, nothing comes loose."
+
+
+def _remarks(answer: SetupSheet) -> Iterator[str]:
+    """What the operator reads of each operation, and of the sequence."""
+    for step in answer.steps:
+        yield from (f"stop before {step.name}: {note}" for note in step.stops)
+        yield from (f"{step.name}: {each}" for each in (step.compensation, step.note) if each)
+        if step.engaged is not None:
+            yield f"{step.name}: {step.engaged.sentence}"
+    yield from answer.told
+
+
+def _units(unit: LengthUnit) -> str:
+    return f"Lengths in {unit}, feeds in {unit}/min, speeds in rev/min."
+
+
+def _tool(tool: Tool, unit: LengthUnit) -> list[str]:
+    def length(mm: float | None) -> str:
+        return NONE if mm is None else shown(mm, unit)
+
+    kind = tool.kind.replace("-", " ")
+    return [
+        f"{tool.number}",
+        f"{tool.name}, {kind}" if tool.name else kind,
+        length(tool.diameter),
+        NONE if tool.flutes is None else f"{tool.flutes}",
+        length(tool.flute_length),
+        length(tool.stick_out),
+        length(tool.shank_diameter),
+    ]
+
+
+def _step(number: int, step: Step, unit: LengthUnit) -> list[str]:
+    tool, scale = step.tool, 1.0 / MM_PER[unit]
+    feeds = (f"{each * scale:.{FEED[unit]}f}" for each in (tool.feed, tool.plunge_feed))
+    return [
+        f"{number}",
+        step.name,
+        f"{tool.number}",
+        f"{tool.spindle_speed:.0f}",
+        *feeds,
+        f"{step.lowest * scale:.4g}",
+        tool.coolant or NONE,
+        NONE if step.seconds is None else clock(step.seconds),
+    ]
+
+
+def _columns(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    table = [heads, *rows]
+    widths = [max(len(row[column]) for row in table) for column in range(len(heads))]
+    return [
+        "  ".join(
+            cell.ljust(width) if column == 1 else cell.rjust(width)
+            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in table
+    ]
+
+
+def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    def line(tag: str, cells: Sequence[str]) -> str:
+        return f"<tr>{''.join(f'<{tag}>{escape(cell)}</{tag}>' for cell in cells)}</tr>"
+
+    return f"<table>{line('th', heads)}{''.join(line('td', row) for row in rows)}</table>"

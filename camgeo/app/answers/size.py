@@ -1,0 +1,567 @@
+"""What `camgeo size` finds: the smallest base circle, and the scene with it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from decimal import ROUND_HALF_EVEN, Decimal
+from typing import TYPE_CHECKING, Any, ClassVar, Final
+
+from camgeo.app.answers.answer import BROKEN, FINE, Answer
+from camgeo.cam.cam import Cam
+from camgeo.check.finding import Finding
+from camgeo.check.judge import motion_findings, transmission_angle_limit
+from camgeo.check.sizing import smallest
+from camgeo.check.sizing.rounding import (
+    Made,
+    exponent_of,
+    rounded,
+    rounded_face,
+    size_with_arm,
+    with_arm,
+)
+from camgeo.check.sizing.smallest import (
+    SIDES,
+    Active,
+    Rating,
+    Sizing,
+    rate,
+    rate_face,
+    size_for_face,
+)
+from camgeo.check.sizing.task import FaceTask, Placing, Task, face_task_of, task_of
+from camgeo.design.design import Design
+from camgeo.errors import GeometryError, SceneError
+from camgeo.scene.scene import Scene
+from camgeo.units import MM_PER, LengthUnit
+
+if TYPE_CHECKING:
+    from camgeo.pictures.model import Figure
+
+
+NO_ARM: Final = "only an oscillating roller follower has an arm to be sized"
+
+BAD: Final = ("broken", "no-disc", "invalid")
+"""Severities of findings that matter."""
+
+
+@dataclass(frozen=True, slots=True)
+class Side:
+    """A rocker's arm on one side of the line pivot -> cam axis; or a guide.
+
+    Attributes
+    ----------
+    task : what was sized; its follower has the arm that was found, if one was looked for.
+    sizing : the requirement, and the smallest cams that meet it.
+    unit : of length in the scene.
+    made : the answer with its sizes rounded up, as they are written; None if there is none.
+    """
+
+    task: Placing
+    sizing: Sizing
+    unit: LengthUnit
+    made: Made | None = None
+
+    @property
+    def written(self) -> Rating | None:
+        """What the rounded sizes result in."""
+        return None if self.made is None else rated(self.made.cam)
+
+    @property
+    def arm_side(self) -> str | None:
+        """As in scenes; None on a guide."""
+        side = self.task.arm_side
+        return None if side is None else SIDES[side]
+
+    @property
+    def base_radius(self) -> float:
+        """Of the answer [mm]; infinite if there is none."""
+        answer = self.sizing.answer
+        return math.inf if answer is None else answer.base_radius
+
+    @property
+    def infeasible(self) -> str | None:
+        """Why there is no answer, and what there is instead; None if there is one."""
+        if self.sizing.answer is not None:
+            return None
+        if self.sizing.hopeless is not None:
+            return f"infeasible at any size: {self.sizing.hopeless}"
+        if self.sizing.radius is None:
+            return self._of_roller(self.sizing)
+        return (
+            "infeasible: with its pivot there, no base radius gives a convex cam that goes round"
+            " its axis and keeps the transmission angle over the whole turn; move the pivot, or"
+            " make follower.face_offset smaller"
+        )
+
+    def _of_roller(self, sizing: Sizing) -> str:
+        if sizing.nearest_angle is not None:
+            nearest = math.degrees(sizing.nearest_angle)
+            return (
+                f"infeasible: no place of the cam axis keeps a transmission angle of"
+                f" {math.degrees(sizing.angle):g} deg over the whole turn, because the swing is too"
+                f" large; the largest that can be kept is {math.floor(nearest * 1e4) / 1e4:.4f} deg"
+            )
+        reach = sizing.reach or 0.0
+        sure = "there is no place" if sizing.none_below > reach else "no place was found"
+        message = (
+            "infeasible: where the transmission angle is kept, the roller is too large for the"
+            f" pitch curve; {sure} without undercut and with r_R/r_K at most {sizing.ratio:g} up to"
+            f" a base radius of {reach / MM_PER[self.unit]:.4g} {self.unit}"
+        )
+        if sizing.nearest_ratio is None:
+            return message
+        return f"{message}; the smallest ratio found is about {sizing.nearest_ratio:.3g}"
+
+
+@dataclass(frozen=True, slots=True)
+class Proof:
+    """What is known of anything smaller than the answer, on either side.
+
+    Attributes
+    ----------
+    exact : whether the limit is exact, to rounding.
+    none_below : no base radius below this [mm] will do; infinite if none does.
+    """
+
+    exact: bool
+    none_below: float
+
+
+@dataclass(frozen=True, slots=True)
+class CamSize(Answer):
+    """How small a cam may be.
+
+    Attributes
+    ----------
+    scene : of the present design.
+    sides : the scene's own first; the other one too for a rocker.
+    present : the present design; None if there is no such mechanism.
+    remarks : what `camgeo check` still finds wrong in the scene with it, besides its motion: what
+        does not depend on these sizes, or belongs to a return disc.
+    """
+
+    command: ClassVar[str] = "size"
+
+    scene: Scene
+    sides: tuple[Side, ...]
+    present: Rating | None
+    remarks: tuple[Finding, ...] = ()
+
+    @property
+    def best(self) -> Side:
+        """The side with the smallest base circle, or, if neither has one, the larger angle; the
+        scene's own if they are equal.
+        """
+        return min(
+            self.sides, key=lambda side: (side.base_radius, -(side.sizing.nearest_angle or math.pi))
+        )
+
+    @property
+    def own(self) -> Side:
+        """The scene's own side."""
+        return self.sides[0]
+
+    @property
+    def longer_face(self) -> tuple[float, float] | None:
+        """The face [mm] that the sizes which are written need; None if it is long enough."""
+        if self.best.made is None or "face" not in self.best.made.lengths:
+            return None
+        follower: Any = self.best.made.cam.follower
+        ends: tuple[float, float] = follower.face
+        return ends
+
+    @property
+    def proof(self) -> Proof:
+        """What is known of anything smaller."""
+        below = min(side.sizing.none_below for side in self.sides)
+        limit = self.best.base_radius
+        return Proof(self.sizing.exact and below >= limit, min(below, limit))
+
+    @property
+    def task(self) -> Placing:
+        """What was sized, on that side."""
+        return self.best.task
+
+    @property
+    def sizing(self) -> Sizing:
+        """Its sizing."""
+        return self.best.sizing
+
+    @property
+    def written(self) -> Rating | None:
+        """The answer with its sizes rounded up; None if there is none."""
+        return self.best.written
+
+    @property
+    def infeasible(self) -> str | None:
+        """Why there is no answer, see `Side`."""
+        return self.best.infeasible
+
+    @property
+    def exit_code(self) -> int:
+        """1 if nothing meets the requirement, or nothing that can be written down."""
+        return FINE if self.best.made is not None else BROKEN
+
+
+def rated(cam: Cam) -> Rating | None:
+    """What a cam results in; None if there is no such mechanism."""
+    found: Rating | None
+    if cam.follower.has_pitch_curve:
+        task = task_of(cam)
+        found = rate(task, task.present)
+    else:
+        face = face_task_of(cam)
+        found = rate_face(face, face.present)
+    return None if found is None else replace(found, follower=cam.follower)
+
+
+def size(
+    design: Design,
+    *,
+    transmission_angle: float | None = None,
+    radius_ratio: float | None = None,
+    radius_of_curvature: float = 0.0,
+    arms: tuple[float, float] | None = None,
+) -> CamSize:
+    """Look for the smallest base circle, on both sides of a rocker.
+
+    Parameters
+    ----------
+    transmission_angle : the smallest that is allowed [rad]; None for that of the scene.
+    radius_ratio : the largest r_R/r_K that is allowed; None for that of the scene.
+    radius_of_curvature : the smallest that is allowed for the outline under a flat face [mm].
+    arms : the shortest and the longest arm of a rocker [mm], to look for its arm too.
+
+    Raises
+    ------
+    GeometryError
+        As `check.sizing.smallest.size`, `check.sizing.faces.size_for_face` and
+        `check.sizing.arm.size_with_arm`.
+    """
+    limits, cam = design.scene.limits, design.cam
+    angle = transmission_angle
+    if angle is None:
+        angle = transmission_angle_limit(cam, limits)
+    ratio = limits.radius_ratio if radius_ratio is None else radius_ratio
+    unit = design.scene.unit
+    if cam.follower.has_pitch_curve:
+        sides = _of_roller(task_of(cam), unit, angle, ratio, arms)
+    elif arms is not None:
+        raise GeometryError(NO_ARM, key="follower.kind", value=cam.follower.kind)
+    else:
+        sides = tuple(
+            Side(each, size_for_face(each, angle, radius_of_curvature), unit)
+            for each in face_task_of(cam).sides
+        )
+    sides = tuple(replace(side, made=_made(design.scene, side, ratio)) for side in sides)
+    found = CamSize(design.scene, sides, rated(cam))
+    made = found.best.made
+    return found if made is None else replace(found, remarks=_remarks(design.scene, made))
+
+
+def _of_roller(
+    own: Task, unit: LengthUnit, angle: float, ratio: float, arms: tuple[float, float] | None
+) -> tuple[Side, ...]:
+    if arms is None:
+        return tuple(Side(each, smallest.size(each, angle, ratio), unit) for each in own.sides)
+    found = []
+    for each in own.sides:
+        task, sizing = size_with_arm(each, angle, ratio, *arms)
+        arm = stated_arm(task.follower.arm, arms, MM_PER[unit])
+        if arm != task.follower.arm:
+            task = with_arm(task, arm)
+            sizing = smallest.size(task, angle, ratio)
+        found.append(Side(task, sizing, unit))
+    return tuple(found)
+
+
+def stated_arm(arm: float, arms: tuple[float, float], unit: float) -> float:
+    """An arm [mm] with the decimals with which it is written in a unit of `unit` mm."""
+    if arm in arms:
+        return arm
+    last = Decimal(1).scaleb(exponent_of(arm, unit))
+    return min(max(unit * float(Decimal(arm / unit).quantize(last)), arms[0]), arms[1])
+
+
+def _made(scene: Scene, side: Side, ratio: float) -> Made | None:
+    """The answer with its sizes rounded up, and the arm that was found."""
+    task, sizing, unit = side.task, side.sizing, MM_PER[side.unit]
+    if sizing.answer is None:
+        return None
+    if isinstance(task, FaceTask):
+        least = sizing.radius or 0.0
+        return rounded_face(task, sizing.answer.place, sizing.angle, least, unit)
+    assert isinstance(task, Task)
+    assert sizing.examined is not None  # as there is an answer
+    place, now = sizing.answer.place, sizing.examined
+    made = rounded(task, place, now, sizing.angle, ratio, unit)
+    arm, present = (getattr(each, "arm", None) for each in (task.follower, scene.follower))
+    if made is None or arm is None or arm == present:
+        return made
+    return replace(made, lengths={**made.lengths, "arm": float(f"{arm / unit:.12g}")})
+
+
+def _remarks(scene: Scene, made: Made) -> tuple[Finding, ...]:
+    """What the checks find wrong in the scene with these sizes, besides its motion."""
+    try:
+        design = Design(scene_with(scene, made))
+    except SceneError:  # which is reported where it is written
+        return ()
+    others = motion_findings(design.drive)
+    return tuple(e for e in design.findings if e.severity in BAD and e not in others)
+
+
+def sized_scene(found: CamSize) -> Scene:
+    """The scene with the sizes that were found, which certainly meets the requirement.
+
+    Raises
+    ------
+    GeometryError
+        If there is no such scene.
+    SceneError
+        If the scene would not be valid with them.
+    """
+    made = found.best.made
+    if made is None:
+        raise GeometryError("the requirement can only just be met: no scene surely keeps it")
+    return scene_with(found.scene, made)
+
+
+# -- rendering ------------------------------------------------------------------------------------
+# What `camgeo size` finds, in words and as a picture.
+
+
+WIDTH = 28
+"""Of the first column."""
+
+CELL = 15
+
+VELOCITIES = "it assumes the largest velocities at both end positions"
+
+
+def text(answer: CamSize) -> str:
+    """The requirement, and one row per design; lengths in the scene's unit, angles in degrees."""
+    sizing, best = answer.sizing, answer.best
+    lines = [
+        f"required: {_required(answer)}",
+        f"{'':{WIDTH}}" + "".join(f"{cell:>{CELL}}" for cell in _head(answer)),
+        _row(answer, "present design", answer.present),
+    ]
+    if sizing.construction is not None:
+        own = answer.own.sizing
+        lines += [
+            _row(answer, "Flocke", own.flocke),
+            _row(answer, "mu alone, exact", own.for_angle),
+        ]
+    lines.append(_row(answer, "smallest", best.written))
+    for side in answer.sides:
+        if side is not best:
+            own_side = side is answer.own
+            name = f"smallest on {'its present' if own_side else 'the other'} side"
+            lines.append(_row(answer, name, side.written))
+    return "\n".join(
+        [
+            *lines,
+            *_changed(answer),
+            answer.infeasible or _decided(sizing),
+            *_proved(answer),
+            *(f"camgeo check finds in that scene: {each.sentence}" for each in answer.remarks),
+            *_of_flocke(answer.own.sizing),
+        ]
+    )
+
+
+def figure(answer: CamSize) -> Figure:
+    """Where the cam axis may lie."""
+    name = answer.scene.name
+    faces = [(e.task, e.sizing) for e in answer.sides if isinstance(e.task, FaceTask)]
+    if faces:
+        from camgeo.pictures import size as size_face  # few cams have a flat face
+
+        return size_face.face_figure(name, faces, answer.scene.unit)
+    from camgeo.pictures import size
+
+    sides = [(e.task, e.sizing) for e in answer.sides if isinstance(e.task, Task)]
+    return size.figure(name, sides, answer.scene.unit)
+
+
+def _required(answer: CamSize) -> str:
+    sizing, unit = answer.sizing, answer.scene.unit
+    angle = f"transmission angle at least {math.degrees(sizing.angle):g} deg"
+    if sizing.radius is None:
+        return f"{angle}, r_R/r_K at most {sizing.ratio:g}, no undercut"
+    if sizing.radius == 0.0:
+        return f"{angle}, a convex cam"
+    radius = f"{sizing.radius / MM_PER[unit]:g} {unit}"
+    return f"{angle}, a convex cam with radii of curvature of at least {radius}"
+
+
+def _head(answer: CamSize) -> tuple[str, ...]:
+    unit = answer.scene.unit
+    last = "r_R/r_K" if answer.sizing.radius is None else f"rho [{unit}]"
+    second = f"{answer.task.second} [{unit}]"
+    return f"r_G [{unit}]", second, "mu [deg]", "at [deg]", last, "at [deg]"
+
+
+def _row(answer: CamSize, name: str, rating: Rating | None) -> str:
+    if rating is None:
+        return f"{name:{WIDTH}}{'none':>{CELL}}"
+    unit = MM_PER[answer.scene.unit]
+    angle, last, per = rating.transmission_angle, rating.radius_ratio, 1.0
+    if rating.radius_of_curvature is not None:
+        last, per = rating.radius_of_curvature, unit
+    digits = 4 if unit == 1.0 else 5
+    cells = (
+        f"{rating.base_radius / unit:.{digits}f}",
+        f"{answer.task.second_of(rating.place) / unit + 0.0:.{digits}f}",
+        f"{math.degrees(angle.value):.4f}",
+        f"{math.degrees(angle.place):.3f}",
+        f"{last.value / per:.4f}",
+        f"{math.degrees(last.place):.3f}",
+    )
+    return f"{name:{WIDTH}}" + "".join(f"{cell:>{CELL}}" for cell in cells)
+
+
+def _changed(answer: CamSize) -> list[str]:
+    """What is not as in the present design, besides the sizes of the rows."""
+    found, best, own = [], answer.best, answer.own
+    unit = answer.scene.unit
+    if best is not own and best.sizing.answer is not None:
+        change = f'the smallest has follower.arm_side = "{best.arm_side}", not "{own.arm_side}"'
+        if answer.scene.linkage is not None:
+            change += ", where the linkage moves the follower the other way, inward for outward"
+        found.append(change)
+    arms = [getattr(each, "arm", 0.0) for each in (best.task.follower, answer.scene.follower)]
+    if arms[0] != arms[1]:
+        length = f"{arms[0] / MM_PER[unit]:.4f} {unit}"
+        found.append(f"all but the present design have an arm of {length}")
+    written = best.written
+    if written is not None and written.face is not None:
+        low, high = (each.value / MM_PER[unit] for each in written.face)
+        needed = f"the contact runs over the face from {low:.4f} to {high:.4f} {unit}"
+        longer = best.made.lengths.get("face") if best.made is not None else None
+        if longer is not None:
+            needed += f", which needs follower.face = {longer}"
+        found.append(needed)
+    return found
+
+
+def _decided(sizing: Sizing) -> str:
+    return "decided by " + " and ".join(_active(each, sizing) for each in sizing.active)
+
+
+def _active(active: Active, sizing: Sizing) -> str:
+    at = f"at cam angle {math.degrees(active.cam_angle):.4f} deg"
+    what = {
+        "transmission-angle": f"the transmission angle of {math.degrees(sizing.angle):g} deg",
+        "radius-ratio": f"r_R/r_K of {sizing.ratio:g}",
+        "global-undercut": "two sides of a flank that touch each other (global undercut)",
+        "roller-over-axis": "the roller, which reaches the cam axis",
+        "convexity": "the radius of curvature",
+        "face-over-axis": "the face, which reaches the cam axis",
+    }
+    return f"{what[active.name]} {at}"
+
+
+def _proved(answer: CamSize) -> list[str]:
+    """What is known of anything smaller."""
+    side, proof = answer.best, answer.proof
+    sizing, unit = side.sizing, MM_PER[side.unit]
+    if sizing.answer is None:
+        return []
+    if side.made is None:
+        return [
+            "no sizes near this limit pass the checks when they are rounded up: none is written"
+        ]
+    limit = f"{sizing.answer.base_radius / unit:.9g} {side.unit}"
+    if sizing.radius == 0.0 and any(each.name == "convexity" for each in sizing.active):
+        blunt = "; its radius of curvature comes down to 0: --radius-of-curvature asks for more"
+    else:
+        blunt = ""
+    if proof.exact:
+        return [f"the limit is {limit}, exactly: nothing smaller keeps all of this{blunt}"]
+    below = math.floor(proof.none_below / unit * 1e4) / 1e4
+    gap = sizing.answer.base_radius / unit - below
+    known = f"nothing below {below:.4f} {side.unit} keeps all of this"
+    within = f"so that the smallest is known within {gap:.2g} {side.unit}"
+    return [f"the limit found is {limit}; it is proved that {known}, {within}"]
+
+
+def _of_flocke(sizing: Sizing) -> list[str]:
+    """Where Flocke's proposal is too large, and where it is too optimistic."""
+    if sizing.construction is None:
+        return []
+    if sizing.flocke is None:
+        return [f"Flocke's region is empty: {VELOCITIES}"]
+    found = []
+    if sizing.for_angle is not None:
+        more = sizing.flocke.base_radius / sizing.for_angle.base_radius - 1.0
+        found.append(
+            f"Flocke's base circle is {more:.0%} larger than the transmission angle needs:"
+            f" {VELOCITIES}"
+        )
+    largest = sizing.flocke.radius_ratio
+    if largest.value > sizing.ratio:
+        found.append(
+            "Flocke's proposal is optimistic: it ignores curvature, and has r_R/r_K ="
+            f" {largest.value:.4g} at cam angle {math.degrees(largest.place):.4f} deg, above"
+            f" {sizing.ratio:g}"
+        )
+    return found
+
+
+# -- writing --------------------------------------------------------------------------------------
+# The scene with the sizes that were found, and what has to change with them.
+
+
+OTHER_WAY: Final = {"outward": "inward", "inward": "outward"}
+
+
+def scene_with(scene: Scene, made: Made) -> Scene:
+    """The scene with the sizes of `made`; SceneError if it would not be valid."""
+    return scene.with_values(edits_with(scene, made))
+
+
+def edits_with(scene: Scene, made: Made) -> dict[str, Any]:
+    """The values, by key, that the scene has with the sizes of `made`, which are in its unit.
+
+    A rocker on the other side of its arm is moved the other way by the same linkage. A yoke is
+    widened or narrowed by as much as both of its sides move. A return disc on a carriage
+    stays as it is, because its roller does; a return arm stays on its side of the main arm.
+    """
+    edits: dict[str, Any] = {f"follower.{key}": each for key, each in made.lengths.items()}
+    before = scene.follower
+    assert before is not None  # it was sized
+    side, was = (getattr(each, "arm_side", None) for each in (made.cam.follower, before))
+    if side is not None and side != was:
+        edits["follower.arm_side"] = SIDES[side]
+        if scene.linkage is not None and scene.stated.has("follower", "direction"):
+            edits["follower.direction"] = OTHER_WAY[scene.stated.get("follower", "direction")]
+        turned = scene.stated.exact("follower", "return", "arm_angle")
+        if turned is not None:
+            edits["follower.return.arm_angle"] = -float(turned)
+    breadth = scene.stated.exact("follower", "yoke", "breadth")
+    if breadth is not None:
+        old = scene.stated.exact("follower", "base_radius") or Decimal(0)
+        wider = 2 * (Decimal(repr(made.lengths["base_radius"])) - old)
+        edits["follower.yoke.breadth"] = float(breadth + wider)
+    if scene.stated.has("follower", "return", "spacing"):
+        edits |= _return_roller(scene, made.cam)
+    return edits
+
+
+def _return_roller(scene: Scene, cam: Cam) -> dict[str, float]:
+    """Spacing and offset of the return roller, in the scene's unit, that leave it where it is."""
+    main: Any = cam.follower
+    other: Any = scene.returning
+    unit = MM_PER[scene.unit]
+
+    def near(length: float) -> float:
+        last = Decimal(1).scaleb(exponent_of(main.base_radius, unit))
+        return float(Decimal(length / unit).quantize(last, ROUND_HALF_EVEN)) + 0.0
+
+    edits = {"follower.return.spacing": near(main.start_height + other.start_height)}
+    if not scene.stated.has("follower", "return", "offset"):
+        edits["follower.return.offset"] = near(-other.offset)
+    return edits

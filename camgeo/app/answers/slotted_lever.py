@@ -1,0 +1,203 @@
+"""What `camgeo slotted-lever` finds: the motion of a slotted lever at constant crank speed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import TYPE_CHECKING, ClassVar, Final
+
+from camgeo.app.answers.answer import Answer
+from camgeo.errors import GeometryError
+from camgeo.kinematics.mechanism.slotted_lever import (
+    NAMES,
+    DrivenLever,
+    LeverExtreme,
+    SlottedLever,
+    crank_for_swing,
+    lever_table,
+)
+from camgeo.units import RPM
+
+if TYPE_CHECKING:
+    from camgeo.design.value_table import Table
+    from camgeo.pictures.model import Figure
+
+
+LOWEST, HIGHEST = 1e-100, 1e100
+"""Of lengths [mm] and speeds [rev/min]: results computed from them are far from overflow."""
+
+Number = float | Decimal
+
+Rows = tuple[Decimal, Decimal, Decimal]
+"""Step, first and last crank angle of a table [deg]."""
+
+FULL_TURN: Final[Rows] = (Decimal(1), Decimal(0), Decimal(360))
+"""Those of the table of the SAM exercise."""
+
+
+@dataclass(frozen=True, slots=True)
+class LeverMotion(Answer):
+    """The lever and its motion.
+
+    Attributes
+    ----------
+    driven : the lever with the speed of its crank; has extremes and strokes.
+    table : values over the crank angle, in degrees; None if it was not requested.
+    """
+
+    command: ClassVar[str] = "slotted-lever"
+
+    driven: DrivenLever
+    table: Table | None = None
+
+    @property
+    def swing(self) -> float | None:
+        """Angle between the end positions [rad]; None for a lever that makes full turns."""
+        lever = self.driven.lever
+        return 2.0 * lever.largest_angle.value if lever.swings else None
+
+    @property
+    def time_ratio(self) -> float | None:
+        """Duration of the slow stroke over that of the quick one; None if there are no strokes."""
+        lever = self.driven.lever
+        return lever.time_ratio if lever.swings else None
+
+
+def slotted_lever(
+    frame: Number,
+    speed: Number,
+    *,
+    crank: Number | None = None,
+    swing: Number | None = None,
+    rows: Rows | None = None,
+    printed: bool = False,
+) -> LeverMotion:
+    """Compute the motion of a slotted lever.
+
+    Parameters
+    ----------
+    frame : distance of the axes of crank and lever [mm].
+    speed : of the crank [rev/min].
+    crank, swing : its radius [mm], or the whole swing of the lever [deg]; one of them.
+    rows : of the table, `FULL_TURN` for that of the exercise; None for no table.
+    printed : whether the table is rounded to three decimals, as the exercise prints it.
+
+    Raises
+    ------
+    GeometryError
+        With the name of the parameter as its key, of `rows` "step", "from" or "to".
+    """
+    distance = _checked("frame", frame, "mm")
+    if swing is not None:
+        radius = crank_for_swing(distance, float(swing))
+        if radius < LOWEST:
+            message = f"makes a crank of {radius:g} mm; at least {LOWEST:g} mm is allowed"
+            raise GeometryError(message, key="swing", value=str(swing))
+    elif crank is not None:
+        radius = _checked("crank", crank, "mm")
+    else:
+        raise GeometryError("is needed, or the swing", key="crank")
+    driven = DrivenLever(SlottedLever(radius, distance), _checked("speed", speed, "rev/min") * RPM)
+    return LeverMotion(driven, None if rows is None else _table(driven, rows, printed))
+
+
+def _checked(key: str, given: Number, unit: str) -> float:
+    value = float(given)
+    if not LOWEST <= value <= HIGHEST:
+        message = f"must be from {LOWEST:g} to {HIGHEST:g} {unit}"
+        raise GeometryError(message, key=key, value=str(given))
+    return value
+
+
+def _table(driven: DrivenLever, rows: Rows, printed: bool) -> Table:
+    from camgeo.design.value_table import Table
+
+    found = lever_table(driven, *rows)
+    return Table.rounded(NAMES, found.printed()) if printed else Table(NAMES, found.values)
+
+
+# -- rendering ------------------------------------------------------------------------------------
+# What `camgeo slotted-lever` finds, in words, as a table and as a diagram.
+
+
+NOTES = """\
+angles are positive in the crank's sense of rotation: the crank's from where its pin is nearest the
+lever's axis, phi from where the lever points to the crank's axis
+--table prints the values over the crank angle, --table --printed to three decimals""".splitlines()
+
+NAME, NUMBER, WIDE = 18, 14, 20
+"""Widths of the columns."""
+
+
+def text(answer: LeverMotion) -> str:
+    """Sizes, extremes and strokes; seven digits of a number."""
+    driven, lever = answer.driven, answer.driven.lever
+    frame, crank, ratio = _text(lever.distance), _text(lever.crank), _text(lever.ratio)
+    rpm, speed, turn = _text(driven.speed / RPM), _text(driven.speed), _text(driven.turn_time)
+    lines = [
+        f"slotted lever: frame a = {frame} mm, crank R = {crank} mm, a/R = {ratio}",
+        f"crank: {rpm} rev/min, omega0 = {speed} rad/s, one turn in {turn} s",
+        f"lever: {_kind(answer)}",
+        "",
+    ]
+    if driven.extremes:
+        lines.append(
+            f"{'extreme':{NAME}}{'value':>{NUMBER}}{'':9}{'in degrees':>{WIDE}}"
+            f"{'crank [deg]':>{NUMBER}}{'time [s]':>{NUMBER}}{'phi [deg]':>{NUMBER}}"
+        )
+        lines += [_row(extreme) for extreme in driven.extremes]
+    else:
+        lines.append(f"omega2 is {_text(0.5 * driven.speed)} rad/s everywhere, and eps2 is 0")
+        lines.append("at crank angle 0 the pin lies on the lever's axis: phi is undefined there")
+    lines.append("")
+    if driven.strokes is None or answer.time_ratio is None:
+        lines.append("strokes: none, and no time ratio, because the lever does not swing")
+    else:
+        lines += [
+            f"{name:{NAME}}crank {_degrees(stroke.start)} to {_degrees(stroke.end)} deg,"
+            f" {_degrees(stroke.end - stroke.start)} deg in {_text(stroke.duration)} s"
+            for name, stroke in zip(("slow stroke", "quick stroke"), driven.strokes, strict=True)
+        ]
+        lines.append(f"{'time ratio':{NAME}}{_text(answer.time_ratio)}")
+    return "\n".join([*lines, "", *NOTES])
+
+
+def table(answer: LeverMotion) -> Table:
+    """The requested values over the crank angle."""
+    assert answer.table is not None  # rendered only if it was requested
+    return answer.table
+
+
+def figure(answer: LeverMotion) -> Figure:
+    """Angle, velocity and acceleration over the crank angle."""
+    from camgeo.pictures import slotted_lever
+
+    return slotted_lever.figure(answer.driven)
+
+
+def _kind(answer: LeverMotion) -> str:
+    lever = answer.driven.lever
+    if answer.swing is not None:
+        return f"swings, by {_degrees(answer.swing)} deg in all"
+    if lever.crank == lever.distance:
+        return "turns half a turn with each turn of the crank, because R = a"
+    return "turns round with the crank, because R > a, and never stands still"
+
+
+def _row(extreme: LeverExtreme) -> str:
+    size = "largest" if extreme.largest else "smallest"
+    in_degrees = f"{_degrees(extreme.value)} {extreme.unit.replace('rad', 'deg')}"
+    return (
+        f"{f'{size} {extreme.quantity}':{NAME}}{_text(extreme.value):>{NUMBER}} {extreme.unit:8}"
+        f"{in_degrees:>{WIDE}}{_degrees(extreme.crank):>{NUMBER}}{_text(extreme.time):>{NUMBER}}"
+        f"{_degrees(extreme.angle):>{NUMBER}}"
+    )
+
+
+def _text(value: float) -> str:
+    return f"{value + 0.0:.7g}"
+
+
+def _degrees(angle: float) -> str:
+    return _text(math.degrees(angle))

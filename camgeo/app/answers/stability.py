@@ -1,0 +1,117 @@
+"""What `camgeo stability` finds: rounding errors and conditioning of every quantity."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Iterable
+from dataclasses import dataclass
+from typing import ClassVar, Final
+
+from camgeo.app.answers.answer import BROKEN, FINE, Answer
+from camgeo.pictures.model import Figure
+from camgeo.stability import suite
+from camgeo.stability.measure import Case, Reading
+from camgeo.stability.suite import LIMIT, Row, worst_of_cases
+
+
+@dataclass(frozen=True, slots=True)
+class Stability(Answer):
+    """The results of the comparison with mpmath.
+
+    Attributes
+    ----------
+    readings : one for each value that was compared.
+    rows : the quantities with their worst readings, the largest ratio first.
+    quick : whether only two places of each case were compared.
+    limit : of the ratio of error to conditioning.
+    """
+
+    command: ClassVar[str] = "stability"
+
+    readings: tuple[Reading, ...]
+    rows: tuple[Row, ...]
+    quick: bool
+    limit: float = LIMIT
+
+    @property
+    def kept(self) -> bool:
+        """Whether all ratios are within the limit."""
+        return all(row.within_limit for row in self.rows)
+
+    @property
+    def exit_code(self) -> int:
+        """0 if all ratios are within the limit, else 1."""
+        return FINE if self.kept else BROKEN
+
+
+def stability(
+    cases: Iterable[Case],
+    only: Collection[str] = (),
+    *,
+    quick: bool = False,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Stability:
+    """Run cases of the suite; parameters as of `camgeo.stability.suite.run`."""
+    readings = suite.run(cases, only, quick=quick, progress=progress)
+    return Stability(readings, suite.table(readings), quick)
+
+
+# -- rendering ------------------------------------------------------------------------------------
+# What `camgeo stability` finds, as a table and as a picture.
+
+
+COLUMNS: Final = """\
+values: number of values of the quantity that were compared with mpmath's
+error: largest distance from the exact value, in units in its last place (ulp), or in that of its
+    length for a vector; where rounding the inputs moves a value by more than its own size, in ulp
+    of that movement
+conditioning: by how many ulp the exact value moves there if each input moves by half an ulp of its
+    own; the joints are inputs too, converted from degrees to radians and rounded once
+at: case and place of that error: z of a law, cam angle or crank angle
+ratio: largest error / max(1, conditioning); near 1 no algorithm in doubles can do better"""
+"""The columns of the table, explained below it."""
+
+NUMBER, WIDE = 9, 14
+"""Widths of a column of numbers."""
+
+
+def text(answer: Stability) -> str:
+    """The table, an explanation of its columns, and what exceeds the limit."""
+    width = max(len(row.quantity) for row in answer.rows) + 2
+    places = [_place(row.largest_error) for row in answer.rows]
+    second = max(map(len, places)) + 2
+    head = f"{'quantity':{width}}{'values':>6}{'error':>{NUMBER}}{'conditioning':>{WIDE}}"
+    lines = [f"{head}  {'at':{second}}{'ratio':>{NUMBER}}"]
+    for row, place in zip(answer.rows, places, strict=True):
+        worst = row.largest_error
+        lines.append(
+            f"{row.quantity:{width}}{row.count:>6}{_number(worst.error):>{NUMBER}}"
+            f"{_number(worst.conditioning):>{WIDE}}  {place:{second}}"
+            f"{_number(row.largest_ratio.ratio):>{NUMBER}}"
+        )
+    lines += ["", COLUMNS]
+    lines.append(f"limit of the ratio {answer.limit:g}: {'kept' if answer.kept else 'broken'}")
+    for row in answer.rows:
+        worst = row.largest_ratio
+        if not row.within_limit:
+            lines.append(
+                f"  {row.quantity}: ratio {_number(worst.ratio)} at {_place(worst)}, error"
+                f" {_number(worst.error)}, conditioning {_number(worst.conditioning)}"
+            )
+    return "\n".join(lines)
+
+
+def figure(answer: Stability) -> Figure:
+    """Errors over conditioning, the worst of each case."""
+    from camgeo.pictures import stability as picture
+
+    return picture.figure(worst_of_cases(answer.readings), answer.limit)
+
+
+def _number(value: float) -> str:
+    return f"{value:.2g}" if math.isfinite(value) else "no value"
+
+
+def _place(reading: Reading) -> str:
+    ((name, place),) = reading.at.items()
+    return f"{reading.case}, {place:.9g}{' deg' if name != 'z' else ''}"

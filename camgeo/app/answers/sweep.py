@@ -1,0 +1,310 @@
+"""What `camgeo sweep` finds: the rows of a family, and what is least and greatest among them."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Final
+
+from camgeo.app.answers.answer import Answer
+from camgeo.studies.sweep.rows import Row
+from camgeo.studies.sweep.sweep import Result
+from camgeo.units import LengthUnit, counted, listed, shortened, unit_in
+
+if TYPE_CHECKING:
+    from camgeo.scene.scene import Scene
+    from camgeo.scene.varied import Value
+    from camgeo.studies.sweep.family import Sample
+
+
+@dataclass(frozen=True, slots=True)
+class Design:
+    """One design of the family.
+
+    Attributes
+    ----------
+    values : by the keys that vary.
+    answers : by what was asked; None where there is none.
+    units : of those answers that designs state in different units.
+    reason : why something is missing; empty if nothing failed.
+    """
+
+    values: Mapping[str, Value]
+    answers: Mapping[str, float | str | None]
+    units: Mapping[str, str]
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """The answers to one question.
+
+    Attributes
+    ----------
+    word : what was asked.
+    units : of the numbers; several if designs state it in different ones.
+    count : designs with an answer.
+    least, greatest : the designs with the least and the greatest number, the first of several; None
+        if no answer is a number, or if units differ.
+    words : how often each answer that is a word was given.
+    """
+
+    word: str
+    units: tuple[str, ...]
+    count: int
+    least: Design | None
+    greatest: Design | None
+    words: Mapping[str, int]
+
+    @property
+    def mixed(self) -> bool:
+        """Whether designs state the numbers in different units."""
+        return len(self.units) > 1
+
+    @property
+    def unit(self) -> str:
+        """Of the numbers; empty if there is none, or if they have different ones."""
+        return self.units[0] if len(self.units) == 1 else ""
+
+
+@dataclass(frozen=True, slots=True)
+class Sweep(Answer):
+    """The rows of a family; they are read from the store as they are asked for.
+
+    Attributes
+    ----------
+    result : the family with its rows.
+    spans : of the answers to each question, in the order asked.
+    reasons : why designs failed, with the number of designs, the most frequent first.
+    failed : designs that lack an answer, with a reason.
+    count : all designs.
+    """
+
+    command: ClassVar[str] = "sweep"
+
+    result: Result
+    spans: tuple[Span, ...]
+    reasons: Mapping[str, int]
+    failed: int
+    count: int
+
+    @property
+    def scene(self) -> Scene:
+        """The scene that the family starts from."""
+        return self.result.family.scene
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The keys that vary."""
+        return self.result.family.keys
+
+    @property
+    def sample(self) -> Sample | None:
+        """How designs were drawn; None for all combinations."""
+        return self.result.family.sample
+
+    @property
+    def designs(self) -> Iterator[Design]:
+        """All designs, in the order of the family."""
+        mixed = frozenset(span.word for span in self.spans if span.mixed)
+        return (_design(self.result, row, mixed) for row in self.result.rows)
+
+
+def answer_of(result: Result) -> Sweep:
+    """The answer from the rows, which are read once."""
+    spans = [_Spanned() for _ in result.asked]
+    reasons: dict[str, int] = {}
+    failed = count = 0
+    for row in result.rows:
+        count += 1
+        if row.failed:
+            failed += 1
+            reasons[row.reason] = reasons.get(row.reason, 0) + 1
+        for span, value, unit in zip(spans, row.values, row.units, strict=True):
+            span.note(row, value, unit)
+    ordered = sorted(reasons.items(), key=lambda item: -item[1])
+    found = tuple(
+        span.span(result, asked.word) for span, asked in zip(spans, result.asked, strict=True)
+    )
+    return Sweep(result, found, dict(ordered), failed, count)
+
+
+class _Spanned:
+    """Notes the answers to one question."""
+
+    def __init__(self) -> None:
+        self._count = 0
+        self._units: dict[str, None] = {}
+        self._words: dict[str, int] = {}
+        self._least: tuple[float, Row] | None = None
+        self._greatest: tuple[float, Row] | None = None
+
+    def note(self, row: Row, value: float | str | None, unit: str) -> None:
+        if value is None:
+            return
+        self._count += 1
+        if isinstance(value, str):
+            self._words[value] = self._words.get(value, 0) + 1
+            return
+        self._units[unit] = None
+        if self._least is None or value < self._least[0]:
+            self._least = value, row
+        if self._greatest is None or value > self._greatest[0]:
+            self._greatest = value, row
+
+    def span(self, result: Result, word: str) -> Span:
+        least, greatest = (
+            None if found is None or len(self._units) > 1 else _design(result, found[1])
+            for found in (self._least, self._greatest)
+        )
+        words = dict(sorted(self._words.items()))
+        return Span(word, tuple(sorted(self._units)), self._count, least, greatest, words)
+
+
+def _design(result: Result, row: Row, mixed: frozenset[str] = frozenset()) -> Design:
+    words = [asked.word for asked in result.asked]
+    values = result.family.edits(row.point)
+    answers = dict(zip(words, row.values, strict=True))
+    units = {word: unit for word, unit in zip(words, row.units, strict=True) if word in mixed}
+    return Design(values, answers, units, row.reason)
+
+
+# -- rendering ------------------------------------------------------------------------------------
+# What `camgeo sweep` finds, as text and as a table.
+
+
+FEW: Final = 40
+"""Rows that are printed; of more, only the least and the greatest answers."""
+
+MOST_REASONS: Final = 8
+
+LONGEST: Final = 100
+"""Characters of a reason that are printed."""
+
+REASON: Final = "reason"
+
+
+def text(answer: Sweep) -> str:
+    """What the family answers; of a small one all rows."""
+    lines = [f"{answer.scene.name}: {counted(answer.count, 'design')}{_drawn(answer)}"]
+    if answer.count <= FEW:
+        lines += ["", *aligned(_cells(answer, answer.designs))]
+    else:
+        for span in answer.spans:
+            lines += ["", *_span(span, answer.scene.unit)]
+    if answer.failed:
+        lines += ["", f"{counted(answer.failed, 'design')} failed:"]
+        for reason, count in list(answer.reasons.items())[:MOST_REASONS]:
+            lines.append(f"  {count:>7,}  {shortened(reason, LONGEST)}")
+        rest = len(answer.reasons) - MOST_REASONS
+        if rest > 0:
+            lines.append(f"           and for {counted(rest, 'other reason')}")
+    return "\n".join(lines)
+
+
+def _drawn(answer: Sweep) -> str:
+    sample = answer.sample
+    if sample is None:
+        return ""
+    return f", drawn with {sample.method}, seed {sample.seed}"
+
+
+def _span(span: Span, length: LengthUnit) -> list[str]:
+    """The least and the greatest answer to a question, each with its design."""
+    head = headed(span, length)
+    if span.words:
+        found = ", ".join(f"{word} {count:,}" for word, count in span.words.items())
+        return [f"{head}: {found}"]
+    if span.mixed:
+        return [f"{head}: {counted(span.count, 'answer')} in different units, {listed(span.units)}"]
+    if span.least is None or span.greatest is None:
+        return [f"{head}: no design has an answer"]
+    lines = [f"{head}: {counted(span.count, 'answer')}"]
+    for what, design in (("least", span.least), ("greatest", span.greatest)):
+        found, _ = shown_in(length, design.answers[span.word], span.unit)
+        values = ", ".join(f"{key} = {shown(value)}" for key, value in design.values.items())
+        lines.append(f"  {what:8}  {found}  at {values}")
+    return lines
+
+
+def headed(span: Span, length: LengthUnit = "mm") -> str:
+    """Heading of the answers, with their unit if they have one, in a unit of length."""
+    unit, _ = unit_in(span.unit, length)
+    return f"{span.word} [{unit}]" if unit else span.word
+
+
+def _cells(answer: Sweep, designs: Iterable[Design]) -> list[list[str]]:
+    length = answer.scene.unit
+    rows = [[*answer.keys, *(headed(span, length) for span in answer.spans), REASON]]
+    common = {span.word: span.unit for span in answer.spans}
+    for each in designs:
+        answers = (
+            " ".join(filter(None, _answer(each, word, common.get(word, ""), length)))
+            for word in each.answers
+        )
+        values = map(shown, each.values.values())
+        rows.append([*values, *answers, shortened(each.reason, LONGEST)])
+    if not answer.failed:
+        rows = [row[:-1] for row in rows]
+    return rows
+
+
+def _answer(design: Design, word: str, common: str, length: LengthUnit) -> tuple[str, str]:
+    """An answer, with its unit where that is not the `common` one of the column."""
+    own = design.units.get(word, "")
+    found, unit = shown_in(length, design.answers[word], own or common)
+    return found, unit if own else ""
+
+
+def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Rows of cells as lines, columns two spaces apart."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
+
+
+def shown_in(length: LengthUnit, value: object, unit: str) -> tuple[str, str]:
+    """A value and its `unit` for reading, in the unit of length of a scene."""
+    unit, divisor = unit_in(unit, length)
+    return shown(value / divisor if isinstance(value, float) else value), unit
+
+
+def shown(value: object) -> str:
+    """A value for reading."""
+    if value is None:
+        return "-"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:.7g}" if isinstance(value, float) else str(value)
+
+
+def comma_separated(answer: Sweep) -> bytes:
+    """All rows as CSV in UTF-8; each number in the shortest form that reads back the same.
+
+    Where designs state an answer in different units, a column with them follows.
+    """
+    found = io.BytesIO()
+    stream = io.TextIOWrapper(found, "utf-8", newline="")
+    rows = csv.writer(stream, lineterminator="\n")
+    heads = list(answer.keys)
+    for span in answer.spans:
+        heads += [headed(span), *([f"{span.word} unit"] if span.mixed else [])]
+    rows.writerow([*heads, REASON])
+    for each in answer.designs:
+        cells = [exact(value) for value in each.values.values()]
+        for word, value in each.answers.items():
+            cells += [exact(value), *([each.units[word]] if word in each.units else [])]
+        rows.writerow([*cells, each.reason])
+    stream.flush()
+    return found.getvalue()
+
+
+def exact(value: object) -> str:
+    """A value in the shortest form that reads back the same; empty if there is none."""
+    if value is None:
+        return ""
+    return str(value).lower() if isinstance(value, bool) else str(value)

@@ -1,0 +1,451 @@
+"""What `camgeo tolerance` finds: how far the position errs, and which dimension is to blame."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Final
+
+import numpy as np
+
+from camgeo.app.answers.answer import BROKEN, FINE, Answer
+from camgeo.app.answers.sweep import aligned
+from camgeo.design.design import Design
+from camgeo.design.value_table import Table
+from camgeo.geometry.outline.path import Flank
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.extremes import Extreme
+from camgeo.scene.scene import Scene
+from camgeo.studies.tolerancing.contact import contact_forces
+from camgeo.studies.tolerancing.linear import (
+    COUNT,
+    QUANTILES,
+    Contribution,
+    Linear,
+    Play,
+    Sampled,
+    sampled,
+)
+from camgeo.studies.tolerancing.sources import SIGMAS
+from camgeo.studies.tolerancing.stated import stated_of
+from camgeo.units import MM_PER, at_cam_angles, cam_angle, counted, small
+
+if TYPE_CHECKING:
+    from camgeo.pictures.model import Figure
+
+
+@dataclass(frozen=True, slots=True)
+class Share:
+    """What one source does; errors in the unit of the position.
+
+    Attributes
+    ----------
+    name, sense : of the source, and what a positive deviation of it is.
+    limits, unit, distribution : of its own deviation.
+    sensitivity : of the largest magnitude, error per deviation; see `Contribution`.
+    sensitivity_unit : as "deg/mm".
+    spread, mean, remainder : see `Contribution`.
+    share, share_at_worst : of the variance, over the turn and where it is largest.
+    """
+
+    name: str
+    sense: str
+    limits: tuple[float, float]
+    unit: str
+    distribution: str
+    sensitivity: Extreme
+    sensitivity_unit: str
+    spread: Extreme
+    mean: Extreme
+    remainder: Extreme
+    share: float
+    share_at_worst: float
+
+
+@dataclass(frozen=True, slots=True)
+class Room:
+    """How far the follower can move between the two sides that hold it; negative where both would
+    have to give way, as they squeeze it.
+
+    Attributes
+    ----------
+    unit : of the follower's own motion.
+    least, most : over the turn, of mean less and plus three standard deviations.
+    sources : what each does to it, as to the position.
+    """
+
+    unit: str
+    least: Extreme
+    most: Extreme
+    sources: tuple[Share, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """A quantity of the nominal machine, and what 1 %, 50 % and 99 % of machines do not exceed."""
+
+    nominal: float
+    machines: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Machines:
+    """What random machines do; errors in the unit of the position.
+
+    Attributes
+    ----------
+    count, seed : of the machines, and of what was drawn.
+    quantile : that of `QUANTILES` with the largest magnitude.
+    three_sigma : three times the largest standard deviation over the cam angle.
+    largest : of the errors of all machines at all cam angles, the quantile of 99 % of machines.
+    kept, kept_error : share of machines that keep the limit all round, and its standard error;
+        None if there is no limit.
+    acceleration : largest magnitude [unit/rad^2].
+    largest_force, smallest_force : of the contact [N]; None if they are not known.
+    least_play, most_play : over the turn, of the follower; None on a single flank.
+    squeezed : share of machines that squeeze it somewhere; None likewise.
+    """
+
+    count: int
+    seed: int
+    quantile: Extreme
+    three_sigma: Extreme
+    largest: float
+    kept: float | None
+    kept_error: float | None
+    acceleration: Spread
+    largest_force: Spread | None
+    smallest_force: Spread | None
+    least_play: Spread | None
+    most_play: Spread | None
+    squeezed: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class ToleranceAnalysis(Answer):
+    """What the tolerances of a scene do to the position.
+
+    Attributes
+    ----------
+    scene : that states them.
+    linear : the analysis by sensitivities.
+    contributions : of the sources to it.
+    sampled : random machines; None if there are none.
+    between : the analysis of the play between two sides; None on a single flank.
+    """
+
+    command: ClassVar[str] = "tolerance"
+
+    scene: Scene
+    linear: Linear
+    contributions: tuple[Contribution, ...]
+    sampled: Sampled | None
+    between: Play | None = None
+
+    @property
+    def of(self) -> str:
+        """Whose position it is: the follower's, or that of the far end of the linkage."""
+        return str(self.linear.stated.machine.cam.drive.demanded_of)
+
+    @property
+    def flank(self) -> Flank:
+        """That carries the follower."""
+        return self.linear.stated.machine.flank
+
+    @property
+    def unit(self) -> str:
+        """Of the position: that of the scene, or "deg"."""
+        return "deg" if self._turns else self.scene.unit
+
+    @property
+    def _turns(self) -> bool:
+        return self.linear.stated.machine.cam.drive.unit == "rad"
+
+    @property
+    def factor(self) -> float:
+        """`unit` per mm or rad."""
+        return self._own(is_angle=self._turns)
+
+    def _own(self, *, is_angle: bool) -> float:
+        """Units of the scene per rad or mm."""
+        return math.degrees(1.0) if is_angle else 1.0 / MM_PER[self.scene.unit]
+
+    @property
+    def limit(self) -> float | None:
+        """Of the error; None if none is stated."""
+        limit = self.linear.stated.limit
+        return None if limit is None else limit * self.factor
+
+    @property
+    def set_at(self) -> float | None:
+        """Cam angle [rad] at which the error is set to 0; None if it is not."""
+        return self.linear.stated.set_at
+
+    @property
+    def worst(self) -> Extreme:
+        """The largest error, of mean and three standard deviations."""
+        return self.scaled(self.linear.worst)
+
+    @property
+    def sources(self) -> tuple[Share, ...]:
+        """In the order of the scene."""
+        return tuple(self._share(each, self.factor, self.unit) for each in self.contributions)
+
+    @property
+    def play(self) -> Room | None:
+        """Between the two sides that hold the follower; None on a single flank."""
+        if self.between is None:
+            return None
+        unit, factor = self.play_unit
+        least, most = (
+            Extreme(each.value * factor, each.place)
+            for each in (self.between.least, self.between.most)
+        )
+        shares = (self._share(each, factor, unit) for each in self.between.contributions)
+        return Room(unit, least, most, tuple(shares))
+
+    @property
+    def play_unit(self) -> tuple[str, float]:
+        """Unit of the follower's own motion, and how many of it are 1 mm or rad."""
+        turns = self.linear.stated.machine.cam.lift_unit == "rad"
+        return "deg" if turns else self.scene.unit, self._own(is_angle=turns)
+
+    def scaled(self, extreme: Extreme) -> Extreme:
+        """An error [mm or rad] in the unit of the position."""
+        return Extreme(extreme.value * self.factor, extreme.place)
+
+    def _share(self, found: Contribution, factor: float, of: str) -> Share:
+        """What a source does, to what has the unit `of`."""
+        source = found.source
+        own = self._own(is_angle=source.is_angle)
+        unit = "deg" if source.is_angle else self.scene.unit
+        low, high = source.limits
+        per = Extreme(found.sensitivity.value * factor / own, found.sensitivity.place)
+        spread, mean, remainder = (
+            Extreme(each.value * factor, each.place)
+            for each in (found.spread, found.mean, found.remainder)
+        )
+        return Share(
+            name=source.name,
+            sense=source.sense,
+            limits=(low * own, high * own),
+            unit=unit,
+            distribution=source.shape,
+            sensitivity=per,
+            sensitivity_unit=f"{of}/{unit}",
+            spread=spread,
+            mean=mean,
+            remainder=remainder,
+            share=found.share,
+            share_at_worst=found.share_at_worst,
+        )
+
+    @property
+    def machines(self) -> Machines | None:
+        """What random machines do; None if there are none."""
+        found, factor = self.sampled, self.factor
+        if found is None:
+            return None
+        sigma = self.scaled(found.sigma)
+        return Machines(
+            count=found.count,
+            seed=found.seed,
+            quantile=self.scaled(found.worst),
+            three_sigma=Extreme(SIGMAS * sigma.value, sigma.place),
+            largest=float(np.quantile(found.largest, QUANTILES[-1])) * factor,
+            kept=found.kept,
+            kept_error=found.kept_error,
+            acceleration=_spread(found.acceleration * factor, found.accelerations * factor),
+            largest_force=_force(found, 1),
+            smallest_force=_force(found, 0),
+            least_play=self._play(found, 0),
+            most_play=self._play(found, 1),
+            squeezed=None if found.plays is None else float(np.mean(found.plays[:, 0] < 0.0)),
+        )
+
+    def _play(self, found: Sampled, end: int) -> Spread | None:
+        """The least play, `end` 0, or the largest, 1."""
+        if found.plays is None or self.between is None:
+            return None
+        _, factor = self.play_unit
+        nominal = float((np.min, np.max)[end](self.between.at_rest))
+        return _spread(nominal * factor, found.plays[:, end] * factor)
+
+    @property
+    def within(self) -> bool | None:
+        """Whether mean and three standard deviations keep the limit; None if there is none."""
+        return None if self.limit is None else abs(self.worst.value) <= self.limit
+
+    @property
+    def exit_code(self) -> int:
+        """1 if they do not."""
+        return BROKEN if self.within is False else FINE
+
+
+def _spread(nominal: float, values: FloatArray) -> Spread:
+    return Spread(nominal, tuple(map(float, np.quantile(values, QUANTILES))))
+
+
+def _force(found: Sampled, end: int) -> Spread | None:
+    """The smallest contact force, `end` 0, or the largest, 1."""
+    if found.contact is None or found.forces is None:
+        return None
+    nominal = (np.min, np.max)[end](found.contact.nominal)
+    return _spread(float(nominal), found.forces[:, end])
+
+
+def tolerance(design: Design, *, count: int = COUNT, seed: int = 0) -> ToleranceAnalysis:
+    """What the tolerances that a design's scene states do to the position.
+
+    Parameters
+    ----------
+    count : random machines; 0 for the linear analysis alone.
+    seed : the same one draws the same machines.
+
+    Raises
+    ------
+    SceneError
+        If it states none, or tolerances of what the machine does not have.
+    GeometryError
+        If its kind of machine, or its flank, cannot be analysed; if there are too few or too many
+        machines, or one has no contact near the nominal one.
+    """
+    linear = Linear(stated_of(design))
+    contributions = linear.contributions
+    found = None
+    between = None if linear.stated.second is None else Play(linear.stated)
+    if count:
+        contact = None
+        if between is None:
+            contact = contact_forces(design, linear.stated.machine.flank, linear.angles)
+        found = sampled(linear, count, seed, contact, between)
+    return ToleranceAnalysis(design.scene, linear, contributions, found, between)
+
+
+# -- rendering ------------------------------------------------------------------------------------
+# What `camgeo tolerance` finds, in words, as a table and as a picture.
+
+
+NOTE: Final = (
+    "share of the variance, over the turn and where it is largest;\n"
+    "not linear: by how much the exact motion with 3 sigma of the source is off the linear one"
+)
+
+SQUEEZED: Final = (
+    "negative: both sides squeeze the follower; the position above is that of one that rests on the"
+    " main side"
+)
+
+COST: Final = "by the scene, and below what 1 %, 50 % and 99 % of machines stay"
+
+
+def text(answer: ToleranceAnalysis) -> str:
+    """The largest error, and a line for each source."""
+    sources = counted(len(answer.sources), "source")
+    lines = [
+        f"{answer.scene.name}: position of the {answer.of} on the {answer.flank} flank, {sources}",
+        f"largest error, mean and 3 sigma: {_at(answer.worst, answer.unit)}{_verdict(answer)}",
+    ]
+    if answer.set_at is not None:
+        lines.append(f"the machine is set {at_cam_angles(answer.set_at)}")
+    lines += ["", *_sources(answer.sources), ""]
+    lines.append(f"errors in {answer.unit}, cam angles in degrees; {NOTE}")
+    room = answer.play
+    if room is not None:
+        least, most = (_at(each, room.unit) for each in (room.least, room.most))
+        lines += ["", f"play between both sides, mean and 3 sigma: {least}, {most}"]
+        lines += [SQUEEZED, "", *_sources(room.sources), ""]
+    if answer.machines is not None:
+        lines += ["", *_machines(answer.machines, answer.unit, room), ""]
+    lines += [f"{each.name}: {each.sense}" for each in answer.sources]
+    return "\n".join(lines)
+
+
+def _sources(sources: tuple[Share, ...]) -> list[str]:
+    rows = [["source", "limits", "sensitivity", "at", "mean", "3 sigma", "share", "worst",
+             "not linear"]]  # fmt: skip
+    return list(aligned([*rows, *map(_row, sources)]))
+
+
+def _machines(found: Machines, unit: str, room: Room | None) -> list[str]:
+    lines = [
+        f"{counted(found.count, 'random machine')} (Sobol, seed {found.seed}), replayed exactly:",
+        f"  1 % or 99 % of the errors are beyond {_at(found.quantile, unit)}",
+        f"  3 sigma {_at(found.three_sigma, unit)}",
+        f"  99 % of machines err nowhere by more than {small(found.largest, unit)}",
+    ]
+    if found.kept is not None:
+        lines.append(f"  {found.kept:.2%} keep the limit all round, +- {found.kept_error:.1%}")
+    lines += ["", f"what deviations cost: {COST}"]
+    lines += _cost("largest acceleration", f"{unit}/rad^2", found.acceleration)
+    lines += _cost("largest contact force", "N", found.largest_force)
+    lines += _cost("smallest contact force", "N", found.smallest_force)
+    if room is not None:
+        lines += _cost("least play", room.unit, found.least_play)
+        lines += _cost("largest play", room.unit, found.most_play)
+        lines.append(f"  {found.squeezed:.2%} of machines squeeze the follower somewhere")
+    return lines
+
+
+def _cost(name: str, unit: str, found: Spread | None) -> list[str]:
+    if found is None:
+        return []
+    machines = ", ".join(f"{each:.5g}" for each in found.machines)
+    return [f"  {name} {found.nominal:.5g} {unit}: {machines}"]
+
+
+def _verdict(answer: ToleranceAnalysis) -> str:
+    if answer.limit is None:
+        return ""
+    kept = "kept" if answer.within else "BROKEN"
+    return f"; limit {small(answer.limit, answer.unit)}: {kept}"
+
+
+def _at(extreme: Extreme, unit: str) -> str:
+    return f"{small(extreme.value, unit, signed=True)} {at_cam_angles(extreme.place)}"
+
+
+def _row(each: Share) -> list[str]:
+    low, high = each.limits
+    return [
+        each.name,
+        f"{low:+.4g} to {high:+.4g} {each.unit}",
+        small(each.sensitivity.value, each.sensitivity_unit, signed=True),
+        cam_angle(each.sensitivity.place),
+        f"{each.mean.value:+.3g}",
+        f"{each.spread.value:.3g}",
+        f"{100.0 * each.share:.1f} %",
+        f"{100.0 * each.share_at_worst:.1f} %",
+        f"{each.remainder.value:.1g}",
+    ]
+
+
+def table(answer: ToleranceAnalysis) -> Table:
+    """A row for each degree of the cam angle: mean, band, and what each source does."""
+    linear, factor, unit = answer.linear, answer.factor, answer.unit
+    low, high = linear.band
+    columns = {
+        "phi [deg]": np.degrees(linear.angles),
+        f"mean [{unit}]": linear.mean * factor,
+        f"mean - 3 sigma [{unit}]": low * factor,
+        f"mean + 3 sigma [{unit}]": high * factor,
+    }
+    if answer.between is not None:
+        unit_of_play, per = answer.play_unit
+        edges = zip(("-", "+"), answer.between.band, strict=True)
+        columns |= {f"play {sign} 3 sigma [{unit_of_play}]": each * per for sign, each in edges}
+    for source, variance in zip(linear.stated.sources, linear.variances, strict=True):
+        columns[f"3 sigma of {source.name} [{unit}]"] = SIGMAS * np.sqrt(variance) * factor
+    if answer.sampled is not None:
+        for share, values in zip(QUANTILES, answer.sampled.quantiles, strict=True):
+            columns[f"{share:.0%} quantile [{unit}]"] = values * factor
+    return Table(tuple(columns), np.column_stack(list(columns.values())))
+
+
+def figure(answer: ToleranceAnalysis) -> Figure:
+    """The band of errors, and the variance by source, over the cam angle."""
+    from camgeo.pictures.tolerance import of_analysis
+
+    return of_analysis(
+        answer.linear, answer.sampled, answer.scene.name, unit=answer.unit, factor=answer.factor
+    )

@@ -1,0 +1,271 @@
+"""What all commands share: options and their checks, the scene, earlier names, output."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+from collections.abc import Callable, Iterable, Sequence
+from decimal import Decimal, InvalidOperation
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from camgeo.app.answers import answer as render
+from camgeo.app.answers.answer import FINE, Answer
+from camgeo.app.cli.streams import notify, say, write
+from camgeo.design.design import Design
+from camgeo.errors import OutputError
+from camgeo.lazy import Ledger
+from camgeo.units import counted
+
+if TYPE_CHECKING:
+    from camgeo.studies.sweep.rows import Engine
+
+
+EARLIER: Final = {
+    "crank-slide": "slotted-lever",
+    "crank-slides": "slotted-levers",
+    "crank-slider": "slider-driven-crank",
+}
+"""Present names of commands, kinds and groups, by those of earlier versions, which are still read.
+"""
+
+SMALLEST: Final = 1e-9
+LARGEST: Final = 1e6
+"""Of lengths [mm] above 0 that options state."""
+
+Written = tuple[Path, bytes, str]
+"""A file to write: where, what, and what is reported of it."""
+
+
+class CallError(Exception):
+    """The call is wrong, though each of its options is valid by itself."""
+
+
+def opened(arguments: argparse.Namespace) -> Design:
+    """The design of the scene file that the command is called with; SceneError as `load_scene`.
+
+    Each quantity is shown as its computation starts. The design is kept with the arguments: an
+    error states lengths in its unit.
+    """
+    from camgeo.scene.scene import load_scene  # some commands need no scene
+
+    arguments.opened = Design(load_scene(arguments.scene), Ledger(arguments.progress))
+    design: Design = arguments.opened
+    return design
+
+
+def add_scene(parser: argparse.ArgumentParser) -> None:
+    """Add the argument that names the scene, see `opened`."""
+    parser.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """Add the option that requests JSON in place of text."""
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def add_origin(parser: argparse.ArgumentParser, of: str) -> None:
+    """Add the option that says where the cam axis lies in the axes of files."""
+    parser.add_argument(
+        "--origin", metavar=("X", "Y"), type=number, nargs=2, default=(0.0, 0.0),
+        help=f"where the cam axis lies in {of} [mm]; default 0 0",
+    )  # fmt: skip
+
+
+def add_output(
+    parser: argparse.ArgumentParser, text: str, suffixes: Sequence[str] | None = None
+) -> None:
+    """Add the options that name a file to write, described by `text`, and allow overwriting it.
+
+    Its name ends in one of `suffixes`, if there are any.
+    """
+    named = str if suffixes is None else ending_in(suffixes)
+    parser.add_argument("-o", metavar="FILE", dest="output", type=named, help=text)
+    parser.add_argument("--force", action="store_true", help="overwrite an existing file")
+
+
+def add_repeated(
+    parser: argparse.ArgumentParser,
+    option: str,
+    metavar: str,
+    text: str,
+    read: Callable[[str], Any] = str,
+    dest: str | None = None,
+) -> None:
+    """Add an option that may be given several times, described by `text`: a list, empty if not."""
+    parser.add_argument(
+        option, metavar=metavar, dest=dest, action="append", type=read, default=[], help=text
+    )
+
+
+def add_objectives(parser: argparse.ArgumentParser, text: str) -> None:
+    """Add `--least` and `--largest`; `text` describes both, with {} for "small" or "large"."""
+    for option, what in (("--least", "small"), ("--largest", "large")):
+        add_repeated(parser, option, "NAMES", text.format(what))
+
+
+def add_workers(parser: argparse._ActionsContainer) -> None:
+    """Add `--workers`, from which `engine_for` makes an engine."""
+    parser.add_argument(
+        "--workers",
+        metavar="COUNT",
+        type=int,
+        default=1,
+        help="processes of this machine that compute; default 1, 0 for one on each core",
+    )
+
+
+def engine_for(workers: int) -> Engine:
+    """The engine of `--workers`: this process, or as many others."""
+    from camgeo.studies.sweep.rows import engine_of  # few commands compute families
+
+    count = workers or os.cpu_count() or 1
+    return engine_of("loop" if count == 1 else "pool", count)
+
+
+def ending_in(suffixes: Sequence[str]) -> Callable[[str], str]:
+    """The type of an option that names a file, whose name must end in one of `suffixes`."""
+
+    def named(name: str) -> str:
+        if Path(name).suffix not in suffixes:
+            message = f"{name!r} must end in one of {', '.join(suffixes)}"
+            raise argparse.ArgumentTypeError(message)
+        return name
+
+    return named
+
+
+def deliver(text: str, arguments: argparse.Namespace, report: str) -> int:
+    """Print the text, or write it into the file of `-o` with a `report` of what was written."""
+    if arguments.output is None:
+        arguments.progress.end()
+        write(text)
+    else:
+        write_files([(Path(arguments.output), text.encode(), report)], arguments)
+    return FINE
+
+
+def tables(answer: Answer, name: str | None) -> list[Written]:
+    """The table of an answer as a CSV file of that name; none if there is no name."""
+    if name is None:
+        return []
+    table = render.table(answer)
+    return [(Path(name), table.encoded(), counted(len(table.values), "row"))]
+
+
+def write_files(files: Sequence[Written], arguments: argparse.Namespace) -> None:
+    """Write files into one folder, all or none, and report each."""
+    if not files:
+        return
+    from camgeo.design.writing import write_set  # most commands write nothing
+
+    data = {path.name: data for path, data, _ in files}
+    folder = files[0][0].parent
+    settle(folder, arguments)
+    write_set(folder, data, force=arguments.force, progress=arguments.progress)
+    for path, _, report in files:
+        notify(f"{path}: {report}")
+
+
+def require_new(paths: Iterable[Path], arguments: argparse.Namespace) -> None:
+    """Refuse files that exist, unless they may be overwritten: what takes long is not computed for
+    files that cannot be written.
+    """
+    there = [str(path) for path in paths if os.path.lexists(path)]
+    if there and not arguments.force:
+        message = "allow it with --force, or name others; nothing was computed"
+        raise OutputError(f"{', '.join(there)} would be overwritten; {message}")
+
+
+def settle(folder: Path, arguments: argparse.Namespace) -> None:
+    """Put a folder back in the state before a run that was stopped there, and report it."""
+    from camgeo.design import writing  # most commands write nothing
+
+    if found := writing.settle(folder, arguments.progress):
+        notify(f"{folder}: {found}")
+
+
+def require_beside(option: str, name: str | None, output: str | None) -> None:
+    """Refuse files of `option` and `-o` that are the same, or not in the same folder.
+
+    Files are written as a set, all or none, and a set lies in one folder.
+    """
+    if name is None or output is None:
+        return
+    if Path(name) == Path(output):
+        raise CallError(f"{option} and -o name the same file")
+    if Path(name).parent != Path(output).parent:
+        raise CallError(f"{option} and -o must name files in the same folder")
+
+
+def decimal(text: str) -> Decimal:
+    """The number in the text of an option, exactly."""
+    try:
+        value = Decimal(text)
+    except InvalidOperation:
+        value = Decimal("NaN")
+    if not value.is_finite():
+        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
+    return value
+
+
+def number(text: str) -> float:
+    """The number in the text of an option."""
+    value = float(decimal(text))
+    if math.isinf(value):
+        raise argparse.ArgumentTypeError(f"{text!r} is too large for a number")
+    return value
+
+
+def from_0(text: str) -> float:
+    """The number in the text of an option, not below 0."""
+    value = number(text)
+    if value < 0.0:
+        raise argparse.ArgumentTypeError("must be a number from 0 on")
+    return value
+
+
+def positive(text: str) -> float:
+    """The length in the text of an option, above 0."""
+    value = number(text)
+    if not SMALLEST <= value <= LARGEST:
+        raise argparse.ArgumentTypeError(f"must be a number from {SMALLEST:g} to {LARGEST:g}")
+    return value
+
+
+def check_step(step: Decimal | None, smallest: Decimal, largest: Decimal) -> None:
+    """Refuse a step of the cam angle [degrees] outside `smallest` to `largest`."""
+    if step is not None and not smallest <= step <= largest:
+        message = f"{step} degrees; from {smallest} to {largest} are allowed"
+        raise CallError(f"argument --step: {message}")
+
+
+def show(answer: Answer, arguments: argparse.Namespace) -> int:
+    """Print the answer as text, or as JSON with `--json`; return the exit code."""
+    arguments.progress.end()
+    if arguments.json:
+        write(document(answer))
+    elif text := render.text(answer):
+        say(text)
+    return answer.exit_code
+
+
+def document(answer: Answer) -> str:
+    """The answer as a JSON document."""
+    return json.dumps(render.to_json(answer), indent=2, allow_nan=False) + "\n"
+
+
+def present_name(name: str) -> str:
+    """The present name for an earlier `name`; a change is reported on standard error."""
+    present = EARLIER.get(name, name)
+    if present != name:
+        notify(f'camgeo: "{name}" is now called "{present}"')
+    return present
+
+
+def notify_main_disc(design: Design, what: str) -> None:
+    """Report of a conjugate pair that `what`, in the plural, covers the main disc alone."""
+    if design.scene.returning is not None:
+        notify(f"{what} of the main disc; the return disc, {design.name}-return, is not covered")

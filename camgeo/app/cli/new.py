@@ -1,0 +1,33 @@
+"""`camgeo new`: a commented scene to start from."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Final
+
+from camgeo.app.cli.command import add_output, deliver, present_name
+from camgeo.scene.toml import TEMPLATE_KINDS, template
+
+SUMMARY: Final = "write a commented scene to start from"
+
+EXAMPLE: Final = "camgeo new oscillating-roller -o my-cam.toml"
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add those of the command."""
+    parser.add_argument(
+        "kind",
+        metavar="KIND",
+        nargs="?",
+        type=present_name,
+        default=TEMPLATE_KINDS[0],
+        choices=TEMPLATE_KINDS,
+        help=", ".join(TEMPLATE_KINDS),
+    )
+    add_output(parser, "file to write; default: print to the terminal")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print or write the template."""
+    report = f"written; next: camgeo check {arguments.output}"
+    return deliver(template(arguments.kind), arguments, report)

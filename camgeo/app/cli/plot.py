@@ -1,0 +1,79 @@
+"""`camgeo plot`: pictures of a scene, and the drawing of pictures for all commands."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from camgeo.app.answers import answer as render
+from camgeo.app.answers.answer import FINE, Answer
+from camgeo.app.cli.command import (
+    Written,
+    add_output,
+    add_scene,
+    notify_main_disc,
+    opened,
+    write_files,
+)
+
+if TYPE_CHECKING:  # figures are imported when one is asked for
+    from camgeo.pictures.model import Figure
+
+RENDERERS = "camgeo.renderers"
+"""Entry points of renderers: callables that turn a figure into a file, by its suffix."""
+
+RENDERER = "matplotlib"
+
+SUFFIXES = (".png", ".svg", ".pdf")
+
+
+SUMMARY: Final = (
+    "draw a scene: motion, cam, mechanism, curvature, transmission-angle, effects,"
+    " shock-spectrum, backplot"
+)
+
+EXAMPLE: Final = "camgeo plot fixtures/scenes/setzhub.toml motion cam -o setzhub.png"
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add those of the command."""
+    add_scene(parser)
+    parser.add_argument("what", metavar="WHAT", nargs="*", help="what to draw; default: everything")
+    add_output(parser, f"picture, {', '.join(SUFFIXES)}; default NAME.png", SUFFIXES)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write the picture."""
+    from camgeo.pictures import plots
+
+    plots.check_names(arguments.what)
+    design = opened(arguments)
+    target = Path(arguments.output or f"{design.name}.png")
+    figure, wanted = plots.of_design(design, arguments.what)
+    picture = drawn(figure, target.suffix)
+    write_files([(target, picture, ", ".join(wanted))], arguments)
+    if set(wanted) - {plots.CAM}:
+        notify_main_disc(design, "curves")
+    return FINE
+
+
+def drawn(figure: Figure, suffix: str) -> bytes:
+    """The figure as a file of kind `suffix`, one of SUFFIXES."""
+    from importlib.metadata import entry_points
+
+    data: bytes = entry_points(group=RENDERERS)[RENDERER].load()(figure, suffix)
+    return data
+
+
+def pictures(answer: Answer, arguments: argparse.Namespace, contents: str) -> list[Written]:
+    """The picture of an answer, reported by its `contents`; none without `-o`."""
+    if arguments.output is None:
+        return []
+    target = Path(arguments.output)
+    return [(target, drawn(render.figure(answer), target.suffix), contents)]
+
+
+def add_picture(parser: argparse.ArgumentParser, text: str = "also draw a picture") -> None:
+    """The options of a command that draws a picture, by default in addition to what it prints."""
+    add_output(parser, f"{text}, {', '.join(SUFFIXES)}", SUFFIXES)

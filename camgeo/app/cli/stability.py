@@ -1,0 +1,63 @@
+"""`camgeo stability`: results in double precision compared with mpmath, as table and picture."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from typing import Final
+
+from camgeo.app.cli.command import CallError, add_json, present_name, show, write_files
+from camgeo.app.cli.plot import add_picture, pictures
+from camgeo.errors import meant
+from camgeo.units import counted
+
+SUMMARY: Final = (
+    "measure the rounding errors of every quantity against mpmath, also on the hard cases"
+)
+
+EXAMPLE: Final = (
+    "camgeo stability -o stability.svg\n"
+    "  camgeo stability --only curvature HC14 --json\n"
+    "  camgeo stability --quick"
+)
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add those of the command."""
+    parser.add_argument(
+        "--only",
+        metavar="NAME",
+        nargs="+",
+        default=[],
+        help="groups (laws, tables, cams, linkages, slotted-levers, extremes, outlines),"
+        " quantities, or beginnings of case names",
+    )
+    parser.add_argument("--quick", action="store_true", help="only two places of each case")
+    add_json(parser)
+    add_picture(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the suite; 0 if all ratios are within the limit, else 1."""
+    from camgeo.app.answers.stability import stability  # with all that it measures
+    from camgeo.stability import suite
+
+    cases = suite.all_cases()
+    only = _known(arguments.only, suite.names(cases))
+    found = stability(cases, only, quick=arguments.quick, progress=arguments.progress)
+    points = counted(len(suite.worst_of_cases(found.readings)), "point")
+    write_files(pictures(found, arguments, points), arguments)
+    return show(found, arguments)
+
+
+def _known(asked: Sequence[str], known: tuple[str, ...]) -> frozenset[str]:
+    """The names requested; an unknown name stands for all names that begin with it."""
+    found: set[str] = set()
+    for name in map(present_name, asked):
+        these = [name] if name in known else [each for each in known if each.startswith(name)]
+        if not these:
+            message = f"argument --only: there is no {name!r}"
+            hint = meant(name, known, '"')
+            raise CallError(f"{message}; {hint}" if hint else message)
+        found.update(these)
+    return frozenset(found)

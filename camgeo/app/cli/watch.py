@@ -1,0 +1,195 @@
+"""`camgeo watch`: a scene is checked and drawn anew whenever it, or a file it reads, changes."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Final
+
+from camgeo.app.answers.answer import FINE
+from camgeo.app.answers.check import Check, check
+from camgeo.app.cli.command import CallError, add_output, add_scene, from_0, number, opened
+from camgeo.app.cli.plot import SUFFIXES, drawn
+from camgeo.app.cli.progress import Progress
+from camgeo.app.cli.streams import say, until_ctrl_c
+from camgeo.errors import CamgeoError, SceneError
+from camgeo.reading import SCENE
+from camgeo.scene.scene import read_file
+from camgeo.scene.values import Stamp, named, stamp
+from camgeo.units import counted, listed
+
+EVERY: Final = 0.5
+"""Seconds between two looks at the files."""
+
+QUICKEST: Final = 0.05
+"""Least of them: looking costs no time, but only so often."""
+
+BAD: Final = ("invalid", "no-disc", "broken")
+"""Severities of findings that are named, the worst first."""
+
+NAMED: Final = 3
+"""Most of them that are named in a line."""
+
+SUMMARY: Final = "check and draw a scene anew whenever its file, or one that it names, changes"
+
+EXAMPLE: Final = "camgeo watch fixtures/scenes/setzhub.toml cam -o setzhub.png"
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add those of the command."""
+    add_scene(parser)
+    parser.add_argument("what", metavar="WHAT", nargs="*", help="what to draw; default: everything")
+    add_output(parser, f"picture, {', '.join(SUFFIXES)}; default SCENE.png", SUFFIXES)
+    parser.add_argument(
+        "--every",
+        metavar="SECONDS",
+        type=_seconds,
+        default=EVERY,
+        help=f"time between two looks at the files; default {EVERY:g}",
+    )
+    parser.add_argument(
+        "--runs", metavar="N", type=_count, default=0, help="end after N runs; default: at Ctrl-C"
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print a line for each run, until Ctrl-C."""
+    from camgeo.pictures.plots import check_names
+
+    check_names(arguments.what)
+    target = Path(arguments.output or f"{Path(arguments.scene).stem}.png")
+    if target.exists() and not arguments.force:
+        raise CallError(f"{target} exists; --force lets each run overwrite it")
+    arguments.progress.end()  # each run has its own: time passes between them
+
+    def once() -> None:
+        arguments.progress = Progress()
+        arguments.progress.begin()
+        start = time.monotonic()
+        try:
+            line = _run(arguments, target)
+        finally:
+            arguments.progress.end()
+        seconds = time.monotonic() - start
+        say(f"{time.strftime('%H:%M:%S')}  {line} ({seconds:.1f} s)")
+
+    with until_ctrl_c():
+        files = SceneFiles(arguments.scene)
+        watch(files.stamps, once, lambda: time.sleep(arguments.every), arguments.runs)
+    return FINE
+
+
+def _run(arguments: argparse.Namespace, target: Path) -> str:
+    """Check and draw once; the outcome in a line."""
+    try:
+        design = opened(arguments)
+        found = f"{design.name}: {_verdict(check(design))}"
+    except CamgeoError as error:
+        return f"{arguments.scene}: {_fault(error)}"
+    try:
+        from camgeo.design.writing import settle, write_set
+        from camgeo.pictures.plots import of_design
+
+        picture = drawn(of_design(design, arguments.what)[0], target.suffix)
+        settle(target.parent, arguments.progress)
+        write_set(target.parent, {target.name: picture}, force=True, progress=arguments.progress)
+    except CamgeoError as error:
+        design.scene.restate(error)
+        return f"{found}; no picture: {_fault(error)}"
+    return f"{found}; {target}"
+
+
+def _verdict(found: Check) -> str:
+    """The names of what is bad, or that all limits are kept; and how many warnings there are."""
+    several = found.everything
+    warnings = [each for each in several if each.severity == "warning"]
+    warned = f", {counted(len(warnings), 'warning')}" if warnings else ""
+    bad = [each for severity in BAD for each in several if each.severity == severity]
+    if not bad:
+        return f"all limits kept{warned}"
+    names = list(dict.fromkeys(each.name for each in bad))
+    return f"{counted(len(bad), 'bad finding')}: {listed(names, NAMED)}{warned}"
+
+
+def _fault(error: CamgeoError) -> str:
+    """The error in a line: the first fault of a scene, and how many more it has."""
+    if isinstance(error, SceneError) and error.faults:
+        more = len(error.faults) - 1
+        text = f"{error.faults[0]}" + (f" (and {counted(more, 'more fault')})" if more else "")
+    else:
+        text = str(error)
+    return " ".join(text.split())
+
+
+def _seconds(text: str) -> float:
+    value = number(text)
+    if not QUICKEST <= value <= 3600.0:
+        raise argparse.ArgumentTypeError(f"must be a number from {QUICKEST:g} to 3600")
+    return value
+
+
+def _count(text: str) -> int:
+    value = from_0(text)
+    if value != int(value):
+        raise argparse.ArgumentTypeError("must be a whole number from 0 on")
+    return int(value)
+
+
+# -- watching -------------------------------------------------------------------------------------
+# The files of a scene, looked at again and again to see whether they have changed.
+
+
+Stamps = dict[Path, Stamp]
+
+
+class SceneFiles:
+    """The scene file and the files in its folder that its texts name.
+
+    A scene that is broken for a moment, or a file that is missing, must be seen to be mended, so
+    any text of the scene counts as a name, and while the scene cannot be read its last names do.
+    """
+
+    def __init__(self, scene: str) -> None:
+        self.scene = Path(scene)
+        self._read: Stamp = None
+        self._named: tuple[Path, ...] = ()
+
+    def stamps(self) -> Stamps:
+        """The present state of all files."""
+        own = stamp(self.scene)
+        if own != self._read:
+            self._read = own
+            with suppress(SceneError, ValueError):  # read again when it changes again
+                text = read_file(self.scene, SCENE.size).decode()
+                found = named(text, self.scene.resolve().parent)
+                self._named = self._named if found is None else found
+        return {self.scene: own} | {path: stamp(path) for path in self._named}
+
+
+def watch(
+    files: Callable[[], Stamps], act: Callable[[], None], wait: Callable[[], None], runs: int = 0
+) -> None:
+    """Call `act` at once, and again after each change of `files`; `wait` passes between two looks.
+
+    A change counts once two looks see the same: a file that is being written is left alone. What
+    changes while `act` runs is seen afterwards. It ends after `runs` calls, never if that is 0.
+    """
+    done = 0
+    while True:
+        seen = files()
+        act()
+        done += 1
+        if done == runs:
+            return
+        while (now := files()) == seen:
+            wait()
+        while now != (now := _after(wait, files)):
+            pass
+
+
+def _after(wait: Callable[[], None], files: Callable[[], Stamps]) -> Stamps:
+    wait()
+    return files()

@@ -1,0 +1,864 @@
+"""What a designer edits: one scene with its history, its file on disk and its journal."""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import json
+import os
+import stat
+import sys
+import zlib
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final, Literal, Self
+
+from camgeo.design.writing import settle, write_set
+from camgeo.errors import FileError, unreadable
+from camgeo.reading import SCENE, check_size, read_within
+from camgeo.scene.values import Stamp, stamp_of
+
+RESTORED: Final = (
+    "unsaved edits of {name} have been restored; undo takes them back step by step, reload goes"
+    " back to the file on disk"
+)
+
+
+class Desk:
+    """One scene being edited in a folder; every change is written into its journal at once.
+
+    Parameters
+    ----------
+    folder : the only one in which scenes are opened and saved.
+    states : folder of journals; None for that of the user.
+
+    Attributes
+    ----------
+    history : the scene's text and what it was before.
+    opened : its file as it was read or saved last; None if it is in none yet.
+    """
+
+    def __init__(self, folder: Path, states: Path | None = None) -> None:
+        self.folder = folder.resolve()
+        self.history = History("")
+        self.opened: Opened | None = None
+        self._states = states
+        self._journal: Journal | None = None
+        self._told: list[str] = []
+
+    @property
+    def text(self) -> str:
+        """The scene's present text."""
+        return self.history.text
+
+    @property
+    def name(self) -> str | None:
+        """The scene's file, as a path in the folder; None if it is in none yet."""
+        if self.opened is None:
+            return None
+        return self.opened.path.relative_to(self.folder).as_posix()
+
+    @property
+    def beside(self) -> Path:
+        """The folder in which the files lie that the scene names."""
+        return self.folder if self.opened is None else self.opened.path.parent
+
+    @property
+    def saved(self) -> bool:
+        """Whether the text is the one that was read or saved last."""
+        if self.opened is None:
+            return not self.text
+        return digest(self.text.encode()) == self.opened.digest
+
+    @property
+    def disk(self) -> Disk:
+        """How the file on disk compares with what was read or saved last."""
+        return "same" if self.opened is None else disk(self.opened)
+
+    def told(self) -> list[str]:
+        """Sentences for the user since the last call."""
+        told, self._told = self._told, []
+        return told
+
+    def open(self, name: str) -> None:
+        """Switch to the scene file `name`, with its unsaved edits; those of the last one are kept.
+
+        Raises
+        ------
+        FileError
+            If it cannot or must not be read, or if another process is editing it.
+        """
+        path = place(self.folder, name)
+        if self.opened is not None and self.opened.path == path:
+            return
+        journal = Journal.opened(str(path), self._states)
+        try:
+            text, found = read(path)
+        except FileError:
+            if path.exists() or journal.kept is None or journal.kept.history is None:
+                journal.close(keep=True)
+                raise
+            text, found = "", Opened(path, journal.kept.saved)
+        self._leave()
+        self._journal = journal
+        self.history, self.opened = self._restored(text, found, journal.kept)
+
+    def begin(self) -> None:
+        """Switch to the scene of this folder that is in no file yet, with its unsaved edits."""
+        if self._journal is not None and self.opened is None:
+            return
+        journal = Journal.opened(f"{self.folder}{os.sep}", self._states)
+        self._leave()
+        self._journal = journal
+        self.history, self.opened = self._restored("", None, journal.kept)
+
+    def change(self, text: str, label: str, gesture: str = "") -> None:
+        """Give the scene another text, see `History.changed`; FileError if it is none."""
+        encoded(text, self.name or "scene")
+        if text != self.text:
+            event = change(self.text, text, label, gesture)
+            self._note(self.history.changed(text, label, gesture), event)
+
+    def undo(self) -> None:
+        """Undo the latest step, if there is one."""
+        if self.history.past:
+            self._note(self.history.undone(), {"do": "undo"})
+
+    def redo(self) -> None:
+        """Redo the step that was undone last, if there is one."""
+        if self.history.future:
+            self._note(self.history.redone(), {"do": "redo"})
+
+    def reload(self) -> None:
+        """Take the text from disk, as a step that can be undone; FileError if there is none."""
+        if self.opened is None:
+            raise FileError("the scene is in no file yet")
+        text, self.opened = read(self.opened.path)
+        self.change(text, f"{self.name} from disk")
+        self._note(self.history, self._saved_event(self.opened))
+
+    def save(self, name: str | None = None, *, force: bool = False) -> None:
+        """Save the scene; if a `name` is given, under that name, which it then keeps.
+
+        Raises
+        ------
+        OverwriteError
+            If that would overwrite something that was not read, and `force` is not set.
+        FileError, OutputError
+            If it cannot be saved there.
+        """
+        path = self.opened.path if name is None and self.opened else None
+        if path is None:
+            if name is None:
+                raise FileError("the scene is in no file yet; it needs a name")
+            path = place(self.folder, name)
+        if self.opened is not None and path == self.opened.path:
+            self.opened = saved(path, self.text, self.opened, force=force)
+        else:
+            self._save_elsewhere(path, force=force)
+        self._note(self.history, self._saved_event(self.opened))
+
+    def sync(self) -> None:
+        """Wait until all edits are on disk; callable from another thread."""
+        journal = self._journal
+        if journal is not None:
+            journal.sync()
+
+    def close(self) -> None:
+        """End editing; unsaved edits stay in the journal."""
+        self._leave()
+
+    def _save_elsewhere(self, path: Path, *, force: bool) -> None:
+        journal = Journal.opened(str(path), self._states)
+        try:
+            kept = journal.kept
+            if kept and kept.history and kept.history.text != self.text and not force:
+                raise OverwriteError(f"{path.name} has unsaved edits of its own")
+            self.opened = saved(path, self.text, None, force=force)
+        except BaseException:
+            journal.close(keep=True)
+            raise
+        if self._journal is not None:
+            self._journal.close(keep=False)
+        self._journal = journal
+
+    def _restored(
+        self, text: str, found: Opened | None, kept: Kept | None
+    ) -> tuple[History, Opened | None]:
+        """The history to continue, and the file as it was when that history was written."""
+        if self._journal is not None and self._journal.fault:
+            self._told.append(self._journal.fault)
+        if kept is None:
+            return History(text), found
+        name = "the new scene" if found is None else found.path.name
+        if kept.damage:
+            self._told.append(f"the journal of {name} is damaged, edits may be lost: {kept.damage}")
+        if kept.history is None:
+            return History(text), found
+        if kept.history.text == text:
+            return kept.history, found
+        self._told.append(RESTORED.format(name=name))
+        if found is not None and found.digest != kept.saved:
+            self._told.append(f"{name} has been changed on disk since they were made")
+            found = Opened(found.path, kept.saved)
+        return kept.history, found
+
+    def _saved_event(self, opened: Opened | None) -> dict[str, Any]:
+        return {"do": "saved", "saved": "" if opened is None else opened.digest}
+
+    def _note(self, history: History, event: Mapping[str, Any]) -> None:
+        """Continue with a history whose latest part is `event`."""
+        self.history = history
+        if self._journal is not None:
+            fault = self._journal.fault
+            self._journal.add(history, event, "" if self.opened is None else self.opened.digest)
+            if self._journal.fault != fault:
+                self._told.append(self._journal.fault)
+
+    def _leave(self) -> None:
+        """Close the journal; edits that are not saved stay in it."""
+        if self._journal is None:
+            return
+        if not self.saved:
+            name = self.name or "the new scene"
+            self._told.append(f"unsaved edits of {name} are kept until it is opened again")
+        self._journal.close(keep=not self.saved)
+        self._journal = None
+
+
+# -- opened ---------------------------------------------------------------------------------------
+# The scene file of a designer: read, watched, and saved without overwriting what is new.
+
+
+SUFFIX: Final = ".toml"
+
+MOST_LISTED: Final = 500
+"""Scenes of a folder that are offered."""
+
+Disk = Literal["same", "changed", "gone"]
+"""How a file on disk compares with what was read from it or saved last."""
+
+
+class OverwriteError(FileError):
+    """Saving would overwrite what the designer has not read, and was not forced."""
+
+
+@dataclass(frozen=True, slots=True)
+class Opened:
+    """A scene file as it was read or saved last.
+
+    Attributes
+    ----------
+    path : absolute, without links.
+    digest : SHA-256 of its bytes, hexadecimal.
+    stamp : its state then; None if that is not known.
+    """
+
+    path: Path
+    digest: str
+    stamp: Stamp = None
+
+
+def place(folder: Path, name: str) -> Path:
+    """The path of the scene file `name` in `folder`, which is absolute and without links.
+
+    Raises
+    ------
+    FileError
+        If it is not the name of a scene, leaves the folder, or goes through a link.
+    """
+    parts = Path(name).parts
+    if not _is_plain(name) or not parts or Path(name).is_absolute() or ".." in parts:
+        raise FileError(f"{name!r}: a scene must be named by a path in the folder {folder}")
+    if Path(name).suffix != SUFFIX or len(Path(name).name) == len(SUFFIX):
+        raise FileError(f"{name!r}: the name of a scene ends in {SUFFIX}")
+    path = folder
+    for part in parts:
+        path /= part
+        if _is_link(path):
+            raise FileError(f"{name!r}: {part!r} is a link, which is not followed")
+    return path
+
+
+def _is_plain(name: str) -> bool:
+    """Whether a name means the same on every system, and can be shown."""
+    return name.isprintable() and "\\" not in name and ":" not in name
+
+
+def scenes(folder: Path) -> tuple[str, ...]:
+    """The names of the scene files in `folder`, in order, without links and hidden files."""
+    try:
+        names = sorted(
+            each.name
+            for each in folder.iterdir()
+            if each.suffix == SUFFIX and each.name[0] != "." and _is_plain(each.name)
+            and not each.is_symlink() and each.is_file()
+        )  # fmt: skip
+    except OSError:
+        return ()
+    return tuple(names[:MOST_LISTED])
+
+
+def read(path: Path) -> tuple[str, Opened]:
+    """The text of the scene file at `path`, and its state.
+
+    FileError if it cannot be read, is too large, or is not text in UTF-8.
+    """
+    try:
+        before = path.lstat()
+        if not stat.S_ISREG(before.st_mode):
+            raise FileError(f"{path.name}: is no plain file")
+        data = read_within(path, SCENE)
+        text = data.decode()
+    except FileNotFoundError as error:
+        raise FileError(f"{path.name}: there is no such file") from error
+    except UnicodeDecodeError as error:
+        raise FileError(f"{path.name}: is not text in UTF-8") from error
+    except OSError as error:
+        raise FileError(f"{path.name}: cannot be read: {unreadable(error)}") from error
+    return text, Opened(path, digest(data), stamp_of(before))
+
+
+def disk(opened: Opened, *, closely: bool = False) -> Disk:
+    """How the file is now; a file that was written anew with the same bytes is the same.
+
+    It is read if its stamp differs, or in any case if `closely`: files written within the same tick
+    of the clock have the same time.
+    """
+    try:
+        found = opened.path.lstat()
+        if stamp_of(found) == opened.stamp and not closely:
+            return "same"
+        if not stat.S_ISREG(found.st_mode) or found.st_size > SCENE.size:
+            return "changed"
+        same = digest(read_within(opened.path, SCENE)) == opened.digest
+    except FileNotFoundError:
+        return "gone"
+    except (OSError, FileError):
+        return "changed"
+    return "same" if same else "changed"
+
+
+def saved(path: Path, text: str, before: Opened | None, *, force: bool) -> Opened:
+    """The file at `path` with this text, put in place in one step.
+
+    `before` is what is known of it. A file that has changed since, or of which nothing is known, is
+    overwritten only with `force`, unless it has this text already.
+
+    Raises
+    ------
+    OverwriteError
+        If it would be overwritten without `force`.
+    FileError, OutputError
+        If the text is too large or cannot be encoded, or the file cannot be written.
+    """
+    data = encoded(text, path.name)
+    if not force:
+        _refuse_overwriting(path, data, before)
+    mode = stat.S_IMODE(path.stat().st_mode) if path.is_file() else None
+    settle(path.parent)
+    write_set(path.parent, {path.name: data}, force=True)
+    try:
+        if mode is not None:
+            path.chmod(mode)  # as private as the file that it replaces
+        found = path.lstat()
+    except OSError as error:
+        raise FileError(f"{path.name}: cannot be read: {unreadable(error)}") from error
+    return Opened(path, digest(data), stamp_of(found))
+
+
+def encoded(text: str, name: str) -> bytes:
+    """The bytes of a scene's text; FileError if they are too many, or cannot be encoded."""
+    try:
+        data = text.encode()
+    except UnicodeEncodeError as error:
+        raise FileError(f"{name}: is not text that UTF-8 can encode") from error
+    check_size(len(data), SCENE, name)
+    return data
+
+
+def digest(data: bytes) -> str:
+    """SHA-256 of data, hexadecimal."""
+    return hashlib.sha256(data).hexdigest()
+
+
+def _refuse_overwriting(path: Path, data: bytes, before: Opened | None) -> None:
+    if before is not None and before.path == path:
+        if disk(before, closely=True) == "changed":
+            raise OverwriteError(f"{path.name} has been changed on disk since it was read")
+        return
+    if not path.exists() and not path.is_symlink():
+        return
+    if read(path)[1].digest != digest(data):
+        raise OverwriteError(f"{path.name} exists already")
+
+
+def _is_link(path: Path) -> bool:
+    try:
+        return path.is_symlink()
+    except (OSError, ValueError):
+        return False
+
+
+# -- journal --------------------------------------------------------------------------------------
+# Unsaved edits on disk: changes survive the end of the designer's process, however it ends.
+#
+# A journal has one line for each change of a history. The line is written before the change is
+# answered, and the history can be rebuilt from the lines. Journals are in the user's state folder,
+# readable by no one else, under a name derived from the path of the scene file. A journal is locked
+# while its scene is open, so two designers never edit one file; the system releases the lock of a
+# process that has died.
+
+
+if sys.platform != "win32":
+    import fcntl
+
+FORM: Final = 1
+"""Version of the format of journals; others are not read."""
+
+MOST_BYTES: Final = 128_000_000
+"""Largest journal: more than the longest history needs."""
+
+SPARE: Final = 1_000_000
+"""Bytes that a journal may grow beyond twice its first size before it is written anew."""
+
+PRIVATE: Final = 0o600
+PRIVATE_FOLDER: Final = 0o700
+
+NO_LINK: Final = getattr(os, "O_NOFOLLOW", 0)
+"""Flag with which links are not followed on opening."""
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """What a journal has preserved.
+
+    Attributes
+    ----------
+    history : with the last text; None if nothing can be read.
+    saved : SHA-256 of the scene file when it was last read or saved; empty if there was no file.
+    damage : why part of what was written is missing; empty if nothing is.
+    """
+
+    history: History | None
+    saved: str
+    damage: str = ""
+
+
+class Journal:
+    """The journal of one scene file; `opened` makes one.
+
+    Attributes
+    ----------
+    kept : earlier edits that it had preserved; None if there were none.
+    fault : why edits are not kept; empty if they are.
+    """
+
+    def __init__(self, file: str, place: Path | None, lock: int | None, fault: str = "") -> None:
+        self.kept: Kept | None = None
+        self.fault = fault
+        self._file = file
+        self._place = place
+        self._lock = lock
+        self._stream: int | None = None
+        self._size = self._least = 0
+
+    @classmethod
+    def opened(cls, file: str, folder: Path | None = None) -> Self:
+        """The journal of the scene file at the absolute path `file`, in `folder`.
+
+        If the journal cannot be written, `fault` says why, and designing goes on without it.
+
+        Raises
+        ------
+        FileError
+            If another process has it open.
+        """
+        try:
+            folder = state_folder() if folder is None else folder
+            folder.mkdir(PRIVATE_FOLDER, parents=True, exist_ok=True)
+            place = folder / f"{hashlib.sha256(os.fsencode(file)).hexdigest()[:32]}.journal"
+            lock = _locked(place.with_suffix(".lock"))
+        except (OSError, RuntimeError) as error:
+            return cls(file, None, None, unkept(error))
+        if lock is None:
+            raise FileError(f"{file} is open in another designer; end that one first")
+        found = cls(file, place, lock)
+        found._read()
+        return found
+
+    def add(self, history: History, event: Mapping[str, Any], saved: str) -> None:
+        """Record the `event` that led to this `history`; `saved` is the digest of the file."""
+        if self._place is None:
+            return
+        line = _line(event)
+        try:
+            if self._stream is None or self._size + len(line) > 2 * self._least + SPARE:
+                self._write_anew(history, saved)
+            else:
+                _write(self._stream, line)
+                self._size += len(line)
+        except OSError as error:
+            self._forsake(unkept(error))
+
+    def sync(self) -> None:
+        """Wait until everything written is on disk, not only with the system."""
+        stream = self._stream
+        if stream is not None:
+            with suppress(OSError):  # closed in the meantime, which waits too
+                os.fsync(stream)
+
+    def close(self, *, keep: bool) -> None:
+        """Release the journal; without `keep` nothing is unsaved, and it is removed."""
+        if self._place is None:
+            return
+        if self._stream is not None:
+            self.sync()
+            os.close(self._stream)
+        with suppress(OSError):
+            if not keep:
+                self._place.unlink(missing_ok=True)
+            self._place.with_suffix(".lock").unlink(missing_ok=True)
+        if self._lock is not None:
+            os.close(self._lock)
+        self._place = self._stream = self._lock = None
+
+    def _read(self) -> None:
+        """Read what an earlier process has left; a damaged journal is set aside."""
+        if self._place is None:
+            return
+        try:
+            data = _content(self._place)
+        except FileNotFoundError:
+            return
+        except (OSError, FileError) as error:
+            self._forsake(unkept(error))
+            return
+        self.kept = kept(data, self._file)
+        if self.kept.damage:
+            aside = self._place.with_suffix(".damaged")
+            self.kept = replace(self.kept, damage=f"{self.kept.damage}; it is kept as {aside}")
+            try:
+                self._place.replace(aside)
+            except OSError as error:
+                self._forsake(unkept(error))
+
+    def _write_anew(self, history: History, saved: str) -> None:
+        """Replace the journal with a shorter one of the same history."""
+        if self._place is None:
+            return
+        data = b"".join(_lines(self._file, history, saved))
+        fresh = self._place.with_suffix(".new")
+        fresh.unlink(missing_ok=True)
+        stream = os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_EXCL, PRIVATE)
+        try:
+            _write(stream, data)
+            os.fsync(stream)
+        finally:
+            os.close(stream)
+        if self._stream is not None:
+            os.close(self._stream)
+            self._stream = None
+        fresh.replace(self._place)
+        _sync_folder(self._place.parent)
+        self._stream = os.open(self._place, os.O_WRONLY | os.O_APPEND | NO_LINK)
+        self._size = self._least = len(data)
+
+    def _forsake(self, fault: str) -> None:
+        """Stop keeping edits."""
+        self.fault = fault
+        if self._stream is not None:
+            os.close(self._stream)
+        self._stream = self._place = None
+
+
+def state_folder() -> Path:
+    """The folder of journals, where the system keeps the state of the user's programs.
+
+    RuntimeError if the user has no home.
+    """
+    if sys.platform == "win32":
+        base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
+    elif sys.platform == "darwin":
+        base = Path.home() / "Library" / "Application Support"
+    else:
+        stated = Path(os.environ.get("XDG_STATE_HOME", ""))  # to be ignored unless absolute
+        base = stated if stated.is_absolute() else Path.home() / ".local" / "state"
+    return base / "camgeo" / "designer"
+
+
+def kept(data: bytes, file: str) -> Kept:
+    """What the bytes of a journal say about the scene file at `file`, up to any damage."""
+    found = Kept(None, "", "it is empty")
+    for number, line in enumerate(data.splitlines(keepends=True), 1):
+        try:
+            event = _event(line)
+            found = (
+                _first(event, file)
+                if found.history is None
+                else _next(found.history, found.saved, event)
+            )
+        except (ValueError, LookupError, TypeError) as error:
+            return replace(found, damage=f"line {number} is damaged: {error}")
+    return found
+
+
+def _first(event: Any, file: str) -> Kept:
+    if event["journal"] != FORM:
+        raise ValueError(f"its form is {event['journal']}, not {FORM}")
+    if event["file"] != file:
+        raise ValueError("it is of another file")
+    return Kept(History(_text(event["text"])), _text(event["saved"]))
+
+
+def _next(history: History, saved: str, event: Any) -> Kept:
+    match event["do"]:
+        case "change":
+            at, length, after = event["splice"]
+            if not 0 <= at <= at + length <= len(history.text):
+                raise ValueError("a change does not fit")
+            text = f"{history.text[:at]}{_text(after)}{history.text[at + length :]}"
+            history = history.changed(text, _text(event["label"]), _text(event["gesture"]))
+        case "undo":
+            history = history.undone()
+        case "redo":
+            history = history.redone()
+        case "saved":
+            saved = _text(event["saved"])
+        case other:
+            raise ValueError(f"{other!r} is unknown")
+    return Kept(history, saved)
+
+
+def change(before: str, after: str, label: str, gesture: str = "") -> dict[str, Any]:
+    """The event of `History.changed` between two texts."""
+    at, gone, there = splice(before, after)
+    return {"do": "change", "splice": [at, len(gone), there], "label": label, "gesture": gesture}
+
+
+def _lines(file: str, history: History, saved: str) -> Iterator[bytes]:
+    """The lines of a journal from which this history can be rebuilt."""
+    steps = (*history.past, *reversed(history.future))
+    start = history
+    while start.past:
+        start = start.undone()
+    yield _line({"journal": FORM, "file": file, "text": start.text, "saved": saved})
+    for step in steps:
+        event = {"splice": [step.at, len(step.before), step.after], "label": step.label}
+        yield _line({"do": "change", **event, "gesture": step.gesture})
+    yield from [_line({"do": "undo"})] * len(history.future)
+
+
+def _line(event: Mapping[str, Any]) -> bytes:
+    """An event as a line: a checksum and JSON."""
+    data = json.dumps(event, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
+    return b"%08x %s\n" % (zlib.crc32(data), data)
+
+
+def _event(line: bytes) -> Any:
+    total, space, rest = line[:8], line[8:9], line[9:-1]
+    if line[-1:] != b"\n" or space != b" " or total != b"%08x" % zlib.crc32(rest):
+        raise ValueError("its checksum is wrong")
+    return json.loads(rest)
+
+
+def _text(value: Any) -> str:
+    if not isinstance(value, str) or len(value) > SCENE.size:
+        raise ValueError("a text is none, or too long")
+    return value
+
+
+def _content(place: Path) -> bytes:
+    """The bytes of a journal, which is a plain file of the user."""
+    stream = os.open(place, os.O_RDONLY | NO_LINK)
+    with os.fdopen(stream, "rb") as file:
+        found = os.fstat(stream)
+        if not stat.S_ISREG(found.st_mode) or found.st_size > MOST_BYTES:
+            raise FileError(f"{place}: is no journal")
+        return file.read(MOST_BYTES)
+
+
+def _write(stream: int, data: bytes) -> None:
+    while data:
+        data = data[os.write(stream, data) :]
+
+
+def _sync_folder(folder: Path) -> None:
+    """Wait until the entries of a folder are on disk, where the system can."""
+    if sys.platform == "win32":
+        return
+    opened = os.open(folder, os.O_RDONLY)
+    try:
+        with suppress(OSError):
+            os.fsync(opened)
+    finally:
+        os.close(opened)
+
+
+def _locked(place: Path) -> int | None:
+    """The lock file, open and locked; None if another process has it."""
+    if sys.platform == "win32":
+        try:
+            return os.open(place, os.O_CREAT | os.O_EXCL | os.O_TEMPORARY)  # goes when closed
+        except FileExistsError:
+            return None
+    while True:
+        lock = os.open(place, os.O_RDWR | os.O_CREAT | NO_LINK, PRIVATE)
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            os.close(lock)
+            return None
+        except OSError:
+            return lock  # a file system without locks
+        with suppress(FileNotFoundError):
+            if os.path.samestat(os.fstat(lock), place.stat()):
+                return lock
+        os.close(lock)  # its process removed it after it had been opened here
+
+
+def unkept(error: Exception) -> str:
+    """A sentence saying that edits are not kept, and why."""
+    reason = unreadable(error) if isinstance(error, OSError | ValueError) else str(error)
+    return f"unsaved edits are not kept on disk: {reason}"
+
+
+# -- history --------------------------------------------------------------------------------------
+# The texts that a scene has had, for undo and redo: the present one and the steps between them.
+#
+# A step keeps what it replaces, not the whole text, so a long scene can have as many steps as a
+# short one.
+
+
+MOST_STEPS: Final = 1000
+"""Most steps that can be undone."""
+
+MOST_CHARACTERS: Final = 16_000_000
+"""Most characters, in all, that these steps replace and put in their place."""
+
+Splice = tuple[int, str, str]
+"""Where two texts differ: the first character, what the first text has there, and the second."""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """What one step changed.
+
+    Attributes
+    ----------
+    label : its name, e.g. ``roller radius 8 mm``.
+    at : character from which on the texts differ.
+    before, after : what they have there.
+    gesture : changes of the same gesture, a drag say, are one step; empty for a step by itself.
+    """
+
+    label: str
+    at: int
+    before: str
+    after: str
+    gesture: str = ""
+
+    def __len__(self) -> int:
+        return len(self.before) + len(self.after)
+
+
+@dataclass(frozen=True, slots=True)
+class History:
+    """A text with the steps that led to it, and those that were undone.
+
+    Attributes
+    ----------
+    text : the present one.
+    past : steps to be undone, the latest last.
+    future : steps to be redone, the next last.
+    """
+
+    text: str
+    past: tuple[Step, ...] = ()
+    future: tuple[Step, ...] = ()
+
+    @property
+    def undo(self) -> str | None:
+        """The label of what can be undone; None if there is nothing."""
+        return self.past[-1].label if self.past else None
+
+    @property
+    def redo(self) -> str | None:
+        """The label of what can be redone; None if there is nothing."""
+        return self.future[-1].label if self.future else None
+
+    def changed(self, text: str, label: str, gesture: str = "") -> Self:
+        """With a new text and nothing left to redo.
+
+        A change with the gesture of the latest step becomes part of that step. If the text is
+        then what it was before the gesture, the step disappears.
+        """
+        past = self.past
+        before = self.text
+        if gesture and past and past[-1].gesture == gesture:
+            before = spliced(before, past[-1].at, past[-1].after, past[-1].before)
+            past = past[:-1]
+        if before != text:
+            past = (*past, Step(label, *splice(before, text), gesture))
+        return replace(self, text=text, past=_bounded(past), future=())
+
+    def undone(self) -> Self:
+        """One step back; the same if there is none."""
+        if not self.past:
+            return self
+        *past, step = self.past
+        text = spliced(self.text, step.at, step.after, step.before)
+        return replace(self, text=text, past=tuple(past), future=(*self.future, _ended(step)))
+
+    def redone(self) -> Self:
+        """One step forth; the same if there is none."""
+        if not self.future:
+            return self
+        *future, step = self.future
+        text = spliced(self.text, step.at, step.before, step.after)
+        return replace(self, text=text, past=(*self.past, step), future=tuple(future))
+
+
+def splice(before: str, after: str) -> Splice:
+    """Where `before` and `after` differ: what is equal at both ends is left out."""
+    head = _alike(before, after)
+    before, after = before[head:], after[head:]
+    tail = _alike(before[::-1], after[::-1])
+    return head, before[: len(before) - tail], after[: len(after) - tail]
+
+
+def _alike(one: str, other: str) -> int:
+    """How many characters two texts have in common at the start; by bisection, comparing slices."""
+    low, high = 0, min(len(one), len(other))
+    while low < high:
+        middle = (low + high + 1) // 2
+        if one[low:middle] == other[low:middle]:
+            low = middle
+        else:
+            high = middle - 1
+    return low
+
+
+def spliced(text: str, at: int, before: str, after: str) -> str:
+    """The text with `after` in place of `before`; ValueError if `before` is not there."""
+    if text[at : at + len(before)] != before:
+        raise ValueError("a step does not fit the text")
+    return f"{text[:at]}{after}{text[at + len(before) :]}"
+
+
+def _ended(step: Step) -> Step:
+    """The step with its gesture over: nothing becomes part of it after it has been undone."""
+    return replace(step, gesture="")
+
+
+def _bounded(past: tuple[Step, ...]) -> tuple[Step, ...]:
+    """The latest steps that are within the limits; the last one always is."""
+    past = past[-MOST_STEPS:]
+    size = sum(map(len, past))
+    first = 0
+    while size > MOST_CHARACTERS and first < len(past) - 1:
+        size -= len(past[first])
+        first += 1
+    return past[first:]

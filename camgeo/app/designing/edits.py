@@ -1,0 +1,821 @@
+"""Changes of a scene's text: what is asked becomes values, which are written into the text.
+
+Comments and order stay. A text is changed whether its scene is valid or not, as long as it is TOML.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import pathlib
+import tomllib
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from decimal import Decimal
+from typing import Any, Final, TypeGuard
+
+import numpy as np
+
+from camgeo.app.designing.form import Fields, is_angular, is_length, label_of
+from camgeo.app.designing.handles import dragged
+from camgeo.app.designing.segments import (
+    Given,
+    Neighbours,
+    changed_segments,
+    is_fixed,
+    is_number,
+    refusal,
+    rounded,
+    span_key,
+    spans_of,
+    styled,
+    total,
+    with_a_point,
+)
+from camgeo.check.cures.search import edits_of
+from camgeo.design.design import KEPT, Design
+from camgeo.dynamics.effects.effect import Effect
+from camgeo.dynamics.effects.registry import effect_names, find_effect
+from camgeo.errors import CamgeoError, Fault, GeometryError, SceneError, UnknownNameError
+from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
+from camgeo.kinematics.plan import FULL_TURN
+from camgeo.reading import SCENE
+from camgeo.scene.keys import KeyPath, path_of, value_at
+from camgeo.scene.scene import Scene
+from camgeo.scene.schema import EFFECTS_KEY, Node
+from camgeo.scene.toml import template, written_into
+from camgeo.scene.values import (
+    Tree,
+    ValidValues,
+    data_of,
+    document,
+    document_of_tree,
+    edited,
+    without,
+)
+from camgeo.units import MM_PER, TURN
+
+MOST: Final = 1_000
+"""Keys of one change."""
+
+LONGEST: Final = 1_000
+"""Characters of a key."""
+
+
+@dataclass(frozen=True, slots=True)
+class Changed:
+    """A text after a change.
+
+    Attributes
+    ----------
+    text : the new TOML.
+    label : names the change, for undo.
+    scene : the new scene, if it is valid and the one before is known; it shares with that what the
+        change does not touch.
+    """
+
+    text: str
+    label: str
+    scene: Scene | None = None
+
+
+def changed(
+    text: str,
+    file: str,
+    folder: str | pathlib.Path | None,
+    arguments: Mapping[str, Any],
+    design: Design | None = None,
+) -> Changed:
+    """The `text` with one change, which `arguments` ask for.
+
+    Parameters
+    ----------
+    file, folder : where the text comes from, as of `camgeo.scene.scene.Scene.from_text`.
+    arguments : one of the kinds of changes, `CHANGES`, by its name, with what it takes.
+    design : that of the text, if it is known.
+
+    Raises
+    ------
+    SceneError
+        If the text is not TOML, or has no place for what is asked, or if a handle is dropped where
+        it cannot be; nothing is changed then.
+    UnknownNameError
+        If there is no such handle, kind or effect.
+    """
+    asked = [name for name in CHANGES if name in arguments]
+    if len(asked) != 1:
+        raise refusal(f"a change is one of {', '.join(CHANGES)}")
+    try:
+        found = document(data_of(text)) if design is None else design.scene.stated.scene
+    except SceneError as error:
+        raise SceneError(error.faults, file) from error
+    given = Given(text, found.exact, file, folder, design)
+    after, label = CHANGES[asked[0]](given, arguments)
+    return _written(given, after, label, valid=asked[0] in VALID)
+
+
+def _written(given: Given, after: Tree, label: str, *, valid: bool) -> Changed:
+    """The text with the values `after`; SceneError if they are not valid, but have to be."""
+    known = {fault.key for fault in document_of_tree(given.tree).faults}
+    found = document_of_tree(after)
+    impossible = [fault for fault in found.faults if fault.key not in known]
+    if impossible:
+        raise SceneError(impossible)
+    text = written_into(given.text, after)
+    if len(text.encode()) > SCENE.size:
+        raise refusal(f"the scene would be larger than {SCENE.size:,} bytes")
+    if given.known is None and not valid:
+        return Changed(text, label)
+    before = given.design.scene
+    try:
+        return Changed(text, label, Scene.of(found, replace(before.source, text=text), before))
+    except SceneError:
+        if valid:
+            raise
+    return Changed(text, label)
+
+
+# -- kinds of changes ------------------------------------------------------------------------------
+
+
+def _by_keys(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
+    """`edits`: values by key, None to remove the key.
+
+    A segment whose span changes takes from the next one, or gives to it, so that the turn stays
+    whole; choices come with what goes with them.
+    """
+    edits = _edits(arguments["edits"])
+    after = with_companions(given, edited(given.tree, edits), edits)
+    return _whole_turn(given.tree, after), label_of(edits, _units(after, edits))
+
+
+def _dragged(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
+    """`handle`: the name of one, dropped at `to`, in steps of `step`."""
+    name = arguments["handle"]
+    handle, edits = dragged(given.design, name, arguments.get("to"), arguments.get("step"))
+    after = edited(given.tree, edits)
+    # What a joint takes from the segment behind it goes without saying.
+    told = {key: edits[key] for key in handle.keys if key in edits}
+    return after, label_of(told, _units(after, told)) if told else handle.label
+
+
+def _cured(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
+    """`cure`: the position of a cure among those of the design's judgement, from 0."""
+    number, cures = arguments["cure"], given.design.judgement.cures
+    if not isinstance(number, int) or isinstance(number, bool) or not 0 <= number < len(cures):
+        raise refusal("there is no such cure")
+    if not cures[number].works:
+        raise refusal(cures[number].sentence)
+    edits = given.design.edits(edits_of(cures[number]))
+    return edited(given.tree, edits), label_of(edits, _units(given.tree, edits))
+
+
+def _sized(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
+    """`sized`: values by key, as of `camgeo.app.answers.size.edits_with`."""
+    edits = _edits(arguments["sized"])
+    return edited(given.tree, edits), f"sized: {label_of(edits, _units(given.tree, edits))}"
+
+
+CHANGES: Final[Mapping[str, Callable[[Given, Mapping[str, Any]], tuple[Tree, str]]]] = {
+    "edits": _by_keys,
+    "handle": _dragged,
+    "segment": lambda given, arguments: changed_segments(given, arguments["segment"]),
+    "table": lambda given, arguments: other_table(given, arguments["table"]),
+    "effect": lambda given, arguments: switched(given, arguments["effect"]),
+    "cure": _cured,
+    "sized": _sized,
+}
+"""Kinds of changes by the names of their arguments; each gives the values after it and a label."""
+
+VALID: Final = ("handle",)
+"""Those that are refused if the scene would not be valid: a handle stays where it last could be."""
+
+
+# -- what goes with a change -----------------------------------------------------------------------
+
+
+def _edits(asked: Any) -> dict[str, Any]:
+    if not isinstance(asked, Mapping) or not 0 < len(asked) <= MOST:
+        raise refusal(f"an edit has 1 to {MOST} values by key")
+    if not all(isinstance(key, str) and len(key) <= LONGEST for key in asked):
+        raise refusal(f"a key is text of at most {LONGEST} characters")
+    return dict(asked)
+
+
+def _units(tree: Tree, edits: Mapping[str, Any]) -> dict[str, str]:
+    """The unit of each key."""
+    fields = Fields(document_of_tree(tree))
+    return {key: fields.unit(path_of(key) or ()) for key in edits}
+
+
+def _whole_turn(before: Tree, after: Tree) -> Tree:
+    """The motion after an edit, its turn as whole as before if the span of one segment changed."""
+    old, new = spans_of(before.get("motion")), spans_of(after.get("motion"))
+    if old is None or new is None or len(old) != len(new) or total(old) != FULL_TURN:
+        return after
+    changed = [index for index, (one, two) in enumerate(zip(old, new, strict=True)) if one != two]
+    if len(changed) != 1 or len(old) == 1:
+        return after
+    at = changed[0]
+    motion = after["motion"]
+    beside = [each for each in (at + 1, at - 1) if 0 <= each < len(motion)]
+    taker = next((each for each in beside if not is_fixed(motion[each])), None)
+    if taker is None:
+        return after
+    try:
+        _, span = Neighbours(before["motion"][at], motion[taker]).with_first(new[at])
+    except GeometryError as error:
+        key = f"motion[{at + 1}].{span_key(motion[at])}"
+        raise SceneError([Fault(key, "", error.message)]) from error
+    key = span_key(motion[taker])
+    made = {**motion[taker], key: styled(span, motion[taker][key])}
+    return {**after, "motion": [*motion[:taker], made, *motion[taker + 1 :]]}
+
+
+# -- mechanisms -----------------------------------------------------------------------------------
+# Other followers and linkages: what both kinds share stays, and the rest is chosen to work.
+#
+# What a kind needs and the scene lacks is taken from the scene that `camgeo new` writes for it,
+# scaled to this one. If the unit of positions changes, they are converted to about the same travel.
+# Keys elsewhere that do not belong to the new mechanism go.
+
+
+WIDEST: Final = Decimal(60)
+"""Largest swing that a rocker is given [degrees]."""
+
+IN_POSITIONS: Final = ("to", "velocity", "acceleration", "jerk")
+"""Keys of a segment, and of a point, that are in the unit of its positions."""
+
+ELSEWHERE: Final = ("limits", "effects", "linkage", "units", "follower", "part")
+"""Tables whose keys go if they do not belong to the new mechanism."""
+
+OF_PART: Final = ("rim", "groove_depth", "pair")
+"""Those keys of [part], which belong to contacts and conjugate pairs."""
+
+
+def other_table(given: Given, asked: Any) -> tuple[Tree, str]:
+    """The tree with another kind of follower or linkage, and a label.
+
+    `asked` has the `key`, "follower" or "linkage", and the `kind`; None for no linkage. SceneError
+    if it lacks the key, UnknownNameError if there is no such kind.
+    """
+    key = asked.get("key") if isinstance(asked, Mapping) else None
+    kind = asked.get("kind") if isinstance(asked, Mapping) else None
+    if key == "linkage" and kind is None:
+        return _first_valid(given, _without_linkage(given.tree)), "linkage removed"
+    if not isinstance(key, str) or key not in KINDS:
+        raise refusal(f"another kind is one of {', '.join(KINDS)}")
+    known, make = KINDS[key]
+    if not isinstance(kind, str) or kind not in known:
+        raise UnknownNameError(f"{key} kind", str(kind)[:60], known)
+    return _first_valid(given, make(given.tree, kind)), f"{key} {kind}"
+
+
+def _first_valid(given: Given, trees: Iterator[Tree]) -> Tree:
+    """The first tree that is valid once what does not belong to it is gone; else the first."""
+    required = {
+        name: {*kind.schema.get("required", ()), "kind"}
+        for kinds in (FOLLOWERS, LINKAGES)
+        for name, kind in kinds.items()
+    }
+    first: Tree | None = None
+    for tree in trees:
+        kinds = {key: _kind(tree.get(key)) for key in ("follower", "linkage")}
+
+        def may(path: KeyPath, kinds: Mapping[str, str] = kinds) -> bool:
+            if len(path) < 2 or path[0] not in ELSEWHERE:
+                return False
+            if path[0] in kinds:
+                return path[1] not in required.get(kinds[str(path[0])], ())
+            return path[0] != "part" or path[1] in OF_PART
+
+        mended = _with_suiting_effects(given, given.without_misfits(tree, may))
+        if not given.faults(mended):
+            return mended
+        first = first or mended
+    assert first is not None  # every change makes one
+    return first
+
+
+def _with_suiting_effects(given: Given, tree: Tree) -> Tree:
+    """The tree with other data for the effects whose own do not suit, or without these effects."""
+    for fault in given.new_faults(tree):
+        path = path_of(fault.key) or ()
+        effects = tree.get(EFFECTS_KEY)
+        if path[:1] != (EFFECTS_KEY,) or not isinstance(effects, dict):
+            continue
+        name = str(path[1]) if len(path) > 1 else ""
+        if name in effects:
+            bare = without(tree, (EFFECTS_KEY, name))
+            tree = suiting(given, bare, name) or bare
+    return tree
+
+
+# -- followers -------------------------------------------------------------------------------------
+
+
+def _other_follower(tree: Tree, kind: str) -> Iterator[Tree]:
+    """The scene with a follower of that kind: first with its own sizes, then with all sizes new."""
+    old = _table(tree, "follower")
+    size = _size_of(tree)
+    own = _template(kind)["follower"]
+    nodes = FOLLOWERS[kind].schema["properties"]
+    before = FOLLOWERS[_kind(old)].schema["properties"] if _kind(old) in FOLLOWERS else {}
+    required = FOLLOWERS[kind].schema["required"]
+    kept = {
+        key: value
+        for key, value in old.items()
+        if key in nodes and (not isinstance(value, list | dict) or nodes[key] == before.get(key))
+    }
+    fresh = {key: _resized(nodes[key], own[key], size) for key in required}
+    for table in ({**fresh, **kept, **_arm(required, kept)}, {**kept, **fresh}):
+        made = {
+            **tree,
+            "follower": {"kind": kind, **{k: v for k, v in table.items() if k != "kind"}},
+        }
+        linkage = _kind(tree.get("linkage"))
+        if linkage in LINKAGES and FOLLOWERS[kind].unit not in LINKAGES[linkage].members:
+            made = {key: each for key, each in made.items() if key != "linkage"}
+        made = _in_other_unit(tree, made)
+        yield made
+        if "linkage" in made and linkage in LINKAGES:  # it may have another member at its far end
+            yield from _other_linkage(made, linkage)
+
+
+def _arm(required: list[str], kept: Mapping[str, Any]) -> dict[str, Any]:
+    """The arm of a roller for a pivot that stays: so long that roller, pivot and axis make a
+    triangle for every base radius up to twice the arm.
+    """
+    pivot = kept.get("pivot")
+    if "arm" not in required or "arm" in kept or not _is_point(pivot):
+        return {}
+    return {"arm": rounded(Decimal(math.hypot(*map(float, pivot))))}
+
+
+# -- linkages --------------------------------------------------------------------------------------
+
+
+def _without_linkage(tree: Tree) -> Iterator[Tree]:
+    yield _in_other_unit(tree, {key: each for key, each in tree.items() if key != "linkage"})
+
+
+def _other_linkage(tree: Tree, kind: str) -> Iterator[Tree]:
+    """The scene with a linkage of that kind, and a follower that it can drive.
+
+    The motion stays as it is if its unit does; otherwise it goes as far as that of the template.
+    """
+    members = LINKAGES[kind].members
+    follower = _kind(tree.get("follower"))
+    if follower not in FOLLOWERS or FOLLOWERS[follower].unit not in members:
+        touching = FOLLOWERS[follower].touching if follower in FOLLOWERS else "roller"
+        fitting = [each for each in FOLLOWERS.values() if each.unit in members]
+        follower = next(each.name for each in fitting if each.touching == touching)
+        tree = next(_other_follower(tree, follower))
+    unit = FOLLOWERS[follower].unit
+    scenes = [_template(name) for name in LINKAGES[kind].templates]
+    scene = next(each for each in scenes if FOLLOWERS[each["follower"]["kind"]].unit == unit)
+    old, size = _table(tree, "linkage"), _size_of(tree)
+    nodes = LINKAGES[kind].schema["properties"]
+    fresh = {k: _resized(nodes[k], v, size) for k, v in scene["linkage"].items() if k != "kind"}
+    kept = {k: v for k, v in old.items() if k in nodes and not isinstance(v, list | dict)}
+    for table, whole in (({**fresh, **kept}, True), (fresh, True), (fresh, False)):
+        made = {**tree, "linkage": {"kind": kind, **table}}
+        if not whole or is_angular(made) != is_angular(tree):
+            yield _with_reach(made, _reach(scene) * (1 if is_angular(made) else size))
+        else:
+            yield made
+
+
+KINDS: Final[Mapping[str, tuple[Mapping[str, Any], Callable[[Tree, str], Iterator[Tree]]]]] = {
+    "follower": (FOLLOWERS, _other_follower),
+    "linkage": (LINKAGES, _other_linkage),
+}
+"""Tables that have kinds, with what makes scenes of another kind, the best one first."""
+
+
+# -- motions ---------------------------------------------------------------------------------------
+
+
+def _in_other_unit(before: Tree, after: Tree) -> Tree:
+    """The scene `after` with positions in its own unit, if the scene `before` has another one: a
+    rocker swings by about the same travel.
+    """
+    angular = is_angular(after)
+    if angular == is_angular(before):
+        return after
+    arms = [_table(tree, "follower").get("arm") for tree in (after, before)]
+    arm = next((each for each in arms if is_number(each)), None) or base_radius(after)
+    factor = (
+        Decimal(math.degrees(1.0)) / Decimal(arm)
+        if angular
+        else Decimal(arm) / Decimal(math.degrees(1.0))
+    )
+    reach = _reach(after)
+    return _with_positions(after, min(factor, WIDEST / reach) if angular and reach else factor)
+
+
+def _with_reach(tree: Tree, reach: Decimal) -> Tree:
+    """The scene with a motion that goes as far as `reach`."""
+    now = _reach(tree)
+    return _with_positions(tree, reach / now) if now else tree
+
+
+def _reach(tree: Tree) -> Decimal:
+    """The largest position, as it is stated; 0 without one."""
+    motion = tree.get("motion")
+    ends = (
+        [each.get("to") for each in motion if isinstance(each, dict)]
+        if isinstance(motion, list)
+        else []
+    )
+    return max((abs(Decimal(each)) for each in ends if is_number(each)), default=Decimal(0))
+
+
+def _with_positions(tree: Tree, factor: Decimal) -> Tree:
+    """The scene with all positions times `factor`."""
+
+    def scaled(value: Any) -> Any:
+        if isinstance(value, list):
+            return [scaled(each) for each in value]
+        if not isinstance(value, dict):
+            return value
+        made = {}
+        for key, each in value.items():
+            if key in IN_POSITIONS and is_number(each):
+                made[key] = rounded(Decimal(each) * factor)
+            else:
+                made[key] = scaled(each) if key == "points" else each
+        return made
+
+    motion = tree.get("motion")
+    if not isinstance(motion, list):
+        return tree
+    return {**tree, "motion": [scaled(each) for each in motion]}
+
+
+# -- values ----------------------------------------------------------------------------------------
+
+
+@functools.cache
+def _template(kind: str) -> Tree:
+    found: Tree = tomllib.loads(template(kind), parse_float=Decimal)
+    return found
+
+
+def _table(tree: Tree, key: str) -> dict[str, Any]:
+    table = tree.get(key)
+    return table if isinstance(table, dict) else {}
+
+
+def _kind(table: Any) -> str:
+    kind = table.get("kind") if isinstance(table, dict) else None
+    return kind if isinstance(kind, str) else ""
+
+
+def _is_point(value: Any) -> TypeGuard[list[int | Decimal]]:
+    return isinstance(value, list) and len(value) == 2 and all(map(is_number, value))
+
+
+def _size_of(tree: Tree) -> Decimal:
+    """How large a scene is, compared with those that `camgeo new` writes."""
+    return base_radius(tree) / 50
+
+
+def _resized(node: Node, value: Any, size: Decimal) -> Any:
+    """A value of a template, larger by `size` if it is a length or a place."""
+    if isinstance(value, list):
+        return [_resized(node.get("items", {}), each, size) for each in value]
+    return rounded(Decimal(value) * size) if is_length(node) and is_number(value) else value
+
+
+# -- switching ------------------------------------------------------------------------------------
+# Switching effects on and off, with initial data that suit the machine.
+
+
+SPEED: Final = 60
+"""Of a cam that has none [rev/min]."""
+
+Table = dict[str, Any]
+
+WIRE: Final[Mapping[str, Any]] = {
+    "diameter": "0.08", "coil_diameter": "0.6", "active_coils": 6, "free_length": "2",
+}  # fmt: skip
+"""Of a helical spring."""
+
+EXAMPLES: Final[Mapping[str, tuple[Table, ...]]] = {
+    "inertia": (
+        {"mass": 1, "moment_of_inertia": Decimal("0.002"), "roller_mass": Decimal("0.1")},
+        {"output_moment": Decimal("0.02"), "moment_of_inertia": Decimal("0.002")},
+        {"mass": 1, "roller_mass": Decimal("0.1")},
+        {"mass": 1, "moment_of_inertia": Decimal("0.002")},
+        {"mass": 1},
+        {"moment_of_inertia": Decimal("0.002"), "roller_mass": Decimal("0.1")},
+        {"moment_of_inertia": Decimal("0.002")},
+    ),
+    "load": ({"constant": 100},),
+    "spring": (
+        {"stiffness": 5, "preload": 200},
+        {"kind": "torsion", "torsional_stiffness": 20, "preload_torque": 10},
+        {"preload": 200, "wire": WIRE},
+        {"preload": 200, "wire": WIRE, "anchor": None, "attachment": None},
+    ),
+    "friction": (
+        {"guide": Decimal("0.1"), "guide_length": "1.8", "guide_overhang": "1.2"},
+        {"guide": Decimal("0.1")},
+        {"pivot": Decimal("0.1"), "pivot_diameter": "0.4"},
+        {"face": Decimal("0.1")},
+        {"slider": 5},
+    ),
+    "roller-spin": ({"moment_of_inertia": Decimal("0.00001"), "traction": Decimal("0.05")},),
+    "speed-fluctuation": (
+        {"moment_of_inertia": Decimal("0.1"), "no_load_speed": None, "stall_torque": 200},
+    ),
+    "camshaft-windup": (
+        {"stiffness": 10_000, "moment_of_inertia": Decimal("0.01"), "damping": Decimal("0.04")},
+    ),
+    "contact-pressure": ({}, {"width": "0.2"}),
+    "vibration": (
+        {"natural_frequency": 100, "damping": Decimal("0.04")},
+        {"torsional_stiffness": 10_000, "damping": Decimal("0.04")},
+        {"stiffness": 1000, "damping": Decimal("0.04")},
+    ),
+}
+"""Initial tables, of which the first one that suits the machine is taken: lengths as texts, in base
+radii; None for a speed somewhat above that of the cam, and for an end of a spring on a rocker.
+Effects without an entry start empty."""
+
+BESIDE: Final = {"anchor": 1.5, "attachment": 0.0}
+"""Ends of a spring on a rocker, see `_end`."""
+
+FASTER: Final = Decimal("1.05")
+"""No-load speed of a motor, in speeds of the cam."""
+
+THICK: Final = Decimal("0.2")
+"""Thickness of a part without one, in base radii."""
+
+
+def switched(given: Given, asked: Any) -> tuple[Tree, str]:
+    """The tree with an effect switched on or off, and a label.
+
+    `asked` has its `name`, and whether it is to be `on`. What an effect needs is switched on with
+    it, and what needs it is switched off with it. SceneError if `asked` lacks one of these or the
+    machine cannot have the effect; UnknownNameError if there is no such effect.
+    """
+    name = asked.get("name") if isinstance(asked, Mapping) else None
+    if not isinstance(name, str) or not isinstance(asked.get("on"), bool):
+        raise refusal("an effect has a name, and is switched on or off")
+    if name not in effect_names():
+        raise UnknownNameError("effect", name[:60], effect_names())
+    title = name.replace("-", " ")
+    effects = given.tree.get(EFFECTS_KEY)
+    if asked["on"]:
+        if isinstance(effects, dict) and name in effects:
+            raise refusal("is on", f"{EFFECTS_KEY}.{name}")
+        return _on(given, name), f"{title} on"
+    if not isinstance(effects, dict) or name not in effects:
+        raise refusal("is off", f"{EFFECTS_KEY}.{name}")
+    return _off(given, name), f"{title} off"
+
+
+def _on(given: Given, name: str) -> Tree:
+    tree = given.tree
+    if not isinstance(tree.get(EFFECTS_KEY, {}), dict):
+        raise refusal("is no table", EFFECTS_KEY)
+    wanted = []
+    for need in _needs(tree, find_effect(name)):
+        if need.startswith(f"{EFFECTS_KEY}."):
+            wanted.append(need.partition(".")[2])
+        else:
+            tree = edited(tree, {need: _value(tree, need)})
+    unmet: list[Fault] = []
+    for made in _with(given, tree, (*wanted, name)):
+        fault = given.unmet(_alone(made, name), name)
+        if fault is None:
+            return made
+        unmet.append(fault)
+    raise SceneError(unmet[:1])
+
+
+def _alone(tree: Tree, name: str) -> Tree:
+    """The tree with no other effects than those without which there is no `name`: with them all it
+    may take long to compute.
+    """
+    required, waiting = {name}, [name]
+    while waiting:
+        effect = find_effect(waiting.pop())
+        keys = (path_of(key) or () for keys in effect.keys for key in keys)
+        needs = {*effect.needs, *(str(path[1]) for path in keys if path[:1] == (EFFECTS_KEY,))}
+        waiting += needs - required
+        required |= needs
+    own = {each: table for each, table in tree[EFFECTS_KEY].items() if each in required}
+    return {**tree, EFFECTS_KEY: own}
+
+
+def _with(given: Given, tree: Tree, names: tuple[str, ...]) -> Iterator[Tree]:
+    """The trees with examples of all these effects, see `_fitting`; SceneError if the machine
+    cannot have one of them.
+    """
+    if not names:
+        yield tree
+        return
+    fitting = list(_fitting(given, tree, names[0]))
+    if not fitting:
+        tried = _with_table(tree, names[0], EXAMPLES.get(names[0], ({},))[0])
+        raise SceneError([each for each in given.faults(tried) if _is_of(each.key, names[0])])
+    for each in fitting:
+        yield from _with(given, each, names[1:])
+
+
+def suiting(given: Given, tree: Tree, name: str) -> Tree | None:
+    """The tree with the first of the fitting examples of an effect; None if there is none."""
+    return next(_fitting(given, tree, name), None)
+
+
+def _fitting(given: Given, tree: Tree, name: str) -> Iterator[Tree]:
+    """The tree with each example of an effect that leaves nothing wrong with it, but for what was
+    wrong before.
+    """
+    for example in EXAMPLES.get(name, ({},)):
+        made = _with_table(tree, name, example)
+        if not any(_is_of(fault.key, name) for fault in given.new_faults(made)):
+            yield made
+
+
+def _is_of(key: str, name: str) -> bool:
+    """Whether a key is of the table of that effect."""
+    return (path_of(key) or ())[:2] == (EFFECTS_KEY, name)
+
+
+def _needs(tree: Tree, effect: Effect) -> Iterator[str]:
+    """The keys that a scene lacks for an effect, in the order in which to state them."""
+    seen: set[str] = set()
+    waiting = [effect]
+    lacking: list[str] = []
+    while waiting:
+        each = waiting.pop()
+        seen.add(each.name)
+        for keys in each.keys:
+            if any(value_at(tree, path_of(key) or ()) is not None for key in keys):
+                continue
+            first = next((key for key in keys if key not in lacking), None)
+            if first is None or set(keys) & set(lacking) or first == f"{EFFECTS_KEY}.{effect.name}":
+                continue
+            lacking.insert(0, first)
+            if first.startswith(f"{EFFECTS_KEY}."):
+                waiting.append(find_effect(first.partition(".")[2]))
+        waiting += [find_effect(name) for name in each.needs if name not in seen]
+    yield from lacking
+
+
+def _value(tree: Tree, key: str) -> Any:
+    """A value for a key that an effect needs."""
+    return rounded(base_radius(tree) * THICK) if key == "part.thickness" else SPEED
+
+
+def _with_table(tree: Tree, name: str, example: Table) -> Tree:
+    made = {key: _initial(tree, key, value) for key, value in example.items()}
+    return {**tree, EFFECTS_KEY: {**tree.get(EFFECTS_KEY, {}), name: made}}
+
+
+def _initial(tree: Tree, key: str, value: Any) -> Any:
+    """What an example states for a key, in the scene's unit."""
+    if isinstance(value, Mapping):
+        return {inner: _initial(tree, inner, each) for inner, each in value.items()}
+    if isinstance(value, str) and key != "kind":
+        return rounded(Decimal(value) * base_radius(tree))
+    if value is not None:
+        return value
+    if key in BESIDE:
+        return _end(tree, BESIDE[key])
+    speed = value_at(tree, ("cam", "speed"))
+    return rounded(Decimal(speed if is_number(speed) else SPEED) * FASTER)
+
+
+def _end(tree: Tree, beside: float) -> list[Decimal]:
+    """An end of a spring on a rocker: so many base radii beside the middle between pivot and cam
+    axis, on the side of the arm, from which the spring turns it towards the axis.
+    """
+    pivot = value_at(tree, ("follower", "pivot"))
+    if not isinstance(pivot, list) or len(pivot) != 2 or not all(map(is_number, pivot)):
+        return []
+    at = complex(*map(float, pivot))
+    side = 1j if value_at(tree, ("follower", "arm_side")) == "cw" else -1j
+    found = 0.5 * at + beside * float(base_radius(tree)) * side * at / (abs(at) or 1.0)
+    return [rounded(Decimal(each)) for each in (found.real, found.imag)]
+
+
+def base_radius(tree: Tree) -> Decimal:
+    """The base radius of a scene, in its unit; that of a usual cam if it has none."""
+    radius = value_at(tree, ("follower", "base_radius"))
+    if is_number(radius) and radius > 0:
+        return Decimal(radius)
+    unit = ValidValues(document_of_tree(tree)).unit
+    return Decimal(50) / Decimal(str(MM_PER[unit]))
+
+
+def _off(given: Given, name: str) -> Tree:
+    """Without it, and without the effects that cannot do without it."""
+    tree = given.tree
+
+    def may(path: KeyPath) -> bool:
+        return path[0] == EFFECTS_KEY and len(path) == 2
+
+    rest = {key: each for key, each in tree[EFFECTS_KEY].items() if key != name}
+    made = given.without_misfits({**tree, EFFECTS_KEY: rest}, may)
+    return (
+        made
+        if made[EFFECTS_KEY]
+        else {key: each for key, each in made.items() if key != EFFECTS_KEY}
+    )
+
+
+# -- companions -----------------------------------------------------------------------------------
+# What goes with a choice: keys that it needs get initial values, keys that contradict it go.
+#
+# Only choices have companions: another law, another flank to run on, another shape of a linkage.
+# Numbers are set as they are.
+
+
+CONTACT: Final = ("follower", "contact")
+
+DIRECTION: Final = ("follower", "direction")
+"""A key that a linkage determines."""
+
+OF_CONTACT: Final = (
+    ("part", "rim"), ("part", "groove_depth"), ("part", "bore"), ("part", "hub"),
+    ("part", "keyway"), ("part", "d_shaft"), ("part", "set_screw"), ("part", "pair"),
+    ("follower", "side_clearance"), ("follower", "return"), ("follower", "yoke"),
+    ("limits", "closing_error"),
+)  # fmt: skip
+"""Keys that not every contact can have."""
+
+SAMPLES: Final = 360
+"""Points of the pitch curve from which a blank is estimated."""
+
+BLANK_BESIDE: Final = 1.6
+"""How far a blank reaches beyond the roller's centre, in roller radii."""
+
+
+def with_companions(given: Given, after: Tree, edits: Mapping[str, Any]) -> Tree:
+    """The tree `after` these edits, with the companions of the choices among them."""
+    paths = {path_of(key) or (): value for key, value in edits.items()}
+    for path, value in paths.items():
+        if not isinstance(value, str | bool):
+            continue
+        if path[:1] == ("motion",) and path[2:] == ("law",):
+            after = _with_law(given, after, path)
+        elif path == CONTACT:
+            after = _with_contact(given, after)
+        elif path[:1] == ("linkage",) and DIRECTION not in paths:
+            after = given.without_misfits(after, lambda misfit: misfit == DIRECTION)
+    return after
+
+
+def _with_law(given: Given, after: Tree, path: KeyPath) -> Tree:
+    """Without the parameters that the law at `path` does not take; a motion through points gets its
+    first point.
+    """
+    after = with_a_point(after, int(path[1]))
+    own = value_at(after, path[:2])
+    among = [(*path[:2], key) for key in own if key not in KEPT]
+    return given.without_misfits(after, lambda misfit: misfit in among)
+
+
+def _with_contact(given: Given, after: Tree) -> Tree:
+    """With a blank around a groove or a ring, and a groove half as deep as the part is thick, and
+    without the keys that a cam of that contact cannot have.
+    """
+    first: Tree | None = None
+    for tree in _blanks(given, after):
+        mended = given.without_misfits(tree, lambda misfit: misfit in OF_CONTACT)
+        if not given.new_faults(mended):
+            return mended
+        first = first or mended
+    return first or after
+
+
+def _blanks(given: Given, after: Tree) -> Iterator[Tree]:
+    edits: dict[str, Any] = {}
+    if value_at(after, ("part", "rim")) is None:
+        edits["part.rim"] = _diameter(given)
+    thick = value_at(after, ("part", "thickness"))
+    deep = dict(edits)
+    if is_number(thick) and value_at(after, ("part", "groove_depth")) is None:
+        deep["part.groove_depth"] = rounded(Decimal(thick) / 2)
+    part = after.get("part", {})
+    if isinstance(part, dict):
+        yield edited(after, deep) if deep else after
+        yield edited(after, edits) if edits else after
+    yield after
+
+
+def _diameter(given: Given) -> Any:
+    """Diameter of a blank with room all around for the roller."""
+    try:
+        cam = given.design.cam
+        phi = np.linspace(0.0, TURN, SAMPLES, endpoint=False)
+        reach = float(np.max(np.abs(cam.disc.pitch_curve.point(phi))))
+        reach += BLANK_BESIDE * cam.follower.roller_radius
+        return rounded(Decimal(2.0 * reach / MM_PER[given.design.scene.unit]))
+    except CamgeoError:  # no design as yet
+        return 200

@@ -1,0 +1,94 @@
+"""What is wrong in a scene, as data for the page."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, Final
+
+from camgeo.app.answers.answer import MARKS
+from camgeo.errors import CamgeoError, Fault, GeometryError, SceneError
+from camgeo.scene.keys import key_lines, line_of, path_of
+from camgeo.units import counted
+
+
+def faults_as_data(error: CamgeoError, text: str = "") -> list[dict[str, Any]]:
+    """The faults of a scene with that `text`; any other error as a single fault, at its key."""
+    return [
+        {
+            "key": each.key,
+            "value": each.value,
+            "message": each.message,
+            "hint": each.hint,
+            "line": each.line,
+        }
+        for each in _with_lines(_faults(error), text)
+    ]
+
+
+def _faults(error: CamgeoError) -> tuple[Fault, ...]:
+    if isinstance(error, SceneError):
+        return error.faults
+    if isinstance(error, GeometryError):
+        return (Fault(error.key, error.value, error.message),)
+    return (Fault("", "", str(error)),)
+
+
+def _with_lines(faults: tuple[Fault, ...], text: str) -> tuple[Fault, ...]:
+    """The faults, those that a computation found with the lines of their keys as well."""
+    if all(each.line is not None or not each.key for each in faults):
+        return faults
+    lines = key_lines(text.replace("\r\n", "\n"))  # only a text that is TOML has faults with keys
+    return tuple(
+        each if each.line else replace(each, line=line_of(path_of(each.key) or (), lines))
+        for each in faults
+    )
+
+
+def sentence(error: CamgeoError) -> str:
+    """The error in one line, without the name of the file."""
+    found = error.faults if isinstance(error, SceneError) else (error,)
+    return " ".join("; ".join(map(str, found)).split())
+
+
+# -- verdict --------------------------------------------------------------------------------------
+# The one verdict on a scene that a page shows: what is known of it, and nothing better than that.
+#
+# It is made of the results of jobs, so that what only the findings or the files meet counts as
+# well.
+
+
+WAITING: Final = "waiting"
+"""Severity of a scene whose findings have not come yet."""
+
+UNKNOWN: Final = "unknown"
+"""Severity of a scene of which there is no verdict: a job has no result."""
+
+Results = Mapping[str, Mapping[str, Any]]
+"""Of the jobs "curves", "findings" and "build" of one text, as far as they are there: `faults`, and
+`verdict` and `findings` of the second; with `refused`, a sentence, there is no result.
+"""
+
+
+def verdict_of(results: Results) -> dict[str, Any]:
+    """The verdict: its `severity`, a `sentence`, and the `faults`.
+
+    The severity is "invalid" if there are faults, else `UNKNOWN` or `WAITING` if that holds, else
+    that of the worst finding, "ok" without any.
+    """
+    judged, built = results.get("findings", {}), results.get("build", {})
+    # Those of the curves are among those of the findings.
+    of_scene = results.get("curves", {}).get("faults") or judged.get("faults")
+    faults = of_scene or built.get("faults")
+    refused = judged.get("refused") or built.get("refused")
+    if faults:
+        number = "a fault" if len(faults) == 1 else counted(len(faults), "fault")
+        sentence = f"The scene has {number}." if of_scene else f"There are no files: {number}."
+        return {"severity": "invalid", "sentence": sentence, "faults": faults}
+    if refused:
+        return {"severity": UNKNOWN, "sentence": f"There is no verdict: {refused}.", "faults": []}
+    if "findings" not in judged:
+        return {"severity": WAITING, "sentence": "Findings are being computed.", "faults": []}
+    severities = {each["severity"] for each in judged["findings"]}
+    worst = next((each for each in MARKS if each in severities), "ok")
+    return {"severity": worst, "sentence": judged["verdict"], "faults": []}

@@ -1,0 +1,560 @@
+"""The form of a scene: its tables with their fields, for right scenes and wrong ones."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Any, Final, Literal
+
+from camgeo.app.designing.segments import joints, span_of, step_near
+from camgeo.kinematics.laws import ALIASES, FAMILIES
+from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
+from camgeo.kinematics.mechanism.values import FollowerKind, LinkageKind
+from camgeo.kinematics.planning.requests import AUTO
+from camgeo.scene.keys import KeyPath, path_of, spelled, value_at
+from camgeo.scene.rules import JERK, parameters_of
+from camgeo.scene.schema import SHAPES, Composed, Node, keys_of, referred, resolved, schema_for
+from camgeo.scene.values import Document, Tree, ValidValues, document_of_tree, written
+from camgeo.units import in_unit
+
+MOST: Final = 50
+"""Tables of one list, e.g. tools, that a form shows."""
+
+APART: Final = ("camgeo", "motion")
+"""Keys that are not in the form: the first has only one value, and the motion is a plan."""
+
+KINDS: Final[Mapping[str, Mapping[str, FollowerKind | LinkageKind]]] = {
+    "follower": FOLLOWERS,
+    "linkage": LINKAGES,
+}
+"""Tables whose kind can be changed, with their kinds."""
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """A table of a scene.
+
+    Attributes
+    ----------
+    key, title, description : as of a `Field`; the key is empty for the scene itself.
+    stated : whether the scene has it.
+    kind : its kind, if there are several; None otherwise.
+    kinds : the kinds that there are, each with a sentence; None if the kind cannot be changed.
+    fields : its keys.
+    """
+
+    key: str
+    title: str
+    description: str
+    stated: bool
+    kind: str | None
+    kinds: tuple[tuple[str, str], ...] | None
+    fields: tuple[Field, ...]
+
+    def to_data(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "key": self.key,
+            "title": self.title,
+            "description": self.description,
+            "stated": self.stated,
+            "kind": self.kind,
+            "kinds": None
+            if self.kinds is None
+            else [
+                {"value": name, "title": name.replace("-", " "), "description": text}
+                for name, text in self.kinds
+            ],
+            "fields": [each.to_data() for each in self.fields],
+        }
+
+
+def form(document: Document) -> tuple[Section, ...]:
+    """The tables of a scene: those that it has and those that it could have."""
+    fields = Fields(document)
+    root = fields.composed.root
+    own = [
+        found
+        for key, node in root["properties"].items()
+        if key not in APART and (found := fields.field((key,), node)) is not None
+    ]
+    top = Section("", "scene", "", True, None, None, tuple(own))
+    return (top, *_inner(fields, (), root))
+
+
+def _inner(fields: Fields, path: KeyPath, node: Node) -> Iterator[Section]:
+    """The tables within a table."""
+    inner = fields.document.plain if not path else fields.document.at(path)
+    for key, each in keys_of(node, inner if isinstance(inner, dict) else {}).items():
+        if not path and key in APART:
+            continue
+        yield from _sections(fields, (*path, key), resolved(each))
+
+
+def _sections(fields: Fields, path: KeyPath, node: Node) -> Iterator[Section]:
+    """The table at `path`, or each of a list of tables, with those in it."""
+    stated = fields.document.at(path)
+    items = resolved(node.get("items", {}))
+    if has_keys(items):
+        for index in range(min(len(stated), MOST) if isinstance(stated, list) else 0):
+            yield from _table(fields, (*path, index), items, node.get("description", ""))
+    elif has_keys(node):
+        yield from _table(fields, path, node, node.get("description", ""))
+
+
+def _table(fields: Fields, path: KeyPath, node: Node, description: str) -> Iterator[Section]:
+    table = fields.document.at(path)
+    kind = table.get("kind") if isinstance(table, dict) else None
+    known = KINDS.get(spelled(path))
+    kinds = None
+    if known is not None:
+        kinds = tuple((name, each.description) for name, each in known.items())
+    own = [each for each in fields.of_table(path, node) if known is None or not _is_kind(each)]
+    if own or kinds is not None:
+        yield Section(
+            spelled(path), title_of(path), description, table is not None,
+            kind if isinstance(kind, str) else None, kinds, tuple(own),
+        )  # fmt: skip
+    if table is not None:
+        yield from _inner(fields, path, node)
+
+
+def _is_kind(field: Field) -> bool:
+    return field.key.endswith(".kind")
+
+
+# -- fields ---------------------------------------------------------------------------------------
+# Fields of a form: keys of a scene with what the schema says of them, and their values.
+#
+# Everything said about a key comes from the schema of the scene format; a form adds only ranges for
+# sliders.
+
+
+Type = Literal["number", "choice", "text", "flag", "file", "list"]
+
+LENGTHS: Final = {
+    f"#/$defs/{name}" for name in ("length", "coordinate", "roller_radius", "side_clearance")
+}
+"""References to definitions of the schema whose numbers are in the scene's unit of length."""
+
+POSITIONS: Final = {
+    "to": "", "smoothing": "", "velocity": "/rad", "acceleration": "/rad²", "jerk": "/rad³",
+}  # fmt: skip
+"""Keys of a segment in the unit of its positions, with what follows that unit."""
+
+UNITS: Final = {"degrees": "°", "kg/m^3": "kg/m³", "kg m^2": "kg m²"}
+"""Units that are written differently from the schema."""
+
+FEEDS: Final = ("feed", "plunge_feed")
+"""Keys of lengths per minute."""
+
+WIDE: Final = 1000.0
+"""Range above which the limits of a number are of no use to a slider."""
+
+FINE: Final = 500.0
+"""Least number of steps of a slider."""
+
+ROOM: Final = 1.25
+"""Least factor by which a slider reaches beyond its value."""
+
+FEW: Final = 10.0
+"""Least reach of the slider of a whole number, or of a number that is 0."""
+
+LEAST: Final = 1e-6
+"""Least reach of any slider."""
+
+LONGEST: Final = 400
+"""Characters of a text, or items of a list, that a field shows."""
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """A key of a scene.
+
+    Attributes
+    ----------
+    key : as messages spell it.
+    title, description : what it is called, and what it means.
+    type : of what is entered.
+    unit : of a number, or of the numbers of a list; empty if it has none.
+    value : as stated, or else the default; None if there is neither.
+    stated : whether the scene states it.
+    default : the value that holds if none is stated, if that is always the same.
+    choices : values to choose from, or that can be entered instead of a number.
+    low, high : limits of a number.
+    slider : least and greatest value of a sensible range, and its step.
+    """
+
+    key: str
+    title: str
+    description: str
+    type: Type
+    unit: str
+    value: Any
+    stated: bool
+    default: Any
+    choices: tuple[Any, ...]
+    low: float | None
+    high: float | None
+    slider: tuple[float, float, float] | None
+
+    def to_data(self) -> dict[str, Any]:
+        """For JSON; what is empty is left out, except the value."""
+        rest = {
+            "description": self.description, "unit": self.unit, "default": self.default,
+            "choices": list(self.choices), "low": self.low, "high": self.high,
+            "slider": None if self.slider is None else list(self.slider),
+        }  # fmt: skip
+        return {
+            "key": self.key,
+            "title": self.title,
+            "type": self.type,
+            "value": self.value,
+            "stated": self.stated,
+            **{key: value for key, value in rest.items() if value not in (None, "", [])},
+        }
+
+
+class Fields:
+    """The fields of one scene, right or wrong.
+
+    Attributes
+    ----------
+    document : its values.
+    composed : the schema with the tables that it names.
+    length, position : units of its lengths, and of its motion.
+    """
+
+    def __init__(self, document: Document) -> None:
+        self.document = document
+        self.composed: Composed = schema_for(document.plain)
+        values = ValidValues(document)
+        self.length = values.unit
+        self.position: str = "°" if _angular(values) else values.unit
+
+    def node(self, path: KeyPath) -> Node:
+        """The schema's node for a key; empty if there is none."""
+        node, table = self.composed.root, self.document.plain
+        for depth, step in enumerate(path):
+            inner: Any = value_at(table, path[:depth])
+            node = resolved(node)
+            if isinstance(step, int):
+                node = node.get("items", {})
+            else:
+                node = keys_of(node, inner if isinstance(inner, dict) else {}).get(step, {})
+        return node
+
+    def unit(self, path: KeyPath) -> str:
+        """The unit of the number at a key."""
+        return self.unit_of(path, self.node(path))
+
+    def unit_of(self, path: KeyPath, node: Node) -> str:
+        """The unit of the number at a key with that `node`."""
+        if path[:1] == ("motion",) and path[-1] in POSITIONS:
+            return f"{self.position}{POSITIONS[str(path[-1])]}"
+        found = resolved(node)
+        if "x-unit" in found:
+            unit: str = found["x-unit"]
+            return UNITS.get(unit, unit)
+        items = found.get("items", {})
+        if "x-default-mm" in found or is_length(node) or is_length(items):
+            return f"{self.length}/min" if path[-1] in FEEDS else self.length
+        return str(resolved(items).get("x-unit", ""))
+
+    def field(self, path: KeyPath, node: Node) -> Field | None:
+        """The field of a key with that node of the schema; None for a table, or a list of them."""
+        found = resolved(node)
+        if not found or has_keys(found) or has_keys(resolved(found.get("items", {}))):
+            return None
+        exact = self.document.at(path)
+        default = self._default(path, found)
+        value = default if exact is None else plain(exact)
+        kind = _type(found, value)
+        low, high = _limits(found)
+        slider = None
+        if kind == "number" and isinstance(value, int | float) and not isinstance(value, bool):
+            slider = slider_of(value, low, high, whole=found.get("type") == "integer")
+        return Field(
+            spelled(path), title_of(path), in_unit(found.get("description", ""), self.length), kind,
+            self.unit_of(path, node), value, exact is not None, default, _choices(found), low,
+            high, slider,
+        )  # fmt: skip
+
+    def of_table(self, path: KeyPath, node: Node) -> Iterator[Field]:
+        """The fields of a table, without those of tables in it."""
+        inner = value_at(self.document.plain, path)
+        for key, each in keys_of(node, inner if isinstance(inner, dict) else {}).items():
+            found = self.field((*path, key), each)
+            if found is not None:
+                yield found
+
+    def _default(self, path: KeyPath, node: Node) -> Any:
+        if "x-default-by-law" in node:
+            law = self.document.at((*path[:-1], "law"))
+            return node["x-default-by-law"].get(law) if isinstance(law, str) else None
+        if "x-default-key" in node:
+            path = tuple(node["x-default-key"].split("."))
+            there = self.document.at(path)
+            return node.get("default") if there is None else plain(there)
+        if "x-default-mm" in node:
+            return node["x-default-mm"] if self.length == "mm" else node["x-default-mm"] / 25.4
+        return plain(node.get("default"))
+
+
+def is_angular(tree: Tree) -> bool:
+    """Whether the positions of a scene are angles; False if wrong values leave that open."""
+    return _angular(ValidValues(document_of_tree(tree)))
+
+
+def _angular(values: ValidValues) -> bool:
+    try:
+        return values.angular
+    except (KeyError, TypeError):  # kinds that there are not
+        return False
+
+
+def is_length(node: Node | bool) -> bool:
+    """Whether a node of the schema is of numbers in the scene's unit of length."""
+    while isinstance(node, dict) and "$ref" in node:
+        if node["$ref"] in LENGTHS:
+            return True
+        node = referred(node)
+    return False
+
+
+def plain(value: Any) -> Any:
+    """A value for JSON, cut if it is long; None if it cannot be shown."""
+    if isinstance(value, Decimal):
+        found = float(value)
+        return found if math.isfinite(found) else None
+    if isinstance(value, list):
+        return [plain(each) for each in value[:LONGEST]]
+    if isinstance(value, Mapping):
+        return {str(key)[:LONGEST]: plain(value[key]) for key in list(value)[:LONGEST]}
+    if isinstance(value, int) and not isinstance(value, bool):
+        return value if abs(value) <= 2**53 else float(value) if abs(value) < 1e300 else None
+    if isinstance(value, str):
+        return value[:LONGEST]
+    return value if isinstance(value, bool | float) else None
+
+
+def has_keys(node: Node) -> bool:
+    """Whether a resolved node of the schema is of tables."""
+    return "properties" in node or "allOf" in node
+
+
+def _alternatives(node: Node) -> list[Node]:
+    among: list[Node] = node.get("anyOf") or [node]
+    return [resolved(each) for each in among]
+
+
+def _choices(node: Node) -> tuple[Any, ...]:
+    found: list[Any] = list(node.get("x-values") or ())
+    for each in (*_alternatives(node), resolved(node.get("items", {}))):
+        found += each.get("enum", [])
+        if "const" in each:
+            found.append(each["const"])
+    return tuple(found)
+
+
+def _type(node: Node, value: Any) -> Type:
+    kinds = [each.get("type") for each in _alternatives(node)]
+    if "array" in kinds:
+        return "list"
+    if "boolean" in kinds:
+        return "flag"
+    if ("number" in kinds or "integer" in kinds) and not isinstance(value, str):
+        return "number"
+    if any("enum" in each or "const" in each for each in _alternatives(node)):
+        return "choice"
+    return "file" if "x-file" in node or "x-path" in node else "text"
+
+
+def _limits(node: Node) -> tuple[float | None, float | None]:
+    for each in _alternatives(node):
+        if each.get("type") in ("number", "integer"):
+            low = each.get("minimum", each.get("exclusiveMinimum"))
+            return low, each.get("maximum", each.get("exclusiveMaximum"))
+    return None, None
+
+
+def slider_of(
+    value: float, low: float | None, high: float | None, *, whole: bool = False
+) -> tuple[float, float, float] | None:
+    """A sensible range about a value, in steps of 1 for a `whole` number; None if there is none."""
+    if low is not None and high is not None and high - low <= WIDE:
+        start, end = float(low), float(high)
+    else:
+        reach = _round_above(max(ROOM * abs(value), LEAST)) if value else FEW
+        reach = max(reach, FEW) if whole else reach
+        start = -reach if low is None else max(-reach, float(low))
+        end = reach if high is None else min(reach, float(high))
+    if not start < end:
+        return None
+    step = 1.0 if whole else float(step_near((end - start) / FINE))
+    if 0.0 < start < step:
+        start = step  # a least value such as 1e-9 mm only keeps 0 out
+    return (start, end, step) if start <= value <= end else None
+
+
+def _round_above(value: float) -> float:
+    """The least power of ten, or 2 or 5 times one, above `value`."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return next(each * power for each in (1.0, 2.0, 5.0, 10.0) if each * power > value)
+
+
+# -- labels ---------------------------------------------------------------------------------------
+# Names of keys of a scene, and short names of changes, for undo.
+
+
+NAMED: Final = 2
+"""Most values that a label names; the rest is counted."""
+
+DIGITS: Final = 6
+"""Significant digits of a number in a label."""
+
+LONGEST_LABEL: Final = 80
+"""Characters of a label."""
+
+
+def title_of(path: KeyPath) -> str:
+    """What a key is called: "roller radius" for follower.roller_radius."""
+    words = [str(step) for step in path if isinstance(step, str)]
+    if not words:
+        return ""
+    number = f" {path[-1] + 1}" if isinstance(path[-1], int) else ""
+    return words[-1].replace("_", " ").replace("-", " ") + number
+
+
+def label_of(edits: Mapping[str, Any], units: Mapping[str, str]) -> str:
+    """The name of the change that sets these values, with the units of their keys."""
+    named = [_named(key, value, units.get(key, "")) for key, value in edits.items()]
+    rest = len(named) - NAMED
+    label = ", ".join(named[:NAMED]) + (f" and {rest} more" if rest > 0 else "")
+    return label if len(label) <= LONGEST_LABEL else f"{label[:LONGEST_LABEL]}..."
+
+
+def _named(key: str, value: Any, unit: str) -> str:
+    path = path_of(key) or ()
+    title = title_of(path)
+    if path[:1] == ("motion",) and len(path) > 1 and isinstance(path[1], int):
+        title = f"segment {path[1] + 1} {title}"
+    if value is None:
+        return f"{title} removed"
+    gap = "" if unit == "°" else " "
+    return f"{title} {shown(value)}{gap}{unit}".rstrip()
+
+
+def shown(value: Any) -> str:
+    """A value in a label: numbers with few digits, texts without quotes."""
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    if isinstance(value, int | float | Decimal):
+        return f"{float(value):.{DIGITS}g}"
+    if isinstance(value, list | tuple):
+        rest = ", ..." if len(value) > NAMED else ""
+        return f"[{', '.join(map(shown, value[:NAMED]))}{rest}]"
+    return value if isinstance(value, str) else written(value)
+
+
+# -- plan -----------------------------------------------------------------------------------------
+# The motion plan as rows: each segment with its fields, for right scenes and wrong ones.
+
+
+MOST_SEGMENTS: Final = 400
+"""Segments of a plan that are shown."""
+
+DATA: Final = ("points", "table")
+"""Laws by data, which are kinds of segments of their own."""
+
+OPTIMISE: Final = "optimise"
+"""Key of what law "auto" minimizes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A segment.
+
+    Attributes
+    ----------
+    index : its position, from 0.
+    kind : "dwell", "move", "points" or "table".
+    begin, end : cam angles [degrees]; None after a segment whose span is not valid.
+    start, to : positions [unit of the plan] at its start and end; None if a file decides.
+    law : None of a dwell.
+    fields : its keys.
+    """
+
+    index: int
+    kind: str
+    begin: float | None
+    end: float | None
+    start: float | None
+    to: float | None
+    law: str | None
+    fields: tuple[Field, ...]
+
+    def to_data(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "index": self.index,
+            "kind": self.kind,
+            "from": self.begin,
+            "to": self.end,
+            "start": self.start,
+            "end": self.to,
+            "law": self.law,
+            "fields": [each.to_data() for each in self.fields],
+        }
+
+
+def _fitting(fields: Iterable[Field], law: Any) -> Iterator[Field]:
+    """The fields that the law takes, and those that are stated although it does not."""
+    known = isinstance(law, str) and (law in FAMILIES or law in ALIASES or law == AUTO)
+    taken = parameters_of(law) if known else frozenset(SHAPES)
+    for each in fields:
+        key = each.key.rpartition(".")[2]
+        idle = (key in (*SHAPES, JERK) and key not in taken) or (key == OPTIMISE and law != AUTO)
+        if each.stated or not idle:
+            yield each
+
+
+def plan(document: Document) -> tuple[Row, ...]:
+    """The segments of a scene; none if its motion is no list."""
+    motion = document.at(("motion",))
+    if not isinstance(motion, list):
+        return ()
+    fields = Fields(document)
+    node = fields.node(("motion",)).get("items", {})
+    spans = []
+    for each in motion[:MOST_SEGMENTS]:
+        span = span_of(each)
+        if span is None:
+            break
+        spans.append(span)
+    angles = [float(each) for each in joints(spans)]
+    rows = []
+    position: float | None = 0.0
+    for index, segment in enumerate(motion[:MOST_SEGMENTS]):
+        table = segment if isinstance(segment, dict) else {}
+        law = table.get("law")
+        rests = "dwell" in table
+        start = position
+        if not rests:
+            to = plain(table.get("to"))
+            position = to if isinstance(to, int | float) else None
+        rows.append(
+            Row(
+                index,
+                "dwell" if rests else law if law in DATA else "move",
+                angles[index] if index < len(angles) else None,
+                angles[index + 1] if index + 1 < len(angles) else None,
+                start,
+                position,
+                law if isinstance(law, str) and not rests else None,
+                tuple(_fitting(fields.of_table(("motion", index), node), law)),
+            )
+        )
+    return tuple(rows)

@@ -1,0 +1,776 @@
+"""Handles: what can be dragged on a page, and what a drag changes in the scene.
+
+A handle knows the inverse: the values with which it is at the place where it is dropped.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from decimal import Decimal, localcontext
+from functools import singledispatch
+from typing import Any, Final, Literal
+
+import numpy as np
+
+from camgeo.app.designing.form import title_of
+from camgeo.app.designing.segments import (
+    FINEST,
+    Neighbours,
+    joints,
+    least_span,
+    snapped,
+    span_key,
+    span_of,
+    spans_of,
+    step_near,
+    styled,
+)
+from camgeo.cam.cam import Yoke
+from camgeo.design.design import Design
+from camgeo.errors import Fault, GeometryError, SceneError, UnknownNameError
+from camgeo.kinematics.mechanism.conjugate import Mount
+from camgeo.kinematics.mechanism.follower import Follower
+from camgeo.kinematics.mechanism.four_bar import FourBar
+from camgeo.kinematics.mechanism.linkage import Linkage
+from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import EXACT
+from camgeo.numeric.arrays import phase
+from camgeo.pictures.motion import PLAN
+from camgeo.scene.keys import path_of, spelled, value_at
+from camgeo.scene.scene import Scene
+from camgeo.units import MM_PER, TURN
+
+FARTHEST: Final = 1e9
+"""Magnitude of the coordinates of a place, as of a scene."""
+
+LAST_POSITION: Final = re.compile(r"\[\d+\]$")
+
+Place = tuple[float, float]
+Edits = Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Value:
+    """A value that a handle changes.
+
+    Attributes
+    ----------
+    key : of the scene.
+    label, unit : what it is called, and its unit.
+    value : as the scene states it, or what it is if the scene does not state it.
+    """
+
+    key: str
+    label: str
+    unit: str
+    value: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Handle:
+    """A point of a picture that can be dragged.
+
+    Attributes
+    ----------
+    name : its own among all of a design.
+    kind : what it is, e.g. "joint" or "pivot".
+    space : of its coordinates: "plan", degrees and positions in the panel of the motion plan, or
+        "mechanism", mm in the fixed frame at cam angle 0.
+    panel : of the figure "motion", in the plan; 0 in the mechanism.
+    at : where it is.
+    moves : how it can be moved.
+    label : what people call it.
+    values : what it changes.
+    edits : the values of the scene with which it is at a place, or as near as it can be, rounded
+        to steps in both directions. GeometryError for a place where it cannot be.
+    """
+
+    name: str
+    kind: str
+    space: Literal["plan", "mechanism"]
+    panel: int
+    at: Place
+    moves: Moves
+    label: str
+    values: tuple[Value, ...]
+    edits: Callable[[Place, Place], Edits] = field(repr=False)
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Keys of the scene that it changes; for an item of a list, the key of the list."""
+        return tuple(dict.fromkeys(LAST_POSITION.sub("", each.key) for each in self.values))
+
+    def to_data(self) -> dict[str, Any]:
+        """For JSON, without `edits`."""
+        return {
+            "name": self.name,
+            "kind": self.kind,
+            "space": self.space,
+            "panel": self.panel,
+            "at": list(self.at),
+            "moves": self.moves,
+            "label": self.label,
+            "values": [
+                {"key": each.key, "label": each.label, "unit": each.unit, "value": each.value}
+                for each in self.values
+            ],
+        }
+
+
+def handles(design: Design) -> tuple[Handle, ...]:
+    """All handles of a design, those of its motion plan first."""
+    return tuple(_handles(design))
+
+
+def _handles(design: Design) -> Iterator[Handle]:
+    yield from _of_plan(design)
+    for each in _grips(design):
+        yield _of_grip(design.scene, each)
+
+
+def dragged(design: Design, name: str, to: Any, step: Any = None) -> tuple[Handle, Edits]:
+    """The handle `name`, and the values of the scene with it dropped at `to`.
+
+    Parameters
+    ----------
+    to : two coordinates, as those of `Handle.at`.
+    step : to whose multiples values are rounded, in the units of `to`: a number, or one for each
+        direction; None for the finest.
+
+    Raises
+    ------
+    UnknownNameError
+        If the design has no such handle.
+    SceneError
+        If `to` or `step` is not of that form, or the handle cannot be there.
+    """
+    handle = next((each for each in _handles(design) if each.name == name), None)
+    if handle is None:
+        raise UnknownNameError("handle", str(name)[:60], [each.name for each in handles(design)])
+    place = _place(to)
+    try:
+        edits = handle.edits(place, _steps(step))
+    except GeometryError as error:
+        raise SceneError([Fault(error.key, error.value, error.message)]) from error
+    return handle, edits
+
+
+def _grips(design: Design) -> Iterator[Grip]:
+    """The grips of the mechanism; none without a follower."""
+    scene = design.scene
+    if scene.follower is None:
+        return
+    yield from grips_of(scene.follower, scene.yoke)
+    if scene.mount is not None and scene.returning is not None:
+        yield from return_grips(scene.follower, scene.mount, scene.returning)
+    if scene.linkage is not None:
+        yield from linkage_grips(scene.linkage, *design.disc.pictured.linked_at)
+
+
+def _of_plan(design: Design) -> Iterator[Handle]:
+    """The handles of the motion plan."""
+    scene = design.scene
+    motion = scene.stated.scene.exact["motion"]
+    angles = [float(each) for each in joints(spans_of(motion) or ())]
+    scale = math.degrees(1.0) if design.drive.unit == "rad" else 1.0 / MM_PER[scene.unit]
+    positions = scale * design.drive.plan.jet(np.radians(angles[:-1]))[0]
+    unit = "°" if design.drive.unit == "rad" else scene.unit
+    for pull in pulls(motion, positions.tolist()):
+        yield _of_pull(motion, pull, unit)
+
+
+def _of_pull(motion: list[Any], pull: Pull, unit: str) -> Handle:
+    values = []
+    for key, label in pull.keys.items():
+        of_position = key.endswith(".to")
+        found = value_at({"motion": motion}, path_of(key) or ())
+        values.append(Value(key, label, unit if of_position else "°", float(found)))
+
+    def edits(to: Place, steps: Place) -> Edits:
+        found = pull.edits(to, steps)
+        before = {key: value_at({"motion": motion}, path_of(key) or ()) for key in found}
+        return {key: value for key, value in found.items() if value is not before[key]}
+
+    return Handle(
+        pull.name, pull.kind, "plan", PLAN, pull.at, pull.moves, pull.name, tuple(values), edits
+    )
+
+
+def _of_grip(scene: Scene, grip: Grip) -> Handle:
+    unit = scene.unit
+    now = grip.sizes(grip.at)
+    values = []
+    for key, size in now.items():
+        label = title_of(path_of(key) or ())
+        before = _before(scene, key, size)
+        if isinstance(before, list):
+            for number, each in enumerate(before):
+                name = f"{label} {_part(key, number)}"
+                values.append(Value(f"{key}[{number + 1}]", name, unit, float(each)))
+        else:
+            values.append(Value(key, label, "°" if size.arm else unit, float(before)))
+
+    def edits(to: Place, steps: Place) -> Edits:
+        found: dict[str, Any] = {}
+        step = min(steps) / MM_PER[unit]
+        for key, size in grip.sizes(complex(*to)).items():
+            before = _before(scene, key, now[key])
+            value = _settled(scene, size, step, before)
+            if value != before:
+                found[key] = value
+        return found
+
+    at = grip.at.real, grip.at.imag
+    return Handle(
+        grip.name, grip.kind, "mechanism", 0, at, grip.moves, grip.name, tuple(values), edits
+    )
+
+
+def _part(key: str, number: int) -> str:
+    return ("from", "to")[number] if key.endswith("face") else ("x", "y")[number]
+
+
+def _before(scene: Scene, key: str, now: Size) -> Any:
+    """The value that the scene states at `key`, or else the one that it has by default."""
+    stated = value_at(scene.stated.scene.exact, path_of(key) or ())
+    return _numbers(scene, now) if stated is None else stated
+
+
+def _settled(scene: Scene, size: Size, step: float, before: Any) -> Any:
+    """The value of `size` as the scene states it, rounded."""
+    found = _numbers(scene, size)
+    if isinstance(found, list):
+        return [snapped(*each) for each in zip(found, (step, step), before, strict=True)]
+    if size.arm:
+        step = max(math.degrees(step * MM_PER[scene.unit] / size.arm), FINEST)
+    return snapped(found, step, before)
+
+
+def _numbers(scene: Scene, size: Size) -> Any:
+    """A size in the units of the scene; a point as a list of two."""
+    if size.arm:
+        return math.degrees(size.value)
+    mm = MM_PER[scene.unit]
+    return size.value / mm if size.second is None else [size.value / mm, size.second / mm]
+
+
+def _place(to: Any) -> Place:
+    """Two coordinates that may come from anywhere; SceneError if they are none."""
+    found = tuple(to) if isinstance(to, list | tuple) else ()
+    if len(found) != 2 or not all(_is_number(each) and abs(each) <= FARTHEST for each in found):
+        message = f"a handle is dropped at two numbers, [x, y], -{FARTHEST:g} to {FARTHEST:g}"
+        raise SceneError([Fault("", "", message)])
+    return float(found[0]), float(found[1])
+
+
+def _steps(step: Any) -> Place:
+    """The steps of both coordinates; SceneError if `step` states none."""
+    found = tuple(step) if isinstance(step, list | tuple) else (step, step)
+    if step is None:
+        return FINEST, FINEST
+    if len(found) != 2 or not all(_is_number(each) and each > 0.0 for each in found):
+        raise SceneError([Fault("", "", "a step is a positive number, or two")])
+    return float(found[0]), float(found[1])
+
+
+def _is_number(value: Any) -> bool:
+    real = isinstance(value, int | float | Decimal) and not isinstance(value, bool)
+    return real and abs(value) <= FARTHEST
+
+
+# -- grips ----------------------------------------------------------------------------------------
+# Grips of a mechanism: points that can be gripped and moved, and what that changes.
+#
+# Every kind of follower and linkage has its own, at cam angle 0 in the fixed frame. Certain keys of
+# the scene determine where a grip is. It knows the inverse: the values of these keys with which it
+# would be elsewhere.
+
+
+Moves = Literal["x", "y", "xy", "radial"]
+"""How a handle moves: along an axis, freely, or on a line or circle of its own, to the point there
+that is nearest to the drop."""
+
+
+@dataclass(frozen=True, slots=True)
+class Size:
+    """A value of a scene.
+
+    Attributes
+    ----------
+    value : length [mm] or angle [rad].
+    second : the second of two lengths, for a point or a range.
+    arm : of an angle, distance [mm] at which it turns the grip; 0 for lengths.
+    """
+
+    value: float
+    arm: float = 0.0
+    second: float | None = None
+
+
+def point(at: complex) -> Size:
+    """The coordinates [mm] of a point."""
+    return Size(at.real, second=at.imag)
+
+
+Sizes = Mapping[str, Size]
+"""Values by the keys of the scene."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Grip:
+    """A point of the mechanism that can be moved.
+
+    Attributes
+    ----------
+    name : its own among all of the mechanism.
+    kind : what it is, e.g. "pivot" or "roller".
+    at : where it is [mm].
+    moves : how it can be moved.
+    sizes : the values with which it is at a place [mm], or as near to that as it can move.
+        GeometryError for a place where it cannot be.
+    """
+
+    name: str
+    kind: str
+    at: complex
+    moves: Moves
+    sizes: Callable[[complex], Sizes]
+
+
+@singledispatch
+def grips_of(follower: Follower, yoke: Yoke | None) -> Iterator[Grip]:
+    """The grips of a follower, perhaps with a `yoke`, and then without an offset.
+
+    None unless they are registered for its class.
+    """
+    del follower, yoke
+    yield from ()
+
+
+@grips_of.register
+def _(follower: TranslatingRoller, yoke: Yoke | None) -> Iterator[Grip]:
+    outward = follower.outward
+
+    def centre(to: complex) -> Sizes:
+        seen = to * outward.conjugate()
+        if seen.real <= 0.0:
+            raise GeometryError("must stay on its side of the cam axis", "follower.base_radius", "")
+        return {"follower.base_radius": Size(abs(to)), "follower.offset": Size(-seen.imag)}
+
+    yield _base_circle(follower, -outward, yoke)
+    if yoke is None:
+        yield Grip("roller centre", "arm", follower.start_arm, "xy", centre)
+    yield from _roller("roller", "follower.", follower.start_arm, follower)
+    yield _guide(follower, follower.guide_angle)
+
+
+@grips_of.register
+def _(follower: OscillatingRoller, yoke: Yoke | None) -> Iterator[Grip]:
+    del yoke
+    pivot, here = follower.pivot, follower.pivot + follower.start_arm
+
+    def centre(to: complex) -> Sizes:
+        arm = to - pivot
+        if _side(-pivot, arm) != follower.arm_side:
+            raise GeometryError(
+                "must stay on its side of the line from the pivot to the cam axis",
+                "follower.arm_side", "",
+            )  # fmt: skip
+        return {"follower.arm": Size(abs(arm)), "follower.base_radius": Size(abs(to))}
+
+    yield _pivot(pivot)
+    yield _base_circle(follower, -pivot, None)
+    yield Grip("roller centre", "arm", here, "xy", centre)
+    yield from _roller("roller", "follower.", here, follower)
+
+
+@grips_of.register
+def _(follower: TranslatingFlat, yoke: Yoke | None) -> Iterator[Grip]:
+    outward = follower.outward
+
+    def face(to: complex) -> Sizes:
+        return _base_radius(follower, (to * outward.conjugate()).real, yoke)
+
+    yield _base_circle(follower, -outward, yoke)
+    yield Grip("face", "base-circle", follower.base_radius * outward, "radial", face)
+    yield from _face_ends(follower)
+    yield _guide(follower, follower.guide_angle)
+
+
+@grips_of.register
+def _(follower: OscillatingFlat, yoke: Yoke | None) -> Iterator[Grip]:
+    del yoke
+    pivot, foot = follower.pivot, follower.pivot + follower.start_arm
+    sign = math.copysign(1.0, follower.face_offset)
+
+    def offset(to: complex) -> Sizes:
+        return {"follower.face_offset": Size(sign * abs(to - pivot))}
+
+    yield _pivot(pivot)
+    yield _base_circle(follower, -pivot, None)
+    if follower.face_offset:
+        yield Grip("face offset", "face", foot, "radial", offset)
+    yield from _face_ends(follower)
+
+
+def return_grips(follower: Follower, mount: Mount, returning: Follower) -> Iterator[Grip]:
+    """The grips of the second roller of a conjugate pair, whose main one is `follower`."""
+    yield from _returning(follower, dict(mount.given), returning)
+
+
+@singledispatch
+def _returning(
+    follower: Follower, given: Mapping[str, float], returning: Follower
+) -> Iterator[Grip]:
+    del follower, given, returning
+    yield from ()
+
+
+@_returning.register
+def _(
+    follower: TranslatingRoller, given: Mapping[str, float], returning: Follower
+) -> Iterator[Grip]:
+    del given
+    outward = follower.outward
+
+    def centre(to: complex) -> Sizes:
+        seen = to * outward.conjugate()
+        return {
+            "follower.return.spacing": Size(follower.start_height - seen.real),
+            "follower.return.offset": Size(-seen.imag),
+        }
+
+    yield Grip("return roller centre", "arm", returning.start_arm, "xy", centre)
+    here = returning.start_arm
+    yield from _roller("return roller", "follower.return.", here, returning)
+
+
+@_returning.register
+def _(
+    follower: OscillatingRoller, given: Mapping[str, float], returning: Follower
+) -> Iterator[Grip]:
+    pivot, arm = follower.pivot, returning.start_arm
+
+    def centre(to: complex) -> Sizes:
+        own = to - pivot
+        angle = within_a_turn(given["arm_angle"] + phase(own / arm))
+        return {
+            "follower.return.arm": Size(abs(own)),
+            "follower.return.arm_angle": Size(angle, abs(own)),
+        }
+
+    yield Grip("return roller centre", "arm", pivot + arm, "xy", centre)
+    yield from _roller("return roller", "follower.return.", pivot + arm, returning)
+
+
+def _pivot(pivot: complex) -> Grip:
+    return Grip("pivot", "pivot", pivot, "xy", lambda to: {"follower.pivot": point(to)})
+
+
+def _base_circle(follower: Follower, way: complex, yoke: Yoke | None) -> Grip:
+    """The base circle, gripped on the side away from the follower."""
+    at = follower.base_radius * way / abs(way)
+    return Grip(
+        "base circle", "base-circle", at, "radial",
+        lambda to: _base_radius(follower, abs(to), yoke),
+    )  # fmt: skip
+
+
+def _base_radius(follower: Follower, radius: float, yoke: Yoke | None) -> Sizes:
+    """The base radius, and the breadth of a yoke, whose two sides both move by the same amount."""
+    sizes = {"follower.base_radius": Size(radius)}
+    if yoke is not None and yoke.breadth is not None:
+        breadth = yoke.breadth + 2.0 * (radius - follower.base_radius)
+        sizes["follower.yoke.breadth"] = Size(breadth)
+    return sizes
+
+
+def _roller(name: str, table: str, centre: complex, follower: Follower) -> Iterator[Grip]:
+    """The rim of a roller, on the side away from the cam; none for a knife edge.
+
+    It is at the height of the centre, so that the two targets are as far apart as possible.
+    """
+    if follower.roller_radius:
+        rim = centre + math.copysign(follower.roller_radius, centre.real)
+        key = f"{table}roller_radius"
+        yield Grip(name, "roller", rim, "radial", lambda to: {key: Size(abs(to - centre))})
+
+
+def _guide(follower: Follower, angle: float) -> Grip:
+    """The guide, which turns about the cam axis."""
+    at = follower.held((0.0, 0.0))[1]
+
+    def turned(to: complex) -> Sizes:
+        new = within_a_turn(angle + phase(to / at))
+        return {"follower.guide_angle": Size(new, abs(at))}
+
+    return Grip("guide", "guide", at, "radial", turned)
+
+
+def _face_ends(follower: Follower) -> Iterator[Grip]:
+    """Both ends of a face, if its length is stated."""
+    line = follower.held((0.0, 1.0))[2]
+    if follower.face is None or line is None:
+        return
+    foot, way = line[0], line[1] - line[0]
+    start, end = follower.face
+
+    def first(to: complex) -> Sizes:
+        return {"follower.face": Size(((to - foot) * way.conjugate()).real, second=end)}
+
+    def last(to: complex) -> Sizes:
+        return {"follower.face": Size(start, second=((to - foot) * way.conjugate()).real)}
+
+    yield Grip("face start", "face", foot + start * way, "radial", first)
+    yield Grip("face end", "face", foot + end * way, "radial", last)
+
+
+def within_a_turn(angle: float) -> float:
+    """The same direction from -2 pi to 2 pi."""
+    return angle if abs(angle) <= TURN else math.remainder(angle, TURN)
+
+
+def _side(line: complex, arm: complex) -> float:
+    """+1 if `arm` points counter-clockwise of `line`, -1 clockwise, 0 along it."""
+    return float(np.sign((arm * line.conjugate()).imag))
+
+
+# -- linkage grips --------------------------------------------------------------------------------
+# Grips of linkages, see `camgeo.app.designing.handles`.
+
+
+PARALLEL = 1e-6
+"""Largest tilt [rad] of a coupler that counts as parallel to the guide, as its dimensions want."""
+
+ACROSS = "must stay on its side of the shaft"
+
+
+@singledispatch
+def linkage_grips(linkage: Linkage, place: complex, outward: complex) -> Iterator[Grip]:
+    """The grips of a linkage that takes hold of the follower at `place` [mm].
+
+    `outward` is the direction of the follower's guide, 0 for a rocker. None unless they are
+    registered for its class.
+    """
+    del linkage, place, outward
+    yield from ()
+
+
+@linkage_grips.register
+def _(linkage: FourBar, place: complex, outward: complex) -> Iterator[Grip]:
+    del outward
+    seen_pin, seen_tip = (complex(each[0]) for each in linkage.joints(np.zeros(1)))
+    shaft, pin, tip = place + linkage.shaft, place + seen_pin, place + seen_tip
+
+    def crank(to: complex) -> Sizes:
+        side = (seen_pin.conjugate() * (to - place)).imag
+        if side * linkage.branch >= 0.0:
+            raise GeometryError(
+                "must stay on its side of the line from the rocker shaft to the lever's pin",
+                "linkage.branch",
+            )
+        return {"linkage.crank": Size(abs(to - place)), "linkage.coupler": Size(abs(pin - to))}
+
+    def lever(to: complex) -> Sizes:
+        angle = within_a_turn(linkage.lever_angle + phase((to - shaft) / (pin - shaft)))
+        length = abs(to - shaft)
+        return {"linkage.lever": Size(length), "linkage.lever_angle": Size(angle, length)}
+
+    yield Grip("crank", "joint", tip, "xy", crank)
+    yield Grip("lever", "joint", pin, "xy", lever)
+    yield Grip("shaft", "pivot", shaft, "xy", lambda to: {"linkage.shaft": point(to - place)})
+
+
+@linkage_grips.register
+def _(linkage: SliderCrank, place: complex, outward: complex) -> Iterator[Grip]:
+    del outward
+    if linkage.coupler_tilt > PARALLEL:
+        return
+    pin, tip = (place + complex(each[0]) for each in linkage.joints(np.zeros(1)))
+    yield Grip("crank", "joint", tip, "xy", lambda to: _crank(linkage, to - place))
+    yield Grip("slider", "joint", pin, "x", lambda to: _coupler((to - tip).real, (pin - tip).real))
+
+
+@linkage_grips.register
+def _(linkage: SliderDrivenCrank, place: complex, outward: complex) -> Iterator[Grip]:
+    inner = linkage.inner
+    if inner.coupler_tilt > PARALLEL:
+        return
+    turn = outward * inner.slider_sense
+    seen_pin, seen_tip = (complex(each[0]) for each in inner.joints(np.zeros(1)))
+    shaft = place - turn * seen_pin
+
+    def crank(to: complex) -> Sizes:
+        # How far the pictured rod reaches along the guide depends on the stroke, and so on these.
+        beside = ((to - place) * turn.conjugate()).imag
+        return _crank(inner, complex(seen_tip.real, -beside))
+
+    yield Grip("crank", "pivot", shaft, "radial", crank)
+
+
+def _crank(linkage: SliderCrank, tip: complex) -> Sizes:
+    """The crank of which the `tip` [mm] is seen from its shaft, with the guide above it."""
+    if tip.imag <= 0.0:
+        raise GeometryError(ACROSS, "linkage.crank_deflection")
+    lean = linkage.slider_side if linkage.leans_away else -linkage.slider_side
+    deflection = math.atan2(-lean * tip.real if linkage.mirrored else lean * tip.real, tip.imag)
+    length = abs(tip)
+    return {"linkage.crank": Size(length), "linkage.crank_deflection": Size(deflection, length)}
+
+
+def _coupler(reach: float, before: float) -> Sizes:
+    """The coupler that reaches that far along the guide [mm], on the side on which it did."""
+    if reach * before <= 0.0:
+        raise GeometryError("must stay on its side of the crank's tip", "linkage.coupler")
+    return {"linkage.coupler": Size(abs(reach))}
+
+
+# -- joints ---------------------------------------------------------------------------------------
+# Handles of the motion plan: its joints, and the points that motions by data go through.
+
+
+MOST: Final = 400
+"""Handles of a plan; of a longer one only the first ones have any."""
+
+JointEdits = Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pull:
+    """A point of the motion plan that can be moved.
+
+    Attributes
+    ----------
+    name, kind : its name, unique in the plan, and "joint" or "point".
+    at : cam angle [degrees] and position [unit of the plan].
+    moves : how it can be moved.
+    keys : keys of the scene that it changes, with their names.
+    edits : their values for a new place, from that place and the steps of both coordinates.
+    """
+
+    name: str
+    kind: str
+    at: tuple[float, float]
+    moves: Moves
+    keys: Mapping[str, str]
+    edits: Callable[[tuple[float, float], tuple[float, float]], JointEdits]
+
+
+def pulls(motion: list[dict[str, Any]], positions: Sequence[float]) -> Iterator[Pull]:
+    """The movable points of a valid motion, from its segments as stated and where each starts.
+
+    The first joint cannot move: the motion starts at 0.
+    """
+    spans = spans_of(motion)
+    assert spans is not None  # it is valid
+    at = list(joints(spans))
+    last = max((k for k, each in enumerate(motion) if "dwell" not in each), default=-1)
+    count = 0
+    level: tuple[int, Any] | None = None
+    for index, segment in enumerate(motion):
+        if index and count < MOST and (spans[index - 1] or index == 1):
+            joint = _joint(motion, index, at, level, last, positions[index])
+            if joint is not None:
+                count += 1
+                yield joint
+        for number in range(min(len(segment.get("points", ())), MOST - count)):
+            count += 1
+            yield _point(segment, index, number, at[index])
+        if "dwell" not in segment:
+            level = index, segment.get("to")
+
+
+def _joint(
+    motion: list[dict[str, Any]],
+    index: int,
+    at: list[Decimal],
+    level: tuple[int, Any] | None,
+    last: int,
+    position: float,
+) -> Pull | None:
+    """The joint at which the segment `index` begins; None if it cannot move.
+
+    `level` is the last segment before it that is not a dwell, with the position stated for its end;
+    `position` is the value of that.
+    """
+    both = Neighbours(motion[index - 1], motion[index])
+    mover, to = level if level is not None else (-1, 0)
+    # A file says where a table ends; the last move has to return to 0.
+    rises = to is not None and mover >= 0 and mover != last
+    moves: Moves | None = ("y" if rises else None) if both.fixed else ("xy" if rises else "x")
+    if moves is None:
+        return None
+    keys: dict[str, str] = {}
+    span_place = spelled(("motion", index - 1, span_key(both.first)))
+    other_place = spelled(("motion", index, span_key(both.second)))
+    to_place = spelled(("motion", mover, "to"))
+    if not both.fixed:
+        keys[span_place] = f"span of segment {index}"
+    if rises:
+        keys[to_place] = "position"
+
+    def edits(place: tuple[float, float], steps: tuple[float, float]) -> JointEdits:
+        found: dict[str, Any] = {}
+        if not both.fixed:
+            new = _joint_at(place[0], steps[0], both, at[index - 1], at[index], at[index + 1])
+            if new != at[index]:
+                with localcontext(EXACT):
+                    spans = both.with_first(new - at[index - 1])
+                first, second = both.first[span_key(both.first)], both.second[span_key(both.second)]
+                found[span_place] = styled(spans[0], first)
+                found[other_place] = styled(spans[1], second)
+        if rises:
+            found[to_place] = snapped(place[1], steps[1], to)
+        return found
+
+    height = position if to is None else float(to)
+    return Pull(f"joint {index + 1}", "joint", (float(at[index]), height), moves, keys, edits)
+
+
+def _joint_at(
+    angle: float, step: float, both: Neighbours, start: Decimal, now: Decimal, end: Decimal
+) -> Decimal:
+    """The cam angle of a joint that is dropped at `angle`, between `start` and `end` [degrees].
+
+    No nearer to its neighbours than a step, unless it is now.
+    """
+    with localcontext(EXACT):
+        by = step_near(step)
+        low = min(start + max(least_span(both.first), by), now)
+        high = max(end - max(least_span(both.second), by), now)
+        new = Decimal(snapped(angle, step, now))
+        return min(max(new, low), high)
+
+
+def _point(segment: dict[str, Any], index: int, number: int, start: Decimal) -> Pull:
+    """A point of a motion through points, between its neighbours."""
+    points = segment["points"]
+    own = points[number]
+    span = span_of(segment)
+    low = Decimal(points[number - 1]["at"]) if number else Decimal(0)
+    high = Decimal(points[number + 1]["at"]) if number + 1 < len(points) else span
+    assert high is not None  # it is valid
+    place_of_at = spelled(("motion", index, "points", number, "at"))
+    place_of_to = spelled(("motion", index, "points", number, "to"))
+
+    def edits(place: tuple[float, float], steps: tuple[float, float]) -> JointEdits:
+        now = Decimal(own["at"])
+        with localcontext(EXACT):
+            by = step_near(steps[0])
+            new = Decimal(snapped(place[0] - float(start), steps[0], now))
+            new = min(max(new, min(low + by, now)), max(high - by, now))
+        found: dict[str, Any] = {} if new == now else {place_of_at: styled(new, own["at"])}
+        found[place_of_to] = snapped(place[1], steps[1], own["to"])
+        return found
+
+    at = float(start + Decimal(own["at"])), float(own["to"])
+    keys = {place_of_at: "cam angle in the segment", place_of_to: "position"}
+    return Pull(f"point {index + 1}.{number + 1}", "point", at, "xy", keys, edits)

@@ -1,0 +1,497 @@
+"""Checks of the curvature of a flank in use: roller radius against r_K, cusp, local undercut.
+
+All of them read 1 + d kappa of the flank, d = -r_R for the inner, +r_R for the outer working
+curve: 1 minus that is r_R / r_K for the sign of curvature that matters, at most 0.7 by the rule of
+thumb (Wirsig eq. 3.36); 1 is a cusp, more is undercut. The flanks of a groove with side clearance
+c lie at d = -+(r_R + c/2): cusp and undercut follow from that d, the rule of thumb from the roller.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from camgeo.cam.cam import Cam
+from camgeo.check.finding import STATED, Finding, Severity, held
+from camgeo.geometry.outline.convex import SMALLEST, Convexity, convexity
+from camgeo.geometry.outline.cusps import CUSP, INSIDE, undercut_ranges
+from camgeo.geometry.outline.face import contact_places
+from camgeo.geometry.outline.outline import Outline
+from camgeo.geometry.outline.path import Path
+from camgeo.geometry.pieces import Extremes, extremes, extremes_of_each, slowest
+from camgeo.geometry.pitch_curve import STANDSTILL, PitchCurve
+from camgeo.geometry.together import curves_together
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.face import flat_follower
+from camgeo.numeric.arrays import FloatArray, Quantity, Side
+from camgeo.numeric.kept import kept_with_each
+from camgeo.units import TURN, LiftUnit, at_cam_angles, cam_angle, counted, over_cam_angles
+
+if TYPE_CHECKING:
+    from camgeo.geometry.outline.replay import Replay
+
+
+def check_radius_ratio(
+    flank: WorkingCurve,
+    name: str,
+    bends: Extremes,
+    limit: float | None,
+    roller_radius: float | None = None,
+) -> Finding:
+    """Compare the roller radius with the smallest r_K that matters: r_R <= `limit` r_K (eq. 3.36);
+    with nothing if that is None.
+
+    `roller_radius` [mm] is that of a roller with play; None if the flank is its envelope.
+    """
+    kappa, phi = _tightest(flank, bends)
+    roller = abs(flank.distance) if roller_radius is None else roller_radius
+    ratio = -math.copysign(roller, flank.distance) * kappa
+    if roller == 0.0 or ratio <= 0.0:
+        bend = "concave" if flank.distance < 0.0 else "convex"
+        statement = f"{name} flank: the pitch curve is {bend} everywhere, any roller fits"
+        if roller == 0.0:
+            statement = f"{name} flank: a knife edge, r_R = 0, fits any radius of curvature"
+        return Finding(f"radius-ratio-{name}", "ok", statement, 0.0, limit)
+    statement = (
+        f"{name} flank: r_R/r_K = {ratio:.4f} (r_R {roller:g} mm, smallest r_K"
+        f" {1 / abs(kappa):.4f} mm) {at_cam_angles(phi, form='.4f')}"
+    )
+    if limit is None:
+        statement += ", without a limit: the face is no roller's"
+    return held(f"radius-ratio-{name}", statement, ratio, limit, cam_angle=phi)
+
+
+def check_undercut(
+    flank: WorkingCurve, name: str, bends: Extremes, severity: Severity = "no-disc"
+) -> tuple[Finding, ...]:
+    """Cusps and local undercut of a flank: where 1 + d kappa is zero or negative.
+
+    `severity` is that of undercut: "no-disc" if no disc is made then, else "broken".
+    """
+    kappa, phi = _tightest(flank, bends)
+    margin = 1.0 + flank.distance * kappa
+    if margin > CUSP:
+        statement = f"{name} flank: no cusp and no local undercut"
+        return (Finding(f"undercut-{name}", "ok", statement, margin, 0.0, cam_angle=phi),)
+    if margin >= -CUSP:
+        statement = (
+            f"{name} flank: cusp {at_cam_angles(phi, form='.6f')}, {_what(flank)}"
+            f" equals the pitch curve's radius of curvature, {1 / abs(kappa):.6g} mm"
+        )
+        return (Finding(f"cusp-{name}", severity, statement, margin, 0.0, cam_angle=phi),)
+    found = []
+    for start, end in undercut_ranges(flank, bends):
+        span = end - start if end > start else end - start + TURN
+        # Every range has an extreme; it may lie at a break that ends the range, whose angle has
+        # been rounded differently.
+        inside = np.flatnonzero((bends.phi - start + INSIDE) % TURN <= span + 2.0 * INSIDE)
+        margins = 1.0 + flank.distance * bends.values[inside]
+        worst = int(np.argmin(margins))
+        value, place = float(margins[worst]), float(bends.phi[inside[worst]])
+        statement = (
+            f"{name} flank: undercut {over_cam_angles(start, end, '.6f')}, the roller is larger"
+            " than the radius of curvature of the pitch curve; the follower would not make its"
+            " motion"
+        )
+        what = f"undercut-{name}"
+        found.append(Finding(what, severity, statement, value, 0.0, "", place, (start, end)))
+    return tuple(found)
+
+
+def _what(flank: WorkingCurve) -> str:
+    """What the flank's distance from the pitch curve is called."""
+    played = abs(flank.distance) != flank.pitch.follower.roller_radius
+    return "half the groove's width" if played else "the roller radius"
+
+
+def _tightest(flank: WorkingCurve, bends: Extremes) -> tuple[float, float]:
+    """The curvature [1/mm] worst for the flank, and its cam angle."""
+    return bends.largest() if flank.distance < 0.0 else bends.smallest()
+
+
+# -- outline --------------------------------------------------------------------------------------
+# Checks of what remains of a flank: global undercut, and the stroke lost on the real disc.
+
+
+Range = tuple[float, float]
+"""Cam angles [rad], the end below the start if the range passes cam angle 0."""
+
+
+def check_outline(
+    outline: Outline,
+    name: str,
+    undercut: list[Range],
+    severity: Severity,
+    kinks: Sequence[float] = (),
+) -> tuple[Finding, ...]:
+    """Where the flank `name` is cut off in spite of its curvature, and lobes that fall away.
+
+    Parameters
+    ----------
+    undercut : ranges of local undercut, which `check_undercut` reports.
+    severity : of a flank that is cut off: "no-disc" if no disc is made then, else "broken".
+    kinks : cam angles [rad] at which the velocity jumps, which `check_closure` reports.
+    """
+    found, crossing = [], f"global-undercut-{name}"
+    known = np.array([*(start for start, _ in undercut), *kinks])
+    for start, end in outline.dropped:
+        if np.any((known - start) % TURN <= end - start):  # a noisy table has thousands of both
+            continue
+        width, where = math.degrees(end - start), (start, end % TURN)
+        sentence = (
+            f"{name} flank: cut off {over_cam_angles(start, end, '.6f')} though its radius of"
+            " curvature suffices: two of its sides are closer than the roller is wide (global"
+            " undercut)"
+        )
+        found.append(Finding(crossing, severity, sentence, width, 0.0, "deg", start, where))
+    for lobe in outline.lobes:
+        from camgeo.geometry.outline.path import area  # few cams have lobes to be measured
+
+        size = abs(area(lobe))
+        sentence = f"{name} flank: a lobe of {size:.6g} mm^2 is cut off and falls away"
+        found.append(Finding(f"lobe-{name}", severity, sentence, size, 0.0, "mm^2"))
+    if not outline.is_trimmed:
+        sentence = f"{name} flank: it does not cross itself"
+        found.append(Finding(crossing, "ok", sentence, 0.0, 0.0, "deg"))
+    return tuple(found)
+
+
+def check_lost_stroke(replay: Replay, name: str, unit: LiftUnit, severity: Severity) -> Finding:
+    """How much of its lift the follower loses on the real disc, with shocks and drops.
+
+    `unit` is that of the lift.
+    """
+    loss = replay.largest_loss
+    scale, shown = STATED[unit]
+    value = scale * loss.value
+    jumps = []
+    if len(replay.shocks):
+        jumps.append(counted(len(replay.shocks), "shock"))
+    if len(replay.drops):
+        jumps.append(counted(len(replay.drops), "drop") + " off an edge")
+    statement = (
+        f"{name} flank: on the real disc the follower loses up to {value:.4g} {shown} of its lift,"
+        f" {at_cam_angles(loss.place, form='.6f')}"
+    )
+    if jumps:
+        statement += f", with {' and '.join(jumps)}"
+    return Finding(f"lost-stroke-{name}", severity, statement, value, 0.0, shown, loss.place)
+
+
+# -- curved face ----------------------------------------------------------------------------------
+# Checks of a curved face, of a mushroom or crowned tappet: its radius is stated as a roller's.
+#
+# The rule of thumb for r_R / r_K is one for rollers. A face far larger than its cam breaks it at
+# rest already, and says nothing by it; as of a flat face it matters whether the cam is convex, and
+# over which part of the face the contact runs. At the angle alpha of the common normal to the
+# follower's path the contact is r_R sin alpha beside the middle of the face, tan alpha = sigma v /
+# u with the rates u, v of `camgeo.kinematics.mechanism.follower`; on a guide to its right, looking
+# away from the cam.
+
+
+CURVED: Final = 0.9
+"""Radius of a face, in base radii, from which on it is no roller's: 9 times the cam's base circle.
+Crowned tappets have more than 10 times; levers with curved pads, and rollers, up to 4 times."""
+
+
+def is_curved_face(cam: Cam, bends: Extremes) -> bool:
+    """Whether what is stated as a roller is a face curved about a centre far from the cam, on a
+    flank without cusp or undercut.
+    """
+    radius, base = cam.follower.roller_radius, cam.follower.base_radius
+    curved = cam.contact.runs_inside and CURVED * base < radius < base
+    return curved and radius * bends.largest()[0] < 1.0
+
+
+def check_curved_face(curve: PitchCurve, bends: Extremes) -> tuple[Finding, ...]:
+    """Whether the cam is convex, and over which part of the face the contact runs."""
+    radius = curve.follower.roller_radius
+    tightest, phi = bends.largest()
+    hollow, there = bends.smallest()
+    value = 1.0 / tightest - radius if tightest > 0.0 else None
+    sentence = "the cam has no convex part"
+    if value is not None:
+        sentence = f"smallest radius of curvature {value:.6g} mm {at_cam_angles(phi, form='.4f')}"
+    if hollow < 0.0:
+        place = at_cam_angles(there, form=".4f")
+        sentence += (
+            f"; the cam is hollow, with a radius of {radius - 1.0 / hollow:.6g} mm {place},"
+            " larger than that of the face"
+        )
+    else:
+        sentence += ": the cam is convex"
+    return Finding("convexity", "ok", sentence, value, 0.0, "mm", phi), _run(curve)
+
+
+def _run(curve: PitchCurve) -> Finding:
+    def place(phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) of the contact along the face [mm], from its middle."""
+        relative = curve.relative_jet(phi, side, order=1)
+        sine = np.sign(relative.u) * relative.v / np.hypot(relative.u, relative.v)
+        return np.asarray(curve.rotation * curve.follower.roller_radius * sine)
+
+    found = extremes(curve, place, SLOPES["roller"](curve))
+    (low, at_low), (high, at_high) = found.smallest(), found.largest()
+    first, last = (at_cam_angles(each, form=".4f") for each in (at_low, at_high))
+    across = 2.0 * max(-low, high)
+    sentence = (
+        f"the contact runs along the curved face from {low:.6g} mm {first} to {high:.6g} mm"
+        f" {last}, measured from its middle: a face of"
+        f" {high - low:.6g} mm is needed, and one of {across:.6g} mm in diameter if it turns"
+    )
+    return Finding("face-length", "ok", sentence, high - low, unit="mm")
+
+
+# -- face -----------------------------------------------------------------------------------------
+# Checks of a flat face: whether a convex cam exists for it, how long it must be, and its lever.
+
+
+ROUNDING = 1e-12
+"""Rounding of the contact's position, as a fraction of the base radius."""
+
+
+def check_convexity(curve: PitchCurve, severity: Severity = "no-disc") -> tuple[Finding, ...]:
+    """Findings of a flat follower's cam; with "no-disc" among them there is no such cam.
+
+    `severity` is that of undercut: "no-disc" if no disc is made then, else "broken".
+
+    The smallest radius of curvature is always reported. Moving the face outward by D gives the
+    parallel outline, whose radii are larger by D: so exactly that much more base radius, and on a
+    rocker as much more face offset, supplies what is missing.
+    """
+    found = convexity(curve)
+    if found.turn[0] <= 0.0:
+        return (_turns_back(found),)
+    findings = [_radius(found, flat_follower(curve.follower).raised_by, severity)]
+    if found.jumps:
+        findings.append(_jump(found))
+    if found.clearance[0] <= SMALLEST * found.size:
+        findings.append(_over_axis(found))
+    return tuple(findings)
+
+
+def _turns_back(found: Convexity) -> Finding:
+    turn, phi = found.turn
+    sentence = (
+        f"the face turns back in the cam {at(phi)}: the rocker turns with"
+        f" the cam, {1.0 - turn:.4g} times as fast, and no convex cam makes a flat face do that;"
+        " give the move a larger span or a smaller swing"
+    )
+    return Finding("convexity", "no-disc", sentence, turn, 0.0, cam_angle=phi)
+
+
+def _radius(found: Convexity, sizes: tuple[str, ...], severity: Severity) -> Finding:
+    radius, phi = found.radius
+    least = SMALLEST * found.size
+    place = at(phi)
+    if radius > least:
+        sentence = f"smallest radius of curvature {radius:.6g} mm {place}: the cam is convex"
+        return Finding("convexity", "ok", sentence, radius, 0.0, "mm", phi)
+    keys = " and ".join(sizes) + (" both" if len(sizes) > 1 else "")
+    if radius >= -least:
+        sentence = (
+            f"the outline has a cusp {place}: its radius of curvature is 0 there; make {keys}"
+            " a little larger"
+        )
+    else:
+        sentence = (
+            f"undercut, the radius of curvature falls to {radius:.6g} mm {place}: a flat face"
+            f" touches only what is convex; make {keys} larger"
+        )
+    return Finding("convexity", severity, sentence, radius, 0.0, "mm", phi)
+
+
+def is_undercut(found: Finding) -> bool:
+    """Whether a finding of `check_convexity` is that a face undercuts, or just does not."""
+    return found.name == "convexity" and found.unit == "mm" and found.severity != "ok"
+
+
+def _jump(found: Convexity) -> Finding:
+    length, phi = found.jump
+    others = f", the worst of {counted(found.jumps, 'jump')}" if found.jumps > 1 else ""
+    which = (
+        "back, against its direction along the outline"
+        if length < 0.0
+        else "ahead, over a straight part of the outline flush with the face"
+    )
+    sentence = (
+        f"the velocity of the follower jumps {at(phi)}, and the contact by"
+        f" {abs(length):.6g} mm along the face, {which}{others}; a flat face needs a motion without"
+        " shocks"
+    )
+    return Finding("contact-jump", "no-disc", sentence, length, 0.0, "mm", phi)
+
+
+def _over_axis(found: Convexity) -> Finding:
+    lowest, phi = found.clearance
+    sentence = (
+        f"the face comes within {lowest:.6g} mm of the cam axis {at(phi)}: the"
+        " cam does not go round its axis; make follower.base_radius larger"
+    )
+    return Finding("face-over-axis", "no-disc", sentence, lowest, 0.0, "mm", phi)
+
+
+def at(phi: float) -> str:
+    """The place `phi` [rad] in words."""
+    return at_cam_angles(phi, form=".4f")
+
+
+def check_face(curve: PitchCurve, outline: Path) -> tuple[Finding, ...]:
+    """The part of the face that the contact runs over; on a rocker, also whether it has a lever.
+
+    The contact is that with `outline`, the real one: over its corners too. Positions along the face
+    are measured as in `FlatFollower`.
+    """
+    follower = flat_follower(curve.follower)
+    places, angles = contact_places(curve, outline)
+    (low, at_low), (high, at_high) = (
+        (float(places[k]), float(angles[k])) for k in (np.argmin(places), np.argmax(places))
+    )
+    sentence = (
+        f"the contact runs along the face from {low:.6g} mm {at(at_low)} to"
+        f" {high:.6g} mm at {cam_angle(at_high, '.4f')} deg, measured from the {follower.origin}: a"
+        f" face of {high - low:.6g} mm is needed"
+    )
+    found = Finding("face-length", "ok", sentence, high - low, unit="mm")
+    slack = ROUNDING * follower.base_radius
+    face = follower.face
+    if face is not None:
+        sentence += f"; it reaches from {face[0]:g} to {face[1]:g} mm"
+        short, place, end, phi = max(
+            (high - face[1], high, face[1], at_high), (face[0] - low, low, face[0], at_low)
+        )
+        severity: Severity = "ok"
+        if short > slack:
+            severity = "broken"
+            sentence += f", {short:.6g} mm too short there"
+        found = Finding("face-length", severity, sentence, place, end, "mm", phi)
+    if low > follower.least_place + slack:
+        return (found,)
+    statement = (
+        f"the contact reaches the pivot's foot on the face ({low:.6g} mm"
+        f" {at(at_low)}): it has no lever about the pivot there, and the cam cannot move"
+        " the rocker any further"
+    )
+    return found, Finding("contact-lever", "broken", statement, low, 0.0, "mm", at_low)
+
+
+# -- standstill -----------------------------------------------------------------------------------
+# Check that the roller centre never stands still in the turning cam.
+
+
+STANDSTILL_SHARE = math.sqrt(STANDSTILL)
+"""Smallest |Z'| as a fraction of the base radius per rad; below it the curvature has no digits."""
+
+
+def check_standstill(curve: PitchCurve) -> tuple[Finding, ...]:
+    """A finding that there is no disc where |Z'| vanishes; nothing where it does not."""
+    limit = STANDSTILL_SHARE * curve.follower.base_radius
+    if slowest(curve) > limit:
+        return ()
+
+    def square(phi: FloatArray, side: Side) -> FloatArray:
+        relative = curve.relative_jet(phi, side, order=1)
+        return np.asarray(relative.u**2 + relative.v**2)
+
+    def slope(phi: FloatArray, side: Side) -> FloatArray:
+        relative = curve.relative_jet(phi, side, order=2)
+        (_, a1, a2), (_, b1, b2) = relative.along, relative.across
+        return np.asarray(a1 * a2 + b1 * b2)
+
+    smallest, phi = extremes(curve, square, slope).smallest()
+    speed = math.sqrt(smallest)
+    if speed > limit:
+        return ()
+    statement = (
+        f"the roller centre stands still in the turning cam {at_cam_angles(phi, form='.6f')}"
+        " (Z' = 0): the pitch curve has a cusp and no normal; the rocker lies on the line of"
+        " centres and l_3 (1 - sigma psi') = l_1"
+    )
+    return (Finding("standstill", "no-disc", statement, speed, limit, "mm/rad", phi),)
+
+
+# -- transmission angle ---------------------------------------------------------------------------
+# Check of the smallest transmission angle.
+
+
+@kept_with_each
+def transmission_angle_extremes(curves: Sequence[PitchCurve]) -> list[Extremes]:
+    """All local extremes of the transmission angle [rad]; Z' must not vanish.
+
+    Of curves with the same motion and sense, and followers that are `alike`.
+    """
+    first, many = curves[0], curves_together(curves)
+    return extremes_of_each(
+        first, many, lambda curve: curve.transmission_angle, SLOPES[first.follower.touching]
+    )
+
+
+def _of_roller(curve: PitchCurve) -> Quantity:
+    """What vanishes where the angle of a roller can be extreme."""
+
+    def slopes(phi: FloatArray, side: Side) -> FloatArray:
+        """Rows: slope of the angle; what vanishes where it is 0, and where it is 90 degrees."""
+        motion = curve.motion.jet(phi, side)
+        tangent = curve.follower.tangent_jet(motion, curve.rotation)
+        turning = tangent.u[0] * tangent.w[1] - tangent.w[0] * tangent.u[1]
+        relative = curve.follower.relative_jet(motion, curve.rotation, 1)
+        return np.stack((turning, relative.u, relative.v))
+
+    return slopes
+
+
+def _of_face(curve: PitchCurve) -> Quantity:
+    """The same for a flat face, where the angle depends on the position of the contact alone."""
+    from camgeo.geometry.outline.convex import touch  # few cams have a flat face
+
+    return lambda phi, side: touch(curve, phi, side).contact
+
+
+SLOPES: Final = {"roller": _of_roller, "face": _of_face}
+
+
+def check_transmission_angle(curve: PitchCurve, limit: float) -> Finding:
+    """Compare the smallest transmission angle with `limit` [rad]."""
+    smallest, phi = transmission_angle_extremes(curve).smallest()
+    value, bound = math.degrees(smallest), math.degrees(limit)
+    place = at_cam_angles(phi, form=".4f")
+    statement = f"smallest transmission angle {value:.4f} deg {place}"
+    return held("transmission-angle", statement, value, bound, "deg", phi, least=True)
+
+
+# -- side clearance -------------------------------------------------------------------------------
+# How far the play of a roller in its groove lets the follower deviate from its motion.
+
+
+def largest_deviation(curve: PitchCurve, clearance: float) -> tuple[float, float]:
+    """Largest deviation of the lift to either side [mm or rad], and its cam angle [rad].
+
+    With half the `clearance` c [mm] on each side the roller centre may be c/2 from the pitch
+    curve along its normal, which is (c/2)/|dn/dq| of lift, to first order in c. The leverage
+    |dn/dq| is sin mu, or l_3 sin mu for a rocker, so it is smallest where the transmission angle
+    mu is. Infinite where mu is 0.
+    """
+    angle, phi = transmission_angle_extremes(curve).smallest()
+    lever = abs(curve.follower.reach) * math.sin(angle)
+    return (0.5 * clearance / lever if lever > 0.0 else math.inf), phi
+
+
+def check_side_clearance(curve: PitchCurve, clearance: float) -> Finding:
+    """Report what the side clearance [mm] amounts to as lift at its worst; Z' must not vanish.
+
+    There is no limit: how much play is acceptable is not a matter of geometry.
+    """
+    deviation, phi = largest_deviation(curve, clearance)
+    scale, unit = STATED[curve.follower.lift_unit]
+    who = curve.follower.mover
+    place = at_cam_angles(phi, form=".4f")
+    head = f"side clearance {clearance:g} mm: the play lets the {who} deviate from its motion by"
+    value = None if math.isinf(deviation) else scale * deviation
+    if value is None:
+        sentence = f"{head} any amount {place}, where the transmission angle is 0"
+    else:
+        sentence = f"{head} up to ±{value:.4g} {unit}, {place}"
+    return Finding("side-clearance", "ok", sentence, value, unit=unit, cam_angle=phi)

@@ -1,1 +1,0 @@
-"""Contours of cubic splines: the fits, and their proof by lines and arcs."""

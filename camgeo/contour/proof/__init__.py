@@ -1,1 +1,0 @@
-"""Proof of a contour: its distance from the exact path, enclosed for every point."""

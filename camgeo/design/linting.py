@@ -1,0 +1,126 @@
+"""Programs of any origin run through the interpreter of a machine profile: findings by line.
+
+The interpreter registers as the entry point `gcode` of the group ``camgeo.linters``; it loads an
+object that is a `Linter`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.metadata import entry_points
+from typing import Final, Protocol
+
+from camgeo.design.product import Product
+from camgeo.errors import FileError
+from camgeo.milling.machine import Machine
+
+GROUP: Final = "camgeo.linters"
+
+VERIFIERS: Final = "camgeo.verifiers"
+
+NAME: Final = "gcode"
+
+MOST: Final = 1_000
+"""Findings of one program; after as many it is not read further."""
+
+
+@dataclass(frozen=True, slots=True)
+class LineFinding:
+    """What is wrong in one line of a program.
+
+    Attributes
+    ----------
+    line : counted from 1; 0 for the program as a whole.
+    rule : the name of what is broken, e.g. "arc-radius".
+    concerns : "words", "path", "form", "safety", "frame" or "limits"; "work" if it is about the
+        blank and the part of a scene.
+    what : is wrong, a sentence without its full stop.
+    value : that was found, as text; empty if there is none.
+    allowed : what would be right; empty if `what` says so.
+    """
+
+    line: int
+    rule: str
+    concerns: str
+    what: str
+    value: str = ""
+    allowed: str = ""
+
+    def __str__(self) -> str:
+        place = f"line {self.line}: " if self.line else ""
+        found = f", {self.value}" if self.value else ""
+        allowed = f"; allowed: {self.allowed}" if self.allowed else ""
+        return f"{place}{self.what}{found}{allowed}"
+
+
+@dataclass(frozen=True, slots=True)
+class Bench:
+    """What a program does not say of the work; lengths in mm.
+
+    Attributes
+    ----------
+    stock_top : Z of the highest stock.
+    clearance : Z from which on traverses may go anywhere; None for `stock_top`.
+    radii : of cutters by the number of their offset, for compensation that the control computes.
+    operations : names that its comments may have in other letters, as they should be read.
+    """
+
+    stock_top: float = 0.0
+    clearance: float | None = None
+    radii: tuple[tuple[int, float], ...] = ()
+    operations: tuple[str, ...] = ()
+
+    @property
+    def free(self) -> float:
+        """The height from which on traverses may go anywhere."""
+        return self.stock_top if self.clearance is None else max(self.clearance, self.stock_top)
+
+
+@dataclass(frozen=True, slots=True)
+class Linted:
+    """One program with what was found in it.
+
+    Attributes
+    ----------
+    findings : by line.
+    texts : of the lines with findings, by their numbers.
+    moves : how many it makes.
+    complete : whether it was read to its end, not only up to the last finding allowed.
+    """
+
+    findings: tuple[LineFinding, ...]
+    texts: dict[int, str]
+    moves: int
+    complete: bool
+
+
+class Linter(Protocol):
+    """Runs programs."""
+
+    def lint(self, data: bytes, machine: Machine, bench: Bench) -> Linted:
+        """All findings; FileError for data beyond the limits of a program."""
+
+
+class WorkJudge(Protocol):
+    """Says what programs do to the blank and the part of a scene."""
+
+    def worked(self, product: Product, data: bytes, machine: Machine) -> tuple[LineFinding, ...]:
+        """Findings on the work, by line."""
+
+
+def work_judge() -> WorkJudge:
+    """The verifier of programs; FileError if it is not installed."""
+    found = entry_points(group=VERIFIERS, name=NAME)
+    if not found:
+        raise FileError("the verifier of programs is not installed: install camgeo again")
+    loaded: WorkJudge = next(iter(found)).load()
+    return loaded
+
+
+def linter() -> Linter:
+    """The interpreter of programs; FileError if it is not installed."""
+    found = entry_points(group=GROUP, name=NAME)
+    if not found:
+        raise FileError("the interpreter of programs is not installed: install camgeo again")
+    loaded: Linter = next(iter(found)).load()
+    return loaded

@@ -1,0 +1,149 @@
+"""The milling programs of a design's discs: how long they run, and what is found on them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from itertools import chain
+from typing import TYPE_CHECKING, Final
+
+from camgeo.check.finding import Finding, stated_in
+from camgeo.design.product import sides_of
+from camgeo.errors import FileError, GeometryError, SceneError, ToleranceError, UndercutError
+from camgeo.milling.machine import load
+from camgeo.milling.machining_time import OperationTime, times_on
+from camgeo.scene.formats.gcode import FORMAT
+
+if TYPE_CHECKING:
+    from camgeo.design.product import Product
+    from camgeo.errors import Fault
+    from camgeo.milling.features import Feature
+    from camgeo.milling.machine import Machine
+    from camgeo.milling.plan import Engaged
+
+MILLING: Final = "milling"
+"""Name of findings on what cannot be planned."""
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """The milling program of one side of a disc.
+
+    Attributes
+    ----------
+    findings : what is told of its sequence, and what its simulation finds; why there is none, if
+        it cannot be planned: "broken" for a key that the scene lacks, "invalid" for a wrong one.
+    operations : the time of each; None if the machine's dynamics are not known, or if there is no
+        program.
+    faults : of the scene, if it cannot be planned.
+    roughing : how the cutter is engaged in operations that clear an area.
+    features : of the part, with the operations of all its sides; empty of a second side.
+    """
+
+    findings: tuple[Finding, ...]
+    operations: tuple[OperationTime, ...] | None = None
+    faults: tuple[Fault, ...] = ()
+    roughing: tuple[Engaged, ...] = ()
+    features: tuple[Feature, ...] = ()
+
+    @property
+    def seconds(self) -> float | None:
+        """Of the whole program, tool changes and dwells left out; None if it is not known."""
+        return None if self.operations is None else _total(self.operations)
+
+
+@dataclass(frozen=True, slots=True)
+class Machining:
+    """The milling programs of all discs, as their controller runs them.
+
+    Attributes
+    ----------
+    machine : name of the controller.
+    programs : by the names of the discs, the main one first, each followed by its second side.
+    """
+
+    machine: str
+    programs: Mapping[str, Program]
+
+    @property
+    def seconds(self) -> float | None:
+        """Of all programs; None if one is not known."""
+        times = [each.seconds for each in self.programs.values()]
+        return None if None in times else math.fsum(each for each in times if each is not None)
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """Of all programs."""
+        return tuple(chain.from_iterable(each.findings for each in self.programs.values()))
+
+
+def machining_of(discs: Iterable[Product]) -> Machining:
+    """The programs of discs whose scene states milling, judged."""
+    sides = [side for disc in discs for side in sides_of(disc)]
+    machine = _machine(sides[0])
+    return Machining(machine.name, {side.name: _program(side, machine) for side in sides})
+
+
+def machining_time(discs: Iterable[Product]) -> float:
+    """Seconds of all programs of discs whose scene states milling; nothing is simulated.
+
+    Raises
+    ------
+    SceneError
+        If a program cannot be planned.
+    GeometryError
+        If the dynamics of the machine are not known.
+    ToleranceError
+        If the tolerance of the scene cannot be kept.
+    """
+    found = []
+    for side in (side for disc in discs for side in sides_of(disc)):
+        machine, tolerance = _machine(side), side.scene.output.tolerance
+        times = times_on(machine, side.milled.toolpath(tolerance), tolerance)
+        if times is None:
+            message = "has a profile without [dynamics]: how fast it runs a program is not known"
+            raise GeometryError(message, "output.gcode.machine", f'"{machine.name}"')
+        found.append(_total(times))
+    return math.fsum(found)
+
+
+def _total(times: Iterable[OperationTime]) -> float:
+    return math.fsum(each.seconds for each in times)
+
+
+def _machine(side: Product) -> Machine:
+    return load(side.scene.output.options[FORMAT].machine)
+
+
+def _program(disc: Product, machine: Machine) -> Program:
+    """The program of one side of a disc at the scene's tolerance, judged."""
+    from camgeo.design.milled import compared
+    from camgeo.milling.plan import engagement_findings  # which times do without
+    from camgeo.scene.milling import is_missing
+
+    output, milled = disc.scene.output, disc.milled
+    try:
+        toolpath = milled.toolpath(output.tolerance)
+        found = milled.findings(toolpath, output.tolerance)
+        times = times_on(machine, toolpath, output.tolerance)
+        roughing = milled.engaged(toolpath)
+    except SceneError as error:
+        where, stated = f"{error.file}: " if error.file else "", disc.scene.stated
+        return Program(
+            tuple(
+                Finding(
+                    MILLING,
+                    "broken" if is_missing(stated, fault) else "invalid",
+                    f"{where}{fault}",
+                )
+                for fault in error.faults
+            ),
+            faults=error.faults,
+        )
+    except (ToleranceError, FileError, UndercutError) as error:
+        disc.scene.restate(error)
+        return Program((Finding(MILLING, "invalid", str(error)),))
+    found = stated_in(disc.unit, (*found, *engagement_findings(roughing)))
+    timed = None if times is None else tuple(times)
+    return Program(found, timed, roughing=roughing, features=compared(milled))

@@ -1,0 +1,343 @@
+"""A disc as milling programs cut it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from itertools import groupby
+from typing import TYPE_CHECKING, TypeVar
+
+from camgeo.check.finding import Finding, stated_in
+from camgeo.errors import GeometryError, SceneError, UndercutError, UnsafeError
+from camgeo.lazy import Ledger, built, lazy
+from camgeo.numeric.kept import Kept, kept_with_owner
+from camgeo.record import Pickled
+from camgeo.scene.formats.gcode import FORMAT
+
+if TYPE_CHECKING:
+    from camgeo.design.drawn import DrawnDisc
+    from camgeo.milling.cut import ContourCut, Cut
+    from camgeo.milling.features import Feature
+    from camgeo.milling.milling import GcodeSpec, MillingSpec, Stock
+    from camgeo.milling.moves import Toolpath
+    from camgeo.milling.plan import Engaged
+    from camgeo.milling.planned import Sequence
+    from camgeo.milling.simulation import Done
+    from camgeo.milling.stages import Flaw, Run
+    from camgeo.milling.zero import Zero
+    from camgeo.part.part import Part
+    from camgeo.scene.scene import Scene
+
+Planned = TypeVar("Planned")
+
+
+@dataclass(frozen=True)
+class MilledDisc(Pickled):
+    """One side of a disc as seen by its milling programs, in coordinates in which tools come from
+    above (`camgeo.milling.holding`).
+
+    What cannot be planned raises `SceneError` with the key that is at fault.
+
+    Attributes
+    ----------
+    drawn : the disc to be milled.
+    scene : with tools, blank, holding and operations; what milling needs may be missing.
+    ledger : records what was computed.
+    whole : of which this is one program, if the machine cannot change the tools that the disc
+        needs; None if it is all.
+    program : number of this one from 0.
+    first : the first side of the disc, if this is the second.
+    kept : its latest program, see `kept_with_owner`: times, findings and files come from one plan.
+    """
+
+    drawn: DrawnDisc
+    scene: Scene
+    ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
+    whole: MilledDisc | None = None
+    program: int = 0
+    first: MilledDisc | None = None
+    kept: Kept = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    @built
+    def second(self) -> MilledDisc | None:
+        """The second side; None if there is none, or if this is it."""
+        spec = self.scene.milling
+        if self.first is not None or spec is None or spec.second is None:
+            return None
+        ledger = self.ledger.named(" of the second side")
+        return replace(self, whole=None, program=0, first=self, ledger=ledger)
+
+    @built
+    def part(self) -> Part:
+        """The part as programs see it: its highest face is at height 0."""
+        part = self.drawn.part
+        return part.lowered() if self.first is None else part.turned_over()
+
+    @property
+    def gcode(self) -> GcodeSpec:
+        """The options of its programs: the machine, zero, work offset, the heights of traverses."""
+        options, spec = self.scene.output.options[FORMAT], self.scene.milling
+        if self.first is None or spec is None or spec.second is None:
+            return options
+        second = spec.second
+        return self._planned(lambda: second.program(options))
+
+    @built
+    def spec(self) -> MillingSpec | None:
+        """Tools, blank, holding and operations; None if the scene says nothing on milling.
+
+        Of the second side they follow from the sequence of the first, and raise as it does.
+        """
+        spec, first = self.scene.milling, self.first
+        if first is None or spec is None:
+            return spec
+        from camgeo.milling.bench import Bench
+        from camgeo.milling.judged import done_by, faces
+
+        cuts = first.sequence.cuts
+        return spec.of_second_side(
+            faced=any(map(faces, cuts)), done=done_by(Bench(first.part, spec), cuts)
+        )
+
+    @lazy
+    def sequence(self) -> Sequence:
+        """The exact cuts of all programs, and what is told of them; raises SceneError if the scene
+        lacks what milling needs, or its tools cannot do it.
+        """
+        return self._planned(self._sequence) if self.whole is None else self.whole.sequence
+
+    def _sequence(self) -> Sequence:
+        from camgeo.milling.planned import sequence_of
+
+        if lacking := self.scene.lacking([FORMAT]):
+            raise SceneError(lacking, self.scene.source.file)
+        assert self.spec is not None  # for the scene has a tool
+        options = self.gcode
+        found = sequence_of(self.part, self.spec, options.heights, options.compensation)
+        return replace(found, findings=stated_in(self.scene.unit, found.findings))
+
+    def _planned(self, plan: Callable[[], Planned]) -> Planned:
+        """What `plan` makes; what it finds wrong is the scene's fault."""
+        try:
+            return plan()
+        except UndercutError:  # of the disc, not of how it is milled
+            raise
+        except GeometryError as error:
+            from camgeo.milling.milling import of_second_side
+            from camgeo.scene.milling import refused  # few scenes mill
+
+            scene = self.scene
+            error = error if self.first is None else of_second_side(error)
+            raise refused(scene.stated, error, scene.source.file) from error
+
+    @property
+    def cuts(self) -> tuple[Cut, ...]:
+        """The exact cuts, in their order."""
+        cuts = self.sequence.cuts
+        return cuts if self.whole is None else self._groups[self.program]
+
+    @property
+    def _groups(self) -> tuple[tuple[Cut, ...], ...]:
+        """The cuts of each program: all in one, unless the machine cannot change tools."""
+        from camgeo.milling.machine import load
+
+        cuts = self.sequence.cuts
+        if load(self.gcode.machine).tool_change.change or not cuts:
+            return (cuts,)
+        return tuple(tuple(own) for _, own in groupby(cuts, key=lambda cut: cut.tool.number))
+
+    @property
+    def programs(self) -> tuple[MilledDisc, ...]:
+        """One for each program, in the order in which they are run."""
+        count = len(self._groups)
+        if count == 1 or self.whole is not None:
+            return (self,)
+        return tuple(replace(self, whole=self, program=number) for number in range(count))
+
+    @property
+    def contour_cuts(self) -> tuple[ContourCut, ...]:
+        """Those along a closed path, by which programs are measured."""
+        from camgeo.milling.cut import ContourCut
+
+        return tuple(cut for cut in self.cuts if isinstance(cut, ContourCut))
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """What is told of the sequence and of this program, a sentence each; raises like
+        `sequence`.
+        """
+        told = tuple(finding.sentence for finding in self.sequence.findings)
+        if self.whole is None:
+            return told
+        tool, count = self.cuts[0].tool.number, len(self._groups)
+        own = (
+            f"program {self.program + 1} of {count}, run in this order: tool {tool} is in the"
+            " spindle, and Z 0 set with it, at the start"
+        )
+        return (own, *told)
+
+    @property
+    def zero(self) -> Zero:
+        """Of the program; raises SceneError if the blank has no such corner."""
+        from camgeo.milling.holding import NOT
+        from camgeo.milling.milling import Stock
+
+        stock = Stock() if self.spec is None else self.spec.stock
+        turned = NOT if self.spec is None else self.spec.turned
+        return self._planned(lambda: self._zero_of(stock, turned))
+
+    def _zero_of(self, stock: Stock, turned: str) -> Zero:
+        from camgeo.milling.milling import AXIS
+        from camgeo.milling.zero import zero_of
+
+        found, first = zero_of(self.gcode, stock, self.part, turned), self.first
+        if first is not None and first.spec is not None and found.name != AXIS:
+            from camgeo.milling.bench import Bench
+            from camgeo.milling.guard import is_cut_free
+
+            if is_cut_free(Bench(first.part, first.spec), first.sequence.cuts):
+                message = "there is no corner: the first side cuts the part out of the blank"
+                raise GeometryError(message, "output.gcode.zero", f'"{found.name}"')
+        return found
+
+    @kept_with_owner
+    def toolpath(self, tolerance: float) -> Toolpath:
+        """The milling program; its arcs lie within `tolerance` [mm] of the exact cutter paths."""
+        from camgeo.milling.machine import load
+        from camgeo.milling.plan import plan_toolpath
+
+        cuts, spec, effort = self.cuts, self.gcode, self.drawn.effort
+        limits, heights = load(spec.machine).arcs, spec.heights
+        return self._planned(
+            lambda: self.ledger.run(
+                "toolpath",
+                lambda: plan_toolpath(cuts, heights, limits, tolerance, effort),
+            )
+        )
+
+    def flaws(self, toolpath: Toolpath, tolerance: float) -> tuple[Flaw, ...]:
+        """What the simulation of a program finds that lies within `tolerance` [mm]; of the second
+        side from what the first one leaves.
+        """
+        from camgeo.milling.judged import runs_of
+        from camgeo.milling.simulation import settled
+
+        cuts = tuple(operation.cut for operation in toolpath.operations)
+        return self.ledger.run(
+            "simulation",
+            lambda: settled(job(self, cuts, runs_of(toolpath), tolerance, ahead=False))[-1],
+        )
+
+    def engaged(self, toolpath: Toolpath) -> tuple[Engaged, ...]:
+        """How the cutter is engaged in each roughing operation of a program, with places as the
+        work lies; on the second side at most, as if the first had left all of the blank.
+        """
+        from camgeo.milling.holding import mirrored
+        from camgeo.milling.plan import engaged_of
+
+        part, spec = self.part, self.spec
+        assert spec is not None  # for there is a program
+        found = self.ledger.run("engagement", lambda: engaged_of(toolpath, part, spec))
+        return tuple(replace(each, place=mirrored(each.place, spec.turned)) for each in found)
+
+    def findings(self, toolpath: Toolpath, tolerance: float) -> tuple[Finding, ...]:
+        """What is told of the sequence and its programs, and what their simulation finds: "broken"
+        if they must not be run.
+        """
+        from camgeo.milling.features import findings_of
+        from camgeo.milling.judged import verdict
+
+        found = (*findings_of(compared(self)), *verdict(self.flaws(toolpath, tolerance)))
+        names = {each.name for each in found}
+        told = [each for each in self.sequence.findings if each.name not in names]
+        if low := self._low_change():
+            told.append(Finding("tool-change-height", "warning", low))
+        if len(self._groups) > 1:
+            tools = ", ".join(str(own[0].tool.number) for own in self._groups)
+            sentence = (
+                f"the machine cannot change tools: {len(self._groups)} programs, tools {tools}"
+            )
+            told.append(Finding("programs", "warning", sentence))
+        return stated_in(self.scene.unit, (*told, *found))
+
+    def _low_change(self) -> str:
+        """That tools are changed close above the part, by nobody's wish; empty if not."""
+        from camgeo.milling.machine import load
+
+        spec = self.gcode
+        machine = load(spec.machine)
+        several = any(len({cut.tool.number for cut in own}) > 1 for own in self._groups)
+        if not (several and machine.retract.is_a_height and spec.tool_change_height is None):
+            return ""
+        return (
+            f"tools are changed at the clearance height, Z {spec.clearance_height:g} mm, unless the"
+            " machine moves away by itself; output.gcode.tool_change_height states another"
+        )
+
+    def safe(self, toolpath: Toolpath, tolerance: float) -> tuple[Finding, ...]:
+        """What is to be watched in a program; raises UnsafeError if it must not be run."""
+        found = self.findings(toolpath, tolerance)
+        if wrong := "; ".join(each.sentence for each in found if each.severity == "broken"):
+            raise UnsafeError(f"the milling program must not be run: {wrong}", key="output.gcode")
+        return tuple(each for each in found if each.severity != "ok")
+
+
+def compared(milled: MilledDisc) -> tuple[Feature, ...]:
+    """The part, feature by feature, with the operations of all sides of its job; none for a second
+    side, of whose operations the first one tells.
+    """
+    from camgeo.milling.features import features_of
+    from camgeo.milling.simulation import Side
+
+    first = milled if milled.whole is None else milled.whole
+    if first.first is not None or first.spec is None:
+        return ()
+    sides = [Side(first.part, first.spec, first.sequence.cuts, ())]
+    if first.second is not None:
+        try:
+            second, cuts = first.second.spec, first.second.sequence.cuts
+        except SceneError:  # which is told of that side
+            second, cuts = first.spec.of_second_side(faced=False, done=frozenset()), ()
+        assert second is not None  # for there is that side
+        sides.append(Side(first.second.part, second, cuts, ()))
+    keyway = None if first.drawn.spec is None else first.drawn.spec.keyway
+    return features_of(first.drawn.part, keyway, sides)
+
+
+def job(
+    milled: MilledDisc,
+    cuts: tuple[Cut, ...],
+    runs: tuple[Run, ...],
+    tolerance: float,
+    *,
+    level: float | None = None,
+    allowed: float | None = None,
+    ahead: bool = True,
+) -> tuple[Done, ...]:
+    """The sides of a disc simulated, where `milled`, one of them, runs `runs` for its `cuts`, and
+    the other what is planned for it, within `tolerance` [mm].
+
+    Parameters
+    ----------
+    level, allowed : as of `camgeo.milling.simulation.simulate`; by default the tolerance is
+        allowed in addition to what is.
+    ahead : whether a side that follows is simulated, too.
+    """
+    from camgeo.milling.judged import runs_of
+    from camgeo.milling.simulation import ALLOWED, LEVEL, Side, simulated
+
+    assert milled.spec is not None  # for there is a program
+    density = None if milled.scene.part is None else milled.scene.part.density
+    sides = [Side(milled.part, milled.spec, cuts, runs, density)]
+    other = milled.second if milled.first is None else milled.first
+    if other is not None and (ahead or other is milled.first):
+        assert other.spec is not None  # likewise
+        planned = runs_of(other.toolpath(tolerance))
+        side = Side(other.part, other.spec, other.sequence.cuts, planned, density)
+        sides = [side, *sides] if other is milled.first else [*sides, side]
+    return simulated(
+        sides,
+        allowed=ALLOWED + tolerance if allowed is None else allowed,
+        level=LEVEL if level is None else level,
+        of=1 if other is None else 2,
+    )

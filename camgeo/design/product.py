@@ -1,0 +1,347 @@
+"""A finished disc, which is what writers see of a design."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, field, replace
+from itertools import chain
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from camgeo._version import __version__
+from camgeo.check.finding import RETURN, Finding, held
+from camgeo.check.judge import Judgement
+from camgeo.lazy import Ledger, built
+from camgeo.numeric.arrays import FloatArray, Side, merged
+from camgeo.numeric.extremes import Extreme, piecewise_highest
+from camgeo.part.spec import DISCS, MAIN, Pair, PartSpec
+from camgeo.record import Pickled
+from camgeo.scene.formats.format import Options, Values
+from camgeo.units import TURN, LengthUnit, at_cam_angles, listed
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from camgeo.cam.cam import Cam
+    from camgeo.design.drawn import DrawnDisc
+    from camgeo.design.milled import MilledDisc
+    from camgeo.design.pictured import PicturedCam
+    from camgeo.design.value_table import TabulatedCam
+    from camgeo.dynamics.effects.effect import Column
+    from camgeo.scene.scene import Scene
+
+
+SECOND: Final = "second-side"
+"""End of the names of programs of the second side."""
+
+ONE_PROGRAM: Final = re.compile(rf"(-{SECOND})?(-\d+-t\d+)?$", re.ASCII | re.IGNORECASE)
+"""End of the name of one of several programs."""
+
+PAIR: Final = "pair"
+"""End of the name of a conjugate pair in one piece."""
+
+OF_SHEET: Final = "-drawing"
+"""End of the name of a sheet."""
+
+
+@dataclass(frozen=True)
+class Product(Pickled):
+    """One disc as its files show it: what all files share, and a view for each kind of file.
+
+    Only the views that a writer reads are computed.
+
+    Attributes
+    ----------
+    scene : the specification of the design.
+    cam : the cam that the disc belongs to.
+    judgement : the findings, and whether such a disc exists.
+    others : the discs that turn with it: for a conjugate pair's main disc, the return disc.
+    columns : gives the effects over the cam angle; effects without an answer are left out.
+    ledger : records what was computed, and how long it took.
+    program : number from 0 of one of the milling programs of a machine that cannot change tools,
+        for whose file this is; None for all of them.
+    second_side : whether this is the second side of the disc, for its programs.
+    pair : for the main disc of a conjugate pair in one piece, that piece; else None.
+    is_pair : whether this is such a piece, with the cam of the main disc.
+    """
+
+    scene: Scene
+    cam: Cam
+    judgement: Judgement
+    others: tuple[Product, ...]
+    columns: Callable[[], tuple[Column, ...]]
+    ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
+    program: int | None = None
+    second_side: bool = False
+    pair: Product | None = None
+    is_pair: bool = False
+
+    @property
+    def name(self) -> str:
+        """Name of the disc or pair, the stem of its files; of the programs of a second side with
+        that, of one of several programs with its number, counted from 1, and its tool.
+        """
+        if self.is_pair:
+            return f"{self.scene.name}-{PAIR}"
+        name = f"{self.scene.name}-{RETURN}" if self.position else self.scene.name
+        name = f"{name}-{SECOND}" if self.second_side else name
+        if self.program is None:
+            return name
+        return f"{name}-{self.program + 1}-t{self.milled.cuts[0].tool.number}"
+
+    @property
+    def position(self) -> int:
+        """0 of the main disc, 1 of the one that returns the follower."""
+        return 0 if self.judgement.cams[0] is self.cam else 1
+
+    @property
+    def unit(self) -> LengthUnit:
+        """Unit of length of the scene; drawings, programs and tables are written in it."""
+        return self.scene.unit
+
+    @property
+    def scene_hash(self) -> str:
+        """SHA-256 of what decides the files in the scene, see `camgeo.scene.scene.Scene.made`."""
+        return self.scene.made
+
+    @property
+    def scene_files(self) -> dict[str, str]:
+        """SHA-256 of the files that the scene reads, hexadecimal, by their names."""
+        return dict(self.scene.files)
+
+    @property
+    def version(self) -> str:
+        """Version of camgeo."""
+        return __version__
+
+    @property
+    def options(self) -> Options:
+        """The scene's options of the formats."""
+        return self.scene.output.options
+
+    @property
+    def values(self) -> Values:
+        """The scene's values, which decide the formats in which it can be written."""
+        return self.scene.stated
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """Findings of the checks on all discs."""
+        return self.judgement.findings
+
+    @property
+    def discs(self) -> tuple[Product, ...]:
+        """The disc, followed by those that turn with it; for pictures of all."""
+        return (self, *self.others)
+
+    @built
+    def drawn(self) -> DrawnDisc:
+        """The disc as drawings and solids show it."""
+        from camgeo.design.drawn import DrawnDisc
+
+        scene, spec, returning = self.scene, self.scene.part, None
+        if self.is_pair:
+            (other,) = self.others
+            returning = other.cam
+        elif spec is not None:
+            spec = spec.alone(DISCS[self.position])
+        return DrawnDisc(
+            self.cam, spec, scene.output.fit, self.judgement, self.ledger, scene.printing, returning
+        )
+
+    @built
+    def milled(self) -> MilledDisc:
+        """The disc, or this side of it, as milling programs cut it."""
+        from camgeo.design.milled import MilledDisc
+
+        whole = MilledDisc(self.drawn, self.scene, self.ledger)
+        if self.second_side:
+            assert whole.second is not None  # which this is
+            whole = whole.second
+        return whole if self.program is None else whole.programs[self.program]
+
+    @property
+    def programs(self) -> tuple[Product, ...]:
+        """The disc once for each milling program: one for each side, or more if the machine cannot
+        change the tools that it needs.
+        """
+        return tuple(chain.from_iterable(map(programs_of, sides_of(self))))
+
+    @built
+    def tabulated(self) -> TabulatedCam:
+        """The cam as value tables list it."""
+        from camgeo.design.value_table import TabulatedCam
+
+        return TabulatedCam(self.cam.drive, self.scene, self.cam, self.columns, self.ledger)
+
+    @built
+    def pictured(self) -> PicturedCam:
+        """The cam as pictures show it."""
+        from camgeo.design.pictured import PicturedCam
+
+        returning = self.others[0].cam.follower if self.others else None
+        return PicturedCam(self.cam, returning)
+
+
+def sides_of(product: Product) -> tuple[Product, ...]:
+    """The disc once for each side from which it is milled, the first one first; one that is a side
+    already alone.
+    """
+    second = product.milled.second
+    if second is None or product.program is not None:
+        return (product,)
+    other = replace(product, second_side=True)
+    other.__dict__.update(drawn=product.drawn, milled=second)
+    return (product, other)
+
+
+def programs_of(side: Product) -> tuple[Product, ...]:
+    """One side once for each of its programs."""
+    milled = side.milled.programs
+    if len(milled) == 1:
+        return (side,)
+    made = tuple(replace(side, program=number) for number in range(len(milled)))
+    for each, own in zip(made, milled, strict=True):
+        each.__dict__.update(drawn=side.drawn, milled=own)
+    return made
+
+
+def bodies_of(disc: Product) -> tuple[Product, ...]:
+    """What a solid is made of for a disc: itself, or of a pair in one piece the pair, once."""
+    if disc.is_pair or disc.scene.part is None or disc.scene.part.pair is None:
+        return (disc,)
+    return () if disc.pair is None else (disc.pair,)
+
+
+def with_pair(discs: Sequence[Product]) -> tuple[Product, ...]:
+    """The discs, and the pair if they are one piece."""
+    pair = discs[0].pair
+    return (*discs, pair) if pair is not None else tuple(discs)
+
+
+def title_of(disc: Product) -> str:
+    """What people call the disc, in any characters: the title of the drawing, or its name."""
+    title = disc.scene.drawing.title
+    if not title:
+        return disc.name
+    if disc.is_pair:
+        return f"{title} ({PAIR})"
+    return f"{title} ({RETURN})" if disc.position else title
+
+
+def disc_of(discs: Sequence[Product], stem: str) -> Product:
+    """The disc to which a file belongs that is named `stem` without its ending.
+
+    A name with the ending of a further disc belongs to that disc, whatever precedes the ending.
+    """
+    main, *others = with_pair(discs)
+    stem = stem.removesuffix(OF_SHEET)
+    stem = stem if stem == main.name else ONE_PROGRAM.sub("", stem)
+    marks = [(disc, disc.name.removeprefix(main.name)) for disc in others if stem != main.name]
+    return next((disc for disc, mark in marks if stem.lower().endswith(mark)), main)
+
+
+# -- relation -------------------------------------------------------------------------------------
+# How the two discs of a conjugate pair stand to each other on their shaft.
+#
+# Both outlines are in cam coordinates, the frame at cam angle 0, so the return disc is at 0 degrees
+# to the main one. Turned from there by a small angle d, it would hold the follower at s(phi + d)
+# where the main disc holds it at s(phi): the pair opens or squeezes by s' d, as travel of the
+# follower, and by the reach of the main roller times that, as travel of that roller.
+
+
+ANGLE: Final = 0.0
+"""Of the return disc to the main disc [degrees]."""
+
+DISC_ANGLE: Final = "disc-angle"
+ROLLER_WIDTH: Final = "roller-width"
+"""Names of findings."""
+
+
+def relation_of(disc: Product) -> tuple[Finding, ...]:
+    """The findings on both discs together: of the pair in one piece, or of a main disc whose return
+    disc is another piece; none of other discs, and if the scene states no part.
+    """
+    spec = disc.scene.part
+    if not disc.others or spec is None:
+        return ()
+    if disc.is_pair:
+        assert spec.pair is not None  # of which this is
+        shown = _shown(spec)
+        told = f"{in_one_piece(spec.pair)}{f'; {listed(shown)}' if shown else ''}"
+        angle = Finding(DISC_ANGLE, "ok", told, ANGLE, unit="deg")
+        return (angle, _room(disc, spec, spec.pair))
+    return () if spec.pair is not None else (_of_two_pieces(disc, spec),)
+
+
+def in_one_piece(pair: Pair) -> str:
+    """How the discs stand to each other, in words."""
+    side = "below" if pair.upper == MAIN else "above"
+    return (
+        f"both discs in one piece: the return disc at {ANGLE:g} deg to the main disc, {side} it,"
+        f" with a gap of {pair.gap:.6g} mm"
+    )
+
+
+def _of_two_pieces(main: Product, spec: PartSpec) -> Finding:
+    told = f"the return disc belongs at {ANGLE:g} deg to the main disc, as both are drawn"
+    steepest, limit = _steepest(main), main.scene.limits.closing_error
+    if steepest.value > 0.0:
+        off = math.degrees(limit / steepest.value)
+        play = f"the rollers have {limit:g} mm of play or squeeze"
+        told = f"{told}; off by {off:.3g} deg, {play} {at_cam_angles(steepest.place)}"
+    shown, bolts = _shown(spec), spec.bolt_circle
+    doubt = ""
+    if not shown:
+        doubt = "nothing on the discs shows it: neither keyway, flat, mark nor bolt circle"
+    elif len(shown) == 1 and bolts is not None and bolts.count > 1:
+        doubt = f"the bolt holes fit in {bolts.count} positions, of which one is right"
+    if doubt:
+        return Finding(DISC_ANGLE, "warning", f"{told}; {doubt}", ANGLE, unit="deg")
+    told = f"{told}; in line on both discs: {listed(shown)}"
+    return Finding(DISC_ANGLE, "ok", told, ANGLE, unit="deg")
+
+
+def _shown(spec: PartSpec) -> list[str]:
+    """The features by which an angle is seen, each at the same place of both discs."""
+    named = {
+        "keyway": spec.keyway,
+        "flat of the bore": spec.d_shaft,
+        "timing mark": spec.mark,
+        "first bolt hole": spec.bolt_circle,
+    }
+    return [
+        f"{name} at {math.degrees(each.angle):g} deg"
+        for name, each in named.items()
+        if each is not None
+    ]
+
+
+def _steepest(main: Product) -> Extreme:
+    """The largest travel of the main roller for each radian of the cam [mm], and where it is."""
+    drive = main.cam.drive
+    reach = abs(main.cam.follower.reach)
+
+    def speed(phi: FloatArray, side: Side) -> FloatArray:
+        found: FloatArray = reach * np.abs(drive.motion.jet(phi, side)[1])
+        return found
+
+    edges = merged(np.concatenate((drive.smooth_angles, [0.0, TURN])))
+    return piecewise_highest(speed, edges)
+
+
+def _room(main: Product, spec: PartSpec, pair: Pair) -> Finding:
+    """How wide rollers may be before one reaches the other disc, or both reach each other."""
+    assert spec.thickness is not None  # a pair has one
+    one, other = (cam.follower for cam in main.judgement.cams)
+    apart = abs(one.traced_point(0.0) - other.traced_point(0.0))
+    near = apart <= one.roller_radius + other.roller_radius
+    most = spec.thickness + (1.0 if near else 2.0) * pair.gap
+    reached = "the rollers reach each other" if near else "one reaches the other disc"
+    told = f"in the middle of their discs rollers may be {most:g} mm wide before {reached}"
+    if pair.roller_width is None:
+        return Finding(ROLLER_WIDTH, "ok", told, most, unit="mm")
+    statement = f"rollers {pair.roller_width:g} mm wide; {told}"
+    return held(ROLLER_WIDTH, statement, pair.roller_width, most, "mm")

@@ -1,0 +1,417 @@
+"""The value table of a design: motion, curves, transmission angle and curvature over a turn."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from decimal import Decimal
+from typing import TYPE_CHECKING, Final, TypeVar
+
+import numpy as np
+
+from camgeo.cam.cam import Cam, Demanded, Disc, Drive
+from camgeo.errors import GeometryError, meant
+from camgeo.geometry.outline.convex import touch
+from camgeo.geometry.pieces import radius_of_curvature
+from camgeo.kinematics.motion import Jet
+from camgeo.kinematics.time_course import in_time
+from camgeo.lazy import Ledger, lazy
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, frozen
+from camgeo.record import Displayed, Pickled
+from camgeo.scene.formats.csv import FORMAT, CsvSpec, exact_step
+from camgeo.units import MM_PER, LengthUnit, LiftUnit, counted, unit_in
+
+if TYPE_CHECKING:
+    from camgeo.dynamics.effects.effect import Column
+    from camgeo.geometry.pitch_curve import PitchCurve
+    from camgeo.kinematics.time_course import TimeCourse
+    from camgeo.scene.scene import Scene
+
+
+FULL_TURN = Decimal(360)
+
+NUMBERS: Final = 5_000_000
+"""In a table at most: 40 MB, as text twice as much, and both are there several times."""
+
+CAM_ANGLE: Final = "phi [deg]"
+
+CURVES = ("pitch", "inner", "outer", "contact")
+"""Names of curves in the headings of their coordinates."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Table(Displayed):
+    """Named columns of equal length.
+
+    Attributes
+    ----------
+    names : of the columns, with their unit in brackets, e.g. "phi [deg]".
+    values : (n, k), one column per name, without NaN.
+    cells : the same as text, for rounded numbers; None for `decimals`.
+    decimals : of all numbers, which are rounded to that many; None for the shortest form that reads
+        back the same, in which no number is -0.0.
+    separator : between columns as text.
+    decimal_comma : whether numbers as text have a comma.
+    """
+
+    names: tuple[str, ...]
+    values: FloatArray
+    cells: Sequence[Sequence[str]] | None = None
+    decimals: int | None = None
+    separator: str = ","
+    decimal_comma: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "values", frozen(self.values, np.float64))
+
+    @classmethod
+    def rounded(cls, names: tuple[str, ...], cells: Sequence[Sequence[str]]) -> Table:
+        """A table of rounded numbers."""
+        return cls(names, np.array(cells, dtype=np.float64), cells)
+
+    @property
+    def columns(self) -> dict[str, FloatArray]:
+        """The columns by name, (n,) each."""
+        return dict(zip(self.names, self.values.T, strict=True))
+
+    def csv(self) -> str:
+        """The table as CSV, below one header line."""
+        return self.encoded().decode()
+
+    def encoded(self) -> bytes:
+        """The same in UTF-8, with no more memory than twice its size."""
+        found = io.BytesIO()
+        stream = io.TextIOWrapper(found, "utf-8", newline="")
+        rows = csv.writer(stream, delimiter=self.separator, lineterminator="\n")
+        rows.writerow(self.names)
+        spelled = repr if self.decimals is None else f"{{:.{self.decimals}f}}".format
+        numbers = ([spelled(value) for value in (row + 0.0).tolist()] for row in self.values)
+        cells: Iterable[Sequence[str]] = self.cells or numbers
+        if self.decimal_comma:
+            cells = ([cell.replace(".", ",") for cell in row] for row in cells)
+        rows.writerows(cells)
+        stream.flush()
+        return found.getvalue()
+
+
+def cam_angles(step: Decimal) -> FloatArray:
+    """0, step, 2 step, ... below 360 [degrees], each rounded once from the exact decimal.
+
+    Adding up floats would reach 359.999999999988 after 1,800 steps of 0.2 and give one row too
+    many.
+    """
+    count = math.ceil(FULL_TURN / step)
+    return np.array([float(step * k) for k in range(count)])
+
+
+@dataclass(frozen=True)
+class TabulatedCam(Pickled):
+    """A cam as value tables list it.
+
+    Attributes
+    ----------
+    drive : what moves the follower.
+    scene : has the unit of lengths in the table, and its step.
+    cam : the cam; None if there is no follower.
+    columns : gives the effects over the cam angle.
+    ledger : records what was computed.
+    """
+
+    drive: Drive
+    scene: Scene
+    cam: Cam | None
+    columns: Callable[[], tuple[Column, ...]]
+    ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
+
+    def table(self, step: Decimal | float | None = None) -> Table:
+        """One row for every `step` degrees of cam angle, by default the scene's step; right-hand
+        values at the joints. A float counts as the decimal number that Python prints for it.
+
+        With a speed also the time and the derivatives in time: velocity, acceleration and jerk;
+        then the cam's columns, if there is a cam, and the effects. In the scene's unit and degrees.
+        """
+        if step is None:
+            return self.value_table
+        degrees = cam_angles(exact_step(step))
+        return self.ledger.run("value_table", lambda: self._table(degrees))
+
+    @lazy
+    def value_table(self) -> Table:
+        """The table at the scene's step."""
+        return self._table(cam_angles(self.scene.output.options[FORMAT].step))
+
+    def stated(self, step: Decimal | float | None = None) -> Table:
+        """The table as [output.csv] states it, its numbers not rounded; steps as for `table`."""
+        spec = self.scene.output.options[FORMAT]
+        unit = spec.unit or self.scene.unit
+        if unit == self.scene.unit:
+            whole = self.table(step)
+        else:
+            whole = self._table(cam_angles(spec.step if step is None else exact_step(step)), unit)
+        return stated_table(whole, spec, unit)
+
+    def written(self, step: Decimal | float | None = None) -> Table:
+        """The table as [output.csv] states it, its numbers rounded; steps as for `table`."""
+        return rounded(self.stated(step), self.scene.output.options[FORMAT].decimals)
+
+    def _table(self, degrees: FloatArray, unit: LengthUnit | None = None) -> Table:
+        unit = unit or self.scene.unit
+        columns = quantities(self.drive, self.scene.lift_unit, self.cam, unit)
+        columns += [of_effect(unit, each) for each in self.columns()]
+        _require_few(len(degrees), len(columns) + 1)
+        phi = np.radians(degrees)
+        values = [degrees, *(quantity(phi, "right") for _, quantity in columns)]
+        names = (CAM_ANGLE, *(name for name, _ in columns))
+        return Table(names, np.column_stack(values))
+
+
+def _require_few(rows: int, columns: int) -> None:
+    """GeometryError with the key of the step, unless that many numbers are within the limit."""
+    if rows * columns > NUMBERS:
+        size = f"{counted(rows, 'row')} of {counted(columns, 'column')}"
+        message = f"{size} are more than {counted(NUMBERS, 'number')}"
+        raise GeometryError(message, "output.csv.step")
+
+
+def stated_table(whole: Table, spec: CsvSpec, unit: LengthUnit) -> Table:
+    """The columns of `whole` that a scene states, or all of them; its lengths are in `unit`.
+
+    Raises GeometryError with the key of a column that there is not.
+    """
+    if spec == CsvSpec(spec.step):
+        return whole
+    columns = whole.columns
+    if spec.columns is not None:
+        named = {bare(heading): heading for heading in columns}
+        known = columns | _polar(columns, unit)
+        named |= {bare(heading): heading for heading in known}
+        for place, name in enumerate(spec.columns, 1):
+            if name not in named:
+                hint = meant(name, named)
+                message = f"is no column{f', {hint}' if hint else ''}; there are {', '.join(named)}"
+                raise GeometryError(message, f"output.csv.columns[{place}]", f'"{name}"')
+        columns = {named[name]: known[named[name]] for name in spec.columns}
+    if spec.angle == "rad":
+        columns = dict(_in_radians(heading, values) for heading, values in columns.items())
+    return Table(
+        tuple(columns),
+        np.column_stack(tuple(columns.values())),
+        separator=spec.between,
+        decimal_comma=spec.decimal_comma,
+    )
+
+
+def rounded(table: Table, decimals: int | None) -> Table:
+    """The table with its numbers rounded to so many `decimals`; None leaves them as they are."""
+    if decimals is None:
+        return table
+    values = table.values.ravel()
+    near = np.fromiter((round(float(value), decimals) for value in values), np.float64, len(values))
+    return replace(table, values=near.reshape(table.values.shape), decimals=decimals)
+
+
+def bare(heading: str) -> str:
+    """The name of a column without its unit."""
+    return heading.rpartition(" [")[0] or heading
+
+
+def _polar(columns: Mapping[str, FloatArray], unit: LengthUnit) -> dict[str, FloatArray]:
+    """Radius and angle of the points of each curve."""
+    found: dict[str, FloatArray] = {}
+    for name in CURVES:
+        x, y = (columns.get(f"{name} {axis} [{unit}]") for axis in "xy")
+        if x is not None and y is not None:
+            turned = np.degrees(np.arctan2(y, x)) % 360.0
+            found[f"{name} radius [{unit}]"] = np.hypot(x, y)
+            found[f"{name} angle [deg]"] = np.where(turned < 360.0, turned, 0.0)
+    return found
+
+
+def _in_radians(heading: str, values: FloatArray) -> tuple[str, FloatArray]:
+    """A column with its degrees, or degrees per power of a second, in radians."""
+    name, found, unit = heading.rpartition(" [")
+    if not found or not unit.startswith("deg"):
+        return heading, values
+    return f"{name} [rad{unit.removeprefix('deg')}", np.radians(values)
+
+
+# -- quantities -----------------------------------------------------------------------------------
+# The quantities over the cam angle that a value table has, each computed when it is called.
+
+
+POWERS = ("s", "s^2", "s^3")
+
+MARKS = ("", "'", "''", "'''")
+"""Units of a motion's derivatives over the cam angle."""
+
+ANGLES: dict[Demanded, str] = {"lever": "chi", "crank": "theta"}
+"""Name of a prescribed angle that is not the follower's own."""
+
+Quantity = Callable[[FloatArray, Side], FloatArray]
+"""(n,) values at n cam angles [rad], approached from the given side."""
+
+JetOfMotion = Callable[[FloatArray, Side], Jet]
+"""(4, n) a motion and its derivatives, likewise."""
+
+Value = TypeVar("Value", FloatArray, ComplexArray)
+
+Columns = list[tuple[str, Quantity]]
+"""Headings, each with what gives its values."""
+
+SWING = ("omega", "alpha", "j")
+"""Prefixes of the names of angular velocity, acceleration and jerk."""
+
+TIMED = ("v", "a", "j")
+"""Names of velocity, acceleration and jerk."""
+
+
+def quantities(drive: Drive, lift_unit: LiftUnit, cam: Cam | None, unit: LengthUnit) -> Columns:
+    """What a value table has beside the cam angle and effects, its lengths in `unit`.
+
+    Right and left values differ where something jumps, which is at borders of the motion only.
+    """
+    columns = quantities_of_drive(drive, lift_unit, unit)
+    return columns if cam is None else columns + quantities_of_disc(cam.disc, unit)
+
+
+def quantities_of_drive(drive: Drive, lift_unit: LiftUnit, unit: LengthUnit) -> Columns:
+    """Motions over the cam angle and in time."""
+    motions = _motions(drive, lift_unit)
+    columns: Columns = []
+    for name, motion in motions:
+        columns += _angle(name, motion) if name else _length(unit, motion)
+    return columns + _in_time(drive, motions, unit)
+
+
+def _once(compute: Callable[[FloatArray, Side], Value]) -> Callable[[FloatArray, Side], Value]:
+    """The same, computed once for the columns that share it: they are called one after another."""
+    kept: list[tuple[FloatArray, Side, Value]] = []
+
+    def values(phi: FloatArray, side: Side) -> Value:
+        if not kept or kept[0][0] is not phi or kept[0][1] != side:
+            kept[:] = [(phi, side, compute(phi, side))]
+        return kept[0][2]
+
+    return values
+
+
+def quantities_of_disc(disc: Disc, unit: LengthUnit) -> Columns:
+    """Curves, transmission angle and curvature.
+
+    A flat face has one curve, the outline on which its contact runs, and the position of the
+    contact on the face.
+    """
+    mm = MM_PER[unit]
+
+    def pitch() -> PitchCurve:
+        return disc.pitch_curve
+
+    points: dict[str, Callable[[FloatArray, Side], ComplexArray]]
+    points = {"contact": lambda phi, side: pitch().point(phi, side)}
+    if disc.follower.has_pitch_curve:
+        points = {
+            "pitch": lambda phi, side: pitch().point(phi, side),
+            "inner": lambda phi, side: disc.inner_curve.point(phi, side),
+            "outer": lambda phi, side: disc.outer_curve.point(phi, side),
+        }
+    columns: Columns = []
+    for name, compute in points.items():
+        point = _once(compute)
+        columns.append((f"{name} x [{unit}]", _coordinate(point, np.real, mm)))
+        columns.append((f"{name} y [{unit}]", _coordinate(point, np.imag, mm)))
+    if not disc.follower.has_pitch_curve:
+
+        def on_face(phi: FloatArray, side: Side) -> FloatArray:
+            found: FloatArray = touch(pitch(), phi, side).contact[0] / mm
+            return found
+
+        columns.append((f"on face [{unit}]", on_face))
+    kappa = _once(lambda phi, side: pitch().curvature(phi, side))
+    return [
+        *columns,
+        ("mu [deg]", lambda phi, side: np.degrees(pitch().transmission_angle(phi, side))),
+        (f"kappa [1/{unit}]", lambda phi, side: kappa(phi, side) * mm),
+        (f"r_K [{unit}]", lambda phi, side: radius_of_curvature(kappa(phi, side)) / mm),
+    ]
+
+
+def _motions(drive: Drive, lift_unit: LiftUnit) -> list[tuple[str, JetOfMotion]]:
+    """The motion that the scene prescribes, and the follower's own if it differs.
+
+    Each gives (4, n), with the name of its angle, empty for a length.
+    """
+    own = _once(lambda phi, side: drive.motion.jet(phi, side))
+    found: list[tuple[str, JetOfMotion]] = [("psi" if lift_unit == "rad" else "", own)]
+    if drive.demanded_of != "follower":
+        demanded = _once(lambda phi, side: drive.plan.jet(phi, side))
+        found.insert(0, (ANGLES.get(drive.demanded_of, ""), demanded))
+    return found
+
+
+def _coordinate(
+    point: Callable[[FloatArray, Side], ComplexArray],
+    part: Callable[[ComplexArray], FloatArray],
+    mm: float,
+) -> Quantity:
+    return lambda phi, side: part(point(phi, side)) / mm
+
+
+def _timed(motion: JetOfMotion, course: TimeCourse) -> JetOfMotion:
+    return lambda phi, side: in_time(motion(phi, side), course, phi)
+
+
+def _row(motion: JetOfMotion, order: int, shown: Callable[[FloatArray], FloatArray]) -> Quantity:
+    """One derivative of a motion, as it is shown."""
+    return lambda phi, side: shown(motion(phi, side)[order])
+
+
+def _length(unit: LengthUnit, motion: JetOfMotion) -> Columns:
+    mm = MM_PER[unit]
+    rates = ("", "/rad", "/rad^2", "/rad^3")
+    return [
+        (f"s{mark} [{unit}{rate}]", _row(motion, order, lambda values: values / mm))
+        for order, (mark, rate) in enumerate(zip(MARKS, rates, strict=True))
+    ]
+
+
+def _angle(name: str, motion: JetOfMotion) -> Columns:
+    rates = zip(MARKS[1:], ("1", "1/rad", "1/rad^2"), strict=True)
+    return [
+        (f"{name} [deg]", _row(motion, 0, np.degrees)),
+        *(
+            (f"{name}{mark} [{rate}]", _row(motion, order, lambda values: values))
+            for order, (mark, rate) in enumerate(rates, 1)
+        ),
+    ]
+
+
+def _in_time(drive: Drive, motions: list[tuple[str, JetOfMotion]], unit: LengthUnit) -> Columns:
+    """Time and derivatives in time: of the motion the scene prescribes, and of the follower."""
+    course, mm = drive.time_course, MM_PER[unit]
+    if course is None:
+        return []
+    columns: Columns = [("t [s]", lambda phi, _: course.time(phi))]
+    for name, motion in motions:
+        timed = _once(_timed(motion, course))
+        for order, power in enumerate(POWERS, 1):
+            if name:
+                heading = f"{SWING[order - 1]}_{name} [deg/{power}]"
+                columns.append((heading, _row(timed, order, np.degrees)))
+            else:
+                heading = f"{TIMED[order - 1]} [{unit}/{power}]"
+                columns.append((heading, _row(timed, order, lambda values: values / mm)))
+    return columns
+
+
+def of_effect(unit: LengthUnit, column: Column) -> tuple[str, Quantity]:
+    """Heading and values of an effect's column, lengths in `unit`."""
+    own, divisor = unit_in(column.unit, unit)
+
+    def divided(phi: FloatArray, side: Side) -> FloatArray:
+        return column.values(phi, side) / divisor
+
+    values = column.values if divisor == 1.0 else divided
+    return f"{column.name} [{own}]" if own else column.name, values

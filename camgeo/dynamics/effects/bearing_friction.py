@@ -1,0 +1,333 @@
+"""Coulomb friction in the pivot or the guide of a follower, under its whole load.
+
+With the friction of roller or face, the contact provides the generalised force b |N|. The loads
+L_i = A_i + B_i |N| that rub in the bearings, one in a pivot and one at each end of a guide (see
+`camgeo.dynamics.effects.loads`), have a part A_i of their own, of inertia, springs and weights, and
+a part by the contact. Friction takes lambda |L_i| against the motion of sense e, with lambda = mu d
+/ 2 in a pivot and mu in a guide (Norton, Design of Machinery, chapter on dynamic force analysis,
+and Volmer, Kurvengetriebe, on friction in the bearings of the follower). So with n = |N| and the
+force R that is demanded of the contact,
+
+    b n - w (|A_1 + B_1 n| + ...) = R,        w = e lambda.
+
+With R_0 = R + w sum |A_i|, which is what friction and demand leave to the contact before it
+carries, the flank must push in the direction u of R_0. With u on both sides,
+
+    h(n) = u b n - u w sum (|A_i + B_i n| - |A_i|) = |R_0|.
+
+h is 0 at n = 0, concave where u w > 0, convex where u w < 0, and at last grows with the slope
+kappa = u b - u w sum |B_i|. If kappa > 0, there is exactly one root n >= 0: a concave h then grows
+everywhere by at least kappa; a convex one is below |R_0| at 0 and leaves it once. Otherwise a force
+that is large enough holds itself by the friction that it causes, and the follower jams. During a
+dwell e = 0: friction is locked, does no work, and takes nothing.
+
+For a single load the equation is a quadratic in n, of which the root with u b n - |R_0| + ... > 0
+is the one. It is found for any number of loads alike, by the directions d_i of the loads: with
+these given, |L_i| = Re(conj(d_i) L_i), the balance is linear,
+
+    n = (R + w sum Re(conj(d_i) A_i)) / (b - w sum Re(conj(d_i) B_i)),
+
+and nothing cancels that is not a difference of forces. Repeated with the directions at that n, from
+the directions of the B_i on, this is Newton's method on h from the side on which it is monotone: it
+converges from below where h is concave, from above where it is convex, and ends after as many steps
+as there are ends where loads are collinear. Since d|L| = Re(conj(d) dL), the linear law also has
+the derivatives of the solution.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final, Self, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camgeo.dynamics.effects.forces import at_rates
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, Side, merged
+from camgeo.numeric.extremes import grid_of, roots_on_grid
+
+if TYPE_CHECKING:
+    from camgeo.dynamics.effects.forces import Force
+
+Scalar = TypeVar("Scalar", np.float64, np.complex128, np.bool_)
+
+LINEAR: Final = 6
+"""Rows of a linear law of the drive torque, see `camgeo.dynamics.effects.results.DriveTorque`."""
+
+FIXED: Final = 9
+"""Rows of a law with friction before those of its loads."""
+
+PER_LOAD: Final = 12
+"""Rows of each load."""
+
+MOST_STEPS: Final = 100
+"""Largest number of Newton steps; each ends with the first that rounding turns back."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rubbing:
+    """Coulomb friction in the pivot or guide, per unit of its loads.
+
+    Attributes
+    ----------
+    lever : friction on q per unit of load [mm in a pivot, 1 in a guide], above 0.
+    senses : (n,) sense of the motion, +1, -1, or 0 during a dwell.
+    per_normal : (k, n) complex loads of the contact per unit of |N| on the side `sense`: the force
+        of the pivot in the drawing, or the forces of near and far end to the right of the guide;
+        see `camgeo.dynamics.effects.loads`.
+    """
+
+    lever: float
+    senses: Callable[[FloatArray, Side], FloatArray]
+    per_normal: Callable[[FloatArray, Side, int], ComplexArray]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BearingFriction:
+    """The friction in the pivot or guide of a scene.
+
+    Attributes
+    ----------
+    rubbing : that of the pivot or guide.
+    own : (4, k, n) coefficients c0 to c3 of the A_i, see `camgeo.dynamics.effects.loads`.
+    per_far : (k, n) A_i for one unit more of force on the far member of a linkage, along its
+        motion; 0 without one.
+    """
+
+    rubbing: Rubbing
+    own: Callable[[FloatArray, Side], ComplexArray]
+    per_far: Callable[[FloatArray, Side], ComplexArray]
+
+    def beside(self, force: Force) -> BearingFriction:
+        """The same with a `force` besides."""
+        if force.far is None:
+            return self
+        far = force.far
+
+        def own(phi: FloatArray, side: Side) -> ComplexArray:
+            passed = self.per_far(phi, side) * far(phi, side)[:, np.newaxis]
+            return np.asarray(self.own(phi, side) + passed)
+
+        return replace(self, own=own)
+
+    def drag(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) w [1 or mm]."""
+        drag: FloatArray = self.rubbing.lever * self.rubbing.senses(phi, side)
+        return drag
+
+    def alone(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
+        """(n,) w sum |A_i| at `rates` [N or N mm]."""
+        sizes = np.abs(at_rates(self.own(phi, side), rates))
+        return np.asarray(self.drag(phi, side) * np.sum(sizes, axis=0))
+
+    def largest(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
+        """(n,) the same of the sizes of all terms of the A_i: what rounding is measured by."""
+        sizes = at_rates(np.abs(self.own(phi, side)), np.abs(rates))
+        return np.asarray(self.rubbing.lever * np.sum(sizes, axis=0))
+
+
+def directions(
+    demand: FloatArray, free: FloatArray, drag: FloatArray, own: ComplexArray, per: ComplexArray
+) -> tuple[FloatArray, ComplexArray]:
+    """n (...) and the directions d (k, ...), for R, b and w (...), A and B (k, ...).
+
+    All of R, b and w are multiplied by u. The result means nothing where kappa is not above 0.
+    """
+    sound = jam_reserve(free, drag, per) > 0.0
+    d = unit_vectors(per, np.ones_like(per))
+
+    def solved(d: ComplexArray) -> FloatArray:
+        carried = free - drag * _sum(d, per)
+        force = np.zeros_like(carried)
+        np.divide(demand + drag * _sum(d, own), carried, out=force, where=sound & (carried > 0.0))
+        return force
+
+    n, moving = solved(d), sound & (drag != 0.0)
+    for _ in range(MOST_STEPS):
+        turned = unit_vectors(own + per * n, d)
+        new = solved(turned)
+        moving = moving & (drag * (new - n) > 0.0)
+        if not np.any(moving):
+            break
+        n, d = np.where(moving, new, n), np.where(moving, turned, d)
+    return n, d
+
+
+def jam_reserve(free: FloatArray, drag: FloatArray, per: ComplexArray) -> FloatArray:
+    """kappa (...), for u b, u w (...) and B (k, ...): the follower jams where it is not above 0."""
+    return np.asarray(free - drag * np.sum(np.abs(per), axis=0))
+
+
+def _sum(d: ComplexArray, vectors: ComplexArray) -> FloatArray:
+    """The sum of Re(conj(d_i) vectors_i)."""
+    return np.asarray(np.sum(d.real * vectors.real + d.imag * vectors.imag, axis=0))
+
+
+def unit_vectors(vectors: ComplexArray, otherwise: ComplexArray) -> ComplexArray:
+    """`vectors` over their sizes, `otherwise` where these are 0."""
+    size = np.abs(vectors)
+    zero = size == 0.0
+    return np.where(zero, otherwise, vectors / np.where(zero, 1.0, size))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RubbingLaw:
+    """The drive torque with friction in the bearings, at given cam angles, for all speeds.
+
+    The first of two is for an R_0 >= 0, the second for one below 0.
+
+    Attributes
+    ----------
+    demand : (4, ...) c0 to c3 of R.
+    torque : (2, ...) on the cam per unit of |N| [mm].
+    free : (2, ...) b [1 or mm].
+    drag : (...) w.
+    own : (4, k, ...) c0 to c3 of the A_i.
+    per : (2, k, ...) B_i.
+    """
+
+    demand: FloatArray
+    torque: FloatArray
+    free: FloatArray
+    drag: FloatArray
+    own: ComplexArray
+    per: ComplexArray
+
+    @classmethod
+    def of(cls, rows: FloatArray) -> Self:
+        """From its rows (9 + 12 k, ...)."""
+        shape = rows.shape[1:]
+        count = (len(rows) - FIXED) // PER_LOAD
+        own = rows[FIXED : FIXED + 8 * count].reshape(2, 4, count, *shape)
+        per = rows[FIXED + 8 * count :].reshape(2, 2, count, *shape)
+        return cls(
+            rows[:4], rows[4:6], rows[6:8], rows[8], own[0] + 1j * own[1], per[0] + 1j * per[1]
+        )
+
+    @property
+    def rows(self) -> FloatArray:
+        """(9 + 12 k, ...), as they are kept."""
+        shape = self.drag.shape
+        count = self.own.shape[1]
+        parts = [
+            np.stack((each.real, each.imag)).reshape(2 * len(each) * count, *shape)
+            for each in (self.own, self.per)
+        ]
+        fixed = (self.demand, self.torque, self.free, self.drag[np.newaxis])
+        return np.concatenate((*fixed, *parts))
+
+    @property
+    def jams(self) -> BoolArray:
+        """(2, ...) whether a large force on the flank for this sign of R_0 jams the follower."""
+        return np.stack(
+            [
+                jam_reserve(u * self.free[k], u * self.drag, self.per[k]) <= 0.0
+                for k, u in enumerate((1.0, -1.0))
+            ]
+        )
+
+    @property
+    def collinear(self) -> bool:
+        """Whether each load has a fixed line, as those on a guide have."""
+        return not (np.any(self.per.imag) or np.any(self.own.imag))
+
+    def released(self, omega: FloatArray | float, alpha: FloatArray | float) -> FloatArray:
+        """(...) R_0."""
+        rates = self._rates(omega, alpha)
+        alone = np.sum(np.abs(at_rates(self.own, rates)), axis=0)
+        return np.asarray(at_rates(self.demand, rates) + self.drag * alone)
+
+    def solved(
+        self,
+        omega: FloatArray | float,
+        alpha: FloatArray | float,
+        slowing: float = 0.0,
+    ) -> tuple[IntArray, FloatArray, ComplexArray]:
+        """Index (...) of the flank that carries, n (...) and the directions (k, ...).
+
+        The cam turns at `omega` [rad/s] and at `alpha` - `slowing` T [rad/s^2], T the torque that
+        it takes: a motor is slowed down by the contact, and the balance in n remains of the form in
+        the module.
+        """
+        rates = self._rates(omega, alpha)
+        index = np.where(self.released(omega, alpha) >= 0.0, 0, 1)
+        u = 1.0 - 2.0 * index
+        slowed = _chosen(self.torque, index) * slowing
+        free = _chosen(self.free, index) + self.demand[3] * slowed
+        per = _chosen(self.per, index) - self.own[3] * slowed
+        demand = at_rates(self.demand, rates)
+        n, d = directions(u * demand, u * free, u * self.drag, at_rates(self.own, rates), per)
+        sound = jam_reserve(u * free, u * self.drag, per) > 0.0
+        return index, np.where(sound, n, np.nan), d
+
+    def loads(
+        self, omega: FloatArray | float, alpha: FloatArray | float, slowing: float = 0.0
+    ) -> ComplexArray:
+        """(k, ...) the loads, as for `solved`."""
+        index, n, _ = self.solved(omega, alpha, slowing)
+        less = slowing * n * _chosen(self.torque, index)
+        own = at_rates(self.own, self._rates(omega, alpha - less))
+        return np.asarray(own + _chosen(self.per, index) * n)
+
+    def linear(
+        self, omega: FloatArray | float, alpha: FloatArray | float, slowing: float = 0.0
+    ) -> FloatArray:
+        """(6, ...) the linear law with the directions at `solved`; nan where the follower jams."""
+        index, n, d = self.solved(omega, alpha, slowing)
+        own = np.stack([_sum(d, each) for each in self.own])
+        free, torque = _chosen(self.free, index), _chosen(self.torque, index)
+        jams = _chosen(self.jams, index) | np.isnan(n)
+        carried = free - self.drag * _sum(d, _chosen(self.per, index))
+        gain = np.where(jams, np.nan, torque / np.where(carried == 0.0, np.nan, carried))
+        return np.concatenate((self.demand + self.drag * own, gain[np.newaxis], gain[np.newaxis]))
+
+    def _rates(self, omega: FloatArray | float, alpha: FloatArray | float) -> FloatArray:
+        shape = np.zeros(self.drag.shape)
+        return np.stack((omega + shape, alpha + shape))
+
+
+def _chosen(pair: NDArray[Scalar], index: IntArray) -> NDArray[Scalar]:
+    """Of the two in `pair` (2, ...) the one that `index` says."""
+    return np.asarray(np.where(index == 0, pair[0], pair[1]))
+
+
+def with_reversals(loads: Callable[[FloatArray], FloatArray], edges: FloatArray) -> FloatArray:
+    """(k,) `edges`, and the cam angles [rad] at which a force at an end of a guide reverses.
+
+    `loads` (k, n) has these forces at n cam angles. Friction has a kink where one reverses; in a
+    pivot it has none, unless the load is 0 as a vector.
+    """
+    found, grid = [edges], grid_of(edges)
+    for row in range(len(loads(edges[:1]))):
+
+        def load(phi: FloatArray, row: int = row) -> FloatArray:
+            return np.asarray(loads(phi)[row])
+
+        found.append(roots_on_grid(load, grid))
+    return merged(np.concatenate(found))
+
+
+def with_force(
+    rows: FloatArray,
+    bearings: BearingFriction | None,
+    force: Force,
+    phi: FloatArray,
+    side: Side,
+) -> FloatArray:
+    """The law `rows`, linear without `bearings`, at `phi` (n,) with a `force` besides."""
+    rows[:4] -= force.coefficients(phi, side)
+    if bearings is None or force.far is None:
+        return rows
+    law = RubbingLaw.of(rows)
+    law.own[:] += bearings.per_far(phi, side) * force.far(phi, side)[:, np.newaxis]
+    return law.rows
+
+
+def linear_law(
+    rows: FloatArray, omega: FloatArray | float, alpha: FloatArray | float, slowing: float = 0.0
+) -> FloatArray:
+    """(6, ...) the law at these rates, see `RubbingLaw.linear`; `rows` if they are linear."""
+    if len(rows) == LINEAR:
+        return rows
+    return RubbingLaw.of(rows).linear(omega, alpha, slowing)

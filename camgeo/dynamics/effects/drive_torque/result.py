@@ -1,0 +1,342 @@
+"""Drive torque: the torque on the camshaft that moves the follower against its forces.
+
+T dphi is the work of the contact force on the follower and of the friction at the contact
+(principle of virtual work; Norton, Cam Design and Manufacturing Handbook, chapters on dynamics of
+force- and form-closed systems). T is positive where the cam must be driven in its own sense of
+rotation, negative where the follower drives the cam.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgeo.check.finding import Finding, Severity
+from camgeo.dynamics.effects.drive_torque import TorqueLimits
+from camgeo.dynamics.effects.drive_torque.law import TorqueLaw
+from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request
+from camgeo.dynamics.effects.forces import all_borders, torque_shocks
+from camgeo.dynamics.effects.results import CONTACT_FORCE, DriveTorque
+from camgeo.dynamics.effects.wording import KG_M2, N_M, at, degrees, missed, placed, resolved_ends
+from camgeo.errors import GeometryError
+from camgeo.kinematics.time_course import period
+from camgeo.numeric.arrays import SHARE, FloatArray, merged, resolved
+from camgeo.numeric.extremes import (
+    Extreme,
+    Extremes,
+    extremes_of,
+    grid_of,
+    piecewise_extremes,
+    roots_on_grid,
+)
+from camgeo.numeric.quadrature import piecewise_integral, piecewise_integrals
+from camgeo.units import RPM, TURN, counted
+
+
+def compute(request: Request[TorqueLimits]) -> DriveTorque:
+    """Torque, its integrals over a turn to the tolerance, and the flywheel if requested.
+
+    Raises
+    ------
+    GeometryError
+        If a flywheel is requested and the scene gives no speed.
+    EffectError
+        "jamming", if friction prevents the contact force from driving the follower; and if the
+        tolerance cannot be reached.
+    """
+    subject, data = request.subject, request.data
+    course = subject.state.course
+    if data.fluctuation is not None and course is None:
+        raise GeometryError(
+            "a flywheel needs the speed of the cam, [cam] speed or speed_curve",
+            key="effects.drive-torque.fluctuation",
+        )
+    contact = request.results[CONTACT_FORCE]
+    law = TorqueLaw(subject, contact)
+    found = summary(law, data.fluctuation, request.tolerance)
+    return DriveTorque(
+        findings=findings(law, found, data),
+        columns=_columns(law, data.limit),
+        errors=errors_of(found, data),
+        contact=contact,
+        law=law.coefficients,
+        at=law.at,
+        torque=law.torque,
+        static=law.static,
+        edges=contact.edges,
+    )
+
+
+def errors_of(found: Summary, data: TorqueLimits) -> dict[str, Bound]:
+    """The errors of the integrals; peaks and columns are exact."""
+    scale = N_M * found.peaks.magnitude
+    mean = Bound(N_M * found.mean_error, scale)
+    out = {
+        "mean-torque": mean,
+        "work-per-turn": mean.times(TURN),
+        "mean-power": mean.times(found.speed),
+        "rms-torque": Bound(N_M * found.rms_error, scale),
+    }
+    if found.stored is not None and data.fluctuation is not None:
+        energy = Bound(N_M * found.stored.error, TURN * scale)
+        out["energy-fluctuation"] = energy
+        out["flywheel"] = energy.times(
+            moment_of_inertia(1.0, data.fluctuation, found.speed) * KG_M2 / N_M
+        )
+    return out
+
+
+def _columns(law: TorqueLaw, limit: float | None) -> tuple[Column, ...]:
+    borders = all_borders(law.contact.forces)
+    most = None if limit is None else N_M * limit
+
+    def column(name: str, values: Quantity, limit: float | None = None) -> Column:
+        return Column(name, "N m", lambda phi, side: N_M * values(phi, side), limit, borders)
+
+    total = column("drive torque", law.torque, most)
+    if law.subject.state.course is None:
+        return (total,)
+    return (
+        total,
+        column("static drive torque", law.static),
+        column("dynamic drive torque", law.dynamic),
+    )
+
+
+def findings(law: TorqueLaw, found: Summary, data: TorqueLimits) -> tuple[Finding, ...]:
+    """All findings."""
+    turning = law.subject.state.course is not None
+    peaks = resolved_ends(found.peaks)
+    static = resolved_ends(found.static_peaks, peaks.magnitude)
+    out = [
+        _peak("largest-torque", "largest drive torque", peaks.highest, data.limit, 1.0),
+        _peak("smallest-torque", "smallest drive torque", peaks.lowest, data.limit, -1.0),
+    ]
+    if turning:
+        out += [
+            _peak("largest-static-torque", "largest static drive torque", static.highest),
+            _peak("smallest-static-torque", "smallest static drive torque", static.lowest),
+        ]
+    out += [
+        _value("rms-torque", "root mean square of the drive torque", N_M * found.rms, "N m"),
+        _value("mean-torque", "mean drive torque", N_M * found.mean, "N m"),
+        _value("work-per-turn", "work of the drive over a turn", N_M * TURN * found.mean, "J"),
+    ]
+    if turning:
+        power = N_M * found.mean * found.speed
+        out.append(_value("mean-power", "mean power of the drive", power, "W"))
+    out += _flywheel(found, data.fluctuation)
+    if turning:
+        out += _shock(law)
+    return tuple(out)
+
+
+def _value(name: str, words: str, value: float, unit: str) -> Finding:
+    return Finding(name, "ok", f"{words} {value:.5g} {unit}", value, unit=unit)
+
+
+def _peak(
+    name: str, words: str, peak: Extreme, limit: float | None = None, sense: float = 1.0
+) -> Finding:
+    """A peak checked against the limit, which applies in both directions: -limit for the
+    smallest.
+    """
+    value, bound = N_M * peak.value, None if limit is None else sense * N_M * limit
+    severity: Severity = "ok"
+    verdict = ""
+    if bound is not None:
+        broken = sense * value > sense * bound
+        severity = "broken" if broken else "ok"
+        verdict = f", {'beyond' if broken else 'within'} {bound:g} N m"
+    sentence = f"{words} {value:.5g} N m {at(peak.place)}{verdict}"
+    return placed(name, sentence, Extreme(value, peak.place), "N m", bound, severity)
+
+
+def _flywheel(found: Summary, fluctuation: float | None) -> list[Finding]:
+    stored = found.stored
+    if stored is None or fluctuation is None:
+        return []
+    low, high = stored.extremes.lowest, stored.extremes.highest
+    span = stored.span if stored.span > stored.error else 0.0
+    moment = KG_M2 * moment_of_inertia(span, fluctuation, found.speed)
+    return [
+        Finding(
+            "energy-fluctuation",
+            "ok",
+            f"a drive of constant torque stores {N_M * span:.5g} J in everything that turns"
+            f" with the cam, between cam angles {degrees(low.place)} (slowest) and"
+            f" {degrees(high.place)} (fastest)",
+            N_M * span,
+            unit="J",
+        ),
+        Finding(
+            "flywheel",
+            "ok",
+            f"for a speed fluctuation of {fluctuation:g} at {found.speed / RPM:.5g} rev/min,"
+            f" everything that turns with the cam needs a moment of inertia of {moment:.5g} kg m^2",
+            moment,
+            unit="kg m^2",
+        ),
+    ]
+
+
+def _shock(law: TorqueLaw) -> list[Finding]:
+    """Where the velocity of a mass jumps; no finding without a mass."""
+    contact = law.contact
+    if contact.struck is None:
+        return []
+    places = torque_shocks(law.subject, contact.struck, contact.edges)
+    if not len(places):
+        return []
+    first = float(places[0])
+    return [
+        Finding(
+            "shock",
+            "broken",
+            f"the velocity jumps at {counted(len(places), 'cam angle')}, first at"
+            f" {degrees(first)}: the torque is infinite there, and its impulses are not included in"
+            " any value",
+            cam_angle=first,
+        )
+    ]
+
+
+# -- summary --------------------------------------------------------------------------------------
+# Values of a torque over a turn: extremes, mean, root mean square, work, and the flywheel.
+#
+# A drive with the constant torque T_m, equal to the mean, stores E(phi), the integral of T_m - T,
+# in everything that turns with the cam. E has its extremes where T passes T_m. With the mean speed
+# omega and the allowed fluctuation delta, the difference of largest and smallest speed divided by
+# the mean, this needs the moment of inertia
+#
+#     J = (E_max - E_min) / (delta omega^2)
+#
+# (Norton, Design of Machinery, chapter on dynamic force analysis, section on controlling the input
+# torque by flywheels; Khurmi and Gupta, Theory of Machines, chapter 16 on turning moment diagrams).
+
+
+@dataclass(frozen=True, slots=True)
+class StoredEnergy:
+    """E over a turn, 0 at cam angle 0.
+
+    Attributes
+    ----------
+    extremes : smallest and largest E [N mm], with their cam angles [rad].
+    error : estimate of the error of `span` [N mm].
+    """
+
+    extremes: Extremes
+    error: float
+
+    @property
+    def span(self) -> float:
+        """E_max - E_min [N mm]."""
+        return self.extremes.highest.value - self.extremes.lowest.value
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """Values of a turn; torques in N mm.
+
+    Attributes
+    ----------
+    peaks, static_peaks : smallest and largest value of the torque and of its static part.
+    mean : over the cam angle: the work of a turn [N mm] divided by 2 pi.
+    rms : root mean square over time.
+    speed : mean speed over time [rad/s]; 0 if the scene gives none.
+    stored : energy in the flywheel; None if none is requested.
+    mean_error, rms_error : estimates of the errors of `mean` and `rms` [N mm].
+    """
+
+    peaks: Extremes
+    static_peaks: Extremes
+    mean: float
+    rms: float
+    speed: float
+    stored: StoredEnergy | None
+    mean_error: float
+    rms_error: float
+
+    @property
+    def error(self) -> float:
+        """The largest error, relative to the largest torque; that of the energy divided by 2 pi."""
+        largest = self.peaks.magnitude
+        stored = 0.0 if self.stored is None else self.stored.error / TURN
+        worst = max(self.mean_error, self.rms_error, stored)
+        return worst / largest if largest > 0.0 else 0.0
+
+
+def summary(law: TorqueLaw, fluctuation: float | None, tolerance: float) -> Summary:
+    """The values of the torque in `law`, with integrals to `tolerance`.
+
+    The mean square over time is the integral of T^2 dt over the turn divided by its duration, with
+    dt = dphi / omega; at constant speed, or without a speed, it is the mean over the cam angle.
+
+    Raises
+    ------
+    EffectError
+        If the tolerance cannot be reached.
+    """
+    edges, course = law.contact.edges, law.subject.state.course
+
+    def values(phi: FloatArray) -> FloatArray:
+        return law.torque(phi, "right")
+
+    def squares(phi: FloatArray) -> FloatArray:
+        slowness = 1.0 if course is None else 1.0 / course.rates(phi)[0]
+        return np.asarray(values(phi) ** 2 * slowness)
+
+    duration = TURN if course is None else period(course)
+    peaks = piecewise_extremes(law.torque, edges)
+    static_peaks = piecewise_extremes(law.static, law.static_edges())
+    work = piecewise_integral(values, edges, tolerance)
+    mean = resolved(work.value, work.magnitude) / TURN  # conservative forces do no work
+    square = piecewise_integral(squares, edges, tolerance)
+    mean_square, unsure = max(square.value, 0.0) / duration, square.error / duration
+    rms = math.sqrt(mean_square)
+    rms_error = rms - math.sqrt(max(mean_square - unsure, 0.0))
+    stored = None
+    if fluctuation is not None:
+        stored = stored_energy(values, mean, work.error / TURN, edges, tolerance)
+    speed = 0.0 if course is None else TURN / duration
+    found = Summary(peaks, static_peaks, mean, rms, speed, stored, work.error / TURN, rms_error)
+    if found.error > max(tolerance, SHARE):
+        raise missed(
+            "an integral of the drive torque", found.error, "the largest torque", tolerance
+        )
+    return found
+
+
+def stored_energy(
+    torque: Callable[[FloatArray], FloatArray],
+    mean: float,
+    unsure: float,
+    edges: FloatArray,
+    tolerance: float,
+) -> StoredEnergy:
+    """The energy stored if the drive provides the mean torque.
+
+    Parameters
+    ----------
+    torque : (n,) cam angles [rad] -> (n,) [N mm], smooth between neighbouring edges.
+    mean, unsure : mean of the torque over the turn, and its error [N mm].
+    edges : (m + 1,) [rad] from 0 to 2 pi, ascending.
+    tolerance : of the integrals, relative to the integral of the magnitude.
+    """
+
+    def surplus(phi: FloatArray) -> FloatArray:
+        return mean - torque(phi)
+
+    passing = roots_on_grid(surplus, grid_of(edges))
+    places = merged(np.concatenate((edges, passing)))
+    stretches, error = piecewise_integrals(surplus, places, tolerance)
+    energy = np.concatenate(([0.0], np.cumsum(stretches)))
+    return StoredEnergy(extremes_of(places, energy), error + TURN * unsure)
+
+
+def moment_of_inertia(energy: float, fluctuation: float, speed: float) -> float:
+    """J [t mm^2] for the span of energy [N mm], delta, and the mean speed [rad/s]."""
+    return energy / (fluctuation * speed * speed)

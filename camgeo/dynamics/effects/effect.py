@@ -1,0 +1,375 @@
+"""What an effect is, what it receives and what it returns.
+
+Internal units are mm, s, t (1000 kg) and N, with the derived units N mm, MPa = N/mm^2 and, for
+moments of inertia, t mm^2. They are consistent, so formulas need no conversion factors.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from inspect import signature
+from typing import TYPE_CHECKING, Any, Final, Generic, Literal, TypeVar
+
+import numpy as np
+
+from camgeo.check.finding import Finding
+from camgeo.dynamics.effects.rules import Machine, Rule
+from camgeo.errors import GeometryError
+from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.record import Displayed
+
+if TYPE_CHECKING:  # each effect imports the modules that it computes with
+    from camgeo.cam.cam import Cam, Drive
+    from camgeo.dynamics.state.state import Model, State, Train, Used
+    from camgeo.dynamics.state.written import Contours, HasPart, Writing
+    from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+    from camgeo.kinematics.time_course import TimeCourse
+    from camgeo.part.spec import PartSpec
+    from camgeo.units import LengthUnit, LiftUnit
+
+GROUP: Final = "camgeo.effects"
+"""Group of the entry points of effects from other distributions, named like the effect."""
+
+Quantity = Callable[[FloatArray, Side], FloatArray]
+"""(n,) values at n cam angles [rad], approached from the given side."""
+
+
+@dataclass(frozen=True)
+class Subject:
+    """The design that effects are computed for.
+
+    Attributes
+    ----------
+    drive : what moves the follower.
+    lift_unit : of the follower's own motion.
+    unit : unit of length of the scene, for messages; values are in mm.
+    part_spec : what the scene says of the part.
+    model : whose motion the effects are computed for, where that can be told (`state`).
+    output : whether the forces are those of the elastic train, where the scene has one.
+    disc : the disc of the cam; None if there is no follower.
+    returning : the return disc of a conjugate pair, or the disc at the second side of a yoke, with
+        the same motion; None without one.
+    contours : those whose motion is meant by the model "written"; None for another model.
+    course : how the cam turns, if not as `drive` says.
+    """
+
+    drive: Drive
+    lift_unit: LiftUnit
+    unit: LengthUnit
+    part_spec: PartSpec | None
+    model: Model = "demanded"
+    output: Train = "elastic"
+    disc: HasPart | None = field(default=None, repr=False, compare=False)
+    returning: Subject | None = None
+    contours: Contours | None = None
+    course: TimeCourse | None = None
+
+    @cached_property
+    def state(self) -> State:
+        """The motion that the effects are computed for."""
+        if self.contours is not None:
+            return self.contours.state_of(self.cam)
+        from camgeo.dynamics.state.choice import state_of
+
+        cam = None if self.disc is None else self.disc.cam
+        return state_of(self.drive, cam, self.model, paired=self.returning is not None)
+
+    def written_as(self, writing: Writing, sense: int) -> Subject:
+        """The same design with the motion of its contours as they are written; on the side `sense`
+        if the follower is held both ways.
+        """
+        from camgeo.dynamics.state.written import Contours  # only if it is asked for
+
+        other = self.returning
+        discs = (self.disc, None if other is None else other.disc)
+        found = Contours(tuple(each for each in discs if each is not None), writing, sense)
+        if other is not None:
+            other = replace(other, model="written", contours=found)
+        return replace(self, model="written", contours=found, returning=other)
+
+    def turning(self, course: TimeCourse) -> Subject:
+        """The same design with the cam turning as `course` says."""
+        other = None if self.returning is None else self.returning.turning(course)
+        made = replace(self, returning=other, course=course)
+        vars(made)["state"] = self.state.turning(course)  # the same motion, which may be dear
+        return made
+
+    @property
+    def made(self) -> HasPart:
+        """The disc as it is made; GeometryError with key "follower" if there is no follower."""
+        if self.disc is None:
+            raise GeometryError("needs [follower]", key="follower")
+        return self.disc
+
+    @property
+    def cam(self) -> Cam:
+        """The cam; GeometryError with key "follower" if there is no follower."""
+        return self.made.cam
+
+    @property
+    def paired(self) -> bool:
+        """Whether `returning` is a second disc."""
+        return self.returning is not None and self.cam.yoke is None
+
+
+def driving_slider(subject: Subject) -> SliderCrank | None:
+    """The linkage if its slider makes the demanded motion, else None."""
+    from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+
+    linkage = subject.drive.linkage
+    return linkage if isinstance(linkage, SliderCrank) else None
+
+
+def machine_of(subject: Subject) -> Machine:
+    """The properties of the machine that the rules of effects depend on."""
+    follower, linkage = subject.cam.follower, subject.drive.linkage
+    return Machine(
+        lift=follower.lift_unit,
+        touching=follower.touching,
+        edged=follower.has_edge,
+        far="" if linkage is None else linkage.member,
+        paired=subject.paired,
+        yoked=subject.cam.yoke is not None,
+    )
+
+
+Answer = TypeVar("Answer")
+Answer_co = TypeVar("Answer_co", covariant=True)
+
+
+class Key(str, Generic[Answer_co]):
+    """The name of an effect, and the type of its result."""
+
+    __slots__ = ()
+
+
+class Results:
+    """The results that an effect receives: those it needs, and those it uses if they are named."""
+
+    def __init__(self, by_name: Mapping[str, Any]) -> None:
+        self._by_name = by_name
+
+    def __getitem__(self, key: Key[Answer]) -> Answer:
+        found: Answer = self._by_name[key]
+        return found
+
+    def get(self, key: Key[Answer]) -> Answer | None:
+        """The result of the effect `key`; None if it is optional and not in the scene."""
+        return self._by_name.get(key)
+
+
+Data = TypeVar("Data")
+
+
+@dataclass(frozen=True, slots=True)
+class Request(Generic[Data]):
+    """The input of an effect; `Data` is what its `parse` returns.
+
+    Attributes
+    ----------
+    subject : the design.
+    data : what `Effect.parse` makes of the table ``[effects.NAME]``, or of an empty table if the
+        effect is computed only because another one needs it.
+    results : by key, of the effects that it needs, and of those it uses if the scene names them.
+    tolerance : largest permitted error of each figure, relative to the scale of its `Bound`; only
+        numerical effects use it.
+    near : what the effect has found for almost the same input, for which a search may look beside
+        it; None if nothing is known.
+    """
+
+    subject: Subject
+    data: Data
+    results: Results
+    tolerance: float
+    near: Any = None
+
+    @property
+    def course(self) -> TimeCourse:
+        """How the cam turns, for effects that declare the speed among their keys.
+
+        Raises GeometryError with the key if the scene gives no speed. This happens only if the
+        effect is requested by another effect or by a caller: a scene that names it has a speed.
+        """
+        course = self.subject.state.course
+        if course is None:
+            raise GeometryError("is missing: the speed of the cam is needed", key="cam.speed")
+        return course
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Column:
+    """A quantity over the cam angle, for tables and pictures.
+
+    Attributes
+    ----------
+    name : e.g. "contact force".
+    unit : of the values: "N", "N m", "MPa", "mm", "mm/s", "deg", "" ... Lengths are in mm here and
+        are shown in the unit of the scene.
+    values : the quantity in `unit`.
+    limit : drawn as a line, in `unit`; None for no limit.
+    borders : (k,) cam angles [rad] in [0, 2 pi) where the quantity may jump, besides the borders of
+        the motion.
+    """
+
+    name: str
+    unit: str
+    values: Quantity
+    limit: float | None = None
+    borders: FloatArray = field(default_factory=lambda: np.empty(0))
+
+
+@dataclass(frozen=True, slots=True)
+class DataFile:
+    """A file that the scene names in the table of an effect.
+
+    Attributes
+    ----------
+    name : as written in the scene.
+    data : its bytes, up to one more than the size of a `camgeo.reading.TABLE`.
+    """
+
+    name: str
+    data: bytes = field(repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Bound:
+    """How far a figure may be off.
+
+    Attributes
+    ----------
+    error : estimated largest error, in the unit of the figure.
+    scale : magnitude that the tolerance refers to, in the same unit; 0 if there is none.
+    """
+
+    error: float
+    scale: float
+
+    @property
+    def share(self) -> float:
+        """The error relative to the scale."""
+        return self.error / self.scale if self.scale > 0.0 else 0.0
+
+    def times(self, factor: float) -> Bound:
+        """The bound of `factor` times the figure."""
+        return Bound(abs(factor) * self.error, abs(factor) * self.scale)
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Result(Displayed):
+    """The result of an effect; subclasses add what the effect offers to others.
+
+    Attributes
+    ----------
+    findings : all values found, good and bad; from `camgeo.dynamics.effects.graph` with those that
+    say what
+        the others do not hold for.
+    columns : the quantities over the cam angle.
+    errors : by the names of findings and columns; figures without an entry are exact to rounding.
+    state : for which the graph of effects had it computed; None outside of it.
+    """
+
+    findings: Sequence[Finding] = ()
+    columns: tuple[Column, ...] = ()
+    errors: Mapping[str, Bound] = field(default_factory=dict)
+    state: Used | None = None
+
+    @property
+    def error(self) -> float | None:
+        """The largest of the errors, each relative to its scale; None if all is exact."""
+        return max((each.share for each in self.errors.values()), default=None)
+
+
+Premise = Literal["contact", "motion", "disc"]
+"""What must be true for the figures of an effect: that the follower touches the cam all round and
+makes the motion of the `Subject.state`; that it makes this motion; or nothing but the disc itself.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Refinement:
+    """Another effect that, in the same scene, computes what this one takes as simpler than it is.
+
+    Attributes
+    ----------
+    by : name of the other effect.
+    taken : what the figures of this effect hold for, as in "a rigid follower".
+    caution : what differs, where one can tell, e.g. "an elastic one leaves the cam earlier".
+    followed : whether this effect takes it into account unless the scene states a simpler state.
+    """
+
+    by: str
+    taken: str
+    caution: str = ""
+    followed: bool = False
+
+
+RIGID: Final = Refinement("vibration", "a rigid follower")
+ELASTIC: Final = replace(RIGID, followed=True)
+GIVEN_SPEED: Final = Refinement("speed-fluctuation", "the speed that the scene gives")
+STIFF_SHAFT: Final = Refinement("camshaft-windup", "a camshaft that does not twist")
+
+
+SPEED: Final = ("cam.speed", "cam.speed_curve")
+"""Keys of the scene, one of which gives the speed of the cam."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Effect:
+    """The declaration of an effect: all that is known about it without computing it.
+
+    Attributes
+    ----------
+    name : its table in the scene is ``[effects.NAME]``.
+    title : what it computes, in a few words.
+    compute : "module:function" that makes the result from a `Request`, imported when it is first
+        needed. It raises GeometryError with the key of the scene if data are missing or
+        contradictory, `EffectError` if there is no answer for this design.
+    schema : JSON Schema of its table, an object. It may refer to the definitions of the scene's
+        schema, as {"$ref": "#/$defs/length"}; a number with an "x-unit" is given in that unit.
+    parse : converts the table to `Request.data`, a frozen dataclass; `data_of` does this where the
+        table needs no further checks. Numbers of the table are in the units of this module, angles
+        in radians, files are `DataFile`. It raises GeometryError with the key in the table, e.g.
+        "preload", if data are missing or contradictory.
+    rules : which machines the effect, or keys of its table, cannot be combined with.
+    needs : effects whose results are required.
+    uses : effects whose results are taken into account if the scene names them.
+    keys : data of the scene that are required: at least one key of each entry, e.g. ("cam.speed",
+        "cam.speed_curve") or ("effects.inertia",).
+    tabled : whether the scene must have its table; if not, it is computed with an empty table for
+        other effects that need it.
+    numerical : whether it takes a tolerance and estimates its error.
+    of_drive : whether it needs no follower, only the drive.
+    premise : what its figures rely on.
+    of_plan : whether its figures are of the segments of the demanded motion, whatever motion the
+        disc makes.
+    regardless : names of its findings that hold even where the premise does not.
+    refined_by : effects that have a better model, if the scene names them too.
+    """
+
+    name: str
+    title: str
+    compute: str
+    schema: Mapping[str, Any]
+    parse: Callable[[Mapping[str, Any]], Any] = dict
+    rules: tuple[Rule, ...] = ()
+    needs: tuple[str, ...] = ()
+    uses: tuple[str, ...] = ()
+    keys: tuple[tuple[str, ...], ...] = ()
+    tabled: bool = False
+    numerical: bool = False
+    of_drive: bool = False
+    premise: Premise = "contact"
+    of_plan: bool = False
+    regardless: tuple[str, ...] = ()
+    refined_by: tuple[Refinement, ...] = ()
+
+
+def data_of(kind: Callable[..., Data], table: Mapping[str, Any]) -> Data:
+    """The dataclass `kind` with the values of `table`; missing keys keep their defaults.
+
+    Keys that are not its fields are ignored, such as the tolerance, which is in `Request`.
+    """
+    return kind(**{key: table[key] for key in signature(kind).parameters if key in table})

@@ -1,0 +1,1085 @@
+"""The effects of one design: each is computed once, on demand, together with what it needs.
+
+Where the scene names `speed-fluctuation` or `camshaft-windup`, all effects that depend on the speed
+of the cam are computed for the speed that this one finds. What this is found from, the forces on
+the follower as functions of speed and acceleration, holds for any speed, and is computed for the
+one that the scene gives. An elastic train acts back on it (`camgeo.dynamics.effects.feedback`).
+"""
+
+from __future__ import annotations
+
+import pkgutil
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any, Final, overload
+
+import numpy as np
+
+from camgeo.check.finding import STATED, Finding, Findings, LazyFindings, folded, stated_in
+from camgeo.check.judge import FINDINGS
+from camgeo.dynamics.effects.contact import FLANKS, INNER, holds_both_ways, sides_of
+from camgeo.dynamics.effects.effect import (
+    Answer,
+    Bound,
+    Column,
+    Effect,
+    Key,
+    Request,
+    Result,
+    Results,
+    Subject,
+    machine_of,
+)
+from camgeo.dynamics.effects.registry import Catalogue, Find, find_effect
+from camgeo.dynamics.effects.results import (
+    CONTACT_FORCE,
+    FINDERS,
+    LIFT_OFF,
+    SPEED_FLUCTUATION,
+    SPRING,
+    VIBRATION,
+    Elastic,
+    Leaving,
+    LostContact,
+    Touching,
+)
+from camgeo.dynamics.effects.rules import Table
+from camgeo.dynamics.effects.wording import angles, at, over
+from camgeo.dynamics.state.state import Speed, Used
+from camgeo.errors import EffectError, GeometryError, ToleranceError
+from camgeo.kinematics.time_course import ConstantSpeed, TimeCourse, period
+from camgeo.lazy import Ledger
+from camgeo.numeric.arrays import SHARE, FloatArray
+from camgeo.record import clipped
+from camgeo.units import RPM, TURN, in_unit, listed
+
+if TYPE_CHECKING:
+    from camgeo.cam.cam import Disc
+    from camgeo.dynamics.state.written import Contours
+    from camgeo.geometry.contour.contour import Form
+    from camgeo.geometry.outline.replay import Replay
+
+
+AT_FOUND: Final = " at the found speed"
+AT_ROUGH: Final = " at the found speed, roughly"
+"""What the ledger adds to the names of effects that are computed for this speed."""
+
+OF_RIGID: Final = " of a rigid train"
+"""What it adds to what a speed is found from that takes a train as rigid, if no other one does."""
+
+HOLDING: Final = "camgeo.dynamics.effects.lift_off.flank:holding"
+"""Imported only where a follower leaves its flank."""
+
+FED_BACK: Final = "camgeo.dynamics.effects.feedback:FedBack"
+"""Imported only where an elastic train acts back on the speed."""
+
+
+class Effects:
+    """The effects of `subject`, by name.
+
+    Parameters
+    ----------
+    subject : the design.
+    tables : the table of each effect that the scene names, in internal units.
+    ledger : records what was computed.
+    find : returns the effect with a given name.
+    speed : of the cam, for which effects that depend on it are computed; None for the found one if
+        the scene names what finds it.
+    """
+
+    def __init__(
+        self,
+        subject: Subject,
+        tables: Mapping[str, Mapping[str, Any]],
+        ledger: Ledger,
+        find: Find = find_effect,
+        speed: Speed | None = None,
+    ) -> None:
+        self.subject = subject
+        self.tables = tables
+        self.ledger = ledger
+        self.catalogue = Catalogue(tables, find, subject.output)
+        self._finder = None if speed == "stated" else self.catalogue.finder
+        self._stated: Nodes | None = None
+        self._found: Nodes | None = None
+        self._rigid: Nodes | None = None
+        self._whole: dict[str, Any] = {}
+        self._judged: dict[str, Any] = {}
+
+    def __repr__(self) -> str:
+        return clipped(f"Effects({', '.join(map(repr, self.names))})")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The effects that the scene names, in its order."""
+        return tuple(self.tables)
+
+    def effect(self, name: str) -> Effect:
+        """The declaration of the effect `name`; UnknownNameError if there is none."""
+        return self.catalogue.effect(name)
+
+    def inputs(self, name: str) -> tuple[str, ...]:
+        """See `Catalogue.inputs`."""
+        return self.catalogue.inputs(name)
+
+    @overload
+    def result(self, name: Key[Answer]) -> Answer: ...
+
+    @overload
+    def result(self, name: str) -> Any: ...
+
+    def result(self, name: str) -> Any:
+        """The result of the effect `name`, whether or not the scene names it.
+
+        Its findings begin with those that say what the others do not hold for, see
+        `camgeo.dynamics.effects.graph`; they are made when they are looked at.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such effect.
+        CycleError
+            If it needs itself.
+        GeometryError
+            With the key of the scene, if data are missing.
+        EffectError
+            If there is no answer for this design.
+        """
+        with self.ledger.lock:  # another thread may be computing it
+            if name not in self._whole:
+                self._whole[name] = self._with_premises(name, self._computed(name))
+            return self._whole[name]
+
+    def _computed(self, name: str) -> Any:
+        """The result of the effect `name` as it computes it; raises as `result`."""
+        return self._nodes(name).result(name)
+
+    def _with_premises(self, name: str, result: Any) -> Any:
+        """The `result` of the effect `name` with all its findings."""
+        if not isinstance(result, Result):
+            return result
+
+        def found() -> Findings:
+            told: Findings = self.ledger.once(
+                FINDINGS + node_name(name), self._judged,
+                lambda: Findings(self._qualified(name, result)),
+            )  # fmt: skip
+            return told
+
+        whole, errors = LazyFindings(found), result.errors
+        if isinstance(errors, InheritedErrors):
+            errors = ErrorsWithPremises(errors, whole, lambda: self._computed(CONTACT_FORCE).errors)
+        return replace(result, findings=whole, errors=errors)
+
+    def course(self, name: str) -> TimeCourse | None:
+        """How the cam turns in the state of the effect `name`; None if that is not known.
+
+        Raises EffectError if it is neither found nor given.
+        """
+        return self._nodes(name).subject.state.course
+
+    def _nodes(self, name: str) -> Nodes:
+        """Where the effect `name` is computed.
+
+        Raises
+        ------
+        EffectError
+            If its speed is neither found nor given.
+        """
+        if self._stated is None:
+            feeds = self._finder is not None and self.catalogue.followed(self._finder)
+            kind = pkgutil.resolve_name(FED_BACK) if feeds else Nodes
+            self._stated = kind(self._given, self.catalogue, self.ledger)
+        if self._finder is None and name in FINDERS and self.catalogue.followed(name):
+            return self._of_rigid
+        if self._finder is None or not self.catalogue.moved(name):
+            return self._stated
+        if self._found is None:
+            self._found = self._turned(self._stated, self._finder)
+        return self._found
+
+    @property
+    def _of_rigid(self) -> Nodes:
+        """Where what finds a speed is computed if no other effect follows that."""
+        if self._rigid is None:
+            ledger = self.ledger.named(OF_RIGID)
+            self._rigid = Nodes(self._given, self.catalogue.rigid(), ledger)
+        return self._rigid
+
+    @property
+    def _given(self) -> Subject:
+        """The design at the speed of the scene; if it gives but a motor, at one near what is to be
+        found, for what does not depend on it.
+        """
+        if self._finder is None or self.subject.state.course is not None:
+            return self.subject
+        data = self.effect(SPEED_FLUCTUATION).parse(self.tables[SPEED_FLUCTUATION])
+        first = data.first_speed
+        return self.subject if first is None else self.subject.turning(ConstantSpeed(first))
+
+    def _turned(self, stated: Nodes, finder: str) -> Nodes:
+        """The effects at the found speed; if there is none, at that of the scene."""
+        try:
+            found = stated.result(finder)
+        except EffectError as error:
+            if self.subject.state.course is not None:
+                return Nodes(self.subject, self.catalogue, self.ledger)
+            raise EffectError(
+                f"the speed of the cam is neither given nor found: {error.message}",
+                finding="no-speed",
+                cam_angle=error.cam_angle,
+            ) from error
+        rough = Nodes(
+            self.subject.turning(found.rough_course), self.catalogue,
+            self.ledger.named(AT_ROUGH), base=stated,
+        )  # fmt: skip
+        return Nodes(
+            self.subject.turning(found.course), self.catalogue,
+            self.ledger.named(AT_FOUND), base=stated, rough=rough,
+        )  # fmt: skip
+
+    def findings(self, name: str) -> tuple[Finding, ...]:
+        """The findings of the effect `name`; a "broken" one that says why if there is no answer."""
+        try:
+            return tuple(self.result(name).findings)
+        except GeometryError as error:
+            if error.key:
+                raise
+            sentence = in_unit(f"not computed: {error.message}", self.subject.unit)
+            return (Finding(name, "broken", sentence),)
+        except EffectError as error:
+            refusal = Finding(
+                name=error.finding or name,
+                severity="broken",
+                sentence=error.message,
+                value=error.value,
+                limit=error.limit,
+                unit=error.unit,
+                cam_angle=error.cam_angle,
+                cam_range=error.cam_range,
+            )
+            trimmed = trimming(self.effect(name), self.subject)
+            return stated_in(self.subject.unit, (*trimmed, refusal))
+
+    def _qualified(self, name: str, result: Any) -> tuple[Finding, ...]:
+        """The findings of the result of `name`, after those that say what they do not hold for."""
+        touching = isinstance(result, Touching)
+        lost = result.lost_contact if touching else self._lost_contact(name)
+        at_speed_of_scene = not touching or name == CONTACT_FORCE
+        taken = self._nodes(name).at_found
+        named = tuple(each for each in self.names if not (taken and each in FINDERS))
+        effect = self.effect(name)
+        flies = lost or (lost is not None and effect.premise == "contact")
+        flown = self._flown() if flies and at_speed_of_scene else ()
+        found = qualified(
+            effect, result.findings, self.subject, lost, named, flown,
+            holding=self._holding if lost and at_speed_of_scene else "",
+            follows=self._follows(effect), elastic=self._is_elastic(effect),
+        )  # fmt: skip
+        stated = (*self._at_speed(name, result.findings), *found)
+        return stated_in(self.subject.unit, folded(stated))
+
+    def _follows(self, effect: Effect) -> bool:
+        """Whether `effect` takes an elastic train of the scene into account."""
+        return self.catalogue.followed(effect.name) and (
+            self._finder is not None or effect.name not in FINDERS
+        )
+
+    def _is_elastic(self, effect: Effect) -> bool:
+        """Whether the figures of `effect` are for an elastic train that has mass."""
+        if not self._follows(effect):
+            return False
+        if effect.name in FINDERS:
+            return self._computed(effect.name).feedback is not None
+        return self._computed(CONTACT_FORCE).behind is not None
+
+    def _at_speed(self, name: str, findings: Sequence[Finding]) -> Iterator[Finding]:
+        """For which speed the figures of the effect `name` are, if that is the found one."""
+        nodes = self._nodes(name)
+        if not nodes.at_found or not self.catalogue.of_given_speed(name):
+            return
+        course = nodes.subject.course
+        if course is not None and any(each.value is not None for each in findings):
+            mean = TURN / period(course) / RPM
+            sentence = (
+                f"these figures are for the speed that {self._finder} finds, {mean:.6g}"
+                " rev/min in the mean"
+            )
+            yield Finding("found-speed", "ok", sentence)
+
+    def _flown(self) -> tuple[tuple[float, float], ...]:
+        """The ranges [rad] over which the follower flies, if the scene names what computes them."""
+        if LIFT_OFF not in self.tables:
+            return ()
+        try:
+            found: Leaving = self._computed(LIFT_OFF)
+        except (EffectError, GeometryError):  # which its own findings report
+            return ()
+        return found.flown
+
+    @cached_property
+    def _holding(self) -> str:
+        """Which spring would hold a follower that leaves its only flank; empty without a spring."""
+        if SPRING not in self.tables or holds_both_ways(self.subject):
+            return ""
+        try:
+            least = None
+            if LIFT_OFF in self.tables:
+                closed: Any = self.result(LIFT_OFF)
+                least = closed.preload, closed.stiffness
+            subject, results = self._nodes(CONTACT_FORCE).subject, (CONTACT_FORCE, SPRING)
+            text: str = pkgutil.resolve_name(HOLDING)(subject, *map(self.result, results), least)
+            return text
+        except (EffectError, GeometryError):  # which their own findings report
+            return ""
+
+    def _lost_contact(self, name: str) -> LostContact | None:
+        """Where contact is lost; None if the effect `name` can do without contact, if neither it
+        nor an effect of the scene needs the contact force, or if there is no contact force.
+        """
+        if self.effect(name).premise != "contact":
+            return None
+        asked = {name, *self.names}
+        if CONTACT_FORCE not in asked.union(*map(self.catalogue.behind, asked)):
+            return None
+        try:
+            found: LostContact = self._computed(CONTACT_FORCE).lost_contact
+        except (EffectError, GeometryError):  # which its own findings report
+            return None
+        return found
+
+    def recomputed(self, name: str, tolerance: float | None = None) -> Nodes:
+        """Effects of the same design in which only `name` is computed again.
+
+        A numerical effect is computed to `tolerance`; None keeps the tolerance of the scene. The
+        results that it needs are reused, and are computed now if they have not been yet.
+        """
+        nodes, catalogue = self._nodes(name), self.catalogue
+        if tolerance is not None:
+            table = {**self.tables.get(name, {}), "tolerance": tolerance}
+            catalogue = catalogue.with_table(name, table)
+        self.inputs(name)
+        return type(nodes)(nodes.subject, catalogue, Ledger(), nodes.inputs(name))
+
+
+# -- nodes ----------------------------------------------------------------------------------------
+# Results of effects for one state of motion: each is computed once, with what it needs.
+
+
+TOLERANCE: Final = 1e-6
+"""Default for numerical effects, relative to the largest magnitude of the result."""
+
+
+TRAIN_OFF: Final = " with the train off by its error"
+"""What the ledger adds to the names of effects that are computed for errors alone."""
+
+
+def node_name(name: str) -> str:
+    """Name of the effect `name` in the ledger."""
+    return f"effects.{name}"
+
+
+def _place(name: str, key: str | None) -> str:
+    """The full key in the scene for a `key` of the table of the effect `name`, or for the table."""
+    return ".".join(filter(None, (node_name(name), key)))
+
+
+class Nodes:
+    """The effects of `subject` in one state.
+
+    Parameters
+    ----------
+    subject : the design, which turns as in that state.
+    catalogue : of its effects.
+    ledger : records what was computed.
+    known : results that are known already.
+    base : has the results that do not depend on the speed, if these are for the found speed.
+    rough : the same for the found speed known less accurately, from which errors follow.
+    """
+
+    def __init__(
+        self,
+        subject: Subject,
+        catalogue: Catalogue,
+        ledger: Ledger,
+        known: Mapping[str, Any] | None = None,
+        *,
+        base: Nodes | None = None,
+        rough: Nodes | None = None,
+    ) -> None:
+        self.subject = subject
+        self.catalogue = catalogue
+        self.ledger = ledger
+        self._base = base
+        self._rough = rough
+        self._off: tuple[Nodes, ...] | None = None
+        self._near: dict[str, Any] = {}
+        self._results: dict[str, Any] = dict(known or {})
+        self._failures: dict[str, EffectError] = {}
+
+    @property
+    def at_found(self) -> bool:
+        """Whether they are for the speed that is found."""
+        return self._base is not None
+
+    def result(self, name: str) -> Any:
+        """The result of the effect `name`; raises as
+        `camgeo.dynamics.effects.graph.Effects.result`.
+        """
+        with self.ledger.lock:  # another thread may be computing it
+            if self._base is not None and not self.catalogue.moved(name):
+                return self._base.result(name)
+            if name in self._results:
+                return self._results[name]
+            if name in self._failures:
+                raise self._failures[name]
+            self.catalogue.inputs(name)
+            try:
+                found = self.ledger.run(node_name(name), lambda: self._compute(name))
+            except EffectError as error:
+                self._failures[name] = error
+                raise
+            self._results[name] = found
+            return found
+
+    def beside(self, name: str, near: Any) -> Any:
+        """The result of the effect `name`, which is known to be `near` another; raises as
+        `result`.
+        """
+        self._near[name] = near
+        return self.result(name)
+
+    def inputs(self, name: str) -> dict[str, Any]:
+        """The results that the effect `name` receives; raises as `result`."""
+        return {each: self.result(each) for each in self.catalogue.received(name)}
+
+    def _compute(self, name: str) -> Any:
+        effect, tables = self.catalogue.effect(name), self.catalogue.tables
+        if effect.tabled and name not in tables:
+            raise GeometryError(
+                f"is missing: without it there is no {effect.title}", key=node_name(name)
+            )
+        if self.subject.disc is None and not effect.of_drive:
+            raise GeometryError("needs [follower]", key="follower")
+        results = Results(self.inputs(name))
+        table = tables.get(name, {})
+        tolerance = float(table.get("tolerance", TOLERANCE))
+        if name in tables and effect.rules:
+            self._refuse_misfits(effect, table)
+        try:
+            data = effect.parse(table)
+        except GeometryError as error:
+            raise GeometryError(error.message, _place(name, error.key), error.value) from error
+        compute = pkgutil.resolve_name(effect.compute)
+        near = self._near.get(name)
+        return self._stated(name, compute(Request(self.subject, data, results, tolerance, near)))
+
+    def _refuse_misfits(self, effect: Effect, table: Mapping[str, Any]) -> None:
+        """Raise GeometryError with the key if the effect or one of its keys does not fit."""
+        machine = machine_of(self.subject)
+        for key, message in (
+            fault for rule in effect.rules for fault in rule(machine, Table(table))
+        ):
+            raise GeometryError(message, _place(effect.name, key))
+
+    def _stated(self, name: str, result: Any) -> Any:
+        """The `result` of the effect `name` with its state, and with what the errors of a found
+        speed and of an elastic train add to those of its figures.
+        """
+        if not isinstance(result, Result):
+            return result
+        state, rough = self.subject.state, self._rough
+        found = self._base is not None or name in FINDERS
+        speed: Speed = "found" if found else "stated"
+        known = found or state.course is not None
+        used = Used(state.model, speed if known else None, state.sense)
+        result = replace(result, state=used)
+        others: list[Callable[[], Result]] = []
+        if self._follows(name):
+            others += [partial(self._with_train, number, name, result) for number in range(2)]
+        if rough is not None and state.course is not None:
+            jumps = state.course.jumps
+            columns = tuple(_also_jumping(each, jumps) for each in result.columns)
+            result = replace(result, columns=columns)
+            others.append(partial(rough.beside, name, result))
+        return replace(result, errors=InheritedErrors(result, others)) if others else result
+
+    def _follows(self, name: str) -> bool:
+        """Whether the effect `name` was computed here from the force of an elastic train."""
+        train = self._results.get(VIBRATION)
+        if train is None or train.behind is None or name in FINDERS:
+            return False  # they state the errors of the speeds that they find themselves
+        return VIBRATION in self.catalogue.behind(name)
+
+    def _with_train(self, number: int, name: str, near: Any) -> Any:
+        """The result of the effect `name` with one of the trains that are off by the error of their
+        force, see `camgeo.dynamics.effects.forces.ElasticTrain.off`; `near` is that with the train
+        itself.
+        """
+        if self._off is None:
+            train, contact = self.result(VIBRATION), self.result(CONTACT_FORCE)
+            self._off = tuple(
+                WithTrain(self, replace(train, behind=each))
+                for each in train.behind.off(contact.demand)
+            )
+        return self._off[number].beside(name, near)
+
+
+class WithTrain(Nodes):
+    """The effects of `nodes` with another elastic `train`."""
+
+    def __init__(self, nodes: Nodes, train: Elastic) -> None:
+        ledger = nodes.ledger.named(TRAIN_OFF)
+        super().__init__(nodes.subject, nodes.catalogue, ledger, {VIBRATION: train})
+        self._nodes = nodes
+
+    def result(self, name: str) -> Any:
+        """As that of `nodes`, unless it depends on the train."""
+        if name != VIBRATION and VIBRATION not in self.catalogue.behind(name):
+            return self._nodes.result(name)
+        return super().result(name)
+
+
+def _also_jumping(column: Column, places: FloatArray) -> Column:
+    """The column, which may jump at `places` (k,) [rad], too."""
+    if not len(places):
+        return column
+    return replace(column, borders=np.unique(np.concatenate((column.borders, places))))
+
+
+# -- premises -------------------------------------------------------------------------------------
+# What the figures of an effect rely on, and where a design does not provide it.
+#
+# Four things are checked for every effect, whatever it computes: that the follower touches the cam
+# (`camgeo.dynamics.effects.contact.lost_contact`), also one that is held both ways and crosses its
+# clearance (`camgeo.dynamics.effects.results.Leaving`), which alone makes no figure less than "ok";
+# that the disc makes the motion of the state, which a trimmed one does not if that is the demanded
+# motion; that a yoke fits its cam; and that no other effect of the scene has a better model
+# (`Effect.refined_by`). Each that fails gives one finding. While one of the first three fails, no
+# figure of the effect is "ok". Where the state is the motion of a trimmed disc, or of the contour
+# as it is written, that is told too, and where the train behind the follower is elastic.
+
+
+Range = tuple[float, float]
+"""Cam angles [rad]; past cam angle 0 the end is below the start, or beyond a turn."""
+
+OF_TRAIN: Final = Finding(
+    "elastic-train",
+    "ok",
+    "these figures are for the elastic train of the effect vibration, in the steady state",
+)
+
+SLACK: Final = 1e-9
+"""Cam angles [rad] this close are equal but for rounding."""
+
+
+def qualified(
+    effect: Effect,
+    findings: Sequence[Finding],
+    subject: Subject,
+    lost: LostContact | None,
+    named: Sequence[str],
+    flown: Sequence[Range] = (),
+    *,
+    holding: str = "",
+    follows: bool = False,
+    elastic: bool = False,
+) -> tuple[Finding, ...]:
+    """The `findings` of `effect`, after those that say what they do not hold for.
+
+    Parameters
+    ----------
+    lost : where the follower leaves the cam; None if that is not known.
+    named : the effects that the scene names.
+    flown : where it then flies, or crosses its clearance; empty if that is not known.
+    holding : what would hold it there, in words; empty if that is not known.
+    follows : whether `effect` takes elastic trains into account.
+    elastic : whether its figures are for one.
+    """
+    if all(each.value is None for each in findings):
+        return tuple(findings)  # without figures there is nothing to qualify
+    broken: list[Finding] = []
+    crossed: list[Finding] = []
+    if effect.premise == "contact" and lost:
+        broken.append(
+            _on_other_side(lost, subject)
+            if holds_both_ways(subject)
+            else _without_contact(lost, subject, flown, holding)
+        )
+    elif effect.premise == "contact" and flown:
+        crossed.append(_in_clearance(subject, flown))
+    trimmed = tuple(trimming(effect, subject))
+    uneven = tuple(_of_breadth(effect, subject))
+    if broken or uneven or (trimmed and not _follows(effect, subject)):
+        findings = [_doubted(each, effect) for each in findings]
+    told = [*uneven, *as_written(effect, subject), *((OF_TRAIN,) if elastic else ())]
+    told += _simplified(effect, named, follows=follows)
+    return (*broken, *crossed, *trimmed, *told, *findings)
+
+
+def _doubted(finding: Finding, effect: Effect) -> Finding:
+    """A figure that relies on a premise which is not true; it is not "ok"."""
+    if finding.severity != "ok" or finding.value is None or finding.name in effect.regardless:
+        return finding
+    return replace(finding, severity="warning")
+
+
+def _without_contact(
+    lost: LostContact, subject: Subject, flown: Sequence[Range], holding: str
+) -> Finding:
+    """Where contact is lost, though the figures take it for granted."""
+    ranges = [(each.start, each.end) for each in lost.ranges]
+    touching = subject.cam.follower.touching
+    places = [over(ranges)] if ranges else []
+    if lost.leaps:
+        places.append(f"{angles(lost.leaps)}, where the velocity jumps away from it")
+    low = lost.lowest
+    flight = f", and flies {over([_in_turn(each) for each in flown])}" if flown else ""
+    force = "" if low is None else f": contact force {low.value:.6g} N {at(low.place)}"
+    return Finding(
+        name="contact-lost",
+        severity="broken",
+        sentence=(
+            f"the {touching} leaves the cam {listed(places)}{force}{flight}; these figures are for"
+            f" one that stays on it{holding and f'; {holding}'}"
+        ),
+        value=None if low is None else low.value,
+        limit=0.0,
+        unit="N",
+        cam_angle=lost.leaps[0] if low is None else low.place,
+        cam_range=_only(ranges),
+    )
+
+
+def _on_other_side(lost: LostContact, subject: Subject) -> Finding:
+    """Where the other side carries than the one whose written contour makes the motion."""
+    sense, low = subject.state.sense, lost.lowest
+    names, noun = sides_of(subject)
+    ranges = [(each.start, each.end) for each in lost.ranges]
+    places = [over(ranges)] if ranges else []
+    if lost.leaps:
+        places.append(f"{angles(lost.leaps)}, where the velocity jumps away from this one")
+    force = "" if low is None else f", with up to {-low.value:.6g} N {at(low.place)}"
+    return Finding(
+        name="other-side",
+        severity="warning",
+        sentence=(
+            f"the {names[-sense]} {noun} carries {listed(places)}{force}; these figures are for the"
+            f' motion on the {names[sense]} one, and flank = "{names[-sense]}" in [state] gives'
+            " those of the other"
+        ),
+        value=None if low is None else -low.value,
+        limit=0.0,
+        unit="N",
+        cam_angle=lost.leaps[0] if low is None else low.place,
+        cam_range=_only(ranges),
+    )
+
+
+def _in_clearance(subject: Subject, flown: Sequence[Range]) -> Finding:
+    """Where a follower that is held both ways touches nothing."""
+    who, where = "follower", "between its discs" if subject.paired else "of its yoke"
+    if subject.returning is None:
+        who, where = "roller", "between its flanks"
+    ranges = [_in_turn(each) for each in flown]
+    return Finding(
+        name="clearance-crossed",
+        severity="warning",
+        sentence=(
+            f"the {who} crosses the clearance {where} {over(ranges)}; these figures are"
+            " for one that always touches, without its impacts"
+        ),
+        cam_range=_only(ranges),
+    )
+
+
+def _of_breadth(effect: Effect, subject: Subject) -> Iterator[Finding]:
+    """Where a yoke does not fit its cam; an even play alters no force, and `lift-off` tells it."""
+    breadth = subject.cam.breadth if subject.returning is not None else None
+    if breadth is None or not (effect.premise == "contact" or CONTACT_FORCE in effect.needs):
+        return
+    (least, _), (most, place) = breadth.range
+    squeeze = -breadth.play(subject.cam.yoke_breadth)
+    told = []
+    if breadth.variation > 0.0:
+        told.append(
+            f"the cam is {least:.6g} to {most:.6g} mm wide, and these figures are for one that is"
+            f" {breadth.best:.6g} mm wide everywhere"
+        )
+    if squeeze > 0.0:
+        told.append(
+            f"the cam squeezes its yoke by up to {squeeze:.3g} mm, {at(place)}, and the forces of"
+            " that are in no figure"
+        )
+    if told:
+        value = max(squeeze, breadth.variation)
+        yield Finding("yoke-breadth", "warning", "; ".join(told), value, 0.0, "mm", cam_angle=place)
+
+
+@dataclass(frozen=True, slots=True)
+class _Trimmed:
+    """A flank of which less than all is left.
+
+    Attributes
+    ----------
+    dropped : ranges [rad] in which the disc does not make the demanded motion.
+    replay : the motion that it makes.
+    """
+
+    dropped: tuple[Range, ...]
+    replay: Replay
+
+    @property
+    def shocks(self) -> tuple[float, ...]:
+        """Cam angles [rad] in these ranges at which velocity or lift jump."""
+        jumps = [*self.replay.shocks.phi.tolist(), *self.replay.drops.phi.tolist()]
+        return tuple(
+            sorted(phi for phi in jumps if any(_inside(phi, each) for each in self.dropped))
+        )
+
+    def followed(self, flank: str) -> str:
+        """That the figures are for the motion of the disc."""
+        return (
+            f"these figures are for the motion that the {flank} makes, which is not the demanded"
+            f" one {over(self.dropped)}"
+        )
+
+    def left_out(self, flank: str) -> str:
+        """That they are for the demanded motion."""
+        return (
+            f"these figures are for the demanded motion, which the {flank} does not make"
+            f" {over(self.dropped)}"
+        )
+
+    def opposite(self, flank: str) -> str:
+        """That they are for the motion on the other side, where this one is missing."""
+        return (
+            f"these figures are for the motion of the other side, where the {flank} has lost what"
+            f" would hold the follower on it {over(self.dropped)}"
+        )
+
+    def corners(self, *, included: bool) -> str:
+        """What happens at the corners of the disc, and whether it is computed."""
+        if not self.shocks:
+            where = "at both ends" if included else "at the corner of the disc there"
+            computed = ", which is computed" if included else ", which is not computed"
+            return f"{where} the acceleration jumps{computed}"
+        if included:
+            return f"the velocity jumps {angles(self.shocks)}"
+        return f"velocity or lift jump {angles(self.shocks)}, and these shocks are not computed"
+
+
+def _follows(effect: Effect, subject: Subject) -> bool:
+    """Whether the figures of `effect` are for the motion that the trimmed disc makes."""
+    return subject.state.model != "demanded" and not effect.of_plan
+
+
+def trimming(effect: Effect, subject: Subject) -> Iterator[Finding]:
+    """A warning for each trimmed flank: whose motion the figures are for, and between which cam
+    angles the disc does not make the demanded one.
+    """
+    if effect.premise == "disc" or subject.disc is None:
+        return
+    factor, unit = STATED[subject.cam.lift_unit]
+    for which, disc in _discs(subject):
+        for name, _ in disc.flanks:
+            trimmed = _trimmed(disc, name)
+            if trimmed is None:
+                continue
+            loss = trimmed.replay.largest_loss
+            flank = f"trimmed {which}{name} flank"
+            follows = _follows(effect, subject)
+            told = trimmed.followed(flank) if follows else trimmed.left_out(flank)
+            if follows and holds_both_ways(subject) and not _is_of(subject, disc, name):
+                told = trimmed.opposite(flank)
+                follows = False
+            yield Finding(
+                name="trimmed-motion",
+                severity="warning",
+                sentence=(
+                    f"{told}: up to"
+                    f" {factor * loss.value:.4g} {unit} of the lift are lost, {at(loss.place)};"
+                    f" {trimmed.corners(included=follows)}"
+                ),
+                value=factor * loss.value,
+                limit=0.0,
+                unit=unit,
+                cam_angle=loss.place,
+                cam_range=_only(trimmed.dropped),
+            )
+
+
+def _is_of(subject: Subject, disc: Disc, flank: str) -> bool:
+    """Whether the motion of the state is that of this flank, of a follower that is held both
+    ways.
+    """
+    first = subject.state.sense == INNER
+    if subject.returning is None:
+        return (flank == FLANKS[INNER]) == first
+    return (disc is subject.cam.disc) == first
+
+
+def _discs(subject: Subject) -> Iterator[tuple[str, Disc]]:
+    """The discs, each with the words that distinguish it from the other one."""
+    yield "", subject.cam.disc
+    if subject.returning is not None and subject.paired:
+        yield "return disc's ", subject.returning.cam.disc
+
+
+def _trimmed(disc: Disc, flank: str) -> _Trimmed | None:
+    """What a flank has lost; None if nothing, or if there is no disc, which the checks report."""
+    try:
+        outline = disc.outline(flank)
+        return _Trimmed(outline.dropped, disc.replay(flank)) if outline.is_trimmed else None
+    except GeometryError:
+        return None
+
+
+def _simplified(effect: Effect, named: Sequence[str], *, follows: bool) -> Iterator[Finding]:
+    """A warning if other effects that the scene names have a better model that is not followed."""
+    found = [
+        each for each in effect.refined_by if each.by in named and not (each.followed and follows)
+    ]
+    if not found:
+        return
+    others = listed([each.by for each in found])
+    model = "has a better model, which is" if len(found) == 1 else "have better models, which are"
+    sentence = (
+        f"these figures hold for {listed([each.taken for each in found])}; {others} in the same"
+        f" scene {model} not taken into account here"
+    )
+    cautions = [each.caution for each in found if each.caution]
+    yield Finding("simplified", "warning", "; ".join((sentence, *cautions)))
+
+
+def _in_turn(range_: Range) -> Range:
+    """The range with both ends in [0, 2 pi)."""
+    return range_[0] % TURN, range_[1] % TURN
+
+
+def _inside(phi: float, range_: Range) -> bool:
+    """Whether the cam angle `phi` lies in the range, its ends included but for rounding."""
+    start, end = range_
+    return (phi - start + SLACK) % TURN <= (end - start) % TURN + 2.0 * SLACK
+
+
+def _only(ranges: Sequence[Range]) -> Range | None:
+    """The range if there is one alone, its ends in [0, 2 pi]."""
+    if len(ranges) != 1:
+        return None
+    start, end = ranges[0]
+    return start % TURN, end if end == TURN else end % TURN
+
+
+# -- as written -----------------------------------------------------------------------------------
+# That figures are for the motion on the contour as it is written, and how it is written.
+
+
+WORDS: Final[dict[Form, str]] = {
+    "arcs": "lines and arcs",
+    "polyline": "straight pieces",
+    "spline": "cubic splines",
+}
+"""Forms of a contour, in words."""
+
+
+def as_written(effect: Effect, subject: Subject) -> Iterator[Finding]:
+    """That the figures are for the motion that the contour makes as it is written; of two, of
+    which, and how far the other one is.
+    """
+    contours = subject.contours
+    if contours is None or effect.premise == "disc" or effect.of_plan:
+        return
+    writing, held = contours.writing, holds_both_ways(subject)
+    _, unit = STATED["mm"]
+    whose = "the written contour makes"
+    names, noun = sides_of(subject)
+    if held:
+        whose = f"the written contour of the {names[contours.sense]} {noun} makes all round"
+    yield Finding(
+        name="written-motion",
+        severity="ok",
+        sentence=(
+            f"these figures are for the motion that {whose},"
+            f" {WORDS[writing.form]} within {writing.tolerance:g} {unit}"
+        ),
+        value=writing.tolerance,
+        unit=unit,
+    )
+    if held:
+        yield _between(subject, contours)
+
+
+def _between(subject: Subject, contours: Contours) -> Finding:
+    """How far the other written contour is from the one whose motion it is."""
+    names, noun = sides_of(subject)
+    own, other = (f"the {names[each]} {noun}" for each in (contours.sense, -contours.sense))
+    try:
+        play = contours.play
+    except (GeometryError, ToleranceError) as error:
+        return Finding(
+            "other-contour", "warning", f"how far {other} is from {own} is not known: {error}"
+        )
+    factor, unit = STATED[subject.cam.lift_unit]
+    low, high = (factor * each.value for each in (play.lowest, play.highest))
+    who = "roller" if subject.returning is None else "follower"
+    written = f"the written contours of {own} and {other} leave"
+    if subject.cam.yoke is not None:
+        written = f"between {own} and {other}, the written contour leaves"
+    sentence = (
+        f"{written} the {who} {low:.4g} to {high:.4g} {unit} of lift, least {at(play.lowest.place)}"
+    )
+    if low < 0.0:
+        sentence += "; less than 0 is squeezed, which is not computed"
+    return Finding(
+        name="other-contour",
+        severity="warning" if low < 0.0 else "ok",
+        sentence=sentence,
+        value=low,
+        limit=0.0,
+        unit=unit,
+        cam_angle=play.lowest.place,
+    )
+
+
+# -- inherited ------------------------------------------------------------------------------------
+# Results from others that are known to an error: the errors that all their figures inherit.
+#
+# A speed that `speed-fluctuation` or `camshaft-windup` finds is off by less than it differs from
+# the one on cells twice as long (`camgeo.dynamics.effects.results.Turning`), and the force of an
+# elastic train by no more than its error e, in either direction at each cam angle. So is what
+# follows from them: an effect is computed again with the other speed, and with trains that are off
+# by e (`camgeo.dynamics.effects.forces.ElasticTrain.off`), and of all its figures in one unit the
+# largest difference is taken for each of them; those of several causes add up. That one figure
+# hardly differs, by chance or because it depends on the speed where that is accurate, thus does not
+# make it look exact. These computations wait until an error is asked for.
+
+
+PLACE: Final = 2.0**-26
+"""Error of a value at the place of an extreme that is not its own, as a share: such a place is
+known to the root of a rounding."""
+
+ANGLES: Final = 1024
+"""Cam angles over a turn at which columns are compared."""
+
+OF_FORCE: Final = ("contact-lost", "other-side")
+"""Findings on premises that state a contact force."""
+
+OFFSET: Final = 0.381966
+"""Offset of the first of these angles from 0, as a fraction of their spacing: no jump is there."""
+
+
+Figures = dict[str, tuple[str, FloatArray]]
+"""The unit and the values of figures, by name."""
+
+
+@dataclass(frozen=True, eq=False)
+class InheritedErrors(Mapping[str, Bound]):
+    """The errors of all figures of `result`, see `camgeo.dynamics.effects.effect.Result.errors`.
+
+    Attributes
+    ----------
+    result : with errors that do not include the inherited ones.
+    others : each gives the same result from others that are off; raises EffectError or
+        GeometryError if there is none.
+    """
+
+    result: Result
+    others: Sequence[Callable[[], Result]]
+
+    @cached_property
+    def _bounds(self) -> dict[str, Bound]:
+        own = _figures(self.result)
+        placed = {each.name for each in self.result.findings if each.cam_angle is not None}
+        moved: dict[str, float] = {}
+        sizes: dict[str, float] = {}
+        for unit, values in own.values():
+            sizes[unit] = max(sizes.get(unit, 0.0), float(np.max(np.abs(values))))
+        for other in self.others:
+            for unit, off in _moved(own, other).items():
+                moved[unit] = moved.get(unit, 0.0) + off
+        found = dict(self.result.errors)
+        for name, (unit, _) in own.items():
+            size = sizes[unit]
+            known = found.get(name, Bound((PLACE if name in placed else SHARE) * size, size))
+            found[name] = Bound(known.error + moved[unit], known.scale)
+        return found
+
+    def __getitem__(self, name: str) -> Bound:
+        return self._bounds[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    @property
+    def _names(self) -> dict[str, None]:
+        """All figures."""
+        result = self.result
+        valued = [each.name for each in result.findings if each.value is not None]
+        columns = [each.name for each in result.columns]
+        return dict.fromkeys([*result.errors, *valued, *columns])
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorsWithPremises(Mapping[str, Bound]):
+    """The errors of figures, and of those that premises add to them.
+
+    Attributes
+    ----------
+    own : of the effect.
+    added : the findings with the premises; `OF_FORCE` are as accurate as the contact force.
+    force : makes the errors of its figures.
+    """
+
+    own: InheritedErrors
+    added: Sequence[Finding]
+    force: Callable[[], Mapping[str, Bound]]
+
+    def __getitem__(self, name: str) -> Bound:
+        if name in self._of_force:
+            return max(self.force().values(), key=lambda bound: bound.error)
+        return self.own[name]
+
+    def __iter__(self) -> Iterator[str]:
+        yield from self.own
+        yield from self._of_force
+
+    def __len__(self) -> int:
+        return len(self.own) + len(self._of_force)
+
+    @property
+    def _of_force(self) -> list[str]:
+        return [each.name for each in self.added if each.name in OF_FORCE]
+
+
+def _moved(own: Figures, other: Callable[[], Result]) -> dict[str, float]:
+    """By unit, the largest difference of any figure in it."""
+    try:
+        others = _figures(other())
+    except (EffectError, GeometryError):
+        others = {}
+    found: dict[str, float] = {}
+    for name, (unit, values) in own.items():
+        off = float(np.max(np.abs(values)))  # nothing is known of a figure that the other has not
+        if name in others and others[name][1].shape == values.shape:
+            off = float(np.max(np.abs(values - others[name][1])))
+        found[unit] = max(found.get(unit, 0.0), off)
+    return found
+
+
+def _figures(result: Result) -> Figures:
+    """The unit and the values of all figures: of findings, in order, and of columns."""
+    phi: FloatArray = (np.arange(ANGLES, dtype=np.float64) + OFFSET) * (TURN / ANGLES)
+    units: dict[str, str] = {}
+    found: dict[str, list[float]] = {}
+    for each in result.findings:
+        if each.value is not None:
+            units.setdefault(each.name, each.unit)
+            found.setdefault(each.name, []).append(each.value)
+    figures = {name: (units[name], np.array(values)) for name, values in found.items()}
+    columns = {each.name: (each.unit, each.values(phi, "right")) for each in result.columns}
+    return figures | columns

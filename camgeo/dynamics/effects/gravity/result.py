@@ -1,0 +1,74 @@
+"""Gravity: the weights of the masses as a force on the follower.
+
+A weight m g does the work m g.dx when its centre of mass moves by dx, so its generalised force is
+Q = m g.(dx/dq), by virtual work, and its potential energy is V = -m g.x. The axes are those of the
+drawing of the cam at cam angle 0, with x to the right and y up; the frame does not turn.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from camgeo.check.finding import Finding
+from camgeo.dynamics.effects.effect import Column, Request
+from camgeo.dynamics.effects.forces import Force, unmoved
+from camgeo.dynamics.effects.gravity import STANDARD_GRAVITY, GravityDirection
+from camgeo.dynamics.effects.results import INERTIA, Gravity
+from camgeo.dynamics.effects.wording import FORCES, extreme_findings
+from camgeo.numeric.arrays import SHARE, ComplexArray, FloatArray, Side
+from camgeo.numeric.extremes import piecewise_extremes
+
+
+def compute(request: Request[GravityDirection]) -> Gravity:
+    """The weights of the masses of ``[effects.inertia]``: c0 alone, with its potential."""
+    masses = request.results[INERTIA].masses
+    pull = request.data.pull
+    subject = request.subject
+    start = [each.place(np.zeros(1), "right")[0] for each in masses]
+
+    def on_follower(phi: FloatArray, side: Side) -> FloatArray:
+        out = np.zeros(len(phi))
+        for each in masses:
+            out += each.mass * _along(each.per_lift(phi, side), pull)
+        return out
+
+    def off(phi: FloatArray, q: FloatArray, _rate: FloatArray) -> FloatArray:
+        out = np.zeros(len(q))
+        for each in masses:
+            out += each.mass * _along(each.per_coordinate(phi, q), pull)
+        return out
+
+    def potential(phi: FloatArray, side: Side) -> FloatArray:
+        out = np.zeros(len(phi))
+        for each, first in zip(masses, start, strict=True):
+            out -= each.mass * _along(each.place(phi, side) - first, pull)
+        return out
+
+    shown = FORCES[subject.cam.lift_unit]
+
+    def acting(phi: FloatArray, side: Side) -> FloatArray:
+        return on_follower(phi, side) * shown.scale
+
+    weight = STANDARD_GRAVITY * sum(each.mass for each in masses)
+    extremes = piecewise_extremes(acting, subject.state.smooth_angles)
+    return Gravity(
+        force=Force("gravity", unmoved(on_follower), potential, off=off),
+        findings=(
+            Finding("weight", "ok", f"weight of all masses {weight:.6g} N", weight, unit="N"),
+            *extreme_findings(
+                "weight-force",
+                f"{shown.word} of the weights on the follower",
+                extremes,
+                shown.unit,
+                ", positive in the direction of increasing lift",
+            ),
+        ),
+        columns=(Column(f"weight {shown.word}", shown.unit, acting),),
+        pull=pull,
+    )
+
+
+def _along(vectors: ComplexArray, pull: complex) -> FloatArray:
+    """(n,) scalar products, 0 where the vectors are perpendicular except for rounding."""
+    product: FloatArray = vectors.real * pull.real + vectors.imag * pull.imag
+    return np.where(np.abs(product) <= SHARE * abs(pull) * np.abs(vectors), 0.0, product)

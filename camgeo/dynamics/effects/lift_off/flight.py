@@ -1,0 +1,973 @@
+"""The flights of a follower that has left its flank, its landings, and its rebounds.
+
+Off the cam the follower is a free body: with its coordinate q, the inertia M(q) reduced to it and
+the forces Q on it, Lagrange's equation is
+
+    M q'' + (dM/dq / 2) q'^2 = sum Q(q, q').
+
+With q = h + d, the motion h of a follower that touches the wall which it has left, and the gap d,
+
+    M(q) d'' = F(q, q') - F(h, h') - R + (M(h) - M(q)) h'',    F = sum Q - (dM/dq / 2) q'^2,
+
+where R = M(h) h'' - F(h, h') is what that wall would have to provide (follower jump: Norton, Cam
+Design and Manufacturing Handbook; Rothbart, Cam Design Handbook, chapter on dynamics). d is
+integrated itself, so that nothing cancels where it is small. The follower lands where d is 0 again,
+or where it meets the other wall. The impact speed is that along the normal of the wall, |dn/dq v|
+with the velocity v of q relative to that of the wall; it goes on with -e v, with the restitution e
+(Newton's law), and loses (1 - e^2) M v^2 / 2.
+
+An elastic train that it carries adds a force to R and to the right, see
+`camgeo.dynamics.effects.lift_off.flight`; M is then that of the follower in front of it. Where h'
+jumps, d' jumps the other way.
+
+In each cell of cam angle d solves the integral equation at Chebyshev nodes, by Picard's iteration
+(Clenshaw and Norton, The Computer Journal 6 (1963) 88-92). Between the places where a gap is
+evaluated, a bound of its second derivative excludes that it closes.
+
+A follower that rests on a wall has no memory: once it leaves the same place of the turn a second
+time, all that follows repeats.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from typing import ClassVar, Final, Self
+
+import numpy as np
+
+from camgeo.cam.cam import HALF, Breadth
+from camgeo.dynamics.effects.bearing_friction import BearingFriction
+from camgeo.dynamics.effects.contact import INNER, OUTER, leverage_of, ranges_below
+from camgeo.dynamics.effects.effect import Quantity, Subject
+from camgeo.dynamics.effects.forces import ElasticTrain, Force
+from camgeo.dynamics.effects.results import Inertia
+from camgeo.dynamics.effects.wording import missed
+from camgeo.errors import EffectError
+from camgeo.geometry.outline.roller import PlayedLift
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.follower_path import path_of
+from camgeo.kinematics.time_course import TimeCourse
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
+from camgeo.numeric.extremes import bracketed_roots, piecewise_extremes, sign_changes
+from camgeo.units import TURN, cam_angle
+
+MOST_ITERATIONS: Final = 60
+"""Of Picard's in a cell; a cell that is too long for the natural frequency needs more."""
+
+SURE: Final = 3
+"""Successive halvings of the cells that fail for a reason: more will not help. Cells that are much
+too long may fail for it too, because the iteration diverges."""
+
+MOST_REBOUNDS: Final = 5
+"""Rebounds of one flight that are followed; then it stays on the wall that it has hit."""
+
+MOST_TURNS: Final = 8
+"""Turns after which all flights must repeat, and one flight must have ended."""
+
+PULLING: Final = 1e-9
+"""A played wall would have to pull where its force is below minus this share of the largest: the
+second derivative of a played lift is rounded more than that of the state.
+"""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FreeFollower:
+    """A follower that may leave its walls.
+
+    Attributes
+    ----------
+    forces : all but that of the contact and inertia, known off the cam.
+    inertia : its mass is above 0.
+    course : how the cam turns.
+    walls : one, or two with a clearance between them.
+    bearings : friction in pivot or guide, which goes on under what loads them without a contact in
+        the motion of the state, and against that motion; None without any.
+    edges : (k,) [rad] from 0 to 2 pi, between which everything is smooth.
+    least : smallest gap [mm or rad]; less is rounding of the lift.
+    jumps : cam angles [rad] in [0, 2 pi) at which the velocity of the only wall jumps.
+    carried : the elastic train behind the follower; None without any.
+    """
+
+    forces: tuple[Force, ...]
+    inertia: Inertia
+    course: TimeCourse
+    walls: tuple[Wall, ...]
+    bearings: BearingFriction | None
+    edges: FloatArray
+    least: float
+    jumps: FloatArray = field(default_factory=lambda: np.empty(0))
+    carried: Carried | None = None
+
+    most_turns: ClassVar[int] = MOST_TURNS
+
+    def leavings(self) -> tuple[Leaving, ...]:
+        """Where the walls would have to pull."""
+        found = []
+        for number, wall in enumerate(self.walls):
+
+            def push(phi: FloatArray, side: Side, wall: Wall = wall) -> FloatArray:
+                needed = self.on_wall(wall, phi, side)[3]
+                return np.asarray(np.sign(wall.leverage(phi, side)) * needed)
+
+            extremes = piecewise_extremes(push, self.edges)
+            limit = -PULLING * extremes.magnitude
+            if extremes.lowest.value < limit:
+                for each in ranges_below(push, self.edges, limit, extremes.lowest):
+                    length = (each.end - each.start) % TURN
+                    found.append(Leaving(number, each.start, each.start + (length or TURN)))
+        return tuple(found)
+
+    def jump(self, angle: float) -> float:
+        """The rate of d [per s] with which the follower goes on where the velocity jumps."""
+        here = np.array([angle])
+        before, after = (self.walls[0].motion(here, side)[1, 0] for side in ("left", "right"))
+        return float((before - after) * self.course.rates(here)[0, 0])
+
+    def steady(
+        self, leavings: tuple[Leaving, ...], restitution: float, tolerance: float
+    ) -> Flights:
+        """The flights of a follower that rests on a wall until it has to leave it.
+
+        A follower that lands where the wall would have to pull leaves it again at once.
+
+        Raises
+        ------
+        EffectError
+            If they cannot be computed to the `tolerance`.
+        """
+        error, whys = 1.0, [""]
+        for halvings in range(MOST_HALVINGS + 1):
+            try:
+                rough, fine = (
+                    self._chain(leavings, restitution, Nodes.of(count), halvings)
+                    for count in ORDERS
+                )
+            except StiffError as stiff:
+                whys.append(str(stiff))
+                if whys[-1] and whys[-SURE:] == SURE * whys[-1:]:
+                    break
+                continue
+            whys.append("")
+            alike = len(rough.flights) == len(fine.flights) and rough.turns == fine.turns
+            pairs = tuple(zip(rough.flights, fine.flights, strict=False))
+            error = max((apart(*both) for both in pairs), default=0.0) if alike else 1.0
+            if error <= max(tolerance, ROUNDING):
+                told = (
+                    replace(
+                        better,
+                        error=max(apart(worse, better), ROUNDING),
+                        late=max(abs(worse.landing - better.landing), ROUNDING * TURN),
+                    )
+                    for worse, better in pairs
+                )
+                return replace(fine, flights=tuple(told))
+        if whys[-1]:
+            raise EffectError(whys[-1])
+        raise unsettled(error, tolerance)
+
+    def _chain(
+        self, leavings: tuple[Leaving, ...], restitution: float, nodes: Nodes, halvings: int
+    ) -> Flights:
+        """As `steady`, with these `nodes` in each cell, and cells halved so often."""
+        first = min(leavings, key=lambda each: each.begin)
+        last = first.begin + MOST_TURNS * TURN
+        wall, angle = first.wall, first.begin
+        flown: list[Flight] = []
+        begun: list[tuple[Leaving, float, int]] = []
+        while angle <= last and len(flown) < MOST_FLIGHTS:
+            leaving, start = next_leaving(leavings, wall, angle)
+            if leaving is None:
+                return Flights((), 1)  # it stays on a wall that never has to pull
+            for each, before, count in begun:
+                turns = round((start - before) / TURN)
+                if each is leaving and turns and abs(start - before - turns * TURN) <= SAME:
+                    return Flights(in_turns(flown[count:], turns), turns)
+            begun.append((leaving, start, len(flown)))
+            off = Off(0.0, leaving.rate)
+            flights, end = self.flown_from(wall, start, off, restitution, nodes, halvings)
+            flown += flights
+            if end is None:
+                return Flights(tuple(flown), 0, (flights[-1].landing if flights else start) % TURN)
+            wall, angle = end.wall, end.angle
+            if angle == start:  # nothing has opened: it has not left
+                ahead = (leaving.end - start) % TURN
+                angle = max(start + ahead, float(np.nextafter(start, np.inf)))
+        return Flights(tuple(flown), 0)
+
+    def flown_from(
+        self, wall: int, angle: float, off: Off, restitution: float, nodes: Nodes, halvings: int
+    ) -> tuple[list[Flight], End | None]:
+        """The flight that leaves the `wall` at `angle` [rad], with its rebounds, and the end of the
+        last: None if it lasts longer than `MOST_TURNS`, where that began if nothing opens.
+        """
+        flown: list[Flight] = []
+        end = None
+        for number in range(MOST_REBOUNDS + 1 if restitution else 1):
+            end = self._flight(wall, angle, off, nodes, halvings)
+            if end is None or end.gap == 0.0:
+                break
+            flown.append(self._landed(end, restitution, (wall, angle), number > 0))
+            wall, angle = end.wall, end.angle
+            off = Off(0.0, -restitution * end.rate, end.memory)
+        return flown, end
+
+    def _landed(
+        self, end: End, restitution: float, begin: tuple[int, float], rebound: bool
+    ) -> Flight:
+        """The flight that begins on a wall at an angle [rad], `begin`."""
+        left, angle = begin
+        here = np.array([end.angle % TURN])
+        met = self.walls[end.wall]
+        lever = float(met.leverage(here, "left")[0])
+        mass = float(self.inertia.at(here, np.array([end.place]))[0, 0])
+        lost = 0.5 * (1.0 - restitution * restitution) * mass * end.rate * end.rate
+        return Flight(
+            leaving=angle,
+            landing=end.angle,
+            gap=end.gap,
+            speed=abs(lever * end.rate),
+            energy=lost,
+            rebound=rebound,
+            left=self.walls[left].sense,
+            met=met.sense,
+        )
+
+    def _flight(
+        self, wall: int, leaving: float, off: Off, nodes: Nodes, halvings: int
+    ) -> End | None:
+        """The end of the flight that leaves the `wall` at `leaving` [rad]; None if it lasts longer
+        than `MOST_TURNS`.
+        """
+        outwards = self.walls[wall].outwards(leaving % TURN)
+        most, flying, thrown = 0.0, False, off.rate != 0.0
+        for cell in self._sampled(wall, outwards, leaving, nodes, halvings):
+            low, high = cell.ends
+            if low > leaving:
+                off = replace(off, rate=off.rate + self._leap(low))
+            gap, speed, memory = self._solved(cell, nodes, off)
+            probes = low + (high - low) * (EVEN if flying or not thrown else EARLY)
+            away = outwards * gap(probes)
+            # The gap begins with 0, and what rounding makes of it before it opens is no landing.
+            opened = np.maximum.accumulate(away > self.least) | flying
+            if not opened[-2] and (thrown or away[-1] < -self.least):
+                return End(leaving, wall, 0.0, 0.0, 0.0, off.memory)
+            back = closes(outwards * gap, probes[opened]) if opened[-2] else None
+            across = None
+            if cell.room is not None:
+                room = nodes.function(cell.room, cell.ends) - outwards * gap
+                across = closes(room, probes)
+            stops = [each for each in (back, across) if each is not None]
+            end = min(stops, default=high)
+            turning = bracketed_roots(speed, *sign_changes(probes, speed(probes)))
+            far = outwards * gap(np.append(turning[turning < end], [low, end]))
+            most = max(most, float(np.max(far)))
+            last = Off(float(gap(end)), float(speed(end)), memory(end))
+            if stops:
+                hit = wall if across is None or end == back else 1 - wall
+                return self._ended(wall, hit, end, last, most)
+            off, flying = last, bool(opened[-1])
+        return None
+
+    def _leap(self, angle: float) -> float:
+        """What the rate of d gains at `angle` [rad], where the velocity of the wall may jump."""
+        apart = np.abs(np.mod(angle - self.jumps + 0.5 * TURN, TURN) - 0.5 * TURN)
+        return sum(self.jump(each) for each in self.jumps[apart <= SAME].tolist())
+
+    def _ended(self, wall: int, hit: int, angle: float, last: Off, most: float) -> End:
+        """The end on the wall `hit`, with the largest gap until then."""
+        here = np.array([angle % TURN])
+        own, met = (self.walls[each].motion(here, "left")[:, 0] for each in (wall, hit))
+        omega = float(self.course.rates(here)[0, 0])
+        place, pace = float(own[0]), omega * float(met[1] - own[1])
+        return End(angle, hit, place + last.gap, last.rate - pace, most, last.memory)
+
+    def on_wall(
+        self, wall: Wall, phi: FloatArray, side: Side
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """The motion (3, n) on `wall` in time, and (n,) M, F and R there, see the module.
+
+        R has the friction of the bearings, and the force of an elastic train in its steady state.
+        """
+        jet, rates = wall.motion(phi, side), self.course.rates(phi, side)
+        omega, alpha = rates[0], rates[1]
+        timed = np.stack((jet[0], jet[1] * omega, jet[2] * omega * omega + jet[1] * alpha))
+        mass, free = self._free(phi, timed[0], timed[1])
+        needed = mass * timed[2] - free
+        if self.bearings is not None:
+            needed = needed + self.bearings.alone(phi, side, rates)
+        if self.carried is not None:
+            needed = needed + self.carried.steady(phi, side)
+        return timed, mass, free, needed
+
+    def _free(
+        self, phi: FloatArray, q: FloatArray, rate: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """M and F (n,) of a free follower, see the module."""
+        mass, half = self.inertia.at(phi, q)
+        free = -half * rate * rate
+        for each in self.forces:
+            assert each.off is not None  # see the class
+            free = free + each.off(phi, q, rate)
+        return mass, free
+
+    def _sampled(
+        self, wall: int, outwards: float, leaving: float, nodes: Nodes, halvings: int
+    ) -> Iterator[Cell]:
+        """The cells of a flight; many are evaluated at a time, the more the longer the flight."""
+        cells = cells_from(leaving, self.edges, 0.5**halvings, MOST_TURNS)
+        own, size = self.walls[wall], 1
+        while block := list(itertools.islice(cells, size)):
+            lows, highs = np.array(block).T[:, :, None]
+            angles = 0.5 * (lows + highs) + 0.5 * (highs - lows) * nodes.places
+            phi = np.mod(angles, TURN).ravel()
+            timed, *forces = self.on_wall(own, phi, "right")
+            found = [phi, self.course.rates(phi)[0], *timed, *forces]
+            if len(self.walls) > 1:
+                other = self.walls[1 - wall].motion(phi, "right")[0]
+                found.append(outwards * (other - timed[0]))
+            rows = np.reshape(found, (len(found), *angles.shape))
+            for number, ends in enumerate(block):
+                yield Cell(ends, angles[number], *rows[:, number])
+            size = min(2 * size, MOST_AT_ONCE)
+
+    def _solved(
+        self, cell: Cell, nodes: Nodes, off: Off
+    ) -> tuple[Polynomial, Polynomial, Callable[[float], ComplexArray]]:
+        """d, its rate and the memory of the train in a cell, which at its start are those of
+        `off`.
+        """
+        count = len(cell.phi)
+        time = (cell.ends[1] - cell.ends[0]) / np.min(cell.omega)
+        sizes = np.abs(cell.free) + np.abs(cell.mass * cell.pull)
+        size = np.max(np.maximum(sizes, np.abs(cell.needed)) / cell.mass)
+        noise = NOISE * float(size) * time * time
+        over_time = nodes.over(cell.ends, cell.omega)
+        moved = None if self.carried is None else self.carried.moved(cell, over_time, off)
+        d, v = np.full(count, off.gap), np.full(count, off.rate)
+        for _ in range(MOST_ITERATIONS):
+            mass, free = self._free(cell.phi, cell.lift + d, cell.pace + v)
+            if not np.all(mass > 0.0):
+                raise StiffError("the follower flies beyond the end of its linkage's motion")
+            push = free - cell.free - cell.needed + (cell.mass - mass) * cell.pull
+            push = push / mass if moved is None else moved.acceleration(push)
+            v = off.rate + over_time @ push
+            last, d = d, off.gap + over_time @ v
+            if np.max(np.abs(d - last)) <= max(CLOSE * float(np.max(np.abs(d))), noise):
+                speed = nodes.integral(push / cell.omega, off.rate, cell.ends)
+                gap = nodes.integral(v / cell.omega, off.gap, cell.ends)
+                kept = (lambda _: off.memory) if moved is None else moved.memory(nodes, v)
+                return gap, speed, kept
+        rate = cell.pace + v
+        raise StiffError(
+            why_stiff(cell.ends[0], rate, lambda v: self._free(cell.phi, cell.lift + d, v)[1])
+        )
+
+
+# -- closing --------------------------------------------------------------------------------------
+# Where a gap closes in a cell.
+
+
+EVEN: Final = np.linspace(0.0, 1.0, 65)
+EARLY: Final = np.append(0.0, np.geomspace(1e-9, 1.0, 128))
+"""Places in a cell at which the landing is searched for; early ones where a flight begins with a
+speed, which may last but a moment.
+"""
+
+FINER: Final = np.linspace(0.0, 1.0, 9)
+"""Places between two probes, where their gaps do not exclude that it closes in between."""
+
+FINEST: Final = 1e-10
+"""A gap that would close and open again within this share of a turn only touches 0."""
+
+
+def closes(gap: Polynomial, probes: FloatArray) -> float | None:
+    """The first place from the first to the last of `probes` at which the `gap`, above 0 at first,
+    falls to 0; None if there is none.
+
+    Between probes a bound of its second derivative excludes that it does.
+    """
+    values = gap(probes)
+    width = np.diff(probes)
+    bend = float(np.sum(np.abs(gap.deriv(2).coef)))
+    least = np.minimum(values[:-1], values[1:])
+    doubtful = (least <= 0.0) | (least < 0.125 * bend * width * width)
+    for piece in np.flatnonzero(doubtful).tolist():
+        low, high = float(probes[piece]), float(probes[piece + 1])
+        if values[piece] <= 0.0:
+            return low
+        if high - low > FINEST * TURN:
+            found = closes(gap, low + (high - low) * FINER)
+            if found is not None:
+                return found
+        elif values[piece + 1] <= 0.0:
+            return float(bracketed_roots(gap, np.array([low]), np.array([high]))[0])
+    return None
+
+
+# -- walls ----------------------------------------------------------------------------------------
+# What stops a follower that is free: its only flank, or two walls with a clearance between them.
+#
+# The walls of a roller in a groove are its flanks: on the inner one its centre runs on the parallel
+# of the pitch curve at half the clearance inwards, on the outer one at half of it outwards. Between
+# the discs of a conjugate pair they are the two discs: with the main roller on its disc the
+# follower makes the motion of the state, and the return disc gives way by the clearance along its
+# normal. The sides of a yoke run on one disc, half a turn apart: with q on the first one, the lift
+# on the second one exceeds q by the breadth b of the yoke minus the width w of the cam, if a
+# positive lift moves the first one outward (`camgeo.cam.cam`).
+
+
+LIFTS: Final = 3
+"""Lift, velocity and acceleration."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Wall:
+    """A side that pushes the follower, and the motion of a follower that touches it.
+
+    Attributes
+    ----------
+    sense : the side, see `camgeo.dynamics.effects.contact`.
+    motion : (3, n) lift with two derivatives [mm or rad per rad^k].
+    leverage : (n,) force on q [1 or mm/rad] per unit of the force with which it pushes; it pushes
+        in the direction of its sign.
+    borders : (k,) cam angles [rad] in [0, 2 pi) where the formula of the motion changes.
+    """
+
+    sense: int
+    motion: Quantity
+    leverage: Quantity
+    borders: FloatArray
+
+    def outwards(self, angle: float) -> float:
+        """Direction of q in which it pushes at one `angle` [rad], +1 or -1."""
+        return float(np.sign(self.leverage(np.array([angle]), "right")[0]))
+
+
+def of_state(subject: Subject, sense: int) -> Wall:
+    """The flank `sense`, with the motion of the state."""
+
+    def motion(phi: FloatArray, side: Side) -> FloatArray:
+        return subject.state.motion.jet(phi, side, 2)[:LIFTS]
+
+    def leverage(phi: FloatArray, side: Side) -> FloatArray:
+        return leverage_of(subject, phi, side, sense)
+
+    return Wall(sense, motion, leverage, subject.state.motion.borders)
+
+
+def with_clearance(subject: Subject, clearance: float) -> tuple[Wall, Wall]:
+    """The walls of a groove, or of a pair of discs, with a `clearance` [mm] above 0, or the two
+    sides of a yoke, whose clearance follows from its breadth.
+
+    Their motions raise GeometryError where the clearance is too large for the curves.
+    """
+    other, breadth = subject.returning, subject.cam.breadth
+    if other is None:
+        half = 0.5 * clearance
+        return _played(subject, -half, INNER, INNER), _played(subject, half, OUTER, OUTER)
+    if breadth is not None:
+        return of_state(subject, INNER), _opposite(subject, breadth)
+    return of_state(subject, INNER), _played(other, -clearance, OUTER, INNER)
+
+
+def _opposite(subject: Subject, breadth: Breadth) -> Wall:
+    """The second side of a yoke, on the disc half a turn on.
+
+    b - h_0 - kappa_F q = h_0 + kappa_F s(phi + pi), q its lift.
+    """
+    cam, state = subject.cam, subject.state
+    highest = breadth.reach * (cam.yoke_breadth - 2.0 * breadth.height)
+
+    def motion(phi: FloatArray, side: Side) -> FloatArray:
+        found = -state.motion.jet(phi + HALF, side, 2)[:LIFTS]
+        found[0] += highest
+        return np.asarray(found)
+
+    def leverage(phi: FloatArray, side: Side) -> FloatArray:
+        return -state.curve.leverage(phi + HALF, side)
+
+    return Wall(OUTER, motion, leverage, (state.motion.borders + HALF) % TURN)
+
+
+def _played(subject: Subject, distance: float, sense: int, flank: int) -> Wall:
+    """The wall `sense`, the `flank` of its disc, with the roller's centre on the parallel at
+    `distance` [mm] of its pitch curve.
+    """
+    cam = subject.cam
+    curve = WorkingCurve(subject.state.curve, distance)
+    lift = PlayedLift(path_of(cam.follower, cam.rotation), curve)
+
+    def leverage(phi: FloatArray, side: Side) -> FloatArray:
+        return flank * lift.leverage(phi, side)
+
+    return Wall(sense, lift.jet, leverage, lift.borders)
+
+
+# -- flown ----------------------------------------------------------------------------------------
+# What is known of a follower off the cam: where it leaves, its flights, and the cells of one.
+
+
+MOST_FLIGHTS: Final = 256
+"""In these turns; more come from nodes that are too few."""
+
+SAME: Final = 1e-11
+"""Landings this close [rad], modulo a turn, are one place."""
+
+
+UNSETTLED: Final = (
+    "finer and finer steps come to no flights that stay the same: off the cam it moves too fast for"
+    " them, or the smallest difference decides where it lands"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Flight:
+    """The follower off the cam.
+
+    Attributes
+    ----------
+    leaving, landing : cam angles [rad], the leaving in the turns over which all flights repeat.
+    gap : the largest |d|, how far the follower gets from where it would touch [mm or rad].
+    speed : of the impact, along the normal [mm/s].
+    energy : lost in the impact [N mm].
+    rebound : whether it begins with the impact of the flight before.
+    left, met : the sides that it leaves and meets, see `camgeo.dynamics.effects.contact`.
+    error : estimate of the relative errors of `gap`, `speed` and `energy`.
+    late : estimate of the error of `landing` [rad].
+    """
+
+    leaving: float
+    landing: float
+    gap: float
+    speed: float
+    energy: float
+    rebound: bool
+    left: int
+    met: int
+    error: float = 0.0
+    late: float = 0.0
+
+    @property
+    def crossed(self) -> bool:
+        """Whether it meets the other side."""
+        return self.left != self.met
+
+    def behind(self, other: Flight) -> bool:
+        """Whether it is neither faster nor wider than the `other`."""
+        return self.speed <= other.speed and self.gap <= other.gap
+
+
+@dataclass(frozen=True, slots=True)
+class Flights:
+    """The flights in the steady state.
+
+    Attributes
+    ----------
+    flights : by ascending cam angle of leaving, with their rebounds.
+    turns : after which they repeat; 0 if they do not within `MOST_TURNS`.
+    unlanded : cam angle [rad] at which one begins that lasts longer than that; None without any.
+    """
+
+    flights: tuple[Flight, ...]
+    turns: int
+    unlanded: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Leaving:
+    """Where a wall would have to pull.
+
+    Attributes
+    ----------
+    wall : its number.
+    begin, end : cam angles [rad], the begin in [0, 2 pi), the end beyond it, and equal to it where
+        the velocity jumps away from the wall.
+    rate : of d [per s] with which the follower goes on there.
+    """
+
+    wall: int
+    begin: float
+    end: float
+    rate: float = 0.0
+
+
+def no_train() -> ComplexArray:
+    """The memory of a follower that carries no elastic train."""
+    return np.zeros(0, dtype=np.complex128)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Off:
+    """The state of a free follower.
+
+    Attributes
+    ----------
+    gap, rate : d [mm or rad] and its rate [per s].
+    memory : (m,) z of the modes of the train that it carries, see
+        `camgeo.dynamics.effects.lift_off.flight`.
+    """
+
+    gap: float
+    rate: float
+    memory: ComplexArray = field(default_factory=no_train)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class End:
+    """Where a flight ends [rad], on which wall, the coordinate and its rate relative to that wall
+    [per s], the largest |d| until then, 0 if it does not open by more than rounding, and the
+    memory of the train.
+    """
+
+    angle: float
+    wall: int
+    place: float
+    rate: float
+    gap: float
+    memory: ComplexArray = field(default_factory=no_train)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cell:
+    """A cell of cam angle, and at n angles in it what a free follower needs to know.
+
+    Attributes
+    ----------
+    ends : [rad].
+    angles, phi : (n,) [rad], `phi` in [0, 2 pi).
+    omega : (n,) pace of the cam [rad/s].
+    lift, pace, pull : (n,) h, h' and h'' in time.
+    mass, free, needed : (n,) M, F and R on the wall.
+    room : (n,) distance to the other wall in q, away from the wall left; None without one.
+    """
+
+    ends: tuple[float, float]
+    angles: FloatArray
+    phi: FloatArray
+    omega: FloatArray
+    lift: FloatArray
+    pace: FloatArray
+    pull: FloatArray
+    mass: FloatArray
+    free: FloatArray
+    needed: FloatArray
+    room: FloatArray | None = None
+
+
+def next_leaving(
+    leavings: tuple[Leaving, ...], wall: int, angle: float
+) -> tuple[Leaving | None, float]:
+    """Where a follower that rests on `wall` at `angle` [rad] leaves it."""
+    soonest: tuple[Leaving | None, float] = (None, math.inf)
+    for each in leavings:
+        if each.wall != wall:
+            continue
+        ahead = (each.begin - angle) % TURN
+        if TURN - ahead < each.end - each.begin:
+            ahead = 0.0
+        if angle + ahead < soonest[1]:
+            soonest = each, angle + ahead
+    return soonest
+
+
+def in_turns(flown: list[Flight], turns: int) -> tuple[Flight, ...]:
+    """All flights of so many `turns`, each begun in them, by ascending cam angle."""
+    found = []
+    for each in flown:
+        shift = TURN * turns * math.floor(each.leaving / (TURN * turns))
+        found.append(replace(each, leaving=each.leaving - shift, landing=each.landing - shift))
+    return tuple(sorted(found, key=lambda each: each.leaving))
+
+
+def with_bounces(flights: tuple[Flight, ...]) -> list[list[Flight]]:
+    """Each flight, with the rebounds after it that stay behind it in speed and gap and end on the
+    side where they begin.
+    """
+    first = next((k for k, each in enumerate(flights) if not each.rebound), 0)
+    found: list[list[Flight]] = []
+    for each in (*flights[first:], *flights[:first]):
+        over = found[-1][0] if found else None
+        if over is None or each.crossed or not each.rebound or not each.behind(over):
+            found.append([each])
+        else:
+            found[-1].append(each)
+    return found
+
+
+def unsettled(error: float, tolerance: float) -> EffectError:
+    """The exception for flights whose `error` exceeds the tolerance; 1 if nothing is known."""
+    if error < 1.0:
+        return missed("the impact speed of a flight", error, "itself", tolerance)
+    return EffectError(UNSETTLED)
+
+
+def apart(rough: Flight, fine: Flight) -> float:
+    """The relative difference of gap, speed and energy; 1 if they end on different walls."""
+    if rough.met != fine.met:
+        return 1.0
+    pairs = (rough.speed, fine.speed), (rough.gap, fine.gap)
+    speed, gap = (abs(a - b) / max(a, b) if a != b else 0.0 for a, b in pairs)
+    return max(2.0 * speed, gap)
+
+
+# -- cells ----------------------------------------------------------------------------------------
+# Cells of cam angle in which a flight is integrated, and the nodes in them.
+
+
+FIRST_CELL: Final = 2.0**-16
+"""Length of the first cell as a share of a smooth piece; each cell is twice as long as the one
+before, so that a short flight is resolved as well as a long one."""
+
+LONGEST_CELL: Final = 0.25
+"""Largest length of a cell as a share of a smooth piece, before cells are halved."""
+
+MOST_HALVINGS: Final = 6
+"""Largest number of times that all cells are halved to reach a tolerance."""
+
+ORDERS: Final = (16, 24)
+"""Nodes per cell of the solution for the error estimate, and of the final one."""
+
+ROUNDING: Final = 1e-12
+"""An estimated error below this share is rounding, whatever the tolerance."""
+
+CLOSE: Final = 1e-14
+"""Change of the gap, as a share of its size, at which they end."""
+
+NOISE: Final = 2.0**-50
+"""Rounding of the forces, a share of the largest; it moves the gap, however small that is."""
+
+ROUNDED: Final = 2.0**-52
+"""Rounding of a lift, a share of the largest."""
+
+MOST_AT_ONCE: Final = 64
+"""Cells that are evaluated at a time at most."""
+
+Polynomial = np.polynomial.Chebyshev
+
+
+class StiffError(ArithmeticError):
+    """Picard's iteration does not converge in a cell; words say where shorter ones do not help."""
+
+
+SLOW: Final = 1e-6
+"""Share of a rate at which viscous friction has gone; what is left of a jump is not."""
+
+
+def why_stiff(angle: float, rate: FloatArray, force: Callable[[FloatArray], FloatArray]) -> str:
+    """That a follower turns round near a cam `angle` [rad], and that the `force` on it, at a rate
+    (n,), jumps with the sign of this; empty if it does not.
+    """
+    least, most = float(np.min(rate)), float(np.max(rate))
+    if not least < 0.0 < most:
+        return ""
+    back, ahead = (force(np.full_like(rate, SLOW * end)) for end in (least, most))
+    if np.allclose(back, ahead, rtol=SLOW, atol=0.0):
+        return ""
+    return (
+        f"off the cam it turns round near cam angle {cam_angle(angle, '.0f')} deg, and friction"
+        " that jumps there to the other side is not followed"
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Nodes:
+    """The Chebyshev nodes of a cell.
+
+    Attributes
+    ----------
+    places : (n,) of the nodes, from -1 to 1, ascending.
+    fit : (n, n) from the values at the nodes to coefficients.
+    gain : (n, n) from these values to the integral from the start of the cell to each node, with
+        half the length of the cell as the unit.
+    """
+
+    places: FloatArray
+    fit: FloatArray
+    gain: FloatArray
+
+    @classmethod
+    def of(cls, count: int) -> Self:
+        """So many nodes."""
+        places = np.cos(np.pi * (np.arange(count) + 0.5) / count)[::-1]
+        matrix = np.polynomial.chebyshev.chebvander(places, count - 1)
+        fit = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
+        grown = np.polynomial.chebyshev.chebint(fit, lbnd=-1.0)
+        return cls(places, fit, np.polynomial.chebyshev.chebvander(places, count) @ grown)
+
+    def over(self, ends: tuple[float, float], pace: FloatArray) -> FloatArray:
+        """(n, n) from values at the nodes of the cell with these `ends` to their integral over time
+        to each node, where the cell is passed with the `pace` (n,) [rad/s].
+        """
+        return np.asarray(0.5 * (ends[1] - ends[0]) * self.gain / pace)
+
+    def function(self, values: FloatArray, ends: tuple[float, float]) -> Polynomial:
+        """With these `values` (n,) at the nodes of the cell with these `ends`."""
+        return Polynomial(self.fit @ values, ends)
+
+    def integral(self, values: FloatArray, start: float, ends: tuple[float, float]) -> Polynomial:
+        """The integral of that, which is `start` where the cell starts."""
+        return self.function(values, ends).integ(lbnd=ends[0]) + start
+
+
+def cells_from(
+    start: float, edges: FloatArray, share: float, turns: int = 1
+) -> Iterator[tuple[float, float]]:
+    """Cells [rad] over so many `turns` from `start`, short at first, none across one of `edges`.
+
+    `share` scales their lengths.
+    """
+    first, end = math.floor(start / TURN), start + turns * TURN
+    ahead = np.concatenate([edges[:-1] + (first + turn) * TURN for turn in range(turns + 1)])
+    stops = [start, *ahead[(ahead > start) & (ahead < end)], end]
+    size = share * FIRST_CELL
+    for low, high in itertools.pairwise(stops):
+        length = high - low
+        if length <= 8.0 * math.ulp(high):
+            continue
+        place = low
+        while place < high:
+            end = min(place + max(size * length, math.ulp(high)), high)
+            if high - end < 0.5 * size * length:
+                end = high
+            yield float(place), float(end)
+            place = end
+            size = min(2.0 * size, share * LONGEST_CELL)
+
+
+# -- carried --------------------------------------------------------------------------------------
+# The elastic train that a follower carries along, off the cam and after it has landed.
+#
+# The base of the train has the motion y = h + d, that of a follower on its flank and its gap, and
+# the train is linear. So its modes, which obey u' = lambda u - y'', are those of the steady state
+# on h and w besides, with
+#
+#     w' = lambda w - d''.
+#
+# With z = w + d' this is z' = lambda (z - d'), in which nothing jumps with d': an impact strikes
+# the follower in front of the train alone. Its first spring and damper push the follower back by
+# the force of the steady state and
+#
+#     Re sum C (z - d') + a d + b d',
+#
+# see `camgeo.dynamics.oscillator.train`. On its flank, with d = 0, z decays freely.
+#
+# In a cell of cam angle the equations in z and d are solved together at the nodes. With the matrix
+# B that integrates over time from the start of the cell, and S = (1 - lambda B)^-1,
+#
+#     z = S (z_0 - lambda B d'),      Re sum C (z - d') = Re sum C S (z_0 - d').
+#
+# (Collocation at Chebyshev nodes: J. P. Boyd, Chebyshev and Fourier Spectral Methods, chapter 4.)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Carried:
+    """The elastic train behind a follower, whose first spring is on the follower itself.
+
+    Attributes
+    ----------
+    behind : the train in the steady state of the state's motion.
+    course : how the cam turns.
+    more : force [N or N mm] beyond that of the steady state: an error that is assumed of it.
+    """
+
+    behind: ElasticTrain
+    course: TimeCourse
+    more: float = 0.0
+
+    @property
+    def at_rest(self) -> ComplexArray:
+        """(m,) z in the steady state."""
+        return np.zeros(len(self.behind.train.rates), dtype=np.complex128)
+
+    def steady(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) force of the steady state, which the follower has to overcome [N or N mm], without
+        the load on the output, which counts among the forces on the follower itself.
+        """
+        push = self.behind.pushes(self.behind.response, phi, side) + self.more
+        if self.behind.load is not None:
+            push = push + self.behind.load.coefficients(phi, side)[0]
+        return np.asarray(push)
+
+    def left(self, memory: ComplexArray, start: float, angles: FloatArray) -> ComplexArray:
+        """(m, n) z at `angles` (n,) [rad], on the flank from `start` on, where it is `memory`."""
+        times = self.course.time(np.append(angles, start))
+        past = np.multiply.outer(self.behind.train.rates, times[:-1] - times[-1])
+        return np.asarray(memory[:, np.newaxis] * np.exp(past))
+
+    def pushed(self, memory: ComplexArray) -> FloatArray:
+        """(...) the force of z (m, ...) on a follower that touches its flank [N or N mm]."""
+        weights = self.behind.train.force(0).weights
+        return np.asarray(np.tensordot(weights, memory, 1).real)
+
+    def fastest(self, mass: float) -> float:
+        """A circular frequency [rad/s] that none of the follower, of this `mass`, exceeds.
+
+        The stiffness and the damping of the first link act on the mass as it moves fast. Without
+        damping the square of the largest frequency is at most the sum of the squares of that of the
+        train on a base at rest and that of the mass on a train at rest, because the matrix of both
+        is not negative.
+        """
+        force, rates = self.behind.train.force(0), self.behind.train.rates
+        stiff = abs(force.lift - float(np.sum((force.weights * rates).real))) / mass
+        damp = abs(force.slope - float(np.sum(force.weights.real))) / mass
+        return math.hypot(float(np.max(np.abs(rates))), math.sqrt(stiff)) + damp
+
+    def moved(self, cell: Cell, over_time: FloatArray, off: Off) -> Moved:
+        """How the follower moves with it in a `cell`, from the state `off` on; for `over_time` see
+        `Moved`.
+        """
+        force, rates = self.behind.train.force(0), self.behind.train.rates
+        one = np.eye(len(cell.phi))
+        steps = one - rates[:, np.newaxis, np.newaxis] * over_time
+        alone: ComplexArray = np.linalg.inv(steps).astype(np.complex128)
+        of_each = force.weights[:, np.newaxis, np.newaxis] * alone
+        per_rate = force.slope * one - np.sum(of_each.real, axis=0) + force.lift * over_time
+        kept = np.tensordot(off.memory, of_each, 1).real
+        still = np.sum(kept + off.rate * per_rate, axis=1) + force.lift * off.gap
+        inverse = np.linalg.inv(np.diag(cell.mass) + per_rate @ over_time)
+        return Moved(self, cell, off, inverse, still, over_time, alone)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Moved:
+    """A follower with its train at the n nodes of a cell.
+
+    Attributes
+    ----------
+    carried, cell, off : the train, the cell, and the state at its start.
+    inverse : (n, n) from forces to d''.
+    still : (n,) force of the train with d'' = 0 [N or N mm].
+    over_time : (n, n) B [s].
+    alone : (m, n, n) S.
+    """
+
+    carried: Carried
+    cell: Cell
+    off: Off
+    inverse: FloatArray
+    still: FloatArray
+    over_time: FloatArray
+    alone: ComplexArray
+
+    def acceleration(self, push: FloatArray) -> FloatArray:
+        """(n,) d'' with all other forces `push` (n,)."""
+        return np.asarray(self.inverse @ (push - self.still))
+
+    def memory(self, nodes: Nodes, rate: FloatArray) -> Callable[[float], ComplexArray]:
+        """z (m,) as a function of the cam angle [rad] in the cell, with d' `rate` (n,)."""
+        rates = self.carried.behind.train.rates[:, np.newaxis]
+        forced = self.off.memory[:, np.newaxis] - rates * (self.over_time @ rate)
+        z = np.einsum("mij,mj->mi", self.alone, forced)
+        low, high = self.cell.ends
+        half = 0.5 * (high - low)
+        series = nodes.fit @ (half * rates * (z - rate) / self.cell.omega).T
+        grown = np.polynomial.chebyshev.chebint(series, lbnd=-1.0)
+
+        def at(angle: float) -> ComplexArray:
+            place = (angle - low) / half - 1.0
+            return np.asarray(self.off.memory + np.polynomial.chebyshev.chebval(place, grown))
+
+        return at

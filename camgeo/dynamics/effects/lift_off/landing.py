@@ -1,0 +1,381 @@
+"""Findings on the flights of a follower: from its only flank, or across its clearance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from camgeo.check.finding import STATED, Finding
+from camgeo.dynamics.effects.contact import FLANKS, holds_both_ways, sides_of
+from camgeo.dynamics.effects.effect import Bound, Subject
+from camgeo.dynamics.effects.lift_off.flank import Flank
+from camgeo.dynamics.effects.lift_off.flight import (
+    MOST_REBOUNDS,
+    MOST_TURNS,
+    ROUNDED,
+    Flight,
+    FreeFollower,
+    Leaving,
+    Wall,
+    of_state,
+    with_bounces,
+    with_clearance,
+)
+from camgeo.dynamics.effects.results import ContactForce, Inertia
+from camgeo.dynamics.effects.wording import N_M, at, between, degrees, placed
+from camgeo.errors import EffectError, GeometryError
+from camgeo.kinematics.time_course import TimeCourse
+from camgeo.numeric.arrays import merged
+from camgeo.numeric.extremes import Extreme, piecewise_highest, piecewise_lowest
+from camgeo.units import TURN, counted, listed
+
+if TYPE_CHECKING:
+    from camgeo.dynamics.effects.lift_off.elastic_flight import ElasticFollower
+
+
+ANGLE_SHOWN: Final = math.radians(5e-5)
+"""Half of the last digit with which sentences give cam angles [rad]."""
+
+RIGID: Final = '; [state] output = "rigid" gives the flights with a rigid train'
+
+NOTHING: Final = 1e-9
+"""A mass in front of an elastic train below this share of all masses is rounding of their
+difference."""
+
+
+@dataclass(frozen=True, slots=True)
+class Flown:
+    """The flights with their findings and the errors of these.
+
+    Attributes
+    ----------
+    turns : after which the flights repeat.
+    """
+
+    flights: tuple[Flight, ...] = ()
+    turns: int = 1
+    findings: tuple[Finding, ...] = ()
+    errors: Mapping[str, Bound] = field(default_factory=dict)
+
+    @property
+    def ranges(self) -> tuple[tuple[float, float], ...]:
+        """Over which the follower is free, with flights that follow at once as one; a turn at
+        most each.
+        """
+        found: list[tuple[float, float]] = []
+        for each in self.flights:
+            if found and found[-1][1] == each.leaving:
+                found[-1] = (found[-1][0], each.landing)
+            else:
+                found.append((each.leaving, each.landing))
+        return tuple((start % TURN, start % TURN + min(end - start, TURN)) for start, end in found)
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """How the flights of one design are told.
+
+    Attributes
+    ----------
+    who : flies: "roller", "face" or "follower".
+    names : of the sides.
+    noun : what the sides are: "flank" or "disc".
+    clearance : between them, in words; None on a single flank.
+    """
+
+    who: str
+    names: Mapping[int, str]
+    noun: str
+    clearance: str | None = None
+
+    def side(self, sense: int) -> str:
+        """The side `sense` in words."""
+        return f"the {self.names[sense]} {self.noun}"
+
+    def flight(
+        self, flight: Flight, bounces: Sequence[Flight], subject: Subject
+    ) -> tuple[Finding, ...]:
+        """Where and how far it flies, how it lands, and how it then bounces."""
+        start, end = flight.leaving % TURN, flight.landing % TURN
+        then = ""
+        if bounces:
+            fastest = max(each.speed for each in bounces)
+            then = f", and bounces {counted(len(bounces), 'time')}, at up to {fastest:.6g} mm/s,"
+            then += f" until {degrees(bounces[-1].landing)}"
+        if self.clearance is not None:
+            begins = "rebounds from" if flight.rebound else "leaves"
+            again = "" if flight.crossed else " again, because it has not crossed the clearance"
+            sentence = (
+                f"after it {begins} {self.side(flight.left)} at {degrees(start)} the {self.who}"
+                f" hits {self.side(flight.met)}{again} at {degrees(end)} at {flight.speed:.6g} mm/s"
+                f"{then}"
+            )
+            return (self._impact(flight, sentence),)
+        factor, unit = STATED[subject.cam.lift_unit]
+        gap = factor * flight.gap
+        begins = "rebounds from" if flight.rebound else "is off"
+        later = int((flight.landing - flight.leaving) / TURN)
+        over = between((start, end)) + (f", {counted(later, 'turn')} later" if later else "")
+        return (
+            Finding(
+                name="flight",
+                severity="warning",
+                sentence=(
+                    f"the {self.who} {begins} {self.side(flight.left)} {over}, up to {gap:.6g}"
+                    f" {unit} of lift beyond it"
+                ),
+                value=gap,
+                limit=0.0,
+                unit=unit,
+                cam_angle=start,
+                cam_range=(start, end),
+            ),
+            self._impact(flight, f"it lands {at(end)}, at {flight.speed:.6g} mm/s{then}"),
+        )
+
+    @staticmethod
+    def _impact(flight: Flight, sentence: str) -> Finding:
+        return Finding(
+            name="impact-speed",
+            severity="ok",
+            sentence=sentence,
+            value=flight.speed,
+            unit="mm/s",
+            cam_angle=flight.landing % TURN,
+        )
+
+    def fastest(self, flights: tuple[Flight, ...], tail: str) -> Finding:
+        """The fastest impact."""
+        fastest = max(flights, key=lambda flight: flight.speed)
+        end = Extreme(fastest.speed, fastest.landing % TURN)
+        how = f"lands at up to {end.value:.6g} mm/s"
+        if self.clearance is not None:
+            how = (
+                f"crosses its clearance of {self.clearance} and hits the {self.noun} at up to"
+                f" {end.value:.6g} mm/s"
+            )
+        sentence = f"the {self.who} {how}, {at(end.place)}{tail}"
+        return placed("largest-impact-speed", sentence, end, "mm/s", severity="warning")
+
+
+def flown_from(
+    flank: Flank, inertia: Inertia | None, restitution: float, tolerance: float
+) -> Flown:
+    """The flights from `flank`, which the follower leaves, at the speed of the scene; none, as a
+    finding says, if they cannot be computed to the `tolerance`.
+    """
+    subject, contact = flank.subject, flank.contact
+    why, course = _why_not(subject, contact, inertia), subject.state.course
+    lost = contact.lost_contact
+    if any(each.end - each.start == TURN for each in lost.ranges):
+        why = why or f"the {flank.toucher} is off the cam over the whole turn"
+    told = Told(flank.toucher, FLANKS, "flank")
+    if why or inertia is None or course is None:
+        return _none("flight", why)
+    walls = (of_state(subject, flank.sense),)
+    free = free_of(contact, inertia, course, walls, subject.state.shocks)
+    found = [Leaving(0, angle, angle, free.jump(angle)) for angle in lost.leaps]
+    for each in lost.ranges:
+        length = (each.end - each.start) % TURN
+        if length > 0.0:
+            found.append(Leaving(0, each.start, each.start + length))
+    if contact.behind is not None:
+        from camgeo.dynamics.effects.lift_off.elastic_flight import (
+            carrying,  # few trains are elastic
+        )
+
+        leaps = tuple(each for each in found if each.begin == each.end)
+        try:
+            elastic = carrying(free, flank, leaps)
+        except EffectError as error:
+            return _none("flight", error.message + RIGID)
+        return _told(told, subject, elastic, tuple(found), restitution, tolerance)
+    return _told(told, subject, free, tuple(found), restitution, tolerance)
+
+
+def crossed_by(
+    subject: Subject,
+    contact: ContactForce,
+    inertia: Inertia | None,
+    clearance: float,
+    restitution: float,
+    tolerance: float,
+) -> Flown:
+    """The flights across the `clearance` [mm] of a groove or between two discs, as `flown_from`; of
+    a yoke it is the least one of the turn.
+    """
+    why, course = _why_not(subject, contact, inertia), subject.state.course
+    if clearance < 0.0:
+        why = why or "the cam squeezes the yoke"
+    names, noun = sides_of(subject)
+    who = "roller" if subject.returning is None else "follower"
+    told = Told(who, names, noun, _clearance_in_words(subject, clearance))
+    if subject.state.sense:
+        why = why or (
+            "the contours are given as they are written, and flights between these are not"
+            ' computed; [state] motion = "demanded" gives those between the exact ones'
+        )
+    if why or inertia is None or course is None:
+        return _none("impact-speed", why)
+    jumps = subject.state.shocks
+    if jumps:
+        why = f"the velocity jumps {at(jumps[0])}, which is itself a shock"
+        return _none("impact-speed", why)
+    try:
+        walls = with_clearance(subject, clearance)
+        free = free_of(contact, inertia, course, walls)
+        leavings = free.leavings()
+    except GeometryError as error:
+        return _none("impact-speed", error.message)
+    if not leavings:
+        return Flown()
+    return _told(told, subject, free, leavings, restitution, tolerance)
+
+
+def _clearance_in_words(subject: Subject, clearance: float) -> str:
+    breadth = subject.cam.breadth
+    widest = clearance + (0.0 if breadth is None else breadth.variation)
+    return f"{clearance:g} mm" if widest == clearance else f"{clearance:g} to {widest:g} mm"
+
+
+def _why_not(subject: Subject, contact: ContactForce, inertia: Inertia | None) -> str:
+    """Why no landing can be given; empty if it can."""
+    if inertia is None or subject.state.course is None:
+        return "it needs [effects.inertia]; without mass a landing is no impact"
+    if not piecewise_lowest(inertia.to_follower, contact.edges).value > 0.0:
+        return "the follower has no mass, and its landing is no impact"
+    if contact.behind is not None and (why := _why_not_elastic(subject, contact, inertia)):
+        return why + RIGID
+    unknown = [
+        each.name
+        for each in contact.forces
+        if each.off is None and each is not inertia.force and not each.present
+    ]
+    return f"{listed(unknown)} off the cam is not known" if unknown else ""
+
+
+def _why_not_elastic(subject: Subject, contact: ContactForce, inertia: Inertia) -> str:
+    """The same for an elastic train."""
+    if holds_both_ways(subject):
+        return "the flights of an elastic train across a clearance are not computed"
+    if subject.drive.linkage is not None:
+        return "the flights of an elastic train behind a linkage are not computed"
+    assert contact.struck is not None  # there are masses
+    own = piecewise_lowest(contact.struck, contact.edges).value
+    if not own > NOTHING * piecewise_highest(inertia.to_follower, contact.edges).value:
+        return (
+            "all of its mass is behind the elastic train, and no impact is known without some in"
+            " front of it; [effects.vibration] masses or moments of less than [effects.inertia]"
+            " has in sum leave it some"
+        )
+    return ""
+
+
+def _none(name: str, why: str) -> Flown:
+    return Flown(findings=(Finding(name, "warning", f"no landing is given: {why}"),))
+
+
+def _told(
+    told: Told,
+    subject: Subject,
+    free: FreeFollower | ElasticFollower,
+    leavings: tuple[Leaving, ...],
+    restitution: float,
+    tolerance: float,
+) -> Flown:
+    """The flights of `free`, in words."""
+    single = told.clearance is None
+    none = partial(_none, "flight" if single else "impact-speed")
+    try:
+        steady = free.steady(leavings, restitution, tolerance)
+    except (EffectError, GeometryError) as error:
+        return none(error.message)
+    if steady.unlanded is not None:
+        return none(
+            f"the flight from cam angle {degrees(steady.unlanded)} on lasts longer than"
+            f" {counted(MOST_TURNS, 'turn')}"
+        )
+    if not steady.turns:
+        return none(f"the flights do not repeat within {counted(free.most_turns, 'turn')}")
+    flights, turns = steady.flights, steady.turns
+    if not flights:
+        return Flown()
+    found: list[Finding] = []
+    for first, *bounces in with_bounces(flights):
+        found += told.flight(first, bounces, subject)
+    tail = ""
+    if restitution > 0.0 and _longest_run(flights) > MOST_REBOUNDS:
+        tail = f"; of each flight {MOST_REBOUNDS} rebounds are followed"
+    found.append(told.fastest(flights, tail))
+    energy = N_M * sum(each.energy for each in flights) / turns
+    found.append(
+        Finding(
+            name="impact-energy",
+            severity="ok",
+            sentence=f"the impacts take {energy:.6g} J from the {told.who} in a turn",
+            value=energy,
+            unit="J",
+        )
+    )
+    late = max(each.late for each in flights)
+    if late > ANGLE_SHOWN:
+        degree = math.degrees(late)
+        sentence = f"the cam angles of the landings have an error of up to {degree:.2g} deg, more"
+        sentence += " than their digits show"
+        limit = math.degrees(ANGLE_SHOWN)
+        found.append(Finding("landing-angle", "warning", sentence, degree, limit, "deg"))
+    if turns > 1:
+        sentence = f"the {told.who} does not fly alike in every turn: its flights repeat after"
+        sentence += f" {counted(turns, 'turn')}"
+        found.append(Finding("flight-turns", "warning", sentence, float(turns)))
+    return Flown(flights, turns, tuple(found), _errors(flights, turns, subject, single=single))
+
+
+def _longest_run(flights: tuple[Flight, ...]) -> int:
+    """Flights that follow each other as rebounds, at most."""
+    ends = [0, *(k for k, each in enumerate(flights) if not each.rebound), len(flights)]
+    return int(np.max(np.diff(ends)))
+
+
+def _errors(
+    flights: tuple[Flight, ...], turns: int, subject: Subject, *, single: bool
+) -> Mapping[str, Bound]:
+    """The errors of the findings, by their names."""
+    fastest = max(each.speed for each in flights)
+    hits = Bound(max(each.error * each.speed for each in flights), fastest)
+    errors = dict.fromkeys(("impact-speed", "largest-impact-speed"), hits)
+    losses = [each.energy for each in flights]
+    lost = sum(each.error * each.energy for each in flights)
+    errors["impact-energy"] = Bound(lost, sum(losses)).times(N_M / turns)
+    if single:
+        factor, _ = STATED[subject.cam.lift_unit]
+        farthest = max(each.gap for each in flights)
+        gaps = Bound(max(each.error * each.gap for each in flights), farthest)
+        errors["flight"] = gaps.times(factor)
+    return errors
+
+
+# -- free follower --------------------------------------------------------------------------------
+# The follower of a scene as one that may leave its walls.
+
+
+def free_of(
+    contact: ContactForce,
+    inertia: Inertia,
+    course: TimeCourse,
+    walls: tuple[Wall, ...],
+    jumps: Sequence[float] = (),
+) -> FreeFollower:
+    """A follower with the forces of `contact`, inertia among them; for `jumps` see the class."""
+    others = tuple(each for each in contact.forces if each is not inertia.force)
+    cuts = merged(np.concatenate((contact.edges, *(each.borders for each in walls))))
+    lifts = np.abs(walls[0].motion(cuts, "right")[0])
+    least = ROUNDED * float(np.max(lifts))
+    return FreeFollower(
+        others, inertia, course, walls, contact.bearings, cuts, least, np.array(jumps)
+    )

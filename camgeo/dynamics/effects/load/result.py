@@ -1,0 +1,122 @@
+"""Load: the process force over the cam angle.
+
+The load F acts against a positive demanded motion s, so its generalised force on the follower is Q
+= -F ds/dq by virtual work, which is -F where the follower itself has the demanded motion. On a
+rotating member, a rocker without a linkage or the lever or crank at the far end of one, the load is
+a torque against its positive angle.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from camgeo.dynamics.effects.effect import Column, Request, Subject
+from camgeo.dynamics.effects.forces import Force, refuse_locked, unmoved
+from camgeo.dynamics.effects.load import LoadProfile, ProcessLoad, constant, steps
+from camgeo.dynamics.effects.results import Acting
+from camgeo.dynamics.effects.wording import extreme_findings
+from camgeo.errors import GeometryError
+from camgeo.kinematics.plan import MotionPlan
+from camgeo.numeric.arrays import FloatArray, Side, frozen, merged
+from camgeo.numeric.extremes import piecewise_extremes
+
+N_MM: Final = 1e3
+"""From N m to N mm."""
+
+
+def compute(request: Request[ProcessLoad]) -> Acting:
+    """The load in `request.data`, c0 alone.
+
+    A constant load has the potential energy F s; others do work over a turn and have none.
+
+    Raises
+    ------
+    GeometryError
+        With the key, see `profile_of`.
+    EffectError
+        If the follower cannot move the far end of its linkage, on which the load acts, at some cam
+        angle.
+    """
+    subject = request.subject
+    is_torque = subject.drive.unit == "rad"
+    unit = "N m" if is_torque else "N"
+    course = profile_of(request.data, subject.drive.plan, unit)
+    scale = N_MM if is_torque else 1.0
+    refuse_locked(subject, " against its load")
+
+    def on_member(phi: FloatArray, side: Side) -> FloatArray:
+        return np.asarray(-scale * course.values(phi, side))
+
+    def on_follower(phi: FloatArray, side: Side) -> FloatArray:
+        return on_member(phi, side) * _way(subject, phi, side)
+
+    def work(phi: FloatArray, side: Side) -> FloatArray:
+        """Work against a constant load, from the start of the stroke."""
+        found: FloatArray = (
+            scale * course.values(phi, side) * subject.state.output.jet(phi, side)[0]
+        )
+        return found
+
+    far = subject.drive.far_end
+
+    def off(phi: FloatArray, q: FloatArray, _rate: FloatArray) -> FloatArray:
+        load = -scale * course.values(phi, "right")
+        return load if far is None else load * far.jet(phi, q)[1]
+
+    potential = None if request.data.constant is None else work
+    edges = merged(np.concatenate((subject.state.smooth_angles, course.borders)))
+    extremes = piecewise_extremes(course.values, edges)
+    return Acting(
+        force=Force(
+            "load",
+            unmoved(on_follower),
+            potential,
+            course.borders,
+            off,
+            None if subject.drive.linkage is None else unmoved(on_member),
+        ),
+        findings=tuple(
+            extreme_findings("load", "load", extremes, unit, ", positive against a positive motion")
+        ),
+        columns=(Column("load", unit, course.values, borders=course.borders),),
+    )
+
+
+def profile_of(data: ProcessLoad, plan: MotionPlan, unit: str) -> LoadProfile:
+    """The load of the scene over the cam angle, in `unit`.
+
+    Raises
+    ------
+    GeometryError
+        With key "effects.load.segments", if there is not one value for each segment of non-zero
+        length; with "effects.load.file", if its heading states another unit.
+    """
+    if data.table is not None:
+        if data.table.unit not in ("", unit):
+            raise GeometryError(
+                f"the heading states loads in {data.table.unit}; for this follower the load is in"
+                f" {unit}",
+                key="effects.load.file",
+            )
+        return data.table
+    if data.segments is None:
+        assert data.constant is not None  # `parse` sees to it
+        return constant(data.constant)
+    # A dwell of zero length has no load.
+    starts = [start for _, start, _ in plan.stretches]
+    if len(data.segments) != len(starts):
+        raise GeometryError(
+            f"number of values {len(data.segments)}, number of segments of the motion of non-zero"
+            f" length {len(starts)}; allowed: one value for each segment",
+            key="effects.load.segments",
+        )
+    return steps(frozen(starts, np.float64), frozen(data.segments, np.float64))
+
+
+def _way(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
+    """ds/dq (n,): derivative of the demanded motion by the follower's coordinate."""
+    if subject.drive.linkage is None:
+        return np.ones(len(phi))
+    return subject.drive.linkage.per_follower(subject.state.output.jet(phi, side)[0])

@@ -1,0 +1,375 @@
+"""Effect `reactions`: forces in the bearings of follower and camshaft, see `bodies`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, Literal
+
+import numpy as np
+
+from camgeo.check.finding import Finding
+from camgeo.dynamics.effects.contact import (
+    INNER,
+    OUTER,
+    bearing_of,
+    carrier,
+    part_of,
+    unbalance_force,
+)
+from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request, Result
+from camgeo.dynamics.effects.forces import at_rates, rates_of
+from camgeo.dynamics.effects.loads import Coupler, Joints, Loads, guide_ends
+from camgeo.dynamics.effects.reactions import Bearings
+from camgeo.dynamics.effects.results import CONTACT_FORCE, GRAVITY, INERTIA, SPRING
+from camgeo.dynamics.effects.wording import N_M, extreme_finding, missed
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, resolved
+from camgeo.numeric.extremes import Extreme, piecewise_highest
+from camgeo.numeric.quadrature import piecewise_integral
+from camgeo.units import TURN
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from camgeo.dynamics.effects.effect import Subject
+    from camgeo.dynamics.effects.results import ContactForce
+    from camgeo.geometry.outline.path import Moments
+
+
+WORK: Final = "pivot-friction-work"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reactions(Result):
+    """The reactions.
+
+    Attributes
+    ----------
+    bodies : with the forces on them.
+    """
+
+    bodies: Bodies
+
+
+def compute(request: Request[Bearings]) -> Reactions:
+    """The reactions at the speed of the scene; EffectError if a figure misses the tolerance."""
+    results = request.results
+    contact = results[CONTACT_FORCE]
+    subject, edges = request.subject, contact.edges
+    inertia, gravity = results.get(INERTIA), results.get(GRAVITY)
+    pins = None
+    if subject.drive.linkage is not None:
+        # few followers have a linkage
+        from camgeo.dynamics.effects.loads import coupler_of
+
+        linkage = subject.drive.linkage
+        pins = Pins(coupler_of(subject, linkage, contact.forces, inertia, gravity))
+    coupler = None if pins is None else pins.coupler
+    loads = Loads(subject, inertia, gravity, results.get(SPRING), coupler)
+    bodies = Bodies(subject, contact, loads, pins)
+    shaft = Shaft(bodies, disc_of(subject, request.tolerance), request.data.bearings)
+    reported = [
+        *(_of_guide(bodies) if subject.cam.follower.pivot is None else _of_pivot(bodies)),
+        *([] if pins is None else pins.loads()),
+        *shaft.loads(),
+    ]
+    inside = edges[(edges > 0.0) & (edges < TURN)]
+    work, errors = _friction_work(request, bodies, edges)
+    found = tuple(each.largest(edges, contact.extremes.magnitude) for each in reported)
+    errors |= shaft.errors(found, edges, request.tolerance)
+    return Reactions(
+        findings=(*found, *work),
+        columns=tuple(
+            Column(each.name, each.unit, each.values, borders=inside) for each in reported
+        ),
+        errors=errors,
+        bodies=bodies,
+    )
+
+
+def _of_pivot(bodies: Bodies) -> list[Load]:
+    def force(phi: FloatArray, side: Side) -> FloatArray:
+        return np.abs(bodies.of_pivot(phi, side))
+
+    return [Load("pivot force", "force in the pivot", force)]
+
+
+def _of_guide(bodies: Bodies) -> list[Load]:
+    """Of both ends, or of the guide as a whole; forces to the right count positive."""
+    friction = bodies.contact.friction
+
+    def end(row: int) -> Quantity:
+        return lambda phi, side: bodies.of_guide(phi, side)[row]
+
+    if friction is not None and friction.guide_length is not None:
+        return [
+            Load(f"{name} end force", f"force at the {name} end of the guide", end(row))
+            for row, name in enumerate(("near", "far"))
+        ]
+    found = [Load("guide force", "force across the guide", end(0))]
+    if not bodies.subject.cam.follower.rolls:
+
+        def moment(phi: FloatArray, side: Side) -> FloatArray:
+            return N_M * bodies.tilting(phi, side)
+
+        found.append(Load("guide moment", "moment that tilts the face", moment, "N m"))
+    return found
+
+
+def _friction_work(
+    request: Request[Bearings], bodies: Bodies, edges: FloatArray
+) -> tuple[list[Finding], dict[str, Bound]]:
+    """What friction in the pivot takes a turn."""
+    bearings, tolerance = bodies.contact.bearings, request.tolerance
+    if bearings is None or request.subject.cam.follower.pivot is None:
+        return [], {}
+    lever = bearings.rubbing.lever
+
+    def power(phi: FloatArray) -> FloatArray:
+        velocity = request.subject.state.motion.jet(phi, "right", 1)[1]
+        return np.asarray(lever * np.abs(bodies.of_pivot(phi, "right") * velocity))
+
+    work = piecewise_integral(power, edges, 0.1 * tolerance)
+    if work.error > tolerance * work.value:
+        raise missed("the work of friction in the pivot", work.error / work.value, "itself",
+                     tolerance)  # fmt: skip
+    sentence = f"friction in the pivot takes {N_M * work.value:.6g} J a turn"
+    found = Finding(WORK, "ok", sentence, N_M * work.value, unit="J")
+    return [found], {WORK: Bound(work.error, work.value).times(N_M)}
+
+
+# -- bodies ---------------------------------------------------------------------------------------
+# Forces on the free bodies: follower with its roller, and cam.
+#
+# The cam presses on the roller with F_c = |N| (s n + f_t t), in the notation of `friction`, at its
+# centre, and the roller turns its pin by the moment -m_p. What pivot and guide carry is defined in
+# `camgeo.dynamics.effects.loads`, as friction in them needs it. On a flat face F_c acts at the
+# contact, which is the distance e to the right of the axis of its guide, so that M = N e; in a
+# conjugate pair it is that of the disc that carries. For the camshaft see `shaft`.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bodies:
+    """The bodies and what acts on them.
+
+    Forces are complex [N], in the axes of the drawing, for n cam angles [rad].
+
+    Attributes
+    ----------
+    subject : the design.
+    contact : the contact force.
+    loads : what acts on the follower besides the contact.
+    pins : the joints of the linkage; None without one.
+    """
+
+    subject: Subject
+    contact: ContactForce
+    loads: Loads
+    pins: Pins | None
+
+    def of_cam(self, phi: FloatArray, side: Side) -> ComplexArray:
+        """(n,) F_c, of the disc that carries."""
+        normal = self.contact.normal(phi, side)
+        sliding = np.abs(normal) * bearing_of(self.contact, phi, side).tangential
+        found = np.zeros(len(phi), dtype=np.complex128)
+        for sense, here in ((INNER, normal >= 0.0), (OUTER, normal < 0.0)):
+            if not np.any(here):
+                continue
+            disc, flank = carrier(self.subject, sense)
+            relative = disc.state.curve.relative_jet(phi[here], side, order=1)
+            ahead = relative.along[1] + 1j * relative.across[1]
+            tangent = ahead / np.abs(ahead) * np.exp(1j * relative.axis)
+            across = 1j * disc.cam.rotation * flank * np.abs(normal[here])
+            found[here] = (across + sliding[here]) * tangent
+        return found
+
+    def of_pivot(self, phi: FloatArray, side: Side) -> ComplexArray:
+        """(n,) R on a rocker."""
+        loads = at_rates(self.loads.on_pivot(phi, side), rates_of(self.subject, phi, side))
+        return np.asarray(loads - self.of_cam(phi, side))
+
+    def of_guide(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(2, n) R_1 and R_2 of a guide with two ends; else the side force alone, and 0."""
+        friction, loads = self.contact.friction, self.loads
+        length, overhang = None, np.zeros(len(phi))
+        if friction is not None:
+            length, overhang = friction.guide_length, friction.bearing(phi, side, INNER).overhang
+        own = at_rates(loads.on_guide(phi, side), rates_of(self.subject, phi, side))
+        force, bearing = loads.across(self.of_cam(phi, side)), bearing_of(self.contact, phi, side)
+        moment = np.abs(self.contact.normal(phi, side)) * bearing.tilt
+        pressed = guide_ends(force, moment, bearing.overhang, length)
+        return guide_ends(own, 0.0, overhang, length) + pressed
+
+    def tilting(self, phi: FloatArray, side: Side) -> FloatArray:
+        """(n,) M [N mm] of a flat face whose guide has no stated length, about the cam axis's foot
+        on it; counter-clockwise positive.
+        """
+        relative = self.subject.state.curve.relative_jet(phi, side, order=1)
+        return np.asarray(self.contact.normal(phi, side) * relative.along[0])
+
+
+# -- load -----------------------------------------------------------------------------------------
+# A reaction over the cam angle, with its finding.
+
+
+@dataclass(frozen=True, slots=True)
+class Load:
+    """A reaction as it is reported.
+
+    Attributes
+    ----------
+    name : of its column; its finding is "largest-" and the name.
+    words : of its finding.
+    values : in `unit`.
+    """
+
+    name: str
+    words: str
+    values: Quantity
+    unit: str = "N"
+
+    def largest(self, edges: FloatArray, force: float) -> Finding:
+        """The finding of its largest magnitude between `edges` (k,) [rad]; a force that is rounding
+        of `force` [N] is 0.
+        """
+        end = piecewise_highest(lambda phi, side: np.abs(self.values(phi, side)), edges)
+        if self.unit == "N":
+            end = Extreme(resolved(end.value, force), end.place)
+        name = f"largest-{self.name.replace(' ', '-')}"
+        return extreme_finding(name, f"largest {self.words}", end, self.unit)
+
+
+# -- pins -----------------------------------------------------------------------------------------
+# Reactions in the joints of a linkage, see `camgeo.dynamics.effects.loads`.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pins:
+    """The joints at the speed of the scene."""
+
+    coupler: Coupler
+
+    def at(self, phi: FloatArray, side: Side) -> Joints:
+        """The forces (n,) at n cam angles [rad]."""
+        rates, found = rates_of(self.coupler.subject, phi, side), self.coupler.joints(phi, side)
+        return Joints(*(at_rates(each, rates) for each in (found.near, found.far, found.held)))
+
+    def loads(self) -> list[Load]:
+        """What is reported of them."""
+        linkage = self.coupler.linkage
+        follower = self.coupler.subject.cam.follower.mover
+        words = f"force between coupler and {linkage.member}"
+        found = [
+            Load("near pin force", f"force between {follower} and coupler", self._size("near")),
+            Load("far pin force", words, self._size("far")),
+        ]
+        if linkage.unit == "mm":
+            words = "force across the guide of the slider"
+            found.append(Load("slider guide force", words, self._size("held")))
+        return found
+
+    def _size(self, joint: Literal["near", "far", "held"]) -> Quantity:
+        return lambda phi, side: np.abs(getattr(self.at(phi, side), joint))
+
+
+# -- shaft ----------------------------------------------------------------------------------------
+# Load on the bearings of the camshaft.
+#
+# The shaft carries -F_c, the weight m g of the disc and the inertia force of its unbalance. All act
+# in the middle plane of the disc, so that bearings at z_1 and z_2 along the axis, measured from
+# that plane, carry the shares z_2/(z_2 - z_1) and -z_1/(z_2 - z_1): moments about each of them
+# vanish.
+
+
+TAKEN: Final = 0.1
+"""Share of the tolerance for the integrals over the outlines of the disc, whose errors add up."""
+
+
+TOTAL: Final = "camshaft load"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shaft:
+    """The camshaft.
+
+    Attributes
+    ----------
+    bodies : with the force of the cam.
+    disc : its mass [t] and first moment [t mm]; None if the scene does not give its weight.
+    bearings : z_1 and z_2 [mm]; None if they are not stated.
+    """
+
+    bodies: Bodies
+    disc: Moments | None
+    bearings: tuple[float, float] | None
+
+    def load(self, phi: FloatArray, side: Side) -> ComplexArray:
+        """(n,) [N] on the shaft."""
+        found = -self.bodies.of_cam(phi, side)
+        if self.disc is not None:
+            sigma, rates = (
+                self.bodies.subject.cam.rotation,
+                rates_of(self.bodies.subject, phi, side),
+            )
+            found += self.disc.area * self.bodies.loads.pull
+            found += unbalance_force(self.disc.first, sigma, phi, rates)
+        return found
+
+    def loads(self) -> list[Load]:
+        """On the shaft, and on each bearing if they are stated."""
+
+        def share(part: float) -> Quantity:
+            return lambda phi, side: abs(part) * np.abs(self.load(phi, side))
+
+        found = [Load(TOTAL, "load on the camshaft", share(1.0))]
+        if self.bearings is not None:
+            first, second = self.bearings
+            for name, part in (("first", second), ("second", -first)):
+                words = f"load on the {name} bearing of the camshaft"
+                found.append(Load(f"{name} bearing load", words, share(part / (second - first))))
+        return found
+
+    def errors(
+        self, found: Iterable[Finding], edges: FloatArray, tolerance: float
+    ) -> dict[str, Bound]:
+        """Of the loads, and of their findings among those `found`.
+
+        Raises
+        ------
+        EffectError
+            If an error exceeds the tolerance, relative to the largest load.
+        """
+        if self.disc is None:
+            return {}
+
+        def per_unbalance(phi: FloatArray, side: Side) -> FloatArray:
+            rates = rates_of(self.bodies.subject, phi, side)
+            return np.abs(unbalance_force(1.0, 1, phi, rates))
+
+        error = self.disc.first_error * piecewise_highest(per_unbalance, edges).value
+        error += self.disc.area_error * abs(self.bodies.loads.pull)
+        largest = {each.name: each.value or 0.0 for each in found}
+        whole = largest[f"largest-{TOTAL.replace(' ', '-')}"]
+        if error > tolerance * whole:
+            raise missed("the load on the camshaft", error / whole, "the largest", tolerance)
+        out: dict[str, Bound] = {}
+        for each in self.loads():
+            name = f"largest-{each.name.replace(' ', '-')}"
+            bound = Bound(error, whole).times(largest[name] / whole if whole else 0.0)
+            out |= {each.name: bound, name: bound}
+        return out
+
+
+def disc_of(subject: Subject, tolerance: float) -> Moments | None:
+    """Mass and first moment of the single disc; None if its thickness or density is not stated.
+
+    Raises
+    ------
+    EffectError
+        If there is no disc.
+    """
+    spec = subject.part_spec
+    if subject.paired or spec is None or spec.thickness is None or spec.density is None:
+        return None
+    from camgeo.part.mass import disc_moments  # few scenes state what the disc is made of
+
+    return disc_moments(part_of(subject, "weigh"), spec.density, TAKEN * tolerance)

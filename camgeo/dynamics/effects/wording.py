@@ -1,0 +1,150 @@
+"""Wording, units and findings that several effects share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+from camgeo.check.finding import Finding
+from camgeo.errors import EffectError
+from camgeo.numeric.arrays import resolved
+from camgeo.units import at_cam_angles, cam_angle, listed, over_cam_angles
+
+if TYPE_CHECKING:
+    from camgeo.check.finding import Severity
+    from camgeo.numeric.extremes import Extreme, Extremes
+    from camgeo.units import LiftUnit
+
+N_M: Final = 1e-3
+"""From N mm to N m or J, and from N mm/s to W."""
+
+KG: Final = 1e3
+"""From t to kg."""
+
+KG_M2: Final = 1e-3
+"""From t mm^2 to kg m^2."""
+
+
+@dataclass(frozen=True, slots=True)
+class Label:
+    """How a quantity is displayed: its name, its unit, and the factor from the internal unit."""
+
+    word: str
+    unit: str
+    scale: float
+
+
+FORCES: Final[Mapping[LiftUnit, Label]] = {
+    "mm": Label("force", "N", 1.0),
+    "rad": Label("torque", "N m", N_M),
+}
+"""The generalised force on a follower, by the unit of its lift."""
+
+MASSES: Final[Mapping[LiftUnit, Label]] = {
+    "mm": Label("mass", "kg", KG),
+    "rad": Label("moment of inertia", "kg m^2", KG_M2),
+}
+"""The inertia of a follower, by the unit of its lift."""
+
+
+def at(phi: float) -> str:
+    """The place `phi` [rad] in words."""
+    return at_cam_angles(phi, form=".4f")
+
+
+def degrees(phi: float) -> str:
+    """The cam angle `phi` [rad], in any turn, as text in degrees."""
+    return f"{cam_angle(phi, '.4f')} deg"
+
+
+def between(stretch: tuple[float, float]) -> str:
+    """The range (from, to) [rad] in words."""
+    return over_cam_angles(*stretch, form=".4f")
+
+
+MOST_LISTED: Final = 8
+"""Largest number of places that are listed one by one."""
+
+
+def angles(places: Sequence[float]) -> str:
+    """The cam angles `places` [rad], one or more, in words."""
+    return at_cam_angles(*places, form=".4f", most=MOST_LISTED)
+
+
+def by_place(places: Sequence[float]) -> list[Sequence[float]]:
+    """The `places` [rad] of one kind of finding: one finding each, or a single one for many."""
+    if len(places) > MOST_LISTED:
+        return [places]
+    return [[place] for place in places]
+
+
+def over(ranges: Sequence[tuple[float, float]]) -> str:
+    """The ranges (from, to) [rad], one or more, in words."""
+    if len(ranges) == 1:
+        return between(ranges[0])
+    shown = [f"{cam_angle(start, '.4f')} to {cam_angle(end, '.4f')}" for start, end in ranges]
+    return f"from cam angle {listed(shown, MOST_LISTED)} deg"
+
+
+def placed(
+    name: str,
+    sentence: str,
+    end: Extreme,
+    unit: str,
+    limit: float | None = None,
+    severity: Severity = "ok",
+) -> Finding:
+    """The finding of a value [`unit`] with its place, which may be in any turn."""
+    return Finding(name, severity, sentence, end.value, limit, unit, end.place)
+
+
+def resolved_ends(ends: Extremes, size: float = 0.0) -> Extremes:
+    """The extremes, 0 where they are but rounding of the larger one, or of terms of that `size`."""
+    most = max(size, ends.magnitude)
+    lowest, highest = (
+        replace(end, value=resolved(end.value, most)) for end in (ends.lowest, ends.highest)
+    )
+    return replace(ends, lowest=lowest, highest=highest)
+
+
+LEAST_LEFT: Final = 1e-8
+"""Share of a disturbance below which nothing is told of it."""
+
+
+def left_over(share: float, digits: int = 4) -> str:
+    """The share of a disturbance that is left, in words."""
+    if share < LEAST_LEFT:
+        return f"less than {100.0 * LEAST_LEFT:g} %"
+    return f"{100.0 * share:.{digits}g} %"
+
+
+def extreme_finding(name: str, words: str, end: Extreme, unit: str, sign: str = "") -> Finding:
+    """The finding of an extreme value [`unit`] with its place; `sign` says what is positive."""
+    sentence = f"{words} {end.value:.6g} {unit}{sign}, {at_cam_angles(end.place)}"
+    return placed(name, sentence, end, unit)
+
+
+def extreme_findings(
+    name: str, words: str, ends: Extremes, unit: str, sign: str = ""
+) -> list[Finding]:
+    """The findings of the largest and the smallest value, see `extreme_finding`."""
+    found = resolved_ends(ends)
+    return [
+        extreme_finding(f"{which}-{name}", f"{which} {words}", end, unit, sign)
+        for which, end in (("largest", found.highest), ("smallest", found.lowest))
+    ]
+
+
+def missed(
+    what: str, error: float, of: str, tolerance: float, cam_angle: float | None = None
+) -> EffectError:
+    """The exception for a numerical effect whose `error`, relative to `of`, exceeds the
+    tolerance.
+    """
+    return EffectError(
+        f"{what} has an error of {error:.3g} of {of}; the tolerance is {tolerance:g}",
+        value=error,
+        limit=tolerance,
+        cam_angle=cam_angle,
+    )

@@ -1,0 +1,402 @@
+"""The motion that the contour makes as it is written into a file: its lines, arcs or cubics.
+
+A written contour keeps to the exact curve within a tolerance, and its tangents and curvatures less
+and less closely: the lift is off by the tolerance over the sine of the transmission angle, the
+acceleration by the error of the curvature.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Final, Protocol
+
+import numpy as np
+
+from camgeo.cam.cam import Cam, smooth_angles
+from camgeo.dynamics.state.state import FIRST, SECOND, FarMotion, Model
+from camgeo.errors import GeometryError
+from camgeo.geometry.contour.contour import Contour, Effort, Form
+from camgeo.geometry.contour.spline import SplineContour
+from camgeo.geometry.outline.path import Flank
+from camgeo.geometry.outline.replay import DiscLift, Replay, extreme_play, replay_contour
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.kinematics.mechanism.face import FlatFollower, flat_follower
+from camgeo.kinematics.mechanism.follower import RelativeJet
+from camgeo.kinematics.motion import FULL_ORDER, Dwell, Jet, Motion
+from camgeo.kinematics.time_course import TimeCourse, TimeExtremes, time_extremes
+from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, Side, read_only
+from camgeo.numeric.extremes import Extreme, Extremes
+from camgeo.numeric.kept import Answers
+from camgeo.part.part import written_contour
+from camgeo.units import TURN
+
+if TYPE_CHECKING:
+    from camgeo.part.part import Part
+
+
+KEY: Final = "state.motion"
+MODEL: Final = "written"
+
+RESTING = 1e-10
+"""A piece over which the derivatives of the lift are below this share of the largest of the turn is
+an arc about the cam axis: the follower rests."""
+
+
+@dataclass(frozen=True)
+class WrittenMotion:
+    """The motion of a follower on a contour of pieces, without linkage; see `Motion`.
+
+    Attributes
+    ----------
+    lift : on the contour, with all its pieces.
+    """
+
+    lift: DiscLift
+    _jets: Answers[Jet] = field(default_factory=Answers, init=False, repr=False, compare=False)
+
+    @property
+    def breaks(self) -> FloatArray:
+        """See `Motion`: where the follower passes from piece to piece."""
+        return self.lift.borders
+
+    @property
+    def borders(self) -> FloatArray:
+        """See `Motion`."""
+        return self.lift.borders
+
+    @cached_property
+    def _rests(self) -> BoolArray:
+        """(k,) whether the follower rests from each of the borders to the next."""
+        starts = self.lift.borders
+        middles = 0.5 * (starts + np.append(starts[1:], starts[0] + TURN))
+        rates = np.abs(self.lift.jet(middles, "right", 3)[1:])
+        most = np.max(rates, axis=1, keepdims=True)
+        found: BoolArray = np.all(rates <= RESTING * most, axis=0)
+        return found
+
+    @cached_property
+    def dwells(self) -> tuple[Dwell, ...]:
+        """See `Motion`."""
+        starts, rests = self.lift.borders, self._rests
+        if np.all(rests):
+            return (Dwell(0.0, TURN),)
+        firsts = np.flatnonzero(rests & ~np.roll(rests, 1))
+        ends = np.flatnonzero(~rests & np.roll(rests, 1))
+        found = []
+        for first in firsts.tolist():
+            end = ends[np.argmin(np.remainder(ends - first, len(starts)))]
+            span = float(starts[end] - starts[first]) % TURN
+            found.append(Dwell(float(starts[first]), span))
+        return tuple(found)
+
+    def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
+        """See `Motion`; the derivatives of a rest are 0, without rounding.
+
+        Read-only, and the same values for recent requests, like those of a plan.
+        """
+
+        def made() -> Jet:
+            jet = self.lift.jet(phi, side, 3)
+            jet[1:, self._rests[self.piece(phi, side)]] = 0.0
+            return read_only(jet)
+
+        return self._jets.recall(made, side, phi)[: order + 1]
+
+    def piece(self, phi: FloatArray, side: Side) -> IntArray:
+        """(n,) number of the range between borders at `phi` (n,) [rad], from 0."""
+        found = np.searchsorted(self.lift.borders, np.remainder(phi, TURN), side) - 1
+        return np.asarray(found, dtype=np.intp)
+
+    def on_corner(self, phi: FloatArray, side: Side) -> BoolArray:
+        """(n,) whether a vertex of the contour holds the follower at `phi` (n,) [rad]."""
+        elements, _ = self.lift.held_by(self.lift.number(phi, side))
+        return np.asarray(elements < 0)
+
+    def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:
+        """See `Motion`: without any bound."""
+        jet = self.jet(0.5 * (low + high))
+        return jet, np.full_like(jet, np.inf)
+
+
+@dataclass(frozen=True)
+class Written:
+    """The motion on a written contour; see `camgeo.dynamics.state.state.State`.
+
+    The roller touches a vertex of the contour as it does a piece, along the normal of the path of
+    its centre. A flat face touches the convex hull of the contour, see
+    `camgeo.geometry.outline.face`.
+
+    Attributes
+    ----------
+    cam : that sees the motion.
+    contour : as files have it.
+    replay : of the contour; the lift does not jump.
+    deviation : proved, of the contour from the exact curve [mm].
+    sense : see `State`.
+    course : how the cam turns; None if that is not known.
+    touches : whether it is this cam's contour, not that of the other disc of a pair.
+    """
+
+    cam: Cam
+    contour: Contour | SplineContour
+    replay: Replay
+    deviation: float
+    sense: int
+    course: TimeCourse | None
+    touches: bool = True
+
+    @property
+    def model(self) -> Model:
+        """See `State`."""
+        return MODEL
+
+    @cached_property
+    def motion(self) -> WrittenMotion:
+        """See `State`."""
+        return WrittenMotion(self.replay.lift)
+
+    @cached_property
+    def output(self) -> Motion:
+        """See `State`."""
+        drive = self.cam.drive
+        if drive.linkage is None:
+            return self.motion
+        return FarMotion(self.motion, drive.linkage, drive.plan)
+
+    @cached_property
+    def smooth_angles(self) -> FloatArray:
+        """See `State`."""
+        return smooth_angles(self.motion, self.course)
+
+    @property
+    def order(self) -> int:
+        """See `State`: from piece to piece the acceleration jumps. The cubics within a spline pass
+        it on, but not across its ends, even if the contour is one spline that closes on itself.
+        """
+        return 0 if self.shocks else 1
+
+    @property
+    def shocks(self) -> tuple[float, ...]:
+        """See `State`: where the roller touches two pieces in a corner that turns in, and where a
+        flat face lies on a straight piece or bridges a hollow.
+        """
+        return tuple(self.replay.shocks.phi.tolist())
+
+    @cached_property
+    def curve(self) -> PitchCurve:
+        """See `State`."""
+        kind = PitchCurve if self.cam.follower.has_pitch_curve else FaceCurve
+        return kind(self.motion, self.cam.follower, self.cam.rotation)
+
+    def on_corner(self, phi: FloatArray, side: Side) -> BoolArray:
+        """See `State`; another contour than the one of the motion is taken to be whole."""
+        if not self.touches:
+            return np.zeros(len(phi), dtype=np.bool_)
+        return self.motion.on_corner(phi, side)
+
+    def output_extremes(self, course: TimeCourse) -> TimeExtremes:
+        """See `State`."""
+        return time_extremes(self.output, course, self.cam.drive.unit)
+
+    def turning(self, course: TimeCourse) -> Written:
+        """See `State`."""
+        return replace(self, course=course)
+
+
+# -- contours -------------------------------------------------------------------------------------
+# The contours of a cam as they are written, and the follower pressed against each.
+#
+# A follower on a single flank has the motion of that one. One that is held both ways, in a groove,
+# between two discs or by a yoke on both sides of one, runs on the side that carries, and passes to
+# the other where the force on it changes sign. From one written contour to the other its lift would
+# jump by the play between them, which no finite force brings about, and which is an impact across
+# the clearance if there is any. So the state is the motion on one side all round, the one that the
+# scene says; how far the other one is from it, `Contours.play`, and where that one carries is told
+# with every figure.
+
+
+class HasPart(Protocol):
+    """A disc that computes its part on demand."""
+
+    @property
+    def cam(self) -> Cam: ...
+
+    @property
+    def part(self) -> Part: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Writing:
+    """How a contour is written.
+
+    Attributes
+    ----------
+    form : of its pieces.
+    tolerance : within which it keeps to the exact curve [mm].
+    effort : of the fit.
+    """
+
+    form: Form
+    tolerance: float
+    effort: Effort = "fewest"
+
+
+@dataclass(frozen=True, slots=True)
+class Pressed:
+    """The follower pressed against one written contour.
+
+    Attributes
+    ----------
+    cam : whose flank it is.
+    contour : that is written.
+    replay : of the contour.
+    deviation : proved, of the contour from the exact curve [mm].
+    """
+
+    cam: Cam
+    contour: Contour | SplineContour
+    replay: Replay
+    deviation: float
+
+
+@dataclass(frozen=True)
+class Contours:
+    """The contours on which a follower runs, as they are written.
+
+    Attributes
+    ----------
+    discs : the main one, and the return disc of a conjugate pair, or the main one once more as the
+        second side of its yoke touches it.
+    writing : how they are written.
+    sense : side on which a follower runs that is held both ways, as `State.sense`.
+    """
+
+    discs: tuple[HasPart, ...]
+    writing: Writing
+    sense: int = FIRST
+
+    @property
+    def is_held_both_ways(self) -> bool:
+        """Whether there are two of them, or one that is touched twice."""
+        return len(self.discs) > 1 or self.discs[0].cam.contact.closed_by_form
+
+    def state_of(self, cam: Cam) -> Written:
+        """The motion on them, as `cam` sees it, which is that of one of the discs.
+
+        Raises
+        ------
+        GeometryError
+            With the key, if the follower drops off an edge of the contour; from the replay, if it
+            cannot be followed.
+        ToleranceError
+            If the tolerance cannot be reached.
+        UndercutError
+            If there is no disc.
+        """
+        found = self._carrying
+        if len(found.replay.drops):
+            raise GeometryError(
+                "the follower drops off an edge of the contour: its velocity is unbounded there",
+                key=KEY,
+                value=MODEL,
+            )
+        sense = self.sense if self.is_held_both_ways else cam.contact.push
+        return Written(
+            cam, found.contour, found.replay, found.deviation, sense, cam.drive.time_course,
+            touches=cam is found.cam,
+        )  # fmt: skip
+
+    @cached_property
+    def play(self) -> Extremes:
+        """How far [mm or rad of the lift] the other side lets the follower move off, over the turn;
+        negative where both squeeze it. Of two sides only; raises as `state_of`.
+        """
+        sides = {self.sense: self._carrying, -self.sense: self._opposite}
+        found = extreme_play(sides[FIRST].replay, sides[SECOND].replay)
+        main = self.discs[0].cam
+        if main.breadth is None:
+            return found
+        # The second side is that of a yoke as wide as the exact cam.
+        wider = main.yoke_breadth - main.breadth.best
+        ends = (Extreme(each.value + wider, each.place) for each in (found.lowest, found.highest))
+        return Extremes(*ends)
+
+    @cached_property
+    def _carrying(self) -> Pressed:
+        """The follower on the contour whose motion it is."""
+        main = self.discs[0].cam
+        return self._pressed(self.sense if self.is_held_both_ways else main.contact.push)
+
+    @cached_property
+    def _opposite(self) -> Pressed:
+        return self._pressed(-self.sense)
+
+    def _pressed(self, sense: int) -> Pressed:
+        disc, name, flank = self.discs[0], "outline", Flank.INNER
+        if len(self.discs) > 1:
+            disc = self.discs[0 if sense == FIRST else 1]
+        else:
+            flank = Flank.INNER if sense == FIRST else Flank.OUTER
+        if disc.cam.contact.closed_by_form:
+            name = f"{flank} flank"
+        (boundary,) = (each for each in disc.part.boundaries if each.name == name)
+        writing = self.writing
+        fit = written_contour(boundary, writing.form, writing.effort, writing.tolerance)
+        replay = _replayed(disc.cam.disc.pitch_curve, fit.contour, flank)
+        return Pressed(disc.cam, fit.contour, replay, fit.deviation)
+
+
+def _replayed(pitch: PitchCurve, contour: Contour | SplineContour, flank: Flank) -> Replay:
+    if isinstance(contour, SplineContour):
+        if not pitch.follower.has_pitch_curve:
+            raise GeometryError(
+                "a flat face on splines: its motion is not computed", key=KEY, value=MODEL
+            )
+        from camgeo.geometry.contour.spline_replay import replay_spline  # few contours are splines
+
+        return replay_spline(pitch, contour, flank)
+    return replay_contour(pitch, contour, flank)
+
+
+# -- face curve -----------------------------------------------------------------------------------
+# The path of the contact of a flat face on a contour with vertices, on which it stands still.
+
+
+POINT: Final = 1e-9
+"""Radius, over the base radius, of the arc for which a vertex counts: far above the rounding of the
+contact's pace, and far below any radius that is made."""
+
+
+@dataclass(frozen=True, slots=True)
+class FaceCurve(PitchCurve):
+    """The path of the contact of a flat face that is pressed against a contour.
+
+    On a vertex the contact stands still, and the path has no tangent of its own there, but the
+    contact has one: the face. So the pace p (`camgeo.kinematics.mechanism.face`) is not below that
+    on an arc of the radius `POINT` r_b.
+    """
+
+    def relative_jet(
+        self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER
+    ) -> RelativeJet:
+        """See `PitchCurve`; u, v and R_1 have the direction of the face everywhere."""
+        follower = flat_follower(self.follower)
+        jet = self._moving(follower, self.motion.jet(phi, side))
+        return follower.relative_jet(jet, self.rotation, order)
+
+    def _moving(self, follower: FlatFollower, jet: Jet) -> Jet:
+        """The jet (4, n) with the second derivative that gives at least the least pace, to which
+        it is in proportion.
+        """
+        touch = follower.touch(jet, self.rotation)
+        lacking = POINT * follower.base_radius * touch.turn[0] - touch.pace[0]
+        short = lacking > 0.0
+        if not np.any(short):
+            return jet
+        more = jet[:, short]
+        more[2] += 1.0
+        gain = follower.touch(more, self.rotation).pace[0] - touch.pace[0][short]
+        moved = jet.copy()
+        moved[2, short] += lacking[short] / gain
+        return moved

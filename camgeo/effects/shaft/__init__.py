@@ -1,1 +1,0 @@
-"""A camshaft that does not turn at constant speed: its equation of motion over the cam angle."""

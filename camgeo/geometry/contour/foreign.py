@@ -1,0 +1,118 @@
+"""Contours from files of others: what was read, where its axis may be, and splines as arcs.
+
+A drawing is seldom of a cam alone and seldom in its axes. What was found besides closed contours is
+told in sentences; the bore says where the axis is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.geometry.contour.arcs import Biarcs
+from camgeo.geometry.contour.contour import Contour, winding_number
+from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour, cut
+
+HALVINGS: Final = 24
+"""How often a cubic is halved at most until arcs follow it."""
+
+ROUND: Final = 1e-5
+"""Centres of arcs of one bore differ by less than this fraction of its length."""
+
+MORE_THAN_HALF: Final = 3.2
+"""Turn [rad] of the arcs of a bore about its centre; both ends of a slot turn by less."""
+
+CENTRED: Final = 1e-3
+"""A bore as near to the origin [mm] is about it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Outlines:
+    """The closed contours of a file.
+
+    Attributes
+    ----------
+    contours : [mm], counter-clockwise, the largest first.
+    gap : largest distance of ends that were joined [mm].
+    notes : what of the file was left, or is not exact; a sentence each.
+    followed : distance [mm] within which cubics follow curves that are none, 0 if there are none.
+    loose : what is wrong with a piece that has a loose end; empty if there is none.
+    """
+
+    contours: tuple[Contour | SplineContour, ...]
+    gap: float = 0.0
+    notes: tuple[str, ...] = ()
+    followed: float = 0.0
+    loose: str = ""
+
+    def about(self, origin: complex) -> Outlines:
+        """The same in axes whose origin is at `origin` [mm]."""
+        return replace(self, contours=tuple(_moved(each, -origin) for each in self.contours))
+
+    def off_axis(self, outline: Contour) -> str:
+        """Where the bore of `outline` is, in words, if it has one that is not about the origin: its
+        largest contour inside with arcs that go more than half round one centre.
+        """
+        inner = (each for each in self.contours if isinstance(each, Contour) and each.arc_count)
+        for each in inner:
+            if winding_number(outline, middle_of(each)) != 1 or each.area > 0.999 * outline.area:
+                continue
+            bore = complex(each.centres[np.argmax(np.abs(each.sweeps))])
+            about = np.abs(each.centres - bore) <= ROUND * each.length
+            if abs(np.sum(each.sweeps[about])) > MORE_THAN_HALF:
+                x, y = (round(part, 6) + 0.0 for part in (bore.real, bore.imag))
+                told = f"its bore is about ({x:.10g}, {y:.10g}) mm: --origin {x:.10g} {y:.10g}"
+                return told if abs(bore) > CENTRED else ""
+        return ""
+
+
+def _moved(contour: Contour | SplineContour, by: complex) -> Contour | SplineContour:
+    if isinstance(contour, Contour):
+        centres = np.where(contour.sweeps != 0.0, contour.centres + by, 0.0)
+        return Contour(contour.vertices + by, contour.sweeps, centres)
+    return SplineContour(
+        tuple(
+            CubicSpline(each.knots, each.controls + by)
+            if isinstance(each, CubicSpline)
+            else Arc(
+                each.start + by, each.end + by, each.sweep, each.centre + by * bool(each.sweep)
+            )
+            for each in contour.strands
+        )
+    )
+
+
+def middle_of(contour: Contour | SplineContour) -> complex:
+    """The centre of the area inside [mm]; with splines, of the ends of its strands."""
+    if isinstance(contour, SplineContour):
+        return complex(np.mean([each.start for each in contour.strands]))
+    found = contour.moments
+    return found.first / found.area
+
+
+def by_arcs(contour: SplineContour, tolerance: float) -> Contour:
+    """The contour with each of its cubics followed by arcs within `tolerance` [mm].
+
+    Raises GeometryError where a cubic turns too sharply for that.
+    """
+    columns: list[tuple[complex, float, complex]] = []
+    for strand in contour.strands:
+        if isinstance(strand, Arc):
+            columns.append((strand.start, strand.sweep, strand.centre))
+            continue
+        pieces = strand.beziers
+        for _ in range(HALVINGS):
+            found = Biarcs.along_cubics(pieces)
+            far = ~(found.distances <= tolerance)
+            if not np.any(far):
+                break
+            pieces = cut(pieces, np.where(far, 2, 1))
+        else:
+            raise GeometryError(f"a spline turns too sharply for arcs within {tolerance:g} mm")
+        chain = found.chain()
+        columns += zip(chain.vertices, chain.sweeps, chain.centres, strict=True)
+    vertices, sweeps, centres = (np.array(column) for column in zip(*columns, strict=True))
+    return Contour(vertices, sweeps, centres)

@@ -1,0 +1,166 @@
+"""Parallels of contours of lines and arcs that keep their corners, as mitres do."""
+
+from __future__ import annotations
+
+import math
+from itertools import count
+from typing import Final
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.geometry.contour.contour import Contour
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray
+from camgeo.units import TURN
+
+SAG: Final = 1.21
+"""Largest distance of the root of a linear function from its chord, by that in the middle: at most
+(1 + sqrt 2) / 2, where the root is 0 at one end."""
+
+SMOOTH: Final = 1e-9
+"""Sine of the angle between two pieces up to which their joint is not a corner."""
+
+
+def parallel(contour: Contour, distance: float) -> Contour:
+    """The lines and arcs of a counter-clockwise contour, each `distance` [mm] farther out, up to
+    where neighbours meet: corners stay corners.
+
+    Raises
+    ------
+    GeometryError
+        If a piece turns inside out, or neighbours do not meet.
+    """
+    starts, ends = contour.vertices, contour.ends
+    round_ = contour.sweeps != 0.0
+    signs = np.sign(contour.sweeps)
+    arms = starts - contour.centres
+    ahead = np.where(round_, 1j * signs * arms, ends - starts)
+    ahead /= np.abs(ahead)
+    # Turned by the sweep, the direction at its start is that at its end.
+    leaving = ahead * np.exp(1j * contour.sweeps)
+    radii = contour.radii + signs * distance
+    if np.any(round_ & (radii <= 0.0)):
+        raise _gone(distance)
+    shifted = starts - 1j * distance * ahead
+    corners = []
+    for k in range(len(contour)):
+        before = k - 1
+        turn = (np.conj(leaving[before]) * ahead[k]).imag
+        if abs(turn) <= SMOOTH:
+            corners.append(complex(shifted[k]))
+            continue
+        carriers = [
+            (complex(contour.centres[j]), float(radii[j]))
+            if round_[j]
+            else (complex(shifted[j]), complex(ahead[j]))
+            for j in (before, k)
+        ]
+        corners.append(_meeting(carriers[0], carriers[1], complex(starts[k]), distance))
+    vertices = np.array(corners)
+    sweeps = _sweeps(contour, vertices, ahead, distance)
+    return Contour(vertices, sweeps, contour.centres)
+
+
+Carrier = tuple[complex, complex | float]
+"""A line by a point and its unit direction, complex; a circle by centre and radius, a float."""
+
+
+def _meeting(one: Carrier, other: Carrier, near: complex, distance: float) -> complex:
+    """Where two lines or circles meet, next to `near`."""
+    if isinstance(one[1], float) and isinstance(other[1], float):
+        between = other[0] - one[0]
+        apart = abs(between)
+        along = (apart**2 + one[1] ** 2 - other[1] ** 2) / (2.0 * apart) if apart else math.inf
+        found = _either_side(one[0], between / (apart or 1.0), along, one[1])
+    elif isinstance(one[1], float) or isinstance(other[1], float):
+        (centre, radius), (point, direction) = sorted((one, other), key=_is_line)
+        assert isinstance(radius, float)
+        foot = ((centre - point) * np.conj(direction)).real
+        away = point + foot * direction - centre
+        # In the direction of the foot, the line is at its distance from the centre.
+        unit = away / abs(away) if abs(away) > 0.0 else 1j * direction
+        found = _either_side(centre, unit, abs(away), radius)
+    else:
+        cross = (np.conj(one[1]) * other[1]).imag
+        share = (np.conj(other[0] - one[0]) * other[1]).imag / cross
+        return complex(one[0] + share * one[1])
+    if not found:
+        raise _gone(distance)
+    return min(found, key=lambda point: abs(point - near))
+
+
+def _is_line(carrier: Carrier) -> bool:
+    return not isinstance(carrier[1], float)
+
+
+def _either_side(
+    centre: complex, unit: complex, along: float, radius: float
+) -> tuple[complex, ...]:
+    """The points of a circle at `along` [mm] in the direction `unit`; none if it is smaller."""
+    if abs(along) > radius:
+        return ()
+    aside = math.sqrt((radius - along) * (radius + along))
+    return centre + (along + 1j * aside) * unit, centre + (along - 1j * aside) * unit
+
+
+def _sweeps(
+    contour: Contour, vertices: ComplexArray, ahead: ComplexArray, distance: float
+) -> FloatArray:
+    """(n,) [rad] by which the moved pieces turn; none may turn back."""
+    ends = np.roll(vertices, -1)
+    sweeps = contour.sweeps.copy()
+    for k, sweep in enumerate(contour.sweeps):
+        if sweep == 0.0:
+            if ((ends[k] - vertices[k]) * np.conj(ahead[k])).real <= 0.0:
+                raise _gone(distance)
+            continue
+        start, end = vertices[k] - contour.centres[k], ends[k] - contour.centres[k]
+        turned = float(np.angle(end / start)) * np.sign(sweep) % TURN
+        near = abs(sweep)
+        # Ends of whole turns may be rounded to either side.
+        turned = min((turned, turned + TURN), key=lambda each: abs(each - near))
+        if abs(turned - near) > 0.25 * TURN or not turned > 0.0:
+            raise _gone(distance)
+        sweeps[k] = math.copysign(turned, sweep)
+    return sweeps
+
+
+def corners(contour: Contour) -> BoolArray:
+    """(n,) whether the piece before each vertex comes to it in another direction."""
+    arms = contour.vertices - contour.centres
+    round_ = contour.sweeps != 0.0
+    ahead = np.where(round_, 1j * np.sign(contour.sweeps) * arms, contour.ends - contour.vertices)
+    ahead = ahead / np.abs(ahead)
+    leaving = np.roll(ahead * np.exp(1j * contour.sweeps), 1)
+    found: BoolArray = np.abs((np.conj(leaving) * ahead).imag) > SMOOTH
+    return found
+
+
+def corner_radius(contour: Contour) -> float | None:
+    """Radius [mm] of the smallest arc that ends at a corner; None if there is none.
+
+    Where it meets a line p from its centre, both move out by d, and the corner slides along a
+    parabola: its distance from the foot of the centre is the root of r^2 - p^2 + 2 d (r - p). So
+    areas within parallels are analytic in d down to -(r + p) / 2, below -r / 2.
+    """
+    at = corners(contour)
+    radii = contour.radii[(at | np.roll(at, -1)) & (contour.sweeps != 0.0)]
+    return float(np.min(radii)) if len(radii) else None
+
+
+def steps_to(contour: Contour, distance: float, limit: float) -> int:
+    """Least number of equal steps to a parallel between which corners leave the chords of the
+    parabolas along which they slide by at most `limit` [mm].
+    """
+
+    def off(step: float) -> float:
+        # The root of a linear function is bent most where it is least, in its first step.
+        middle, end = (parallel(contour, each).vertices for each in (0.5 * step, step))
+        return SAG * float(np.max(np.abs(middle - 0.5 * (contour.vertices + end))))
+
+    return next(steps for steps in count(1) if off(distance / steps) <= limit)
+
+
+def _gone(distance: float) -> GeometryError:
+    message = f"a contour {abs(distance):g} mm beside it has other pieces, or none"
+    return GeometryError(message, key="part")

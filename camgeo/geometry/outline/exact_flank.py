@@ -1,0 +1,379 @@
+"""An exact flank as it is measured: places along it, and the foot of any point on it.
+
+The flank's path runs along stretches of one parallel of the pitch curve and about points. A
+position u on it is the cam angle passed on stretches plus the angle turned about points. Normals
+point out of the material: outward on the inner flank, which bounds a disc, and inward on the outer
+one, which bounds a hole.
+
+The foot of a point P is the nearest place. On a stretch, (P - C) . t = 0 there, with C(phi) and the
+tangent t(phi) exact functions of the cam angle. Chords of the path only choose the cells, a quarter
+of a degree wide, in which the root of that equation is bracketed.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.geometry.outline.path import Element, Flank, Path, Pivot, Stretch
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.plan import SNAP
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, dot, joined, taken
+from camgeo.numeric.extremes import indexed_roots
+from camgeo.units import TURN
+
+if TYPE_CHECKING:
+    from shapely import STRtree
+
+CELL: Final = math.radians(0.25)
+"""Widest cell [rad] of cam angle, or of the angle turned about a point."""
+
+FEW: Final = 64
+"""Points whose nearest cells are found without a tree of them."""
+
+AT: Final = 1e-9
+"""Closer to a corner than this [mm] a point has no direction from it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Places:
+    """n places on a flank.
+
+    Attributes
+    ----------
+    course : (n,) position u on the path [rad].
+    phi : (n,) cam angles [rad] in [0, 2 pi).
+    points : (n,) complex [mm].
+    normals : (n,) complex, unit, out of the material.
+    """
+
+    course: FloatArray
+    phi: FloatArray
+    points: ComplexArray
+    normals: ComplexArray
+
+    def __len__(self) -> int:
+        return len(self.phi)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Feet:
+    """The feet of n points.
+
+    Attributes
+    ----------
+    places : where they are; at a corner the normal points from it to the point, or away from it.
+    distances : (n,) [mm] from the flank to the points along the normal, positive on the free side.
+    """
+
+    places: Places
+    distances: FloatArray
+
+
+@dataclass(frozen=True)
+class ExactFlank:
+    """A flank of a disc.
+
+    Attributes
+    ----------
+    path : its outline, whose stretches are all of one parallel.
+    side : which flank it is.
+
+    Raises
+    ------
+    GeometryError
+        If the outline has no stretches.
+    """
+
+    path: Path
+    side: Flank
+
+    def __post_init__(self) -> None:
+        if not self.path.stretches:
+            raise GeometryError("an outline without any stretch of the flank cannot be measured")
+
+    @property
+    def curve(self) -> WorkingCurve:
+        """The parallel."""
+        return self.path.stretches[0].curve
+
+    @cached_property
+    def starts(self) -> FloatArray:
+        """(m + 1,) u [rad] at which each element begins, and the last one ends."""
+        spans = [_span(each)[1] - _span(each)[0] for each in self.path.elements]
+        return np.concatenate(([0.0], np.cumsum(spans)))
+
+    @property
+    def total(self) -> float:
+        """u [rad] after one turn; 2 pi if nothing of the flank is missing."""
+        return float(self.starts[-1])
+
+    def at(self, course: FloatArray) -> Places:
+        """The places at the positions `course` (n,) [rad], in any turn."""
+        return self._on(*self.element_at(course))
+
+    def element_at(self, course: FloatArray) -> tuple[IntArray, FloatArray]:
+        """Number of the element (n,) at the positions `course` (n,) [rad], and how far (n,) [rad]
+        they are from its start.
+        """
+        wrapped = course % self.total
+        last = len(self.path.elements) - 1
+        element = np.minimum(np.searchsorted(self.starts, wrapped, side="right") - 1, last)
+        return element, wrapped - self.starts[element]
+
+    def course_of(self, phi: FloatArray) -> FloatArray:
+        """(n,) u [rad] at the cam angles `phi` (n,) [rad] in [0, 2 pi); NaN where the disc has
+        nothing of the flank there.
+        """
+        found = np.full(len(phi), np.nan)
+        for start, each in zip(self.starts, self.path.elements, strict=False):
+            if isinstance(each, Stretch):
+                along = (phi - each.start) % TURN
+                along[TURN - along < SNAP] = 0.0
+                inside = along < each.end - each.start
+                found[inside] = start + along[inside]
+        return found
+
+    @cached_property
+    def nodes(self) -> Places:
+        """Places at most `CELL` apart, in order, the ends of all elements among them: so a corner
+        occurs twice, with the normals on both of its sides.
+        """
+        return joined([each.places for each in self._grids])
+
+    @cached_property
+    def turned(self) -> FloatArray:
+        """(k,) angle [rad] by which the path turns from each of `nodes` to the next, which is not
+        that at a corner, counter-clockwise positive; 0 there.
+        """
+        normals = self.nodes.normals
+        within = self._element == np.roll(self._element, -1)
+        within[-1] = False
+        return np.where(within, np.angle(np.roll(normals, -1) * normals.conj()), 0.0)
+
+    @cached_property
+    def size(self) -> float:
+        """Largest distance from the cam axis [mm], of `nodes`."""
+        return float(np.max(np.abs(self.nodes.points)))
+
+    def feet(self, points: ComplexArray) -> Feet:
+        """The feet of `points` (n,) [mm], in cam coordinates."""
+        nearest = self._nearest_cells(points)
+        found = Feet(taken(self.nodes, nearest), np.empty(len(points)))
+        on_stretch = self._is_stretch[nearest]
+        for which, part in (
+            (on_stretch, self._feet_on_stretches),
+            (~on_stretch, self._feet_on_arcs),
+        ):
+            if np.any(which):
+                own = part(points[which], nearest[which])
+                for name in ("course", "phi", "points", "normals"):
+                    getattr(found.places, name)[which] = getattr(own.places, name)
+                found.distances[which] = own.distances
+        return found
+
+    def _nearest_cells(self, points: ComplexArray) -> IntArray:
+        """(n,) the nodes at which those cells begin whose chords are nearest to `points` (n,)."""
+        if len(points) > FEW:
+            import shapely  # only what measures needs it
+
+            tree, cells = self._tree
+            return np.asarray(cells[tree.nearest(shapely.points(points.real, points.imag))])
+        starts = self.nodes.points[self._cells]
+        along = self.nodes.points[self._cells + 1] - starts
+        from_start = points[:, None] - starts
+        share = np.clip(dot(from_start, along) / np.abs(along) ** 2, 0.0, 1.0)
+        nearest = np.argmin(np.abs(from_start - share * along), axis=1)
+        return np.asarray(self._cells[nearest])
+
+    def _feet_on_stretches(self, points: ComplexArray, node: IntArray) -> Feet:
+        """Feet near the cells that begin at `node` (n,)."""
+        nodes = self.nodes
+        first, last = self._ends[0][node], self._ends[1][node]
+        sides, turns = [], []
+        for wanted in (node - 1, node + 2):
+            # A whole curve has no end: beyond it, it begins again.
+            over = np.where(wanted < first, -1, np.where(wanted > last, 1, 0))
+            open_ended = self.path.is_whole
+            shifted = wanted - over * (last - first)
+            sides.append(shifted if open_ended else np.clip(wanted, first, last))
+            turns.append(over * self.total if open_ended else np.zeros(len(node)))
+        ahead = np.stack([dot(points - nodes.points[side], self._tangents[side]) for side in sides])
+        low, high = (nodes.course[side] + turn for side, turn in zip(sides, turns, strict=True))
+        crossing = (ahead[0] > 0.0) & (ahead[1] < 0.0)
+        offsets = self._offsets[node]
+
+        def ahead_of(course: FloatArray, which: IntArray) -> FloatArray:
+            index = inside[which]
+            at, along = self.curve.points_and_tangents(course + offsets[index])
+            return dot(points[index] - at, along)
+
+        inside = np.flatnonzero(crossing)
+        course = np.where(ahead[0] <= 0.0, low, high)
+        course[inside] = indexed_roots(ahead_of, low[inside], high[inside], ahead[:, inside])
+        places = self._on_curve(course, offsets)
+        at_end = ~crossing
+        if np.any(at_end):
+            end = np.where(ahead[0] <= 0.0, *sides)[at_end]
+            for name in ("course", "phi", "points", "normals"):
+                getattr(places, name)[at_end] = getattr(nodes, name)[end]
+            self._turn_to(points, places, at_end)
+        distances = dot(places.normals, points - places.points)
+        np.remainder(places.course, self.total, out=places.course)
+        return Feet(places, distances)
+
+    def _turn_to(self, points: ComplexArray, places: Places, which: BoolArray) -> None:
+        """Turn the normals at ends of elements, in place, towards or away from `points`."""
+        apart = (points - places.points)[which]
+        size, own = np.abs(apart), places.normals[which]
+        sign = np.where(dot(own, apart) < 0.0, -1.0, 1.0)
+        far = size > AT
+        places.normals[which] = np.where(far, sign * apart / np.where(far, size, 1.0), own)
+
+    def _feet_on_arcs(self, points: ComplexArray, node: IntArray) -> Feet:
+        """Feet on turns about points, the cells of which begin at `node` (n,)."""
+        element = self._element[node]
+        pivots = [self.path.elements[k] for k in element.tolist()]
+        assert all(isinstance(each, Pivot) for each in pivots)
+        columns = ("centre", "distance", "normal", "sweep")
+        centre, distance, normal, sweep = (
+            np.array([getattr(each, name) for each in pivots]) for name in columns
+        )
+        away = (points - centre) * np.sign(distance)
+        middle = normal * np.exp(0.5j * sweep)
+        half = 0.5 * np.abs(sweep)
+        turned = np.angle(away * middle.conj())
+        along = half + np.sign(sweep) * np.clip(turned, -half, half)
+        places = self._on(element, np.maximum(along, 0.0))
+        self._turn_to(points, places, np.abs(turned) > half)
+        return Feet(places, dot(places.normals, points - places.points))
+
+    # What is prepared once -----------------------------------------------------------------------
+
+    @cached_property
+    def _grids(self) -> list[_Grid]:
+        found = []
+        for start, each in zip(self.starts, self.path.elements, strict=False):
+            low, high = _span(each)
+            if high == low:
+                continue
+            marks = each.marks if isinstance(each, Stretch) else np.array([low, high])
+            counts = np.ceil(np.diff(marks) / CELL).astype(np.intp)
+            parts = [
+                np.linspace(a, b, count, endpoint=False)
+                for a, b, count in zip(marks[:-1], marks[1:], np.maximum(counts, 1), strict=True)
+            ]
+            grid = np.concatenate((*parts, [high]))
+            course = start + (grid - low)
+            if isinstance(each, Stretch):
+                curve = each.curve
+                points, tangents = curve.points_and_tangents(grid)
+                points[-1:] = curve.point(grid[-1:], "left")
+                tangents[-1:] = curve.tangent(grid[-1:], "left")
+                normals = self._outward * 1j * curve.pitch.rotation * tangents
+                phi = grid % TURN
+            else:
+                points, normals = _turned(each, grid)
+                normals = self._outward * normals
+                tangents = np.zeros_like(points)
+                phi = np.full(len(grid), each.after % TURN)
+            found.append(_Grid(Places(course, phi, points, normals), tangents))
+        return found
+
+    @property
+    def _outward(self) -> int:
+        """+1 where outward is out of the material, else -1."""
+        return -self.side.sign
+
+    @cached_property
+    def _tangents(self) -> ComplexArray:
+        return np.concatenate([each.tangents for each in self._grids])
+
+    @cached_property
+    def _element(self) -> IntArray:
+        """(k,) number of the element of each node."""
+        used = [k for k, each in enumerate(self.path.elements) if np.ptp(_span(each)) > 0.0]
+        return np.repeat(used, [len(each.places) for each in self._grids])
+
+    @cached_property
+    def _is_stretch(self) -> BoolArray:
+        kinds = np.array([isinstance(each, Stretch) for each in self.path.elements])
+        return np.asarray(kinds[self._element])
+
+    @cached_property
+    def _offsets(self) -> FloatArray:
+        """(k,) cam angle less u of each node's stretch."""
+        lows = np.array([_span(each)[0] for each in self.path.elements])
+        return np.asarray((lows - self.starts[:-1])[self._element])
+
+    @cached_property
+    def _ends(self) -> tuple[IntArray, IntArray]:
+        """First and last node of the element of each node."""
+        counts = np.array([len(each.places) for each in self._grids])
+        last = np.cumsum(counts) - 1
+        return np.repeat(last - counts + 1, counts), np.repeat(last, counts)
+
+    @cached_property
+    def _cells(self) -> IntArray:
+        """The nodes at which a cell begins."""
+        return np.flatnonzero(self._ends[1] != np.arange(len(self.nodes)))
+
+    @cached_property
+    def _tree(self) -> tuple[STRtree, IntArray]:
+        """The chords of the cells, and the node at which each begins."""
+        import shapely
+
+        cells = self._cells
+        ends = np.stack((self.nodes.points[cells], self.nodes.points[cells + 1]), axis=1)
+        chords: Any = shapely.linestrings(  # of an array an array
+            np.stack((ends.real, ends.imag), axis=2)
+        )
+        return shapely.STRtree(chords), cells
+
+    def _on_curve(self, course: FloatArray, offsets: FloatArray) -> Places:
+        """Places on stretches at `course` (n,) [rad]."""
+        phi = course + offsets
+        points, tangents = self.curve.points_and_tangents(phi)
+        normals = self._outward * 1j * self.curve.pitch.rotation * tangents
+        turned = phi % TURN
+        turned[(turned < SNAP) | (TURN - turned < SNAP)] = 0.0
+        return Places(course, turned, points, normals)
+
+    def _on(self, element: IntArray, along: FloatArray) -> Places:
+        """Places on the elements of these numbers (n,), `along` (n,) [rad] from their starts."""
+        lows = np.array([_span(each)[0] for each in self.path.elements])
+        course = self.starts[element] + along
+        found = self._on_curve(course, lows[element] - self.starts[element])
+        for number, each in enumerate(self.path.elements):
+            which = element == number
+            if isinstance(each, Pivot) and np.any(which):
+                points, normals = _turned(each, along[which])
+                found.points[which], found.normals[which] = points, self._outward * normals
+                found.phi[which] = each.after % TURN
+        return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Grid:
+    """The nodes of one element, with the tangents of the pitch curve there; 0 on a turn."""
+
+    places: Places
+    tangents: ComplexArray
+
+
+def _span(element: Element) -> tuple[float, float]:
+    """The parameters [rad] at which an element begins and ends; a corner has no length."""
+    if isinstance(element, Stretch):
+        return element.start, element.end
+    return 0.0, abs(element.sweep) if element.distance != 0.0 else 0.0
+
+
+def _turned(pivot: Pivot, along: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+    """Points (n,) [mm] of a turn and outward normals (n,), `along` (n,) [rad] from its start."""
+    normals = pivot.normal * np.exp(1j * math.copysign(1.0, pivot.sweep) * along)
+    return pivot.centre + pivot.distance * normals, normals

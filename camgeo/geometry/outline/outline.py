@@ -1,0 +1,836 @@
+"""The real outline: the part of a flank that the roller, as a cutter, does not remove.
+
+The roller represents the cutter. Where the flank crosses itself, the outline continues along the
+branch that the other one does not cover; parts that run backwards, or that the roller covers
+elsewhere, are dropped. So the outline consists of stretches of the working curve itself with exact
+corners between them.
+
+Only crossings of the flank with itself matter, and not those with the other flank: a pitch curve
+that does not cross itself has an inside and an outside, and no point is inside of one part and
+outside of another unless a third part runs between, whose roller covers it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+
+from camgeo.errors import GeometryError, UndercutError
+from camgeo.geometry.outline.clearance import (
+    are_clear,
+    nearest_to_axis,
+    stays_on_one_side,
+    surely_clear_of_axis,
+)
+from camgeo.geometry.outline.convex import SMALLEST, Convexity, touch
+from camgeo.geometry.outline.crossings import Node, find_crossings, find_nodes
+from camgeo.geometry.outline.cusps import CUSP, PASSES, backward_ranges, deep_ranges, with_places
+from camgeo.geometry.outline.envelope import Envelope, divide, envelope_of
+from camgeo.geometry.outline.path import Element, Path, Pivot, Stretch, whole
+from camgeo.geometry.pieces import Extremes, centres_at, curvature_extremes, halves, turn_cells
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.face import flat_follower
+from camgeo.numeric.arrays import (
+    BoolArray,
+    ComplexArray,
+    FloatArray,
+    IntArray,
+    Side,
+    ascending,
+    grouped,
+)
+from camgeo.numeric.quadrature import gauss
+from camgeo.record import Brief
+from camgeo.units import TURN
+
+ROUND = 1024
+"""Places of the envelope at which its winding number is taken, at least eight per part."""
+
+NEIGHBOURHOOD = 1.0
+"""Turn of the tangent [rad] up to which neighbours of a point provably do not cover it, by bounds
+over cells; more than twice `camgeo.geometry.outline.envelope.STEEPEST`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Outline(Brief):
+    """The remaining part of a flank.
+
+    Attributes
+    ----------
+    path : the boundary of the disc, or of the hole of an outer flank, once round the cam axis.
+    lobes : boundaries of the parts that are cut off and fall away.
+    dropped : ranges (start, end) of cam angle [rad] whose stretch of the flank is not on `path`,
+        start in [0, 2 pi), end above it by less than a turn.
+    """
+
+    path: Path
+    lobes: tuple[Path, ...]
+    dropped: tuple[tuple[float, float], ...]
+
+    @property
+    def is_trimmed(self) -> bool:
+        """Whether the follower does not make all of its motion."""
+        return bool(self.dropped)
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """The envelope from one crossing to the next, path parameters start < end."""
+
+    start: float
+    end: float
+    from_node: int
+    to_node: int
+
+
+def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
+    """The real outline of `flank`, the working curve at d = -r_R (inner) or +r_R (outer).
+
+    `bends` are the extremes of the pitch curve's curvature, if they are known.
+
+    Raises
+    ------
+    UndercutError
+        If nothing remains of the disc: the roller reaches over the cam axis, or covers everything.
+        Or if a flat face turns back in the cam, or its contact jumps.
+    GeometryError
+        If the roller centre stands still in the cam (Z' = 0), or it cannot be decided what remains.
+    """
+    if not flank.pitch.follower.has_pitch_curve:
+        return _convex_outline(flank)
+    require_room(flank)
+    envelope = envelope_of(flank)
+    backward = backward_ranges(envelope, bends)
+    nodes = tuple(n for n in find_nodes(envelope, backward) if not n.touching)
+    if not nodes:
+        if backward and backward != [(0.0, envelope.total)]:
+            raise GeometryError(
+                f"the flank runs back {_unsettled(envelope, backward, nodes)}, where it does not"
+                " cross itself by more than rounding: it cannot be decided what is left of it"
+            )
+        if backward:
+            raise UndercutError(
+                "the roller is larger than the pitch curve allows all round: nothing is left of"
+                " the disc"
+            )
+        return Outline(Path(envelope.elements), (), ())
+    parts = _parts(envelope, nodes)
+    loops = _loops(nodes, _kept(envelope, nodes, backward, parts))
+    paths = [_path(envelope, nodes, loop) for loop in loops]
+    windings = [_winding(envelope, loop) for loop in loops]
+    main = [k for k, winding in enumerate(windings) if winding != 0]
+    if len(main) != 1:
+        # Where the axis is free, there is a disc about it, and the rest lies around all rollers.
+        raise GeometryError(
+            "it cannot be decided what is left of the flank: its sides touch to rounding"
+            f" {_unsettled(envelope, backward, nodes)}"
+        )
+    lobes = tuple(path for k, path in enumerate(paths) if k != main[0])
+    return Outline(paths[main[0]], lobes, _dropped(paths[main[0]]))
+
+
+def _unsettled(
+    envelope: Envelope, backward: list[tuple[float, float]], nodes: tuple[Node, ...]
+) -> str:
+    """In words, the first range in which the flank runs back and which no crossing cuts off; or if
+    there is none, the first crossing.
+    """
+    total = envelope.total
+    spans = [(each.first, each.second) for each in nodes]
+    cut = [(a, b) if b - a < 0.5 * total else (b, a + total) for a, b in spans]
+    places = [
+        0.5 * (start + end)
+        for start, end in backward
+        if not any(
+            a + k * total <= start and end <= b + k * total for a, b in cut for k in (-1, 0, 1)
+        )
+    ]
+    place = envelope.within(np.array([*places, *(first for first, _ in spans)][:1]))
+    return f"at cam angle {math.degrees(envelope.angles_at(place)[0]):.6f} deg"
+
+
+def _convex_outline(flank: WorkingCurve) -> Outline:
+    """The whole contact curve of a flat face, or what remains of it where it undercuts.
+
+    `camgeo.geometry.outline.convex` shows why the whole one does not cross itself.
+    """
+    from camgeo.geometry.outline.convex import convexity  # only few cams have a flat face
+
+    found = convexity(flank.pitch)
+    if found.is_convex:
+        return Outline(whole(flank), (), ())
+
+    path = trimmed_path(flank, found)
+    return Outline(path, (), _dropped(path))
+
+
+def require_room(flank: WorkingCurve) -> None:
+    """Raise UndercutError if the roller reaches over the cam axis, GeometryError if it would run
+    through its own flank: trimming helps neither.
+    """
+    if flank.distance <= 0.0:
+        _require_axis(flank)
+    _require_simple(flank.pitch)
+
+
+def _require_axis(flank: WorkingCurve) -> None:
+    if surely_clear_of_axis(flank.pitch, -flank.distance):
+        return
+    nearest, phi = nearest_to_axis(flank.pitch)
+    if nearest <= -flank.distance:
+        raise UndercutError(
+            f"the roller reaches over the cam axis at cam angle {math.degrees(phi):.6g} deg"
+            f" (its centre comes as near as {nearest:.6g} mm): no disc is left"
+        )
+
+
+def _require_simple(pitch: PitchCurve) -> None:
+    """Raise GeometryError if the pitch curve crosses itself.
+
+    It cannot if the follower stays on one side of the cam axis: then lift and distance of the
+    roller centre from the axis correspond one to one, and so do cam angle and direction.
+    """
+    if stays_on_one_side(pitch):
+        return
+    crossings = find_crossings(WorkingCurve(pitch, 0.0))
+    if crossings:
+        angles = [math.degrees(angle) for angle in (crossings[0].first, crossings[0].second)]
+        raise GeometryError(
+            f"the pitch curve crosses itself at cam angles {angles[0]:.6f} and {angles[1]:.6f} deg:"
+            " the roller would run through the flank that is to guide it"
+        )
+
+
+def _parts(envelope: Envelope, nodes: tuple[Node, ...]) -> list[_Part]:
+    events = sorted(
+        (place, k) for k, node in enumerate(nodes) for place in (node.first, node.second)
+    )
+    following = [*events[1:], (events[0][0] + envelope.total, events[0][1])]
+    return [
+        _Part(start, end, k, other)
+        for (start, k), (end, other) in zip(events, following, strict=True)
+    ]
+
+
+def _kept(
+    envelope: Envelope,
+    nodes: tuple[Node, ...],
+    backward: list[tuple[float, float]],
+    parts: list[_Part],
+) -> list[_Part]:
+    """The parts on the boundary: regular, on the free side at their ends, and clear."""
+    start, end = np.array([(part.start, part.end) for part in parts]).T
+    ranges = np.array(backward).reshape(-1, 2)
+    turns = np.repeat([-envelope.total, 0.0, envelope.total], len(ranges))
+    low, high = np.append(np.tile(ranges, (3, 1)) + turns[:, None], [[np.inf, np.inf]], axis=0).T
+    regular = low[np.searchsorted(high, start, side="right")] >= end
+    arriving = np.where(end >= envelope.total, end - envelope.total, end)
+    sides = [
+        _sides(envelope, [nodes[number] for number in numbers], places, low, high)
+        for numbers, places in (
+            ([part.from_node for part in parts], start),
+            ([part.to_node for part in parts], arriving),
+        )
+    ]
+    free = [parts[k] for k in np.flatnonzero(regular & (sides[0] <= 0.0) & (sides[1] >= 0.0))]
+    if not free:
+        return []
+    middles = np.array([0.5 * (part.start + part.end) for part in free])
+    points = envelope.samples(middles).points
+    owns = _owns(envelope, free, middles)
+    clear = are_clear(envelope.curve.pitch, points, abs(envelope.curve.distance), owns)
+    return [part for part, is_clear in zip(free, clear, strict=True) if is_clear]
+
+
+def _sides(
+    envelope: Envelope, nodes: list[Node], places: FloatArray, low: FloatArray, high: FloatArray
+) -> FloatArray:
+    """(n,) positive where the branch at `places` (n,) of the `nodes` enters the part that the other
+    one removes, else negative.
+
+    NaN where the other branch runs backwards there, in one of the ranges from `low` to `high` over
+    three turns: its roller covers the crossing itself.
+    """
+    first, second = np.array([(node.first, node.second) for node in nodes]).T
+    other = np.where(np.abs(places - first) <= np.abs(places - second), second, first)
+    behind = low[np.searchsorted(high, other, side="right")] < other
+    own, crossed = (envelope.samples(each).tangents for each in (places, other))
+    sense = -math.copysign(1.0, envelope.curve.distance) * envelope.curve.pitch.rotation
+    towards_roller = sense * 1j * crossed
+    return np.where(behind, np.nan, (np.conj(towards_roller) * own).real)
+
+
+def _owns(envelope: Envelope, parts: list[_Part], middles: FloatArray) -> FloatArray:
+    """(n, 2) cam angles about `middles` (n,) along which the tangent provably turns little, inside
+    each of the `parts`; the second above the first.
+    """
+    cells, total = divide(envelope, np.empty(0)).cells, envelope.total
+    turns = np.repeat([0.0, total, 2.0 * total], len(cells))
+    low, high = np.tile(cells.low, 3) + turns, np.tile(cells.high, 3) + turns
+    turned = np.concatenate(([0.0], np.cumsum(np.tile(2.0 * cells.turn, 3))))
+    shift = envelope.within(middles) + total - middles  # into the second of three turns
+    own = np.searchsorted(low, middles + shift, side="right") - 1
+    # A cell turns by less than that, so that its own is among them.
+    first = np.searchsorted(turned, turned[own + 1] - NEIGHBOURHOOD, side="right")
+    last = np.searchsorted(turned, turned[own] + NEIGHBOURHOOD) - 2
+    starts, ends = np.array([(part.start, part.end) for part in parts]).T
+    ranges = np.maximum(low[first] - shift, starts), np.minimum(high[last] - shift, ends)
+    owns = envelope.angles_at(envelope.within(np.column_stack(ranges)))
+    owns[:, 1] += np.where(owns[:, 1] >= owns[:, 0], 0.0, TURN)
+    return owns
+
+
+def _loops(nodes: tuple[Node, ...], kept: list[_Part]) -> list[list[_Part]]:
+    """The kept parts linked at their crossings: each continues along the other branch."""
+    following: dict[int, list[_Part]] = {}
+    for part in kept:
+        following.setdefault(part.from_node, []).append(part)
+    loops: list[list[_Part]] = []
+    for first in kept:
+        if first not in following.get(first.from_node, ()):
+            continue
+        following[first.from_node].remove(first)
+        loop = [first]
+        while loop[-1].to_node != first.from_node:
+            ways = following.pop(loop[-1].to_node, [])
+            if len(ways) != 1:
+                raise GeometryError(
+                    "it cannot be decided what is left of the flank: more than two branches meet"
+                    f" at {nodes[loop[-1].to_node].point:.6g} mm"
+                )
+            loop += ways
+        loops.append(loop)
+    return loops
+
+
+def _path(envelope: Envelope, nodes: tuple[Node, ...], loop: list[_Part]) -> Path:
+    elements: list[Element] = []
+    rotation = envelope.curve.pitch.rotation
+    meeting = zip(loop, [*loop[1:], loop[0]], strict=True)
+    places = envelope.within(np.array([(part.end, other.start) for part, other in meeting]))
+    tangents = envelope.samples(places.ravel()).tangents.reshape(places.shape)
+    angles = envelope.angles_at(places).tolist()
+    for part, (one, other), (before, after) in zip(loop, tangents, angles, strict=True):
+        elements += _elements(envelope, part)
+        sweep = float(np.angle(other * np.conj(one)))
+        normal = 1j * rotation * complex(one)
+        elements.append(Pivot(nodes[part.to_node].point, 0.0, normal, sweep, before, after))
+    return Path(tuple(elements))
+
+
+def _elements(envelope: Envelope, part: _Part) -> list[Element]:
+    """The elements of a part: stretches and turns, cut at its ends."""
+    found: list[Element] = []
+    curve = envelope.curve
+    if len(envelope.elements) == 1:
+        return [Stretch(curve, part.start, part.end)]
+    for turn in (0.0, envelope.total):
+        for start, each in zip(envelope.starts + turn, envelope.elements, strict=True):
+            span = abs(each.sweep) if isinstance(each, Pivot) else each.end - each.start
+            low, high = max(part.start, start), min(part.end, start + span)
+            if high <= low:
+                continue
+            if isinstance(each, Stretch):
+                first = each.start + float(low - start)
+                last = each.end if high == start + span else each.start + float(high - start)
+                shift = TURN if first >= TURN else 0.0
+                found.append(Stretch(curve, first - shift, last - shift))
+            else:
+                sense = math.copysign(1.0, each.sweep)
+                normal = each.normal * complex(np.exp(1j * sense * (low - start)))
+                sweep = sense * float(high - low)
+                found.append(
+                    Pivot(each.centre, each.distance, normal, sweep, each.before, each.after)
+                )
+    return found
+
+
+def _winding(envelope: Envelope, loop: list[_Part]) -> int:
+    """Winding number of a loop about the cam axis."""
+    shares = [max(ROUND * (part.end - part.start) / envelope.total, 8.0) for part in loop]
+    places = np.concatenate(
+        [
+            np.linspace(part.start, part.end, math.ceil(share) + 1)[:-1]
+            for part, share in zip(loop, shares, strict=True)
+        ]
+    )
+    points = envelope.samples(places).points
+    return round(float(np.sum(np.angle(np.roll(points, -1) * np.conj(points)))) / TURN)
+
+
+def _dropped(path: Path) -> tuple[tuple[float, float], ...]:
+    """Ranges of cam angle between the stretches of the disc."""
+    corners = [pivot for pivot in path.pivots if pivot.distance == 0.0]
+    return tuple(
+        sorted((p.before % TURN, p.before % TURN + (p.after - p.before) % TURN) for p in corners)
+    )
+
+
+# -- face outline ---------------------------------------------------------------------------------
+# The disc that remains when a flat face cuts it: the intersection of the half planes below it.
+#
+# With h(psi) the distance of the face from the cam axis and psi the angle by which its normal has
+# turned in the cam, the disc is the largest convex one whose support function H does not exceed h.
+# Where p = tau h + (h'/tau)' < 0 the envelope of the face runs back, and H < h: there H is the sine
+#
+#     S(psi) = Re(conj(n(psi)) P)
+#
+# of a corner P, in which the envelope crosses itself: Z(x) = Z(y) = P. So H is for sines what the
+# lower convex hull of a graph is for straight lines, and is found in the same way. The stretches
+# with p > 0 are convex arcs. Between two of them there is one common sine at most, tangent to h at
+# x on the first and at y on the second: as x grows, S rises everywhere ahead within half a turn. An
+# arc that its sines to the left and to the right touch in the wrong order lies above the sine that
+# passes it by, and is left out (Graham's scan, round the turn).
+#
+# With the arcs in order, stretches and corners form a closed curve whose tangent turns one way by
+# one turn, which is convex. It is the boundary: no larger H has these tangent sines. As long as h >
+# 0, something is left about the cam axis, and p is positive somewhere: over the turn its mean is
+# that of h.
+
+
+HALVINGS: Final = 14
+"""Rounds of halving, to cells of less than 1e-5 rad, in which a motion has no features."""
+
+STEPS: Final = 60
+"""Most Newton steps; from the guess six suffice."""
+
+SETTLED: Final = 1e-7
+"""After a Newton step of this fraction of the tail's width the next one is mere rounding."""
+
+SHORT: Final = 0.05
+"""Width [rad] of a tail up to which its ends are compared by quadrature: their points differ by
+less than is left of their digits."""
+
+NODES: Final = 12
+"""Nodes of the quadrature over each smooth part; of a part this short it has all digits."""
+
+SAMPLES: Final = 257
+"""Places of an arc among which a common sine is sought where Newton's method does not find it."""
+
+ROUNDS: Final = 4
+"""Rounds of this search, each on the part between two of the places before."""
+
+BISECTIONS: Final = 40
+"""Halvings of the other arc."""
+
+END: Final = 1e-9
+"""Fraction of an arc next to its ends that counts as the end."""
+
+LOST: Final = 16.0
+"""Units in the last place of how far a face is moved out, by which p / tau is off at the ends of
+the ranges that are found on it, at most; seen are 2.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class _Bridge:
+    """The sine that two arcs have in common.
+
+    Attributes
+    ----------
+    x, y : cam angles [rad] where it touches the first and the second one.
+    exact : False where it touches the end of an arc, beyond which it would go on.
+    """
+
+    x: float
+    y: float
+    exact: bool
+
+
+Arc = tuple[float, float]
+"""Cam angles [rad] between which p > 0, the end above the start."""
+
+
+def trimmed_path(flank: WorkingCurve, found: Convexity) -> Path:
+    """The boundary of what is left of a flat face's disc, `found` being its `convexity`.
+
+    Raises
+    ------
+    UndercutError
+        If there is no such disc: the face turns back in the cam, its contact jumps, or it comes
+        over the cam axis.
+    GeometryError
+        If it cannot be decided what is left.
+    """
+    if found.turn[0] <= 0.0 or found.jumps or found.clearance[0] <= SMALLEST * found.size:
+        raise UndercutError("a flat face touches only a convex cam, and this one is not")
+    ranges = backward_angles(flank.pitch, found.turn[0])
+    if not ranges:
+        return Path((Stretch(flank, 0.0, TURN),))
+    arcs = [
+        (end - TURN, start) if end > start else (end, start)
+        for (_, end), (start, _) in zip([ranges[-1], *ranges[:-1]], ranges, strict=True)
+    ]
+    arcs = sorted((start % TURN, start % TURN + (end - start)) for start, end in arcs)
+    return _face_path(flank, _scanned(_Face(flank.pitch), arcs))
+
+
+def backward_angles(pitch: PitchCurve, turn: float) -> list[tuple[float, float]]:
+    """Ranges of cam angle (start, end) [rad] with p < 0, ends in [0, 2 pi); the whole turn is
+    (0, 2 pi).
+
+    `turn` is the smallest tau, above 0. Moved out by more than a bound of |p| over it, the face has
+    a regular outline, whose parallel inwards is this one: p < 0 where that undercuts. None is
+    missed, because cells are halved until p keeps its sign over each, or is that of the known
+    ranges.
+
+    Raises
+    ------
+    GeometryError
+        If the face is so fast somewhere that too few digits are left elsewhere to find all.
+    """
+    follower: Any = pitch.follower  # a frozen dataclass
+    names = [key.removeprefix("follower.") for key in flat_follower(follower).raised_by]
+    out = _fastest(pitch) / turn + follower.base_radius
+    moved = replace(follower, **{name: getattr(follower, name) + out for name in names})
+    parallel = WorkingCurve(replace(pitch, follower=moved), -out)
+    bends = curvature_extremes(parallel.pitch)
+    for _ in range(PASSES):
+        ranges = deep_ranges(parallel, bends)
+        missed = _missed(pitch, ranges, out)
+        if not len(missed):
+            return sorted(ranges)
+        bends = with_places(parallel.pitch, bends, missed)
+    raise _undecided(pitch)
+
+
+def _undecided(pitch: PitchCurve) -> GeometryError:
+    """The error for a face of which nothing is decided, with the place where it is fastest."""
+    low, high = turn_cells(pitch)
+    middles = 0.5 * (low + high)
+    place = float(middles[np.argmax(pitch.speed_bounds(middles, middles)[0])])
+    return GeometryError(
+        "it cannot be decided what a flat face leaves of the disc: its contact runs too fast for"
+        f" the digits of a number near cam angle {math.degrees(place % TURN):.6f} deg; give the"
+        " move there a larger span or a smaller way",
+        "motion",
+    )
+
+
+def _fastest(pitch: PitchCurve) -> float:
+    """A bound of |p| [mm] over the turn, at most twice its largest value, so that few digits of the
+    lift are lost where the face is moved out by it.
+    """
+    low, high = turn_cells(pitch)
+    known = fastest = 0.0
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        known = max(known, float(np.max(pitch.speed_bounds(middle, middle)[0])))
+        bounds = pitch.speed_bounds(low, high)[0]
+        wide = ~(bounds <= 2.0 * known)
+        fastest = max(fastest, float(np.max(bounds[~wide], initial=0.0)))
+        if not np.any(wide):
+            return fastest
+        low, high = halves(low, high, wide)
+    raise _undecided(pitch)
+
+
+def _missed(pitch: PitchCurve, ranges: list[tuple[float, float]], out: float) -> FloatArray:
+    """Cam angles [rad] at which the sign of p contradicts the `ranges` of p < 0 by more than their
+    ends are off for rounding, that of the face moved `out` [mm] among it.
+    """
+    start, end = np.array(ranges).reshape(-1, 2).T
+    low, high = turn_cells(pitch)
+    missed = []
+    for _ in range(HALVINGS):
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        at = touch(pitch, middle)
+        inside = np.any((middle[:, None] - start) % TURN < (end - start) % TURN, axis=1)
+        noise = CUSP * np.max(np.abs(at.distance)) + LOST * math.ulp(out) * at.turn[0]
+        wrong = ((at.pace[0] < 0.0) != inside) & (np.abs(at.pace[0]) > noise)
+        missed.append(middle[wrong])
+        unsure = ~wrong & np.isnan(centres_at(pitch, middle))
+        unsure &= np.abs(at.pace[0]) <= half * pitch.speed_bounds(low, high)[1]
+        if not np.any(unsure):
+            break
+        low, high = halves(low, high, unsure)
+    return np.concatenate(missed)
+
+
+class _Face:
+    """The demanded contact of a face, at single cam angles."""
+
+    def __init__(self, pitch: PitchCurve) -> None:
+        self.pitch = pitch
+        self.breaks = np.concatenate([pitch.borders + k * TURN for k in (-1, 0, 1, 2)])
+
+    def at(self, phi: FloatArray) -> tuple[ComplexArray, ComplexArray, FloatArray]:
+        """(n,) contacts Z [mm], tangents t and p [mm/rad] at `phi` (n,) [rad]; t = -i sigma n turns
+        steadily where Z turns back.
+        """
+        pitch, sigma = self.pitch, self.pitch.rotation
+        normals = flat_follower(pitch.follower).normal(pitch.motion.jet(phi, "right", 1)[0])
+        tangents = -1j * sigma * normals * np.exp(-1j * sigma * phi)
+        return pitch.point(phi), tangents, touch(pitch, phi).pace[0]
+
+    def turning(self, phi: FloatArray) -> FloatArray:
+        """(n,) psi [rad] but for a constant, at `phi` (n,) [rad] of any turn."""
+        lift = self.pitch.motion.jet(phi, "right", 1)[0]
+        return np.asarray(phi - self.pitch.rotation * self.pitch.follower.swing_sense * lift)
+
+    def way(self, x: float, y: float, ends: ComplexArray) -> complex:
+        """Z(y) - Z(x) [mm], `ends` being both."""
+        if y - x > SHORT:
+            return complex(ends[1] - ends[0])
+        inner = self.breaks[(self.breaks > x) & (self.breaks < y)]
+        marks = np.concatenate(([x], inner, [y]))
+        places, half, weights = gauss(marks[:-1], marks[1:], NODES)
+        _, tangents, pace = self.at(places.ravel())
+        parts = (half[:, None] * weights).ravel() * pace * tangents
+        return complex(np.sum(parts))
+
+
+def _scanned(face: _Face, arcs: list[Arc]) -> list[tuple[Arc, _Bridge]]:
+    """The arcs that count, each with its bridge to the next one."""
+    bridges: list[_Bridge | None] = [None] * len(arcs)
+    while arcs:
+        for k, (arc, bridge) in enumerate(zip(arcs, bridges, strict=True)):
+            if bridge is None:
+                after = arcs[(k + 1) % len(arcs)]
+                shift = TURN if k + 1 == len(arcs) else 0.0
+                bridges[k] = _bridge(face, arc, (after[0] + shift, after[1] + shift))
+        known = [bridge for bridge in bridges if bridge is not None]
+        lefts = [known[-1].y - TURN, *(bridge.y for bridge in known[:-1])]
+        hidden = [k for k, bridge in enumerate(known) if lefts[k] >= bridge.x]
+        if not hidden:
+            if not all(bridge.exact for bridge in known):
+                break
+            return list(zip(arcs, known, strict=True))
+        place = hidden[0]
+        del arcs[place], bridges[place]
+        if bridges:
+            bridges[place - 1] = None
+    raise _undecided(face.pitch)
+
+
+def _bridge(face: _Face, first: Arc, second: Arc) -> _Bridge:
+    """The bridge between two arcs, the second one ahead."""
+    middle, half = 0.5 * (first[1] + second[0]), 0.5 * (second[0] - first[1])
+    # Of a p that is a parabola between the cusps the crossing lies root 3 times as far out.
+    x = max(middle - math.sqrt(3.0) * half, 0.5 * (first[0] + first[1]))
+    y = min(middle + math.sqrt(3.0) * half, 0.5 * (second[0] + second[1]))
+    found = _newton(face, first, second, x, y)
+    if found is not None:
+        return found
+    guess = _sought(face, first, second)
+    if guess.exact:
+        found = _newton(face, first, second, guess.x, guess.y)
+    return found or guess
+
+
+def _newton(face: _Face, first: Arc, second: Arc, x: float, y: float) -> _Bridge | None:
+    """The bridge by Newton's method from a guess; None if it does not converge inside the arcs."""
+    settled = False
+    for _ in range(STEPS):
+        points, (t_x, t_y), (p_x, p_y) = face.at(np.array([x, y]))
+        sine = float((np.conj(t_x) * t_y).imag)
+        if not (p_x > 0.0 and p_y > 0.0 and sine != 0.0):
+            return None
+        way = face.way(x, y, points)
+        dx = float((np.conj(way) * t_y).imag) / (p_x * sine)
+        dy = float((np.conj(way) * t_x).imag) / (p_y * sine)
+        share = min(1.0, _room(x, dx, first), _room(y, dy, second))
+        x, y = x + share * dx, y + share * dy
+        if settled:
+            turned = face.turning(np.array([x, y]))
+            # Half a turn on, and the same place once more: neither is a sine in common.
+            return _Bridge(x, y, exact=True) if turned[1] - turned[0] < math.pi else None
+        settled = abs(dx) + abs(dy) <= SETTLED * (y - x) + 8.0 * math.ulp(TURN)
+    return None
+
+
+def _room(place: float, step: float, arc: Arc) -> float:
+    """Fraction of `step` that stays inside the `arc`."""
+    room = 0.9 * ((arc[1] - place) if step > 0.0 else (place - arc[0]))
+    return room / abs(step) if abs(step) > room else 1.0
+
+
+def _sought(face: _Face, first: Arc, second: Arc) -> _Bridge:
+    """The bridge by bisection, or the ends of arcs where it would lie beyond them."""
+    places = np.linspace(*second, SAMPLES)
+    points, tangents, _ = face.at(places)
+    normals = 1j * face.pitch.rotation * tangents
+    ahead = face.turning(places)
+
+    def lowest(x: float) -> tuple[float, float]:
+        """Smallest h - S [mm] over the second arc for the sine that touches the first one at `x`,
+        and where; half a turn ahead at most.
+        """
+        start = face.at(np.array([x]))[0]
+        seen = ahead < float(face.turning(np.array([x]))[0]) + math.pi
+        above = np.where(seen, (np.conj(normals) * (points - start)).real, np.inf)
+        k = int(np.argmin(above))
+        low, high = float(places[max(k - 1, 0)]), float(places[min(k + 1, SAMPLES - 1)])
+        for _ in range(ROUNDS):
+            near = np.linspace(low, high, SAMPLES)
+            there, along, _ = face.at(near)
+            falls = (np.conj(along) * (there - start)).real < 0.0  # h - S does
+            k = int(np.count_nonzero(falls))
+            low, high = float(near[max(k - 1, 0)]), float(near[min(k, SAMPLES - 1)])
+        k = min(k, SAMPLES - 1)
+        normal = 1j * face.pitch.rotation * along[k]
+        return float((np.conj(normal) * (there[k] - start)).real[0]), float(near[k])
+
+    starts = np.linspace(*first, SAMPLES)
+    low = float(starts[np.argmax(face.turning(starts) > ahead[0] - math.pi)])
+    high = first[1]
+    for end, wrong in ((low, -1.0), (high, 1.0)):
+        value, y = lowest(end)
+        if wrong * value > 0.0:
+            return _Bridge(end, y, exact=False)
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if lowest(middle)[0] > 0.0 else (low, middle)
+    y = lowest(low)[1]
+    room = END * (second[1] - second[0])
+    return _Bridge(low, y, exact=second[0] + room < y < second[1] - room)
+
+
+def _face_path(flank: WorkingCurve, parts: list[tuple[Arc, _Bridge]]) -> Path:
+    """Stretches from bridge to bridge, and the corners between them."""
+    rotation = flank.pitch.rotation
+    face = _Face(flank.pitch)
+    elements: list[tuple[float, list[Element]]] = []
+    for k, (_, bridge) in enumerate(parts):
+        before = parts[k - 1][1].y - (TURN if k == 0 else 0.0)
+        ends = np.array([bridge.x, bridge.y])
+        points, tangents, _ = face.at(ends)
+        normals = 1j * rotation * tangents
+        sweep = float(np.angle(normals[1] * np.conj(normals[0])))
+        corner = Pivot(
+            complex(np.mean(points)), 0.0, complex(normals[0]), sweep, *(ends % TURN).tolist()
+        )
+        start = before % TURN
+        stretch = Stretch(flank, start, start + (bridge.x - before))
+        elements.append((start, [stretch, corner]))
+    ordered = sorted(elements, key=lambda each: each[0])
+    return Path(tuple(element for _, pair in ordered for element in pair))
+
+
+# -- layers ---------------------------------------------------------------------------------------
+# The outermost of many pieces over a turn, each of which covers a range of it.
+#
+# This shows what holds a follower: of the branches that its path meets, over the cam angle, or of
+# the circles that a flat face touches, over the direction of its normal. Which piece is outermost
+# changes only at the ends of ranges and where two pieces cross, so it is known everywhere, not just
+# at samples.
+
+
+NONE = -1
+"""Number in place of a piece where there is none."""
+
+MOST_PAIRS = 2_000_000
+"""Most pairs of a piece and a cell: 25 layers of a contour of 20,000 pieces. A contour that is
+smooth except for a few corners has one layer."""
+
+Pairs = tuple[IntArray, IntArray]
+"""(p,) cells, ascending, and (p,) pieces that cover them, ascending in each cell."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cells:
+    """Ranges (m,) of an angle [rad] between neighbouring ends of ranges; the last crosses 0."""
+
+    low: FloatArray
+    high: FloatArray
+
+    @classmethod
+    def between(cls, nodes: FloatArray) -> Cells:
+        """Those between `nodes` (m,) in [0, 2 pi), ascending."""
+        return cls(nodes, np.append(nodes[1:], nodes[0] + TURN))
+
+    def __len__(self) -> int:
+        return len(self.low)
+
+
+def covered(cells: Cells, first: IntArray, count: IntArray, what: str) -> Pairs:
+    """The pieces k (n,) that cover `count` (n,) cells from `first` (n,) on, cell by cell.
+
+    Raises GeometryError if there are too many pairs; `what` are the pieces, in a message.
+    """
+    if np.sum(count) > MOST_PAIRS:
+        raise too_rough(what, np.sum(count) / len(cells))
+    piece, rank = grouped(count)
+    cell = np.remainder(first[piece] + rank, len(cells))
+    order = np.argsort(cell, kind="stable")
+    return cell[order], piece[order]
+
+
+def too_rough(what: str, layers: float) -> GeometryError:
+    """The error for a contour of too many layers."""
+    return GeometryError(
+        f"the contour is too rough to be replayed: its {what} in {layers:.0f} layers; smooth it"
+        " first"
+    )
+
+
+def seen(cell: IntArray, low: FloatArray, high: FloatArray) -> BoolArray:
+    """(p,) False for pieces that lie behind another one throughout their `cell` (p,), where their
+    heights are between `low` and `high` (p,).
+    """
+    least = np.full(int(np.max(cell, initial=-1)) + 1, -np.inf)
+    np.maximum.at(least, cell, low)
+    return np.asarray(high >= least[cell])
+
+
+def together(cell: IntArray) -> Iterator[Pairs]:
+    """All pairs of places in `cell` (p,), ascending, that have the same one, in batches."""
+    step = 1
+    while np.any(same := cell[step:] == cell[:-step]):
+        index = np.flatnonzero(same)
+        yield index, index + step
+        step += 1
+
+
+def outermost(
+    cells: Cells,
+    pairs: Pairs,
+    crossings: FloatArray,
+    height: Callable[[IntArray, FloatArray], FloatArray],
+) -> tuple[FloatArray, IntArray, IntArray]:
+    """Borders (g,) [rad]; the cell that each of them lies in or begins; and (g,) the highest piece
+    from each to the next, the last one of several, or `NONE`.
+
+    Parameters
+    ----------
+    crossings : (k,) [rad] in [0, 2 pi), where pieces of `pairs` in one cell are of the same height.
+    height : of the pieces (q,) at angles (q,) [rad].
+    """
+    cell, piece = pairs
+    borders = ascending(np.concatenate((cells.low, crossings)))
+    # Before the first node it is still the last cell, which reaches across 0.
+    parent = np.remainder(np.searchsorted(cells.low, borders, "right") - 1, len(cells))
+    first = np.searchsorted(cell, parent, "left")
+    count = np.searchsorted(cell, parent, "right") - first
+    fine, rank = grouped(count)
+    candidate = piece[first[fine] + rank]
+    several = count[fine] > 1
+    middle = 0.5 * (borders + np.append(borders[1:], borders[0] + TURN))
+    heights = np.zeros(len(fine))
+    heights[several] = height(candidate[several], middle[fine[several]])
+    order = np.lexsort((heights, fine))
+    fine, candidate = fine[order], candidate[order]
+    top = np.flatnonzero(np.diff(fine, append=-1))
+    held = np.full(len(borders), NONE)
+    held[fine[top]] = candidate[top]
+    return borders, parent, held
+
+
+def changes(borders: FloatArray, held: IntArray) -> tuple[FloatArray, IntArray]:
+    """Those of `borders` (g,) at which the piece changes, at least one, each with the piece that
+    follows.
+    """
+    changed = held != np.roll(held, 1)
+    changed[0] |= not np.any(changed)
+    return borders[changed], held[changed]
+
+
+def piece_at(borders: FloatArray, held: IntArray, angle: FloatArray, side: Side) -> IntArray:
+    """(n,) the piece at `angle` (n,) [rad] of any turn, seen from that side; see `changes`."""
+    found: IntArray = held[np.searchsorted(borders, np.remainder(angle, TURN), side) - 1]
+    return found

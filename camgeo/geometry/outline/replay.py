@@ -1,0 +1,597 @@
+"""Replay: the follower pressed against a real outline, or any contour, over a turn.
+
+The actual motion of the follower, compared with the demanded one: lift, velocity and acceleration
+over the cam angle, lost stroke, shocks. The lift is that of the follower itself; behind a linkage
+that is the rocker's angle.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Final, Literal, Protocol
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.geometry.outline.acceleration_joints import AccelerationJoints
+from camgeo.geometry.outline.face import face_between, face_on, hull_of
+from camgeo.geometry.outline.path import Flank, Path, Stretch
+from camgeo.geometry.outline.roller import (
+    AS_DEMANDED,
+    ActualLift,
+    LinesAndArcs,
+    PlayedLift,
+    branches,
+    circles,
+    parallel,
+    pressed,
+)
+from camgeo.geometry.pieces import extremes
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.follower_path import path_of
+from camgeo.kinematics.motion import Motion
+from camgeo.kinematics.plan import SNAP
+from camgeo.numeric.arrays import (
+    SIDES,
+    BoolArray,
+    ComplexArray,
+    FloatArray,
+    IntArray,
+    Quantity,
+    Side,
+    ascending,
+    frozen,
+)
+from camgeo.numeric.extremes import (
+    Extreme,
+    Extremes,
+    bracketed_roots,
+    piecewise_extremes,
+    piecewise_highest,
+)
+from camgeo.units import TURN
+
+STEP = math.radians(0.1)
+"""Step of the cam angle between the samples, for pictures; the ends of all pieces are sampled as
+well."""
+
+CORNER = 1e-7
+"""Corners up to this angle [rad] are ignored: the directions of two pieces at their common end are
+known to the rounding of its coordinates over their length, 1e-14 mm over 1e-7 mm at worst."""
+
+DROP = 1e-9
+"""Jumps of the lift up to this fraction of the base radius (of 1 rad for a rocker) are rounding."""
+
+
+def replay_contour(
+    pitch: PitchCurve,
+    contour: LinesAndArcs,
+    flank: str = Flank.INNER,
+    *,
+    step: float = STEP,
+    corner: float = CORNER,
+) -> Replay:
+    """The follower of `pitch` on any closed contour of lines and arcs.
+
+    A flat face touches the convex hull of the contour.
+
+    Parameters
+    ----------
+    contour : in cam coordinates, counter-clockwise round the cam axis: the boundary of the disc for
+        the inner flank, that of the hole for the outer one, into which the roller is pressed.
+    flank : "inner" or "outer".
+    step : of the samples [rad].
+    corner : corners up to this angle [rad] are ignored, both as shocks and as ripple.
+
+    Raises
+    ------
+    GeometryError
+        If the contour does not run counter-clockwise, or not round the cam axis within the
+        follower's reach; for a flat face on an outer flank.
+    """
+    press = Flank(flank).sign
+    if not pitch.follower.has_pitch_curve:
+        _require_inner(press)
+        return compared(
+            pitch, face_on(hull_of(contour), pitch).without_corners(corner), press, step, corner
+        )
+    path = path_of(pitch.follower, pitch.rotation)
+    found = branches(parallel(contour, -press * pitch.follower.roller_radius), path)
+    whole = (np.zeros(1), np.full(1, TURN))
+    borders, numbers = pressed(found, path, press, whole)
+    lift = ActualLift(path, pitch.motion, found, borders, numbers).without_corners(corner)
+    return compared(pitch, lift, press, step, corner)
+
+
+def replay_outline(
+    pitch: PitchCurve,
+    outline: Path,
+    *,
+    step: float = STEP,
+    corner: float = CORNER,
+    clearance: float = 0.0,
+) -> Replay:
+    """The follower of `pitch` on a real outline, exactly.
+
+    On a stretch of the working curve the roller is where it should be. Where a stretch is missing,
+    it runs over the outline's corners: it cannot touch another stretch there, for the roller that
+    touches a stretch has its own cam angle. A flat face rocks over the corner itself.
+
+    With a `clearance` [mm] the outline is a flank of a groove that is wider than the roller by it;
+    pressed against the flank the roller is off by about half of that everywhere.
+
+    Raises
+    ------
+    GeometryError
+        If the outline has no stretches, or the roller finds no corner where one is missing; with
+        clearance if the outline is not the whole flank, or the clearance is too large.
+    """
+    stretches = outline.stretches
+    if not stretches:
+        raise GeometryError("an outline without any stretch of the working curve holds no follower")
+    distance = stretches[0].curve.distance
+    press = -1 if math.copysign(1.0, distance) < 0.0 else 1  # -0 on the inside of a knife edge
+    if not pitch.follower.has_pitch_curve:
+        _require_inner(press)
+        corners = np.array([each.centre for each in outline.pivots], dtype=np.complex128)
+        starts, ends = _gaps(stretches)
+        if len(corners) != len(starts):
+            raise GeometryError("a stretch is missing where the outline has no corner for the face")
+        face = face_between(pitch, corners, starts, ends)
+        return compared(pitch, face, press, step, corner)
+    radius = abs(distance)
+    # A pivot at no distance from the roller centre is the roller's turn about its own centre.
+    pivots = [each for each in outline.offset(-distance).pivots if each.distance != 0.0]
+    if any(abs(abs(each.distance) - radius) > DROP * radius for each in pivots):
+        raise GeometryError("the outline has an arc where the roller must find a corner")
+    path, played = path_of(pitch.follower, pitch.rotation), None
+    if clearance > 0.0:
+        if not outline.is_whole:
+            raise GeometryError(
+                "the flank is trimmed or has a corner, and the groove has side clearance: replay a"
+                " drawing of it"
+            )
+        played = PlayedLift(path, WorkingCurve(pitch, 0.5 * press * clearance))
+    centres = np.array([each.centre for each in pivots], dtype=np.complex128)
+    found = branches(circles(centres, radius or 1.0), path)  # a knife edge has no such pivots
+    starts, ends = _gaps(stretches)
+    borders, numbers = np.zeros(1), np.full(1, AS_DEMANDED)
+    if len(starts):
+        borders, numbers = pressed(found, path, press, (starts, ends))
+    lift = ActualLift(path, pitch.motion, found, borders, numbers, played)
+    return compared(pitch, lift, press, step, corner)
+
+
+def _require_inner(press: int) -> None:
+    if press > 0:
+        raise GeometryError("a flat face runs on the inner flank, outside of the disc", key="flank")
+
+
+def _gaps(stretches: tuple[Stretch, ...]) -> tuple[FloatArray, FloatArray]:
+    """Starts and ends (k,), (k,) [rad] of the ranges between neighbouring stretches."""
+    starts = np.array([each.end % TURN for each in stretches])
+    ends = np.roll([each.start for each in stretches], -1)
+    widths = np.remainder(ends - starts, TURN)
+    # Where a stretch follows at once, across a turn of the roller, rounding may add a full turn.
+    widths[np.minimum(widths, TURN - widths) <= SNAP] = 0.0
+    gaps = np.flatnonzero(widths > 0.0)
+    return starts[gaps], starts[gaps] + widths[gaps]
+
+
+def compared(
+    pitch: PitchCurve,
+    lift: DiscLift,
+    press: int,
+    step: float = STEP,
+    corner: float = CORNER,
+) -> Replay:
+    """The replay of `lift`."""
+    motion = pitch.motion
+    peaks = [_peak(motion, order) for order in (1, 2)]
+    count = math.ceil(TURN / step)
+    grid = np.arange(count, dtype=np.float64) * (TURN / count)
+    grid = ascending(np.concatenate((grid, [peak.place for peak in peaks])))
+    special = ascending(np.concatenate((lift.borders, lift.breaks)))
+    lifts = [lift.at(special, side) for side in SIDES]
+    dropped = np.abs(lifts[1] - lifts[0]) > DROP * pitch.follower.lift_scale
+    drops = Jumps(special[dropped], lifts[0][dropped], lifts[1][dropped])
+    special = special[~dropped]
+    grid = grid[~np.isin(grid, np.concatenate((special, drops.phi)))]
+    left, right = (_Samples.of(lift, special, side) for side in SIDES)
+    shocks = _shocks(lift, left, right, corner)
+    # The left side of cam angle 0 is the end of the turn.
+    left = replace(left, phi=np.where(left.phi == 0.0, TURN, left.phi))
+    parts = (left, _Samples.of(lift, grid, "right"), right)
+    phi = np.concatenate([part.phi for part in parts])
+    order = np.argsort(phi, kind="stable")
+    numbers = np.concatenate([part.numbers for part in parts])[order]
+    element, smooth = held_at(lift, numbers, corner)
+    return Replay(
+        lift=lift,
+        press=press,
+        corner=corner,
+        phi=phi[order],
+        demanded=np.concatenate([part.demanded for part in parts], axis=1)[:, order],
+        actual=np.concatenate([part.actual for part in parts], axis=1)[:, order],
+        element=element,
+        smooth=smooth,
+        shocks=shocks,
+        drops=drops,
+        demanded_velocity=peaks[0].value,
+        demanded_acceleration=peaks[1].value,
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Samples:
+    """Cam angles (n,) [rad], the branches (n,) there, demanded and actual jets (3, n)."""
+
+    phi: FloatArray
+    numbers: IntArray
+    demanded: FloatArray
+    actual: FloatArray
+
+    @classmethod
+    def of(cls, lift: DiscLift, phi: FloatArray, side: Side) -> _Samples:
+        return cls(
+            phi,
+            lift.number(phi, side),
+            lift.motion.jet(phi, side, 2)[:3],
+            lift.jet(phi, side),
+        )
+
+
+def _shocks(lift: DiscLift, left: _Samples, right: _Samples, corner: float) -> Jumps:
+    """Where the direction in which the roller centre runs turns by more than `corner`."""
+    before, after = (lift.heading(side.phi, side.actual) for side in (left, right))
+    turned = np.abs(np.angle(after * before.conj()))
+    found = turned > corner
+    return Jumps(right.phi[found], left.actual[1][found], right.actual[1][found])
+
+
+def _peak(motion: Motion, order: int) -> Extreme:
+    """Largest magnitude of a derivative of the demanded lift, exactly."""
+    found = extremes(
+        motion,
+        lambda phi, side: motion.jet(phi, side)[order],
+        lambda phi, side: motion.jet(phi, side)[order + 1],
+    )
+    sides = (found.smallest(), found.largest())
+    value, place = max(sides, key=lambda side: abs(side[0]))
+    return Extreme(abs(value), place)
+
+
+# -- replay result --------------------------------------------------------------------------------
+# The result of a replay: the follower's motion on a disc next to the demanded one.
+#
+# Two replays together give the play that a conjugate pair of real discs leaves the follower.
+# Pressed against the main disc alone it has the lift q_1, against the return disc alone q_2. Each
+# disc stops it on its side, so that it can be anywhere between them; where they overlap the rollers
+# are squeezed.
+
+
+AS_DEMANDED_ELEMENT = np.iinfo(np.intp).min
+"""Number of the element that is the demanded motion itself: no piece or vertex has it."""
+
+EQUAL: Final = 1e-12
+"""Magnitudes that differ by less than this share of them differ by rounding."""
+
+POLISHED: Final = 1e-6
+"""Range [rad] on both sides of a largest value in which the root of its slope is its place."""
+
+
+class DiscLift(Protocol):
+    """The actual lift of a follower on a disc, over the cam angle.
+
+    Attributes
+    ----------
+    motion : the demanded lift.
+    outward : +1 if a positive lift moves the follower outward, else -1.
+    borders : (k,) cam angles [rad] in [0, 2 pi), ascending, at which what holds it changes.
+    numbers : (k,) what holds it from each border to the next, or AS_DEMANDED.
+    breaks : (m,) cam angles [rad] where a derivative of what is demanded may jump.
+    knots : (m,) the breaks and all other cam angles [rad] where its formula changes.
+    as_demanded : whether the lift is the demanded one, exactly, where it is AS_DEMANDED: not that
+        of a roller with play.
+    """
+
+    @property
+    def motion(self) -> Motion: ...
+
+    @property
+    def outward(self) -> int: ...
+
+    @property
+    def borders(self) -> FloatArray: ...
+
+    @property
+    def breaks(self) -> FloatArray: ...
+
+    @property
+    def knots(self) -> FloatArray: ...
+
+    @property
+    def as_demanded(self) -> bool: ...
+
+    @property
+    def numbers(self) -> IntArray: ...
+
+    def number(self, phi: FloatArray, side: Side = "right") -> IntArray:
+        """(n,) number of what holds it at `phi` (n,) [rad], or AS_DEMANDED."""
+
+    def held_by(self, numbers: IntArray) -> tuple[IntArray, FloatArray]:
+        """(n,) the contour's elements, as of `Replay`, and (n,) the turns of the contour [rad] at
+        vertices, a full turn elsewhere, for `numbers` (n,) other than AS_DEMANDED.
+        """
+
+    def at(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(n,) lift [mm or rad] at `phi` (n,) [rad]."""
+
+    def jet(self, phi: FloatArray, side: Side = "right", order: Literal[2, 3] = 2) -> FloatArray:
+        """(order + 1, n) lift with derivatives [mm or rad per rad^k] at `phi` (n,) [rad]; a roller
+        with play has two only.
+        """
+
+    def heading(self, phi: FloatArray, jet: FloatArray) -> ComplexArray:
+        """(n,) complex, a direction that turns where the velocity of `jet` (3, n) jumps."""
+
+    def shift_of(self, joint: float, error: FloatArray) -> FloatArray:
+        """(n,) [rad] how far from a `joint` [rad] of the demanded motion its place on the disc may
+        lie, by the `error` (3, n) of the lift and its derivatives around it.
+        """
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Jumps:
+    """Places at which the roller passes from one part of the disc to another with a jump.
+
+    Attributes
+    ----------
+    phi : (k,) cam angles [rad] in [0, 2 pi), ascending.
+    before, after : (k,) the value on both sides.
+    """
+
+    phi: FloatArray
+    before: FloatArray
+    after: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.phi)
+
+    def scaled(self, factor: float) -> Jumps:
+        """The same jumps in another unit."""
+        return Jumps(self.phi, factor * self.before, factor * self.after)
+
+    @property
+    def largest(self) -> Extreme | None:
+        """The largest jump (after - before) with its cam angle; None if there is none."""
+        if not len(self):
+            return None
+        index = int(np.argmax(np.abs(self.after - self.before)))
+        return Extreme(float((self.after - self.before)[index]), float(self.phi[index]))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Replay:
+    """The motion of the follower on a disc, next to the demanded one.
+
+    Samples are for pictures. They lie on a regular grid and at both sides of every place where the
+    formula of the actual or of the demanded motion changes; such a place occurs twice in `phi`, its
+    left side first. What is largest is sought in the smooth pieces between these places, whatever
+    the grid.
+
+    Attributes
+    ----------
+    lift : the actual lift as a function of the cam angle.
+    press : -1 if the roller is pressed inward, onto a disc, +1 if outward, into a ring.
+    corner : corners up to this angle [rad] are ignored.
+    phi : (n,) cam angles [rad] from 0 to 2 pi, ascending.
+    demanded, actual : (3, n) lift with two derivatives [mm or rad per rad^k].
+    element : (n,) number of the contour's piece that holds the roller, -1 - k at its vertex k, or
+        of the outline's corner k; `AS_DEMANDED_ELEMENT` where the roller is where it should be.
+    smooth : (n,) False at ignored corners, where the acceleration is meaningless.
+    shocks : jumps of the velocity [mm or rad per rad], including those that are demanded.
+    drops : jumps of the lift itself: the roller falls off an edge.
+    demanded_velocity, demanded_acceleration : largest magnitudes [mm or rad per rad^k].
+    """
+
+    lift: DiscLift
+    press: int
+    corner: float
+    phi: FloatArray
+    demanded: FloatArray
+    actual: FloatArray
+    element: IntArray
+    smooth: BoolArray
+    shocks: Jumps
+    drops: Jumps
+    demanded_velocity: float
+    demanded_acceleration: float
+
+    def __post_init__(self) -> None:
+        for name in ("phi", "demanded", "actual"):
+            object.__setattr__(self, name, frozen(getattr(self, name), np.float64))
+        object.__setattr__(self, "element", frozen(self.element, np.intp))
+        object.__setattr__(self, "smooth", frozen(self.smooth, np.bool_))
+
+    @property
+    def lost(self) -> FloatArray:
+        """(n,) lost stroke [mm or rad]: how far the roller gets beyond where it should be, into the
+        disc. Negative where the disc holds it off.
+        """
+        difference: FloatArray = self.actual[0] - self.demanded[0]
+        return self.press * self.lift.outward * difference
+
+    @property
+    def largest_loss(self) -> Extreme:
+        """Largest lost stroke with its cam angle; 0 if there is none.
+
+        Between the ends of smooth pieces it lies where both velocities are equal.
+        """
+        sense = self.press * self.lift.outward
+        edges = self._edges_apart()
+        found = piecewise_highest(lambda phi, side: sense * self._error(phi, side), edges)
+        if found.value <= 0.0:
+            return Extreme(0.0, found.place % TURN)
+        beside = np.searchsorted(edges, found.place) + np.array([-1, 0])
+        low = max(found.place - POLISHED, float(edges[max(beside[0], 0)]))
+        high = min(found.place + POLISHED, float(edges[beside[1]]))
+        ends = np.array([low, high])
+        slopes = self._error(ends, "right", 1) if low < found.place < high else np.zeros(2)
+        if slopes[0] * slopes[1] < 0.0:
+            phi = bracketed_roots(
+                lambda phi: self._error(phi, "right", 1), ends[:1], ends[1:], ends=slopes[:, None]
+            )
+            return Extreme(sense * float(self._error(phi, "right")[0]), float(phi[0]) % TURN)
+        return Extreme(found.value, found.place % TURN)
+
+    @property
+    def largest_error(self) -> Extreme:
+        """Difference actual - demanded lift of the largest magnitude, with its cam angle."""
+        return _farthest(piecewise_extremes(self._error, self._edges_apart()))
+
+    @property
+    def velocity(self) -> Extreme | None:
+        """Actual velocity of the largest magnitude, with its cam angle; None if it is unbounded,
+        where the lift jumps.
+        """
+        return self._peak(lambda phi, side: self.lift.jet(phi, side)[1])
+
+    @property
+    def acceleration(self) -> Extreme | None:
+        """Actual acceleration of the largest magnitude, with its cam angle; None as of `velocity`.
+
+        At ignored corners it does not count.
+        """
+        return self._peak(self._acceleration)
+
+    @property
+    def largest_acceleration_error(self) -> Extreme | None:
+        """Actual - demanded acceleration of the largest magnitude; None as of `velocity`.
+
+        A joint where the demanded acceleration jumps lies on the disc only within the disc's
+        position error; so close to one, a value between those of its two sides is not an error. Nor
+        do ignored corners count.
+        """
+        if len(self.drops):
+            return None
+        motion, edges = self.lift.motion, edges_between(self.lift)
+        joints = AccelerationJoints.between(self.lift.shift_of, self.lift.jet, motion, edges)
+        off = joints.deviation(
+            lambda phi, side: self.lift.jet(phi, side)[2],
+            lambda phi, side: motion.jet(phi, side, 2)[2],
+        )
+
+        def counted(phi: FloatArray, side: Side) -> FloatArray:
+            return np.where(self._is_smooth(phi, side), off(phi, side), 0.0)
+
+        return self._peak(counted, joints.ends)
+
+    @property
+    def ripple(self) -> float | None:
+        """Largest error of the acceleration over its demanded peak; None if that is 0, or the error
+        unbounded.
+        """
+        off = self.largest_acceleration_error if self.demanded_acceleration else None
+        return None if off is None else abs(off.value) / self.demanded_acceleration
+
+    @property
+    def largest_shock(self) -> float | None:
+        """Largest jump of the velocity over its demanded peak; None if that is 0."""
+        if self.demanded_velocity == 0.0:
+            return None
+        jump = self.shocks.largest
+        return 0.0 if jump is None else abs(jump.value) / self.demanded_velocity
+
+    def _error(self, phi: FloatArray, side: Side, order: Literal[0, 1] = 0) -> FloatArray:
+        """(n,) actual - demanded lift at `phi` (n,) [rad], or its first derivative."""
+        actual = self.lift.jet(phi, side)[1] if order else self.lift.at(phi, side)
+        return np.asarray(actual - self.lift.motion.jet(phi, side, 2 * order or 1)[order])
+
+    def _acceleration(self, phi: FloatArray, side: Side) -> FloatArray:
+        return np.where(self._is_smooth(phi, side), self.lift.jet(phi, side)[2], 0.0)
+
+    def _is_smooth(self, phi: FloatArray, side: Side) -> BoolArray:
+        """(n,) False at ignored corners."""
+        return held_at(self.lift, self.lift.number(phi, side), self.corner)[1]
+
+    def _edges_apart(self) -> FloatArray:
+        """`edges_between` without those inside ranges in which the lift is the demanded one."""
+        edges = edges_between(self.lift)
+        if not self.lift.as_demanded:
+            return edges
+        apart = self.lift.number(0.5 * (edges[:-1] + edges[1:])) != AS_DEMANDED
+        kept: FloatArray = edges[np.append(True, apart) | np.append(apart, True)]
+        return kept
+
+    def _peak(self, quantity: Quantity, more: FloatArray | None = None) -> Extreme | None:
+        """Of the largest magnitude; it is smooth between `edges_between` and what there is `more`
+        (k,) [rad].
+        """
+        if len(self.drops):
+            return None
+        edges = edges_between(self.lift)
+        edges = edges if more is None else ascending(np.concatenate((edges, more)))
+        return _farthest(piecewise_extremes(quantity, edges))
+
+
+def edges_between(*lifts: DiscLift) -> FloatArray:
+    """(k,) cam angles [rad] from 0 to 2 pi between which the lifts and what is demanded are
+    smooth.
+    """
+    parts = [part for lift in lifts for part in (lift.borders, lift.knots)]
+    return ascending(np.clip(np.concatenate((np.array([0.0, TURN]), *parts)), 0.0, TURN))
+
+
+def held_at(lift: DiscLift, numbers: IntArray, corner: float) -> tuple[IntArray, BoolArray]:
+    """(n,) the `element` and (n,) whether it is `smooth`, see `Replay`, where `numbers` (n,) hold
+    the follower and corners up to `corner` [rad] are ignored.
+    """
+    element = np.full(len(numbers), AS_DEMANDED_ELEMENT)
+    smooth = np.ones(len(numbers), dtype=np.bool_)
+    held = numbers != AS_DEMANDED
+    element[held], turns = lift.held_by(numbers[held])
+    smooth[held] = turns > corner
+    return element, smooth
+
+
+def _farthest(found: Extremes) -> Extreme:
+    """That of the larger magnitude, in the first turn; the highest one if they are equal but for
+    rounding.
+    """
+    higher = found.highest.value >= -found.lowest.value * (1.0 - EQUAL)
+    one = found.highest if higher else found.lowest
+    return Extreme(one.value, one.place % TURN)
+
+
+def play(main: Replay, other: Replay, phi: FloatArray, side: Side = "right") -> FloatArray:
+    """(n,) play between the discs at the cam angles `phi` (n,) [rad], negative where they squeeze.
+
+    In the unit of the lift [mm or rad]: outward times (q_2 - q_1), outward the sense of a lift that
+    takes the main roller away from the cam axis.
+    """
+    outward = main.lift.outward
+    return outward * (other.lift.at(phi, side) - main.lift.at(phi, side))
+
+
+def closing_error(main: Replay, other: Replay) -> Extremes:
+    """`extreme_play` between two discs.
+
+    Raises
+    ------
+    GeometryError
+        If both discs push the follower in the same sense, so that it is not between them.
+    """
+    if main.lift.outward == other.lift.outward:
+        raise GeometryError("the two discs push the follower in the same sense: they do not close")
+    return extreme_play(main, other)
+
+
+def extreme_play(main: Replay, other: Replay) -> Extremes:
+    """Smallest and largest `play` over the turn, between two discs, or between two flanks if `main`
+    is on the inner one.
+    """
+    edges = edges_between(main.lift, other.lift)
+    return piecewise_extremes(lambda phi, side: play(main, other, phi, side), edges)

@@ -1,0 +1,641 @@
+"""The part of the disc that holds the roller at each cam angle, and the resulting lift.
+
+The roller is pressed along the follower's path until it touches: of all branches that the path
+meets, the outermost holds a roller that is pressed inward, the innermost one that is pressed
+outward, see `camgeo.geometry.outline.outline`.
+
+A roller with play touches one flank of its groove, which lies half the groove's width from the
+pitch curve, so that its centre runs on the pitch curve's parallel at half the clearance. At the cam
+angle phi it touches the flank where the demanded motion would touch it at another cam angle theta:
+the one at which the follower's path at phi meets the parallel.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal, Protocol
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.geometry.outline.outline import (
+    NONE,
+    Cells,
+    Pairs,
+    changes,
+    covered,
+    outermost,
+    piece_at,
+    seen,
+    together,
+)
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.follower_path import Bows, FollowerPath, lift_jet
+from camgeo.kinematics.motion import Motion
+from camgeo.numeric.arrays import (
+    BoolArray,
+    ComplexArray,
+    FloatArray,
+    IntArray,
+    Side,
+    ascending,
+    dot,
+    grouped,
+    joined,
+)
+from camgeo.units import TURN
+
+STEPS = 40
+"""Most Newton steps; the parallel is near the pitch curve, so five are already many."""
+
+SETTLED = 64.0 * 2.0**-52
+"""A step [rad] below this, a few roundings of a cam angle, is the last one."""
+
+LONGEST = 0.2
+"""Longest Newton step [rad]."""
+
+AT = 1e-9
+"""Within this distance of a break [rad] theta counts as the break, seen from the requested side."""
+
+
+@dataclass(frozen=True)
+class PlayedLift:
+    """The lift of a roller whose centre runs on a parallel of the pitch curve.
+
+    Attributes
+    ----------
+    path : of the follower.
+    parallel : the curve of the roller centres: the pitch curve's parallel at -c/2 for a roller on
+        the inner flank of a groove with the clearance c, at +c/2 on the outer one. Regular, and
+        without corners.
+    """
+
+    path: FollowerPath
+    parallel: WorkingCurve
+
+    @cached_property
+    def breaks(self) -> FloatArray:
+        """(m,) cam angles [rad] in [0, 2 pi) at which the roller passes breaks of the curve."""
+        return self._passed(self.parallel.breaks)
+
+    @cached_property
+    def borders(self) -> FloatArray:
+        """(m,) cam angles [rad] in [0, 2 pi) at which it passes borders of the curve."""
+        return self._passed(self.parallel.borders)
+
+    def _passed(self, theta: FloatArray) -> FloatArray:
+        angles, _ = self.path.cam_angle_of(self.parallel.point(theta))
+        return ascending(angles)
+
+    def leverage(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(n,) dn/dq of this lift, see `camgeo.geometry.pitch_curve.PitchCurve.leverage`."""
+        points, tangents, _ = self.parallel.traced(self._at_breaks(self.touching(phi)), side)
+        angles, q = self.path.cam_angle_of(points)
+        normals = 1j * self.parallel.pitch.rotation * tangents
+        along, _ = self.path.along(angles, q)
+        lever: FloatArray = self.path.outward * dot(normals, along)
+        return lever
+
+    def jet(self, phi: FloatArray, side: Side = "right", order: int = 2) -> FloatArray:
+        """(3, n) lift with two derivatives [mm or rad per rad^k] at `phi` (n,) [rad], whatever the
+        `order`.
+
+        The path meets the circle of curvature of the parallel there as it does the parallel itself
+        up to the second order.
+
+        Raises
+        ------
+        GeometryError
+            If the path does not meet the parallel nearby, or is tangent to it.
+        """
+        theta = self.touching(phi)
+        at = self._at_breaks(theta)
+        points, tangents, _ = self.parallel.traced(at, side)
+        normals = 1j * self.parallel.pitch.rotation * tangents
+        _, q = self.path.cam_angle_of(points)
+        bows = Bows(points, normals, self.parallel.curvature(at, side))
+        return lift_jet(self.path, phi, q, bows)[:3]
+
+    def touching(self, phi: FloatArray) -> FloatArray:
+        """(n,) theta [rad] at `phi` (n,) [rad], by Newton's method; raises as `jet`."""
+        theta = np.asarray(phi, dtype=np.float64)
+        for _ in range(STEPS):
+            points, tangents, pace = self.parallel.traced(theta)
+            angles, q = self.path.cam_angle_of(points)
+            # Along the parallel dZ = (Z_phi) dphi + (Z_q) dq; the part across the path is dphi's.
+            across = np.conj(self.path.along(angles, q)[0])
+            turning = (across * (-1j * self.path.rotation) * points).imag
+            rate = (across * tangents).imag * pace
+            if np.any(rate * turning <= 0.0):
+                break
+            away = np.remainder(phi - angles + math.pi, TURN) - math.pi
+            step = np.clip(away * turning / rate, -LONGEST, LONGEST)
+            theta = theta + step
+            if np.max(np.abs(step), initial=0.0) <= SETTLED * TURN:
+                return theta
+        raise GeometryError(
+            "the play is too large to be followed: the follower's path does not meet the curve of"
+            " the roller centre on that flank near by"
+        )
+
+    def _at_breaks(self, theta: FloatArray) -> FloatArray:
+        """`theta` in one turn, on the breaks themselves where it is there to rounding."""
+        breaks = np.append(self.parallel.breaks, self.parallel.breaks[:1] + TURN)
+        turned = np.remainder(theta, TURN)
+        above = np.searchsorted(breaks, turned)
+        for index in (above - 1, np.minimum(above, len(breaks) - 1)) if len(breaks) else ():
+            near = np.abs(turned - breaks[index]) <= AT
+            turned = np.where(near, breaks[index], turned)
+        return np.where(turned >= TURN, turned - TURN, turned)
+
+
+AS_DEMANDED = NONE
+"""Number of the branch that is the demanded motion itself, or that with the roller's play."""
+
+SEAM = 1e-9
+"""Width [rad] up to which a range without any branch is a seam: two branches meet there, and their
+ends differ by rounding."""
+
+HALF_ARC = 0.52
+"""Half an arc of at most an eighth of a turn over its chord, at most: pi/16 / sin(pi/8)."""
+
+
+class Touched(Protocol):
+    """What a roller may run on, as `camgeo.geometry.outline.roller.Branches`."""
+
+    @property
+    def elements(self) -> IntArray: ...
+
+    @property
+    def corners(self) -> FloatArray: ...
+
+    def jet(
+        self, path: FollowerPath, phi: FloatArray, index: IntArray, order: Literal[0, 2, 3]
+    ) -> FloatArray: ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ActualLift:
+    """The actual lift of a roller that is pressed against a disc, over the cam angle.
+
+    Attributes
+    ----------
+    path : of the follower.
+    motion : the demanded lift.
+    branches : those that the roller may run on.
+    borders : (k,) cam angles [rad] in [0, 2 pi), ascending, at which the branch changes.
+    numbers : (k,) branch from each border to the next, or AS_DEMANDED.
+    played : the motion that a roller with play makes where it is AS_DEMANDED; None without play.
+    """
+
+    path: FollowerPath
+    motion: Motion
+    branches: Touched
+    borders: FloatArray
+    numbers: IntArray
+    played: PlayedLift | None = None
+
+    @property
+    def breaks(self) -> FloatArray:
+        """(m,) cam angles [rad] where a derivative of the demanded or the played lift may jump."""
+        if self.played is None:
+            return self.motion.breaks
+        return ascending(np.concatenate((self.motion.breaks, self.played.breaks)))
+
+    @property
+    def knots(self) -> FloatArray:
+        """See `camgeo.geometry.outline.replay.DiscLift`."""
+        if self.played is None:
+            return self.motion.borders
+        return ascending(np.concatenate((self.motion.borders, self.played.borders)))
+
+    @property
+    def as_demanded(self) -> bool:
+        """See `camgeo.geometry.outline.replay.DiscLift`."""
+        return self.played is None
+
+    @property
+    def outward(self) -> int:
+        """See `camgeo.geometry.outline.replay.DiscLift`."""
+        return self.path.outward
+
+    def held_by(self, numbers: IntArray) -> tuple[IntArray, FloatArray]:
+        """See `camgeo.geometry.outline.replay.DiscLift`."""
+        return self.branches.elements[numbers], self.branches.corners[numbers]
+
+    def heading(self, phi: FloatArray, jet: FloatArray) -> ComplexArray:
+        """Where the roller centre runs in the cam, see `DiscLift` of `geometry.outline.replay`."""
+        q = self.path.start + self.outward * jet[0]
+        turn = -1j * self.path.rotation * self.path.point(phi, q)
+        along, _ = self.path.along(phi, q)
+        way: ComplexArray = turn + along * self.outward * jet[1]
+        return way
+
+    def shift_of(self, _: float, error: FloatArray) -> FloatArray:
+        """See `camgeo.geometry.outline.replay.DiscLift`: as far as the roller centre is off."""
+        at_start = np.zeros(1), np.full(1, self.path.start)
+        along, point = self.path.along(*at_start)[0], self.path.point(*at_start)
+        return np.asarray(abs(complex(along[0]) / complex(point[0])) * np.abs(error[0]))
+
+    def without_corners(self, corner: float) -> ActualLift:
+        """The same lift where the roller does not turn about corners of up to `corner` [rad]: the
+        branch before one goes on, off by less than the square of the turn.
+        """
+        _, turns = self.held_by(self.numbers)
+        kept = turns > corner
+        return replace(self, borders=self.borders[kept], numbers=self.numbers[kept])
+
+    def number(self, phi: FloatArray, side: Side = "right") -> IntArray:
+        """(n,) the branch at `phi` (n,) [rad]."""
+        return piece_at(self.borders, self.numbers, phi, side)
+
+    def at(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(n,) lift [mm or rad] at `phi` (n,) [rad]."""
+        return np.asarray(self._rows(phi, side, 0)[0])
+
+    def jet(self, phi: FloatArray, side: Side = "right", order: Literal[2, 3] = 2) -> FloatArray:
+        """(order + 1, n) lift with derivatives [mm or rad per rad^k] at `phi` (n,) [rad].
+
+        With play there is no third one.
+
+        Raises
+        ------
+        GeometryError
+            Where the lift jumps, because its velocity is unbounded there.
+        """
+        return self._rows(phi, side, order)
+
+    def _rows(self, phi: FloatArray, side: Side, order: Literal[0, 2, 3]) -> FloatArray:
+        """(order + 1, n) lift with derivatives."""
+        number = self.number(phi, side)
+        held = number != AS_DEMANDED
+        out = np.empty((order + 1, len(phi)))
+        if not np.all(held):
+            made = self.motion if self.played is None else self.played
+            out[:, ~held] = made.jet(phi[~held], side, max(order, 1))[: order + 1]
+        if np.any(held):
+            out[:, held] = self.branches.jet(self.path, phi[held], number[held], order)
+        return out
+
+
+def pressed(
+    branches: Branches, path: FollowerPath, press: int, ranges: tuple[FloatArray, FloatArray]
+) -> tuple[FloatArray, IntArray]:
+    """Borders (k,) [rad] and the branch (k,) that holds the roller from each of them on.
+
+    Parameters
+    ----------
+    press : -1 if the roller is pressed inward and the outermost branch holds it, +1 if outward.
+    ranges : starts (r,) in [0, 2 pi) and ends (r,) [rad] of the ranges of cam angle to examine, at
+        most a turn each, without overlap.
+
+    Raises
+    ------
+    GeometryError
+        If no branch covers some cam angle of them.
+    """
+    starts, ends = ranges
+    nodes = ascending(np.concatenate((branches.lows, branches.highs, starts, ends % TURN)))
+    wanted = _wanted(nodes, starts, ends)
+    cells = Cells.between(nodes)
+    first = np.searchsorted(nodes, branches.lows)
+    count = np.remainder(np.searchsorted(nodes, branches.highs) - first, len(nodes))
+    cell, branch = covered(cells, first, count, "parallel at the roller radius lies")
+    used = wanted[cell]
+    cell, branch = cell[used], branch[used]
+    _require_cover(cells, wanted, cell)
+    cell, branch = _without_hidden(cells, cell, branch, branches, path, press)
+    inner = _crossings(cells, cell, branch, branches, path)
+
+    def height(chosen: IntArray, phi: FloatArray) -> FloatArray:
+        return -press * path.meet(phi, branches.bows.take(chosen), branches.facing[chosen])
+
+    borders, parent, held = outermost(cells, (cell, branch), inner, height)
+    seam = np.flatnonzero(wanted[parent] & (held == AS_DEMANDED))
+    for number in seam:
+        held[number] = held[number - 1]
+    return changes(borders, held)
+
+
+def _wanted(nodes: FloatArray, starts: FloatArray, ends: FloatArray) -> BoolArray:
+    """(m,) whether the cell from each node on is in one of the ranges, whose ends are nodes."""
+    cell = np.arange(len(nodes))
+    wanted = np.zeros(len(nodes), dtype=np.bool_)
+    for start, end in zip(starts, ends, strict=True):
+        first, last = np.searchsorted(nodes, (start, end % TURN))
+        count = (last - first) % len(nodes) if end - start < TURN else len(nodes)
+        wanted |= np.remainder(cell - first, len(nodes)) < count
+    return wanted
+
+
+def _without_hidden(
+    cells: Cells,
+    cell: IntArray,
+    branch: IntArray,
+    branches: Branches,
+    path: FollowerPath,
+    press: int,
+) -> Pairs:
+    """The pairs without those whose branch lies behind another one throughout their cell."""
+    several = np.bincount(cell, minlength=len(cells))[cell] > 1
+    inner, held = cell[several], branch[several]
+    if not len(inner):
+        return cell, branch
+    bows, facing = branches.bows.take(held), branches.facing[held]
+    ends = []
+    for angles in (cells.low[inner], cells.high[inner]):
+        ends.append(path.point(angles, path.meet(angles, bows, facing)))
+    middle = 0.5 * (np.abs(ends[0]) + np.abs(ends[1]))
+    half = HALF_ARC * np.abs(ends[1] - ends[0])
+    near, far = path.coordinate(np.maximum(middle - half, 0.0)), path.coordinate(middle + half)
+    low, high = (near, far) if press < 0 else (-far, -near)
+    kept = np.ones(len(cell), dtype=np.bool_)
+    kept[several] = seen(inner, low, high)
+    return cell[kept], branch[kept]
+
+
+def _require_cover(cells: Cells, wanted: BoolArray, cell: IntArray) -> None:
+    bare = wanted & (np.bincount(cell, minlength=len(wanted)) == 0)
+    bare &= cells.high - cells.low > SEAM
+    if np.any(bare):
+        place = np.degrees(cells.low[np.flatnonzero(bare)[0]])
+        raise GeometryError(
+            f"at cam angle {place:.6g} degrees the follower's path does not meet the contour; it"
+            " must run once round the cam axis, within the follower's reach"
+        )
+
+
+def _crossings(
+    cells: Cells, cell: IntArray, branch: IntArray, branches: Branches, path: FollowerPath
+) -> FloatArray:
+    """Cam angles (k,) [rad] inside cells at which two branches that cover them cross."""
+    low, high = path.reach
+    found = [np.empty(0)]
+    for index, with_index in together(cell):
+        one, other = (branches.bows.take(branch[each]) for each in (index, with_index))
+        for places in one.crossings(other):
+            real = np.flatnonzero(np.isfinite(places))
+            points = one.take(real).at(places[real])
+            reached = np.flatnonzero((np.abs(points) > low) & (np.abs(points) < high))
+            phi, _ = path.cam_angle_of(points[reached])
+            inside = cell[index[real[reached]]]
+            wide = cells.high[inside] - cells.low[inside]
+            offset = np.remainder(phi - cells.low[inside], TURN)
+            found.append(phi[(offset > 0.0) & (offset < wide)])
+    return np.concatenate(found)
+
+
+# -- roller path ----------------------------------------------------------------------------------
+# The curve on which the roller centre runs when the roller is pressed against lines and arcs.
+#
+# It is the contour's parallel at the roller radius: a line gives a line, an arc a concentric arc, a
+# corner the arc of the roller radius about it. Nothing is trimmed: where the contour turns in, or
+# is too narrow for the roller, the parallel crosses itself, and the follower's place decides (see
+# `camgeo.geometry.outline.roller`). Each of its points is a roller radius from some point of the
+# contour, so none can represent a place that the roller does not reach.
+
+
+MOST_TURN = math.pi / 4.0
+"""Largest sweep of a cut arc [rad]: the parameter of a bow is infinite at half a turn."""
+
+POINT = 1e-12
+"""An arc whose parallel has less than this fraction of its radius is a point of the roller path."""
+
+SHARP = 0.75 * math.pi
+"""A vertex at which the contour turns by more [rad] is a spike or a slot's end."""
+
+BACKWARDS = TURN - 1e-6
+"""A branch that seems to cover nearly the whole turn covers none: its ends differ by rounding, the
+wrong way round. No branch covers more than a turn less the eighth by which arcs are cut."""
+
+
+class LinesAndArcs(Protocol):
+    """A closed contour as of `camgeo.geometry.contour.contour.Contour`, run counter-clockwise [mm,
+    rad].
+    """
+
+    @property
+    def vertices(self) -> ComplexArray: ...
+
+    @property
+    def ends(self) -> ComplexArray: ...
+
+    @property
+    def sweeps(self) -> FloatArray: ...
+
+    @property
+    def centres(self) -> ComplexArray: ...
+
+    @property
+    def area(self) -> float: ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Parallel:
+    """Pieces of a parallel of a contour, each a line or an arc.
+
+    Attributes
+    ----------
+    bows : (m,) on which the pieces lie, known at their starts.
+    lengths : (m,) parameters of the ends on the bows [mm]; negative where the piece runs back.
+    ends : (m,) complex [mm], its ends.
+    elements : (m,) numbers of the contour's pieces; -1 - k of those about vertex k.
+    corners : (m,) [rad] turn of the contour at the vertex that a piece goes about; a full turn for
+        all other pieces.
+    """
+
+    bows: Bows
+    lengths: FloatArray
+    ends: ComplexArray
+    elements: IntArray
+    corners: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Branches:
+    """Stretches of lines and arcs that each cross the follower's path once at each cam angle.
+
+    Attributes
+    ----------
+    bows : (m,) on which they lie.
+    facing : (m,) +1 where the bow's normal has a part outward along the follower's path, else -1.
+    lows, highs : (m,) cam angles [rad] in [0, 2 pi) between which they lie; high < low where a
+        branch reaches across cam angle 0. Equal angles cover nothing.
+    elements, corners : (m,), as of `Parallel`.
+    """
+
+    bows: Bows
+    facing: FloatArray
+    lows: FloatArray
+    highs: FloatArray
+    elements: IntArray
+    corners: FloatArray
+
+    def jet(
+        self, path: FollowerPath, phi: FloatArray, index: IntArray, order: Literal[0, 2, 3]
+    ) -> FloatArray:
+        """(order + 1, n) lift with derivatives [mm or rad per rad^k] where the path at `phi` (n,)
+        [rad] meets the branches `index` (n,).
+        """
+        bows = self.bows.take(index)
+        q = path.meet(phi, bows, self.facing[index])
+        if order:
+            return lift_jet(path, phi, q, bows)[: order + 1]
+        lift: FloatArray = path.outward * (q - path.start)
+        return lift[np.newaxis]
+
+
+def parallel(contour: LinesAndArcs, distance: float) -> Parallel:
+    """The parallel of `contour` at `distance` [mm], positive to its right-hand side.
+
+    Between pieces that meet at an angle the arc about the vertex, run backwards where the contour
+    turns in; none at distance 0, where a knife edge goes from piece to piece.
+
+    Raises
+    ------
+    GeometryError
+        If the contour has no extent or does not run counter-clockwise.
+    """
+    starts, ends = contour.vertices, contour.ends
+    used = np.flatnonzero((starts != ends) | (contour.sweeps != 0.0))
+    if not len(used) or not contour.area > 0.0:
+        raise GeometryError("the contour must enclose an area and run counter-clockwise")
+    starts, ends = starts[used], ends[used]
+    sweeps, centres = contour.sweeps[used], contour.centres[used]
+    arc, sense = sweeps != 0.0, np.sign(sweeps)
+    chords = ends - starts
+    first = _unit(np.where(arc, sense * (starts - centres), -1j * chords))
+    last = np.where(arc, _unit(np.where(arc, sense * (ends - centres), 1.0)), first)
+    curvatures = np.where(arc, sense / np.where(arc, np.abs(starts - centres), 1.0), 0.0)
+    share = 1.0 + curvatures * distance
+    kept = np.flatnonzero(np.abs(share) > POINT)
+    pieces = cut(
+        starts[kept] + distance * first[kept],
+        ends[kept] + distance * last[kept],
+        first[kept],
+        curvatures[kept] / share[kept],
+        sweeps[kept],
+        np.where(arc, 0.0, np.abs(chords))[kept],
+        used[kept],
+    )
+    if distance == 0.0:
+        return pieces
+    following = np.roll(first, -1)
+    turns = np.angle(following * last.conj())
+    # Of a spike the sign of the turn is rounding, and beside a cusp of two arcs they may cross:
+    # all places about such a vertex.
+    sharp = np.abs(turns) > SHARP
+    turns = np.where(sharp, TURN, turns)
+    corners = cut(
+        ends + distance * last,
+        ends + distance * np.where(sharp, last, following),
+        last,
+        np.full(len(ends), 1.0 / distance),
+        turns,
+        np.zeros(len(ends)),
+        -1 - np.roll(used, -1),
+    )
+    return joined([pieces, corners])
+
+
+def circles(centres: ComplexArray, radius: float) -> Parallel:
+    """Whole circles of `radius` [mm], negative for an inward normal, about `centres`."""
+    number = np.arange(len(centres))
+    starts = centres + radius
+    zero = np.zeros(len(centres))
+    normals = np.ones(len(centres), dtype=np.complex128)
+    return cut(starts, starts, normals, zero + 1.0 / radius, zero + TURN, zero, -1 - number)
+
+
+def branches(pieces: Parallel, path: FollowerPath) -> Branches:
+    """Cut `pieces` where the follower's path is tangent to them, and where its reach ends.
+
+    Parts beyond the reach are omitted.
+    """
+    low, high = path.reach
+    bows = pieces.bows
+    places = [path.touching(bows), bows.at_distance(low)]
+    if math.isfinite(high):
+        places.append(bows.at_distance(high))
+    inner = np.concatenate(places)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shares = inner / pieces.lengths
+        shares[~((shares > 0.0) & (shares < 1.0))] = np.inf
+    count = len(bows)
+    shares = np.sort(np.concatenate((np.zeros((1, count)), shares, np.ones((1, count)))), axis=0)
+    parts = np.sum(shares <= 1.0, axis=0) - 1
+    index, rank = grouped(parts)
+    begin, end = shares[rank, index], shares[rank + 1, index]
+    bows, lengths = bows.take(index), pieces.lengths[index]
+    middle = bows.at(0.5 * (begin + end) * lengths)
+    inside = (np.abs(middle) > low) & (np.abs(middle) < high)
+    keep = np.flatnonzero(inside)
+    index, begin, end, middle = index[keep], begin[keep], end[keep], middle[keep]
+    bows, lengths = bows.take(keep), lengths[keep]
+    phi, q = path.cam_angle_of(middle)
+    along, _ = path.along(phi, q)
+    normal = bows.normal_at(middle)
+    facing = np.where((normal.conj() * along).real < 0.0, -1.0, 1.0)
+    starts = np.where(begin == 0.0, bows.points, bows.at(begin * lengths))
+    ends = np.where(end == 1.0, pieces.ends[index], bows.at(end * lengths))
+    first, _ = path.cam_angle_of(_within(starts, path.reach))
+    last, _ = path.cam_angle_of(_within(ends, path.reach))
+    # dphi along the curve has the sign of -sigma * facing, with its normal on the right.
+    forward = path.rotation * facing * np.sign(lengths) < 0.0
+    lows, highs = np.where(forward, first, last), np.where(forward, last, first)
+    none = np.remainder(highs - lows, TURN) > BACKWARDS
+    return Branches(
+        bows=bows,
+        facing=facing,
+        lows=lows,
+        highs=np.where(none, lows, highs),
+        elements=pieces.elements[index],
+        corners=pieces.corners[index],
+    )
+
+
+def cut(
+    starts: ComplexArray,
+    ends: ComplexArray,
+    normals: ComplexArray,
+    curvatures: FloatArray,
+    turns: FloatArray,
+    lengths: FloatArray,
+    elements: IntArray,
+) -> Parallel:
+    """Arcs cut into parts of at most MOST_TURN; `lengths` (n,) of those that are lines, else 0."""
+    parts = np.maximum(1, np.ceil(np.abs(turns) / MOST_TURN)).astype(np.intp)
+    index, rank = grouped(parts)
+    step = turns[index] / parts[index]
+    normal = normals[index] * np.exp(1j * step * rank)
+    kappa = curvatures[index]
+    bent = kappa != 0.0
+    shift = np.divide(normal - normals[index], kappa, out=np.zeros_like(normal), where=bent)
+    point = starts[index] + shift
+    finish = np.where(rank + 1 == parts[index], ends[index], np.roll(point, -1))
+    way = np.divide(2.0 * np.tan(0.5 * step), kappa, out=np.zeros_like(step), where=bent)
+    return Parallel(
+        Bows(point, normal, kappa),
+        np.where(bent, way, lengths[index]),
+        finish,
+        elements[index],
+        np.where(elements < 0, np.abs(turns), TURN)[index],
+    )
+
+
+def _unit(vectors: ComplexArray) -> ComplexArray:
+    """(n,) in the directions of `vectors` (n,); 0 of 0."""
+    size = np.abs(vectors)
+    out: ComplexArray = np.divide(vectors, size, out=np.zeros_like(vectors), where=size > 0.0)
+    return out
+
+
+def _within(points: ComplexArray, reach: tuple[float, float]) -> ComplexArray:
+    """(n,) `points` with those just beyond the reach moved to its border."""
+    distance = np.abs(points)
+    wanted = np.clip(distance, *reach)
+    scale = np.divide(wanted, distance, out=np.ones_like(distance), where=distance > 0.0)
+    moved: ComplexArray = points * scale
+    return moved

@@ -1,0 +1,390 @@
+"""The smooth pieces of a curve: the parts of the turn between neighbouring breaks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import singledispatch
+from typing import Protocol
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.together import curves_together
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.motion import Dwell, Motion
+from camgeo.kinematics.plan import MotionPlan
+from camgeo.numeric.arrays import (
+    ONE,
+    Asked,
+    BoolArray,
+    ComplexArray,
+    FloatArray,
+    IntArray,
+    Many,
+    Quantity,
+    ascending,
+    frozen,
+    merged,
+    read_only,
+)
+from camgeo.numeric.extremes import cells_between, isolated_roots, places_in
+from camgeo.numeric.kept import kept_with_each, kept_with_owner
+from camgeo.record import Brief
+from camgeo.units import TURN
+
+
+class HasBreaks(Protocol):
+    """Any function of the cam angle that knows its breaks and dwells."""
+
+    @property
+    def breaks(self) -> FloatArray: ...
+
+    @property
+    def dwells(self) -> tuple[Dwell, ...]: ...
+
+
+class HasBorders(HasBreaks, Protocol):
+    """One that also knows where its formula changes, the breaks among them."""
+
+    @property
+    def borders(self) -> FloatArray: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """A smooth piece over the cam angles [start, end] [rad]; end may exceed 2 pi, start may
+    not.
+
+    Its values are the right-hand ones at `start`, the left-hand ones at `end`. `centre` is the
+    point [mm] about which it turns rigidly with the cam, the cam axis in a dwell; else None.
+    """
+
+    start: float
+    end: float
+    centre: complex | None = None
+
+    @property
+    def is_arc(self) -> bool:
+        """Whether it is one arc."""
+        return self.centre is not None
+
+    @property
+    def dwell(self) -> bool:
+        """Whether it is an arc about the cam axis."""
+        return self.centre == 0.0
+
+
+def smooth_pieces(curve: HasBreaks) -> tuple[Piece, ...]:
+    """The smooth pieces of one turn, in order; the last may reach across cam angle 0."""
+    breaks = [float(angle) for angle in curve.breaks]
+    dwell_starts = {dwell.start for dwell in curve.dwells}
+    if not breaks:
+        return (Piece(0.0, TURN, 0j if dwell_starts else None),)
+    ends = [*breaks[1:], breaks[0] + TURN]
+    return tuple(
+        Piece(start, end, 0j if start in dwell_starts else None)
+        for start, end in zip(breaks, ends, strict=True)
+    )
+
+
+WIDEST = np.pi / 32.0
+"""Longest cell [rad]."""
+
+MOST = 1_000_000
+"""Most cells halved at once; a curve needs some hundred, plus one per segment of its motion."""
+
+
+@kept_with_owner
+def turn_cells(pitch: PitchCurve) -> tuple[FloatArray, FloatArray]:
+    """Ends (n,), (n,) [rad] of cells that fill [0, 2 pi], none across a border."""
+    grid = np.linspace(0.0, TURN, int(np.ceil(TURN / WIDEST)) + 1)
+    ends = read_only(ascending(np.concatenate((grid, pitch.borders))))
+    return ends[:-1], ends[1:]
+
+
+@kept_with_each
+def turn_enclosed(pitches: Sequence[PitchCurve]) -> list[tuple[ComplexArray, FloatArray]]:
+    """`PitchCurve.jet_and_bounds` of the cells of the turn, of curves for `curves_together`."""
+    low, high = turn_cells(pitches[0])
+    found = []
+    for curve, times in curves_together(pitches).blocks(len(low)):
+        enclosed = curve.jet_and_bounds(np.tile(low, times), np.tile(high, times))
+        for one in range(times):
+            own = slice(one * len(low), (one + 1) * len(low))
+            jet, bounds = enclosed[0][:, own].copy(), enclosed[1][:, own].copy()
+            found.append((read_only(jet), read_only(bounds)))
+    return found
+
+
+def halves(low: FloatArray, high: FloatArray, which: BoolArray) -> tuple[FloatArray, FloatArray]:
+    """Ends (2 k,), (2 k,) of the halves of the cells [low, high] (n,) [rad] selected by `which`.
+
+    GeometryError if those are more than `MOST`.
+    """
+    low, high = low[which], high[which]
+    if len(low) > MOST:
+        place = math.degrees(low[0] % TURN)
+        raise GeometryError(
+            f"about cam angle {place:.6f} deg the pitch curve is too steep, or meets a limit too"
+            f" exactly along a stretch, for {MOST:,} cells to decide what is left of the disc"
+        )
+    middle = 0.5 * (low + high)
+    return np.concatenate((low, middle)), np.concatenate((middle, high))
+
+
+def slowest(pitch: PitchCurve) -> float:
+    """A lower bound of |Z'| [mm/rad] over the turn; negative where the cells are too wide to tell.
+
+    |Z'| changes over half a cell of width 2 h by at most h |Z''| + h^2/2 max |Z'''|.
+    """
+    low, high = turn_cells(pitch)
+    half = 0.5 * (high - low)
+    jet, (_, _, third) = turn_enclosed(pitch)
+    return float(np.min(np.abs(jet[1]) - half * (np.abs(jet[2]) + 0.5 * half * third)))
+
+
+# -- circles --------------------------------------------------------------------------------------
+# The stretches of a pitch curve that are exactly arcs, run through evenly as the cam turns.
+#
+# Rests are arcs about the cam axis. Under a flat face on a guide so is each stretch with s''' =
+# -s', about a point of the cam: an eccentric disc. Z turns rigidly about it, Z' = -i sigma (Z - c),
+# and so do all parallels.
+
+
+ROUNDING = 2.0**-52 * 32.0
+"""Rounding of a centre, as a fraction of the lengths that it is computed from."""
+
+NOWHERE = complex(np.nan, np.nan)
+
+
+@singledispatch
+def harmonics(_motion: Motion) -> tuple[Dwell, ...]:
+    """The stretches on which it is known that s''' = -s', apart from rests; no border inside."""
+    return ()
+
+
+@harmonics.register
+def _of_plan(motion: MotionPlan) -> tuple[Dwell, ...]:
+    return motion.harmonics
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Circles:
+    """The stretches of a pitch curve that are known to be arcs, in order.
+
+    Attributes
+    ----------
+    starts, spans : (k,) [rad] cam angles at which they begin, in [0, 2 pi), and their lengths.
+    centres : (k,) complex [mm] the point about which each turns rigidly with the cam.
+    """
+
+    starts: FloatArray
+    spans: FloatArray
+    centres: ComplexArray
+
+
+@kept_with_owner
+def circles(pitch: PitchCurve) -> Circles:
+    """All stretches known to be arcs."""
+    rests = pitch.dwells
+    moves = harmonics(pitch.motion) if pitch.follower.harmonic_is_round else ()
+    starts = np.array([each.start for each in (*rests, *moves)])
+    spans = np.array([each.span for each in (*rests, *moves)])
+    centres = np.zeros(len(starts), dtype=np.complex128)
+    if moves:
+        moving = slice(len(rests), None)
+        jet = pitch.jet(starts[moving] + 0.5 * spans[moving])
+        centres[moving] = jet[0] - 1j * pitch.rotation * jet[1]
+    order = np.argsort(starts)
+    return Circles(starts[order], spans[order], centres[order])
+
+
+def centres_at(pitch: PitchCurve, phi: FloatArray) -> ComplexArray:
+    """(n,) complex [mm] the point about which the curve turns rigidly with the cam at `phi` (n,)
+    [rad], places between borders; NaN where it is not known to.
+    """
+    known = circles(pitch)
+    if not len(known.starts):
+        return np.full(len(phi), NOWHERE)
+    last = np.searchsorted(known.starts, phi % TURN, side="right") - 1  # before the first: the last
+    # Both ends are borders: a place between them is not affected by rounding.
+    inside = (phi - known.starts[last]) % TURN < known.spans[last]
+    return np.where(inside, known.centres[last], NOWHERE)
+
+
+@kept_with_owner
+def arc_pieces(curve: WorkingCurve) -> tuple[Piece, ...]:
+    """As `smooth_pieces`, with the centres of those that are arcs; neighbours on one circle are one
+    piece.
+    """
+    pitch, smooth = curve.pitch, smooth_pieces(curve)
+    farthest = float(np.max(np.abs(circles(pitch).centres), initial=0.0))
+    if farthest == 0.0:  # rests alone
+        return smooth
+    near = ROUNDING * (farthest + pitch.follower.base_radius)
+    borders = np.concatenate((pitch.borders, pitch.borders + TURN))
+    found: list[Piece] = []
+    for piece in smooth:
+        inner = borders[(borders > piece.start) & (borders < piece.end)]
+        ends = np.concatenate(([piece.start], inner, [piece.end]))
+        about = centres_at(pitch, 0.5 * (ends[:-1] + ends[1:]))
+        centre = complex(about[0]) if np.all(np.abs(about - about[0]) <= near) else None
+        found.append(replace(piece, centre=centre))
+        if _on_one_circle(found[-2:], near):
+            found[-2:] = [replace(found[-2], end=piece.end)]
+    if _on_one_circle([found[-1], found[0]], near):
+        found[-1:] = [replace(found[-1], end=found.pop(0).end + TURN)]
+    return tuple(found)
+
+
+def _on_one_circle(pieces: list[Piece], near: float) -> bool:
+    """Whether two neighbours have one centre, up to `near` [mm]."""
+    one, other = pieces[0], pieces[-1]
+    if one is other or one.centre is None or other.centre is None:
+        return False
+    return abs(one.centre - other.centre) <= near
+
+
+# -- extremes -------------------------------------------------------------------------------------
+# Exact extremes of a quantity over the turn: bracketed roots of its slope in each smooth piece.
+#
+# Among them those of the curvature of a pitch curve, which decide the size of the roller. The slope
+# is examined in cells between the borders of the motion's formula, which are the knots of a table,
+# and no number of samples is fixed, see `camgeo.numeric.extremes`.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Extremes(Brief):
+    """Values at all places where a quantity can be extreme.
+
+    Attributes
+    ----------
+    phi : (k,) cam angles [rad], ascending over one turn from the first break on, which appears
+        again as the last; a break appears twice in a row, for its two sides.
+    values : (k,) of the quantity there.
+    """
+
+    phi: FloatArray
+    values: FloatArray
+
+    def smallest(self) -> tuple[float, float]:
+        """Smallest value and its cam angle [rad], the first of equals."""
+        index = int(np.argmin(self.values))
+        return float(self.values[index]), float(self.phi[index]) % TURN
+
+    def largest(self) -> tuple[float, float]:
+        """Largest value and its cam angle [rad], the first of equals."""
+        index = int(np.argmax(self.values))
+        return float(self.values[index]), float(self.phi[index]) % TURN
+
+
+def extremes(curve: HasBorders, value: Quantity, slopes: Quantity) -> Extremes:
+    """All local extremes of `value` over one turn.
+
+    Parameters
+    ----------
+    curve : gives the smooth pieces, and the borders inside them.
+    value : the quantity, (n,) at n cam angles, from the side asked for.
+    slopes : what vanishes inside the pieces at the candidates, besides the ends of the pieces seen
+        from inside: (n,), or (k, n) for several such quantities.
+    """
+    return extremes_of_each(curve, ONE, value, slopes)[0]
+
+
+def extremes_of_each(
+    breaks: HasBorders, many: Many[Asked], value: Asked, slopes: Asked
+) -> list[Extremes]:
+    """The `extremes` of each of `many`, which all have the same `breaks`."""
+    turn = kept_turn(breaks) if isinstance(breaks, PitchCurve) else turn_of(breaks)
+    starts, ends = turn.starts, turn.ends
+    middle, which = np.empty(0), np.empty(0, dtype=np.intp)
+    if len(turn.places):
+        middle, which = _turning(many, value, slopes, turn.places)
+    at_starts = many.everywhere(value, starts, "right")
+    at_ends = many.everywhere(value, ends, "left")
+    between = many.at(value, middle, "right", which)
+    # At a break the end of one piece comes before the start of the next.
+    owner = np.searchsorted(starts, middle, side="right") - 1
+    each = np.arange(len(starts))
+    found = []
+    for one in range(many.count):
+        own = which == one
+        phi = np.concatenate((starts, middle[own], ends))
+        values = np.concatenate((at_starts[one], between[own], at_ends[one]))
+        rank = np.repeat([0, 1, 2], [len(starts), int(np.count_nonzero(own)), len(ends)])
+        order = np.lexsort((phi, rank, np.concatenate((each, owner[own], each))))
+        found.append(Extremes(frozen(phi[order], np.float64), frozen(values[order], np.float64)))
+    return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Turn:
+    """The smooth pieces of a turn, and the cells in which a slope is examined.
+
+    Attributes
+    ----------
+    starts, ends : (m,) of the pieces [rad], ascending; the last end may exceed 2 pi.
+    places : (n, k) in the cells of the pieces that are no dwells, see `places_in`.
+    """
+
+    starts: FloatArray
+    ends: FloatArray
+    places: FloatArray
+
+
+def turn_of(curve: HasBorders) -> Turn:
+    """The pieces and the cells of a curve: none of the cells reaches across a border."""
+    pieces = smooth_pieces(curve)
+    starts = np.array([piece.start for piece in pieces])
+    ends = np.array([piece.end for piece in pieces])
+    moving = np.array([not piece.dwell for piece in pieces])
+    borders = np.concatenate((curve.borders, curve.borders + TURN))
+    inner = borders[(borders > starts[0]) & (borders < ends[-1])]
+    low, high = cells_between(merged(np.concatenate((starts, inner, ends[-1:]))))
+    owner = np.searchsorted(starts, 0.5 * (low + high)) - 1
+    low, high, owner = (each[moving[owner]] for each in (low, high, owner))
+    return Turn(starts, ends, places_in(low, high, starts[owner], ends[owner]))
+
+
+@kept_with_owner
+def kept_turn(curve: PitchCurve) -> Turn:
+    """`turn_of` a curve of which several quantities are examined."""
+    return turn_of(curve)
+
+
+def _turning(
+    many: Many[Asked], value: Asked, slopes: Asked, places: FloatArray
+) -> tuple[FloatArray, IntArray]:
+    """Where one of the `slopes` of one of `many` vanishes, ascending, and of which."""
+    known = many.everywhere(slopes, places.ravel(), "right")
+    known = known.reshape(-1, many.count, *places.shape)
+
+    def of_row(phi: FloatArray, row: IntArray) -> FloatArray:
+        kind, one = np.divmod(row, many.count)
+        found = many.at(slopes, phi, "right", one)
+        return found if found.ndim == 1 else found[kind, np.arange(len(phi))]
+
+    def value_of(phi: FloatArray, row: IntArray) -> FloatArray:
+        return many.at(value, phi, "right", row % many.count)
+
+    roots, row = isolated_roots(of_row, value_of, places, known.reshape(-1, *places.shape))
+    order = np.argsort(roots, kind="stable")
+    return roots[order], row[order] % many.count
+
+
+@kept_with_owner
+def curvature_extremes(curve: PitchCurve) -> Extremes:
+    """All local extremes of the curvature kappa [1/mm] of the pitch curve; Z' must not vanish."""
+    return extremes(curve, curve.curvature, curve.curvature_slope)
+
+
+def radius_of_curvature(kappa: FloatArray) -> FloatArray:
+    """(n,) [mm] signed radius of the curvature `kappa` [1/mm]; infinite exactly at an inflection.
+
+    Prefer the curvature, which has no poles.
+    """
+    radius: FloatArray = np.full_like(kappa, np.inf)
+    return np.divide(1.0, kappa, out=radius, where=kappa != 0.0)

@@ -1,0 +1,283 @@
+"""Pitch curve: the path of the roller centre in the turning cam, Z(phi).
+
+For a flat face it is the path of the contact: the outline of the cam itself.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import wraps
+from typing import Any, TypeVar, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camgeo.errors import GeometryError
+from camgeo.kinematics.mechanism.follower import Follower, RelativeJet, TangentJet
+from camgeo.kinematics.mechanism.values import able, sense
+from camgeo.kinematics.motion import FULL_ORDER, Dwell, Motion
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, ascending, frozen
+from camgeo.numeric.checked import hold
+from camgeo.numeric.kept import Kept, kept_with_owner
+from camgeo.record import Pickled
+
+# -- closure --------------------------------------------------------------------------------------
+# Closure: how a curve joins at its breaks and after a full turn.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Joints:
+    """What jumps at the joints of the turn, including cam angle 0.
+
+    Attributes
+    ----------
+    phi : (m,) cam angles [rad].
+    gaps : (m,) distance between the curve's two ends [mm].
+    turns : (m,) angle between their two tangents [rad], in [0, pi].
+    """
+
+    phi: FloatArray
+    gaps: FloatArray
+    turns: FloatArray
+
+
+@kept_with_owner
+def joints(curve: PitchCurve) -> Joints:
+    """Compare the one-sided values at each break of `curve` and at cam angle 0."""
+    phi = ascending(np.append(curve.breaks, 0.0))
+    after, before = curve.jet(phi, "right"), curve.jet(phi, "left")
+    turned = after[1] * np.conj(before[1])
+    return Joints(
+        phi=frozen(phi, np.float64),
+        gaps=frozen(np.abs(after[0] - before[0]), np.float64),
+        turns=frozen(np.abs(np.angle(turned)), np.float64),
+    )
+
+
+# -- blocks ---------------------------------------------------------------------------------------
+# Long arrays evaluated in blocks that fit the processor's cache.
+
+
+Method = TypeVar("Method", bound=Callable[..., NDArray[Any]])
+
+BLOCK = 8192
+"""Points per block: a dozen real arrays of that length fit into a second-level cache of 1 MB, and
+the overhead of numpy's calls is spread over many points."""
+
+
+def in_blocks(method: Method) -> Method:
+    """`method(self, phi, side)`, (n,) -> (..., n), evaluated in blocks; a number becomes (1,)."""
+
+    @wraps(method)
+    def whole(owner: Any, phi: FloatArray, side: Side = "right") -> NDArray[Any]:
+        phi = np.atleast_1d(phi)
+        if len(phi) <= BLOCK:
+            return method(owner, phi, side)
+        blocks = np.array_split(phi, math.ceil(len(phi) / BLOCK))
+        return np.concatenate([method(owner, block, side) for block in blocks], axis=-1)
+
+    return cast("Method", whole)
+
+
+def cells_in_blocks(method: Method) -> Method:
+    """The same for `method(self, low, high)`, of the cells between two arrays (n,)."""
+
+    @wraps(method)
+    def whole(owner: Any, low: FloatArray, high: FloatArray) -> NDArray[Any]:
+        if len(low) <= BLOCK:
+            return method(owner, low, high)
+        number = math.ceil(len(low) / BLOCK)
+        blocks = zip(np.array_split(low, number), np.array_split(high, number), strict=True)
+        return np.concatenate([method(owner, *block) for block in blocks], axis=-1)
+
+    return cast("Method", whole)
+
+
+# -- pitch curve ----------------------------------------------------------------------------------
+
+
+STANDSTILL = 1e-13
+"""|Z'| below this fraction of the base radius, per rad, is zero: its digits are rounding."""
+
+
+@dataclass(frozen=True, slots=True)
+class PitchCurve(Pickled):
+    """Pitch curve in cam coordinates: origin in the cam axis, axes fixed in the cam that coincide
+    with the frame's axes at cam angle 0 (Wirsig eqs. 2.44 to 2.52).
+
+    Attributes
+    ----------
+    motion : the lift as the follower makes it.
+    follower : from lift to roller centre.
+    rotation : sigma, +1 if the cam turns counter-clockwise, -1 clockwise. The curve itself is
+        traversed in the opposite sense, clockwise for sigma = +1.
+    kept : the last result of each function of the curve, see `kept_with_owner`.
+
+    Raises
+    ------
+    GeometryError
+        With key "motion", "follower" or "cam.rotation", if that value is invalid.
+    """
+
+    motion: Motion
+    follower: Follower
+    rotation: int
+    kept: Kept = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        able("motion", self.motion, "jet_and_bounds", "a motion over the cam angle")
+        able("follower", self.follower, "relative_jet", "a follower")
+        hold(self, rotation=sense("cam.rotation", self.rotation))
+
+    @property
+    def breaks(self) -> FloatArray:
+        """(m,) cam angles [rad] where a derivative up to Z''' may jump."""
+        return self.motion.breaks
+
+    @property
+    def borders(self) -> FloatArray:
+        """(k,) cam angles [rad] where the formula changes."""
+        return self.motion.borders
+
+    @property
+    def dwells(self) -> tuple[Dwell, ...]:
+        """Dwells: there the curve is an arc about the cam axis."""
+        return self.motion.dwells
+
+    def relative_jet(
+        self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER
+    ) -> RelativeJet:
+        """R_0 to R_`order`, u, v at `phi` (n,) [rad], see `kinematics.mechanism.follower`."""
+        jet = self.motion.jet(phi, side, min(order + self.follower.ahead, FULL_ORDER))
+        return self.follower.relative_jet(jet, self.rotation, order)
+
+    @in_blocks
+    def jet(self, phi: FloatArray, side: Side = "right") -> ComplexArray:
+        """(4, n) complex [mm/rad^k]: Z, Z', Z'', Z''' at the cam angles `phi` (n,) [rad].
+
+        (3, n) for a flat face, which has no Z'''.
+        """
+        relative = self.relative_jet(phi, side)
+        return self.in_cam(relative, phi, relative.along, relative.across)
+
+    @in_blocks
+    def point(self, phi: FloatArray, side: Side = "right") -> ComplexArray:
+        """(n,) complex [mm]: Z at the cam angles `phi` (n,) [rad]."""
+        relative = self.relative_jet(phi, side, order=1)
+        return self.in_cam(relative, phi, relative.along[0], relative.across[0])
+
+    def in_cam(
+        self, relative: RelativeJet, phi: FloatArray, along: FloatArray, across: FloatArray
+    ) -> ComplexArray:
+        """Complex (..., n): vectors in the axes of `relative`, turned into those of the cam."""
+        angle = relative.axis - self.rotation * phi
+        cosine, sine = np.cos(angle), np.sin(angle)
+        out = np.empty(along.shape, dtype=np.complex128)
+        np.subtract(along * cosine, across * sine, out=out.real)
+        np.add(along * sine, across * cosine, out=out.imag)
+        return out
+
+    @in_blocks
+    def curvature(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(n,) [1/mm] signed curvature, positive where the curve is convex; an inflection is 0.
+
+        kappa = -sigma Im(conj(Z') Z'') / |Z'|^3 (Wirsig eq. 3.35, sign added). The tangent under a
+        flat face is the face: kappa = (1 - sigma nu') / |Z'|.
+
+        Raises
+        ------
+        GeometryError
+            Where the roller centre stands still in the cam, Z' = 0: a cusp of the pitch curve.
+        """
+        relative = self.relative_jet(phi, side, order=2 - self.follower.ahead)
+        return self.follower.curvature(relative, self.speed(relative), self.rotation)
+
+    @in_blocks
+    def curvature_slope(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(n,) dkappa/dphi [1/(mm rad)] at `phi` (n,) [rad], by the chain rule."""
+        motion = self.motion.jet(phi, side)
+        self.speed(self.follower.relative_jet(motion, self.rotation, 1))
+        return curvature_slope(self.follower.tangent_jet(motion, self.rotation), self.rotation)
+
+    @in_blocks
+    def transmission_angle(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(n,) [rad] in [0, pi/2]: acute angle between rocker, or guide normal, and curve normal.
+
+        mu = atan2(|u|, |v|) (Wirsig section 3.3.4, corrected). Raises GeometryError where Z' = 0,
+        for there is no normal.
+        """
+        relative = self.relative_jet(phi, side, order=1)
+        self.speed(relative)
+        return np.arctan2(np.abs(relative.u), np.abs(relative.v))
+
+    @in_blocks
+    def pressure_angle(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(n,) [rad] in [0, pi/2]: pi/2 - mu, accurate where it is tiny."""
+        relative = self.relative_jet(phi, side, order=1)
+        self.speed(relative)
+        return np.arctan2(np.abs(relative.v), np.abs(relative.u))
+
+    @in_blocks
+    def leverage(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+        """(n,) [1 or mm/rad] dn/dq: displacement of the roller centre along the outward normal of
+        the pitch curve per unit of lift q, at `phi` (n,) [rad].
+
+        A normal force N of the cam on the roller, positive outwards, does the work N dn on the
+        follower, and requires the torque N dn/dq q' at the cam (principle of virtual work). The
+        magnitude of dn/dq is sin mu, or l_3 sin mu for an oscillating follower; for a rocking flat
+        face it is the lever of the contact about the pivot. It is positive where a positive lift
+        moves the follower outwards. Raises GeometryError where Z' = 0.
+        """
+        relative = self.relative_jet(phi, side, order=1)
+        along: FloatArray = relative.reach * relative.u / self.speed(relative)
+        return along
+
+    def speed(self, relative: RelativeJet) -> FloatArray:
+        """|Z'| (n,) [mm/rad], never zero.
+
+        Raises
+        ------
+        GeometryError
+            Where the roller centre stands still in the cam: the rocker lies on the line of centres
+            and l_3 (1 - sigma psi') = l_1 (hard case HC18); or where the contact of a flat face
+            does.
+        """
+        size = np.sqrt(relative.u * relative.u + relative.v * relative.v)
+        if np.any(size <= STANDSTILL * self.follower.base_radius):
+            raise GeometryError(self.follower.standstill)
+        return size
+
+    @cells_in_blocks
+    def speed_bounds(self, low: FloatArray, high: FloatArray) -> FloatArray:
+        """(3, n) upper bounds of |Z'|, |Z''|, |Z'''| over cells [low, high] (n,) [rad]."""
+        middle, bounds = self.motion.jet_and_bounds(low, high)
+        return self.follower.speed_bounds(middle, bounds, 0.5 * (high - low), self.rotation)
+
+    def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[ComplexArray, FloatArray]:
+        """(4, n) Z to Z''' in the middle of the cells [low, high] (n,) [rad], and `speed_bounds`.
+
+        (3, n) for a flat face, as `jet`. The motion, most of the work, is evaluated once for both.
+        """
+        middle, bounds = self.motion.jet_and_bounds(low, high)
+        relative = self.follower.relative_jet(middle, self.rotation)
+        jet = self.in_cam(relative, 0.5 * (low + high), relative.along, relative.across)
+        half = 0.5 * (high - low)
+        return jet, self.follower.speed_bounds(middle, bounds, half, self.rotation)
+
+
+def curvature_slope(tangent: TangentJet, rotation: int) -> FloatArray:
+    """dkappa/dphi (n,) [1/(mm rad)].
+
+    kappa = (1 - sigma (turning + q)) / |Z'| with q = (u w' - w u') / |Z'|^2: the tangent turns with
+    the cam, with the follower, and relative to the follower. Every part of the slope vanishes at
+    rest, so nothing cancels where the motion is small.
+    """
+    (u, u1), (w, w1) = tangent.u, tangent.w
+    square = u * u + w * w
+    growth = u * u1 + w * w1
+    against = (u * w1 - w * u1) / square
+    slope: FloatArray = rotation * growth * (3.0 * against + tangent.turning) - tangent.swerve
+    slope /= square * np.sqrt(square)
+    return slope

@@ -1,0 +1,155 @@
+"""Many curves, or discs, with motions that one plan demands, as one to be evaluated at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Generic, TypeVar, cast
+
+import numpy as np
+
+from camgeo.geometry.pitch_curve import BLOCK, PitchCurve
+from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.mechanism.several import several
+from camgeo.kinematics.motion import FULL_ORDER, Dwell, Jet, Motion
+from camgeo.numeric.arrays import FloatArray, IntArray, Quantity, Side
+from camgeo.record import Pickled
+
+Member = TypeVar("Member")
+
+Join = Callable[[tuple[Member, ...], IntArray, int], Member]
+"""Makes one of many: of which each place is, and how often the places are repeated, see `Together`.
+"""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Repeated(Pickled):
+    """A motion at the same cam angles for each of many followers.
+
+    Attributes
+    ----------
+    motion : the one that it repeats.
+    times : how often; the cam angles asked for are so many times the same ones.
+    """
+
+    motion: Motion
+    times: int
+
+    @property
+    def breaks(self) -> FloatArray:
+        """See `Motion`."""
+        return self.motion.breaks
+
+    @property
+    def borders(self) -> FloatArray:
+        """See `Motion`."""
+        return self.motion.borders
+
+    @property
+    def dwells(self) -> tuple[Dwell, ...]:
+        """See `Motion`."""
+        return self.motion.dwells
+
+    def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
+        """See `Motion.jet`."""
+        return self._tiled(self.motion.jet(self._once(phi), side, order))
+
+    def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:
+        """See `Motion.jet_and_bounds`."""
+        jet, bounds = self.motion.jet_and_bounds(self._once(low), self._once(high))
+        return self._tiled(jet), self._tiled(bounds)
+
+    def _once(self, phi: FloatArray) -> FloatArray:
+        return phi[: len(phi) // self.times]
+
+    def _tiled(self, jet: Jet) -> Jet:
+        return np.tile(jet, self.times)
+
+
+@dataclass(frozen=True, slots=True)
+class LinkedMotions(LinkedMotion):
+    """The followers' motions behind `several` linkages, each of which is known to close."""
+
+    def __post_init__(self) -> None:
+        """Nothing to check."""
+
+
+def one_motion(motions: Sequence[Motion], which: IntArray, times: int) -> Motion:
+    """The `motions` as one, see `Join`: one and the same, or `LinkedMotion`s that the same motion
+    is demanded of, with linkages that are `alike`.
+    """
+
+    def repeated(motion: Motion) -> Motion:
+        return motion if times == 1 else Repeated(motion, times)
+
+    first = motions[0]
+    if all(each is first for each in motions):
+        return repeated(first)
+    linked = cast("Sequence[LinkedMotion]", motions)
+    linkage = several([each.linkage for each in linked], which)
+    return LinkedMotions(repeated(linked[0].demanded), linkage)
+
+
+def one_curve(curves: Sequence[PitchCurve], which: IntArray, times: int) -> PitchCurve:
+    """`curves` of the same sense, with motions for `one_motion` and followers that are `alike`, as
+    one: a `Join`.
+    """
+    motion = one_motion([curve.motion for curve in curves], which, times)
+    follower = several([curve.follower for curve in curves], which)
+    return replace(curves[0], motion=motion, follower=follower)
+
+
+@dataclass(frozen=True, slots=True)
+class Together(Generic[Member]):
+    """`Many` members, asked for quantities that are made of a member.
+
+    Attributes
+    ----------
+    members : at least one.
+    join : makes one of them that has the values of each at its own places.
+    """
+
+    members: tuple[Member, ...]
+    join: Join[Member]
+
+    @property
+    def count(self) -> int:
+        """See `Many`."""
+        return len(self.members)
+
+    def everywhere(
+        self, quantity: Callable[[Member], Quantity], x: FloatArray, side: Side
+    ) -> FloatArray:
+        """See `Many.everywhere`; the motion is evaluated once for all that fit into a block."""
+        found = []
+        for joined, times in self.blocks(len(x)):
+            values = quantity(joined)(np.tile(x, times), side)
+            found.append(values.reshape(*values.shape[:-1], times, len(x)))
+        return np.concatenate(found, axis=-2)
+
+    def blocks(self, length: int) -> Iterator[tuple[Member, int]]:
+        """As many members as fit into a block, `length` places of each, and how many these are."""
+        most = max(1, BLOCK // max(length, 1))
+        for start in range(0, self.count, most):
+            some = self.members[start : start + most]
+            times = len(some)
+            which = np.repeat(np.arange(times), length)
+            yield (some[0] if times == 1 else self.join(some, which, times)), times
+
+    def at(
+        self, quantity: Callable[[Member], Quantity], x: FloatArray, side: Side, which: IntArray
+    ) -> FloatArray:
+        """See `Many.at`."""
+        if self.count == 1:
+            return quantity(self.members[0])(x, side)
+        starts = range(0, max(len(x), 1), BLOCK)
+        blocks = [slice(start, start + BLOCK) for start in starts]
+        found = [
+            quantity(self.join(self.members, which[block], 1))(x[block], side) for block in blocks
+        ]
+        return np.concatenate(found, axis=-1)
+
+
+def curves_together(curves: Sequence[PitchCurve]) -> Together[PitchCurve]:
+    """Pitch curves as for `one_curve`."""
+    return Together(tuple(curves), one_curve)

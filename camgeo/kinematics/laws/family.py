@@ -1,0 +1,161 @@
+"""What a family of motion laws is: one shape, for one or more motion tasks, with parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from decimal import Decimal, localcontext
+from typing import Any, Final
+
+from camgeo.errors import GeometryError
+from camgeo.kinematics.laws.law import Law
+from camgeo.kinematics.laws.pulse import DIGITS, Pulse
+from camgeo.kinematics.laws.two_pulses import Parts, law_of_two_pulses
+from camgeo.numeric.checked import SMALLEST
+
+Given = Mapping[str, float]
+
+COUNTED_FROM_END: Final = ("U-R", "U-G")
+"""Tasks whose lambda VDI 2143-1 counts from the end of the move (sections 6.6.3 and 6.8.2)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Option:
+    """A parameter specific to a family, as a scene and `camgeo laws` take it.
+
+    Attributes
+    ----------
+    name : key of a scene, and of the command line.
+    symbol : its name in formulas and tables.
+    text : its description, without the families that have it.
+    schema : node of the JSON Schema that its values meet.
+    default : its value where nothing else decides it.
+    always : whether it has that value whenever it is omitted; else other values may decide it.
+    """
+
+    name: str
+    symbol: str
+    text: str
+    schema: Mapping[str, Any]
+    default: float
+    always: bool = True
+
+
+CURVED: Final = Option(
+    name="curved",
+    symbol="c",
+    text="part of the span that is not run at constant velocity, above 0 to 1",
+    schema={
+        "type": "number",
+        "minimum": 1e-6,
+        "maximum": 1,
+        "x-allowed": "must be a number above 0 to 1 (from 1e-6), a part of the span",
+    },
+    default=1.0,
+)
+"""Squeezes the accelerations to both ends of the move."""
+
+
+@dataclass(frozen=True, slots=True)
+class Family:
+    """A family of laws.
+
+    Attributes
+    ----------
+    name : as written in a scene.
+    parameters : for each task that it is made for, the names of the parameters it takes.
+    make : task, parameters given -> law. All names are ones that it takes and all values are
+        numbers; it checks whether they are possible.
+    parts : task, parameters given -> the two pulses and their end velocities; None for other laws.
+    options : its parameters that are neither the inflection point nor boundary values.
+    aliases : its other names.
+    """
+
+    name: str
+    parameters: Mapping[str, tuple[str, ...]]
+    make: Callable[[str, Given], Law]
+    parts: Callable[[str, Given], Parts] | None = None
+    options: tuple[Option, ...] = ()
+    aliases: tuple[str, ...] = ()
+
+    @property
+    def tasks(self) -> tuple[str, ...]:
+        """The motion tasks that it is made for."""
+        return tuple(self.parameters)
+
+
+def boundary_parameters(task: str, orders: str = "va") -> tuple[str, ...]:
+    """Names of the boundary values that an end of this class leaves open: "v0", "a0", ..."""
+    names = []
+    for end, number in ((task[0], "0"), (task[-1], "1")):
+        free = {"R": "", "G": "v", "U": "a", "B": "va"}[end]
+        names += [order + number for order in orders if order in free or order == "j"]
+    return tuple(names)
+
+
+def pulse_family(
+    name: str, shapes: Mapping[str, tuple[Pulse, Pulse]], aliases: tuple[str, ...] = ()
+) -> Family:
+    """A family of two fixed pulses for each task, with the place of the inflection point.
+
+    It takes `inflection`, v0 and v1 where the task has constant velocity at that end, and, instead
+    of the inflection, a0 or a1 where the task turns there: the desired acceleration.
+    """
+
+    def parts(task: str, given: Given) -> Parts:
+        first, second = shapes[task]
+        return Parts(first, second, given.get("v0", 0.0), given.get("v1", 0.0))
+
+    def make(task: str, given: Given) -> Law:
+        return pulse_law(name, task, parts(task, given), given)
+
+    parameters = {task: ("inflection", *boundary_parameters(task)) for task in shapes}
+    return Family(name, parameters, make, parts, aliases=aliases)
+
+
+def pulse_law(name: str, task: str, parts: Parts, given: Given, **also: float) -> Law:
+    """The law of two pulses with the inflection that `given` states or that follows from it.
+
+    `also` are the parameters that shaped the pulses, which the law lists with its own.
+    """
+    wanted = [key for key in ("inflection", "a0", "a1") if key in given]
+    if len(wanted) > 1:
+        raise GeometryError(
+            f"{' and '.join(wanted)} each decide where the inflection point lies; give one of them",
+            key=wanted[0],
+            value=repr(given[wanted[0]]),
+        )
+    if "a0" in given:
+        place = parts.inflection_for_start(given["a0"])
+    elif "a1" in given:
+        place = parts.inflection_for_end(given["a1"])
+    else:
+        place = inflection_at(task, given.get("inflection", 0.5))
+    with localcontext(DIGITS):
+        stated = 1 - place if task in COUNTED_FROM_END else place
+    speeds = {key: given[key] for key in ("v0", "v1") if key in given}
+    parameters = {"inflection": float(stated), **also, **speeds}
+    return law_of_two_pulses(name, task, parts, place, parameters)
+
+
+def inflection_at(task: str, stated: float) -> Decimal:
+    """z of the inflection point, with 50 digits, from lambda as VDI 2143-1 counts it for `task`."""
+    if not SMALLEST <= stated < 1.0:
+        raise GeometryError(
+            f"the inflection point must lie strictly between 0 and 1 (from {SMALLEST:g}): the"
+            " acceleration would be infinite",
+            key="inflection",
+            value=repr(stated),
+        )
+    with localcontext(DIGITS):
+        return 1 - Decimal(stated) if task in COUNTED_FROM_END else Decimal(stated)
+
+
+def share(given: Given, option: Option) -> Decimal:
+    """A parameter that is a fraction of 1, and above 0 if its schema requires that."""
+    value = given.get(option.name, option.default)
+    positive = option.schema["minimum"] > 0
+    if not (SMALLEST <= value <= 1.0 or (value == 0.0 and not positive)):
+        lowest = f"above 0 (from {SMALLEST:g})" if positive else f"at 0, or from {SMALLEST:g}"
+        raise GeometryError(f"must lie {lowest} to 1", key=option.name, value=repr(value))
+    return Decimal(value)

@@ -1,0 +1,110 @@
+"""Sine-straight combination (Sinus-Gerade-Kombination) from turn to turn, VDI 2143-1 section 6.3.
+
+Quarters of a cosine over c lambda and c (1 - lambda), eqs. (111) to (119), a straight line between
+them; c = 1 is the simple sine.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from decimal import Decimal, localcontext
+
+from camgeo.errors import GeometryError
+from camgeo.kinematics.laws.family import (
+    CURVED,
+    Family,
+    Given,
+    boundary_parameters,
+    pulse_law,
+    share,
+)
+from camgeo.kinematics.laws.law import Law
+from camgeo.kinematics.laws.pulse import DIGITS, PI, sine_pulse
+from camgeo.kinematics.laws.two_pulses import Parts, law_of_two_pulses
+
+LEAST = math.pi**2 / 4.0
+"""Least value of a0 |a1|/(a0 + |a1|), that of the simple sine."""
+
+OWN_CURVED = replace(CURVED, default=0.5, always=False)
+"""The value of c if neither it nor two accelerations are given, as in the guideline's Tafel 3."""
+
+
+def _make(task: str, given: Given) -> Law:
+    values = dict(given)
+    if "a0" in values and "a1" in values:
+        place, curved = _from_accelerations(values)
+        parameters = {"inflection": float(place), "curved": curved}
+        return law_of_two_pulses("sine-straight", task, _parts(task, parameters), place, parameters)
+    if "inflection" in values and ("a0" in values or "a1" in values):
+        values = _from_inflection(values)
+    rest = {key: value for key, value in values.items() if key != "curved"}
+    curved = values.get("curved", OWN_CURVED.default)
+    return pulse_law("sine-straight", task, _parts(task, values), rest, curved=curved)
+
+
+def _parts(_task: str, given: Given) -> Parts:
+    pulse = sine_pulse(Decimal(0), Decimal(0), share(given, OWN_CURVED))
+    return Parts(pulse, pulse)
+
+
+def _from_accelerations(given: dict[str, float]) -> tuple[Decimal, float]:
+    """lambda = r/(1 + r), r = |a1/a0| (127), and c.
+
+    lambda with 50 digits: 1 - lambda decides a1 and may be tiny.
+    """
+    a0, a1 = given.pop("a0"), given.pop("a1")
+    if not (a0 > 0.0 > a1):
+        raise GeometryError(
+            "accelerates first, then decelerates: a0 must be positive, a1 negative",
+            key="acceleration",
+            value=f"{a0:g}, {a1:g}",
+        )
+    if given:
+        raise GeometryError(
+            f"a0 and a1 decide {' and '.join(given)} too; leave out one or the other",
+            key=next(iter(given)),
+        )
+    with localcontext(DIGITS):
+        place = -Decimal(a1) / (Decimal(a0) - Decimal(a1))
+        product = float(Decimal(a0) * place)
+    return place, curved_for(product)
+
+
+def _from_inflection(given: dict[str, float]) -> dict[str, float]:
+    """c from lambda and the acceleration at one end (130)."""
+    inflection = given["inflection"]
+    product = given["a0"] * inflection if "a0" in given else -given["a1"] * (1.0 - inflection)
+    if "curved" in given:
+        raise GeometryError(
+            "inflection and acceleration decide curved too; leave out one of them", key="curved"
+        )
+    return {"inflection": inflection, "curved": curved_for(product)}
+
+
+def curved_for(product: float) -> float:
+    """c from lambda C_a, or from (1 - lambda)|C_a*| (eq. (130), restored).
+
+    Raises GeometryError below pi^2/4, which the simple sine has.
+    """
+    if not product >= LEAST:
+        raise GeometryError(
+            "no sine-straight combination turns as gently as this: inflection times the normalised"
+            f" acceleration is {product:.6g}, it must be at least pi^2/4 = {LEAST:.6g}",
+            key="acceleration",
+            value=f"{product:.6g}",
+        )
+    with localcontext(DIGITS):
+        k = PI - 2
+        # The smaller root, without cancellation: k c^2 - pi c + pi^2/(2 product) = 0.
+        square = PI * PI * (1 - 2 * k / Decimal(product))
+        return min(1.0, float(PI * PI / Decimal(product) / (PI + square.sqrt())))
+
+
+FAMILY = Family(
+    "sine-straight",
+    {"U-U": ("inflection", "curved", *boundary_parameters("U-U"))},
+    _make,
+    _parts,
+    (OWN_CURVED,),
+)

@@ -1,0 +1,178 @@
+"""The kinds of followers and linkages, by the names that they have in scenes.
+
+The class that a kind builds is imported when it is built; its schema is NAME.json in this folder.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, Final
+
+from camgeo.kinematics.mechanism.values import FollowerKind, LinkageKind
+from camgeo.record import schema_beside
+
+if TYPE_CHECKING:
+    from camgeo.kinematics.mechanism.conjugate import Mount
+    from camgeo.kinematics.mechanism.follower import Follower
+    from camgeo.kinematics.mechanism.linkage import Linkage
+    from camgeo.kinematics.mechanism.values import Values
+    from camgeo.units import LiftUnit
+
+
+def _translating_roller(values: Values) -> Follower:
+    from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+
+    return values.build(TranslatingRoller)
+
+
+def _return_on_carriage(values: Values) -> Mount:
+    from camgeo.kinematics.mechanism.conjugate import Mount, return_on_carriage
+
+    return Mount(return_on_carriage, tuple(values.given(return_on_carriage).items()))
+
+
+def _oscillating_roller(values: Values) -> Follower:
+    from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+
+    return values.build(OscillatingRoller, **values.own_direction)
+
+
+def _return_on_lever(values: Values) -> Mount:
+    from camgeo.kinematics.mechanism.conjugate import Mount, return_on_lever
+
+    return Mount(return_on_lever, tuple(values.given(return_on_lever).items()))
+
+
+def _translating_flat(values: Values) -> Follower:
+    from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+
+    return values.build(TranslatingFlat)
+
+
+def _oscillating_flat(values: Values) -> Follower:
+    from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
+
+    return values.build(OscillatingFlat, **values.own_direction)
+
+
+def _face_has_a_length(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """A face ends behind its beginning."""
+    face = table.get("face")
+    if face is not None and not face[0] < face[1]:
+        yield "face", "must end beyond where it begins, [from, to]"
+
+
+def _slider_crank(values: Values, unit: LiftUnit) -> Linkage:
+    """Its slider drives a rocker, or a guided follower is its slider."""
+    from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+
+    slider_crank = values.build(
+        SliderCrank,
+        leans_away=values.table["crank_leans"] == "away",
+        slider_side=values.sign("slider_side", "left"),
+    )
+    if unit == "rad":
+        return slider_crank
+    from camgeo.kinematics.mechanism.slider_driven_crank import (
+        SliderDrivenCrank,  # few scenes have one
+    )
+
+    return SliderDrivenCrank(slider_crank)
+
+
+def _four_bar(values: Values, _: LiftUnit) -> Linkage:
+    """It turns rockers only."""
+    from camgeo.kinematics.mechanism.four_bar import FourBar
+
+    return values.build(FourBar, lever_sense=values.sign("lever_sense", "ccw"))
+
+
+FOLLOWERS: Final = {
+    kind.name: kind
+    for kind in (
+        FollowerKind(
+            name="translating-roller",
+            description="the roller moves along a straight guide.",
+            unit="mm",
+            touching="roller",
+            schema=schema_beside(__file__, "translating_roller"),
+            build=_translating_roller,
+            sizes=(
+                "base_radius",
+                "roller_radius",
+                "offset",
+                "return.spacing",
+                "return.offset",
+                "return.roller_radius",
+            ),
+            build_return=_return_on_carriage,
+        ),
+        FollowerKind(
+            name="oscillating-roller",
+            description="the roller sits on a rocker.",
+            unit="rad",
+            touching="roller",
+            schema=schema_beside(__file__, "oscillating_roller"),
+            build=_oscillating_roller,
+            sizes=(
+                "pivot",
+                "arm",
+                "base_radius",
+                "roller_radius",
+                "return.arm",
+                "return.roller_radius",
+            ),
+            build_return=_return_on_lever,
+        ),
+        FollowerKind(
+            name="translating-flat",
+            description="a flat face square to a straight guide.",
+            unit="mm",
+            touching="face",
+            schema=schema_beside(__file__, "translating_flat"),
+            build=_translating_flat,
+            sizes=("base_radius",),
+            rules=(_face_has_a_length,),
+        ),
+        FollowerKind(
+            name="oscillating-flat",
+            description="a flat face on a rocker.",
+            unit="rad",
+            touching="face",
+            schema=schema_beside(__file__, "oscillating_flat"),
+            build=_oscillating_flat,
+            sizes=("pivot", "base_radius", "face_offset"),
+            rules=(_face_has_a_length,),
+        ),
+    )
+}
+
+LINKAGES: Final = {
+    kind.name: kind
+    for kind in (
+        LinkageKind(
+            name="slider-crank",
+            description=(
+                "with an oscillating follower the motion is the stroke of a slider; coupler and"
+                " crank turn the rocker shaft. With a translating follower it is the angle of the"
+                " crank [degrees], from its position at stroke 0, counter-clockwise; the slider"
+                " carries the roller."
+            ),
+            members={"rad": "slider", "mm": "crank"},
+            schema=schema_beside(__file__, "slider_crank"),
+            build=_slider_crank,
+            templates=("slider-crank", "slider-driven-crank"),
+        ),
+        LinkageKind(
+            name="four-bar",
+            description=(
+                "the motion is the angle of a lever [degrees]; coupler and crank turn the rocker"
+                " shaft."
+            ),
+            members={"rad": "lever"},
+            schema=schema_beside(__file__, "four_bar"),
+            build=_four_bar,
+            templates=("four-bar",),
+        ),
+    )
+}

@@ -1,0 +1,412 @@
+"""The path along which a follower guides its roller, seen from the cam, and where it meets a curve.
+
+At a cam angle phi the follower leaves the roller centre one path only: a straight guide, or a
+circle about the rocker's pivot. A coordinate q along it grows outward: the height h above the cam
+axis on a guide, or the angle psi_t from the line pivot -> cam axis to the arm. It is linear in the
+lift. As long as the follower stays on its own side (h > 0; psi_t in (0, pi)), the distance from the
+cam axis gives q and the polar angle gives phi: (phi, q) are coordinates of the plane, and a curve
+of roller centres is a lift over the cam angle.
+
+Behind a linkage the follower is the rocker, and its lift the rocker's angle.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import singledispatch
+from typing import Protocol
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.kinematics.mechanism.follower import Follower
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, dot, phase
+from camgeo.units import TURN
+
+ROUNDING = 1e-9
+"""How negative the square of a cosine may come out: curves that miss each other by this fraction of
+their size touch."""
+
+PLACE = 2.0**-46
+"""Relative accuracy of a point, 64 ulps: what the sums here lose."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bows:
+    """Lines and circles, each given by one of its points: well conditioned however flat it is.
+
+    A point Z lies on it if Re(conj(n) d) + kappa |d|^2 / 2 = 0, d = Z - A; its normal there is
+    n + kappa d.
+
+    Attributes
+    ----------
+    points : (n,) A, complex [mm].
+    normals : (n,) n, complex unit normals at A.
+    curvatures : (n,) kappa [1/mm], positive where the normal points away from the centre, 0 for a
+        line.
+    """
+
+    points: ComplexArray
+    normals: ComplexArray
+    curvatures: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def take(self, index: IntArray) -> Bows:
+        """Those with the indices `index` (k,)."""
+        return Bows(self.points[index], self.normals[index], self.curvatures[index])
+
+    def at(self, t: FloatArray) -> ComplexArray:
+        """(n,) [mm] the points at the parameters t (n,) [mm]: 2 tan(beta/2) / kappa.
+
+        beta is the angle turned from A; on a line t is the distance from A, in the direction i n.
+        """
+        return self.points + 1j * self.normals * t / (1.0 - 0.5j * self.curvatures * t)
+
+    def normal_at(self, points: ComplexArray) -> ComplexArray:
+        """(n,) unit normals at `points` (n,) [mm], which lie on them."""
+        return self.normals + self.curvatures * (points - self.points)
+
+    def crossings(self, others: Bows) -> FloatArray:
+        """(2, n) parameters at which each meets its partner of `others`; infinite if not."""
+        return _roots(*self._against(others))
+
+    def crossing(self, others: Bows, rising: FloatArray) -> FloatArray:
+        """(n,) the one of the two parameters at which each passes to (`rising` = 1), or leaves
+        (-1), the side of its partner to which the partner's normal points.
+
+        Raises GeometryError where they do not meet.
+        """
+        square, linear, value = self._against(others)
+        radicand = linear * linear - 4.0 * square * value
+        # A small circle is known to the rounding of its position.
+        lost = ROUNDING + PLACE * np.abs(others.curvatures * others.points)
+        _require_meeting(radicand >= -lost)
+        root = rising * np.sqrt(np.maximum(radicand, 0.0))
+        # Of the two forms of one root, the one in which nothing cancels.
+        alike = rising * linear >= 0.0
+        top = np.where(alike, -2.0 * value, root - linear)
+        bottom = np.where(alike, linear + root, 2.0 * square)
+        _require_meeting((bottom != 0.0) | (top == 0.0))
+        return np.divide(top, bottom, out=np.zeros_like(top), where=bottom != 0.0)
+
+    def _against(self, others: Bows) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Coefficients of the quadratic for the parameter of a point on a partner."""
+        apart = others.points - self.points
+        turned = others.normals - others.curvatures * apart
+        value = 0.5 * others.curvatures * dot(apart, apart) - dot(others.normals, apart)
+        kappa = self.curvatures
+        square = 0.5 * (others.curvatures - kappa * dot(turned, self.normals))
+        square += 0.25 * value * kappa * kappa
+        return square, dot(turned, 1j * self.normals), value
+
+    def at_distance(self, radius: float, shift: float = 0.0) -> FloatArray:
+        """(2, n) parameters at which the parallel at -`shift` is `radius` from the cam axis [mm].
+
+        Infinite where there is no such place.
+        """
+        kappa = self.curvatures
+        a = self.points - shift * self.normals
+        b = 1j * (self.normals - 0.5 * kappa * (self.points + shift * self.normals))
+        return _roots(
+            dot(b, b) - (0.5 * radius * kappa) ** 2,
+            2.0 * dot(a, b),
+            (np.abs(a) - radius) * (np.abs(a) + radius),
+        )
+
+
+class FollowerPath(Protocol):
+    """The path of the roller centre at each cam angle, in cam coordinates.
+
+    Attributes
+    ----------
+    rotation : sigma, +1 if the cam turns counter-clockwise, -1 clockwise.
+    start : q at lift 0 [mm or rad].
+    outward : +1 if a positive lift moves the roller outward, else -1; q = start + outward * lift.
+    reach : smallest and largest distance from the cam axis [mm] that the roller centre can have.
+    """
+
+    @property
+    def rotation(self) -> int: ...
+
+    @property
+    def start(self) -> float: ...
+
+    @property
+    def outward(self) -> int: ...
+
+    @property
+    def reach(self) -> tuple[float, float]: ...
+
+    def coordinate(self, distance: FloatArray) -> FloatArray:
+        """(n,) q where the roller centre is `distance` (n,) [mm] from the cam axis.
+
+        Beyond the reach, q at its end.
+        """
+
+    def cam_angle_of(self, points: ComplexArray) -> tuple[FloatArray, FloatArray]:
+        """Cam angle (n,) [rad] in [0, 2 pi) and q (n,) of roller centres at `points` (n,) [mm].
+
+        Raises GeometryError for a point beyond the reach.
+        """
+
+    def point(self, phi: FloatArray, q: FloatArray) -> ComplexArray:
+        """(n,) complex [mm] Z."""
+
+    def along(self, phi: FloatArray, q: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """(n,), (n,) dZ/dq and d^2Z/dq^2 [mm, or mm/rad^k for a rocker]."""
+
+    def meet(self, phi: FloatArray, bows: Bows, facing: FloatArray) -> FloatArray:
+        """(n,) q at which the path at `phi` (n,) [rad] meets each of `bows`.
+
+        Of two such points, the one where the bow's normal has a component along the path that is
+        outward (`facing` = 1) or inward (-1). Raises GeometryError where they do not meet.
+        """
+
+    def touching(self, bows: Bows) -> FloatArray:
+        """(4, n) parameters of `bows` at which a path is tangent to them; infinite where there is
+        none.
+
+        Including tangency with the rest of a path, on the side where the follower never is.
+        """
+
+
+@singledispatch
+def path_of(follower: Follower, rotation: int) -> FollowerPath:
+    """The path of `follower` on a cam that turns in the sense `rotation`, +1 counter-clockwise.
+
+    Raises GeometryError if none is registered for its class.
+    """
+    del rotation  # used by the registered ones
+    message = f'this needs a roller follower, and this one is "{follower.kind}"'
+    raise GeometryError(message, key="follower.kind", value=follower.kind)
+
+
+@dataclass(frozen=True, slots=True)
+class GuidePath:
+    """The guide of a translating follower: Z = u (e + i h), u = exp(i (axis - sigma phi))."""
+
+    follower: TranslatingRoller
+    rotation: int
+
+    @property
+    def start(self) -> float:
+        return self.follower.start_height
+
+    @property
+    def outward(self) -> int:
+        return self.follower.direction
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        return abs(self.follower.offset), math.inf
+
+    def _frame(self, phi: FloatArray) -> ComplexArray:
+        axis = self.follower.guide_angle - math.pi / 2.0
+        frame: ComplexArray = np.exp(1j * (axis - self.rotation * phi))
+        return frame
+
+    def coordinate(self, distance: FloatArray) -> FloatArray:
+        e = abs(self.follower.offset)
+        height: FloatArray = np.sqrt(np.maximum(distance - e, 0.0) * (distance + e))
+        return height
+
+    def cam_angle_of(self, points: ComplexArray) -> tuple[FloatArray, FloatArray]:
+        distance = np.abs(points)
+        _require_reach(distance, self.reach)
+        height = self.coordinate(distance)
+        axis = self.follower.guide_angle - math.pi / 2.0
+        angle = axis + np.arctan2(height, self.follower.offset) - np.angle(points)
+        return _in_turn(self.rotation * angle), height
+
+    def point(self, phi: FloatArray, q: FloatArray) -> ComplexArray:
+        return self._frame(phi) * (self.follower.offset + 1j * q)
+
+    def along(self, phi: FloatArray, q: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        direction = 1j * self._frame(phi)
+        return direction, np.zeros_like(direction)
+
+    def meet(self, phi: FloatArray, bows: Bows, facing: FloatArray) -> FloatArray:
+        frame = self._frame(phi)
+        level = (frame.conj() * bows.points).imag
+        guide = Bows(frame * (self.follower.offset + 1j * level), frame, np.zeros(len(phi)))
+        height: FloatArray = level + guide.crossing(bows, facing)
+        return height
+
+    def touching(self, bows: Bows) -> FloatArray:
+        turned = bows.normals.conj() * bows.points
+        kappa, e = bows.curvatures, self.follower.offset
+        return np.concatenate(
+            [
+                _roots(
+                    0.5 * kappa - 0.25 * kappa * kappa * (turned.real + side),
+                    kappa * turned.imag,
+                    turned.real - side,
+                )
+                for side in (e, -e)
+            ]
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class SwingPath:
+    """The circle about a rocker's pivot: Z = u (l_3 exp(i chi) - l_1).
+
+    u = exp(i (alpha - sigma phi)), chi = h psi_t, h the arm's side.
+    """
+
+    follower: OscillatingRoller
+    rotation: int
+
+    @property
+    def start(self) -> float:
+        return self.follower.start_angle
+
+    @property
+    def outward(self) -> int:
+        return self.follower.arm_side * self.follower.swing_sense
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        follower = self.follower
+        return abs(follower.excess), follower.centre_distance + follower.arm
+
+    def _frame(self, phi: FloatArray) -> ComplexArray:
+        axis = phase(-self.follower.pivot)
+        frame: ComplexArray = np.exp(1j * (axis - self.rotation * phi))
+        return frame
+
+    def coordinate(self, distance: FloatArray) -> FloatArray:
+        low, high = self.reach
+        near = np.maximum(distance - low, 0.0) * (distance + low)
+        far = np.maximum(high - distance, 0.0) * (high + distance)
+        angle: FloatArray = 2.0 * np.arctan2(np.sqrt(near), np.sqrt(far))
+        return angle
+
+    def cam_angle_of(self, points: ComplexArray) -> tuple[FloatArray, FloatArray]:
+        distance = np.abs(points)
+        _require_reach(distance, self.reach)
+        psi = self.coordinate(distance)
+        follower = self.follower
+        angle = phase(-follower.pivot) + np.angle(self._centre(psi)) - np.angle(points)
+        return _in_turn(self.rotation * angle), psi
+
+    def _centre(self, q: FloatArray) -> ComplexArray:
+        """W (n,) in axes along the line pivot -> cam axis, without cancellation of l_3 and l_1."""
+        half = 0.5 * self.follower.arm_side * q
+        bow: ComplexArray = 2j * self.follower.arm * np.sin(half) * np.exp(1j * half)
+        bow += self.follower.excess
+        return bow
+
+    def _tip(self, phi: FloatArray, q: FloatArray) -> ComplexArray:
+        follower = self.follower
+        tip: ComplexArray = self._frame(phi) * np.exp(1j * follower.arm_side * q)
+        tip *= follower.arm
+        return tip
+
+    def point(self, phi: FloatArray, q: FloatArray) -> ComplexArray:
+        return self._frame(phi) * self._centre(q)
+
+    def along(self, phi: FloatArray, q: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        tip = self._tip(phi, q)
+        return 1j * self.follower.arm_side * tip, -tip
+
+    def meet(self, phi: FloatArray, bows: Bows, facing: FloatArray) -> FloatArray:
+        arm, side, frame = self.follower.arm, self.follower.arm_side, self._frame(phi)
+        # The point of the circle as far from the cam axis as the bow's: near it if that is near.
+        near = self.coordinate(np.abs(bows.points))
+        towards = frame * np.exp(1j * side * near)
+        circle = Bows(self.point(phi, near), towards, np.full(len(phi), 1.0 / arm))
+        turn = 2.0 * np.arctan(0.5 * circle.crossing(bows, facing * side) / arm)
+        wrapped: FloatArray = np.remainder(near + side * turn + math.pi, TURN) - math.pi
+        return wrapped
+
+    def touching(self, bows: Bows) -> FloatArray:
+        arm, distance = self.follower.arm, self.follower.centre_distance
+        return np.concatenate([bows.at_distance(distance, side) for side in (arm, -arm)])
+
+
+path_of.register(TranslatingRoller, GuidePath)
+path_of.register(OscillatingRoller, SwingPath)
+
+
+def _in_turn(angle: FloatArray) -> FloatArray:
+    """(n,) in [0, 2 pi): the remainder of a tiny negative angle would round to a full turn."""
+    turned = np.remainder(angle, TURN)
+    return np.where(turned < TURN, turned, 0.0)
+
+
+def _roots(square: FloatArray, linear: FloatArray, constant: FloatArray) -> FloatArray:
+    """(2, n) real roots of square t^2 + linear t + constant; infinite where there is none."""
+    radicand = linear * linear - 4.0 * square * constant
+    root = np.sqrt(np.maximum(radicand, 0.0))
+    half = -0.5 * (linear + np.where(linear < 0.0, -root, root))
+    out = np.full((2, len(square)), np.inf)
+    real = radicand >= 0.0
+    np.divide(half, square, out=out[0], where=real & (square != 0.0))
+    np.divide(constant, half, out=out[1], where=real & (half != 0.0))
+    return out
+
+
+def _require_meeting(good: BoolArray) -> None:
+    if not np.all(good):
+        raise GeometryError("the follower's path does not meet the contour there")
+
+
+def _require_reach(distance: FloatArray, reach: tuple[float, float]) -> None:
+    low, high = reach
+    slack = ROUNDING * (low if math.isinf(high) else high)
+    if not np.all((distance >= low - slack) & (distance <= high + slack)):
+        allowed = f"at least {low:.6g} mm" if math.isinf(high) else f"{low:.6g} mm to {high:.6g} mm"
+        raise GeometryError(
+            "the follower cannot reach that place: the roller centre must lie"
+            f" {allowed} from the cam axis"
+        )
+
+
+# -- lift jet -------------------------------------------------------------------------------------
+# The lift of a roller on a curve, with its derivatives, where its path meets the curve.
+
+
+def lift_jet(
+    path: FollowerPath,
+    phi: FloatArray,
+    q: FloatArray,
+    bows: Bows,
+    slopes: FloatArray | float = 0.0,
+) -> FloatArray:
+    """(4, n) lift and three derivatives [mm or rad per rad^k] where the path meets `bows` at q.
+
+    For the bows of curvature of another curve, `slopes` (n,) are the changes of its curvature along
+    it [1/mm^2], with the normal on the right.
+
+    By implicit differentiation of F(phi, q) = 0: q' = -F_phi / F_q, and twice more. Along the path
+    d^3Z/dq^3 follows from the second derivative by the same factor as that from the first.
+
+    Raises
+    ------
+    GeometryError
+        Where the path is tangent to the bow: the lift has no velocity there.
+    """
+    point = path.point(phi, q)
+    along, bend = path.along(phi, q)
+    normal = bows.normal_at(point)
+    turn = -1j * path.rotation
+    steep = dot(normal, along)
+    if np.any(steep == 0.0):
+        raise GeometryError("the contour runs along the path of the follower: its lift jumps there")
+    first = -dot(normal, turn * point) / steep
+    speed = turn * point + along * first
+    rest = -point + 2.0 * turn * along * first + bend * first * first
+    second = -(bows.curvatures * dot(speed, speed) + dot(normal, rest)) / steep
+    pace = rest + along * second
+    jolt = -turn * point - 3.0 * along * first
+    jolt += 3.0 * turn * (bend * first * first + along * second)
+    jolt += first * bend * (bend / along * first * first + 3.0 * second)
+    twist = slopes * dot(1j * normal, speed) ** 3
+    third = -(3.0 * bows.curvatures * dot(speed, pace) + twist + dot(normal, jolt)) / steep
+    return path.outward * np.stack((q - path.start, first, second, third))

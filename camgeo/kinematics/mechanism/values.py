@@ -1,0 +1,242 @@
+"""The values of followers, linkages and parts: checked on the way in, and converted from a scene.
+
+Lengths in mm and angles in rad. Each check returns the value as it is stored, or raises
+`GeometryError` with the key, the value and what is allowed.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+from numbers import Real
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, TypeVar
+
+from camgeo.errors import GeometryError
+from camgeo.numeric.checked import (
+    SMALLEST,
+    Check,
+    checks_of,
+    instance,
+    number,
+    one_of,
+    point,
+    shown,
+)
+from camgeo.units import TURN
+
+if TYPE_CHECKING:
+    from camgeo.kinematics.mechanism.linkage import Linkage, Member
+    from camgeo.units import LiftUnit
+
+
+Built = TypeVar("Built")
+
+RADIANS: Final = "radians"
+
+SIGNS: Final = {"ccw": 1, "cw": -1, "outward": 1, "inward": -1, "left": 1, "right": -1}
+"""The sign for each word of a table."""
+
+
+def length(key: str, value: Any) -> float:
+    """A length above 0 [mm]."""
+    return number(key, value, above=0.0, unit="mm")
+
+
+def any_size(key: str, value: Any) -> float:
+    """A number above 0 of any size, for formulas that use ratios only."""
+    real = isinstance(value, Real) and not isinstance(value, bool)
+    if not (real and 0.0 < value <= sys.float_info.max):
+        raise GeometryError("must be a positive number", key, shown(value))
+    return float(value)
+
+
+def radius(key: str, value: Any) -> float:
+    """A length [mm] that may be 0."""
+    found = number(key, value, least=0.0, unit="mm")
+    if 0.0 < found < SMALLEST:
+        raise GeometryError(f"must be 0, or at least {SMALLEST:g}", key, shown(value))
+    return found
+
+
+def coordinate(key: str, value: Any) -> float:
+    """A length of either sign [mm]."""
+    return number(key, value, unit="mm")
+
+
+def place(key: str, value: Any) -> complex:
+    """A point x + i y [mm]."""
+    return point(key, value, "mm")
+
+
+def angle(key: str, value: Any, low: float = -TURN, high: float = TURN) -> float:
+    """An angle from `low` to `high` [rad], a turn either way at most."""
+    return number(key, value, least=low, most=high, unit=RADIANS)
+
+
+def right_angle(key: str, value: Any) -> float:
+    """An angle above 0, a right angle at most [rad]."""
+    return number(key, value, above=0.0, most=0.5 * math.pi, unit=RADIANS)
+
+
+def sense(key: str, value: Any) -> int:
+    """+1 or -1."""
+    return one_of(key, value, (1, -1))
+
+
+def truth(key: str, value: Any) -> bool:
+    """True or False, but not a number."""
+    return instance(key, value, bool, "true or false")
+
+
+def branch(key: str, value: Any) -> int:
+    """+1 or -1, for the side on which a crank's tip lies: +1 is clockwise seen from its shaft."""
+    return sense(key, value)
+
+
+def of_table(check: Check, value: Any, mm: float) -> Any:
+    """A value of a scene's table, converted for the field that `check` guards; `mm` per unit."""
+    check = getattr(check, "func", check)  # of a range of angles
+    if isinstance(value, str):
+        return -SIGNS[value] if check is branch else SIGNS.get(value)
+    if check is place:
+        return mm * complex(*value)
+    if check is angle:
+        return math.radians(value)
+    if isinstance(value, list):
+        return tuple(mm * each for each in value)
+    return mm * value if check in (length, radius, coordinate) else value
+
+
+def able(key: str, value: Any, method: str, what: str) -> None:
+    """GeometryError unless `value` has the `method` that makes it `what`."""
+    if isinstance(value, type) or not hasattr(value, method):
+        raise GeometryError(f"must be {what}", key, shown(value))
+
+
+# As types of fields, see `camgeo.numeric.checked.check_fields`.
+Length = Annotated[float, length]
+AnySize = Annotated[float, any_size]
+Radius = Annotated[float, radius]
+Coordinate = Annotated[float, coordinate]
+Place = Annotated[complex, place]
+Angle = Annotated[float, angle]
+AcuteAngle = Annotated[float, partial(angle, low=-0.5 * math.pi, high=0.5 * math.pi)]
+RightAngle = Annotated[float, right_angle]
+Sense = Annotated[int, sense]
+Branch = Annotated[int, branch]
+Truth = Annotated[bool, truth]
+
+
+@dataclass(frozen=True, slots=True)
+class Values:
+    """A table with values of the right types and in range, in the units of the scene.
+
+    Attributes
+    ----------
+    table : the values by their keys.
+    mm : millimetres per unit of length.
+    linked : whether a linkage drives the follower.
+    """
+
+    table: Mapping[str, Any]
+    mm: float
+    linked: bool = False
+
+    def build(self, make: Callable[..., Built], *first: Any, **others: Any) -> Built:
+        """Call `make`, a class or a function, with the values that its annotations name.
+
+        Converted to mm and rad by the annotations of `camgeo.kinematics.mechanism.values`. `first`
+        are passed before them, `others` in place of them.
+        """
+        return make(*first, **(self.given(make) | others))
+
+    def given(self, make: Callable[..., Any]) -> dict[str, Any]:
+        """The values that the annotations of `make` name, converted as for `build`."""
+        return {
+            name: of_table(check, self.table[key], self.mm)
+            for name, (check, key, _) in checks_of(make).items()
+            if key in self.table
+        }
+
+    def sign(self, key: str, default: str) -> int:
+        """+1 or -1 for the word at `key`."""
+        return SIGNS[self.table.get(key, default)]
+
+    @property
+    def own_direction(self) -> dict[str, None]:
+        """For a rocker: behind a linkage, which gives its own angle, the direction is None."""
+        return {"direction": None} if self.linked else {}
+
+
+# -- kind -----------------------------------------------------------------------------------------
+# What a kind of follower or linkage declares: its name, the keys of its table, how it is built.
+#
+# A declaration imports nothing that computes; what it builds is imported when it is built. What
+# reads scenes knows kinds by their declarations alone.
+
+
+Touching = Literal["roller", "face"]
+"""The part of a follower that touches the cam."""
+
+Mover = Literal["follower", "rocker"]
+"""The part of a follower that moves."""
+
+UNIT_OF: Final[Mapping[Member, LiftUnit]] = {"slider": "mm", "lever": "rad", "crank": "rad"}
+"""Unit of the positions of a linkage's far end."""
+
+Rule = Callable[[Mapping[str, Any]], Iterator[tuple[str, str]]]
+"""Yields the keys at fault in a table and why; values known to be wrong are left out of it."""
+
+
+@dataclass(frozen=True, slots=True)
+class FollowerKind:
+    """A kind of follower.
+
+    Attributes
+    ----------
+    name : as scenes write it.
+    description : what it is, in a sentence.
+    unit : of its lift.
+    touching : the part that touches the cam.
+    schema : JSON Schema of its table, without its kind.
+    build : makes the follower of a table.
+    build_return : makes the `conjugate.Mount` of the second roller of a conjugate pair of the table
+        [follower.return]; None if this kind has none.
+    sizes : keys of the lengths that a tolerance is compared with; nested ones with a dot.
+    rules : conditions that relate its keys.
+    """
+
+    name: str
+    description: str
+    unit: LiftUnit
+    touching: Touching
+    schema: Mapping[str, Any]
+    build: Callable[[Values], Any]
+    sizes: tuple[str, ...]
+    build_return: Callable[[Values], Any] | None = None
+    rules: tuple[Rule, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class LinkageKind:
+    """A kind of linkage.
+
+    Attributes
+    ----------
+    name : as scenes write it.
+    description : what it is, in a sentence or two.
+    members : whose motion is demanded, by the unit of lift of the follower that it drives.
+    schema : JSON Schema of its table, without its kind.
+    build : makes the linkage of a table, for a follower whose lift has that unit.
+    templates : names of the scenes with it that `camgeo new` writes.
+    """
+
+    name: str
+    description: str
+    members: Mapping[LiftUnit, Member]
+    schema: Mapping[str, Any]
+    build: Callable[[Values, LiftUnit], Linkage]
+    templates: tuple[str, ...] = ()

@@ -1,0 +1,563 @@
+"""From settled joints to segments: the law that each move requests, normalised and built."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from decimal import localcontext
+from functools import lru_cache, partial
+from typing import Final
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.kinematics.laws import BALANCES, FAMILIES, LARGEST, find_family, law_of
+from camgeo.kinematics.laws.family import COUNTED_FROM_END, Family
+from camgeo.kinematics.laws.law import Characteristic, Law, acceleration_jumps, characteristic
+from camgeo.kinematics.laws.polynomials import ORDERS, law_of_boundary_values
+from camgeo.kinematics.laws.pulse import DIGITS
+from camgeo.kinematics.laws.sine_straight import LEAST
+from camgeo.kinematics.laws.two_pulses import Parts
+from camgeo.kinematics.planning.requests import (
+    AUTO,
+    CRITERIA,
+    TAKE_JERK,
+    Chain,
+    Link,
+    MoveRequest,
+    task_of,
+)
+from camgeo.numeric import checked
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.extremes import bracketed_roots
+
+MISSED = 1e-9
+"""Relative error of a stated value that counts as rounding."""
+
+GENTLEST = 1.0 - 1e-9
+"""c of a sine-straight combination, which may turn slightly more gently still, by rounding."""
+
+
+def named_law(chain: Chain, number: int, task: str) -> Law:
+    """The law that a move names, for `task`, with what is known of its joints.
+
+    Raises
+    ------
+    GeometryError
+        With the key of the segment, if there is no such law; it states which value would do.
+    """
+    link = chain.links[number]
+    request = link.request
+    assert isinstance(request, MoveRequest)
+    family = find_family(request.law)
+    if task not in family.parameters:
+        task = family.tasks[0]  # the polynomial of what is given has but one
+    with keyed(link):
+        given = dict(request.parameters)
+        known = normalised(chain, number)
+        given |= {key: known[key] for key in _needed(chain, number, family.parameters[task], known)}
+        if request.balance:
+            given["inflection"] = balanced(family.name, task, request.balance, given)
+        wrong = None
+        try:
+            law = law_of(family.name, task, given)
+        except GeometryError:
+            wrong = _out_of_reach(chain, number, family, task, given)
+            if wrong is None:
+                raise
+    if wrong is not None:
+        raise wrong
+    _check_stated(chain, number, law)
+    return law
+
+
+def own_law(chain: Chain, number: int, task: str) -> Law:
+    """The law that a move names, with the parameters that are not stated chosen for it alone.
+
+    The inflection point lies where the accelerations of both parts are equally large, or in the
+    middle if there is no such place; a sine-straight combination turns as gently as it can.
+    """
+    link = chain.links[number]
+    request = link.request
+    assert isinstance(request, MoveRequest)
+    family = find_family(request.law)
+    taken = family.parameters[task]
+    known = normalised(chain, number)
+    given = {"curved": GENTLEST} if "curved" in taken else {}
+    given |= {key: known[key] for key in ("v0", "v1") if key in taken and key in known}
+    with keyed(link):
+        given |= {key: value for key, value in request.parameters.items() if key in taken}
+        if "inflection" in taken and "inflection" not in given:
+            given["inflection"] = _balanced(family.name, task, given)
+        return law_of(family.name, task, given)
+
+
+def _balanced(name: str, task: str, given: dict[str, float]) -> float:
+
+    try:
+        return equal_accelerations(name, task, given)
+    except GeometryError:
+        return 0.5
+
+
+def normalised(chain: Chain, number: int) -> dict[str, float]:
+    """Known values at both ends, "v0" to "j1", normalised (VDI 2143-1, eqs. (136) to (141))."""
+    link = chain.links[number]
+    return _scaled(chain, number, link.stroke)
+
+
+def _scaled(chain: Chain, number: int, unit: float) -> dict[str, float]:
+    link = chain.links[number]
+    found = {}
+    for end, joint in (("0", chain.before(number)), ("1", chain.after(number))):
+        for key, value in zip("vaj", (*joint.values, joint.jerk), strict=True):
+            if value is not None:
+                found[key + end] = value * link.length ** ORDERS[key] / unit
+    return found
+
+
+def _needed(
+    chain: Chain, number: int, taken: tuple[str, ...], known: dict[str, float]
+) -> list[str]:
+    """The boundary values that a law is given, of those it takes."""
+    request = chain.links[number].request
+    assert isinstance(request, MoveRequest)
+    ends = {"0": chain.before(number), "1": chain.after(number)}
+    keys = [key for key in taken if key in known]
+    accelerations = [key for key in keys if key[0] == "a"]
+    accelerations.sort(key=lambda key: "acceleration" not in ends[key[1]].stated)
+    if "inflection" not in taken:
+        return keys
+    # A turn is met by the place of the inflection point (and by c, where there is one).
+    free = 2 if "curved" in taken else 1
+    free -= len({"inflection", "curved"} & request.shaped_by)
+    dropped = accelerations[max(free, 0) :]
+    return [key for key in keys if key not in dropped]
+
+
+def _check_stated(chain: Chain, number: int, law: Law) -> None:
+    """What a designer states is met, or refused: a law that has no freedom left may have another
+    value, as the simple sine from rest to rest has.
+    """
+    link = chain.links[number]
+    for joint, end in ((chain.before(number), law.start), (chain.after(number), law.end)):
+        for order, name in enumerate(("velocity", "acceleration"), start=1):
+            if name not in joint.stated:
+                continue
+            unit = link.stroke / link.length**order
+            wanted, found = getattr(joint, name), getattr(end, name) * unit
+            if abs(found - wanted) > MISSED * max(abs(found), abs(wanted), abs(unit)):
+                raise GeometryError(
+                    f"cannot be met by {law.name} for {law.task} of {link.key}, whose {name} there"
+                    f" is {chain.unit.text(found, order)}; polynomial-5 and auto meet any",
+                    key=f"{joint.key}.{name}",
+                    value=chain.unit.text(wanted, order),
+                )
+
+
+def law_without_stroke(chain: Chain, number: int) -> Law | None:
+    """The law of a move that ends where it starts, a polynomial whose scale is its own [mm or rad].
+
+    None if velocity, acceleration and the stated jerk are 0 at both ends: the move rests.
+    """
+    link = chain.links[number]
+    assert isinstance(link.request, MoveRequest)
+    name = "polynomial-5" if link.request.law == AUTO else find_family(link.request.law).name
+    values = _scaled(chain, number, 1.0)
+    if name not in TAKE_JERK:
+        values = {key: value for key, value in values.items() if key[0] != "j"}
+    if not any(values.values()):
+        return None
+    if name == "polynomial-7":
+        values = {"j0": 0.0, "j1": 0.0, **values}
+    with keyed(link):
+        return law_of_boundary_values(name, task_of(chain, number), values, {}, rise=0.0)
+
+
+@contextmanager
+def keyed(link: Link) -> Iterator[None]:
+    """Errors get the key of the segment that requests the law; "law" where they have none."""
+    try:
+        yield
+    except GeometryError as error:
+        key = error.key or "law"
+        known = {"a0": "law", "a1": "law", "v0": "law", "v1": "law", "task": "law"}
+        raise GeometryError(
+            error.message, key=f"{link.key}.{known.get(key, key)}", value=error.value
+        ) from error
+
+
+def _out_of_reach(
+    chain: Chain, number: int, family: Family, task: str, given: dict[str, float]
+) -> GeometryError | None:
+    """The reason why a law cannot have the acceleration a0 or a1 of `given`; None if it can, or
+    takes neither.
+
+    The acceleration at a turn runs from a bound, which it has where the other part of the law takes
+    no time, to infinity, where its own part takes none (see `camgeo.kinematics.laws.two_pulses`).
+    """
+    ends: dict[str, float] = {key: given[key] for key in ("a0", "a1") if key in given}
+    if family.parts is None or not ends:
+        return None
+    if len(ends) == 2:
+        key, bound, above = _of_both(ends["a0"], ends["a1"])
+    else:
+        key = next(iter(ends))
+        rest = {name: value for name, value in given.items() if name not in ends}
+        parts = family.parts(task, rest)
+        bound, above = parts.reach()
+        if key == "a0":  # of the mirror image, whose acceleration has the other sign
+            bound, above = parts.mirrored.reach()
+            bound, above = -bound, not above
+        if family.name == "sine-straight" and "inflection" in given:
+            inflection = given["inflection"]
+            bound = LEAST / inflection if key == "a0" else -LEAST / (1.0 - inflection)
+    if not key or (ends[key] > bound if above else ends[key] < bound):
+        return None
+    link = chain.links[number]
+    joint = chain.before(number) if key == "a0" else chain.after(number)
+    physical = link.stroke / link.length**2
+    text = chain.unit.text
+    side = "above" if above == (link.stroke > 0.0) else "below"
+    place = "starts" if key == "a0" else "ends"
+    message = (
+        f"over {math.degrees(link.length):.6g} degrees and {text(link.stroke)},"
+        f" {family.name} for {task} {place} with an acceleration {side}"
+        f" {text(bound * physical, 2)}, but {text(ends[key] * physical, 2)} is needed here;"
+        " polynomial-5 and auto meet any"
+    )
+    stated = "acceleration" in joint.stated
+    return GeometryError(
+        message,
+        key=f"{joint.key}.acceleration" if stated else f"{link.key}.law",
+        value=text(ends[key] * physical, 2) if stated else family.name,
+    )
+
+
+def _of_both(a0: float, a1: float) -> tuple[str, float, bool]:
+    """Which of the two a sine-straight combination cannot have, its bound, and if it lies above."""
+    if not a0 > LEAST:
+        return "a0", LEAST, True
+    if not -a1 > LEAST:
+        return "a1", -LEAST, False
+    least = LEAST * a0 / (a0 - LEAST)
+    return "a1", -least, False
+
+
+# -- auto -----------------------------------------------------------------------------------------
+# `law = "auto"`: the law of a move, chosen by its task and the quantities to keep small.
+
+
+DEFAULT: Mapping[str, float] = {"acceleration": 1.0}
+
+STANDS_IN = {"velocity": "moment"}
+
+GENTLEST_SHIFT, SHARPEST = 0.5, 4.0
+"""Turns that are tried, as multiples of the gentlest one with equally large accelerations."""
+
+STEPS = 12
+"""Steps of the search between these; they leave 1 % of the turn."""
+
+GAIN = 1e-3
+"""What a turn between those tried must gain, as a fraction of the cost, to be taken."""
+
+Rated = tuple[Law, Characteristic]
+
+SLACK = 1e-9
+"""A boundary value is met if its error is at most this fraction of the largest one."""
+
+TIE = 1e-9
+"""Costs that differ by less than this fraction are equal: where a turn decides the acceleration,
+many laws share it."""
+
+RUNS_BACK = 1e-9
+"""A law overshoots if it leaves [0, 1] by more than this."""
+
+
+def best_law(
+    task: str,
+    known: Mapping[str, float],
+    parameters: Mapping[str, float],
+    optimise: Mapping[str, float],
+) -> Law:
+    """The law for `task` that is best by `optimise` among those without jerk or shock.
+
+    Parameters
+    ----------
+    task : "R-R" to "B-B".
+    known : boundary values, normalised, "v0" to "a1".
+    parameters : parameters stated by the designer; a family that does not take them is skipped.
+    optimise : weights of velocity, acceleration, jerk, moment; each value counts as a multiple of
+        the smallest that any law has. If empty, the acceleration alone.
+
+    A law that overshoots is chosen only if all do. Of equal laws the first registered wins.
+    """
+    found = [law for name in FAMILIES for law in _candidates(name, task, known, parameters)]
+    rated: Sequence[Rated] = [(law, characteristic(law)) for law in found]
+    if not rated:
+        raise GeometryError(
+            f"no law for {task} with {_stated(parameters)} meets velocity and acceleration at"
+            " both its ends; leave those out, or name a law, which then decides how sharply the"
+            " motion turns",
+            key=next(iter(parameters), "law"),
+            value="auto",
+        )
+    rated = _tame(rated)
+    costs = _costs(rated, optimise or DEFAULT)
+    nearly = min(costs) * (1.0 + TIE)
+    return next(law for (law, _), found in zip(rated, costs, strict=True) if found <= nearly)
+
+
+@lru_cache(maxsize=64)
+def best_turn(
+    task: str, v0: float = 0.0, v1: float = 0.0, optimise: tuple[tuple[str, float], ...] = ()
+) -> tuple[float, float] | None:
+    """f'' at both ends of the law that is best by `optimise` with turns of any sharpness.
+
+    Parameters
+    ----------
+    task : one with a turn, and none with general motion.
+    v0, v1 : f' at the ends.
+    optimise : as for `best_law`, in pairs. The moment stands in for the velocity, which is least
+        with a turn as gentle or as sharp as it can be.
+
+    Returns
+    -------
+    None if no law for the task has equally large accelerations, from which the search starts. From
+    turn to turn both values are equal except for the sign.
+    """
+    if task[0] == "U" and task != "U-U":  # the mirror image
+        mirrored = best_turn(f"{task[-1]}-U", v1, v0, optimise)
+        return mirrored and (-mirrored[1], -mirrored[0])
+    known = {"v0": v0, "v1": v1}
+    own = [turn for name in FAMILIES if (turn := _own_turn(name, task, known))]
+    if not own:
+        return None
+    middle = min(own, key=abs)
+    weights: dict[str, float] = {}
+    for name, weight in optimise or DEFAULT.items():
+        weights[STANDS_IN.get(name, name)] = weights.get(STANDS_IN.get(name, name), 0.0) + weight
+
+    def rated(name: str, turn: float) -> Sequence[Rated]:
+        ends = {"a1": turn, **({"a0": -turn} if task == "U-U" else {})}
+        return [(law, characteristic(law)) for law in _candidates(name, task, known | ends, {})]
+
+    scale = _least([pair for name in FAMILIES for pair in rated(name, middle)], weights)
+
+    def cost(name: str, turn: float) -> float:
+        tame = [pair for pair in rated(name, turn) if not _overshoots(pair[1])]
+        return min(_costs(tame, weights, scale), default=math.inf)
+
+    best = min((cost(name, turn), turn) for name in FAMILIES for turn in own)
+    for name in FAMILIES:
+        if task in FAMILIES[name].tasks:
+            turn = _lowest(partial(cost, name), GENTLEST_SHIFT * middle, SHARPEST * middle)
+            found = cost(name, turn)
+            if found < best[0] * (1.0 - GAIN):
+                best = found, turn
+    turn = best[1]
+    return (-turn if task == "U-U" else 0.0), turn
+
+
+def _own_turn(name: str, task: str, known: Mapping[str, float]) -> float | None:
+    """f'' at the end of the law with equally large accelerations; None if there is none."""
+    family = FAMILIES[name]
+    if family.parts is None or task not in family.tasks:
+        return None
+    given = {key: value for key, value in known.items() if key in family.parameters[task]}
+    try:
+        place = equal_accelerations(name, task, given)
+        return law_of(name, task, {**given, "inflection": place}).end.acceleration
+    except GeometryError:
+        return None
+
+
+def _lowest(cost: Callable[[float], float], low: float, high: float) -> float:
+    """Where `cost` is lowest between `low` and `high`, by golden-section search."""
+    ratio = 0.5 * (math.sqrt(5.0) - 1.0)
+    inner = [high - ratio * (high - low), low + ratio * (high - low)]
+    costs = [cost(place) for place in inner]
+    for _ in range(STEPS):
+        if costs[0] <= costs[1]:
+            high = inner[1]
+            inner, costs = [high - ratio * (high - low), inner[0]], [0.0, costs[0]]
+            costs[0] = cost(inner[0])
+        else:
+            low = inner[0]
+            inner, costs = [inner[1], low + ratio * (high - low)], [costs[1], 0.0]
+            costs[1] = cost(inner[1])
+    return inner[0] if costs[0] <= costs[1] else inner[1]
+
+
+def _tame(rated: Sequence[Rated]) -> Sequence[Rated]:
+    """The laws that do not overshoot; all if each does."""
+    return [pair for pair in rated if not _overshoots(pair[1])] or rated
+
+
+def _least(rated: Sequence[Rated], weights: Mapping[str, float]) -> dict[str, float]:
+    """The smallest value of each quantity that any law has."""
+    return {name: min(size_of(values, name) for _, values in rated) for name in weights}
+
+
+def _costs(
+    rated: Sequence[Rated],
+    weights: Mapping[str, float],
+    least: Mapping[str, float] | None = None,
+) -> list[float]:
+    """Weighted sum of the values of each law, as multiples of the `least` ones."""
+    least = least or _least(rated, weights)
+    return [
+        sum(
+            weight * size_of(values, name) / least[name] if least[name] else 0.0
+            for name, weight in weights.items()
+        )
+        for _, values in rated
+    ]
+
+
+def sizes_at(
+    task: str, known: Mapping[str, float], optimise: Mapping[str, float]
+) -> dict[str, float]:
+    """Each criterion of the best law for `task` with these boundary values, see `best_law`."""
+    values = characteristic(best_law(task, known, {}, optimise))
+    return {name: size_of(values, name) for name in CRITERIA}
+
+
+def size_of(values: Characteristic, name: str) -> float:
+    """Largest magnitude of a quantity: "velocity", "acceleration", "jerk" or "moment"."""
+    high, low = {
+        "velocity": (values.velocity, values.least_velocity),
+        "acceleration": (values.largest_acceleration, values.least_acceleration),
+        "jerk": (values.largest_jerk, values.least_jerk),
+        "moment": (values.largest_moment, values.least_moment),
+    }[name]
+    return max(abs(high.value), abs(low.value))
+
+
+def _candidates(
+    name: str, task: str, known: Mapping[str, float], parameters: Mapping[str, float]
+) -> list[Law]:
+    family = FAMILIES[name]
+    if name == "polynomial" or task not in family.tasks:
+        return []
+    taken = family.parameters[task]
+    if not parameters.keys() <= set(taken):
+        return []
+    given = {**parameters}
+    given |= {key: known.get(key, 0.0) for key in taken if key[0] in "va" and key[1:] in ("0", "1")}
+    try:
+        if "inflection" in taken and "inflection" not in given and "U" not in task:
+            if task != "R-R":
+                given["inflection"] = equal_accelerations(name, task, given)
+        elif "inflection" in given:
+            given = {key: value for key, value in given.items() if key[0] != "a"}
+        law = law_of(name, task, given)
+    except GeometryError:
+        return []
+    return [law] if _fits(law, known) else []
+
+
+def _fits(law: Law, known: Mapping[str, float]) -> bool:
+    """Whether a law meets the boundary values and has no jump of the acceleration inside."""
+    met = {
+        "v0": law.start.velocity,
+        "a0": law.start.acceleration,
+        "v1": law.end.velocity,
+        "a1": law.end.acceleration,
+    }
+    size = max(map(abs, known.values()), default=1.0)
+    gaps = (abs(met[key] - known.get(key, 0.0)) for key in met)
+    return max(gaps) <= SLACK * size and not acceleration_jumps(law)
+
+
+def _overshoots(values: Characteristic) -> bool:
+    return values.lift.value > 1.0 + RUNS_BACK or values.least_lift.value < -RUNS_BACK
+
+
+def _stated(parameters: Mapping[str, float]) -> str:
+    return ", ".join(f"{key} = {value:g}" for key, value in parameters.items()) or "none stated"
+
+
+# -- balance --------------------------------------------------------------------------------------
+# The inflection point that makes an extreme of both parts of a law equal: the inverse relations.
+#
+# VDI 2143-1 gives lambda for equal accelerations, equal jerks and equal dynamic moments of some
+# laws as numbers (sections 6.6.1 and 6.6.2); here it is computed for each law with an inflection
+# point.
+
+
+Given = Mapping[str, float]
+
+NEAREST: Final = 1e-6
+"""How near to 0 and 1 an inflection point is sought."""
+
+TINY: Final = 1e-300
+"""Stands in for a part without acceleration when a logarithm is taken."""
+
+
+def equal_accelerations(name: str, task: str, given: Given) -> float:
+    """lambda, as VDI 2143-1 counts it, at which |C_a| = |C_a*|, from a quadratic.
+
+    Parameters
+    ----------
+    name, task : a law with an inflection point, see `camgeo.kinematics.laws.make_law`.
+    given : its other parameters.
+
+    Raises
+    ------
+    GeometryError
+        If the law has no inflection point, or none makes them equal.
+    """
+    place = _parts(name, task, given).inflection_for_equal_accelerations()
+    with localcontext(DIGITS):
+        return float(1 - place if task in COUNTED_FROM_END else place)
+
+
+def balanced(name: str, task: str, quantity: str, given: Given) -> float:
+    """lambda at which both parts have the same largest acceleration, jerk or dynamic moment.
+
+    Parameters
+    ----------
+    quantity : one of `BALANCES`.
+
+    Raises
+    ------
+    GeometryError
+        If the law has no inflection point, or none makes them equal.
+    """
+    if checked.one_of("quantity", quantity, BALANCES) == "acceleration":
+        return equal_accelerations(name, task, given)
+
+    def difference(places: FloatArray) -> FloatArray:
+        laws = (law_of(name, task, {**given, "inflection": float(lam)}) for lam in places)
+        return np.array([_log_ratio(characteristic(law), quantity) for law in laws])
+
+    # Of either part what is compared grows beyond all bounds where it is short: the range is a
+    # bracket, and any place where they are equal is an answer.
+    ends = np.array([NEAREST, 1.0 - NEAREST])
+    low, high = difference(ends)
+    if low * high >= 0.0:  # without jerk both parts are alike everywhere
+        raise GeometryError(
+            f"no inflection point makes the {quantity} equal in both parts of {name} for {task}",
+            key="inflection",
+        )
+    return float(bracketed_roots(difference, ends[:1], ends[1:])[0])
+
+
+def _parts(name: str, task: str, given: Given) -> Parts:
+    """The parts of a law whose inflection point is sought."""
+    family = find_family(name)
+    if family.parts is None:
+        raise GeometryError(f"{name} has no inflection point", key="inflection")
+    return family.parts(
+        checked.one_of("task", task, family.tasks), checked.by_name("parameters", given, LARGEST)
+    )
+
+
+def _log_ratio(values: Characteristic, quantity: str) -> float:
+    first, second = {
+        "jerk": (values.jerk, values.braking_jerk),
+        "moment": (values.moment, values.braking_moment),
+    }[quantity]
+    return math.log(max(abs(first.value), TINY)) - math.log(max(abs(second.value), TINY))

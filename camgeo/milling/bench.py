@@ -1,0 +1,258 @@
+"""Part, blank, holding and tools: which tool reaches what, and how deep cuts go."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Final, Self
+
+from camgeo.errors import GeometryError
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.milling.cut import largest_diameter, tightest
+from camgeo.milling.milling import MillingSpec
+from camgeo.milling.tool import COMPUTED, CONTROL, END_MILL, Tool, ToolError
+from camgeo.part.boundaries import CurveBoundary, ExactBoundary
+from camgeo.part.part import Boundary, Part, Wall
+from camgeo.part.spec import text_of
+
+SAME: Final = 2.0**-48
+"""Radii that differ by less, relative to them, are equal: the rounding of a sum of two lengths."""
+
+BORE: Final = "bore"
+"""Name of the boundary about the cam axis."""
+
+COARSE: Final = 0.01
+"""Tolerance [mm] of contours between which it is asked what lies over what."""
+
+BESIDE: Final = 0.1
+"""Width [mm] of the strip beside a wall that must be free for tools to reach it."""
+
+ALLOWANCE_SHARE: Final = 0.05
+LARGEST_ALLOWANCE: Final = 0.5
+"""What a planned roughing leaves, as a share of the cutter's diameter, and at most [mm]."""
+
+
+class Reason(str):
+    """Why a tool cannot do something.
+
+    Attributes
+    ----------
+    field : of the tool, too small or too large for it.
+    """
+
+    __slots__ = ("field",)
+    field: str
+
+    def __new__(cls, sentence: str, field: str) -> Self:
+        found = super().__new__(cls, sentence)
+        found.field = field
+        return found
+
+
+Unfit = Callable[[Tool], str]
+"""Why a tool cannot do something, perhaps a `Reason`; empty if it can."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bench:
+    """What is to be milled, from what, and with what.
+
+    Attributes
+    ----------
+    part : with its heights.
+    milling : the scene's statements.
+    compensation : of finishes that do not state theirs.
+    """
+
+    part: Part
+    milling: MillingSpec
+    compensation: str = COMPUTED
+
+    @property
+    def walls(self) -> dict[str, Wall]:
+        """Of the part, by the names of their boundaries."""
+        return {wall.boundary.name: wall for wall in self.part.walls}
+
+    @property
+    def lower_face(self) -> float:
+        """Z of the lower face of the part [mm]."""
+        return self.part.layers[0].z0
+
+    @property
+    def bosses(self) -> tuple[Wall, ...]:
+        """The walls around what stands on the upper face of the disc."""
+        above = self.part.disc[-1].z1
+        stand = [layer.boundaries[0] for layer in self.part.layers if layer.z0 >= above]
+        return tuple(wall for wall in self.part.walls if wall.boundary in stand)
+
+    @property
+    def holes(self) -> tuple[Wall, ...]:
+        """The walls of round holes beside the bore, and of marks."""
+        return tuple(
+            wall
+            for wall in self.part.walls
+            if isinstance(wall.boundary, ExactBoundary)
+            and wall.boundary.hole
+            and wall.boundary.name != BORE
+        )
+
+    def wall(self, name: str, key: str) -> Wall:
+        """The wall of a boundary; GeometryError with the `key`, if there is none, or none that is
+        reached from this side.
+        """
+        walls = self.walls
+        message = ""
+        if name not in walls:
+            names = dict.fromkeys(text_of(each) or each for each in walls)
+            known = ", ".join(f'"{each}"' for each in names)
+            message = f"the part has no such wall; it has {known}"
+        elif not is_open(self.part, walls[name]):
+            message = f"it is not open on the {self.milling.up} face: the part lies over it"
+        if message:
+            raise GeometryError(message, key, f'"{name}"')
+        return walls[name]
+
+    def is_through(self, wall: Wall) -> bool:
+        """Whether the wall reaches the lower face."""
+        return wall.z0 == self.lower_face
+
+    def pierces(self, wall: Wall) -> bool:
+        """Whether the wall reaches the lower face of the disc, perhaps beside a hub on it."""
+        return wall.z0 <= self.part.disc[0].z0
+
+    def mouth(self, wall: Wall) -> float:
+        """Z from which a round hole is drilled [mm]: of the face on which it opens, above a
+        counterbore if it has one.
+        """
+        middle = bore_of(wall).exact.centres[0]
+        over = (
+            each.z1
+            for each in self.holes
+            if each.z0 == wall.z1 and bore_of(each).exact.centres[0] == middle
+        )
+        return max(over, default=wall.z1)
+
+    def bottom(self, wall: Wall) -> float:
+        """Z at which cuts along the wall end [mm]: below the part, on its skin, or on a floor."""
+        holding = self.milling.holding
+        if not self.is_through(wall) or holding is None:
+            return wall.z0
+        return wall.z0 - holding.through if holding.skin is None else wall.z0 + holding.skin
+
+    def choose(self, what: str, unfit: Unfit, kinds: Iterable[str] = (END_MILL,)) -> Tool:
+        """The first tool of one of the `kinds` that fits.
+
+        Raises
+        ------
+        GeometryError
+            With key "tool", and why each one does not.
+        """
+        reasons = []
+        for tool in self.milling.tools:
+            if tool.kind not in kinds:
+                continue
+            reason = unfit(tool)
+            if not reason:
+                return tool
+            reasons.append(f"tool {tool.number}: {reason}")
+        message = f"none fits the {what}: {'; '.join(reasons) or f'no {END_MILL} is stated'}"
+        if len(reasons) == len(self.milling.tools) == 1:
+            raise ToolError(message, self.milling.tools[0], getattr(reason, "field", ""))
+        raise GeometryError(message, key="tool")
+
+    def allowance(self, tool: Tool, wall: Wall) -> float:
+        """What a planned roughing with `tool` leaves on a wall [mm].
+
+        No more than half of what the tightest place leaves it.
+        """
+        usual = min(ALLOWANCE_SHARE * tool.diameter, LARGEST_ALLOWANCE)
+        place = tightest(wall.boundary)
+        return usual if place is None else min(usual, 0.5 * (place.radius - tool.radius))
+
+    def room_outside(self, tool: Tool, compensation: str) -> float:
+        """For the leads of a finish around which all is cleared [mm]: more where
+        the controller takes up the cutter's.
+        """
+        return (3.0 if compensation == CONTROL else 1.0) * tool.radius
+
+    # Why tools do not fit -----------------------------------------------------------------------
+
+    def too_short(self, tool: Tool, bottom: float, top: float = 0.0) -> str:
+        """Whether its edges, shank and holder allow a cut from `top` to `bottom` [mm]; the holder
+        stays above the upper face of the part.
+        """
+        depth, reach = top - bottom, max(top, 0.0) - bottom
+        if tool.flute_length is not None and tool.flute_length < depth:
+            text = f"its cutting edges, {tool.flute_length:g} mm, are shorter than {depth:g} mm"
+            return Reason(text, "flute_length")
+        if tool.stick_out is not None and tool.stick_out < reach:
+            text = f"it sticks out {tool.stick_out:g} mm, less than {reach:g} mm"
+            return Reason(text, "stick_out")
+        wide = tool.shank_diameter
+        if wide is not None and wide > tool.diameter and tool.flute_length is None:
+            text = f"its shank is wider than its edges, whose length is not stated for {depth:g} mm"
+            return Reason(text, "shank_diameter")
+        return ""
+
+    def too_large(self, tool: Tool, boundary: Boundary) -> str:
+        """Whether it reaches all of the boundary."""
+        place = tightest(boundary)
+        if place is None or tool.radius < place.radius:
+            return ""
+        if isinstance(boundary, ExactBoundary):
+            size = 2.0 * place.radius
+            text = f"the cutter must be smaller than the {boundary.name}, {size:g} mm"
+            return Reason(text, "diameter")
+        return Reason(
+            f"the cutter is too large for the {boundary.name}: {place.sentence};"
+            f" the largest that fits has {largest_diameter(place):g} mm",
+            "diameter",
+        )
+
+    def unfit(self, wall: Wall, *, top: float = 0.0) -> Unfit:
+        """Why a tool cannot finish a wall at full depth from `top` [mm]."""
+        bottom = self.bottom(wall)
+        return lambda tool: self.too_large(tool, wall.boundary) or self.too_short(tool, bottom, top)
+
+
+def is_open(part: Part, wall: Wall) -> bool:
+    """Whether tools from above reach the wall: no higher layer lies over where they run."""
+    over = [layer for layer in part.layers if layer.z0 >= wall.z1]
+    if not over:
+        return True
+    import shapely  # few parts have layers over a wall
+
+    from camgeo.milling.stages import grown, polygon
+
+    inside = polygon([wall.boundary.arcs(COARSE, "fast").contour], COARSE)
+    hole = wall.boundary.hole
+    beside = grown(inside, BESIDE)
+    beside = inside.difference(grown(inside, -BESIDE)) if hole else beside.difference(inside)
+    for layer in over:
+        contours = [each.arcs(COARSE, "fast").contour for each in layer.boundaries]
+        shared = shapely.intersection(beside, polygon(contours, COARSE)).area
+        if shared > 2.0 * COARSE * inside.length:
+            return False
+    return True
+
+
+def letters_of(bench: Bench, text: str) -> tuple[Wall, ...]:
+    """The walls of the letters of a text; none of anything else."""
+    return tuple(wall for name, wall in bench.walls.items() if text_of(name) == text != "")
+
+
+def as_wide(tool: Tool, half: float) -> bool:
+    """Whether a tool is as wide as a groove, a mark or a hole of twice `half` [mm]."""
+    return abs(tool.radius - half) <= SAME * half
+
+
+def flank_curve(wall: Wall) -> WorkingCurve:
+    """The working curve of a flank's wall."""
+    assert isinstance(wall.boundary, CurveBoundary)  # as every flank is
+    return wall.boundary.path.stretches[0].curve
+
+
+def bore_of(wall: Wall) -> ExactBoundary:
+    """The boundary of the bore."""
+    assert isinstance(wall.boundary, ExactBoundary)  # as every bore is
+    return wall.boundary

@@ -1,0 +1,230 @@
+"""Moves of a cutter: what a toolpath consists of and what a G-code writer prints.
+
+Millimetres, mm/min, Z = 0 on the upper face of the part, Z up. Positions are of the cutter's tip.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final, Self
+
+from camgeo.errors import FileError, GeometryError
+from camgeo.milling.cut import Cut
+from camgeo.milling.tool import Tool
+from camgeo.numeric.checked import LARGEST, finite, hold, instance, number, one_of, positive, shown
+from camgeo.reading import PROGRAM_LINES
+
+Point = tuple[float, float, float]
+
+SWITCHES: Final = ("", "left", "right", "off")
+
+
+def _require(point: Any, size: int) -> None:
+    """Raise GeometryError unless `point` has `size` finite coordinates."""
+    if not (isinstance(point, tuple) and len(point) == size):
+        raise GeometryError(f"must be {size} coordinates", "toolpath", shown(point))
+    for each in point:
+        if type(each) is not float or not -LARGEST <= each <= LARGEST:
+            finite("toolpath", each, "mm")
+
+
+@dataclass(frozen=True, slots=True)
+class Rapid:
+    """Traverse to `end` [mm] without cutting; moves either in Z or in XY, never in both."""
+
+    end: Point
+
+    def __post_init__(self) -> None:
+        _require(self.end, 3)
+
+
+@dataclass(frozen=True, slots=True)
+class Feed:
+    """Straight cut to `end` [mm] at `feed` [mm/min].
+
+    `switch` is what it does to the controller's compensation of the cutter's radius: it leads onto
+    its path with the cutter on the "left" or the "right" of what is programmed, it leads "off" it,
+    or it changes nothing, "".
+    """
+
+    end: Point
+    feed: float
+    switch: str = ""
+
+    def __post_init__(self) -> None:
+        _require(self.end, 3)
+        positive("toolpath", self.feed, "mm/min")
+        one_of("toolpath", self.switch, SWITCHES)
+
+
+@dataclass(frozen=True, slots=True)
+class ArcFeed:
+    """Circular cut to `end` [mm] around the axis through `centre` (x, y) [mm] at `feed` [mm/min].
+
+    At most half a turn; `ccw` seen from +Z. If `end` has another Z, it is a helix of constant
+    pitch.
+    """
+
+    end: Point
+    centre: tuple[float, float]
+    ccw: bool
+    feed: float
+
+    def __post_init__(self) -> None:
+        _require(self.end, 3)
+        _require(self.centre, 2)
+        instance("toolpath", self.ccw, bool, "true or false")
+        positive("toolpath", self.feed, "mm/min")
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """A halt for the operator, at the clearance height, with the spindle off.
+
+    `note` says what has to be done.
+    """
+
+    note: str
+
+    def __post_init__(self) -> None:
+        instance("toolpath", self.note, str, "a text")
+
+
+def too_long() -> FileError:
+    """The error for a program that would not be read back."""
+    return FileError(
+        f"the program would have more than {PROGRAM_LINES:,} lines, the limit for a program that is"
+        " read; a larger tolerance or a larger stepdown needs fewer"
+    )
+
+
+Move = Rapid | Feed | ArcFeed
+
+
+@dataclass(frozen=True, slots=True)
+class Heights:
+    """Z of traverses [mm].
+
+    Attributes
+    ----------
+    clearance : between operations, above blank and clamps.
+    retract : within an operation, above the blank.
+
+    Raises
+    ------
+    GeometryError
+        With the key in `output.gcode`, if a height is not above 0, or the retract height above the
+        clearance.
+    """
+
+    clearance: float
+    retract: float
+
+    def __post_init__(self) -> None:
+        clearance = positive("output.gcode.clearance_height", self.clearance, "mm")
+        key = "output.gcode.retract_height"
+        retract = number(key, self.retract, above=0.0, most=clearance, unit="mm")
+        hold(self, clearance=clearance, retract=retract)
+
+    @classmethod
+    def of(cls, height: float) -> Self:
+        """Both at `height` [mm]."""
+        return cls(height, height)
+
+
+@dataclass(frozen=True, slots=True)
+class Operation:
+    """One operation of the program, with all its passes; it can be restarted alone.
+
+    Attributes
+    ----------
+    cut : what it cuts, with its tool.
+    moves : in order; the first is a traverse to the clearance height above the first point, the
+        last one leads up to that height again.
+
+    Raises
+    ------
+    GeometryError
+        With key "toolpath" if there is no cut, or it does not begin with a traverse.
+    """
+
+    cut: Cut
+    moves: tuple[Move | Stop, ...]
+
+    def __post_init__(self) -> None:
+        instance("toolpath", self.cut, Cut, "a cut")
+        instance("toolpath", self.moves, tuple, "a tuple of moves")
+        if not self.moves or not isinstance(self.moves[0], Rapid):
+            message = f"the operation {self.cut.name} must begin with a traverse"
+            raise GeometryError(message, "toolpath", shown(self.moves[:1]))
+
+    @property
+    def travel(self) -> tuple[Move, ...]:
+        """The moves without the halts between them."""
+        return tuple(move for move in self.moves if not isinstance(move, Stop))
+
+    @property
+    def name(self) -> str:
+        """Unique in the program."""
+        return self.cut.name
+
+    @property
+    def tool(self) -> Tool:
+        """What cuts, and how it is run."""
+        return self.cut.tool
+
+    @property
+    def coolant(self) -> str | None:
+        """One of `camgeo.milling.tool.COOLANTS`, or None if nobody states it."""
+        return self.cut.tool.coolant
+
+
+@dataclass(frozen=True, slots=True)
+class Toolpath:
+    """A whole milling program.
+
+    Attributes
+    ----------
+    heights : of its traverses.
+    operations : in the order of cutting, each with its own name.
+
+    Raises
+    ------
+    GeometryError
+        With key "toolpath", if two operations have the same name.
+    """
+
+    heights: Heights
+    operations: tuple[Operation, ...]
+
+    def __post_init__(self) -> None:
+        instance("toolpath", self.heights, Heights, "heights")
+        for each in instance("toolpath", self.operations, tuple, "a tuple of operations"):
+            instance("toolpath", each, Operation, "an operation")
+        names = [each.cut.name for each in self.operations]
+        if len(set(names)) < len(names):
+            message = "each operation needs its own name"
+            raise GeometryError(message, "toolpath", ", ".join(names))
+
+    @property
+    def safe_height(self) -> float:
+        """Z [mm] of traverses from one operation to the next."""
+        return self.heights.clearance
+
+
+# -- feeds ----------------------------------------------------------------------------------------
+# The feed of the cutter's centre for a feed at its contact with the wall.
+
+
+def centre_feed(feed: float, radius: float, tool_radius: float, *, inside: bool) -> float:
+    """Feed of the centre [mm/min] for at most `feed` at the contact.
+
+    Along a wall around the arc's centre at `radius` + `tool_radius` (`inside`), the contact runs
+    faster than the centre in this ratio, so the centre is slowed. Along a wall that it runs around
+    the outside of, the contact is the slower of the two, and the feed stays.
+
+    Parameters
+    ----------
+    radius : of the centre's arc [mm], above 0.
+    """
+    return feed * radius / (radius + tool_radius) if inside else feed

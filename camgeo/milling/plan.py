@@ -1,0 +1,525 @@
+"""The milling program: the moves of each cut, from its strategy, within a machine's limits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice
+from typing import Final
+
+import numpy as np
+
+from camgeo.check.finding import Finding
+from camgeo.errors import GeometryError
+from camgeo.geometry.contour.contour import Contour, Effort, Pieces, distances
+from camgeo.geometry.contour.spline import Arc
+from camgeo.milling.areas import crossings, inside
+from camgeo.milling.compensation import limits_of
+from camgeo.milling.course import Course, course_of
+from camgeo.milling.cut import AreaCut, Cut
+from camgeo.milling.judged import PART_FINENESS, runs_of, setup_of
+from camgeo.milling.machine import ArcLimits
+from camgeo.milling.machining_time import arc_sweep
+from camgeo.milling.milling import MillingSpec
+from camgeo.milling.moves import ArcFeed, Heights, Move, Operation, Point, Stop, Toolpath, too_long
+from camgeo.milling.strategies import STRATEGIES
+from camgeo.milling.tool import END_MILL, ToolError
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, frozen, taken
+from camgeo.part.part import Part
+from camgeo.reading import PROGRAM_LINES
+
+
+def plan_toolpath(
+    cuts: Iterable[Cut],
+    heights: Heights,
+    limits: ArcLimits,
+    tolerance: float,
+    effort: Effort = "fewest",
+) -> Toolpath:
+    """The whole program; its arcs lie within `tolerance` [mm] of the exact cutter paths.
+
+    Arcs are at most as large as `limits` of the machine allow.
+
+    Raises
+    ------
+    GeometryError
+        `ToolError`, if a cutter is too large for its cut; with key "toolpath", if there is no
+        strategy for it.
+    FileError
+        If there are more moves than lines are allowed in a program that is read.
+    """
+    operations: list[Operation] = []
+    left = PROGRAM_LINES
+    for cut in cuts:
+        if cut.strategy not in STRATEGIES:
+            known = ", ".join(STRATEGIES)
+            message = f"{cut.name} has no such strategy; there are {known}"
+            raise GeometryError(message, "toolpath", cut.strategy)
+        moves = _moves_of(cut, heights, tolerance, effort)
+        first, *others = islice(divided(moves, limits.largest_turn), left + 1)
+        # After a halt the cutter comes back above its first point, wherever it was taken.
+        stop = (Stop(cut.stop), first) if cut.stop else ()
+        operation = Operation(cut, (first, *stop, *others))
+        left -= len(operation.moves)
+        if left < 0:
+            raise too_long()
+        operations.append(operation)
+    limits_of(operations)  # raises where compensation has no room
+    return Toolpath(heights, tuple(operations))
+
+
+def _moves_of(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[Move]:
+    """Those of its strategy; what is wrong with the tool there is said of this cut's."""
+    try:
+        return STRATEGIES[cut.strategy](cut, heights, tolerance, effort)
+    except ToolError:
+        raise
+    except GeometryError as error:
+        if error.key == "tool":
+            raise ToolError(f"{cut.name}: {error.message}", cut.tool) from error
+        raise
+
+
+def divided(moves: Iterable[Move | Stop], largest: float) -> Iterator[Move | Stop]:
+    """The same with each arc cut into equal parts of at most `largest` [rad]."""
+    at: Point | None = None
+    for move in moves:
+        if isinstance(move, ArcFeed):
+            if at is None:
+                raise ValueError("an arc must start at a known point")
+            yield from _parts(at, move, largest)
+        else:
+            yield move
+        at = at if isinstance(move, Stop) else move.end
+
+
+def _parts(at: Point, move: ArcFeed, largest: float) -> Iterator[ArcFeed]:
+    start, end = complex(at[0], at[1]), complex(move.end[0], move.end[1])
+    centre = complex(*move.centre)
+    sweep = arc_sweep(start - centre, end - centre, ccw=move.ccw)
+    if abs(sweep) > largest:
+        parts = Arc(start, end, sweep, centre).split(largest)
+        rise = (move.end[2] - at[2]) / len(parts)
+        for count, arc in enumerate(parts[:-1], start=1):
+            yield replace(move, end=(arc.end.real, arc.end.imag, at[2] + count * rise))
+    yield move
+
+
+# -- engaged --------------------------------------------------------------------------------------
+# How the cutter of each roughing operation is engaged: its share of air, and the largest angle.
+#
+# That is judged at the last depth; the others are run by the same rule. Left out are entries,
+# declared as such by going down, each with the round that levels its floor; slots, which have a
+# depth and a feed of their own; and finishes, which take an allowance off.
+
+
+QUANTILE: Final = 0.995
+"""Share of the length of a cut on which its usual engagement is not exceeded."""
+
+SAMPLES: Final = 1000
+"""About so many places of an operation are judged."""
+
+PIECES: Final = 300
+"""Pieces of a longer course that are judged, evenly chosen: a place of a spiral of many turns takes
+milliseconds, for each is held against all turns that are near.
+"""
+
+SPACING: Final = 0.5
+"""Least distance of such places [mm]."""
+
+SAME: Final = 1e-6
+"""Centres and radii [mm] that differ by less are those of one circle."""
+
+
+@dataclass(frozen=True, slots=True)
+class Engaged:
+    """The engagement of one roughing operation at its last depth, its entries left out.
+
+    Attributes
+    ----------
+    operation : its name.
+    length : of its course there [mm].
+    air : share of that on which the cutter is in no material.
+    usual : angle [rad] that is not exceeded on `QUANTILE` of the length.
+    largest : of the angles at the places that are judged [rad], refined beside the largest.
+    limit : the tool's, or that of a straight wall at the stepover [rad].
+    place : of the largest [mm].
+    """
+
+    operation: str
+    length: float
+    air: float
+    usual: float
+    largest: float
+    limit: float
+    place: complex
+
+    @property
+    def sentence(self) -> str:
+        """In words."""
+        largest, limit = math.degrees(self.largest), math.degrees(self.limit)
+        return (
+            f"{100.0 * self.air:.0f} % of its length in air, the cutter engaged over at most"
+            f" {largest:.1f} deg, {limit:.1f} deg allowed"
+        )
+
+
+def engaged_of(toolpath: Toolpath, part: Part, milling: MillingSpec) -> tuple[Engaged, ...]:
+    """The engagement of each operation of a program that clears an area."""
+    cuts = [operation.cut for operation in toolpath.operations]
+    if not any(isinstance(cut, AreaCut) for cut in cuts):
+        return ()
+    runs = runs_of(toolpath)
+    setup = setup_of(cuts, runs, part, milling.stock, milling.holding, PART_FINENESS)
+    return engaged(toolpath, setup.blank, setup.top)
+
+
+def engagement_findings(found: Iterable[Engaged]) -> Iterator[Finding]:
+    """Where the engagement exceeds its limit."""
+    for each in found:
+        if each.largest > each.limit:
+            place = f"at X {each.place.real:.4g}, Y {each.place.imag:.4g} mm"
+            sentence = f"{each.operation}: {each.sentence}, {place}"
+            angles = math.degrees(each.largest), math.degrees(each.limit)
+            yield Finding("engagement", "warning", sentence, *angles, "deg")
+
+
+def engaged(toolpath: Toolpath, blank: Sequence[Contour], top: float) -> tuple[Engaged, ...]:
+    """The engagement of each operation that clears an area.
+
+    Parameters
+    ----------
+    blank : contours of the blank, of which a point of it is within an odd number.
+    top : of the blank, Z [mm].
+    """
+    found = []
+    cleared: list[tuple[Course, float]] = []
+    for operation in toolpath.operations:
+        if isinstance(operation.cut, AreaCut):
+            course, radius = course_of(operation.moves), operation.tool.radius
+            cutting = Cutting(course, radius, tuple(blank), top, tuple(cleared))
+            found.append(_engaged(operation.cut, cutting))
+        cleared.append(cleared_by(operation))
+    return tuple(found)
+
+
+def _engaged(cut: AreaCut, cutting: Cutting) -> Engaged:
+    course = cutting.course
+    chosen = ~entries(course) & (course.lowest <= np.min(course.lowest, initial=np.inf) + LEVEL)
+    length = float(np.sum(course.lengths[chosen]))
+    spacing = max(SPACING, length / SAMPLES)
+    moves = course.moves[chosen]
+    judged = moves[:: math.ceil(len(moves) / PIECES) or 1]
+    made = cutting.engagement(spacing, judged.tolist())
+    place = complex(made.places[np.argmax(made.largest)]) if len(made.largest) else 0j
+    limit = cut.tool.engagement or math.acos(max(-1.0, 1.0 - cut.stepover / cut.tool.radius))
+    return Engaged(
+        cut.name, length, made.air_share, made.quantile(QUANTILE), made.peak, limit, place
+    )
+
+
+def entries(course: Course) -> BoolArray:
+    """(n,) whether a piece goes down, or levels the floor of the helix that it goes on from."""
+    found = course.to_z < course.from_z
+    radii = course.radii
+    for piece in np.flatnonzero(~found[1:] & found[:-1]) + 1:
+        arc = course.sweeps[piece - 1] != 0.0
+        turned = 0.0
+        for each in range(piece, len(course)):
+            joined = course.starts[each] == course.ends[each - 1]
+            same = abs(course.centres[each] - course.centres[piece - 1]) < SAME
+            same &= abs(radii[each] - radii[piece - 1]) < SAME
+            turned += abs(course.sweeps[each])
+            if not (arc and joined and same and turned < 2.0 * np.pi + SAME):
+                break
+            found[each] = True
+    return found
+
+
+# -- engagement -----------------------------------------------------------------------------------
+# Engagement: over which angle a cutter is in material, by exact crossings.
+#
+# At one place of the course the engagement is the part of the leading half of the cutter's circle
+# that lies within the blank and has not been passed over before. Its ends are crossings of that
+# circle with the outline of the blank, lines and arcs, and with the edge of what the cutter has
+# swept so far: parallels of its course, and circles around the ends of its pieces. These are
+# computed in closed form, and the parts between two of them are judged at their middle, so that the
+# angle at one place is exact to rounding. It is that at the height of the tip: pieces that ran
+# higher have left material there.
+#
+# Along the course, places are sampled: next to both ends of each piece and between them at the
+# given spacing. The largest value is then refined between the neighbouring samples by golden
+# sections. A peak shorter than the spacing, with lower samples on both sides, can be missed; the
+# angle is continuous along a piece except where the circle touches an edge of the same curvature.
+# The ends of air are refined by bisection.
+
+
+FIRST: Final = 8
+"""Swept pieces with which a place is compared first."""
+
+ROUNDING: Final = 1e-10
+"""Share of the radius by which a point must be within reach to be passed over: the edge of the
+cutter itself, and that of a neighbouring piece which touches it there, are at its radius."""
+
+NOTHING: Final = 1e-4
+"""Angle [rad] below which the cutter is in air: where its edge touches that of its earlier course,
+the share above is passed within sqrt(2e-10)."""
+
+INSET: Final = 1e-4
+"""Distance [mm] of the first and the last sample from the ends of a piece. At the end of an earlier
+course the circle of the cutter is the very edge of what that has swept."""
+
+LEVEL: Final = 1e-9
+"""Heights [mm] that differ by less are equal."""
+
+GOLDEN: Final = 0.5 * (3.0 - 5.0**0.5)
+
+REFINED: Final = 24
+"""Steps of a golden section: the interval shrinks to a hundred-thousandth."""
+
+BISECTED: Final = 20
+"""Steps of a bisection: a millionth."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Engagement:
+    """The engagement along a course; arrays over its pieces of some length.
+
+    Attributes
+    ----------
+    pieces : (n,) their indices in the course.
+    lengths : (n,) [mm].
+    largest : (n,) largest angle on each [rad], that of the samples but for the largest of all.
+    places : (n,) complex [mm], where that is.
+    air : (n,) length [mm] on which it is 0.
+    angles : (m,) all samples [rad].
+    weights : (m,) length of the course [mm] for which each sample stands.
+    """
+
+    pieces: IntArray
+    lengths: FloatArray
+    largest: FloatArray
+    places: ComplexArray
+    air: FloatArray
+    angles: FloatArray
+    weights: FloatArray
+
+    @property
+    def peak(self) -> float:
+        """The largest angle of all [rad]; 0 without pieces."""
+        return float(np.max(self.largest, initial=0.0))
+
+    @property
+    def air_share(self) -> float:
+        """Share of the length on which the cutter is in air; 0 of no length."""
+        whole = float(np.sum(self.lengths))
+        return float(np.sum(self.air)) / whole if whole else 0.0
+
+    def quantile(self, share: float) -> float:
+        """The angle [rad] that is not exceeded on this share of the length of the cut."""
+        if not len(self.angles):
+            return 0.0
+        order = np.argsort(self.angles)
+        total = np.cumsum(self.weights[order])
+        place = int(np.searchsorted(total, share * total[-1]))
+        return float(self.angles[order][min(place, len(order) - 1)])
+
+
+def cleared_by(operation: Operation) -> tuple[Course, float]:
+    """What an operation sweeps at the full radius [mm] of its tool, for those that follow it: the
+    point of a drill or a chamfer mill is left out.
+    """
+    course, tool = course_of(operation.moves), operation.tool
+    if tool.kind != END_MILL:
+        point = tool.tip_length
+        course = replace(course, from_z=course.from_z + point, to_z=course.to_z + point)
+    return course, tool.radius
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cutting:
+    """A cutter on its course through a blank.
+
+    Attributes
+    ----------
+    course : of the centre; traverses left out.
+    radius : of the cutter [mm].
+    blank : contours, of which a point of the blank is within an odd number.
+    top : Z of the upper face of the blank [mm]; above it there is air.
+    cleared : what other cutters have swept before, each with its radius [mm].
+    """
+
+    course: Course
+    radius: float
+    blank: tuple[Contour, ...]
+    top: float = 0.0
+    cleared: tuple[tuple[Course, float], ...] = ()
+
+    def angle(self, piece: int, share: float) -> float:
+        """Engagement [rad], 0 to pi, at a share of one piece's length; exact."""
+        return _Judge(self).angle(piece, share)
+
+    def engagement(self, spacing: float, only: Sequence[int] | None = None) -> Engagement:
+        """The engagement along the course, sampled at most `spacing` [mm] apart.
+
+        `only` names the moves that are judged; all by default.
+        """
+        judge = _Judge(self)
+        lengths = self.course.lengths
+        chosen = lengths > 0.0
+        if only is not None:
+            chosen &= np.isin(self.course.moves, np.asarray(only))
+        pieces = np.flatnonzero(chosen)
+        shares, angles, weights = [], [], []
+        for piece in pieces:
+            count = max(2, int(np.ceil(lengths[piece] / spacing)) + 1)
+            inset = min(INSET / lengths[piece], 0.1)
+            at = np.linspace(inset, 1.0 - inset, count)
+            shares.append(at)
+            angles.append(np.array([judge.angle(int(piece), float(share)) for share in at]))
+            step = np.full(count, lengths[piece] / (count - 1))
+            step[[0, -1]] *= 0.5
+            weights.append(step)
+        best = [int(np.argmax(each)) for each in angles]
+        largest = np.array([each[place] for each, place in zip(angles, best, strict=True)])
+        where = np.array([at[place] for at, place in zip(shares, best, strict=True)])
+        if len(pieces):
+            top = int(np.argmax(largest))
+            where[top], largest[top] = judge.refined(
+                int(pieces[top]), shares[top], best[top], float(largest[top])
+            )
+        air = [
+            judge.air(int(piece), at, each) * float(lengths[piece])
+            for piece, at, each in zip(pieces, shares, angles, strict=True)
+        ]
+        places = taken(self.course, pieces).at(where)
+        return Engagement(
+            frozen(pieces, np.intp),
+            frozen(lengths[pieces], np.float64),
+            frozen(largest, np.float64),
+            frozen(places, np.complex128),
+            frozen(air, np.float64),
+            frozen(np.concatenate(angles or [np.zeros(0)]), np.float64),
+            frozen(np.concatenate(weights or [np.zeros(0)]), np.float64),
+        )
+
+
+class _Low:
+    """The pieces of a course that have been run as low as one height."""
+
+    def __init__(self, course: Course, level: float) -> None:
+        self.numbers = np.flatnonzero(course.cleared <= level + LEVEL)
+        found = taken(course, self.numbers)
+        self._middles = 0.5 * (found.starts + found.ends)
+        self._halves = 0.5 * np.abs(found.ends - found.starts)
+
+    def near(self, place: complex, reach: float, before: int | None = None) -> IntArray:
+        """(n,) those that may come closer than `reach` [mm] to `place`, and are `before` one."""
+        last = None if before is None else int(np.searchsorted(self.numbers, before))
+        close = np.abs(self._middles[:last] - place) < self._halves[:last] + reach
+        return self.numbers[:last][close]
+
+
+class _Judge:
+    """Angles of one cutting, with its boundary made once."""
+
+    def __init__(self, cutting: Cutting) -> None:
+        self.cutting = cutting
+        self.boundary = Pieces.around(cutting.blank)
+        self._lowest = cutting.course.lowest
+        self._low: dict[tuple[int, float], _Low] = {}
+
+    def _low_of(self, number: int, level: float) -> _Low:
+        """What a cutter that ran before, or of number -1 the own one, has run at one height."""
+        key = (number, level)
+        if key not in self._low:
+            cutting = self.cutting
+            course = cutting.course if number < 0 else cutting.cleared[number][0]
+            self._low[key] = _Low(course, level)
+        return self._low[key]
+
+    def angle(self, piece: int, share: float) -> float:
+        cutting, radius = self.cutting, self.cutting.radius
+        course = cutting.course
+        level = float(self._lowest[piece])
+        if level >= cutting.top:
+            return 0.0
+        here = taken(course, [piece])
+        there = here.at(np.array([share]))
+        place, way = complex(there[0]), complex(here.tangents(there)[0])
+        swept: list[tuple[Pieces, float]] = [(self._before(piece, share, place, level), radius)]
+        for number, (other, size) in enumerate(cutting.cleared):
+            close = self._low_of(number, level).near(place, radius + size)
+            swept.append((taken(other, close), size))
+        edges = [crossings(self.boundary, place, radius, 0.0)]
+        edges += [crossings(each, place, radius, size) for each, size in swept if len(each)]
+        # Angles from the direction of travel, of the leading half.
+        ahead = np.angle(np.exp(1j * (np.concatenate(edges) - np.angle(way))))
+        half = 0.5 * np.pi
+        ends = np.sort(np.concatenate(([-half, half], ahead[np.abs(ahead) < half])))
+        middles = 0.5 * (ends[1:] + ends[:-1])
+        points = place + radius * way * np.exp(1j * middles)
+        material = inside(self.boundary, points)
+        for each, size in swept:
+            # The latest pieces first, a few and then more: they leave few points for the others.
+            stop, count = len(each), FIRST
+            while stop > 0 and np.any(material):
+                some = taken(each, np.arange(max(0, stop - count), stop))
+                gone = distances(points[material], some) < size - ROUNDING * radius
+                material[material] = ~gone
+                stop, count = stop - count, 2 * count
+        found = float(np.sum((ends[1:] - ends[:-1])[material]))
+        return found if found > NOTHING else 0.0
+
+    def _before(self, piece: int, share: float, place: complex, level: float) -> Pieces:
+        """What the cutter has run before, as low as here, and near enough to matter."""
+        course = self.cutting.course
+        close = self._low_of(-1, level).near(place, 2.0 * self.cutting.radius, piece)
+        if share <= 0.0:
+            return taken(course, close)
+        found = taken(course, np.append(close, piece))  # its own way, down a ramp too
+        last = np.ones(len(found))
+        last[-1] = share
+        return found.between(np.zeros(len(found)), last)
+
+    def refined(
+        self, piece: int, shares: FloatArray, best: int, largest: float
+    ) -> tuple[float, float]:
+        """Share and angle of the maximum between the samples beside the largest one."""
+        low = float(shares[max(best - 1, 0)])
+        high = float(shares[min(best + 1, len(shares) - 1)])
+        found = (largest, float(shares[best]))
+        inner = [low + GOLDEN * (high - low), high - GOLDEN * (high - low)]
+        values = [self.angle(piece, share) for share in inner]
+        for _ in range(REFINED):
+            found = max(found, *zip(values, inner, strict=True))
+            if values[0] >= values[1]:
+                high = inner[1]
+                inner = [low + GOLDEN * (high - low), inner[0]]
+                values = [self.angle(piece, inner[0]), values[0]]
+            else:
+                low = inner[0]
+                inner = [inner[1], high - GOLDEN * (high - low)]
+                values = [values[1], self.angle(piece, inner[1])]
+        return found[1], found[0]
+
+    def air(self, piece: int, shares: FloatArray, angles: FloatArray) -> float:
+        """Share of the piece on which the engagement is 0."""
+        found = 0.0
+        ends = np.concatenate(([0.0], shares[1:-1], [1.0]))  # what is inset is like its sample
+        for place in range(len(shares) - 1):
+            low, high = float(ends[place]), float(ends[place + 1])
+            free = angles[place] == 0.0, angles[place + 1] == 0.0
+            if all(free):
+                found += high - low
+            elif any(free):
+                begin, end = low, high
+                for _ in range(BISECTED):
+                    middle = 0.5 * (begin + end)
+                    if (self.angle(piece, middle) == 0.0) == free[0]:
+                        begin = middle
+                    else:
+                        end = middle
+                found += begin - low if free[0] else high - begin
+        return found

@@ -1,0 +1,593 @@
+"""Simulation of a milling program: what is left of the blank, and what goes wrong on the way.
+
+The blank is cut into slabs between all heights that matter: those of the part, of the blank, and of
+passes at one depth. In each slab the material is an area, and every move takes away what its cutter
+sweeps there. So it judges any moves, whatever planned them: those of camgeo's strategies as well as
+those of a program that the interpreter has read. `camgeo.milling.stages` says how exact the areas
+are.
+
+In each slab a cutter has the radius that it has in its middle: exactly that of an upright wall, and
+of cones and rounded corners at heights between which slabs are thin.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise, product
+from typing import Final
+
+import numpy as np
+import shapely
+
+from camgeo.geometry.contour.contour import Contour
+from camgeo.milling.course import Course, below, course_of, unlifted
+from camgeo.milling.cut import Cut
+from camgeo.milling.holding import FIXTURE, Holding, mirrored
+from camgeo.milling.judged import (
+    PART_FINENESS,
+    TOUCHING,
+    finished_by,
+    finished_down_to,
+    left_flaws,
+    lowest_of,
+    pieces,
+    setup_of,
+)
+from camgeo.milling.milling import MillingSpec
+from camgeo.milling.moves import Feed, Move, Point, Rapid
+from camgeo.milling.stages import (
+    NOTHING,
+    Area,
+    Before,
+    Flaw,
+    Known,
+    Run,
+    Setup,
+    Slab,
+    Stage,
+    areas,
+    each_once,
+    farthest,
+    grown,
+    parts,
+    place_in,
+    polygon,
+    swept,
+    swept_below,
+)
+from camgeo.numeric.arrays import taken
+from camgeo.part.part import Part, Wall
+
+FINENESS: Final = 1e-3
+"""Deviation of chords [mm] unless stated."""
+
+ALLOWED: Final = 0.02
+"""[mm] by which part and path may overlap or miss each other unless stated: far above what the
+polygons are off, and not seen on a part."""
+
+STEP: Final = 5e-3
+"""Of the radii that a point has on slopes [mm]: they are rounded, against the program."""
+
+LEVEL: Final = 1e-6
+"""Heights [mm] that differ by less are one, unless stated."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Simulation:
+    """A program simulated.
+
+    Attributes
+    ----------
+    stages : the material after each operation.
+    flaws : in the order in which they arise; empty for a sound program. Of one kind in one
+        operation there is the worst only.
+    part : the area of the part in each slab of a stage.
+    """
+
+    stages: tuple[Stage, ...]
+    flaws: tuple[Flaw, ...]
+    part: tuple[Area, ...]
+
+    def of(self, name: str) -> tuple[Flaw, ...]:
+        """The flaws of one kind."""
+        return tuple(each for each in self.flaws if each.name == name)
+
+
+def simulate(
+    setup: Setup,
+    runs: Sequence[Run],
+    *,
+    fineness: float = FINENESS,
+    allowed: float = ALLOWED,
+    level: float = LEVEL,
+) -> Simulation:
+    """Run a program in its blank.
+
+    Parameters
+    ----------
+    fineness : deviation of chords [mm].
+    allowed : [mm] by which a cutter may enter the part, or material stay on it.
+    level : heights [mm] that differ by less are one: the last decimal of a printed program.
+    """
+    heights = _heights(setup, runs, level)
+    whole = polygon(setup.blank, fineness)
+    slabs = tuple(
+        Slab(z0, z1, _material(setup, whole, 0.5 * (z0 + z1))) for z0, z1 in pairwise(heights)
+    )
+    part = tuple(_sections(setup, slabs, fineness))
+    bench = _Bench(setup, slabs, part, fineness, allowed, level)
+    stages, flaws = [], []
+    for run in runs:
+        flaws += bench.run(run)
+        stages.append(Stage(run.name, bench.slabs))
+    flaws += left_flaws(stages, part, runs, setup, allowed, corners=corners_of(setup, runs))
+    order = {run.name: place for place, run in enumerate(runs)}
+    flaws.sort(key=lambda each: order[each.operation])
+    return Simulation(tuple(stages), tuple(flaws), part)
+
+
+def corners_of(setup: Setup, runs: Iterable[Run]) -> tuple[tuple[float, float], ...]:
+    """Heights [mm] between which rounded corners of cutters are, where those are lowest."""
+    rounded = (run for run in runs if run.rounded and run.point > 0.0)
+    own = (
+        (tip, tip + run.point)
+        for run in rounded
+        for tip in _lowest(course_of(run.moves, run.start))
+    )
+    return (*own, *(() if setup.before is None else setup.before.corners))
+
+
+def _material(setup: Setup, whole: Area, z: float) -> Area:
+    """What is there at first at the height `z` [mm]; `whole` is the section of the blank."""
+    if setup.before is None:
+        return whole if setup.bottom < z < setup.top else NOTHING
+    left = (slab.material for slab in setup.before.slabs if slab.z0 < z < slab.z1)
+    return next(left, NOTHING)
+
+
+def _heights(setup: Setup, runs: Sequence[Run], level: float) -> list[float]:
+    """Ascending borders of the slabs [mm]."""
+    highest = max([setup.top, *(body.z1 for body in setup.part)])
+    found = [setup.top, setup.bottom]
+    found += [z for body in setup.part for z in (body.z0, body.z1)]
+    found += [z for z in (setup.joined, setup.hanging) if z is not None]
+    found += [z for chamfer in setup.chamfers for z in chamfer.heights]
+    lowest = setup.bottom
+    if setup.before is not None:
+        borders = [z for slab in setup.before.slabs for z in (slab.z0, slab.z1)]
+        lowest, highest = min([lowest, *borders]), max([highest, *borders])
+        found += borders
+    for run in runs:
+        course = course_of(run.moves, run.start)
+        flat = (course.from_z == course.to_z) & (course.lengths > 0.0)
+        straight = course.lengths == 0.0  # plunges and drilled holes, of which each peck goes on
+        on = (
+            straight[1:]
+            & (course.ends[1:] == course.ends[:-1])
+            & (course.to_z[1:] < course.to_z[:-1])
+        )
+        ends = course.to_z[straight & ~np.append(on, False)]
+        found += [*course.from_z[flat].tolist(), *ends.tolist()]
+        found += [z for tip in _lowest(course) for z in run.slices(tip, highest)]
+    heights: list[float] = []
+    for z in sorted(z for z in found if lowest <= z <= highest):
+        if not heights or z - heights[-1] > level:
+            heights.append(z)
+    return heights
+
+
+def _lowest(course: Course) -> list[float]:
+    """Z of the tip at its lowest, if it moves at all [mm]."""
+    return [float(np.min(course.lowest))] if len(course) else []
+
+
+def _sections(setup: Setup, slabs: Iterable[Slab], fineness: float) -> Iterator[Area]:
+    """The area of the part in each slab; one object in all slabs that lie in the same bodies."""
+    known: dict[tuple[bool, ...], Area] = {}
+    for z in (slab.middle for slab in slabs):
+        key = tuple(body.z0 < z < body.z1 for body in setup.part)
+        if any(each.height(z) < each.top for each in setup.chamfers):
+            yield _section(setup, z, fineness)
+            continue
+        if key not in known:
+            known[key] = _section(setup, z, fineness)
+        yield known[key]
+
+
+def _section(setup: Setup, z: float, fineness: float) -> Area:
+    """The area of the part at one height."""
+    bodies = [polygon(body.contours, fineness) for body in setup.part if body.z0 < z < body.z1]
+    found: Area = shapely.union_all(bodies) if bodies else NOTHING
+    for each in setup.chamfers:
+        if (own := each.height(z)) < each.top:
+            found = shapely.difference(found, _passed(each.run, each.course, own, fineness))
+    return found
+
+
+def _passed(run: Run, course: Course, z: float, fineness: float, *, most: bool = False) -> Area:
+    """What a cutter passes over at the height `z` [mm], at least; or at `most` where it slopes."""
+    if run.point <= 0.0:
+        return swept(course, run.radius, fineness)
+    radii = run.radius_at(z - (course.lowest if most else course.cleared))
+    sloping = (course.from_z != course.to_z) & (course.lengths > 0.0)
+    radii[sloping] = STEP * (np.ceil if most else np.floor)(radii[sloping] / STEP)
+    found = [swept(taken(course, radii == each), each, fineness) for each in np.unique(radii)]
+    return shapely.union_all(found) if found else NOTHING
+
+
+class _Bench:
+    """The material while it is cut."""
+
+    def __init__(
+        self,
+        setup: Setup,
+        slabs: tuple[Slab, ...],
+        part: tuple[Area, ...],
+        fineness: float,
+        allowed: float,
+        level: float,
+    ) -> None:
+        self.setup, self.slabs, self.part = setup, slabs, part
+        self.fineness, self.allowed, self.level = fineness, allowed, level
+        self.kernels = each_once(lambda area: grown(area, -allowed), part)
+        self.known: Known = {}
+
+    def run(self, run: Run) -> list[Flaw]:
+        """The flaws of one operation, the worst of each kind."""
+        found: list[Flaw] = []
+        chain: list[Move] = []
+        at, begin = run.start, run.start
+        for move in unlifted(run.moves):
+            down = at is not None and move.end[:2] == at[:2] and move.end[2] < at[2]
+            if isinstance(move, Rapid) or (down and not run.plunges):
+                found += self._cut(run, course_of(chain, begin))
+                chain, begin = [], at
+                if at is not None:
+                    found += self._enter(run, at, move)
+            if isinstance(move, Rapid):
+                begin = move.end
+            else:
+                chain.append(move)
+            at = move.end
+        found += self._cut(run, course_of(chain, begin))
+        worst: dict[str, Flaw] = {}
+        for each in found:
+            if each.name not in worst or each.excess > worst[each.name].excess:
+                worst[each.name] = each
+        return list(worst.values())
+
+    def _enter(self, run: Run, at: Point, move: Move) -> Iterator[Flaw]:
+        """A traverse, or a plunge of a tool that must not: it may meet no material."""
+        course = _straight(at, move.end)
+        yield from self._clear(run, course)
+        if move.end[2] > at[2]:
+            return
+        rapid = isinstance(move, Rapid)
+        text = "a traverse goes {:.3g} mm deep into material" if rapid else (
+            "a plunge goes {:.3g} mm deep into material, which the tool must not"
+        )  # fmt: skip
+        name = "rapid" if rapid else "plunge"
+        yield from self._meets(
+            replace(run, radius=run.radius - self.allowed),
+            course,
+            areas(self.slabs),
+            name,
+            text.format,
+        )
+
+    def _cut(self, run: Run, course: Course) -> Iterator[Flaw]:
+        """Take away what a chain of feed moves sweeps; what is wrong with it."""
+        if not len(course):
+            return
+        yield from self._clear(run, course)
+        reached, cleared = self._swept(run, course)
+        yield from self._gouges(run, course, reached)
+        left: dict[tuple[int, int], Area] = {}  # slabs of one section are cut once
+        slabs = []
+        for slab, area in zip(self.slabs, cleared, strict=True):
+            both = (id(slab.material), id(area))
+            if both not in left:
+                left[both] = slab.without(area).material
+            slabs.append(replace(slab, material=left[both]))
+        self.slabs = tuple(slabs)
+        if run.shank is not None:
+            radius, length = run.shank
+            yield from self._meets(
+                replace(run, radius=radius - self.allowed, point=0.0),
+                course,
+                areas(self.slabs),
+                "shank",
+                "the shank is {:.3g} mm deep in material".format,
+                length,
+            )
+
+    def _swept(self, run: Run, course: Course) -> tuple[list[Area], list[Area]]:
+        """What a cutter reaches in each slab at most, where there is part, and what it clears at
+        least, where there is material; nothing elsewhere.
+        """
+        level = self.level
+        tops = [
+            -np.inf if kernel.is_empty else slab.z1 - 2.0 * level
+            for slab, kernel in zip(self.slabs, self.kernels, strict=True)
+        ]
+        bottoms = [-np.inf if slab.material.is_empty else slab.z0 + level for slab in self.slabs]
+        if run.point <= 0.0:
+            heights = sorted({*tops, *bottoms})
+            areas = swept_below(course, heights, run.radius, self.fineness, self.known)
+            at = dict(zip(heights, areas, strict=True))
+            return [at[z] for z in tops], [at[z] for z in bottoms]
+        middles = [slab.middle for slab in self.slabs]
+        reached = [
+            _passed(run, below(course, top), z, self.fineness, most=True)
+            for top, z in zip(tops, middles, strict=True)
+        ]
+        cleared = [
+            _passed(run, below(course, bottom), z, self.fineness)
+            for bottom, z in zip(bottoms, middles, strict=True)
+        ]
+        return reached, cleared
+
+    def _meets(
+        self,
+        run: Run,
+        course: Course,
+        bodies: Sequence[Area],
+        name: str,
+        text: Callable[[float], str],
+        above: float = 0.0,
+    ) -> Iterator[Flaw]:
+        """Where a cutter that begins `above` the tip meets `bodies`, one for each slab."""
+        for slab, body in zip(self.slabs, bodies, strict=True):
+            if body.is_empty:
+                continue
+            low = below(course, slab.z1 - above - 2.0 * self.level)
+            reached = _passed(run, low, slab.middle - above, self.fineness, most=True)
+            touched = shapely.intersection(reached, body)
+            if parts(touched):
+                tip = float(np.min(low.lowest))
+                depth = slab.z1 - above - tip
+                yield Flaw(name, run.name, text(depth), depth, 0.0, _point(place_in(touched), tip))
+
+    def _gouges(self, run: Run, course: Course, reached: Sequence[Area]) -> Iterator[Flaw]:
+        known: dict[tuple[int, int], Area] = {}
+        for number, (slab, kernel, area) in enumerate(
+            zip(self.slabs, self.kernels, reached, strict=True)
+        ):
+            both = (id(area), id(kernel))
+            if both not in known:
+                known[both] = shapely.intersection(area, kernel)
+            touched = known[both]
+            if parts(touched):
+                low = below(course, slab.z1 - 2.0 * self.level)
+                depth, where = self._depth(number, touched)
+                if depth <= self.allowed + 2.0 * self.fineness:  # an edge that is rounded
+                    continue
+                text = f"the cutter goes {depth:.3g} mm into the part"
+                place = _point(where, float(np.min(low.lowest)))
+                yield Flaw("gouge", run.name, text, depth, self.allowed, place)
+
+    def _depth(self, number: int, touched: Area) -> tuple[float, complex]:
+        """How deep in the part the area `touched` of a slab lies [mm], and where: below the face
+        over it or behind the wall beside it, whichever is nearer.
+        """
+        edge = shapely.boundary(self.part[number])
+        _, middle = farthest(touched, edge)
+        places = np.vstack((shapely.get_coordinates(touched), (middle.real, middle.imag)))
+        points = shapely.points(places)
+        face = np.full(len(places), self.slabs[number].z1)
+        under = np.ones(len(places), dtype=np.bool_)
+        for slab, part in zip(self.slabs[number + 1 :], self.part[number + 1 :], strict=True):
+            under &= shapely.intersects(part, points)
+            face[under] = slab.z1
+        depths = np.minimum(shapely.distance(points, edge), face - self.slabs[number].z0)
+        deepest = int(np.argmax(depths))
+        return float(depths[deepest]), complex(*places[deepest])
+
+    def _clear(self, run: Run, course: Course) -> Iterator[Flaw]:
+        """Obstacles touched, and depths that are too large."""
+        cylinders = [("cutter", run.radius, 0.0)]
+        cylinders += [("shank", *run.shank)] if run.shank is not None else []
+        for body, (what, radius, above) in product(run.obstacles, cylinders):
+            outline = polygon(body.contours, self.fineness)
+            low = below(course, body.z1 - above - self.level)
+            touched = shapely.intersection(swept(low, radius, self.fineness), outline)
+            if parts(touched):
+                away = shapely.distance(swept(low, self.allowed, self.fineness), outline)
+                within = max(0.0, radius - self.allowed - float(away))
+                text = f"the {what} goes {within:.3g} mm into the {body.name}"
+                tip = float(np.min(low.lowest))
+                place = _point(place_in(touched), tip)
+                yield Flaw("obstacle", run.name, text, within, 0.0, place)
+        tip = float(np.min(course.lowest))
+        point = 0.0 if run.rounded else run.point
+        limit = None if self.setup.lowest is None else self.setup.lowest - point
+        if limit is not None and tip < limit - self.level:
+            piece = int(np.argmin(course.lowest))
+            text = f"the tip goes {limit - tip:.3g} mm below Z {limit:g} mm"
+            place = _point(complex(course.ends[piece]), tip)
+            yield Flaw("depth", run.name, text, tip, limit, place)
+
+
+def _straight(start: Point, end: Point) -> Course:
+    """A straight move, at feed or not."""
+    return course_of([Feed(end, 1.0)], start)
+
+
+def _point(place: complex, z: float) -> Point:
+    return (place.real, place.imag, z)
+
+
+# -- sides ----------------------------------------------------------------------------------------
+# A job of one side or two, simulated: the second side starts from what the first one has left.
+#
+# Each side is judged in coordinates in which its tools come from above (`camgeo.milling.holding`);
+# what is handed on is turned over, slab by slab. What the part must be in the end is asked after
+# the last side alone, of the material that both have left.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Side:
+    """One setup of a job: what is to be made, and what its tools do.
+
+    Attributes
+    ----------
+    part, milling : as tools from above see them.
+    cuts : that are planned.
+    runs : what is run.
+    density : of the material [t/mm^3]; None if it is not stated.
+    """
+
+    part: Part
+    milling: MillingSpec
+    cuts: tuple[Cut, ...]
+    runs: tuple[Run, ...]
+    density: float | None = None
+
+    @property
+    def lowest(self) -> float:
+        """Z of the part's lower face [mm]."""
+        return self.part.layers[0].z0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Done:
+    """A side that is simulated."""
+
+    side: Side
+    setup: Setup
+    simulation: Simulation
+
+
+def setups_of(sides: Sequence[Side], of: int) -> tuple[Setup, ...]:
+    """What each side, the first ones `of` a job, starts from but for the material that is left, and
+    what must come of it.
+    """
+    found: list[Setup] = []
+    for k, side in enumerate(sides):
+        part, milling = side.part, side.milling
+        stock, holding = milling.stock, milling.holding
+        others = [cut for other in sides if other is not side for cut in other.cuts]
+        setup = setup_of(side.cuts, side.runs, part, stock, holding, PART_FINENESS, others)
+        if k:
+            setup = _second(setup, side, sides[k - 1], found[k - 1])
+        found.append(
+            replace(
+                setup,
+                final=k == of - 1,
+                density=side.density,
+                unfinished=tuple(_unfinished(sides)),
+            )
+        )
+    return tuple(found)
+
+
+def simulated(sides: Sequence[Side], *, allowed: float, level: float, of: int) -> tuple[Done, ...]:
+    """Each of the first sides `of` a job, as `simulate` judges it, from what the one before it has
+    left.
+    """
+    done: list[Done] = []
+    for side, setup in zip(sides, setups_of(sides, of), strict=True):
+        own = replace(setup, before=_turned(done[-1])) if done else setup
+        found = simulate(own, side.runs, allowed=allowed, level=level)
+        done.append(Done(side, own, found))
+    return tuple(done)
+
+
+def settled(done: Sequence[Done]) -> tuple[tuple[Flaw, ...], ...]:
+    """The flaws of each side, as its work lies."""
+    return tuple(tuple(_seen(flaw, each.side) for flaw in each.simulation.flaws) for each in done)
+
+
+def _unfinished(sides: Sequence[Side]) -> Iterator[Contour]:
+    """The walls that stated operations leave unfinished: what they leave there is to be watched."""
+    if not any(side.milling.operations for side in sides):
+        return
+    for wall in sides[0].part.walls:
+        if not is_finished(wall, sides):
+            yield wall.boundary.arcs(PART_FINENESS, "fast").contour
+
+
+def is_finished(wall: Wall, sides: Sequence[Side]) -> bool:
+    """Whether one side leaves all of a wall as it is to be, or two that meet on it."""
+    first, name = sides[0], wall.boundary.name
+    down = finished_down_to(first.cuts, name)
+    if down <= lowest_of(wall, first.milling.holding):
+        return True
+    if len(sides) == 1:
+        return False
+    second, low = sides[1], first.lowest
+    turned = replace(wall, z0=low - wall.z1, z1=low - wall.z0)
+    below = finished_down_to(second.cuts, name)
+    return below <= lowest_of(turned, second.milling.holding) or down <= low - below
+
+
+def _seen(flaw: Flaw, side: Side) -> Flaw:
+    """The same with its place as the work lies."""
+    x, y, z = flaw.place
+    place = mirrored(complex(x, y), side.milling.turned)
+    return replace(flaw, place=(place.real, place.imag, z))
+
+
+def _second(setup: Setup, side: Side, first: Side, before: Setup) -> Setup:
+    """The setup of a second side, whose blank is what the first one has left.
+
+    A fixture holds the part alone. What the first side has left hanging may stay, unless a wall is
+    finished that frees the part.
+    """
+    holding = side.milling.holding
+    own, hanging = _height_left(holding), _height_left(first.milling.holding)
+    if any(_frees(cut, side) for cut in side.cuts):
+        hanging = None
+    held = setup.held
+    if holding is not None and holding.kind == FIXTURE:
+        held = tuple(body.contours for body in setup.part)
+    chamfers = (replace(each, turned=first.lowest) for each in before.chamfers)
+    return replace(
+        setup,
+        held=held,
+        joined=None if own is None else side.lowest + own,
+        hanging=None if hanging is None else -hanging,
+        chamfers=(*setup.chamfers, *chamfers),
+    )
+
+
+def _height_left(holding: Holding | None) -> float | None:
+    """Height [mm] of what a holding leaves on the part: tabs, a skin; None for nothing."""
+    if holding is None or holding.tabs is None:
+        return None if holding is None else holding.skin
+    return holding.tabs.height
+
+
+def _frees(cut: Cut, side: Side) -> bool:
+    """Whether a cut of the second side finishes a wall around the part."""
+    around = {wall.boundary.name for wall in side.part.walls if not wall.boundary.hole}
+    return bool(around & set(finished_by(cut)))
+
+
+def _turned(done: Done) -> Before:
+    """What a side has left of the piece with the part in it, seen from the other side."""
+    low, simulation = done.side.lowest, done.simulation
+    slabs = simulation.stages[-1].slabs if simulation.stages else ()
+    kept = _with_the_part(slabs, simulation.part)
+    corners = corners_of(done.setup, done.side.runs)
+    return Before(
+        tuple(Slab(low - each.z1, low - each.z0, each.material) for each in reversed(kept)),
+        tuple((low - z1, low - z0) for z0, z1 in corners),
+    )
+
+
+def _with_the_part(slabs: Sequence[Slab], part: Sequence[Area]) -> tuple[Slab, ...]:
+    """The material without pieces that are apart from the part: they are taken away."""
+    found = pieces(slabs)
+    away = [piece for piece in found if piece.shared(part) <= TOUCHING]
+    if not away:
+        return tuple(slabs)
+    gone: dict[int, list[Area]] = {}
+    for piece in away:
+        for k, area in piece.areas:
+            gone.setdefault(k, []).append(area)
+    return tuple(
+        slab.without(shapely.union_all(gone[k]) if k in gone else NOTHING)
+        for k, slab in enumerate(slabs)
+    )

@@ -1,0 +1,404 @@
+"""The cuts of the operations that a scene states."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from camgeo.errors import GeometryError
+from camgeo.geometry.contour.contour import least_distance
+from camgeo.milling.bench import SAME, Bench, as_wide, bore_of, flank_curve, letters_of
+from camgeo.milling.cut import (
+    AreaCut,
+    ContourCut,
+    Cut,
+    tightest,
+)
+from camgeo.milling.making import (
+    clear_area,
+    clear_around,
+    clear_outside,
+    depths_of,
+    drill_all,
+    engraved,
+    finish_along,
+    loops_along,
+    no_engraver,
+    rough_around,
+    rough_outside,
+    slot_between,
+)
+from camgeo.milling.milling import (
+    BORE,
+    CHAMFER,
+    DRILLING,
+    ENGRAVE,
+    FACE,
+    FINISH,
+    RAMP,
+    ROUGH,
+    SLOT,
+    SPIRAL,
+    TROCHOIDAL,
+    OperationSpec,
+)
+from camgeo.milling.strategies.trochoid import NARROWEST
+from camgeo.milling.tool import CHAMFER_MILL, COMPUTED, DRILL, END_MILL, Tool
+from camgeo.milling.track import Track
+from camgeo.part.part import Boundary, Wall
+
+BELOW = 0.1
+"""How far the point of a chamfer mill runs beside the wall, as a share of the chamfer's size."""
+
+COARSE = 0.01
+"""Tolerance [mm] of the contours between which distances are taken; it counts against them."""
+
+HOLE_NAME, MARK_NAME = "bore", "mark"
+"""What is drilled and engraved if the scene names nothing else."""
+
+FLANKS = ("inner flank", "outer flank")
+
+KIND_OF_TOOL = {DRILLING: DRILL, CHAMFER: CHAMFER_MILL}
+"""What kinds of operations need; the others need an end mill."""
+
+
+def stated_cuts(bench: Bench) -> list[Cut]:
+    """The cuts of the scene's operations, in their order.
+
+    Raises
+    ------
+    GeometryError
+        With the key of the operation, if its tool cannot do it.
+    """
+    tools = {tool.number: tool for tool in bench.milling.tools}
+    found: list[Cut] = []
+    faced = False
+    for k, spec in enumerate(bench.milling.operations):
+        key = f"operation[{k + 1}]"
+        tool = spec.run(tools[spec.tool])
+        needed = KIND_OF_TOOL.get(spec.kind, END_MILL)
+        if tool.kind != needed:
+            message = f'"{spec.kind}" needs a tool of kind "{needed}", not "{tool.kind}"'
+            raise GeometryError(message, f"{key}.tool", f"{spec.tool}")
+        cut = _Stated(bench, spec, tool, key, tuple(found), faced=faced).cut()
+        name = spec.name or cut.name
+        if name in (each.name for each in found):
+            raise GeometryError("each operation needs its own name", f"{key}.name", name)
+        note = "; ".join(text for text in (spec.note, cut.note) if text)
+        found.append(replace(cut, name=name, climb=spec.climb, stop=spec.stop, note=note))
+        faced = faced or spec.kind == FACE
+    return found
+
+
+def _names(walls: tuple[Boundary, ...]) -> list[str]:
+    return [wall.name for wall in walls]
+
+
+class _Stated:
+    """One operation to be made a cut."""
+
+    def __init__(
+        self,
+        bench: Bench,
+        spec: OperationSpec,
+        tool: Tool,
+        key: str,
+        before: tuple[Cut, ...],
+        *,
+        faced: bool,
+    ) -> None:
+        self.bench = bench
+        self.spec = spec
+        self.tool = tool
+        self.key = key
+        self.before = before
+        # Z of the upper face of the material.
+        self.top = 0.0 if faced else bench.milling.stock.top
+
+    def cut(self) -> Cut:
+        """The cut; GeometryError with the operation's key if the tool cannot make it."""
+        kinds = {
+            FACE: self._face,
+            DRILLING: self._drill,
+            BORE: self._bore,
+            SLOT: self._slot,
+            ENGRAVE: self._engrave,
+        }
+        if self.spec.kind in kinds:
+            return kinds[self.spec.kind]()
+        wall = self._wall(self.spec.boundary)
+        if self.spec.kind == ROUGH:
+            return self._rough(wall)
+        if self.spec.kind == FINISH:
+            return self._finish(wall)
+        return self._chamfer(wall)
+
+    def _wall(self, name: str) -> Wall:
+        wall, depth = self.bench.wall(name, f"{self.key}.boundary"), self.spec.depth
+        return wall if depth is None else replace(wall, z0=max(wall.z0, wall.z1 - depth))
+
+    def _require(self, reason: str) -> None:
+        if reason:
+            raise GeometryError(reason, f"{self.key}.tool", f"{self.tool.number}")
+
+    def _require_reach(self, wall: Wall) -> None:
+        """GeometryError unless the tool reaches all of the wall, its allowance left on it."""
+        self._require(self.bench.unfit(wall, top=self._top(wall))(self.tool))
+        allowance, radius = self.spec.allowance, self.tool.radius
+        if not allowance:
+            return
+        place = tightest(wall.boundary)
+        most, reason = math.inf, ""
+        if place is not None:
+            most, reason = place.radius - radius, place.sentence
+        if wall.boundary.name in FLANKS:
+            across = 2.0 * (abs(flank_curve(wall).distance) - radius)
+            if across < most:
+                most, reason = across, "more would cut into the flank across the groove"
+        if allowance >= most:
+            message = f"must be less than {most:.4g} mm with tool {self.tool.number}: {reason}"
+            raise GeometryError(message, f"{self.key}.allowance", f"{allowance:g}")
+
+    def _face(self) -> Cut:
+        if not self.top or self.bench.milling.stock.outline is None:
+            message = (
+                f"there is nothing to face: the blank ends at the {self.bench.milling.up} face"
+            )
+            if self.top:
+                message = "the outline of a blank that is to be faced must be known"
+            raise GeometryError(message, f"{self.key}.kind", '"face"')
+        self._require(self.bench.too_short(self.tool, 0.0, self.top))
+        return clear_area(self.bench, "face", "face", self.tool, self.top, 0.0, ())
+
+    def _drill(self) -> Cut:
+        """The bore, or holes of one size through the part."""
+        walls = self._holes(self.spec.boundary or HOLE_NAME)
+        for wall in walls:
+            if self.tool.radius > bore_of(wall).round_radius * (1.0 + SAME):
+                self._require(f"it is larger than the {wall.boundary.name}")
+        bottom, top = self.bench.bottom(walls[0]), self._top(walls[0])
+        self._require(self.bench.too_short(self.tool, bottom, top))
+        places = {wall.boundary.name: complex(bore_of(wall).exact.centres[0]) for wall in walls}
+        name = f"drill {', '.join(places)}"
+        return drill_all(name, self.tool, top, bottom, places)
+
+    def _holes(self, name: str) -> list[Wall]:
+        """The hole of that name, or those with it and a number."""
+        numbered = [
+            wall
+            for each, wall in self.bench.walls.items()
+            if each.rpartition(" ")[0] == name and wall in self.bench.holes
+        ]
+        found = numbered or [self._wall(name)]
+        if any(not wall.boundary.hole or not self.bench.pierces(wall) for wall in found):
+            raise GeometryError("it is no hole", f"{self.key}.boundary", f'"{name}"')
+        return found
+
+    def _engrave(self) -> Cut:
+        name = self.spec.boundary or MARK_NAME
+        letters = letters_of(self.bench, name)
+        walls = letters or (self._wall(name),)
+        if not letters and (walls[0] not in self.bench.holes or self.bench.pierces(walls[0])):
+            raise GeometryError("is no mark and no text", f"{self.key}.boundary", f'"{name}"')
+        self._require(no_engraver(self.bench, self.tool, walls))
+        return engraved(self.bench, walls, self.tool, self._top(walls[0]))
+
+    def _top(self, wall: Wall) -> float:
+        """Z of the upper face of the material over a wall: that of the wall, if what stands beside
+        it has been laid free before.
+        """
+        bosses = {each.boundary.name for each in self.bench.bosses}
+        laid_free = any(
+            bosses & set(cut.produced) and isinstance(cut, AreaCut) and cut.bottom <= wall.z1
+            for cut in self.before
+        )
+        return wall.z1 if laid_free else self.top
+
+    def _bore(self) -> Cut:
+        wall = self._wall("bore")
+        self._require_reach(wall)
+        walls = (wall.boundary,)
+        bottom, allowance = self.bench.bottom(wall), self.spec.allowance
+        return clear_area(
+            self.bench, "rough bore", "bore", self.tool, self.top, bottom, walls, allowance
+        )
+
+    def _rough(self, wall: Wall) -> Cut:
+        boundary, bench, tool = wall.boundary, self.bench, self.tool
+        self._require_reach(wall)
+        if wall in bench.bosses:
+            if self.spec.strategy not in ("", SPIRAL):
+                message = "leaves what is around it; all of that is cleared"
+                raise GeometryError(message, f"{self.key}.strategy", f'"{self.spec.strategy}"')
+            return clear_around(bench, wall, tool, self.top, self.spec.allowance)
+        # The inner flank of a groove bounds an island, which no blank surrounds.
+        outermost = not boundary.hole and not boundary.name.endswith("flank")
+        if self.spec.strategy == TROCHOIDAL:
+            return self._loops(wall)
+        if self.spec.strategy == SPIRAL:
+            return self._cleared(wall, outermost=outermost)
+        ramp = self.spec.strategy == RAMP or not outermost
+        make = rough_around if ramp else rough_outside
+        return make(bench, wall, tool, self._top(wall), self.spec.allowance)
+
+    def _cleared(self, wall: Wall, *, outermost: bool) -> Cut:
+        key, value = f"{self.key}.strategy", f'"{SPIRAL}"'
+        if not outermost or self.bench.milling.stock.outline is None:
+            message = "clears what is around the part in a blank whose outline is stated"
+            raise GeometryError(message, key, value)
+        allowance = self.spec.allowance
+        made = clear_outside(self.bench, wall, self.tool, self._top(wall), allowance)
+        if made is None:
+            message = "rays from the cam axis meet the cutter's path or the blank's edge twice"
+            raise GeometryError(message, key, value)
+        return made
+
+    def _loops(self, wall: Wall) -> Cut:
+        bench, holding = self.bench, self.bench.milling.holding
+        if holding is not None and holding.tabs is not None and bench.is_through(wall):
+            message = f'leaves no tabs: state "{RAMP}", or another holding'
+            raise GeometryError(message, f"{self.key}.strategy", f'"{TROCHOIDAL}"')
+        other = None
+        if wall.boundary.name in FLANKS:
+            (other,) = (self._wall(name) for name in FLANKS if name != wall.boundary.name)
+        return loops_along(bench, wall, other, self.tool, self._top(wall), self.spec.allowance)
+
+    def _finish(self, wall: Wall) -> Cut:
+        """At full depth if the wall is roughed that deep, else in passes that enter on the path."""
+        boundary, bench, tool = wall.boundary, self.bench, self.tool
+        self._require_reach(wall)
+        bottom = bench.bottom(wall)
+        room = self._room(wall, bottom)
+        cleared = room is not None
+        top = self._top(wall)
+        depths = (bottom,) if cleared else depths_of(tool, top, bottom)
+        made = finish_along(
+            bench,
+            wall,
+            tool,
+            top,
+            room or 0.0,
+            rest=self._rest(wall, bottom) if cleared else 0.0,
+            depths=depths,
+            cleared=cleared,
+            springs=self.spec.springs,
+            compensation=self.compensation,
+        )
+        if self.compensation != COMPUTED and not (cleared and room):
+            message = 'needs a wall that is roughed before, and room for leads; or "computed"'
+            raise GeometryError(message, *self._said_compensation)
+        if not cleared:
+            return replace(made, strategy="slot")
+        if not self.spec.allowance:
+            return made
+        centre = boundary.offset(tool.radius + self.spec.allowance)
+        return replace(made, centre=centre, allowance=self.spec.allowance)
+
+    def _room(self, wall: Wall, bottom: float) -> float | None:
+        """For leads [mm]: how far beside the path earlier operations have cleared all down to
+        `bottom`; None if they have not.
+        """
+        name, tool = wall.boundary.name, self.tool
+        deep = [cut for cut in self.before if cut.bottom <= bottom]
+        areas = [cut for cut in deep if isinstance(cut, AreaCut) and name in _names(cut.walls)]
+        if any(not cut.slot for cut in areas):
+            if name == "bore":
+                return 0.5 * (bore_of(wall).round_radius - tool.radius)
+            return self.bench.room_outside(tool, self.compensation)
+        slots = {cut.right: cut for cut in deep if isinstance(cut, ContourCut)}
+        if name not in slots:
+            return max((self._beside_loops(cut) for cut in areas), default=None) or None
+        if name in FLANKS:
+            half = abs(flank_curve(wall).distance)
+            if all(each in slots and slots[each].tool.diameter >= half for each in FLANKS):
+                return 0.5 * max(0.0, half - tool.radius)
+        # The slot is as wide as its cutter, and begins at its allowance, or a slack beside it.
+        wider = 2.0 * (slots[name].tool.radius - tool.radius)
+        spare = slots[name].allowance + slots[name].slack - self.spec.allowance
+        return max(0.0, spare + wider) if wider >= 0.0 else None
+
+    def _rest(self, wall: Wall, bottom: float) -> float:
+        """What earlier operations down to `bottom` have left beside the path [mm]."""
+        name = wall.boundary.name
+        left = [
+            cut.allowance
+            for cut in self.before
+            if cut.bottom <= bottom
+            and (
+                (isinstance(cut, AreaCut) and name in _names(cut.walls))
+                or (isinstance(cut, ContourCut) and cut.right == name)
+            )
+        ]
+        return max(0.0, min(left, default=0.0) - self.spec.allowance)
+
+    def _beside_loops(self, cut: AreaCut) -> float:
+        """As `_room`; the loops begin slightly beside the allowance."""
+        wider = 2.0 * (cut.tool.radius - self.tool.radius)
+        room = cut.allowance - self.spec.allowance + wider + NARROWEST * cut.tool.radius
+        return room if wider >= 0.0 else 0.0
+
+    @property
+    def compensation(self) -> str:
+        """That of the operation, or of all."""
+        return self.spec.compensation or self.bench.compensation
+
+    @property
+    def _said_compensation(self) -> tuple[str, str]:
+        """Key and value in the scene."""
+        if self.spec.compensation is None:
+            return "output.gcode.compensation", f'"{self.bench.compensation}"'
+        return f"{self.key}.compensation", f'"{self.spec.compensation}"'
+
+    def _slot(self) -> Cut:
+        inner, outer = self._wall("inner flank"), self._wall("outer flank")
+        half = flank_curve(outer).distance
+        if not as_wide(self.tool, half):
+            width = 2.0 * half
+            self._require(f"it is not as wide as the groove, {width:g} mm: rough and finish it")
+        top = self._top(outer)
+        self._require(self.bench.too_short(self.tool, self.bench.bottom(outer), top))
+        return slot_between(self.bench, inner, outer, self.tool, top)
+
+    def _chamfer(self, wall: Wall) -> Cut:
+        """The edge that lies up: a pointed cutter runs with its point beside and below the edge."""
+        size, tool = self.spec.size, self.tool
+        assert size is not None  # which the rules of the scene require
+        if wall.z1 != 0.0:
+            message = f"its {self.bench.milling.up} edge is not on the {self.bench.milling.up} face"
+            raise GeometryError(message, f"{self.key}.boundary")
+        if self.top:
+            message = f"the {self.bench.milling.up} face is not there yet: it is to be faced before"
+            raise GeometryError(message, f"{self.key}.kind", '"chamfer"')
+        # Its flank touches the lower edge of the chamfer a tenth of the size above the point.
+        reach = (1.0 + BELOW) * size
+        depth, beside = reach * tool.tip_length / tool.radius, BELOW * size
+        if reach > tool.radius:
+            self._require(f"its radius, {tool.radius:g} mm, does not cover {size:g} mm")
+        if wall.z0 >= -depth:
+            self._require(f"its point, {depth:.4g} mm deep, reaches the floor at Z {wall.z0:g} mm")
+        self._require(self.bench.too_short(tool, -depth))
+        centre = wall.boundary.offset(beside)
+        for name, other in self.bench.walls.items():
+            if other.z1 == 0.0 and name != wall.boundary.name:
+                self._keeps_off(centre, other.boundary, reach)
+        return ContourCut(
+            name=f"chamfer {wall.boundary.name}",
+            strategy="slot",
+            tool=tool,
+            top=0.0,
+            depths=(-depth,),
+            centre=centre,
+            contact=reach,
+            edge=wall.boundary.name,
+            width=size,
+            springs=self.spec.springs,
+            note=f"{size:g} mm wide on the face",
+        )
+
+    def _keeps_off(self, centre: Boundary, other: Boundary, reach: float) -> None:
+        """GeometryError with key "size", if the cone comes to the edge of another wall."""
+        tracks = [Track.around(each.arcs(COARSE, "fast").contour) for each in (centre, other)]
+        apart = least_distance(*tracks)
+        if apart < reach + 2.0 * COARSE:
+            message = f"the chamfer comes to the {other.name}, {apart:.3g} mm from the point"
+            raise GeometryError(message, f"{self.key}.size", f"{self.spec.size:g}")

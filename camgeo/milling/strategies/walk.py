@@ -1,0 +1,316 @@
+"""Moves of one operation, as a strategy adds them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+
+from camgeo.errors import GeometryError, UndercutError
+from camgeo.geometry.contour.contour import Contour, least_distance
+from camgeo.milling.areas import Morph, Star, paced
+from camgeo.milling.cut import AreaCut, Cut, slack_of
+from camgeo.milling.moves import ArcFeed, Feed, Heights, Move, Rapid, centre_feed, too_long
+from camgeo.milling.track import Track, flattest, started
+from camgeo.numeric.arrays import phase
+from camgeo.part.part import Boundary
+from camgeo.reading import PROGRAM_LINES
+
+RAMP = math.radians(3.0)
+"""Descent into material where the tool states none; its Z feed is limited all the same."""
+
+SHORTEST = 0.05
+"""Least length of a piece that is made by dividing another [mm]."""
+
+SAME = 1e-9
+"""Places and heights [mm] that differ by less are one."""
+
+
+def ramp_of(cut: Cut) -> float:
+    """Steepest descent of the cut's tool into material [rad]."""
+    return RAMP if cut.tool.ramp_angle is None else cut.tool.ramp_angle
+
+
+class Walk:
+    """The moves so far, and where the cutter is.
+
+    Attributes
+    ----------
+    cut : the operation.
+    heights : of its traverses.
+    moves : in order.
+    place, z : of the cutter's tip [mm].
+    """
+
+    def __init__(self, cut: Cut, heights: Heights) -> None:
+        self.cut = cut
+        self.heights = heights
+        self.moves: list[Move] = []
+        self.place = 0j
+        self.z = heights.clearance
+        self._blocked = [
+            (each, Track.around(each.outline.arcs(0.01, "fast").contour)) for each in cut.obstacles
+        ]
+
+    @property
+    def free(self) -> int:
+        """The side of a path along a wall on which there is none: 1 left, -1 right."""
+        return 1 if self.cut.climb else -1
+
+    def avoid(self, bottom: float) -> tuple[tuple[Track, float], ...]:
+        """Outlines of what a cutter at `bottom` must clear, and by how much [mm]."""
+        return tuple(
+            (track, self.cut.tool.radius) for each, track in self._blocked if bottom < each.top
+        )
+
+    def above(self, place: complex) -> None:
+        """Up, unless it is there, and over `place` at the clearance height."""
+        if self.moves and self.z < self.heights.clearance:
+            self._to(Rapid, self.place, self.heights.clearance)
+        self._to(Rapid, place, self.heights.clearance)
+
+    def over(self, place: complex, around: Track | None = None) -> None:
+        """To `place` for the next depth: straight there through what this one has cleared, or above
+        it at the beginning, and where the way would cross the path `around` the part.
+        """
+        link = Track.line(self.place, place)
+        if self.moves and (around is None or least_distance(link, around) > 0.0):
+            self.follow(link)
+        else:
+            self.above(place)
+
+    def down(self, z: float, feed: float | None = None) -> None:
+        """Straight down through air, or where the tool may plunge: fast only above the blank."""
+        if self.z > self.heights.retract > z:
+            self._to(Rapid, self.place, self.heights.retract)
+        if z < self.z - SAME:
+            self._require_clear(Track.line(self.place, self.place), z)
+            self.moves.append(Feed(_point(self.place, z), feed or self.cut.tool.plunge_feed))
+            self.z = z
+
+    def out(self) -> None:
+        """Straight up to the retract height."""
+        self._to(Rapid, self.place, self.heights.retract)
+
+    def up(self) -> None:
+        """Straight up to the clearance height."""
+        self._to(Rapid, self.place, self.heights.clearance)
+
+    def follow(
+        self,
+        track: Track,
+        z: float | None = None,
+        *,
+        both: bool = False,
+        air: bool = False,
+        feed: float | None = None,
+        switch: str = "",
+    ) -> None:
+        """Along `track`, descending or rising evenly to `z` [mm] if that is given.
+
+        With a `switch` the track is one line, which switches the controller's compensation so.
+
+        The feed is that at the contact with a wall on the side of the material, or on both sides:
+        the centre is slowed on arcs around whose outside the wall lies. The plunge feed limits
+        that along Z. In `air` there is no contact, and the centre runs at the tool's feed.
+
+        Raises
+        ------
+        GeometryError
+            With key "holding", if the cutter would touch a clamp or a screw.
+        FileError
+            If there are more moves than lines are allowed in a program that is read.
+        """
+        if len(self.moves) + len(track) > PROGRAM_LINES:
+            raise too_long()
+        start = self.z
+        end = start if z is None else z
+        self._require_clear(track, min(start, end))
+        whole = track.length
+        if whole <= 0.0:
+            return
+        done = 0.0
+        base = self.cut.tool.feed if feed is None else feed
+        track = track.halved()
+        for at, sweep, centre, length in zip(
+            track.ends.tolist(),
+            track.sweeps.tolist(),
+            track.centres.tolist(),
+            track.lengths.tolist(),
+            strict=True,
+        ):
+            done += length
+            height = end if done >= whole - SAME else start + (end - start) * done / whole
+            rate = base
+            if sweep and not air:
+                inside = both or (sweep > 0.0) == (self.free > 0)
+                rate = centre_feed(
+                    base, length / abs(sweep), self.cut.contact_radius, inside=inside
+                )
+            drop = self.z - height
+            if drop > SAME:
+                rate = min(rate, self.cut.tool.plunge_feed * math.hypot(length, drop) / drop)
+            if sweep:
+                middle = (centre.real, centre.imag)
+                self.moves.append(ArcFeed(_point(at, height), middle, sweep > 0.0, rate))
+            else:
+                self.moves.append(Feed(_point(at, height), rate, switch))
+            self.place, self.z = at, height
+
+    def profile(
+        self, track: Track, stops: Sequence[tuple[float, float]], *, both: bool = False
+    ) -> None:
+        """Along `track`, whose heights `stops` give: (distance along it, z) [mm], ascending from 0
+        to its length, straight between them.
+
+        Where a height changes within `SHORTEST` of a joint of the track, it does so at the joint.
+        """
+        joints = np.concatenate(([0.0], np.cumsum(track.lengths)))
+        places = np.array([place for place, _ in stops])
+        nearest = joints[np.argmin(np.abs(places[:, None] - joints), axis=1)]
+        places = np.where(np.abs(nearest - places) < SHORTEST, nearest, places)
+        for (start, end), (_, z) in zip(pairwise(places.tolist()), stops[1:], strict=True):
+            if end > start:
+                self.follow(track.between(start, end), z, both=both)
+
+    def _require_clear(self, track: Track, bottom: float) -> None:
+        for each, outline in self._blocked:
+            if bottom < each.top and least_distance(track, outline) < self.cut.tool.radius - SAME:
+                raise GeometryError(
+                    f"the cutter of {self.cut.name} would touch the {each.name}", key="holding"
+                )
+
+    def _to(self, kind: type[Rapid], place: complex, z: float) -> None:
+        if not self.moves or abs(place - self.place) > SAME or abs(z - self.z) > SAME:
+            self.moves.append(kind(_point(place, z)))
+        self.place, self.z = place, z
+
+
+def _point(place: complex, z: float) -> tuple[float, float, float]:
+    return float(place.real), float(place.imag), z
+
+
+# -- area -----------------------------------------------------------------------------------------
+# What the strategies that clear areas share: coarse paths along walls, proved to keep off them.
+
+
+SPENT: Final = 3.0
+"""Tolerances by which a roughing path is moved off the wall: its last round deviates by one, the
+spiral before it by another, and the wall in the proof by the third."""
+
+SHORTEST_START: Final = 0.05
+"""Least length of a piece at which a round begins [mm]: shorter ones could vanish in rounding."""
+
+STEEPER: Final = 3.0
+"""How much faster than on a straight wall the engagement may grow with the depth of cut, where the
+curvature of the wall jumps."""
+
+EQUAL: Final = 1e-9
+"""Rounding of a distance [mm]."""
+
+
+def coarse(cut: AreaCut, tolerance: float) -> float:
+    """Tolerance of roughing paths [mm], at least that of the program."""
+    return max(tolerance, slack_of(cut.allowance))
+
+
+def limit_of(cut: AreaCut, tolerance: float) -> float:
+    """Largest engagement to plan for [rad], so that it holds for arcs within `tolerance` [mm].
+
+    Where the tool states none it is that on a straight wall at the stepover.
+    """
+    radius, step = cut.tool.radius, cut.stepover
+    limit = cut.tool.engagement or math.acos(max(-1.0, 1.0 - step / radius))
+    # cos(limit) = 1 - depth / radius on a straight wall, and both turns may be a tolerance off.
+    steep = radius * math.sin(min(limit, 0.5 * math.pi))
+    return max(0.5 * limit, limit - STEEPER * 2.0 * tolerance / steep)
+
+
+def along(wall: Boundary, cut: AreaCut, tolerance: float, farther: float = 0.0) -> Contour:
+    """The path of the cutter's centre along a wall, off it by the allowance and `farther` [mm],
+    counter-clockwise and within the coarse `tolerance` [mm].
+
+    Raises
+    ------
+    GeometryError
+        With key "tool", if the cutter does not reach the whole wall.
+    """
+    distance = cut.tool.radius + cut.allowance + farther + SPENT * tolerance
+    try:
+        return wall.offset(distance).arcs(tolerance, "fast").contour
+    except UndercutError as error:
+        raise GeometryError(
+            f"the cutter is too large for the {wall.name}, which it has to clear {distance:g} mm"
+            f" off ({error.message})",
+            key="tool",
+        ) from None
+
+
+def require_clear(track: Track, wall: Boundary, cut: AreaCut, tolerance: float) -> None:
+    """Prove that a cutter on `track` keeps off the wall by the allowance.
+
+    Raises
+    ------
+    GeometryError
+        With key "toolpath", if it does not.
+    """
+    fit = wall.arcs(tolerance, "fast")
+    apart = least_distance(track, Track.around(fit.contour)) - fit.deviation
+    if apart < cut.tool.radius + cut.allowance - EQUAL:
+        short = cut.tool.radius + cut.allowance - apart
+        raise GeometryError(f"{cut.name} comes {short:.3g} mm too near to the wall", "toolpath")
+
+
+def star_of(contour: Contour, what: str) -> Star:
+    """The contour seen from the cam axis.
+
+    Raises
+    ------
+    GeometryError
+        With key "toolpath", if rays from there meet it more than once.
+    """
+    star = Star.of(contour)
+    if star is None:
+        raise GeometryError(
+            f"the {what} cannot be cleared by a spiral: rays from the cam axis meet the cutter's"
+            " path more than once, or nearly along it",
+            key="toolpath",
+        )
+    return star
+
+
+def flattest_direction(path: Contour) -> float:
+    """The direction [rad] of the flattest place of a path."""
+    return phase(complex(started(path, next(flattest(path))).vertices[0]))
+
+
+def off_joints(path: Contour, star: Star, direction: float) -> float:
+    """The `direction` [rad] in which a round of the path begins, or that of a joint of its pieces
+    next to it: no piece of a round is shorter than `SHORTEST`.
+    """
+    place = star.along(direction)
+    joints = np.concatenate(([0.0], np.cumsum(path.lengths)))
+    nearest = int(np.argmin(np.abs(joints - place)))
+    if abs(joints[nearest] - place) >= SHORTEST_START:
+        return direction
+    turned = phase(complex(path.vertices[nearest % len(path)]) * np.exp(-1j * direction))
+    return direction + turned
+
+
+def spiral(
+    cut: AreaCut, a: Star, b: Star, finish: float, tolerance: float, *, outward: bool
+) -> Morph:
+    """The spiral from a to b, outward in a hole, that ends in the direction `finish` [rad]."""
+    return paced(
+        a,
+        b,
+        sense=1 if outward == cut.climb else -1,
+        side=-1 if cut.climb else 1,
+        finish=finish,
+        radius=cut.tool.radius,
+        limit=limit_of(cut, tolerance),
+        step=min(cut.stepover, 2.0 * (cut.tool.radius - cut.tool.corner_radius) or cut.stepover),
+    )

@@ -1,0 +1,378 @@
+"""The part that a printer is given, so that what it makes is the part that the scene states.
+
+First bore and key get their clearance, then everything is scaled about the cam axis, then the
+lowest layers are drawn in: layers are counted in millimetres of the file, as a slicer counts them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import combinations, pairwise
+from typing import Annotated, Any, Final, TypeVar
+
+import numpy as np
+
+from camgeo.errors import GeometryError, UndercutError
+from camgeo.geometry.contour.contour import (
+    EPS,
+    Contour,
+    Effort,
+    Fit,
+    require_simple,
+    surely_apart,
+    winding_number,
+)
+from camgeo.geometry.contour.parallel import parallel
+from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour, SplineFit
+from camgeo.geometry.outline.outline import real_outline
+from camgeo.geometry.outline.path import Moments, Path, SecondMoments
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.numeric.checked import check_fields, positive
+from camgeo.part.boundaries import CurveBoundary, ExactBoundary
+from camgeo.part.part import Boundary, Layer, Part, require_boundary
+from camgeo.part.printing import Foot, PrintSpec
+from camgeo.part.spec import PartSpec
+from camgeo.record import Pickled
+
+TOLERANCE: Final = 1e-3
+"""Of the contours that show that boundaries lie apart [mm]; their deviation is accounted for."""
+
+FOOT: Final = "foot"
+"""Name of the layers that are drawn in."""
+
+
+def with_clearance(part: PartSpec, spec: PrintSpec) -> PartSpec:
+    """The part with a larger bore, keyway and flat.
+
+    The bottom of the keyway and the flat move with the clearance of the key, not with that of the
+    bore.
+
+    Raises
+    ------
+    GeometryError
+        With the key in `print`, if no such keyway or flat is left.
+    """
+    if part.bore is None:
+        return part
+    wider, key = spec.bore_clearance or 0.0, spec.key_clearance or 0.0
+    if not (wider or key):
+        return part
+    radius = 0.5 * part.bore
+    keyway, flat = part.keyway, part.d_shaft
+    try:
+        if keyway is not None:
+            bottom = radius + keyway.depth + 0.5 * key
+            depth = bottom - (radius + 0.5 * wider)
+            keyway = replace(keyway, width=keyway.width + key, depth=depth)
+        if flat is not None:
+            flat = replace(flat, across=flat.across + 0.5 * (wider + key))
+        return replace(part, bore=part.bore + wider, keyway=keyway, d_shaft=flat)
+    except GeometryError as error:
+        raise fault_of_clearance(spec, error) from None
+
+
+def fault_of_clearance(spec: PrintSpec, error: GeometryError) -> GeometryError:
+    """Why a part has no room for its clearance, as a fault of the key that asks for it."""
+    key = "bore_clearance" if spec.bore_clearance else "key_clearance"
+    value = getattr(spec, key)
+    message = f"the part has no room for it: {error}"
+    return GeometryError(message, key=f"print.{key}", value=f"{value:g}")
+
+
+def compensated(part: Part, spec: PrintSpec) -> Part:
+    """The part as the file has it: scaled, its lowest layers drawn in.
+
+    `part` has its clearance already. Raises GeometryError with the key in `print`, if a boundary of
+    the lowest face cannot be drawn in.
+    """
+    part = _scaled(part, spec.scale_xy, spec.scale_z)
+    foot = spec.elephant_foot
+    return part if foot is None else _on_foot(part, foot)
+
+
+def _scaled(part: Part, xy: float, z: float) -> Part:
+    if xy == z == 1.0:
+        return part
+    known = {each.name: scaled(each, xy) for each in part.boundaries}
+
+    def larger(layer: Layer) -> Layer:
+        boundaries = tuple(known[each.name] for each in layer.boundaries)
+        return Layer(z * layer.z0, z * layer.z1, boundaries, layer.name)
+
+    bevels = tuple(
+        replace(
+            each,
+            boundary=known[each.boundary.name],
+            edge=scaled(each.edge, xy),
+            width=xy * each.width,
+            height=z * each.height,
+            z=z * each.z,
+        )
+        for each in part.bevels
+    )
+    return Part(tuple(larger(each) for each in part.layers), bevels)
+
+
+def _on_foot(part: Part, foot: Foot) -> Part:
+    """The part with its lowest layer drawn in, step by step."""
+    lowest, *others = part.layers
+    part.require_heights()
+    room = lowest.z1 - lowest.z0
+    key = "print.elephant_foot"
+    if any(each.z == lowest.z0 for each in part.bevels):
+        message = "edges of the lowest face have chamfers: state upper ones only, or no such foot"
+        raise GeometryError(message, key=key)
+    if foot.height >= room:
+        message = f"must be less than the height of the lowest layer, {room:.6g} mm"
+        raise GeometryError(message, key=f"{key}.height", value=f"{foot.height:g}")
+    rise = foot.height / foot.steps
+    heights = [lowest.z0 + step * rise for step in range(foot.steps)]
+    heights.append(lowest.z0 + foot.height)
+    layers = []
+    for step, ((low, high), inset) in enumerate(
+        zip(pairwise(heights), foot.insets, strict=True), start=1
+    ):
+        try:
+            drawn = tuple(
+                drawn_in(each, inset, f"{each.name} at step {step}") for each in lowest.boundaries
+            )
+            _require_alike(drawn, lowest.boundaries)
+        except GeometryError as error:
+            message = f"the part has no room for it: {error.message}"
+            raise GeometryError(message, key=f"{key}.inset", value=f"{foot.inset:g}") from None
+        layers.append(Layer(low, high, drawn, FOOT))
+    rest = replace(lowest, z0=heights[-1])
+    return replace(part, layers=(*layers, rest, *others))
+
+
+def _require_alike(moved: tuple[Boundary, ...], before: tuple[Boundary, ...]) -> None:
+    """GeometryError unless boundaries lie apart, each in those that it lay in before."""
+    fits, were = ([each.beside(TOLERANCE) for each in group] for group in (moved, before))
+    for a, b in combinations(range(len(moved)), 2):
+        inside = [_nested(each[a].contour, each[b].contour) for each in (fits, were)]
+        if surely_apart(fits[a], fits[b]) <= 0.0 or inside[0] != inside[1]:
+            message = f"{before[a].name} and {before[b].name} would touch"
+            raise GeometryError(message, key="part")
+
+
+def _nested(one: Contour, other: Contour) -> tuple[bool, bool]:
+    """Whether the first contour lies in the second, and the second in the first."""
+    return (
+        winding_number(other, complex(one.vertices[0])) != 0,
+        winding_number(one, complex(other.vertices[0])) != 0,
+    )
+
+
+# -- drawn in -------------------------------------------------------------------------------------
+# Boundaries drawn into the material by a distance, each face parallel to what it was.
+
+
+def drawn_in(boundary: Boundary, distance: float, name: str) -> Boundary:
+    """The boundary called `name` that lies `distance` [mm] farther in the material.
+
+    Raises
+    ------
+    GeometryError
+        If nothing, or not one piece, is left of what it bounds, or if it is neither the outline of
+        a flank nor lines and arcs, at any scale.
+    """
+    if isinstance(boundary, ScaledBoundary):
+        own = drawn_in(boundary.unscaled, distance / boundary.factor, name)
+        return scaled(own, boundary.factor)
+    if isinstance(boundary, ExactBoundary):
+        exact = boundary.exact.counter_clockwise()
+        try:
+            moved = parallel(exact, distance if boundary.hole else -distance)
+            require_simple(moved, boundary.name)
+        except (GeometryError, UndercutError):
+            raise _gone(boundary.name, distance) from None
+        return ExactBoundary(name, boundary.hole, moved)
+    if isinstance(boundary, CurveBoundary):
+        path = _flank_within(boundary, distance)
+        return CurveBoundary(name, boundary.hole, path, boundary.ledger)
+    raise GeometryError(f"the {boundary.name} cannot be drawn in", key="part")
+
+
+def _flank_within(boundary: CurveBoundary, distance: float) -> Path:
+    """The outline of the disc without a rim of `distance` [mm].
+
+    What a roller leaves of a disc, without such a rim, is what a roller larger in radius by it
+    leaves; and of a disc that a face touches, what the face leaves that comes nearer by it.
+    """
+    flank = boundary.path.stretches[0].curve
+    by = distance if boundary.hole else -distance
+    if flank.pitch.follower.has_pitch_curve:
+        within = WorkingCurve(flank.pitch, flank.distance + by)
+    else:
+        follower: Any = flank.pitch.follower  # a frozen dataclass
+        names = [key.removeprefix("follower.") for key in follower.raised_by]
+        try:
+            moved = replace(follower, **{each: getattr(follower, each) + by for each in names})
+        except GeometryError:
+            raise _gone(boundary.name, distance) from None
+        within = WorkingCurve(replace(flank.pitch, follower=moved), flank.distance)
+    try:
+        found = real_outline(within)
+    except UndercutError:
+        raise _gone(boundary.name, distance) from None
+    if found.lobes and len(found.lobes) > len(real_outline(flank).lobes):
+        message = f"drawn in by {distance:g} mm, the {boundary.name} falls into several pieces"
+        raise GeometryError(message, key="part")
+    return found.path
+
+
+def _gone(name: str, distance: float) -> GeometryError:
+    message = f"nothing is left of the {name}, or not as it was, when it is drawn in by"
+    return GeometryError(f"{message} {abs(distance):g} mm", key="part")
+
+
+# -- scaled ---------------------------------------------------------------------------------------
+# Boundaries scaled about the cam axis.
+
+
+ROUNDING: Final = 4.0 * EPS
+"""Of a scaled coordinate, relative: of the factor, of the product and of the proof at both ends."""
+
+Factor = Annotated[float, positive]
+
+Found = TypeVar("Found", Fit, SplineFit)
+
+
+@dataclass(frozen=True, slots=True)
+class ScaledBoundary(Pickled):
+    """A boundary scaled about the cam axis, see `camgeo.part.part.Boundary`.
+
+    Every question is put to the boundary itself, at its own scale: a deviation is proved there and
+    multiplied by the factor.
+
+    Attributes
+    ----------
+    unscaled : the boundary itself.
+    factor : by which it is larger.
+    """
+
+    unscaled: Boundary
+    factor: Factor
+
+    def __post_init__(self) -> None:
+        require_boundary(self.unscaled)
+        check_fields(self)
+
+    @property
+    def name(self) -> str:
+        """That of the boundary itself."""
+        return self.unscaled.name
+
+    @property
+    def hole(self) -> bool:
+        """As of the boundary itself."""
+        return self.unscaled.hole
+
+    def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
+        """See `camgeo.part.part.Boundary`."""
+        return self._fit(lambda own: self.unscaled.arcs(own, effort), tolerance)
+
+    def beside(self, tolerance: float) -> Fit:
+        """See `camgeo.part.part.Boundary`."""
+        return self._fit(self.unscaled.beside, tolerance)
+
+    def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
+        """See `camgeo.part.part.Boundary`."""
+        return self._fit(lambda own: self.unscaled.polyline(own, effort), tolerance)
+
+    def sampled(self, tolerance: float) -> Contour:
+        """See `camgeo.part.part.Boundary`."""
+        return scaled_contour(self.unscaled.sampled(tolerance / self.factor), self.factor)
+
+    def _fit(self, fit: Callable[[float], Fit], tolerance: float) -> Fit:
+        """A fit within what the scaling leaves of the tolerance."""
+        lost = self._rounding
+        found = fit((tolerance - lost) / self.factor)
+        contour = scaled_contour(found.contour, self.factor)
+        return Fit(contour, found.deviation * self.factor + lost, tolerance)
+
+    def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
+        """See `camgeo.part.part.Boundary`."""
+        lost = self._rounding
+        found = self.unscaled.spline((tolerance - lost) / self.factor, effort)
+        contour = scaled_splines(found.contour, self.factor)
+        return SplineFit(contour, found.deviation * self.factor + lost, tolerance)
+
+    def deviation(self, contour: Contour | SplineContour) -> float:
+        """See `camgeo.part.part.Boundary`."""
+        back = 1.0 / self.factor
+        if isinstance(contour, SplineContour):
+            own: Contour | SplineContour = scaled_splines(contour, back)
+            reach = contour.reach
+        else:
+            own = scaled_contour(contour, back)
+            reach = float(np.max(np.abs(contour.vertices)))
+        return self.unscaled.deviation(own) * self.factor + ROUNDING * reach
+
+    def offset(self, distance: float) -> ScaledBoundary:
+        """See `camgeo.part.part.Boundary`."""
+        return ScaledBoundary(self.unscaled.offset(distance / self.factor), self.factor)
+
+    @property
+    def corner_radius(self) -> float | None:
+        """See `camgeo.part.part.Boundary`."""
+        own = self.unscaled.corner_radius
+        return None if own is None else own * self.factor
+
+    def inset(self, distance: float, name: str) -> ScaledBoundary:
+        """See `camgeo.part.part.Boundary`."""
+        return ScaledBoundary(self.unscaled.inset(distance / self.factor, name), self.factor)
+
+    def moments(self, tolerance: float) -> Moments:
+        """See `camgeo.part.part.Boundary`."""
+        own, by = self.unscaled.moments(tolerance), self.factor
+        return Moments(
+            own.area * by**2, own.first * by**3, own.area_error * by**2, own.first_error * by**3
+        )
+
+    def second_moments(self, tolerance: float) -> SecondMoments:
+        """See `camgeo.part.part.Boundary`."""
+        return self.unscaled.second_moments(tolerance).scaled(self.factor**4)
+
+    def farthest(self) -> tuple[float, float | None]:
+        """See `camgeo.part.part.Boundary`."""
+        radius, place = self.unscaled.farthest()
+        return radius * self.factor, place
+
+    def nearest(self) -> float:
+        """See `camgeo.part.part.Boundary`."""
+        return self.unscaled.nearest() * self.factor
+
+    @property
+    def _rounding(self) -> float:
+        """Of a fit's coordinates [mm]."""
+        return ROUNDING * self.farthest()[0]
+
+
+def scaled(boundary: Boundary, factor: float) -> Boundary:
+    """The boundary about the cam axis, larger by `factor`; itself if that is 1."""
+    if factor == 1.0:
+        return boundary
+    if isinstance(boundary, ExactBoundary):
+        core = None if boundary.core is None else scaled_contour(boundary.core, factor)
+        exact = scaled_contour(boundary.exact, factor)
+        return ExactBoundary(boundary.name, boundary.hole, exact, core)
+    return ScaledBoundary(boundary, factor)
+
+
+def scaled_contour(contour: Contour, factor: float) -> Contour:
+    """The contour about the origin, larger by `factor`."""
+    return Contour(contour.vertices * factor, contour.sweeps, contour.centres * factor)
+
+
+def scaled_splines(contour: SplineContour, factor: float) -> SplineContour:
+    """The same, of splines and arcs."""
+    return SplineContour(
+        tuple(
+            CubicSpline(each.knots, each.controls * factor)
+            if isinstance(each, CubicSpline)
+            else Arc(each.start * factor, each.end * factor, each.sweep, each.centre * factor)
+            for each in contour.strands
+        )
+    )

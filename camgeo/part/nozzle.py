@@ -1,0 +1,211 @@
+"""What a nozzle cannot make of a part: walls, radii and strokes narrower than what it lays down."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from camgeo.check.finding import Finding, Severity
+from camgeo.geometry.outline.cusps import sure_bends
+from camgeo.geometry.outline.path import Stretch
+from camgeo.geometry.pieces import curvature_extremes
+from camgeo.numeric.arrays import ComplexArray
+from camgeo.part.boundaries import CurveBoundary
+from camgeo.part.mass import thinnest
+from camgeo.part.part import Boundary, Part, edges_of
+from camgeo.units import TURN, at_cam_angles
+
+if TYPE_CHECKING:
+    from shapely import Polygon
+
+WALL: Final = "print-wall"
+RADIUS: Final = "print-radius"
+STROKE: Final = "print-stroke"
+"""Names of the findings."""
+
+PERIMETERS: Final = 2
+"""Widths of the nozzle below which a wall is worth a warning: it has no line along each side."""
+
+SAGITTA: Final = 2e-4
+"""Of the chords by which strokes are measured [mm]; one that is wider than the nozzle less
+`SLACK` passes."""
+
+SLACK: Final = 1e-3
+"""See `SAGITTA` [mm]."""
+
+DECIMALS: Final = 3
+"""Of the width of a stroke [mm], which is known no better."""
+
+HALVINGS: Final = 12
+"""Of the range in which the width of a stroke lies."""
+
+
+def findings_of(part: Part, nozzle: float) -> Iterator[Finding]:
+    """What a nozzle that lays down lines of that width [mm] makes of the part, good and bad.
+
+    Raises
+    ------
+    UndercutError, ToleranceError
+        If a boundary has no contour.
+    """
+    yield from _wall(part, nozzle)
+    yield from _radius(part, nozzle)
+    yield from _stroke(part, nozzle)
+
+
+def _wall(part: Part, nozzle: float) -> Iterator[Finding]:
+    """The thinnest wall: not printed below a width of the nozzle, of a single line below two."""
+    web = thinnest(part, PERIMETERS * nozzle)
+    if web is None:
+        return
+    least = PERIMETERS * nozzle
+    severity: Severity = "ok"
+    limit, verdict = least, f"at least {least:g} mm, {PERIMETERS} widths of the nozzle"
+    if web.thickness < nozzle:
+        severity, limit = "broken", nozzle
+        verdict = f"below {nozzle:g} mm, the width of the nozzle: it is missing"
+    elif web.thickness < least:
+        severity = "warning"
+        verdict = f"below {least:g} mm, {PERIMETERS} widths of the nozzle: it is a single line"
+    sentence = (
+        f"smallest printed wall {web.thickness:.6g} mm, between {web.one} and {web.other}, at"
+        f" ({web.place.real:.4g}, {web.place.imag:.4g}) mm, {verdict}"
+    )
+    yield Finding(WALL, severity, sentence, web.thickness, limit, "mm")
+
+
+def _radius(part: Part, nozzle: float) -> Iterator[Finding]:
+    """The smallest radius of a flank: lines of the nozzle have round ends of half its width."""
+    flanks = [each for each in part.boundaries if isinstance(each, CurveBoundary)]
+    if not flanks:
+        return
+    radius, bend, angle, name = min((*_tightest(each), each.name) for each in flanks)
+    limit = 0.5 * nozzle
+    what = f"smallest {bend} radius of the {name} {radius:.4g} mm"
+    what = what if radius > 0.0 else f"the {name} has a corner"
+    where = at_cam_angles(angle)
+    if radius >= limit:
+        yield Finding(
+            RADIUS, "ok", f"{what} {where}, at least {limit:g} mm, half the nozzle", radius, limit,
+            "mm", angle,
+        )  # fmt: skip
+        return
+    becomes = "filled in" if bend == "concave" else "rounded off"
+    sentence = f"{what} {where}, below {limit:g} mm, half the nozzle: it is {becomes}"
+    yield Finding(RADIUS, "warning", sentence, radius, limit, "mm", angle)
+
+
+def _tightest(boundary: CurveBoundary) -> tuple[float, str, float]:
+    """Smallest radius of curvature [mm], which way the material bends there, and the cam angle."""
+    path = boundary.path
+    curve = path.stretches[0].curve
+    bends = curvature_extremes(curve.pitch)
+    if curve.pitch.follower.has_pitch_curve:
+        bends = sure_bends(curve, bends)
+    # The radius of the parallel grows with that of the pitch curve, so its extremes are there too.
+    with np.errstate(divide="ignore"):
+        radii = 1.0 / bends.values + curve.distance
+    # A parallel on the other side of the centre of curvature bends the same way.
+    concave = (radii < 0.0) != boundary.hole
+    found = [(math.inf, "convex", 0.0)]
+    for radius, inward, angle in zip(radii, concave, bends.phi, strict=True):
+        if any(_runs(each, float(angle)) for each in path.stretches) and math.isfinite(radius):
+            found.append((abs(float(radius)), "concave" if inward else "convex", float(angle)))
+    for each in path.pivots:
+        # On the side of its centre where the material is, a turn is convex.
+        inward = (each.distance < 0.0) != boundary.hole
+        bend = "concave" if inward and each.distance else "convex"
+        found.append((abs(each.distance), bend, each.before))
+    return min(found)
+
+
+def _runs(stretch: Stretch, angle: float) -> bool:
+    """Whether the stretch passes that cam angle [rad]."""
+    return (angle - stretch.start) % TURN <= stretch.end - stretch.start
+
+
+def _stroke(part: Part, nozzle: float) -> Iterator[Finding]:
+    """The narrowest stroke of a mark or an engraving."""
+    radius, found = 0.5 * nozzle - SLACK, None
+    for name, region in sunk(part):
+        # Only what is narrower than all before is looked at closely.
+        lost = unreached(region, radius) if radius > 0.0 else None
+        if lost is not None:
+            radius, place = _narrowest(region, radius, lost)
+            found = name, place
+    if found is None:
+        return
+    name, (x, y) = found
+    width = round(2.0 * radius, DECIMALS)
+    sentence = (
+        f"a stroke of the {name} is {width:.2g} mm wide at ({x:.4g}, {y:.4g}) mm, below"
+        f" {nozzle:g} mm, the width of the nozzle: it is closed"
+    )
+    yield Finding(STROKE, "warning", sentence, width, nozzle, "mm")
+
+
+def sunk(part: Part) -> list[tuple[str, Polygon]]:
+    """What is sunk into a face but for grooves: a name and a region each, [mm]."""
+    import shapely  # few scenes state a nozzle
+
+    by_height: dict[tuple[float, float], list[Boundary]] = {}
+    blind = {edge.boundary.name for edge in edges_of(part) if edge.kind == "sunk"}
+    for wall in part.walls:
+        if wall.boundary.name in blind and not isinstance(wall.boundary, CurveBoundary):
+            by_height.setdefault((wall.z0, wall.z1), []).append(wall.boundary)
+    found = []
+    for boundaries in by_height.values():
+        holes = [each for each in boundaries if each.hole]
+        islands = [_polygon(each) for each in boundaries if not each.hole]
+        for hole in holes:
+            around = _polygon(hole)
+            inside = shapely.union_all([each for each in islands if each.within(around)])
+            parts = shapely.get_parts(around.difference(inside))
+            found += [(hole.name, each) for each in parts if each.area > 0.0]
+    return found
+
+
+def _polygon(boundary: Boundary) -> Polygon:
+    from shapely import Polygon
+
+    points: ComplexArray = boundary.beside(SAGITTA).contour.points(SAGITTA)
+    return Polygon(np.column_stack((points.real, points.imag)))
+
+
+def _narrowest(
+    region: Polygon, radius: float, lost: tuple[float, float]
+) -> tuple[float, tuple[float, float]]:
+    """Half the width [mm] of a region that is lost at a larger `radius` [mm], and where it is."""
+    low, high = 0.0, radius
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        here = unreached(region, middle)
+        if here is None:
+            low = middle
+        else:
+            high, lost = middle, here
+    return high, lost
+
+
+def unreached(region: Polygon, radius: float) -> tuple[float, float] | None:
+    """Where a disc of the radius [mm] cannot reach a region, or not all of it without leaving it;
+    None if it reaches all.
+
+    Corners, and what reaches less than a diameter beyond where the disc can be, do not count.
+    """
+    import shapely
+
+    within = region.buffer(-radius)
+    reached = within.buffer(radius)
+    missing = region.difference(reached)
+    pieces = shapely.get_parts(within)
+    parted = len(pieces) != 1 or len(pieces[0].interiors) != len(region.interiors)
+    if not parted:
+        missing = missing.difference(reached.buffer(2.0 * radius))
+    if missing.is_empty:
+        return None
+    place = max(shapely.get_parts(missing), key=lambda each: each.area).representative_point()
+    return place.x, place.y

@@ -1,0 +1,417 @@
+"""The cost of accuracy over the tolerance: pieces with limits, bytes, seconds, ripple, effects.
+
+At a speed of the cam the first panel has both for the form of the drawing: what accuracy costs
+rises, what is off falls. The knee is marked in all panels, with its reason in words above them. The
+last ones, with axes of their own, are the spectrum of what is off, and the effects.
+
+All axes are logarithmic, with the tolerance falling to the right, where costs are higher. Forms
+differ by marker and dash, fast fits have hollow markers, so that a print in grey can be read.
+"""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
+
+from camgeo.geometry.contour.contour import Form
+from camgeo.pictures.model import (
+    LIMIT,
+    LINE,
+    Axis,
+    Figure,
+    Frame,
+    Legend,
+    Line,
+    Panel,
+    Rule,
+    Style,
+    Text,
+    box,
+    entries,
+    heights,
+    log_limits,
+    over,
+)
+from camgeo.studies.accuracy.bill import Stage
+from camgeo.studies.accuracy.contours import EFFORTS, FORMS, ORDER, ContourRow, in_length
+from camgeo.studies.accuracy.knee import advice
+from camgeo.studies.accuracy.survey import Survey
+from camgeo.units import MM_PER, RPM, LengthUnit, LiftUnit, in_unit
+
+if TYPE_CHECKING:
+    from camgeo.studies.accuracy.benefit import BenefitRow
+
+WIDTH, HEIGHT = 8.0, 3.2
+"""Sizes [inch] of the figure and of each panel."""
+
+LEFT, RIGHT, TOP, BOTTOM, GAP = 0.85, 2.0, 0.4, 0.55, 0.3
+"""Margins [inch]; the legends are in the right one. Last the gap between the panels."""
+
+OWN_GAP: Final = 0.75
+"""Gap [inch] above a panel that has a horizontal axis of its own."""
+
+COLOURS: Final[dict[Form, str]] = {"polyline": "#c05a00", "arcs": LINE, "spline": "#6a8f3c"}
+
+MARKERS: Final[dict[Form, str]] = {"polyline": "s", "arcs": "o", "spline": "^"}
+
+SOLID_STYLES: Final[dict[str, tuple[str, str]]] = {
+    "stl": ("x", "#808080"), "3mf": ("+", "#404040"), "step": ("^", "#404040"),
+}  # fmt: skip
+
+EFFECT_MARKERS: Final = "osD^vP*X"
+"""Colours of the effects in order, repeated if there are more effects."""
+
+STAGE_STYLES: Final[dict[Stage, tuple[str, str]]] = {
+    "evaluate": ("#404040", "s"),
+    "fit": ("#c05a00", "^"),
+    "prove": ("#8c5aa8", "v"),
+    "write": ("#6a8f3c", "D"),
+    "read": ("#2f7fc1", "P"),
+}
+STAGE_NAMES: Final[dict[Stage, str]] = {
+    "evaluate": "evaluate", "fit": "fit", "prove": "prove", "write": "write", "read": "read back",
+}  # fmt: skip
+
+OFF_STYLES: Final = ((LINE, "o"), ("#8c5aa8", "v"), ("#2f7fc1", "P"))
+"""Of acceleration, contact force and lift-off speed."""
+
+COST_STYLES: Final = (("#c05a00", "s"), ("#6a8f3c", "D"), ("#808080", "^"), ("#404040", "o"))
+"""Of pieces, bytes, milling and building."""
+
+LEAST_SECONDS: Final = 1e-4
+"""Shortest time drawn; a stage that takes nothing has no place on a logarithmic axis."""
+
+LEAST_RANGE: Final = 100.0
+"""Least factor from the lower to the upper end of an axis."""
+
+DOTTED: Final = (1.0, 1.5)
+
+POINTS: Final = 72.0
+"""In an inch."""
+
+REASON_SIZE: Final = 8.0
+"""Of the words on the knee [points]."""
+
+REASON_WIDTH: Final = 118
+"""Letters in a line of them: as wide as the figure."""
+
+REASON_LINE: Final = 1.4 * REASON_SIZE
+"""Height of a line of them [points]."""
+
+BOTH: Final = "off [% of exact]; cost [times the loosest's]"
+"""Scale of the panel with both: of what is off, and of costs."""
+
+ADVICE: Final = Style(LIMIT, 1.0, (5.0, 3.0))
+
+Value = Callable[[ContourRow], float | None]
+
+
+Marked = tuple[float, str, str]
+"""The knee as it is drawn: its tolerance [mm], its name, and its reason in words."""
+
+
+def marked(survey: Survey, benefits: Sequence[BenefitRow]) -> Marked | None:
+    """The knee of the benefits, of one form, if they have one, else that of the costs, or None."""
+    if benefits:
+        from camgeo.studies.accuracy.knee import (  # a survey without a speed needs none
+            enough,
+            words,
+        )
+
+        found = enough(benefits)
+        if found is not None:
+            name = f"enough at {found.row.speed / RPM:g} rev/min"
+            return found.row.tolerance, name, words(found)
+    knee = survey.knee
+    return None if knee is None else (knee.row.tolerance, "advice", advice(knee))
+
+
+def figure(
+    survey: Survey,
+    *,
+    title: str,
+    computing: bool = True,
+    benefits: Sequence[BenefitRow] = (),
+    form: Form = "arcs",
+    unit: LiftUnit = "mm",
+    length: LengthUnit = "mm",
+) -> Figure:
+    """The measurements, one panel per kind of cost, the first with the benefits if there are any.
+
+    Parameters
+    ----------
+    computing : whether computing times are drawn, which differ from run to run.
+    benefits : of all forms at one speed of the cam; of the `form` they are drawn with its costs.
+    unit : in which the output moves.
+    length : unit of length that is shown.
+    """
+    knee, mm = marked(survey, [row for row in benefits if row.form == form]), MM_PER[length]
+    survey = survey.in_length(length)
+    benefits = [in_length(row, mm, mm if unit == "mm" else 1.0) for row in benefits]
+    own = [row for row in benefits if row.form == form]
+    both = _both(survey, own, form, computing=computing)
+    drawn = [(f"{form}: {BOTH}", both)] if both else []
+    if len({row.form for row in benefits if row.ripple}) > 1:
+        drawn.append(("acceleration off [% of its peak]", _off(benefits)))
+    drawn += [("pieces, dwells and turns not counted", _pieces(survey)), ("bytes", _bytes(survey))]
+    if computing or any(row.round_seconds is not None for row in survey.contours):
+        drawn.append(("seconds", _seconds(survey, computing=computing)))
+    if computing and any(row.stages for row in survey.bill):
+        drawn.append(("seconds of a build", _bill(survey)))
+    if any(row.ripple for row in survey.contours):
+        drawn.append(("ripple [% of the demanded peak]", _ripples(survey)))
+    count = len(drawn)
+    spectrum = [row for row in own if row.octaves]
+    effects = computing and any(row.seconds is not None for row in survey.effects)
+    below_others = (HEIGHT + OWN_GAP) * (bool(spectrum) + effects)
+    words = [] if knee is None else _wrapped(knee, length)
+    reason_height = len(words) * REASON_LINE
+    top = TOP + reason_height / POINTS
+    height = top + BOTTOM + count * HEIGHT + (count - 1) * GAP + below_others
+    rules = [] if knee is None else [Rule("x", knee[0] / mm, ADVICE)]
+    tolerances = [row.tolerance for row in survey.contours]
+    panels = []
+    for number, (label, lines) in enumerate(drawn):
+        bottom = BOTTOM + below_others + (count - 1 - number) * (HEIGHT + GAP)
+        x = _tolerances(tolerances, f"tolerance [{length}]", numbered=number == count - 1)
+        if knee is not None and not number:  # its line is in every panel, its name only here
+            lines.append(Line(over([], []), ADVICE, knee[1]))
+        panel = replace(_panel(bottom, height, x, label, lines), marks=(*lines, *rules))
+        if not number:
+            at_top = [_above(words)] if words else []
+            marks, gap = (*panel.marks, *at_top), panel.title_gap + reason_height
+            panel = replace(panel, marks=marks, title=title, title_gap=gap)
+        panels.append(panel)
+    if spectrum:
+        from camgeo.pictures.spectrum import panel as octaves  # a survey without a speed needs none
+
+        frame = _frame(BOTTOM + (HEIGHT + OWN_GAP) * effects, height)
+        moves = length if unit == "mm" else unit
+        label = f"{form}: off, by octaves [{moves}/s²]"
+        panels.append(octaves(spectrum, frame, label, length=length))
+    if effects:
+        x = _tolerances(
+            [row.tolerance for row in survey.effects],
+            "tolerance of effects, of the largest magnitude",
+        )
+        panels.append(_panel(BOTTOM, height, x, "seconds", _effects(survey)))
+    return Figure((WIDTH, height), tuple(panels))
+
+
+def _frame(bottom: float, height: float) -> Frame:
+    """That of a panel whose lower edge is `bottom` inches above that of the figure of `height`."""
+    return box(LEFT / WIDTH, bottom / height, 1.0 - (LEFT + RIGHT) / WIDTH, HEIGHT / height)
+
+
+def _panel(bottom: float, height: float, x: Axis, label: str, lines: list[Line]) -> Panel:
+    """A panel in the place of `_frame`."""
+    low, high = log_limits(heights(lines))
+    if high < LEAST_RANGE * low:  # a few per cent must not look like a large change
+        wider = math.sqrt(LEAST_RANGE * low / high)
+        low, high = low / wider, high * wider
+    named = entries(lines)
+    return Panel(
+        _frame(bottom, height),
+        x,
+        Axis((low, high), label, log=True),
+        tuple(lines),
+        legend=Legend(named, "upper left", (1.02, 1.0), size=7.5, gap=0.0) if named else None,
+    )
+
+
+def _tolerances(tolerances: list[float], label: str, *, numbered: bool = True) -> Axis:
+    ends = (max(tolerances) * 1.8, min(tolerances) / 1.8) if tolerances else log_limits([])
+    return Axis(ends, label if numbered else "", log=True, numbered=numbered)
+
+
+def _wrapped(knee: Marked, length: LengthUnit) -> list[str]:
+    sentence = in_unit(": ".join(knee[1:]), length)
+    return textwrap.wrap(sentence, REASON_WIDTH, break_on_hyphens=False)
+
+
+def _above(words: list[str]) -> Text:
+    """Lines above a panel, as wide as the figure."""
+    start = (0.2 - LEFT) * POINTS
+    return Text("\n".join(words), (0.0, 1.0), REASON_SIZE, "panel", (start, 5.0), up="bottom")
+
+
+def _both(
+    survey: Survey, benefits: Sequence[BenefitRow], form: Form, *, computing: bool
+) -> list[Line]:
+    """What is off on contours of the `form`, in per cent, and what they cost, as multiples; what is
+    0 or not known is left out. Empty without benefits.
+    """
+    known = [row for row in benefits if row.acceleration is not None]
+    tolerances = [row.tolerance for row in known]
+    lines = []
+    for name, (colour, marker), off in (
+        ("acceleration off", OFF_STYLES[0], [row.ripple for row in known]),
+        ("contact force off", OFF_STYLES[1], [row.force_share for row in known]),
+        ("lift-off speed lost", OFF_STYLES[2], [row.lift_off_share for row in known]),
+    ):
+        shown = [(x, 100.0 * y) for x, y in zip(tolerances, off, strict=True) if y]
+        if shown:
+            style = Style(colour, 1.4, marker=marker, size=5.0)
+            lines.append(Line(over(*zip(*shown, strict=True)), style, name))
+    if not lines:
+        return []
+    fits = [row for row in survey.contours if (row.form, row.effort) == (form, EFFORTS[0])]
+    built = [(row.tolerance, row.total) for row in survey.bill] if computing else []
+    for name, (colour, marker), spent in (
+        ("pieces", COST_STYLES[0], [(row.tolerance, _all_pieces(row)) for row in fits]),
+        ("bytes, DXF", COST_STYLES[1], [(row.tolerance, _drawing_size(row)) for row in fits]),
+        ("milled round", COST_STYLES[2], [(row.tolerance, row.round_seconds) for row in fits]),
+        ("seconds of a build", COST_STYLES[3], built),
+    ):
+        costs = sorted(((x, y) for x, y in spent if y), reverse=True)
+        if costs:
+            style = Style(colour, 1.0, (4.0, 2.0), marker, 5.0, "white", colour)
+            times = [(x, y / costs[0][1]) for x, y in costs]
+            lines.append(Line(over(*zip(*times, strict=True)), style, name))
+    return lines
+
+
+def _off(benefits: Sequence[BenefitRow]) -> list[Line]:
+    """What the acceleration is off on contours of each form, in per cent of its exact peak."""
+    lines = []
+    for form in FORMS:
+        found = [(row.tolerance, 100.0 * row.ripple) for row in benefits
+                 if row.form == form and row.ripple]  # fmt: skip
+        if found:
+            points = over(*zip(*found, strict=True))
+            lines.append(Line(points, _style(form, EFFORTS[0]), f"acceleration off, {form}"))
+    return lines
+
+
+def _pieces(survey: Survey) -> list[Line]:
+    """Pieces without those of dwells and turns, and the limits with their slopes."""
+
+    def free(row: ContourRow) -> float | None:
+        return None if row.count is None else row.count.pieces - row.count.forced
+
+    lines = []
+    for form in FORMS:
+        own = [row for row in survey.contours if row.form == form and row.count is not None]
+        # The rows of both efforts hold the same limit.
+        least = {row.tolerance: row.count.least for row in own if row.count}
+        tolerances = sorted(least, reverse=True)
+        if tolerances and least[tolerances[0]] > 0.0:
+            values = [least[tolerance] for tolerance in tolerances]
+            slope = f"limit, slope −1/{ORDER[form]}"
+            lines.append(Line(over(tolerances, values), Style(COLOURS[form], 0.7), slope))
+        for effort in EFFORTS:
+            rows = [row for row in own if row.effort == effort]
+            lines += _points(rows, free, f"{form}, {effort}", _style(form, effort))
+    return lines
+
+
+def _bytes(survey: Survey) -> list[Line]:
+    """Sizes of the files: drawings, programs, solids; for contours those with the fewest pieces."""
+    fewest = [row for row in survey.contours if row.effort == EFFORTS[0]]
+    lines = []
+    for form in FORMS:
+        rows = [row for row in fewest if row.form == form]
+        lines += _points(rows, _drawing_size, f"DXF, {form}", _style(form, EFFORTS[0]))
+    style = replace(_style("arcs", EFFORTS[1]), marker="D", width=0.8, dashes=DOTTED)
+    lines += _points(fewest, _program_size, "G-code", style)
+    for name, (marker, colour) in SOLID_STYLES.items():
+        found = [(row.tolerance, row.file.size) for row in survey.solids if row.format == name
+                 and row.file is not None]  # fmt: skip
+        if found:
+            style = Style(colour, 0.8, (4.0, 2.0), marker, 5.0)
+            lines.append(Line(over(*zip(*found, strict=True)), style, name.upper()))
+    return lines
+
+
+def _seconds(survey: Survey, *, computing: bool) -> list[Line]:
+    """Time of milling one round, and of computing: fit with its proof."""
+    fewest = [row for row in survey.contours if row.effort == EFFORTS[0]]
+    lines = []
+    for form in FORMS:
+        rows = [row for row in fewest if row.form == form]
+        label = f"milled round, {form}"
+        lines += _points(rows, lambda row: row.round_seconds, label, _style(form, EFFORTS[0]))
+    for form in FORMS if computing else ():
+        for effort in EFFORTS:
+            rows = [row for row in survey.contours if (row.form, row.effort) == (form, effort)]
+            style = replace(_style(form, effort), width=0.8, dashes=DOTTED, size=3.5)
+            lines += _points(rows, _fit_seconds, f"fit, {form}, {effort}", style)
+    return lines
+
+
+def _bill(survey: Survey) -> list[Line]:
+    """Seconds of whole builds, in all and by stage."""
+    built = [row for row in survey.bill if row.total]
+    tolerances = [row.tolerance for row in built]
+    totals = [row.total or 0.0 for row in built]
+    lines = [Line(over(tolerances, totals), Style(LINE, 1.6, marker="o", size=5.0), "whole build")]
+    for stage, (colour, marker) in STAGE_STYLES.items():
+        spent = [max(row.stages[stage], LEAST_SECONDS) for row in built]
+        style = Style(colour, 0.9, (4.0, 2.0), marker, 4.0)
+        lines.append(Line(over(tolerances, spent), style, STAGE_NAMES[stage]))
+    return lines
+
+
+def _ripples(survey: Survey) -> list[Line]:
+    """Largest error of the acceleration in a replay, in per cent of its demanded peak."""
+    lines = []
+    for form in FORMS:
+        for effort in EFFORTS:
+            rows = [row for row in survey.contours if (row.form, row.effort) == (form, effort)]
+            label = f"ripple, {form}, {effort}"
+            lines += _points(rows, _ripple_percent, label, _style(form, effort))
+    return lines
+
+
+def _effects(survey: Survey) -> list[Line]:
+    """Computing times of the numerical effects, over their own tolerances."""
+    lines = []
+    for number, name in enumerate(dict.fromkeys(row.effect for row in survey.effects)):
+        found = [(row.tolerance, row.seconds) for row in survey.effects
+                 if row.effect == name and row.seconds is not None]  # fmt: skip
+        if found:
+            marker = EFFECT_MARKERS[number % len(EFFECT_MARKERS)]
+            style = Style(LINE, 0.8, DOTTED, marker, 5.0)
+            lines.append(Line(over(*zip(*found, strict=True)), style, name))
+    return lines
+
+
+def _points(rows: Sequence[ContourRow], value: Value, label: str, style: Style) -> list[Line]:
+    found = [(row.tolerance, value(row)) for row in rows]
+    positive = [(x, y) for x, y in found if y is not None and y > 0.0]
+    return [Line(over(*zip(*positive, strict=True)), style, label)] if positive else []
+
+
+def _style(form: Form, effort: str) -> Style:
+    hollow, colour = effort == EFFORTS[1], COLOURS[form]
+    return Style(
+        colour,
+        0.0 if hollow else 0.8,
+        marker=MARKERS[form],
+        size=5.0,
+        face="white" if hollow else colour,
+        edge=colour,
+    )
+
+
+def _all_pieces(row: ContourRow) -> float | None:
+    return None if row.count is None else row.count.pieces
+
+
+def _drawing_size(row: ContourRow) -> float | None:
+    return None if row.drawing is None else row.drawing.size
+
+
+def _program_size(row: ContourRow) -> float | None:
+    return None if row.program is None else row.program.size
+
+
+def _fit_seconds(row: ContourRow) -> float | None:
+    return None if row.count is None else row.count.fit_seconds
+
+
+def _ripple_percent(row: ContourRow) -> float | None:
+    return None if row.ripple is None else 100.0 * row.ripple

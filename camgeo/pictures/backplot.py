@@ -1,0 +1,303 @@
+"""The program as a picture: the course of each tool over blank and part, one panel an operation."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Final, Literal
+
+import numpy as np
+
+from camgeo.design.product import Product, sides_of
+from camgeo.errors import GeometryError
+from camgeo.geometry.contour.contour import Contour
+from camgeo.milling.course import Course, alike, course_of
+from camgeo.milling.holding import mirrored_all
+from camgeo.milling.judged import runs_of, setup_of
+from camgeo.milling.moves import Operation, Rapid, Stop, Toolpath
+from camgeo.milling.plan import Cutting, cleared_by
+from camgeo.numeric.arrays import ComplexArray, taken
+from camgeo.pictures.model import (
+    AUXILIARY,
+    LIMIT,
+    LINE,
+    Area,
+    Axis,
+    Box,
+    Entry,
+    Figure,
+    Fill,
+    Frame,
+    Legend,
+    Line,
+    Mark,
+    Panel,
+    Size,
+    Style,
+    Text,
+    grid,
+    over,
+    plane,
+)
+from camgeo.units import MM_PER, LengthUnit
+
+TOLERANCE: Final = 0.01
+"""Of the paths [mm]: far below a printed line."""
+
+SIDE: Final = 3.8
+"""Width and height [inch] of one panel, without its margins."""
+
+MARGINS: Final = (0.65, 0.2, 0.35, 0.95)
+
+GAPS: Final = (0.2, 0.2)
+
+BLANK: Final = Fill("#f3efe6", "#8a7a55", 0.8, (4.0, 2.0))
+PART: Final = Fill("#d5dce4", LINE, 0.8)
+CLAMP: Final = Fill("#e3b7a0", "#8a4b2f", 0.8)
+
+STYLES: Final[dict[Kind, Style]] = {
+    "cut": Style(LINE, 0.9),
+    "air": Style("#3c9a5f", 0.9, (3.0, 1.2)),
+    "entry": Style(LIMIT, 1.6),
+    "rapid": Style(AUXILIARY, 0.7, (1.0, 2.0)),
+}
+
+NAMES: Final[dict[Kind, str]] = {
+    "cut": "cut",
+    "air": "feed in air",
+    "entry": "entry",
+    "rapid": "traverse",
+}
+
+PLUNGE: Final = Style(LIMIT, 0.0, marker="v", size=4.5, face=LIMIT)
+
+REACH: Final = 1.0
+"""Diameters of the cutter that are shown around its course."""
+
+
+def figure(product: Product, size: Size | None = None) -> Figure:
+    """The programs of `product`, in its unit, seen from above as the work lies, those of a second
+    side behind those of the first.
+
+    Raises
+    ------
+    GeometryError
+        With the key of the scene, if it has no program.
+    """
+    if not product.scene.states_milling:
+        raise GeometryError("names no tool: there is no program to draw", key="tool")
+    found = [each for side in sides_of(product) for each in _shown(side)]
+    columns = min(2, max(1, len(found)))
+    rows = max(1, math.ceil(len(found) / columns))
+    left, right, top, bottom = MARGINS
+    own = (
+        left + right + SIDE * (columns + GAPS[1] * (columns - 1)),
+        top + bottom + SIDE * (rows + GAPS[0] * (rows - 1)),
+    )
+    size = own if size is None else size
+    panels = tuple(
+        _panel(each, frame, product.unit)
+        for each, frame in zip(found, grid(size, MARGINS, rows, columns, GAPS), strict=False)
+    )
+    plots = [each.plot for each in found]
+    kinds = [kind for kind in KINDS if any(each.length(kind) > 0.0 for each in plots)]
+    entries = [Entry("blank", BLANK), Entry("part", PART)]
+    if any(each.operation.cut.obstacles for each in plots):
+        entries.append(Entry("clamp or screw", CLAMP))
+    entries += [Entry(NAMES[kind], STYLES[kind]) for kind in kinds]
+    legend = Legend(tuple(entries), "lower center", (0.5, 0.01), columns=len(entries))
+    return Figure(size, panels, legend=legend)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Shown:
+    """One operation of a side.
+
+    Attributes
+    ----------
+    plot : its traces, in the part's coordinates [mm].
+    ground : blank, and layers of the part upwards, as the work lies, in the unit of the picture.
+    seen : points of the part [mm] as the work lies, in that unit.
+    turned : whether it is on the second side.
+    """
+
+    plot: Plotted
+    ground: tuple[Area, ...]
+    seen: Callable[[ComplexArray], ComplexArray]
+    turned: bool
+
+
+def _shown(side: Product) -> Iterator[_Shown]:
+    """The operations of one side."""
+    milled = side.milled
+    toolpath, spec, scale = milled.toolpath(TOLERANCE), milled.spec, 1.0 / MM_PER[side.unit]
+    assert spec is not None  # for there is a program
+    runs = runs_of(toolpath)
+    setup = setup_of(milled.cuts, runs, milled.part, spec.stock, spec.holding, TOLERANCE)
+
+    def seen(points: ComplexArray) -> ComplexArray:
+        return mirrored_all(points, spec.turned) * scale
+
+    blank = [seen(contour.points(TOLERANCE)) for contour in setup.blank]
+    layers = [[seen(each.points(TOLERANCE)) for each in body.contours] for body in setup.part]
+    ground = (_ground(blank, BLANK), *(_ground(rings, PART) for rings in _distinct(layers)))
+    for each in plotted(toolpath, setup.blank, setup.top, TOLERANCE):
+        yield _Shown(each, ground, seen, bool(spec.turned))
+
+
+def _panel(shown: _Shown, frame: Frame, unit: LengthUnit) -> Panel:
+    """One operation, with as much around its course as the cutter reaches."""
+    found, scale = shown.plot, 1.0 / MM_PER[unit]
+    marks: list[Mark] = list(shown.ground)
+    for obstacle in found.operation.cut.obstacles:
+        ring = shown.seen(obstacle.outline.arcs(TOLERANCE).contour.points(TOLERANCE))
+        marks.append(Area((plane(ring),), CLAMP, layer=1.0))
+    drawn = []
+    for kind in KINDS:
+        for trace in found.traces:
+            points = shown.seen(trace.points)
+            if trace.kind == kind:
+                drawn.append(points)
+                still = bool(np.all(points == points[0]))
+                style = PLUNGE if still else STYLES[kind]
+                if not still or kind == "entry":
+                    marks.append(Line(plane(points), style, layer=2.0 + 0.1 * KINDS.index(kind)))
+    every = np.concatenate(drawn)
+    middle = complex(
+        0.5 * (np.max(every.real) + np.min(every.real)),
+        0.5 * (np.max(every.imag) + np.min(every.imag)),
+    )
+    reach = REACH * found.operation.tool.diameter * scale
+    half = 0.5 * float(max(np.ptp(every.real), np.ptp(every.imag))) + reach
+    marks.append(Line(over([0.0], [0.0]), Style("black", 0.0, marker="+"), layer=4.0))
+    tool = found.operation.tool
+    lowest = min(move.end[2] for move in found.operation.travel) * scale
+    note = f"T{tool.number}, diameter {tool.diameter * scale:g} {unit}\ndown to Z {lowest:g}"
+    behind = Box(0.2, 0.8)
+    marks.append(Text(note, (0.02, 0.98), 7.5, of="panel", up="top", box=behind, layer=5.0))
+    return Panel(
+        frame,
+        Axis((middle.real - half, middle.real + half), f"X [{unit}]"),
+        Axis((middle.imag - half, middle.imag + half), f"Y [{unit}]"),
+        tuple(marks),
+        f"second side: {found.operation.name}" if shown.turned else found.operation.name,
+        title_size=10.0,
+        equal=True,
+    )
+
+
+def _distinct(layers: list[list[ComplexArray]]) -> list[list[ComplexArray]]:
+    """Layers with the same rings once."""
+    found = {b"".join(ring.tobytes() for ring in rings): rings for rings in layers}
+    return list(found.values())
+
+
+def _ground(rings: list[ComplexArray], fill: Fill) -> Area:
+    """The area between rings, the largest around the others."""
+    outer, *holes = sorted(rings, key=lambda ring: -float(np.ptp(ring.real)))
+    return Area((plane(outer), *(plane(hole[::-1]) for hole in holes)), fill, layer=0.5)
+
+
+# -- backplot -------------------------------------------------------------------------------------
+# The course of a program as traces of points, told apart by what the cutter does: for pictures.
+
+
+Kind = Literal["cut", "air", "entry", "rapid"]
+
+KINDS: Final[tuple[Kind, ...]] = ("rapid", "air", "cut", "entry")
+
+JUDGED: Final = (0.01, 0.5, 0.99)
+"""Shares of a piece at which it is in air if it is at all of them."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trace:
+    """One stretch of the course in the plane.
+
+    Attributes
+    ----------
+    kind : "rapid"; "entry" where the tip goes down at feed; "air" where the cutter is in no
+        material; else "cut".
+    points : complex [mm], at least two; two equal ones for a move along Z.
+    """
+
+    kind: Kind
+    points: ComplexArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plotted:
+    """The traces of one operation, in order."""
+
+    operation: Operation
+    traces: tuple[Trace, ...]
+
+    def length(self, kind: Kind) -> float:
+        """Length [mm] in the plane of all traces of a kind."""
+        found = (each.points for each in self.traces if each.kind == kind)
+        return float(sum(np.sum(np.abs(np.diff(points))) for points in found))
+
+
+def plotted(
+    toolpath: Toolpath, blank: Sequence[Contour], top: float, fineness: float
+) -> tuple[Plotted, ...]:
+    """The traces of each operation.
+
+    Parameters
+    ----------
+    blank : contours of the blank, of which a point of it is within an odd number.
+    top : of the blank, Z [mm].
+    fineness : deviation of chords [mm].
+    """
+    found = []
+    cleared: list[tuple[Course, float]] = []
+    for operation in toolpath.operations:
+        course = course_of(operation.moves)
+        radius = operation.tool.radius
+        cutting = Cutting(course, radius, tuple(blank), top, tuple(cleared))
+        traces = [*_feeds(cutting, fineness), *_rapids(operation)]
+        found.append(Plotted(operation, tuple(traces)))
+        cleared.append(cleared_by(operation))
+    return tuple(found)
+
+
+def _feeds(cutting: Cutting, fineness: float) -> Iterator[Trace]:
+    """Traces of feed moves; neighbours of one kind that join are one."""
+    course = cutting.course
+    first = alike(course)
+    known: dict[int, Kind] = {}
+    kinds: list[Kind] = []
+    for piece in range(len(course)):
+        if course.to_z[piece] < course.from_z[piece]:
+            kinds.append("entry")
+            continue
+        # In the plane further rounds are drawn over the first one, which cuts if any does.
+        same = int(first[piece])
+        if same not in known:
+            known[same] = _kind(cutting, piece)
+        kinds.append(known[same])
+    gaps = np.concatenate(([0], np.cumsum(course.starts[1:] != course.ends[:-1]))).astype(int)
+    keys = list(zip(kinds, gaps.tolist(), strict=False))
+    for (kind, _), group in groupby(range(len(course)), key=lambda piece: keys[piece]):
+        chain = taken(course, list(group))
+        yield Trace(kind, np.concatenate((chain.starts[:1], chain.chords(fineness)[1])))
+
+
+def _kind(cutting: Cutting, piece: int) -> Kind:
+    if cutting.course.lengths[piece] == 0.0:
+        return "air"
+    return "cut" if any(cutting.angle(piece, share) for share in JUDGED) else "air"
+
+
+def _rapids(operation: Operation) -> Iterator[Trace]:
+    """Traverses across; those along Z are no line in the plane."""
+    at = None
+    for move in operation.moves:
+        if isinstance(move, Stop):
+            continue
+        end = complex(move.end[0], move.end[1])
+        if isinstance(move, Rapid) and at is not None and at != end:
+            yield Trace("rapid", np.array([at, end]))
+        at = end

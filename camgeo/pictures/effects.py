@@ -1,0 +1,369 @@
+"""The effects in the scene over the cam angle, with their limits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import cycle
+from typing import TYPE_CHECKING, Final, Protocol
+
+import numpy as np
+
+from camgeo.design.product import Product
+from camgeo.dynamics.oscillator.steady import QUIET
+from camgeo.errors import EffectError
+from camgeo.kinematics.plan import breaks
+from camgeo.numeric.arrays import FloatArray, merged
+from camgeo.pictures.model import (
+    BOTTOM,
+    LEFT,
+    LIMIT_STYLE,
+    LINE,
+    MARGINS,
+    RIGHT,
+    TOP,
+    ZERO,
+    Axis,
+    Figure,
+    Frame,
+    Legend,
+    Line,
+    Mark,
+    Panel,
+    Rule,
+    Size,
+    Style,
+    Text,
+    cam_angles,
+    entries,
+    grid,
+    joint_marks,
+    limits,
+    over,
+    turn_axis,
+)
+from camgeo.units import TURN, LengthUnit, listed, unit_in
+
+if TYPE_CHECKING:
+    from camgeo.dynamics.effects.effect import Column
+    from camgeo.dynamics.effects.graph import Effects
+
+
+WIDTH: Final = 7.0
+"""Width of the figure [inch]."""
+
+PANEL: Final = 1.7
+"""Height of a panel [inch]."""
+
+ROWS: Final = 7
+"""Most panels one above the other, as many as a screen shows; more stand in further columns."""
+
+NARROW, BETWEEN = 4.2, 1.0
+"""Width of a panel of several columns, and the gap between two, with room for numbers [inch]."""
+
+GAP: Final = 0.2
+"""Gap between two panels [inch], with room for the power of ten of the lower one."""
+
+NAME_PLACE: Final = 0.6
+"""Distance [inch] of the titles from the vertical axes, to the left."""
+
+PLAIN: Final = (-3, 5)
+"""Powers of ten between which numbers are written in full; longer ones would overlap the title."""
+
+ABREAST: Final = (3, 2)
+"""Largest number of curve names in a row, of one column of panels and of several."""
+
+HEADROOM: Final = 0.17
+"""Space above the curves for each row of names, as a fraction of their range."""
+
+CURVES: Final = (
+    Style(LINE),
+    Style("#c27c0e", dashes=(6.0, 1.5)),
+    Style("#3f8f6b", dashes=(4.0, 1.5, 1.0, 1.5)),
+    Style("#7a7a7a", dashes=(1.0, 1.0)),
+)
+"""Styles of the curves of a panel; a panel has no more curves than styles."""
+
+
+def figure(product: Product, size: Size | None = None) -> Figure:
+    """The columns of all effects, adjacent ones of equal unit in one panel, read downwards.
+
+    The curves jump where the effects do: both sides of the joints of the motion and of the breaks
+    of the effects are drawn.
+    """
+    groups = panels(product.columns())
+    count = max(1, len(groups))
+    columns = -(-count // ROWS)
+    rows = -(-count // columns)
+    if size is None:
+        across = LEFT + RIGHT + columns * NARROW + (columns - 1) * BETWEEN
+        width = WIDTH if columns == 1 else across
+        size = width, TOP + rows * PANEL + (rows - 1) * GAP + BOTTOM
+    panel = (size[0] - LEFT - RIGHT - (columns - 1) * BETWEEN) / columns
+    found = grid(size, MARGINS, rows, columns, (GAP / PANEL, BETWEEN / panel))
+    frames = [found[row * columns + column] for column in range(columns) for row in range(rows)]
+    title = f"{product.name}: effects"
+    if not groups:
+        words = "no effect in the scene has values over the cam angle"
+        whole = Axis((0.0, 1.0))
+        text = Text(words, (0.5, 0.5), 9.0, across="center")
+        return Figure(size, (Panel(frames[0], whole, whole, (text,), title, bare=True),))
+    places = np.array([joint.cam_angle for joint in breaks(product.cam.drive.plan)])
+    abreast = ABREAST[min(columns, 2) - 1]
+    ends = {*range(rows - 1, count, rows), count - 1}
+    made = tuple(
+        _panel(product, frame, group, places, last=number in ends, abreast=abreast)
+        for number, (frame, group) in enumerate(zip(frames, groups, strict=False))
+    )
+    if columns == 1:
+        return Figure(size, (replace(made[0], title=title), *made[1:]))
+    at = 0.5, 1.0 - 0.1 / size[1]
+    return Figure(size, made, (Text(title, at, 11.0, "figure", across="center", up="top"),))
+
+
+def panels(columns: Sequence[Column]) -> list[list[Column]]:
+    """The columns in groups of adjacent ones with equal unit, at most one per curve style."""
+    found: list[list[Column]] = []
+    for column in columns:
+        if found and found[-1][0].unit == column.unit and len(found[-1]) < len(CURVES):
+            found[-1].append(column)
+        else:
+            found.append([column])
+    return found
+
+
+def _panel(
+    product: Product,
+    frame: Frame,
+    group: Sequence[Column],
+    places: FloatArray,
+    *,
+    last: bool,
+    abreast: int,
+) -> Panel:
+    shown, scale = shown_unit(group[0].unit, product.unit)
+    marks: list[Mark] = [ZERO]
+    drawn: list[FloatArray] = []
+    for column, style in zip(group, CURVES, strict=False):
+        phi, values = sampled(column, places)
+        drawn.append(values * scale)
+        marks.append(Line(over(np.degrees(phi), drawn[-1]), style, column.name))
+    named = {each.limit: each.name for each in group if each.limit is not None}
+    for limit, name in named.items():
+        label = f"limit {limit * scale:.5g}" if len(group) == 1 else f"limit, {name}"
+        marks.append(Rule("y", limit * scale, LIMIT_STYLE, label))
+    found = entries(marks)
+    low, high = limits([0.0, *drawn], [limit * scale for limit in named])
+    rows = -(-len(found) // abreast)  # of names, in a strip above the curves
+    return Panel(
+        frame,
+        turn_axis(numbered=last),
+        Axis(
+            (low, high + HEADROOM * rows * (high - low)),
+            f"[{shown}]" if shown else "",
+            powers=PLAIN,
+            label_place=NAME_PLACE,  # aligned over all panels, whatever the width of the numbers
+        ),
+        (*marks, *joint_marks(product.cam.drive.joints)),
+        legend=Legend(found, "upper right", None, min(len(found), abreast), 7.5, pad=0.3),
+    )
+
+
+def shown_unit(unit: str, length: LengthUnit) -> tuple[str, float]:
+    """The display unit for a column's `unit`, and the factor from `unit` to it."""
+    unit, divisor = unit_in(unit, length)
+    for power, raised in (("^2", "²"), ("^3", "³")):
+        unit = unit.replace(power, raised)
+    return unit, 1.0 / divisor
+
+
+def sampled(column: Column, places: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Cam angles [rad] over one turn, ascending, and values (n,), (n,) of `column`.
+
+    Each of `places` [rad] and of the column's own breaks occurs twice: with the left-hand value,
+    then with the right-hand one. So does the start of the turn, with the value of its end.
+    """
+    ends = np.array([0.0, TURN])
+    borders = np.concatenate((places, column.borders))
+    borders = merged(np.concatenate((ends, borders[(borders > 0.0) & (borders < TURN)])))
+    samples = cam_angles()
+    inside = merged(np.concatenate((samples, borders)))[:-1]
+    right = column.values(inside, "right")
+    left = column.values(borders[1:], "left")
+    phi = np.concatenate((ends[:1], borders[1:], inside))
+    values = np.concatenate((left[-1:], left, right))
+    # Left-hand values come first, and a stable sort keeps this order.
+    order = np.argsort(phi, kind="stable")
+    return phi[order], values[order]
+
+
+# -- shock spectrum -------------------------------------------------------------------------------
+# The shock spectra of the moves: what is deflected at most, and what remains, over the ratio.
+#
+# Both axes are logarithmic. Moves with the same spectrum share their curves. Where the scene names
+# the vibration of a train, its lowest natural frequency is marked for each move.
+
+
+SIZE: Final = (7.0, 4.6)
+
+VIBRATION: Final = "vibration"
+FREQUENCY: Final = "natural-frequency"
+"""Names of an effect, and of its findings that state frequencies [Hz]."""
+
+COLOURS: Final = (LINE, "#c27c0e", "#3f8f6b", "#8c5aa8", "#7a7a7a", "#2f7fc1")
+
+DASHES: Final = (4.0, 1.5)
+"""Of the largest deflection."""
+
+LEAST: Final = 0.1
+"""Lowest ratio drawn: below, the train is left behind by the whole stroke."""
+
+POINTS: Final = 241
+"""Ratios in a decade."""
+
+FLOOR, CEILING = 1e-3, 300.0
+"""Amplitudes shown [% of the stroke]; a move with a kick deflects a train by up to twice the
+stroke."""
+
+SAME: Final = 1e-7
+"""Spectra [% of the stroke] this close are those of the same law."""
+
+DIGITS: Final = 9
+"""Decimals to which ratios of durations are told apart."""
+
+DOTTED: Final = (1.0, 1.5)
+
+BEYOND: Final = 1.25
+"""The axis reaches so much farther than a natural frequency."""
+
+
+class Moved(Protocol):
+    """A move, see `camgeo.dynamics.effects.shock_spectrum.result.RestToRest`."""
+
+    @property
+    def start(self) -> float: ...
+    @property
+    def span(self) -> float: ...
+    @property
+    def duration(self) -> float: ...
+
+
+class Spectrum(Protocol):
+    """The spectrum of a move, see `camgeo.dynamics.effects.shock_spectrum.result.Spectrum`."""
+
+    @property
+    def move(self) -> Moved: ...
+    def residual(self, ratios: FloatArray) -> FloatArray: ...
+    def largest(self, ratios: FloatArray) -> FloatArray: ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Curves:
+    """The spectra of moves that have the same one.
+
+    Attributes
+    ----------
+    spectra : of these moves.
+    remains, largest : (n,) residual and largest deflection [% of the stroke].
+    """
+
+    spectra: tuple[Spectrum, ...]
+    remains: FloatArray
+    largest: FloatArray
+
+    @property
+    def label(self) -> str:
+        """The cam angles of the moves."""
+        return listed([_range(each) for each in self.spectra], 4)
+
+
+def frequency_of(effects: Effects) -> float | None:
+    """Lowest natural frequency [Hz] of the train that the scene names; None if none is known."""
+    if VIBRATION not in effects.names:
+        return None
+    try:
+        findings = effects.result(VIBRATION).findings
+    except EffectError:  # which the findings report
+        return None
+    known = [each.value for each in findings if each.name == FREQUENCY and each.value]
+    return min(known, default=None)
+
+
+def spectrum_figure(
+    name: str,
+    spectra: Sequence[Spectrum],
+    highest_ratio: float,
+    frequency: float | None = None,
+    size: Size = SIZE,
+) -> Figure:
+    """The spectra in one panel.
+
+    Parameters
+    ----------
+    name : of the design.
+    highest_ratio : upper end of the spectra, at least.
+    frequency : of the train [Hz], marked for each move; None for none.
+    """
+    frame = grid(size, MARGINS)[0]
+    title = f"{name}: shock spectra of the moves"
+    if not spectra:
+        whole = Axis((0.0, 1.0))
+        words = Text("no move is from rest to rest", (0.5, 0.5), 9.0, across="center")
+        return Figure(size, (Panel(frame, whole, whole, (words,), title, bare=True),))
+    marked = [] if frequency is None else [each.move.duration * frequency for each in spectra]
+    end = max(highest_ratio, *(BEYOND * ratio for ratio in marked), 10.0 * LEAST)
+    ratios = np.geomspace(LEAST, end, math.ceil(POINTS * math.log10(end / LEAST)))
+    marks: list[Mark] = []
+    for curves, colour in zip(grouped(spectra, ratios), cycle(COLOURS)):
+        styles = Style(colour, 1.3), Style(colour, 1.1, DASHES)
+        remains = np.maximum(curves.remains, 0.1 * FLOOR)
+        marks.append(Line(over(ratios, curves.largest), styles[1], f"largest, {curves.label}"))
+        marks.append(Line(over(ratios, remains), styles[0], f"residual, {curves.label}"))
+        if frequency is not None:
+            marks += _at_frequency(curves.spectra, frequency, colour)
+    marks.append(Rule("y", 100.0 * QUIET, LIMIT_STYLE, f"{100.0 * QUIET:g} % of the stroke"))
+    panel = Panel(
+        frame,
+        Axis((LEAST, end), "natural periods a move, t_move / T_n", log=True),
+        Axis((FLOOR, CEILING), "deflection [% of the stroke]", log=True),
+        tuple(marks),
+        title,
+        legend=Legend(entries(marks), "lower left", size=7.5),
+    )
+    return Figure(size, (panel,))
+
+
+def grouped(spectra: Sequence[Spectrum], ratios: FloatArray) -> list[Curves]:
+    """The curves at `ratios` (n,), those of equal moves together."""
+    groups: list[Curves] = []
+    for spectrum in spectra:
+        remains = 100.0 * spectrum.residual(ratios)
+        for number, other in enumerate(groups):
+            if np.allclose(remains, other.remains, rtol=0.0, atol=SAME):
+                groups[number] = replace(other, spectra=(*other.spectra, spectrum))
+                break
+        else:
+            groups.append(Curves((spectrum,), remains, 100.0 * spectrum.largest(ratios)))
+    return groups
+
+
+def _at_frequency(
+    spectra: Sequence[Spectrum], frequency: float, colour: str
+) -> Iterator[Line | Rule]:
+    """Where the train with that natural `frequency` [Hz] is, a line for each duration."""
+    durations: dict[float, Spectrum] = {}
+    for each in spectra:
+        durations.setdefault(round(each.move.duration * frequency, DIGITS), each)
+    for number, (ratio, each) in enumerate(durations.items()):
+        label = "" if number else f"natural frequency, {frequency:.4g} Hz"
+        yield Rule("x", ratio, Style(colour, 0.9, DOTTED), label)
+        heights = [100.0 * float(of(np.array([ratio]))[0]) for of in (each.residual, each.largest)]
+        points = Style(colour, 0.0, marker="o", size=5.0, face="white", edge=colour)
+        yield Line(over([ratio, ratio], heights), points)
+
+
+def _range(spectrum: Spectrum) -> str:
+    """The cam angles of a move."""
+    start = math.degrees(spectrum.move.start)
+    return f"{start:.4g} to {start + math.degrees(spectrum.move.span):.4g}°"

@@ -1,0 +1,658 @@
+"""A figure as data: panels with axes and marks, text and a legend.
+
+Everything shown is decided here: limits, ticks, text, order. A renderer, matplotlib or a browser,
+only chooses how to write a number at a tick, and where a legend covers least.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, fields, is_dataclass
+from functools import cache, lru_cache
+from typing import Any, Final, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from camgeo.numeric.arrays import FloatArray, frozen
+from camgeo.record import Brief, Displayed
+from camgeo.units import TURN
+
+Frame = tuple[float, float, float, float]
+"""Left, lower, right and upper edge, as fractions of a figure from its lower left corner."""
+
+
+Corner = Literal["best", "upper left", "upper center", "upper right", "lower left", "lower center"]
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """One axis of a panel.
+
+    Attributes
+    ----------
+    limits : of what is shown; the greater one first if the axis is reversed.
+    log : whether its scale is logarithmic.
+    ticks, names : positions of ticks and their labels; None for round numbers.
+    numbered : whether the ticks have labels.
+    powers : numbers at the ticks share a power of ten if theirs is not between these two.
+    label_place : distance of the label from the panel [inch]; None for next to the numbers.
+    """
+
+    limits: tuple[float, float]
+    label: str = ""
+    log: bool = False
+    ticks: tuple[float, ...] | None = None
+    names: tuple[str, ...] | None = None
+    numbered: bool = True
+    powers: tuple[int, int] | None = None
+    label_size: float = 9.0
+    label_place: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One name in a legend, with the style of what it names."""
+
+    label: str
+    style: Style | Fill
+
+
+@dataclass(frozen=True, slots=True)
+class Legend:
+    """The names of what is drawn.
+
+    Attributes
+    ----------
+    place : which part of it is at `anchor`; "best" where it covers least.
+    anchor : fractions of the panel or figure; None in the corner or at the edge named by `place`.
+    gap, pad, spacing : between it and the anchor, inside its frame and between names, in sizes of
+        the text.
+    """
+
+    entries: tuple[Entry, ...]
+    place: Corner = "best"
+    anchor: tuple[float, float] | None = None
+    columns: int = 1
+    size: float = 8.0
+    gap: float = 0.5
+    pad: float = 0.4
+    spacing: float = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Panel(Brief):
+    """A frame with axes, a grid, and what is drawn in it.
+
+    Attributes
+    ----------
+    title_size, title_gap : of the title, and its distance from the frame [points].
+    right, above : further scales of the same frame.
+    equal : whether a unit is equally long on both axes; then the frame shrinks to fit.
+    bare : whether only marks are drawn, neither frame nor axes.
+    """
+
+    frame: Frame
+    x: Axis
+    y: Axis
+    marks: tuple[Mark | Inset, ...]
+    title: str = ""
+    title_size: float = 11.0
+    title_gap: float = 6.0
+    legend: Legend | None = None
+    right: Axis | None = None
+    above: Axis | None = None
+    equal: bool = False
+    bare: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Inset:
+    """A panel within a panel, which shows part of it enlarged.
+
+    Attributes
+    ----------
+    corner, side : of the square that the panel fills.
+    window : lower left corner and side of the square that it enlarges; joined to it by lines.
+    """
+
+    panel: Panel
+    corner: Point
+    side: float
+    window: tuple[float, float, float]
+    style: Style
+    layer: float = 6.0
+
+
+@dataclass(frozen=True, slots=True)
+class Figure(Displayed):
+    """A figure, or several one above the other.
+
+    Attributes
+    ----------
+    size : width and height [inch].
+    aligned : whether the labels of the vertical axes are aligned.
+    rows : figures of equal width, from the top; then the figure holds nothing else.
+    """
+
+    size: tuple[float, float]
+    panels: tuple[Panel, ...] = ()
+    texts: tuple[Text, ...] = ()
+    legend: Legend | None = None
+    aligned: bool = False
+    rows: tuple[Figure, ...] = ()
+
+    def to_data(self) -> dict[str, Any]:
+        """Dicts, lists, texts and numbers for JSON, each part with its `kind`; a gap is None."""
+        data: dict[str, Any] = figure_data(self)
+        return data
+
+
+def entries(marks: Iterable[Mark]) -> tuple[Entry, ...]:
+    """One for each mark that has a label."""
+    named = (mark for mark in marks if isinstance(mark, Line | Rule | Band | Area | Field))
+    return tuple(Entry(mark.label, mark.style) for mark in named if mark.label)
+
+
+PLAIN: Final = (str, float, int, bool, type(None))
+"""Types of which JSON data are; most values of a figure are of the first two."""
+
+
+@cache
+def _names(kind: Any) -> tuple[str, ...]:
+    """Of the fields of a dataclass."""
+    return tuple(each.name for each in fields(kind))
+
+
+def listed(array: FloatArray) -> list[Any]:
+    """The numbers of an array as lists in lists; a gap is None."""
+    gaps = np.isnan(array)
+    if not gaps.any():
+        numbers: list[Any] = array.tolist()
+        return numbers
+    data = array.astype(object)
+    data[gaps] = None
+    found: list[Any] = data.tolist()
+    return found
+
+
+@lru_cache(maxsize=512)
+def _styled(style: Style | Fill) -> dict[str, Any]:
+    """The data of a style, of which a figure has few, on many marks."""
+    kind: Any = type(style)
+    found: dict[str, Any] = {"kind": kind.__name__.lower()}
+    for name in _names(kind):
+        found[name] = figure_data(getattr(style, name))
+    return found
+
+
+def figure_data(value: Any, array: Callable[[FloatArray], Any] = listed) -> Any:
+    """The same as dicts, lists, texts and numbers, see `Figure.to_data`; a complex is a pair.
+
+    Parameters
+    ----------
+    array : the data of an array.
+    """
+    kind: Any = type(value)
+    if kind in PLAIN:
+        return value
+    if isinstance(value, tuple):
+        return [each if type(each) in PLAIN else figure_data(each, array) for each in value]
+    if kind is np.ndarray:
+        return array(value)
+    if kind is Style or kind is Fill:
+        data = dict(_styled(value))
+        data["dashes"] = list(value.dashes)
+        return data
+    if is_dataclass(value):
+        found: dict[str, Any] = {"kind": kind.__name__.lower()}
+        for name in _names(kind):
+            part = getattr(value, name)
+            found[name] = part if type(part) in PLAIN else figure_data(part, array)
+        return found
+    if isinstance(value, complex):
+        return [value.real, value.imag]
+    return value.item() if isinstance(value, np.generic) else value
+
+
+# -- marks ----------------------------------------------------------------------------------------
+# The contents of a panel: lines, areas, text, and how each is drawn. Nothing here draws.
+#
+# Coordinates are those of the panel's axes unless a mark states otherwise; widths and sizes of text
+# and markers are in points, colours as in HTML. NaN in a line or a band is a gap.
+
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Style:
+    """How a line and the markers on its points are drawn.
+
+    Attributes
+    ----------
+    color : of the line, and of the markers unless they have their own.
+    width : of the line; 0 for markers alone.
+    dashes : alternating lengths on and off, in line widths; empty for a solid line.
+    marker : "o" round, "s" square, "D" on a corner, "^" "v" "<" triangle, "P" "X" cross, "*" star,
+        "+" "x" thin cross; "" for none.
+    size, face, edge, edge_width : of the markers.
+    cap, join : ends and corners of a solid line.
+    """
+
+    color: str
+    width: float = 1.4
+    dashes: tuple[float, ...] = ()
+    marker: str = ""
+    size: float = 6.0
+    face: str = ""
+    edge: str = ""
+    edge_width: float = 1.0
+    cap: Literal["butt", "round", "projecting"] = "projecting"
+    join: Literal["round", "miter"] = "round"
+
+
+@dataclass(frozen=True, slots=True)
+class Fill:
+    """How an area is drawn; without `face` or `edge` if they are empty."""
+
+    face: str = ""
+    edge: str = ""
+    width: float = 1.0
+    dashes: tuple[float, ...] = ()
+    hatched: bool = False
+    opacity: float = 1.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Line:
+    """A line through `points` (n, 2), with markers on them if its style has any.
+
+    Attributes
+    ----------
+    layer : marks of higher layers are drawn on top, within a layer later ones.
+    clipped : whether it ends at the panel's edges.
+    """
+
+    points: FloatArray
+    style: Style
+    label: str = ""
+    layer: float = 2.0
+    clipped: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A straight line across the whole panel, where the `axis` has the value `at`."""
+
+    axis: Literal["x", "y"]
+    at: float
+    style: Style
+    label: str = ""
+    layer: float = 2.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Band:
+    """The area between two curves, `low` and `high` (n,) over `places` (n,) of the `axis`."""
+
+    axis: Literal["x", "y"]
+    places: FloatArray
+    low: FloatArray
+    high: FloatArray
+    style: Fill
+    label: str = ""
+    layer: float = 1.0
+
+    def __post_init__(self) -> None:
+        _freeze(self, "places", "low", "high")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Area:
+    """The area inside closed rings, each (n, 2): the first the outermost, the others its holes.
+
+    `closed` is false if the edge is drawn open, from the first to the last point.
+    """
+
+    rings: tuple[FloatArray, ...]
+    style: Fill
+    label: str = ""
+    layer: float = 1.0
+    closed: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Circle:
+    """A circle."""
+
+    centre: Point
+    radius: float
+    style: Fill
+    layer: float = 1.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Arrow:
+    """A line through `points` (n, 2) with a filled head of `head` points at its end."""
+
+    points: FloatArray
+    style: Style
+    head: float
+    layer: float = 1.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Field:
+    """Where the `values` (rows, columns) at `x` (columns,), `y` (rows,) lie between two levels.
+
+    Attributes
+    ----------
+    within : only inside this.
+    """
+
+    x: FloatArray
+    y: FloatArray
+    values: FloatArray
+    between: tuple[float, float]
+    style: Fill
+    within: Band
+    label: str = ""
+    layer: float = 1.0
+
+    def __post_init__(self) -> None:
+        _freeze(self, "x", "y", "values")
+
+
+@dataclass(frozen=True, slots=True)
+class Box:
+    """The box behind a text, so that it can be read on top of lines; `pad` as in matplotlib."""
+
+    pad: float
+    opacity: float = 1.0
+    ring: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    r"""A text.
+
+    Attributes
+    ----------
+    text : lines separated by "\n"; letters between "$_" and "$" are subscripts, as in TeX.
+    at : place, as fractions of the panel or figure from the lower left if not of the axes.
+    offset : from there to the text [points].
+    across, up : which part of the text is placed there.
+    spacing : of lines, in sizes of the text; None for the font's own.
+    """
+
+    text: str
+    at: Point
+    size: float
+    of: Literal["data", "panel", "figure"] = "data"
+    offset: Point | None = None
+    across: Literal["left", "center", "right"] = "left"
+    up: Literal["bottom", "baseline", "center", "top"] = "baseline"
+    turned: bool = False
+    bold: bool = False
+    spacing: float | None = None
+    box: Box | None = None
+    layer: float = 3.0
+
+
+Mark = Line | Rule | Band | Area | Circle | Arrow | Field | Text
+
+
+def _freeze(mark: Band | Field, *names: str) -> None:
+    for name in names:
+        object.__setattr__(mark, name, frozen(getattr(mark, name), np.float64))
+
+
+def over(x: ArrayLike, y: ArrayLike) -> FloatArray:
+    """(n, 2) points of a curve `y` (n,) over `x` (n,)."""
+    return frozen(np.column_stack((x, y)), np.float64)
+
+
+def plane(points: ArrayLike) -> FloatArray:
+    """(n, 2) points of the complex `points` (n,)."""
+    z = np.asarray(points)
+    return over(z.real, z.imag)
+
+
+# -- layout ---------------------------------------------------------------------------------------
+# Positions of panels in a figure, and the limits of axes that contain what is drawn.
+
+
+Size = tuple[float, float]
+"""Width and height [inch]."""
+
+Margins = tuple[float, float, float, float]
+"""Left, right, upper and lower margin of a figure [inch]."""
+
+MARGIN = 0.05
+"""Space left free beyond what is drawn, as a fraction of its range."""
+
+FLAT = 1e-15
+"""A range that is a smaller fraction of its values than this counts as zero."""
+
+
+def grid(
+    size: Size,
+    margins: Margins,
+    rows: int = 1,
+    columns: int = 1,
+    gaps: tuple[float, float] = (0.0, 0.0),
+) -> list[Frame]:
+    """Frames of equal panels, row by row from the top.
+
+    Parameters
+    ----------
+    gaps : between two rows and between two columns, as fractions of a panel.
+    """
+    (width, height), (left, right, top, bottom) = size, margins
+    first, last = left / width, 1.0 - right / width
+    high, low = 1.0 - top / height, bottom / height
+    down = _steps(high - low, rows, gaps[0])
+    across = _steps(last - first, columns, gaps[1])
+    return [
+        (first + start, high - foot, first + end, high - head)
+        for head, foot in down
+        for start, end in across
+    ]
+
+
+def box(left: float, bottom: float, width: float, height: float) -> Frame:
+    """The frame of that width and height, all as fractions of the figure."""
+    return left, bottom, left + width, bottom + height
+
+
+class Strips:
+    """Frames from the top of a figure downwards, between two margins [inch]."""
+
+    def __init__(self, size: Size, left: float, right: float) -> None:
+        self.width, self.height = size
+        self.left = left
+        self.across = self.width - left - right
+        self.left_over = self.height
+
+    def skip(self, height: float) -> None:
+        """Leave `height` [inch] free."""
+        self.left_over -= height
+
+    def frame(self, height: float) -> Frame:
+        """The next frame, `height` [inch] high."""
+        self.left_over -= height
+        return box(
+            self.left / self.width,
+            self.left_over / self.height,
+            self.across / self.width,
+            height / self.height,
+        )
+
+    def words(self, height: float, marks: list[Mark]) -> Panel:
+        """A strip without axes, over one turn in degrees, of height 1."""
+        x, y = Axis((0.0, 360.0)), Axis((0.0, 1.0))
+        return Panel(self.frame(height), x, y, tuple(marks), bare=True)
+
+
+def heights(lines: Iterable[Line]) -> list[FloatArray]:
+    """The vertical coordinates of all points of `lines`."""
+    return [line.points[:, 1] for line in lines]
+
+
+def _steps(length: float, count: int, gap: float) -> list[tuple[float, float]]:
+    """Where each of `count` equal parts of `length` begins and ends."""
+    part = length / (count + gap * (count - 1))
+    between = gap * part
+    part = part * count / count  # keeps the last digits, on which names inside the files depend
+    edges = np.cumsum([0.0, part, *[between, part] * (count - 1)])
+    return [(float(a), float(b)) for a, b in edges.reshape(-1, 2)]
+
+
+def rooms(width: float, heights: Sequence[float]) -> list[Size]:
+    """The space for each of several rows of one page: their `heights` [inch] up to rounding.
+
+    Rounded as matplotlib does when it divides a page of 100 dots per inch: names inside SVG files
+    depend on the last digits of where panels are.
+    """
+    count, total = len(heights), sum(heights)
+    down = np.cumsum([0.0, *(high * (1.0 / count * count / total) for high in heights)])
+    edges = (1.0 - down) * (total * 100.0)
+    return [(width, float(high)) for high in (edges[:-1] - edges[1:]) / 100.0]
+
+
+def limits(
+    drawn: Iterable[ArrayLike], rules: Iterable[float] = (), margin: float = MARGIN
+) -> tuple[float, float]:
+    """Limits of an axis that contain all values of `drawn`, with a margin.
+
+    The `rules` are visible too: one within the margin takes no further room.
+    """
+    held = _values(drawn)
+    low, high = _widened(held, margin)
+    for rule in rules:
+        held = np.append(held, rule)
+        if not low <= rule <= high:
+            low, high = _widened(held, margin)
+    return low, high
+
+
+def _widened(values: FloatArray, margin: float) -> tuple[float, float]:
+    if not len(values):
+        return 0.0, 1.0
+    low, high = float(np.min(values)), float(np.max(values))
+    if max(abs(low), abs(high)) == 0.0:
+        low, high = -MARGIN, MARGIN
+    elif high - low <= FLAT * max(abs(low), abs(high)):
+        low, high = low - MARGIN * abs(low), high + MARGIN * abs(high)
+    free = margin * (high - low)
+    return low - free, high + free
+
+
+def log_limits(drawn: Iterable[ArrayLike]) -> tuple[float, float]:
+    """Limits of a logarithmic axis, likewise; a decade if nothing is drawn."""
+    values = _values(drawn)
+    values = values[values > 0.0]
+    low, high = (float(np.min(values)), float(np.max(values))) if len(values) else (1.0, 10.0)
+    if low == high:
+        low = 10.0 ** (math.ceil(math.log10(low)) - 1)
+        high = 10.0 ** (math.floor(math.log10(high)) + 1)
+    first, last = np.log10([low, high])
+    free = MARGIN * (last - first)
+    return float(10.0 ** (first - free)), float(10.0 ** (last + free))
+
+
+def round_ticks(
+    limits: tuple[float, float], steps: Sequence[float], parts: int
+) -> tuple[float, ...]:
+    """Multiples within `limits` of the smallest step that divides them into at most `parts`.
+
+    Parameters
+    ----------
+    steps : from 1 to 10 in ascending order; a step is one of them times a power of ten.
+    """
+    low, high = limits
+    least = (high - low) / parts
+    power = 10.0 ** math.floor(math.log10(least))
+    step = next(each * power for each in steps if each * power >= least)
+    first, last = math.ceil(low / step), math.floor(high / step)
+    return tuple(number * step for number in range(first, last + 1))
+
+
+def _values(drawn: Iterable[ArrayLike]) -> FloatArray:
+    """All finite values."""
+    values = np.concatenate([[], *(np.ravel(each) for each in drawn)])
+    finite: FloatArray = values[np.isfinite(values)]
+    return finite
+
+
+# -- style ----------------------------------------------------------------------------------------
+# What all our figures share: colours, margins, and axes of cam angle.
+#
+# Colours also differ in lightness, and kinds of line differ in their dashes, so that a print in
+# grey can be read.
+
+
+LINE = "#12365c"
+"""Colour of a figure's subject."""
+
+LIMIT = "#b3261e"
+"""Colour of limits; always dashed."""
+
+AUXILIARY = "#4d4d4d"
+"""Colour of construction lines."""
+
+CURVE = Style(LINE)
+
+LIMIT_STYLE = Style(LIMIT, 1.0, (3.7, 1.6))
+
+RETURN_STYLE = Style("#b3541e", 1.4, (6.0, 2.0))
+"""Style of the return disc of a conjugate pair over the main disc."""
+
+ZERO = Rule("y", 0.0, Style("black", 0.5))
+"""The line at zero."""
+
+SAMPLES = 1441
+"""Points of a diagram over the cam angle: a quarter of a degree, finer than a printed line."""
+
+LEFT, RIGHT, TOP, BOTTOM = 0.8, 0.25, 0.4, 0.55
+"""Margins around the axes [inch]."""
+
+MARGINS: Margins = (LEFT, RIGHT, TOP, BOTTOM)
+
+EVERY_30 = tuple(float(angle) for angle in range(0, 361, 30))
+
+
+def cam_angles() -> FloatArray:
+    """(SAMPLES,) cam angles over one turn [rad], both ends included."""
+    return np.linspace(0.0, TURN, SAMPLES)
+
+
+def diagram_angles(joints: tuple[float, ...]) -> FloatArray:
+    """Cam angles over one turn [rad] with both sides of each joint, where a value may jump."""
+    step = 1e-9
+    sides = [angle + side for angle in joints for side in (-step, step)]
+    angles = np.concatenate((cam_angles(), np.array(sides)))
+    return np.unique(np.clip(angles, 0.0, TURN - step))
+
+
+def turn_axis(*, label: str = "cam angle φ [°]", numbered: bool = True) -> Axis:
+    """The axis of one turn in degrees, with its label if it has numbers."""
+    return Axis((0.0, 360.0), label if numbered else "", ticks=EVERY_30, numbered=numbered)
+
+
+def diagram(
+    size: Size, title: str, y: Axis, marks: list[Mark], joints: tuple[float, ...]
+) -> Figure:
+    """A figure of one panel over the cam angle, with a legend and its `joints` [rad]."""
+    legend = Legend(entries(marks))
+    everything = (*marks, *joint_marks(joints))
+    panel = Panel(grid(size, MARGINS)[0], turn_axis(), y, everything, title, legend=legend)
+    return Figure(size, (panel,))
+
+
+def joint_marks(joints: tuple[float, ...]) -> list[Mark]:
+    """A dotted line at each of the `joints` [rad]."""
+    dotted = Style(AUXILIARY, 0.7, (1.0, 2.0))
+    return [Rule("x", float(np.degrees(joint)), dotted) for joint in joints]

@@ -1,0 +1,670 @@
+"""Motion plan and motion diagram (VDI 2143-1, section 3) over the cam angle.
+
+The plan (Bewegungsplan) shows the requirements: joints, numbered, with their motion tasks, and the
+law of each segment. The diagram (Bewegungsdiagramm) below shows what the follower does: lift and
+three derivatives. With a linkage the plan is that of its far end, and both ends have a diagram.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from camgeo.cam.cam import Drive
+from camgeo.check.judge import transmission_angle_limit
+from camgeo.design.product import Product
+from camgeo.geometry.outline.path import Flank
+from camgeo.kinematics.motion import Motion
+from camgeo.kinematics.plan import Dwell, Joint, MotionPlan, Move, Segment, breaks, joints
+from camgeo.numeric.arrays import FloatArray, frozen
+from camgeo.pictures.model import (
+    AUXILIARY,
+    CURVE,
+    LEFT,
+    LIMIT,
+    LIMIT_STYLE,
+    LINE,
+    RIGHT,
+    ZERO,
+    Axis,
+    Box,
+    Entry,
+    Figure,
+    Legend,
+    Line,
+    Mark,
+    Panel,
+    Rule,
+    Size,
+    Strips,
+    Style,
+    Text,
+    diagram,
+    diagram_angles,
+    joint_marks,
+    limits,
+    over,
+    turn_axis,
+)
+from camgeo.units import MM_PER, RPM, TURN, LengthUnit, LiftUnit
+
+# -- motion diagram -------------------------------------------------------------------------------
+# The motion diagram: lift and three derivatives with their extremes, and over time.
+
+
+MARKS: Final = ("", "′", "″", "‴")
+RATES: Final = ("", "v", "a", "jerk")
+ANGULAR: Final = ("", "d{}/dt", "d²{}/dt²", "d³{}/dt³")
+"""Names of the derivatives over time: of a length, and of an angle by its symbol."""
+
+RAISED: Final = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+OVER_ANGLE: Final = ("", "/rad", "/rad²", "/rad³")
+OVER_TIME: Final = ("", "/s", "/s²", "/s³")
+
+PANEL, GAP = 1.3, 0.09
+"""Heights [inch] of each panel and of the gap between two."""
+
+HEIGHT: Final = 4 * PANEL + 3 * GAP
+
+NAME_PLACE: Final = 0.6
+"""Distance [inch] of the names of the vertical axes to the left of them."""
+
+SECOND_PLACE: Final = 0.09
+"""Distance of the names of the second scales, as a fraction of the width."""
+
+SMALL: Final = 7.5
+"""Size of the text of plan and diagram [points]."""
+
+HEADROOM: Final = 0.28
+"""Space above the curve of a panel for the extremes, as a fraction of its range."""
+
+CLOSER: Final = 101
+"""Points between two neighbours of an extreme: half a degree in steps of 0.005 degrees."""
+
+SAME: Final = 1e-10
+"""Values that differ by less than this fraction of the largest are the same extreme."""
+
+INFINITE: Final = Style(LIMIT, 0.0, marker="^", size=5.5)
+DOWNWARDS: Final = replace(INFINITE, marker="v")
+SPIKE: Final = Style(LIMIT, 1.0)
+"""How an infinite value is drawn: a line from zero to a head at the edge of the curve's range."""
+
+SPIKES_ROOM: Final = 0.25
+"""Least part of a panel on the side of zero towards which a spike points."""
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """How a length or angle is written: its unit, symbol, and units per mm or rad."""
+
+    name: str
+    symbol: str
+    scale: float
+
+
+@dataclass(frozen=True, slots=True)
+class Infinite:
+    """A place at which a derivative is infinite because a lower one jumps.
+
+    Attributes
+    ----------
+    cam_angle : [rad].
+    up, down : whether it is infinite upwards, downwards, or both, where more than the next lower
+        derivative jumps: that of a jump's impulse goes both ways.
+    """
+
+    cam_angle: float
+    up: bool
+    down: bool
+
+
+def diagram_panels(
+    strips: Strips, plan: MotionPlan, motion: Motion, unit: Unit, speed: float | None
+) -> list[Panel]:
+    """A panel for the position and each derivative of `motion`, which follows from `plan`.
+
+    With a constant `speed` [rad/s] also over time.
+    """
+    places = tuple(joint.cam_angle for joint in joints(plan))
+    phi = diagram_angles(tuple(joint.cam_angle for joint in breaks(plan)))
+    jet = motion.jet(phi) * unit.scale
+    degrees = np.concatenate(([0.0], np.degrees(phi)))
+    near = _near_extremes(phi, jet)
+    nearby = motion.jet(near.ravel())[: len(MARKS)].reshape(len(MARKS), *near.shape) * unit.scale
+    found = []
+    for order, mark in enumerate(MARKS):
+        if order:
+            strips.skip(GAP)
+        values = jet[order]
+        infinite = infinite_at(plan, motion, order)
+        low, high = _range(values, infinite)
+        shown = low, high + HEADROOM * (high - low)
+        # From the value at the end of the turn: a jump at cam angle 0 is drawn like the others.
+        curve = over(degrees, np.concatenate((values[-1:], values)))
+        marks: list[Mark] = [ZERO, Line(curve, CURVE), *joint_marks(places)]
+        marks += _spikes(infinite, low, high)
+        closer = list(zip(near[order], nearby[order, order], strict=True))
+        marks.append(_extremes(phi, values, closer, infinite))
+        label = f"{unit.symbol}{mark} [{unit.name}{OVER_ANGLE[order]}]"
+        # A curve that is zero wherever it is finite has no scale: its range is arbitrary.
+        ticks = (0.0,) if infinite and not np.any(values) else None
+        second = None
+        if speed is not None and order:
+            second = _second_scale(shown, unit, order, speed, strips.across)
+        found.append(
+            Panel(
+                strips.frame(PANEL),
+                turn_axis(numbered=order == 3),
+                # aligned down the page, whatever the width of their numbers
+                Axis(shown, label, ticks=ticks, label_place=NAME_PLACE),
+                tuple(marks),
+                right=None if second is None else replace(second, ticks=ticks),
+            )
+        )
+    return found
+
+
+def infinite_at(plan: MotionPlan, motion: Motion, order: int) -> list[Infinite]:
+    """Where the derivative of `motion` is infinite because a lower one jumps."""
+    found = []
+    for joint in breaks(plan):
+        if joint.order + 1 < order:
+            angle = np.array([joint.cam_angle])
+            before, after = motion.jet(angle, "left"), motion.jet(angle)
+            rises = bool(after[joint.order + 1, 0] > before[joint.order + 1, 0])
+            both = joint.order + 2 < order
+            found.append(Infinite(joint.cam_angle, rises or both, not rises or both))
+    return found
+
+
+def _range(values: FloatArray, infinite: list[Infinite]) -> tuple[float, float]:
+    """Lower and upper end of the curve's range, with room for what is infinite."""
+    low, high = limits([values, 0.0])
+    room = SPIKES_ROOM * (high - low) / (1.0 - SPIKES_ROOM)
+    if any(each.down for each in infinite):
+        low = min(low, -room)
+    if any(each.up for each in infinite):
+        high = max(high, room)
+    return low, high
+
+
+def _spikes(infinite: list[Infinite], low: float, high: float) -> list[Mark]:
+    """A line from zero to a head at `low` or `high` for each infinite value."""
+    marks: list[Mark] = []
+    for end, style, angles in (
+        (high, INFINITE, [each.cam_angle for each in infinite if each.up]),
+        (low, DOWNWARDS, [each.cam_angle for each in infinite if each.down]),
+    ):
+        at = np.degrees(angles)
+        if not len(at):
+            continue
+        ends = np.tile([0.0, end, math.nan], len(at))
+        marks.append(Line(over(np.repeat(at, 3), ends), SPIKE, layer=4.0, clipped=False))
+        marks.append(Line(over(at, np.full(len(at), end)), style, layer=4.0, clipped=False))
+    return marks
+
+
+def number(value: float) -> str:
+    """Four digits, or all digits before the point if there are more."""
+    text = f"{value:.0f}" if 1e3 <= abs(value) < 1e7 else f"{value + 0.0:.4g}"
+    return text.replace("-", "−")
+
+
+def _near_extremes(phi: FloatArray, jet: FloatArray) -> FloatArray:
+    """(rows, 2, CLOSER) cam angles between the neighbours of the largest and of the smallest value
+    of each row of `jet` at `phi`.
+    """
+    places = np.stack((np.argmax(jet, axis=1), np.argmin(jet, axis=1)), axis=1)
+    starts = phi[np.maximum(places - 1, 0)]
+    ends = phi[np.minimum(places + 1, len(phi) - 1)]
+    return np.linspace(starts, ends, CLOSER, axis=-1)
+
+
+def _extremes(
+    phi: FloatArray,
+    values: FloatArray,
+    closer: list[tuple[FloatArray, FloatArray]],
+    infinite: list[Infinite],
+) -> Text:
+    """Largest and smallest value with the first place of each, to the digits written.
+
+    They are searched for among the drawn `values` at `phi` and those `closer` to the largest and to
+    the smallest of them; where a value is `infinite` no finite one is the largest.
+    """
+    size = float(np.max(np.abs(values)))
+    lines = []
+    for word, sign, (near, nearby) in zip(("max", "min"), (1.0, -1.0), closer, strict=True):
+        beyond = [each.cam_angle for each in infinite if (each.up if sign > 0.0 else each.down)]
+        if beyond:
+            end = "∞" if sign > 0.0 else "−∞"
+            lines.append(f"{word} {end} at {math.degrees(min(beyond)):.1f}°")
+            continue
+        found, angles = np.concatenate((values, nearby)), np.concatenate((phi, near))
+        extreme = float(np.max(sign * found)) * sign
+        first = float(np.min(angles[np.abs(found - extreme) <= SAME * size]))
+        lines.append(f"{word} {number(extreme)} at {math.degrees(first):.1f}°")
+    return Text(
+        ",  ".join(lines), (0.99, 0.95), SMALL, "panel", across="right", up="top", box=Box(1.0)
+    )
+
+
+def _second_scale(
+    shown: tuple[float, float], unit: Unit, order: int, speed: float, across: float
+) -> Axis:
+    """The derivative over time at a constant speed."""
+    factor = speed**order
+    name = RATES[order] if unit.symbol == "s" else ANGULAR[order].format(unit.symbol)
+    low, high = (limit * factor for limit in shown)
+    size = max(abs(low), abs(high))
+    thousands = max(0, math.floor(math.log10(size) / 3.0)) if size > 0.0 else 0
+    power = f"10{str(3 * thousands).translate(RAISED)} " if thousands else ""
+    return Axis(
+        (low / 1000.0**thousands, high / 1000.0**thousands),
+        f"{name} [{power}{unit.name}{OVER_TIME[order]}]",
+        label_size=8.5,
+        label_place=SECOND_PLACE * across,
+    )
+
+
+# -- motion plan ----------------------------------------------------------------------------------
+# The motion plan: what each segment requires, and what meets at each joint.
+
+
+PLAN: Final = 2
+"""Which of the `panels` has the plan itself."""
+
+NUMBERS, CLASSES = 0.26, 0.36
+"""Heights [inch] of the strips above and below the plan."""
+
+BAND: Final = 0.5
+"""Height [inch] of the laws' names when written across."""
+
+LETTER: Final = 0.062
+"""Width [inch] of a letter of the laws' names, a generous estimate."""
+
+TURNED_GAP, NUMBER_GAP, LETTERS_GAP, CLASS_GAP = 0.15, 0.2, 0.3, 0.4
+"""Least distances [inch] of names written upwards, of numbers, of tasks, of tasks with angles."""
+
+FARTHEST: Final = 0.4
+"""Largest distance [inch] of a task with its angle from its joint; farther off would mislead."""
+
+TICK_GAP: Final = 0.17
+"""Least distance [inch] of the numbers on the plan's vertical axis."""
+
+REST: Final = Style(LINE, 2.6, cap="butt")
+MOVE: Final = Style(LINE, 1.0, (5.0, 3.0))
+DATA: Final = Style(LINE, 1.0)
+JOINT: Final = Style("black", 0.0, marker="o", size=4.0)
+LEADER: Final = Style(AUXILIARY, 0.6)
+
+SAMPLES: Final = 721
+"""Points of a motion by data: half a degree, finer than a printed line."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanSegment:
+    """A segment of the motion plan, of any length but 0.
+
+    Attributes
+    ----------
+    start, end : cam angles [rad] in [0, 2 pi].
+    label : name of its motion law; "dwell", or "data" for a motion by data.
+    style : of the drawing: REST, MOVE or DATA.
+    course : (n, 2) cam angles [rad] and positions [unit of the plan] of a motion by data, which is
+        prescribed as a whole; None for the others.
+    """
+
+    start: float
+    end: float
+    label: str
+    style: Style
+    course: FloatArray | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanSketch:
+    """What a picture shows of a motion plan.
+
+    Attributes
+    ----------
+    joints : of the plan, as many as segments: joint k is where segment k begins.
+    segments : by ascending cam angle, without those of zero length.
+    """
+
+    joints: tuple[Joint, ...]
+    segments: tuple[PlanSegment, ...]
+
+
+def plan_sketch(plan: MotionPlan) -> PlanSketch:
+    """What a picture shows of `plan`."""
+    return PlanSketch(joints(plan), tuple(_segment(plan, *each) for each in plan.stretches))
+
+
+def _segment(plan: MotionPlan, segment: Segment, start: float, end: float) -> PlanSegment:
+    if isinstance(segment, Dwell):
+        return PlanSegment(start, end, "dwell", REST)
+    if isinstance(segment, Move):
+        return PlanSegment(start, end, segment.law.name, MOVE)
+    phi = np.linspace(start, end, SAMPLES)
+    positions = np.append(plan.jet(phi[:-1])[0], segment.to)
+    course = frozen(np.column_stack((phi, positions)), np.float64)
+    return PlanSegment(start, end, "data", DATA, course)
+
+
+def plan_panels(strips: Strips, sketch: PlanSketch, unit: Unit, below: float) -> list[Panel]:
+    """The plan between its strips of text, with `below` [inch] free under it."""
+    names = _names(sketch, strips.across)
+    band = max(BAND, *(LETTER * len(name.text) + 0.2 for name in names if name.turned), 0.0)
+    return [
+        strips.words(band, _names_marks(sketch, names, band)),
+        strips.words(NUMBERS, _numbers(sketch, strips.across)),
+        _plan(strips, sketch, unit, strips.left_over - CLASSES - below),
+        strips.words(CLASSES, _classes(sketch, strips.across)),
+    ]
+
+
+@dataclass(frozen=True, slots=True)
+class _Name:
+    """Text of a segment: its cam angle [degrees], and whether it is written upwards."""
+
+    text: str
+    place: float
+    turned: bool
+
+
+def _names(sketch: PlanSketch, across: float) -> list[_Name]:
+    """Task and law of each segment: across where they fit, else upwards, pushed apart."""
+    tasks = _tasks(sketch)
+    middles = np.degrees([0.5 * (s.start + s.end) for s in sketch.segments])
+    halves = np.degrees([0.5 * (s.end - s.start) for s in sketch.segments])
+    texts = [
+        "\n".join((task, *_wrapped(s.label)))
+        for task, s in zip(tasks, sketch.segments, strict=True)
+    ]
+    widths = np.array([max(map(len, text.split("\n"))) for text in texts]) * LETTER
+    turned = widths * 360.0 / across > 2.0 * halves
+    gap = TURNED_GAP * 360.0 / across
+    places = middles.copy()
+    places[turned] = spread(middles[turned], gap, 0.0, 360.0)
+    if np.any(np.abs(places - middles) > halves):
+        # Some would be hidden by their neighbours' names.
+        turned[:] = True
+        places = spread(middles, gap, 0.0, 360.0)
+    return [
+        _Name(f"{task} {s.label}" if up else text, float(place), bool(up))
+        for task, s, text, place, up in zip(
+            tasks, sketch.segments, texts, places, turned, strict=True
+        )
+    ]
+
+
+def _tasks(sketch: PlanSketch) -> list[str]:
+    """Motion task of each segment, from its ends."""
+    following = (*sketch.joints[1:], *sketch.joints[:1])
+    return [f"{a.after}-{b.before}" for a, b in zip(sketch.joints, following, strict=True)]
+
+
+def _wrapped(label: str) -> list[str]:
+    """A law's name in lines, broken after its hyphens."""
+    parts = label.split("-")
+    return [f"{part}-" for part in parts[:-1]] + parts[-1:]
+
+
+def spread(places: FloatArray, gap: float, low: float, high: float) -> FloatArray:
+    """`places` (n,), ascending, moved as little as possible until all are `gap` apart.
+
+    Least squares, by merging neighbours that are too close; inside [low, high], closer than `gap`
+    where there is no room.
+    """
+    gap = min(gap, (high - low) / max(1, len(places) - 1))
+    blocks: list[tuple[float, int]] = []  # mean of place - number * gap, count
+    for index, place in enumerate(places):
+        mean, count = float(place) - index * gap, 1
+        while blocks and blocks[-1][0] >= mean:
+            before, many = blocks.pop()
+            mean, count = (mean * count + before * many) / (count + many), count + many
+        blocks.append((mean, count))
+    levels = np.repeat([mean for mean, _ in blocks], [count for _, count in blocks])
+    levels = np.clip(levels, low, high - gap * (len(places) - 1))
+    moved: FloatArray = levels + gap * np.arange(len(places))
+    return moved
+
+
+def _names_marks(sketch: PlanSketch, names: list[_Name], band: float) -> list[Mark]:
+    leader = 0.12 / band
+    marks: list[Mark] = []
+    for segment, name in zip(sketch.segments, names, strict=True):
+        middle = math.degrees(0.5 * (segment.start + segment.end))
+        if name.turned:
+            points = over([middle, name.place], [0.0, leader])
+            marks.append(Line(points, Style(AUXILIARY, 0.5)))
+        at = name.place, leader + 0.02 if name.turned else 0.02
+        text = Text(name.text, at, SMALL, across="center", up="bottom", spacing=1.0)
+        marks.append(replace(text, turned=name.turned))
+    return marks
+
+
+def _joint_places(sketch: PlanSketch) -> FloatArray:
+    """(n + 1,) cam angles [degrees] of the joints; the first once more at the end of the turn."""
+    return np.degrees([*(joint.cam_angle for joint in sketch.joints), TURN])
+
+
+def _numbers(sketch: PlanSketch, across: float) -> list[Mark]:
+    """Numbers of the joints, in circles, each above its joint if there is room."""
+    angles = _joint_places(sketch)
+    places = spread(angles, NUMBER_GAP * 360.0 / across, 0.0, 360.0)
+    marks: list[Mark] = []
+    for index, (angle, place) in enumerate(zip(angles, places, strict=True)):
+        text, at = str(index % len(sketch.joints) + 1), (float(place), 0.58)
+        marks.append(Line(over([angle, place], [0.0, 0.3]), LEADER, clipped=False))
+        marks.append(Text(text, at, 6.5, across="center", up="center", box=Box(0.22, ring=True)))
+    return marks
+
+
+def _plan(strips: Strips, sketch: PlanSketch, unit: Unit, height: float) -> Panel:
+    """Positions at the joints; rests as thick lines, moves dashed from joint to joint."""
+    angles = _joint_places(sketch)
+    positions = np.array([joint.position for joint in sketch.joints]) * unit.scale
+    positions = np.append(positions, positions[0])
+    extent = [positions]
+    marks: list[Mark] = []
+    for index, segment in enumerate(sketch.segments):
+        ends = slice(index, index + 2)
+        points = over(angles[ends], positions[ends])
+        if segment.course is not None:
+            course = segment.course[:, 1] * unit.scale
+            extent.append(course)
+            points = over(np.degrees(segment.course[:, 0]), course)
+        marks.append(Line(points, segment.style))
+    marks.append(Line(over(angles, positions), JOINT, layer=3.0, clipped=False))
+    low, high = (float(limit(np.concatenate(extent))) for limit in (np.min, np.max))
+    room = 0.15 * (high - low) or 1.0
+    levels = np.unique(np.round(positions, 9))
+    apart = np.min(np.diff(levels), initial=math.inf) / (high - low + 2.0 * room) * height
+    at_levels = bool(apart > TICK_GAP) and len(extent) == 1
+    return Panel(
+        strips.frame(height),
+        turn_axis(numbered=False),
+        Axis(
+            (low - room, high + room),
+            f"{unit.symbol} [{unit.name}]",
+            ticks=tuple(map(float, levels)) if at_levels else None,
+            names=tuple(map(number, levels)) if at_levels else None,
+            label_place=NAME_PLACE,
+        ),
+        (*marks, *joint_marks(tuple(joint.cam_angle for joint in sketch.joints))),
+    )
+
+
+def _classes(sketch: PlanSketch, across: float) -> list[Mark]:
+    """What meets at each joint, R, G, U or B, both if they differ; and its cam angle."""
+    angles = _joint_places(sketch)
+    inch = 360.0 / across
+    places = spread(angles, CLASS_GAP * inch, 0.0, 360.0)
+    with_angles = bool(np.all(np.abs(places - angles) <= FARTHEST * inch))
+    if not with_angles:
+        places = spread(angles, LETTERS_GAP * inch, 0.0, 360.0)
+    joints = (*sketch.joints, sketch.joints[0])
+    marks: list[Mark] = []
+    for joint, angle, place in zip(joints, angles, map(float, places), strict=True):
+        same = joint.before == joint.after
+        text = joint.after if same else f"{joint.before}|{joint.after}"
+        marks.append(Line(over([angle, place], [1.0, 0.82]), LEADER, clipped=False))
+        marks.append(Text(text, (place, 0.8), SMALL, across="center", up="top", bold=True))
+        if with_angles:
+            marks.append(Text(f"{angle:.6g}°", (place, 0.38), 6.5, across="center", up="top"))
+    return marks
+
+
+# -- motion ---------------------------------------------------------------------------------------
+
+
+SIZE = (7.0, 10.0)
+"""Of plan and one diagram; a second one adds its height."""
+
+TOP, BOTTOM, HEADING = 0.32, 0.75, 0.34
+"""Heights [inch] of the title, of what is below the diagrams, and of a diagram's title."""
+
+NUMBERED = 0.42
+"""Height [inch] of the numbers and name of the cam angle between two diagrams."""
+
+SECOND_SCALE: Final = 0.75
+"""Right margin [inch] with a second scale."""
+
+ANGLES: Final = {"lever": "χ", "crank": "θ"}
+"""Symbols of prescribed angles that are not the follower's own."""
+
+WHAT: Final = {("s", "follower"): "lift", ("s", "slider"): "stroke", ("ψ", "follower"): "swing"}
+"""What a position is called, by its symbol and whose it is."""
+
+NAMES: Final = (
+    (REST, "dwell"),
+    (MOVE, "move, made by its law"),
+    (DATA, "motion by data"),
+)
+
+
+def figure(product: Product, size: Size | None = None) -> Figure:
+    """The motion plan above s, s', s'', s''' of what is prescribed, and of the follower."""
+    return of_drive(product.name, product.unit, product.cam.drive, product.cam.lift_unit, size)
+
+
+def of_drive(
+    name: str, length: LengthUnit, drive: Drive, lift_unit: LiftUnit, size: Size | None = None
+) -> Figure:
+    """The same for the design `name` without any cam.
+
+    Parameters
+    ----------
+    length : unit of the scene.
+    lift_unit : of the follower's own motion.
+    """
+    speed = drive.speed if drive.speed_curve is None else None
+    sketch = plan_sketch(drive.plan)
+    unit = _unit(drive.unit, length)
+    if drive.demanded_of in ANGLES:
+        unit = replace(unit, symbol=ANGLES[drive.demanded_of])
+    ends: list[tuple[str, Motion, Unit]] = [(drive.demanded_of, drive.plan, unit)]
+    if drive.linkage is not None:
+        ends.append(("follower", drive.motion, _unit(lift_unit, length)))
+    size = size or (SIZE[0], SIZE[1] + (len(ends) - 1) * (HEADING + NUMBERED + HEIGHT))
+    strips = Strips(size, LEFT, RIGHT if speed is None else SECOND_SCALE)
+    strips.skip(TOP)
+    below = len(ends) * (HEADING + HEIGHT) + (len(ends) - 1) * NUMBERED + BOTTOM
+    panels = plan_panels(strips, sketch, unit, below)
+    titles = [_title(strips, f"{name}: motion plan of the {drive.demanded_of}", 0.14)]
+    right = "" if speed is None else f" (right: at {speed / RPM:.4g} rev/min)"
+    for number, (whose, motion, own) in enumerate(ends):
+        strips.skip(NUMBERED if number else 0.0)
+        behind = " behind the linkage" if number else ""
+        what = WHAT.get((own.symbol, whose), "angle")
+        heading = f"motion diagram: {what} {own.symbol} of the {whose}{behind}{right}"
+        titles.append(_title(strips, heading, size[1] - strips.left_over + 0.2))
+        strips.skip(HEADING)
+        panels += diagram_panels(strips, drive.plan, motion, own, speed)
+    drawn = {segment.style for segment in sketch.segments}
+    entries = [Entry(name, style) for style, name in NAMES if style in drawn]
+    entries.append(Entry("joint", JOINT))
+    shocks, jerks = (infinite_at(drive.plan, drive.plan, order) for order in (2, 3))
+    if jerks:
+        text = f"infinite: {'shock or ' if shocks else ''}jerk"
+        entries.append(Entry(text, INFINITE))
+    anchor = _middle(strips), 0.05 / strips.height
+    legend = Legend(tuple(entries), "lower center", anchor, len(entries))
+    return Figure(size, tuple(panels), tuple(titles), legend)
+
+
+def _title(strips: Strips, text: str, below_top: float) -> Text:
+    """A title, its middle `below_top` [inch] below the figure's upper edge."""
+    at = _middle(strips), 1.0 - below_top / strips.height
+    return Text(text, at, 10.0, "figure", across="center", up="center")
+
+
+def _middle(strips: Strips) -> float:
+    return (strips.left + 0.5 * strips.across) / strips.width
+
+
+def _unit(unit: LiftUnit, length: LengthUnit) -> Unit:
+    if unit == "mm":
+        return Unit(length, "s", 1.0 / MM_PER[length])
+    return Unit("°", "ψ", math.degrees(1.0))
+
+
+# -- diagrams -------------------------------------------------------------------------------------
+# Diagrams of one panel over the cam angle: the curvature, and the transmission angle.
+
+
+DIAGRAM_SIZE = (7.0, 3.6)
+
+RATIO: Final = {Flank.INNER: 1.0, Flank.OUTER: -1.0}
+"""The sign of the curvature that counts on a flank: the inner flank is too sharp where the pitch
+curve is convex."""
+
+RATIO_STYLE: Final = Style(LIMIT, 1.0, (1.2, 1.6))
+
+
+def curvature(product: Product, size: Size = DIAGRAM_SIZE) -> Figure:
+    """Curvature of the pitch curve with the limits of +-1/d, d the flanks' distance.
+
+    Beyond these a flank has a cusp. Nearer to zero is the limit of r_R/r_K that the scene sets, on
+    the side of each flank in use.
+    """
+    disc, follower, joints = product.cam.disc, product.cam.follower, product.cam.drive.joints
+    phi = diagram_angles(joints)
+    scale = MM_PER[product.unit]
+    kappa = disc.pitch_curve.curvature(phi) * scale
+    what = "pitch curve" if follower.has_pitch_curve else "outline"
+    marks: list[Mark] = [Line(over(np.degrees(phi), kappa), CURVE, what)]
+    distance = disc.flank_distance
+    cusps = [scale / distance, -scale / distance] if distance > 0.0 else []  # knife, face: none
+    name = "r$_R$" if distance == follower.roller_radius else "(r$_R$ + c/2)"
+    for cusp in cusps:
+        label = f"cusp of a flank, ±1/{name}" if cusp > 0.0 else ""
+        marks.append(Rule("y", cusp, LIMIT_STYLE, label))
+    limit, flanks = product.judgement.limits.radius_ratio, product.cam.contact.flanks
+    if follower.roller_radius == 0.0:  # a knife edge or a face, which fits any radius
+        flanks = ()
+    ratios = [RATIO[flank] * limit * scale / follower.roller_radius for flank in flanks]
+    for number, at in enumerate(ratios):
+        label = "" if number else f"limit r$_R$/r$_K$ = {limit:g}"
+        marks.append(Rule("y", at, RATIO_STYLE, label))
+    shown = Axis(limits([kappa], [*cusps, *ratios, 0.0]), f"curvature κ [1/{product.unit}]")
+    title = f"{product.name}: curvature of the {what}"
+    return diagram(size, title, shown, [*marks, ZERO], joints)
+
+
+def transmission_angle(product: Product, size: Size = DIAGRAM_SIZE) -> Figure:
+    """The transmission angle with the limit of the design."""
+    joints = product.cam.drive.joints
+    phi = diagram_angles(joints)
+    angle = np.degrees(product.cam.disc.pitch_curve.transmission_angle(phi))
+    marks: list[Mark] = [Line(over(np.degrees(phi), angle), CURVE, "transmission angle")]
+    limit = math.degrees(transmission_angle_limit(product.cam, product.judgement.limits))
+    marks.append(Rule("y", limit, LIMIT_STYLE, f"limit {limit:g}°"))
+    low = min(float(angle.min()), limit)
+    floor = max(0.0, 10.0 * float(np.floor(low / 10.0)) - 5.0)
+    shown = Axis((floor, 95.0), "transmission angle μ [°]")
+    return diagram(size, f"{product.name}: transmission angle", shown, marks, joints)

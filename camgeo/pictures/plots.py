@@ -1,0 +1,138 @@
+"""The plots of a design by name, and several of them one above the other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from importlib import import_module
+from importlib.metadata import entry_points
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final, Protocol
+
+from camgeo.design.product import Product
+from camgeo.errors import Fault, SceneError, UnknownNameError, meant
+from camgeo.pictures.model import Figure, Size, rooms
+
+if TYPE_CHECKING:
+    from camgeo.design.design import Design
+
+GROUP = "camgeo.plots"
+"""Entry points of plots from other distributions, each a `Builder` by the plot's name."""
+
+
+class Builder(Protocol):
+    """Makes a figure of a design: of its own size, or of the size available on a page."""
+
+    def __call__(self, product: Product, size: Size = ..., /) -> Figure: ...
+
+
+MOTION: Final = "motion"
+CAM: Final = "cam"
+"""The plot that shows both discs of a conjugate pair."""
+
+EFFECTS: Final = "effects"
+"""The plot of the effects that a scene names."""
+
+SPECTRUM: Final = "shock-spectrum"
+"""The plot of the effect of that name, drawn if the scene names it."""
+
+BACKPLOT: Final = "backplot"
+"""The plot of the milling program, drawn only if it is asked for; the others are of the cam."""
+
+OWN = {
+    MOTION: "motion:figure",
+    CAM: "cam:figure",
+    "mechanism": "mechanism:figure",
+    "curvature": "motion:curvature",
+    "transmission-angle": "motion:transmission_angle",
+    EFFECTS: "effects:figure",
+    BACKPLOT: "backplot:figure",
+}
+"""Each plot with its module in this package and its builder there."""
+
+
+def names() -> list[str]:
+    """Names of all plots, ours and others, in alphabetical order."""
+    return sorted({*OWN, SPECTRUM, *entry_points(group=GROUP).names})
+
+
+def find(name: str) -> Builder:
+    """The plot of that name; UnknownNameError if there is none."""
+    if name in OWN:
+        module, _, builder = OWN[name].partition(":")
+        own: Builder = getattr(import_module(f"camgeo.pictures.{module}"), builder)
+        return own
+    for entry in entry_points(group=GROUP, name=name):
+        other: Builder = entry.load()
+        return other
+    raise UnknownNameError("plot", name, names())
+
+
+def check_names(what: Iterable[str]) -> None:
+    """SceneError for the first name that is no plot."""
+    known = names()
+    for name in what:
+        if name not in known:
+            hint = meant(name, known, '"')
+            raise SceneError([Fault("plot", name, f"can draw {', '.join(known)}", hint)])
+
+
+def of_design(design: Design, what: Sequence[str] = ()) -> tuple[Figure, list[str]]:
+    """The plots `what` of a design as one figure, by default all that it has; and their names.
+
+    Raises
+    ------
+    SceneError
+        If one of them is no plot, or the scene lacks what it shows.
+    """
+    check_names(what)
+    scene = design.scene
+    if EFFECTS in what and not scene.effects:
+        raise SceneError([Fault("effects", "", "names no effect: there is none to draw")])
+    if SPECTRUM in what and SPECTRUM not in scene.effects:
+        message = "is not named: there is no spectrum to draw"
+        raise SceneError([Fault(f"effects.{SPECTRUM}", "", message)])
+    if BACKPLOT in what and not scene.states_milling:
+        raise SceneError([Fault("tool", "", "is not stated: there is no program to draw")])
+    possible = [name for name in names() if name not in (EFFECTS, BACKPLOT, SPECTRUM)]
+    possible += [EFFECTS] if scene.effects else []
+    possible += [SPECTRUM] if SPECTRUM in scene.effects else []
+    possible.sort()
+    if scene.follower is None:
+        possible = [MOTION]
+    wanted = list(what) or possible
+    if wanted == possible == [MOTION]:
+        from camgeo.pictures import motion
+
+        found = motion.of_drive(design.name, scene.unit, design.drive, scene.lift_unit)
+        return found, wanted
+    own: dict[str, Builder] = {}
+    if SPECTRUM in wanted:
+        from camgeo.pictures import effects  # few scenes name it
+
+        def spectra(product: Product, size: Size = effects.SIZE, /) -> Figure:
+            found = design.effect(SPECTRUM)
+            frequency = effects.frequency_of(design.effects)
+            ends = found.spectra, found.highest_ratio
+            return effects.spectrum_figure(product.name, *ends, frequency, size)
+
+        own[SPECTRUM] = spectra
+    return stacked(design.disc, wanted, own), wanted
+
+
+def stacked(
+    product: Product, wanted: Sequence[str], own: Mapping[str, Builder] = MappingProxyType({})
+) -> Figure:
+    """The plots `wanted` of `product`, one above the other, all as wide as the widest.
+
+    `own` are builders by name that take more than a product.
+    """
+    builders = [own.get(name) or find(name) for name in wanted]
+    figures = [build(product) for build in builders]
+    width = max(each.size[0] for each in figures)
+    heights = [each.size[1] for each in figures]
+    rows = [
+        each if each.size == room else replace(build(product, room), size=(width, each.size[1]))
+        for each, build, room in zip(figures, builders, rooms(width, heights), strict=True)
+    ]
+    return Figure((width, sum(heights)), rows=tuple(rows))

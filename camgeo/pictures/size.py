@@ -1,0 +1,348 @@
+"""Where the cam axis may lie: the exact region and Flocke's, the present design and the answer.
+
+Drawn as a designer would: the follower in its starting position, the cam axis below it or to its
+side. A rocker has a region on either side of its arm.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+
+from camgeo.check.sizing.smallest import Rating, Sizing, flocke_limits, ratio_map, row_limits
+from camgeo.check.sizing.task import FaceTask, Placing, Task
+from camgeo.numeric.arrays import BoolArray, FloatArray
+from camgeo.pictures.model import (
+    AUXILIARY,
+    LIMIT,
+    LIMIT_STYLE,
+    MARGINS,
+    Axis,
+    Band,
+    Circle,
+    Field,
+    Figure,
+    Fill,
+    Legend,
+    Line,
+    Mark,
+    Panel,
+    Rule,
+    Style,
+    entries,
+    grid,
+    over,
+)
+from camgeo.units import MM_PER, LengthUnit
+
+SIZE: Final = (7.4, 7.0)
+ROWS: Final = 401
+CELLS: Final = 141
+"""Grid cells for the limit of the ratio of radii: each is 1 mm of the picture."""
+
+MOST: Final = 3.0
+"""Ratios are drawn up to this multiple of the largest allowed one; beyond it is undercut."""
+
+TOO_BENT: Final = Fill("#f0b8b4", "#f0b8b4")
+"""Colour of places at which the roller is too large."""
+
+REGION: Final = Fill("#c9dcee", "#c9dcee", 0.0)
+FLOCKE: Final = Fill(edge=AUXILIARY, width=0.9, hatched=True)
+
+MARGIN: Final = 0.04
+"""Room around a base circle, as a fraction of its radius."""
+
+DEEPER: Final = 1.45
+"""Depth of the picture below the follower, as a multiple of that of the deepest place in it."""
+
+Sides = Sequence[tuple[Task, Sizing]]
+"""What was sized, and its sizing: the scene's own side first."""
+
+Window = tuple[FloatArray, FloatArray]
+"""Ends (2,) of x and of y of the picture [mm]."""
+
+
+def figure(name: str, sides: Sides, length: LengthUnit = "mm") -> Figure:
+    """The region; lengths in mm, origin in the roller's start (guide) or in the pivot (rocker)."""
+    shown = window(sides)
+    marks: list[Mark] = []
+    for task, sizing in sides:
+        marks += _regions(task, sizing, shown)
+    task, own = sides[0]
+    marks += _follower(task)
+    marks += places(task, "present design", task.present, Style(AUXILIARY, 0.0, marker="s"))
+    if own.flocke is not None:
+        marks += places(task, "Flocke", own.flocke.place, Style("black", 0.0, marker="^"))
+    marks += answers(sides)
+    return framed(name, marks, shown, length)
+
+
+def framed(name: str, marks: Sequence[Mark], shown: Window, length: LengthUnit) -> Figure:
+    """The figure of these marks, with numbers in a unit of length."""
+    x, y = shown
+    panel = Panel(
+        grid(SIZE, MARGINS)[0],
+        _axis(x, "x", length),
+        _axis(y, "y", length),
+        tuple(marks),
+        f"{name}: where the cam axis may lie",
+        legend=Legend(tuple(dict.fromkeys(entries(marks)))),  # both sides have the same regions
+        equal=True,
+    )
+    return Figure(SIZE, (panel,))
+
+
+def _axis(ends: FloatArray, name: str, length: LengthUnit) -> Axis:
+    """An axis in mm whose numbers are in a unit of length."""
+    low, high = float(ends[0]), float(ends[1])
+    mm, label = MM_PER[length], f"{name} [{length}]"
+    if mm == 1.0:
+        return Axis((low, high), label)
+    decade = 10.0 ** math.floor(math.log10((high - low) / mm))
+    step = decade * (1.0 if high - low > 4.0 * decade * mm else 0.25)
+    numbers = np.arange(math.ceil(low / mm / step), math.floor(high / mm / step) + 1) * step
+    names = tuple(f"{each:.6g}" for each in numbers.tolist())
+    return Axis((low, high), label, ticks=tuple((mm * numbers).tolist()), names=names)
+
+
+def seen(task: Placing, real: FloatArray, imag: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """x, y of the picture [mm] from real and imaginary part of places, see `Placing`."""
+    across, up = task.seen
+    return across * real, up * imag
+
+
+def window(sides: Sides) -> Window:
+    """Ends of x and y [mm]: all places of all sides, as wide as high."""
+    across, depths, room = [], [0.0, 0.0], 0.0
+    for task, sizing in sides:
+        rated = (sizing.flocke, sizing.for_angle, sizing.answer)
+        shown = [task.start, *(each.place for each in rated if each is not None)]
+        if task is sides[0][0]:
+            shown.append(task.present)
+        if task.held is not None:
+            shown.append(task.held)
+        across += [task.seen[0] * each.real for each in shown]
+        below = 0 if task.seen[1] > 0 else 1
+        depths[below] = max(depths[below], -DEEPER * min(each.imag for each in shown))
+        room = 1.4 * task.follower.roller_radius
+        if sizing.answer is not None:  # with its base circle
+            x, y = task.seen[0] * sizing.answer.place.real, task.seen[1] * sizing.answer.place.imag
+            radius = (1.0 + MARGIN) * sizing.answer.base_radius
+            across += [x - radius, x + radius]
+            depths = [max(depths[0], radius - y), max(depths[1], radius + y)]
+    low, high = (max(depth, room) for depth in depths)
+    return square(np.array(across), low, high, room)
+
+
+def square(across: FloatArray, low: float, high: float, room: float) -> Window:
+    """Ends of x about `across` [mm], and of y from -`low` to `high`, as wide as high."""
+    half = 0.5 * max(high + low, 1.2 * float(np.ptp(across)) + 2.0 * room)
+    middle = 0.5 * float(np.min(across) + np.max(across))
+    more = half - 0.5 * (high + low)
+    # More room is of use where the axis may lie.
+    below = 2.0 * more * low / (low + high)
+    return np.array([middle - half, middle + half]), np.array(
+        [-low - below, high + 2.0 * more - below]
+    )
+
+
+def _regions(task: Task, sizing: Sizing, shown: Window) -> list[Mark]:
+    across, up = task.seen
+    columns, heights = np.sort(across * shown[0]), np.sort(up * shown[1])
+    depths = np.linspace(min(heights[0], 0.0), 0.0, ROWS)
+    angle = f"μ ≥ {np.degrees(sizing.angle):g}°"
+    low, high = row_limits(task, np.tan(sizing.angle), depths)
+    exact = band(task, depths, low, high, columns, REGION, f"{angle}, exact")
+    marks: list[Mark] = [exact]
+    if sizing.construction is not None:
+        low, high = flocke_limits(sizing.construction, depths)
+        marks.append(band(task, depths, low, high, columns, FLOCKE, f"{angle} by Flocke"))
+    x = np.linspace(columns[0], columns[1], CELLS)
+    y = np.linspace(depths[0], 0.0, CELLS)
+    ratios = ratio_map(task, x, y, MOST * sizing.ratio)
+    if _reaches(exact, seen(task, x, y), ratios > sizing.ratio):
+        over_x, over_y = seen(task, x, y)
+        levels = sizing.ratio, MOST * sizing.ratio
+        label = f"there r$_R$/r$_K$ > {sizing.ratio:g}"
+        marks.append(Field(over_x, over_y, ratios, levels, TOO_BENT, exact, label, layer=2.0))
+    return marks
+
+
+def _reaches(region: Band, cells: tuple[FloatArray, FloatArray], marked: BoolArray) -> bool:
+    """Whether a `marked` one of the cells (rows, columns) of the picture lies in the `region`."""
+    x, y = cells
+    order = np.argsort(region.places)
+    left, right = (
+        np.interp(y, region.places[order], end[order]) for end in (region.low, region.high)
+    )
+    ends = np.sort(np.stack((left, right)), axis=0)[..., np.newaxis]
+    return bool(np.any(marked & (x >= ends[0]) & (x <= ends[1])))
+
+
+def band(
+    task: Placing,
+    rows: FloatArray,
+    low: FloatArray,
+    high: FloatArray,
+    columns: FloatArray,
+    style: Fill,
+    label: str,
+) -> Band:
+    """The places between `low` and `high` (n,) of each row (n,) [mm], where there are any.
+
+    Without its name if there are none between the ends (2,) of the `columns`.
+    """
+    met = low <= high
+    margin = float(np.ptp(columns))  # beyond the picture on both sides
+    low = np.clip(low, columns[0] - margin, columns[1] + margin)
+    high = np.clip(high, columns[0] - margin, columns[1] + margin)
+    left, y = seen(task, low, rows)
+    right, _ = seen(task, high, rows)
+    inside = met & (low <= columns[1]) & (high >= columns[0])
+    left, right = (np.where(met, each, np.nan) for each in (left, right))
+    return Band("y", y, left, right, style, label if np.any(inside) else "")
+
+
+def _follower(task: Task) -> list[Mark]:
+    """The roller, and its rocker or guide."""
+    start = task.start
+    roller = Circle((start.real, 0.0), task.follower.roller_radius, Fill(edge="black"))
+    if task.held is not None:
+        arm = Line(over([0.0, start.real], [0.0, 0.0]), Style("black", 2.0))
+        return [roller, arm, pivot()]
+    return [roller, Rule("x", 0.0, Style("black", 0.8, (8.0, 3.0, 2.0, 3.0)))]
+
+
+def pivot() -> Line:
+    """That of a rocker."""
+    return Line(over([0.0], [0.0]), Style("black", marker="o", face="white", edge="black"))
+
+
+def places(task: Placing, label: str, place: complex, style: Style) -> list[Mark]:
+    """A place with its name."""
+    at = seen(task, np.array([place.real]), np.array([place.imag]))
+    return [Line(over(*at), style, label, layer=5.0)]
+
+
+def answers(sides: Sequence[tuple[Placing, Sizing]]) -> list[Mark]:
+    """The answer of each side, with its base circle; the smallest first."""
+    found: list[tuple[Rating, Placing]] = [
+        (sizing.answer, task) for task, sizing in sides if sizing.answer is not None
+    ]
+    found.sort(key=lambda each: each[0].base_radius)
+    marks: list[Mark] = []
+    labels = "smallest", "smallest on the other side"
+    fills = (LIMIT, "white")
+    for (rating, task), label, face in zip(found, labels, fills, strict=False):
+        style = Style(LIMIT, 0.0, marker="o", face=face, edge=LIMIT)
+        marks += places(task, label, rating.place, style)
+        (x,), (y,) = seen(task, np.array([rating.place.real]), np.array([rating.place.imag]))
+        dashed = Fill(edge=LIMIT, dashes=LIMIT_STYLE.dashes)
+        marks.append(Circle((float(x), float(y)), rating.base_radius, dashed))
+    return marks
+
+
+# -- size face ------------------------------------------------------------------------------------
+# Where the cam axis may lie under a flat face: the exact region, the present design, the answer.
+#
+# The face is drawn in its starting position. A rocker keeps its pivot, so the answer lies on a
+# circle about it.
+
+
+SAMPLES: Final = 2001
+"""Cam angles of which the region is drawn."""
+
+ROOM: Final = 0.06
+"""Above and below what is shown, as a fraction of it."""
+
+OTHER: Final = Fill(edge=AUXILIARY, width=0.6, hatched=True)
+FACE: Final = Style("black", 2.0)
+THIN: Final = Style(AUXILIARY, 1.0)
+LINE: Final = Style("black", 0.8, (8.0, 3.0, 2.0, 3.0))
+KEPT: Final = Fill(edge=AUXILIARY, width=0.8, dashes=(2.0, 2.0))
+
+FaceSides = Sequence[tuple[FaceTask, Sizing]]
+"""What was sized, and its sizing: the scene's own side first."""
+
+
+def face_figure(name: str, sides: FaceSides, length: LengthUnit = "mm") -> Figure:
+    """The region; lengths in mm, origin below the face on the guide, or in the pivot (rocker)."""
+    shown = face_window(sides)
+    marks: list[Mark] = []
+    for number, (task, sizing) in enumerate(sides):
+        marks += _region(task, sizing, shown, other=number > 0)
+        marks += _face_follower(task, sizing, THIN if number else FACE)
+    task = sides[0][0]
+    marks += places(task, "present design", task.present, Style(AUXILIARY, 0.0, marker="s"))
+    marks += answers(sides)
+    return framed(name, marks, shown, length)
+
+
+def face_window(sides: FaceSides) -> Window:
+    """Ends of x and y [mm]: all places and base circles, as wide as high."""
+    across, low, high = [0.0], 0.0, 0.0
+    for task, sizing in sides:
+        shown = [task.present] if task is sides[0][0] else []
+        shown += [] if sizing.answer is None else [sizing.answer.place]
+        for each in shown:
+            radius = task.base_radius_at(each)
+            across += [each.real - radius, each.real + radius]
+            y = task.seen[1] * each.imag
+            low, high = max(low, radius - y), max(high, radius + y)
+        high = max(high, task.top)
+    room = ROOM * (low + high)
+    return square(np.array(across), low + room, high + room, 0.0)
+
+
+def _region(task: FaceTask, sizing: Sizing, shown: Window, *, other: bool) -> list[Mark]:
+    heights = np.sort(task.seen[1] * shown[1])
+    top = task.top
+    rows = np.linspace(min(heights[0], top), top, ROWS)
+    low, high = region_limits(task, sizing, rows)
+    label = "convex cam" if sizing.radius == 0.0 else f"ρ ≥ {sizing.radius:g} mm"
+    if task.held is not None:
+        label += f", μ ≥ {np.degrees(sizing.angle):g}°"
+    if other:
+        label += ", face on the other side"
+    return [band(task, rows, low, high, shown[0], OTHER if other else REGION, label)]
+
+
+def region_limits(
+    task: FaceTask, sizing: Sizing, rows: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Lower and upper end (k,), (k,) of Re P [mm] at Im P = `rows` (k,) [mm].
+
+    Of a grid of cam angles, for a picture; the lower end is above the upper one outside the region.
+    """
+    low, high = np.full(len(rows), -np.inf), np.full(len(rows), np.inf)
+    if sizing.hopeless is not None:
+        return high, low
+    phi = np.linspace(0.0, 2.0 * np.pi, SAMPLES, endpoint=False)
+    for name in task.names:
+        a, b, c = task.rows(name, phi, "right", task.asked(sizing.angle, sizing.radius or 0.0))
+        rest = c[:, np.newaxis] + b[:, np.newaxis] * rows  # y is minus the row
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ends = rest / a[:, np.newaxis]
+        none = np.any((a == 0.0)[:, np.newaxis] & (rest > 0.0), axis=0)
+        low = np.maximum(low, np.max(ends, axis=0, initial=-np.inf, where=(a > 0.0)[:, np.newaxis]))
+        high = np.minimum(
+            high, np.min(ends, axis=0, initial=np.inf, where=(a < 0.0)[:, np.newaxis])
+        )
+        low = np.where(none, np.inf, low)
+    return low, high
+
+
+def _face_follower(task: FaceTask, sizing: Sizing, style: Style) -> list[Mark]:
+    """The face, with its guide or its pivot."""
+    answer, y = sizing.answer, task.seen[1] * task.top
+    marks: list[Mark] = []
+    if answer is not None and answer.face is not None:
+        ends = [each.value for each in answer.face]
+        marks.append(Line(over(ends, [y, y]), style, layer=3.0))
+    if task.held is None:
+        return [*marks, Rule("x", 0.0, LINE)]
+    arm = Line(over([0.0, 0.0], [0.0, y]), style)
+    return [Circle((0.0, 0.0), abs(task.present), KEPT), arm, *marks, pivot()]

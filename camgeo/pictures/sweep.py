@@ -1,0 +1,473 @@
+"""The pictures themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from camgeo.errors import GeometryError, UnknownNameError
+from camgeo.numeric.arrays import FloatArray, frozen
+from camgeo.pictures.model import (
+    AUXILIARY,
+    LIMIT,
+    LINE,
+    Area,
+    Axis,
+    Box,
+    Entry,
+    Figure,
+    Fill,
+    Frame,
+    Legend,
+    Line,
+    Mark,
+    Panel,
+    Style,
+    Text,
+    box,
+    limits,
+    over,
+)
+from camgeo.studies.optimise.optimise import Found, Trial
+from camgeo.studies.optimise.task import front
+from camgeo.studies.sweep.family import Family
+from camgeo.studies.sweep.rows import canonical
+from camgeo.studies.sweep.sweep import Result
+from camgeo.units import counted
+
+ACROSS, HEIGHT = 4.9, 4.6
+LEFT, RIGHT, TOP, BOTTOM = 0.95, 1.75, 0.45, 0.6
+"""Width of a panel, height of a figure and margins [inch]; the legend stands on the right."""
+
+MOST: Final = 20_000
+"""Designs of a picture; with more nothing could be told apart."""
+
+AXIS: Final = 1.3
+"""Distance of parallel axes [inch]."""
+
+EDGE: Final = 0.04
+"""Space above and below the values of a parallel axis, as a fraction of their range."""
+
+POINT: Final = 5.0
+"""Size of a design in a map of samples [points]."""
+
+FRONT: Final = Style(LIMIT, 1.2, marker="o", size=5.0)
+OTHERS: Final = Style(LINE, 0.0, marker="o", size=3.5)
+
+
+def map_of(result: Result) -> Figure:
+    """Each answer over the two keys that vary: cells of a grid, or the points of samples.
+
+    Over one key the answers are curves.
+    """
+    keys, asked = columns_of(result)
+    variables = result.family.variables
+    firsts = [keys[result.family.keys.index(variable.keys[0])] for variable in variables]
+    if len(firsts) == 1:
+        rows = [_curve(firsts[0], each, result) for each in asked]
+    else:
+        rows = [_map(firsts[0], firsts[1], each, result) for each in asked]
+    if len(rows) == 1:
+        return rows[0]
+    width = max(row.size[0] for row in rows)
+    return Figure((width, HEIGHT * len(rows)), rows=tuple(rows))
+
+
+def _frame(width: float, left: float = LEFT) -> Frame:
+    """The frame of the one panel of a figure, which has room for a legend on its right."""
+    return box(
+        left / width,
+        BOTTOM / HEIGHT,
+        1.0 - (left + RIGHT) / width,
+        1.0 - (TOP + BOTTOM) / HEIGHT,
+    )
+
+
+def _curve(key: Column, asked: Column, result: Result) -> Figure:
+    order = np.argsort(key.values, kind="stable")
+    points = over(key.values[order], asked.values[order])
+    width = 0.0 if key.words or asked.words else 1.2
+    line = Line(points, Style(LINE, width, marker="o", size=3.5))
+    title = f"{result.family.scene.name}: {asked.label}"
+    left = LEFT + asked.room
+    frame = _frame(left + ACROSS + RIGHT, left)
+    panel = Panel(frame, key.axis, asked.axis, (line,), title)
+    return Figure((left + ACROSS + RIGHT, HEIGHT), (panel,))
+
+
+def _map(x: Column, y: Column, asked: Column, result: Result) -> Figure:
+    if result.family.sample is None:
+        marks, axes = _cells(x, y, asked)
+    else:
+        marks, axes = _dots(x, y, asked), (x.axis, y.axis)
+    title = f"{result.family.scene.name}: {asked.label}"
+    left = LEFT + y.room
+    width = left + ACROSS + RIGHT
+    panel = Panel(_frame(width, left), *axes, tuple(marks), title, legend=asked.legend)
+    return Figure((width, HEIGHT), (panel,))
+
+
+def _cells(x: Column, y: Column, asked: Column) -> tuple[list[Mark], tuple[Axis, Axis]]:
+    """A rectangle for each design; its borders lie half way to its neighbours."""
+    (left, right, across), (low, high, up) = _borders(x), _borders(y)
+    marks: list[Mark] = []
+    for column, row, value in zip(x.values, y.values, asked.values, strict=True):
+        i, k = int(np.searchsorted(across, column)), int(np.searchsorted(up, row))
+        corners = [(left[i], low[k]), (right[i], low[k]), (right[i], high[k]), (left[i], high[k])]
+        missing = np.isnan(value)
+        fill = FAILED if missing else Fill(asked.colour(asked.level(value)), width=0.0)
+        marks.append(Area((np.array(corners),), fill, layer=1.2 if missing else 1.0))
+    axes = (_within(x, left, right), _within(y, low, high))
+    return marks, axes
+
+
+def _within(column: Column, low: FloatArray, high: FloatArray) -> Axis:
+    axis = column.axis
+    return Axis((float(low[0]), float(high[-1])), axis.label, ticks=axis.ticks, names=axis.names)
+
+
+def _borders(column: Column) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Lower and upper borders of the cells around the distinct values, and these."""
+    places = np.unique(column.values)
+    if len(places) == 1:
+        return places - 0.5, places + 0.5, places
+    middle = 0.5 * (places[:-1] + places[1:])
+    first, last = 2.0 * places[0] - middle[0], 2.0 * places[-1] - middle[-1]
+    return np.concatenate(([first], middle)), np.concatenate((middle, [last])), places
+
+
+def _dots(x: Column, y: Column, asked: Column) -> list[Mark]:
+    """A point for each design, in the colour of its answer."""
+    marks: list[Mark] = []
+    missing = np.isnan(asked.values)
+    if missing.any():
+        style = Style(LIMIT, 0.0, marker="x", size=POINT)
+        marks.append(Line(over(x.values[missing], y.values[missing]), style, layer=2.5))
+    levels = np.array([-1 if np.isnan(each) else asked.level(each) for each in asked.values])
+    for level in np.unique(levels[levels >= 0]):
+        here = levels == level
+        style = Style(asked.colour(int(level)), 0.0, marker="o", size=POINT, edge=AUXILIARY,
+                      edge_width=0.3)  # fmt: skip
+        marks.append(Line(over(x.values[here], y.values[here]), style))
+    return marks
+
+
+def parallel(result: Result) -> Figure:
+    """A vertical axis for each key and each answer, and a line through them for each design.
+
+    Colours are those of the last answer. Designs that lack an answer are left out.
+    """
+    keys, asked = columns_of(result)
+    columns = [*keys, *asked]
+    last = columns[-1]
+    width = LEFT + AXIS * len(columns) + RIGHT
+    whole = np.flatnonzero(~np.isnan([column.values for column in columns]).any(axis=0))
+    heights = np.stack([_heights(column) for column in columns])
+    marks: list[Mark] = []
+    places = np.arange(float(len(columns)))
+    for design in whole[np.argsort(last.values[whole], kind="stable")]:
+        colour = last.colour(last.level(float(last.values[design])))
+        marks.append(Line(over(places, heights[:, design]), Style(colour, 0.7)))
+    for place, column in enumerate(columns):
+        marks.append(Line(over([place] * 2, [0.0, 1.0]), Style("black", 1.0), layer=3.0))
+        marks += _scale(float(place), column)
+    lost = len(last.values) - len(whole)
+    title = f"{result.family.scene.name}: {counted(len(whole), 'design')}"
+    title += f", without {lost:,} that lack an answer" if lost else ""
+    x, y = Axis((-0.5, len(columns) - 0.5), numbered=False), Axis((-0.12, 1.04), numbered=False)
+    panel = Panel(_frame(width), x, y, tuple(marks), title, legend=last.legend, bare=True)
+    return Figure((width, HEIGHT), (panel,))
+
+
+def _heights(column: Column) -> FloatArray:
+    """The values of a column between 0 and 1."""
+    low, high = _ends(column)
+    return (column.values - low) / (high - low)
+
+
+def _ends(column: Column) -> tuple[float, float]:
+    known = column.values[np.isfinite(column.values)]
+    low, high = (float(np.min(known)), float(np.max(known))) if len(known) else (0.0, 1.0)
+    space = EDGE * (high - low) or max(abs(high), 1.0) * EDGE
+    return low - space, high + space
+
+
+def _scale(place: float, column: Column) -> list[Mark]:
+    """Its name below an axis, and beside it words, or the numbers at both ends."""
+    low, high = _ends(column)
+    if column.words:
+        named = [(float(k), word) for k, word in enumerate(column.words)]
+    else:
+        known = column.values[np.isfinite(column.values)]
+        ends = (float(np.min(known)), float(np.max(known))) if len(known) else ()
+        named = [(end, f"{end:.4g}") for end in dict.fromkeys(ends)]
+    marks: list[Mark] = []
+    for at, text in named:
+        spot = (place, (at - low) / (high - low))
+        behind = Box(0.5, 0.7)
+        marks.append(Text(text, spot, 7.0, offset=(3.0, 0.0), up="center", box=behind, layer=4.0))
+    name = column.label.replace(" [", "\n[")
+    marks.append(Text(name, (place, -0.03), 7.0, across="center", up="top", layer=4.0))
+    return marks
+
+
+def pareto(result: Result, least: Sequence[str], largest: Sequence[str]) -> Figure:
+    """Two answers over each other, and the designs that no other one beats in all objectives.
+
+    Parameters
+    ----------
+    least, largest : the objectives, by the names that were asked: what should be small, and what
+        large; at least two together, of which the first two are the axes.
+    """
+    _, asked = columns_of(result)
+    chosen = objectives([each.word for each in result.asked], least, largest)
+    mask = front(np.column_stack([sense * asked[place].values for place, sense in chosen]))
+    (across, _), (up, _) = chosen[:2]
+    x, y = asked[across], asked[up]
+    order = np.flatnonzero(mask)[np.argsort(x.values[mask], kind="stable")]
+    style = FRONT if len(chosen) == 2 else Style(LIMIT, 0.0, marker="o", size=5.0)
+    marks: list[Mark] = [
+        Line(over(x.values[~mask], y.values[~mask]), OTHERS),
+        Line(over(x.values[order], y.values[order]), style, layer=3.0),
+    ]
+    named = (Entry("Pareto front", style), Entry("other designs", OTHERS))
+    title = f"{result.family.scene.name}: {counted(len(order), 'design')} that no other beats"
+    legend = Legend(named, "upper left", (1.02, 1.0), size=7.5, gap=0.0)
+    left = LEFT + y.room
+    width = left + ACROSS + RIGHT
+    panel = Panel(_frame(width, left), x.axis, y.axis, tuple(marks), title, legend=legend)
+    return Figure((width, HEIGHT), (panel,))
+
+
+def objectives(
+    asked: Sequence[str], least: Sequence[str], largest: Sequence[str]
+) -> list[tuple[int, float]]:
+    """The places of the objectives among what was asked, each with 1 if small is good, else -1.
+
+    Raises UnknownNameError for one that was not asked, GeometryError for fewer than two.
+    """
+    words = [canonical(word) for word in asked]
+    found = []
+    for names, sense in ((least, 1.0), (largest, -1.0)):
+        for name in map(canonical, names):
+            if name not in words:
+                raise UnknownNameError("answer", name, words)
+            found.append((words.index(name), sense))
+    if len({place for place, _ in found}) < max(2, len(found)):
+        raise GeometryError("a front needs two objectives or more, each once")
+    return found
+
+
+def require(family: Family, kind: str) -> None:
+    """GeometryError unless a picture of that kind can show a family, before that is computed."""
+    if family.count > MOST:
+        found = counted(family.count, "design")
+        raise GeometryError(f"a picture has at most {counted(MOST, 'design')}, not {found}")
+    count = len(family.variables)
+    if kind == "map" and count > 2:
+        message = f"a map has one or two variables, not {count}; parallel axes have any number"
+        raise GeometryError(message)
+
+
+PICTURES: Final[dict[str, Callable[[Result], Figure]]] = {"map": map_of, "parallel": parallel}
+"""Those that need no objectives."""
+
+
+# -- columns --------------------------------------------------------------------------------------
+# Columns of a sweep as numbers that can be drawn, and the colours of a column.
+
+
+COLOURS: Final = (
+    "#440154", "#46327e", "#365c8d", "#277f8e", "#1fa187", "#4ac16d", "#a0da39", "#fde725",
+)  # fmt: skip
+"""From low to high, ascending in lightness too (viridis of matplotlib, CC0)."""
+
+LETTER: Final = 0.08
+"""Width of a letter at a tick [inch]."""
+
+FAILED: Final = Fill("#ffffff", "#b3261e", 0.6, hatched=True)
+"""Designs without an answer."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Column:
+    """What varies or was asked, for all designs.
+
+    Attributes
+    ----------
+    label : its name and unit.
+    values : (n,) of all designs, NaN where there is none; of words their places in `words`.
+    words : the words, in the order of their first appearance; empty for numbers.
+    """
+
+    label: str
+    values: FloatArray
+    words: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "values", frozen(self.values, np.float64))
+
+    @property
+    def room(self) -> float:
+        """Width of its words [inch], for the margin beside a vertical axis."""
+        return LETTER * max(map(len, self.words), default=0)
+
+    @property
+    def axis(self) -> Axis:
+        """An axis on which all values lie."""
+        if self.words:
+            ticks = tuple(float(place) for place in range(len(self.words)))
+            return Axis((-0.6, len(self.words) - 0.4), self.label, ticks=ticks, names=self.words)
+        return Axis(limits([self.values]), self.label)
+
+    @property
+    def levels(self) -> FloatArray:
+        """(k + 1,) borders of the ranges that colours stand for, equal in width."""
+        if self.words:
+            return np.arange(float(len(self.words) + 1)) - 0.5
+        known = self.values[np.isfinite(self.values)]
+        if not len(known):
+            return np.array([0.0, 1.0])
+        low, high = float(np.min(known)), float(np.max(known))
+        found: FloatArray = np.linspace(low, high, len(COLOURS) + 1 if high > low else 2)
+        return found
+
+    def level(self, value: float) -> int:
+        """The range that a value lies in, from 0."""
+        borders = self.levels
+        place = int(np.searchsorted(borders, value, side="right")) - 1
+        return max(0, min(place, len(borders) - 2))
+
+    def colour(self, level: int) -> str:
+        """Of a range."""
+        most = max(len(self.levels) - 2, 1)
+        return COLOURS[round(level * (len(COLOURS) - 1) / most)]
+
+    @property
+    def legend(self) -> Legend:
+        """The ranges with their colours, the highest on top, and what has no answer."""
+        borders = self.levels
+        entries = [
+            Entry(self._range(borders, level), Fill(self.colour(level), width=0.0))
+            for level in reversed(range(len(borders) - 1))
+        ]
+        if np.isnan(self.values).any():
+            entries.append(Entry("no answer", FAILED))
+        return Legend(tuple(entries), "upper left", (1.02, 1.0), size=7.5, gap=0.0)
+
+    def _range(self, borders: FloatArray, level: int) -> str:
+        if self.words:
+            return self.words[level]
+        return f"{borders[level]:.4g} to {borders[level + 1]:.4g}"
+
+
+def columns_of(result: Result) -> tuple[list[Column], list[Column]]:
+    """What varies and what was asked."""
+    rows = list(result.rows)
+    keys = [
+        column(key, [row.point[place] for row in rows])
+        for place, key in enumerate(result.family.keys)
+    ]
+    asked = []
+    for place, each in enumerate(result.asked):
+        units = sorted({row.units[place] for row in rows if row.units[place]})
+        label = f"{each.word} [{' or '.join(units)}]" if units else each.word
+        asked.append(column(label, [row.values[place] for row in rows]))
+    return keys, asked
+
+
+def column(label: str, values: Sequence[object]) -> Column:
+    """The column of some values: numbers, or words if any of them is one."""
+    if any(isinstance(value, str | bool) for value in values):
+        words = dict.fromkeys(_word(value) for value in values if value is not None)
+        places = {word: float(place) for place, word in enumerate(words)}
+        numbers = [np.nan if value is None else places[_word(value)] for value in values]
+        return Column(label, np.array(numbers), tuple(words))
+    return Column(label, np.array(list(_numbers(values))))
+
+
+def _numbers(values: Iterable[object]) -> Iterable[float]:
+    return (float(value) if isinstance(value, int | float) else np.nan for value in values)
+
+
+def _word(value: object) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+# -- trials ---------------------------------------------------------------------------------------
+# Pictures of an optimisation: the Pareto front, or how the objective became better.
+
+
+BEST = Style(LIMIT, 1.2)
+ON_FRONT = Style(LIMIT, 0.0, marker="o", size=5.0)
+WITHIN = Style(LINE, 0.0, marker="o", size=3.0)
+BEYOND = Style("0.7", 0.0, marker="x", size=3.0)
+CHOSEN = Style("black", 0.0, marker="o", size=7.0)
+
+
+def of_search(found: Found, units: Sequence[str]) -> Figure:
+    """The first two objectives over each other with the front, or one objective over the trials.
+
+    Of more trials than a picture has, only the first are drawn besides the front and the best.
+    """
+    words = [each.asked.word for each in found.task.goals]
+    places = [found.task.asked.index(each.asked) for each in found.task.goals]
+    labels = [
+        f"{word} [{units[place]}]" if units[place] else word
+        for word, place in zip(words, places, strict=True)
+    ]
+    name = found.task.family.scene.name
+    shown = [each for each in found.trials[:MOST] if not np.isnan(each.costs).any()]
+    beyond = [each for each in shown if not each.feasible]
+    within = [each for each in shown if each.feasible]
+    marks: list[Mark] = []
+    several = len(places) > 1
+
+    def across(trials: Sequence[Trial]) -> FloatArray:
+        return (
+            _answers(trials, places[0]) if several else np.array([float(t.number) for t in trials])
+        )
+
+    def up(trials: Sequence[Trial]) -> FloatArray:
+        return _answers(trials, places[1 if several else 0])
+
+    entries = []
+    for label, trials, style in (
+        ("beyond a limit", beyond, BEYOND),
+        ("within all limits", within, WITHIN),
+    ):
+        if trials:
+            marks.append(Line(over(across(trials), up(trials)), style))
+            entries.append(Entry(label, style))
+    if several:
+        title = f"{name}: {counted(len(found.front), 'design')} that no other beats"
+        front = sorted(found.front, key=lambda each: float(across([each])[0]))
+        if front:
+            style = ON_FRONT if len(places) > 2 else Style(LIMIT, 1.2, marker="o", size=5.0)
+            marks.append(Line(over(across(front), up(front)), style, layer=3.0))
+            entries.append(Entry("Pareto front", style))
+    else:
+        title = f"{name}: {found.task.goals[0].sense} {words[0]}"
+        if within:
+            best = np.minimum.accumulate([each.costs[0] for each in within])
+            sense = found.task.goals[0].cost(1.0)
+            marks.append(Line(over(across(within), sense * best), BEST, layer=3.0))
+            entries.append(Entry("best so far", BEST))
+    chosen = found.best if found.made is None else found.made
+    if not np.isnan(chosen.costs).any():
+        marks.append(Line(over(across([chosen]), up([chosen])), CHOSEN, layer=4.0))
+        entries.append(Entry("chosen" if chosen.feasible else "nearest", CHOSEN))
+    width = LEFT + ACROSS + RIGHT
+    frame = box(LEFT / width, BOTTOM / HEIGHT, ACROSS / width, 1.0 - (TOP + BOTTOM) / HEIGHT)
+    seen = [*shown, *found.front]
+    x = Axis(limits([across(seen)]), labels[0] if several else "design")
+    y = Axis(limits([up(seen)]), labels[1 if several else 0])
+    legend = Legend(tuple(entries), "upper left", (1.02, 1.0), size=7.5, gap=0.0)
+    return Figure((width, HEIGHT), (Panel(frame, x, y, tuple(marks), title, legend=legend),))
+
+
+def _answers(trials: Sequence[Trial], place: int) -> FloatArray:
+    return np.array([each.values[place] for each in trials], dtype=float)

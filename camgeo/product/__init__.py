@@ -1,1 +1,0 @@
-"""A finished disc, with the view of it from which each kind of file is written."""

@@ -1,0 +1,204 @@
+"""What objects show of themselves: at a prompt one line, in a notebook what a renderer makes.
+
+The engine draws nothing. A notebook asks an object for its picture or HTML through the methods that
+IPython has defined; only then is the renderer looked up among the entry points.
+"""
+
+from __future__ import annotations
+
+import json
+import pathlib
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from types import MappingProxyType
+from typing import Any, Final, TypeVar
+
+from camgeo._version import __version__
+from camgeo.errors import VersionError
+from camgeo.units import counted
+
+GROUP: Final = "camgeo.notebook"
+"""Entry points of what a notebook needs: `display`, a callable that returns the renderings of an
+object by media type; `plot` and `viewer`, see `plot` and `view` of
+`camgeo.design.design.Design`."""
+
+LONGEST: Final = 300
+"""Characters of a line that describes an object: three lines of a terminal."""
+
+WORDS: Final = 60
+"""Characters of a text in it."""
+
+
+def notebook(name: str) -> Callable[..., Any]:
+    """The entry point for notebooks of that name."""
+    from importlib.metadata import entry_points  # slow, and few objects are displayed
+
+    (entry,) = entry_points(group=GROUP, name=name)
+    found: Callable[..., Any] = entry.load()
+    return found
+
+
+def clipped(line: str) -> str:
+    """A line that describes an object, cut to `LONGEST` characters."""
+    return line if len(line) <= LONGEST else f"{line[: LONGEST - 2]}…)"
+
+
+def brief(value: object) -> str:
+    """A value in a few words, an object by its class, an array by its shape, findings by severity.
+
+    Control characters of texts are escaped, so that none reaches a terminal.
+    """
+    if isinstance(value, Enum):
+        return brief(value.value)
+    if isinstance(value, str):
+        return repr(value if len(value) <= WORDS else f"{value[: WORDS - 1]}…")
+    if isinstance(value, float | complex):
+        return f"{value:.6g}"
+    if value is None or isinstance(value, int):
+        return repr(value)
+    name, shape = type(value).__name__, getattr(value, "shape", None)
+    if isinstance(shape, tuple):
+        return f"{name}{shape}"
+    if isinstance(value, Collection) and isinstance(value, Displayed):
+        return repr(value)
+    if isinstance(value, Collection):
+        return f"<{counted(len(value), 'byte' if isinstance(value, bytes) else 'item')}>"
+    return f"{name}(…)" if is_dataclass(value) or callable(value) else brief(str(value))
+
+
+class Brief:
+    """Base of a dataclass that describes itself in one line, however much it holds.
+
+    A class that has a description of its own keeps it.
+    """
+
+    __slots__ = ()
+
+    def __init_subclass__(cls, **given: Any) -> None:
+        super().__init_subclass__(**given)
+        # `dataclass` leaves alone what is defined in the class itself.
+        cls.__repr__ = cls.__repr__  # type: ignore[method-assign]  # an inherited one is pinned
+
+    def __repr__(self) -> str:
+        names = (each.name for each in fields(self) if each.repr)  # type: ignore[arg-type]  # its subclasses are dataclasses
+        values = ", ".join(f"{name}={brief(getattr(self, name))}" for name in names)
+        return clipped(f"{type(self).__name__}({values})")
+
+
+class Displayed(Brief):
+    """Base of what a notebook shows in more than words.
+
+    If an error of camgeo prevents that, the error is shown; nothing is raised.
+    """
+
+    __slots__ = ()
+
+    def _repr_mimebundle_(
+        self, include: object = None, exclude: object = None
+    ) -> Mapping[str, str | bytes]:
+        """All renderings at once, by media type, so that a picture is drawn only once."""
+        found: Mapping[str, str | bytes] = notebook("display")(self)
+        return found
+
+    def _repr_html_(self) -> str | None:
+        """The rendering for front ends that show HTML; every text in it is escaped."""
+        html: str | None = self._rendered("text/html")
+        return html
+
+    def _repr_png_(self) -> bytes | None:
+        """The picture, for front ends without HTML; None if there is none."""
+        png: bytes | None = self._rendered("image/png")
+        return png
+
+    def _rendered(self, kind: str) -> Any:
+        return self._repr_mimebundle_().get(kind)
+
+
+# -- pickled --------------------------------------------------------------------------------------
+# Data that are pickled and copied as the values they were created from, and nothing else.
+#
+# Computed results, ledgers and caches are left out; the objects are created again through their own
+# checks, and have read-only arrays as before.
+
+
+Made = TypeVar("Made")
+
+
+class Pickled(Brief):
+    """Base of a dataclass whose pickles and copies are recreated from its fields.
+
+    A pickle names its class and the version of camgeo; another version raises VersionError.
+    """
+
+    __slots__ = ()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        names = (each.name for each in fields(self) if each.init)  # type: ignore[arg-type]  # its subclasses are dataclasses
+        return pickled(type(self), **{name: _plain(getattr(self, name)) for name in names})
+
+
+def pickled(make: Callable[..., Any], **given: Any) -> tuple[Any, ...]:
+    """The result of `__reduce__` for objects that `make` creates from `given`."""
+    return _again, (make, __version__, given)
+
+
+def _plain(value: Any) -> Any:
+    """A read-only mapping as one that can be pickled; its owner makes it read-only again."""
+    return dict(value) if isinstance(value, MappingProxyType) else value
+
+
+def _again(make: Callable[..., Made], version: str, given: dict[str, Any]) -> Made:
+    if version != __version__:
+        name = getattr(make, "__name__", "object")
+        raise VersionError(
+            f"a {name} pickled by camgeo {version} cannot be read by camgeo {__version__};"
+            " create it again from its scene"
+        )
+    return make(**given)
+
+
+# -- declared -------------------------------------------------------------------------------------
+# The JSON Schema of a declaration, stored next to its module, and what it allows in words.
+
+
+TYPES: Final = {
+    "array": "a list in square brackets",
+    "boolean": "true or false, without quotes",
+    "integer": "a whole number",
+    "number": "a number",
+    "object": "a table",
+    "string": "text in quotes",
+}
+
+
+def schema_beside(file: str, name: str = "") -> dict[str, Any]:
+    """The JSON Schema `name` in the folder of the module `file`.
+
+    By default the one with the module's stem, or schema.json for a package.
+    """
+    path = pathlib.Path(file)
+    stem = name or ("schema" if path.stem == "__init__" else path.stem)
+    found: dict[str, Any] = json.loads(path.with_name(f"{stem}.json").read_bytes())
+    return found
+
+
+def allowed(node: Mapping[str, Any]) -> str:
+    """What a node of a schema allows, in words: "must be ..."."""
+    if "x-allowed" in node:
+        return str(node["x-allowed"])
+    if "enum" in node:
+        return "must be one of " + ", ".join(f'"{item}"' for item in node["enum"])
+    text = "must be " + TYPES[node["type"]]
+    lowest = node.get("minimum", node.get("exclusiveMinimum"))
+    highest = node.get("maximum", node.get("exclusiveMaximum"))
+    if lowest is not None and highest is not None:
+        above = " above" if "exclusiveMinimum" in node else " from"
+        below = " to" if "maximum" in node else " and below"
+        text += f"{above} {lowest:g}{below} {highest:g}"
+    elif lowest is not None:
+        text += f", {'above' if 'exclusiveMinimum' in node else 'at least'} {lowest:g}"
+    elif highest is not None:
+        text += f", {'at most' if 'maximum' in node else 'below'} {highest:g}"
+    unit = node.get("x-unit")
+    return f"{text} ({unit})" if unit else text

@@ -1,0 +1,110 @@
+"""The drawing: a sheet to hand over, as DXF, PDF and SVG."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final, Literal
+
+from camgeo.kinematics.mechanism.values import Length
+from camgeo.numeric.checked import hold, instance, one_of, optional
+from camgeo.scene.formats.format import Format, no_options
+
+SHEETS: Final = ("A3", "A4")
+
+LANGUAGES: Final = ("en", "de")
+
+STEPS: Final = (5, 10, 15, 20, 30, 45, 60, 90)
+"""Steps of the table on the sheet [degrees]: parts of a turn that fit."""
+
+TEXTS: Final = (
+    *("owner", "number", "revision", "date", "title", "creator", "approver", "document_type"),
+    *("material", "hardness", "general_tolerances", "edges", "surface", "flank_surface"),
+    *("bore_fit", "keyway_fit", "scale"),
+)
+"""Keys whose values are texts."""
+
+SheetName = Literal["A3", "A4"]
+Language = Literal["en", "de"]
+
+
+@dataclass(frozen=True, slots=True)
+class DrawingSpec:
+    """`[drawing]`: the sheet, and what the scene states beyond the geometry.
+
+    A text that the scene does not give is empty, and nothing is drawn in its place: neither dates
+    nor tolerances are invented.
+
+    Attributes
+    ----------
+    sheet : size of the sheet, A3 lying or A4 standing (ISO 5457).
+    language : of the texts.
+    scale : as "1:2"; empty for the largest standard scale that fits (ISO 5455).
+    owner, number, revision, date, title, creator, approver, document_type : of the title block
+        (ISO 7200); the date as 2026-03-01.
+    material, hardness, general_tolerances, edges, surface : as they stand on the sheet; edges is
+        the size of ISO 13715, "-0.3".
+    flank_surface : of the flanks, where it differs from `surface`.
+    bore_fit, keyway_fit : tolerance classes (ISO 286), "H7" and "JS9".
+    flank_tolerance : of the profile of the flanks [mm], to bore and keyway (ISO 1101); None if
+        there is none.
+    step : of the cam angle in the table [degrees]; 0 leaves the table out.
+    motion : whether the motion diagram is drawn; None for on A3 only, where it takes no room from
+        the views.
+    """
+
+    sheet: SheetName = "A3"
+    language: Language = "en"
+    scale: str = ""
+    owner: str = ""
+    number: str = ""
+    revision: str = ""
+    date: str = ""
+    title: str = ""
+    creator: str = ""
+    approver: str = ""
+    document_type: str = ""
+    material: str = ""
+    hardness: str = ""
+    general_tolerances: str = ""
+    edges: str = ""
+    surface: str = ""
+    flank_surface: str = ""
+    bore_fit: str = ""
+    keyway_fit: str = ""
+    flank_tolerance: Length | None = None
+    step: int = 10
+    motion: bool | None = None
+
+    def __post_init__(self) -> None:
+        one_of("drawing.sheet", self.sheet, SHEETS)
+        one_of("drawing.language", self.language, LANGUAGES)
+        one_of("drawing.step", self.step, (0, *STEPS))
+        if self.motion is not None:
+            instance("drawing.motion", self.motion, bool, "true or false")
+        for name in TEXTS:
+            instance(f"drawing.{name}", getattr(self, name), str, "a text")
+        hold(self, flank_tolerance=optional("drawing.flank_tolerance", self.flank_tolerance, "mm"))
+
+    @property
+    def has_motion(self) -> bool:
+        """Whether the motion diagram is drawn."""
+        return self.sheet == "A3" if self.motion is None else self.motion
+
+
+def drawing_of(table: Mapping[str, Any]) -> DrawingSpec:
+    """The drawing that the table `[drawing]` states, lengths in mm."""
+    whole = {"step": int(table["step"])} if "step" in table else {}
+    return DrawingSpec(**{**table, **whole})
+
+
+SCHEMA: Final = {
+    "description": "The drawing has no options here: [drawing] states what is on the sheet.",
+    "type": "object",
+    "additionalProperties": False,
+    "required": [],  # so that the table's absence states nothing, and adds nothing to identities
+    "properties": {},
+}
+
+FORMAT: Final = Format("drawing", "-drawing.dxf", no_options, SCHEMA, ("follower",))
+"""Its writer has companions for PDF and SVG."""

@@ -1,0 +1,99 @@
+"""3MF: the part as a body for printing, or a plate with several bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+from camgeo.errors import GeometryError
+from camgeo.kinematics.mechanism.values import Length
+from camgeo.numeric.checked import check_fields, instance, one_of, shown
+from camgeo.record import schema_beside
+from camgeo.scene.formats.format import BODY, Format, Values
+
+CAM: Final = "cam"
+RETURN_CAM: Final = "return-cam"
+ROLLER: Final = "roller"
+RETURN_ROLLER: Final = "return-roller"
+TEST_RING: Final = "test-ring"
+
+BODIES: Final = (CAM, RETURN_CAM, ROLLER, RETURN_ROLLER, TEST_RING)
+"""What may lie on a plate."""
+
+TABLE: Final = ("output", "3mf")
+
+
+@dataclass(frozen=True, slots=True)
+class ThreeMfSpec:
+    """`[output.3mf]`: what lies on the plate.
+
+    Attributes
+    ----------
+    plate : some of `BODIES`, in their order on the plate; empty for a file with the disc alone.
+    gap : between the circles about the bodies [mm].
+    roller_width : of the rollers [mm]; None for that of a pair in one piece, or the
+        thickness of the disc.
+    roller_bore : diameter of their bores [mm]; None for none.
+
+    Raises
+    ------
+    GeometryError
+        With the key, if a value is invalid.
+    """
+
+    plate: tuple[str, ...] = ()
+    gap: Length = 5.0
+    roller_width: Length | None = None
+    roller_bore: Length | None = None
+
+    def __post_init__(self) -> None:
+        check_fields(self, "output.3mf.")
+        for each in instance("output.3mf.plate", self.plate, tuple, "a tuple of names"):
+            one_of("output.3mf.plate", each, BODIES)
+        if len(set(self.plate)) < len(self.plate):
+            raise GeometryError("each is named once", "output.3mf.plate", shown(self.plate))
+
+
+def parse(table: Mapping[str, Any]) -> ThreeMfSpec:
+    """The options of the table."""
+    given = dict(table)
+    return ThreeMfSpec(**{**given, "plate": tuple(given.get("plate", ()))})
+
+
+def what_lies_on_the_plate_exists(values: Values) -> Iterator[tuple[str, str]]:
+    """The scene has the discs, rollers and bores of the plate, and rollers for their options."""
+    plate = values.get(*TABLE, "plate") or ()
+    rollers = [name for name in plate if name in (ROLLER, RETURN_ROLLER)]
+    key = ("follower", "roller_radius")
+    if rollers and values.valid("follower") and values.lacks(*key):
+        yield "plate", f'has no "{rollers[0]}": the follower has no roller'
+    elif ROLLER in plate and values.get(*key) == 0:
+        yield "plate", f'has no "{ROLLER}": the follower is a knife edge'
+    for name in (RETURN_CAM, RETURN_ROLLER):
+        if name in plate and values.lacks("follower", "return"):
+            yield "plate", f'needs [follower.return] for "{name}"'
+    if RETURN_CAM in plate and values.get("part", "pair") is not None:
+        yield "plate", f'has no "{RETURN_CAM}": it is one piece with "{CAM}", by [part.pair]'
+    if TEST_RING in plate and values.lacks("part", "bore"):
+        yield "plate", f'needs [part] bore for "{TEST_RING}"'
+    for each in ("roller_width", "roller_bore"):
+        if values.get(*TABLE, each) is not None and not rollers:
+            yield each, "needs a roller on the plate"
+    if values.get(*TABLE, "gap") is not None and not plate:
+        yield "gap", "needs plate"
+    bore, radius = values.get(*TABLE, "roller_bore"), values.get(*key)
+    if bore is not None and radius is not None and not bore < 2.0 * radius:
+        yield "roller_bore", f"must be less than the diameter of the roller, {2.0 * radius:g}"
+
+
+NEEDS, RULES = BODY
+
+FORMAT: Final = Format(
+    "3mf",
+    ".3mf",
+    parse,
+    schema_beside(__file__),
+    ("follower", *NEEDS),
+    (*RULES, what_lies_on_the_plate_exists),
+)

@@ -1,0 +1,538 @@
+"""The contours of a design over the tolerance: pieces, proof, files, times."""
+
+from __future__ import annotations
+
+import math
+import statistics
+import time
+from collections import defaultdict
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, fields, is_dataclass, replace
+from decimal import Decimal
+from functools import partial
+from typing import Any, Final, TypeVar
+
+from camgeo.design.design import Design
+from camgeo.design.drawn import TOPOLOGY_TOLERANCE
+from camgeo.design.product import Product
+from camgeo.design.writing import Written, find_writer, pieces_of
+from camgeo.errors import EffectError, FileError, GeometryError, SceneError, ToleranceError
+from camgeo.geometry.contour.contour import Contour, Effort, Fit, Form
+from camgeo.geometry.contour.least_pieces import (
+    forced_pieces,
+    least_arcs,
+    least_chords,
+    least_cubics,
+)
+from camgeo.geometry.contour.spline import SplineFit
+from camgeo.geometry.outline.path import Flank, Path
+from camgeo.geometry.outline.replay import replay_contour
+from camgeo.milling.cut import ContourCut
+from camgeo.milling.machine import Machine, load
+from camgeo.milling.machining_time import contour_time
+from camgeo.part.boundaries import CurveBoundary, ExactBoundary
+from camgeo.part.part import written_contour
+from camgeo.scene.formats import gcode
+
+# -- rows -----------------------------------------------------------------------------------------
+# The rows measured: one for each form of the contour, each solid, table step and effect.
+
+
+FORMS: Final[tuple[Form, ...]] = ("polyline", "arcs", "spline")
+"""Forms of a contour, named by the entities of a drawing."""
+
+EFFORTS: Final[tuple[Effort, ...]] = ("fewest", "fast")
+
+ORDER: Final[dict[Form, int]] = {"polyline": 2, "arcs": 3, "spline": 4}
+"""The number of pieces of a form grows with the power -1/order of the tolerance."""
+
+
+@dataclass(frozen=True, slots=True)
+class Count:
+    """The contours of all flanks in use, fitted and proved.
+
+    Attributes
+    ----------
+    pieces : of all flanks together.
+    forced : those of them for dwells and turns, needed at any tolerance.
+    least : asymptotic limit of the others for small tolerances, see
+    `camgeo.geometry.contour.least_pieces`. deviation : proved [mm], the largest. fit_seconds,
+    proof_seconds : of the fits with their own proof, and of proofs repeated from
+        the finished contours alone.
+    spread : of both, as `camgeo.studies.accuracy.contours.Timing`.
+    """
+
+    pieces: int
+    forced: int
+    least: float
+    deviation: float
+    fit_seconds: float
+    proof_seconds: float
+    spread: float = 1.0
+
+    @property
+    def ratio(self) -> float | None:
+        """Pieces that are not forced, as a multiple of the limit; None where the limit is 0."""
+        return (self.pieces - self.forced) / self.least if self.least > 0.0 else None
+
+
+@dataclass(frozen=True, slots=True)
+class FileCost:
+    """A file written and read back.
+
+    Attributes
+    ----------
+    size : in bytes.
+    deviation : proved for the file as read back [mm]; None if it has none.
+    write_seconds, read_seconds : of writing it, fits included, and of reading it back and proving.
+    facts : what its writer reports about it.
+    spread : of these seconds without the fits of a drawing, as
+    `camgeo.studies.accuracy.contours.Timing`.
+    """
+
+    size: int
+    deviation: float | None
+    write_seconds: float
+    read_seconds: float
+    facts: dict[str, int | float | str]
+    spread: float = 1.0
+
+    @property
+    def seconds(self) -> float:
+        """Of writing and reading it."""
+        return self.write_seconds + self.read_seconds
+
+
+@dataclass(frozen=True, slots=True)
+class ContourRow:
+    """One form of the contour at one tolerance.
+
+    Attributes
+    ----------
+    form, effort, tolerance : as requested; the tolerance in mm.
+    count : of the contours; None if there are none.
+    drawing : the DXF with that entity; None if there is none.
+    program : the G-code, if it was asked for, for arcs only and if the scene asks for milling.
+    round_seconds : estimated time of milling once along the flanks; None for splines, and where the
+        machine's acceleration is not known.
+    ripple : largest error of the acceleration in a replay, relative to its prescribed peak; None if
+        it was not requested, and for splines.
+    shortest_seconds : time of the round at the largest feed that the controller can hold.
+    fault : why something is missing; empty if nothing is.
+    decimals : of a program within that tolerance; None if the scene does not ask for one.
+    """
+
+    form: Form
+    effort: Effort
+    tolerance: float
+    count: Count | None = None
+    drawing: FileCost | None = None
+    program: FileCost | None = None
+    round_seconds: float | None = None
+    ripple: float | None = None
+    shortest_seconds: float | None = None
+    fault: str = ""
+    decimals: int | None = None
+
+    @property
+    def spread(self) -> float:
+        """Of what the drawing takes: the larger one of its fits and of its file."""
+        return max((each.spread for each in (self.count, self.drawing) if each), default=1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class SolidRow:
+    """A solid at one tolerance; `fault` states why there is no `file`."""
+
+    format: str
+    tolerance: float
+    file: FileCost | None = None
+    fault: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class TableRow:
+    """The value table at one step.
+
+    Attributes
+    ----------
+    step : [degrees].
+    rows, size : of the table, and of its CSV file in bytes.
+    seconds : of computing it.
+    error : bound on the error of the lift interpolated linearly between rows [mm or rad].
+    spread : of the seconds, as `camgeo.studies.accuracy.contours.Timing`.
+    """
+
+    step: Decimal
+    rows: int
+    size: int
+    seconds: float
+    error: float
+    spread: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class EffectRow:
+    """A numerical effect at one tolerance.
+
+    Attributes
+    ----------
+    effect : its name.
+    tolerance : requested, relative to the scale of each figure, see
+    `camgeo.dynamics.effects.effect.Bound`. seconds : of computing it, without the effects that it
+    needs; None if it has no answer. error : its own estimate, the largest of all figures, relative
+    likewise; None if it is exact. difference : the largest of all figures from a result to a
+    tolerance at most a hundredth of
+        this, relative likewise; None where there is no such result.
+    fault : why it has no answer, or which figures are off by more than estimated; else empty.
+    figure : name of the finding or column with this difference; empty if it is 0.
+    rounded : whether estimate and difference are those of rounding. The effect then has no further
+        rows, as no tolerance changes it.
+    spread : of the seconds, as `camgeo.studies.accuracy.contours.Timing`.
+    """
+
+    effect: str
+    tolerance: float
+    seconds: float | None = None
+    error: float | None = None
+    difference: float | None = None
+    fault: str = ""
+    figure: str = ""
+    rounded: bool = False
+    spread: float = 1.0
+
+
+def in_length(row: Any, mm: float, moved: float = 1.0) -> Any:
+    """A row with its tolerance, and what it has of deviations, in units of `mm`; octaves of the
+    acceleration in units of `moved`.
+    """
+    found: dict[str, Any] = {}
+    for each in fields(row):
+        value = getattr(row, each.name)
+        if is_dataclass(value):
+            found[each.name] = in_length(value, mm, moved)
+        elif each.name in ("tolerance", "deviation") and value is not None:
+            found[each.name] = value / mm
+        elif each.name == "octaves":
+            found[each.name] = tuple(octave / moved for octave in value)
+    return replace(row, **found)
+
+
+# -- clock ----------------------------------------------------------------------------------------
+# Seconds of work: CPU time of this process, the median of several runs, and how far they differ.
+#
+# Other work on a machine makes a run wait, which is in no CPU time, and slows it down by what they
+# share, the caches above all, which is in all of its runs. So a row is run several times, and all
+# its steps with it: their medians belong together.
+
+
+Result = TypeVar("Result")
+
+RUNS: Final = 3
+"""Fewest runs of what takes less than `LONG`."""
+
+SHORT_RUNS: Final = 5
+"""Fewest runs of what takes less than `SHORT`."""
+
+MOST_RUNS: Final = 15
+"""Most runs, where they are short and differ."""
+
+ALIKE: Final = 1.15
+"""Spread up to which `SHORT_RUNS` are enough."""
+
+SHORT: Final = 0.3
+"""CPU time [s] of all runs from which on there are no more than `RUNS`."""
+
+LONG: Final = 1.0
+"""CPU time [s] of all runs after which nothing is run again."""
+
+
+@dataclass(frozen=True, slots=True)
+class Timing:
+    """The CPU time of some steps.
+
+    Attributes
+    ----------
+    seconds : the median of each, by name.
+    spread : of all of them together, see `repeated`.
+    """
+
+    seconds: Mapping[str, float]
+    spread: float
+
+
+class Clock:
+    """The CPU time of the steps of one run, by name."""
+
+    def __init__(self) -> None:
+        self.seconds: defaultdict[str, float] = defaultdict(float)
+
+    def step(self, name: str, work: Callable[[], Result]) -> Result:
+        """The result of `work`, whose time counts for the step `name`."""
+        start = time.process_time()
+        result = work()
+        self.seconds[name] += time.process_time() - start
+        return result
+
+
+def repeated(run: Callable[[Clock], Result], most_runs: int = MOST_RUNS) -> tuple[Result, Timing]:
+    """The result of `run`, which does all its work in steps of the clock, and what they take.
+
+    It is called several times. Medians, and the spread, the ratio of the upper quartile to the
+    lower one, are those of all runs but the first, which fills the caches of the motion; the spread
+    of one run is 1.
+    """
+    clocks: list[Clock] = []
+    totals: list[float] = []
+    while _again(totals, most_runs):
+        clocks.append(Clock())
+        result = run(clocks[-1])
+        totals.append(math.fsum(clocks[-1].seconds.values()))
+    counted = [each.seconds for each in (clocks[1:] if len(clocks) >= RUNS else clocks)]
+    medians = {name: statistics.median(each[name] for each in counted) for name in counted[0]}
+    return result, Timing(medians, _spread(totals))
+
+
+def _again(totals: Sequence[float], most_runs: int) -> bool:
+    """Whether there is to be another run after those that took `totals` [s]."""
+    count, spent = len(totals), math.fsum(totals)
+    if count < min(RUNS, most_runs):
+        return spent < LONG
+    return count < most_runs and spent < SHORT and (count < SHORT_RUNS or _spread(totals) > ALIKE)
+
+
+def _spread(totals: Sequence[float]) -> float:
+    counted = totals[1:] if len(totals) >= RUNS else totals
+    if len(counted) < 2 or min(counted) <= 0.0:
+        return 1.0
+    lower, _, upper = statistics.quantiles(counted, n=4, method="inclusive")
+    return upper / lower
+
+
+# -- contours -------------------------------------------------------------------------------------
+
+
+Progress = Callable[[str], None]
+
+Least = Callable[[Path, float], float]
+
+LEAST: Final[dict[Form, Least]] = {
+    "polyline": least_chords,
+    "arcs": least_arcs,
+    "spline": least_cubics,
+}
+
+DRAWING: Final = "dxf"
+PROGRAM: Final = "gcode"
+"""Names of the writers."""
+
+NOT_WRITTEN: Final = (ToleranceError, GeometryError, SceneError, FileError)
+"""Errors that say why there is no contour or no file; a row states them."""
+
+
+def flanks_of(design: Design) -> tuple[CurveBoundary, ...]:
+    """The boundaries of the part that are flanks; bore and rim are exact at any tolerance."""
+    return tuple(
+        each for each in design.disc.drawn.part.boundaries if isinstance(each, CurveBoundary)
+    )
+
+
+def contour_rows(
+    design: Design,
+    tolerances: Sequence[float],
+    *,
+    ripple: bool,
+    progress: Progress,
+    forms: Sequence[Form] = FORMS,
+    efforts: Sequence[Effort] = EFFORTS,
+    programs: bool = True,
+    timed: bool = True,
+) -> tuple[ContourRow, ...]:
+    """One row per form, effort and tolerance [mm], in this order.
+
+    A row states what cannot be reached. The first use of what all rows use is in none of them.
+
+    Parameters
+    ----------
+    ripple : whether the contours are also replayed.
+    progress : called with the name of each row.
+    programs : whether those of arcs are written too, if the scene asks for milling.
+    timed : whether seconds of computing matter; else everything is done once.
+    """
+    runs = MOST_RUNS if timed else 1
+    rows = []
+    for form in forms:
+        for effort in efforts:
+            drawn = drawn_as(design, form, effort)
+            with suppress(*NOT_WRITTEN):  # which the row will state
+                file_cost(drawn.disc, DRAWING, max(tolerances), runs=1)
+            for tolerance in tolerances:
+                progress(f"{form}, {effort}, {tolerance:g} mm")
+                rows.append(
+                    _row(
+                        drawn, ContourRow(form, effort, tolerance), ripple=ripple,
+                        programs=programs, runs=runs,
+                    )
+                )  # fmt: skip
+    return tuple(rows)
+
+
+def drawn_as(design: Design, form: Form, effort: Effort) -> Design:
+    """The same design with its drawing in another form."""
+    return design.with_output({"fit": effort, "dxf.entity": form})
+
+
+def _row(design: Design, row: ContourRow, *, ripple: bool, programs: bool, runs: int) -> ContourRow:
+    """The row with all values that exist."""
+    form, effort, tolerance = row.form, row.effort, row.tolerance
+    # Machine of the scene, or the default; without a tool there is no feed, and no time.
+    spec = design.disc.options[gcode.FORMAT]
+    machine = load(spec.machine)
+    flanks, milled = flanks_of(design), not gcode.FORMAT.lacking(design.disc.values)
+
+    def fitted_and_proved(clock: Clock) -> list[Fit | SplineFit]:
+        forget(design.disc, tolerance)
+        fits = clock.step(
+            "fit", lambda: [written_contour(each, form, effort, tolerance) for each in flanks]
+        )
+        for flank, fit in zip(flanks, fits, strict=True):
+            clock.step("proof", partial(replace(flank).deviation, fit.contour))
+        return fits
+
+    try:
+        fits, timing = repeated(fitted_and_proved, runs)
+        contours = [fit.contour for fit in fits]
+        row = replace(
+            row,
+            count=Count(
+                pieces=sum(len(contour) for contour in contours),
+                # A polyline has no arcs: its limit also applies to dwells and turns.
+                forced=0
+                if form == "polyline"
+                else sum(forced_pieces(flank.path, math.pi) for flank in flanks),
+                least=sum(LEAST[form](flank.path, tolerance) for flank in flanks),
+                deviation=max(fit.deviation for fit in fits),
+                fit_seconds=timing.seconds["fit"],
+                proof_seconds=timing.seconds["proof"],
+                spread=timing.spread,
+            ),
+            decimals=machine.decimals(design.scene.unit, tolerance) if milled else None,
+        )
+        plain = [contour for contour in contours if isinstance(contour, Contour)]
+        if design.scene.milling is not None:
+            feed = design.scene.milling.tools[0].feed
+            row = replace(
+                row,
+                round_seconds=_round(plain, feed, machine, tolerance),
+                shortest_seconds=_round(plain, math.inf, machine, tolerance),
+            )
+        if plain and ripple:
+            row = replace(row, ripple=_ripple(design, flanks, plain))
+        row = replace(
+            row,
+            drawing=file_cost(design.disc, DRAWING, tolerance, timing.seconds["fit"], runs),
+        )
+        if programs and form == "arcs" and milled:
+            row = replace(row, program=file_cost(design.disc, PROGRAM, tolerance, runs=runs))
+    except NOT_WRITTEN as error:
+        return replace(row, fault=reason(error))
+    return row
+
+
+def _round(
+    contours: Sequence[Contour], feed: float, machine: Machine, tolerance: float
+) -> float | None:
+    """Time [s] of one round along all `contours`; None without any, or without dynamics."""
+    if not contours or machine.dynamics is None:
+        return None
+    smoothing, chord = machine.smoothed(tolerance), machine.arcs.interpolation
+    return math.fsum(
+        contour_time(each, feed, machine.dynamics, chord=chord, smoothing=smoothing)
+        for each in contours
+    )
+
+
+def file_cost(
+    product: Product,
+    format: str,  # noqa: A002 - its name
+    tolerance: float,
+    fit_seconds: float | None = None,
+    runs: int = MOST_RUNS,
+) -> FileCost:
+    """The file of one format, or all of its files, written and read back; facts of the first.
+
+    `fit_seconds` are those of fits that are known, and counted for writing; it is done `runs` times
+    at most.
+
+    Raises
+    ------
+    ToleranceError
+        If its tolerance cannot be reached.
+    """
+    writer = find_writer(format)
+    pieces = pieces_of(writer, product)
+
+    def written_and_read(clock: Clock) -> tuple[list[Written], list[float | None]]:
+        for piece in pieces:
+            forget(piece, tolerance, fits=fit_seconds is None, plans=format == PROGRAM)
+        written = clock.step("write", lambda: [writer.write(each, tolerance) for each in pieces])
+        for piece in pieces:
+            forget(piece, tolerance, fits=False)
+        read = zip(pieces, written, strict=True)
+        return written, clock.step("read", lambda: [writer.measure(a, b.data) for a, b in read])
+
+    (written, found), timing = repeated(written_and_read, runs)
+    deviation = max((each for each in found if each is not None), default=None)
+    if deviation is not None and not deviation <= tolerance:
+        raise ToleranceError(f"the {format} file, read back, is off", tolerance, deviation)
+    size = sum(len(each.data) for each in written)
+    seconds = ((fit_seconds or 0.0) + timing.seconds["write"], timing.seconds["read"])
+    return FileCost(size, deviation, *seconds, written[0].facts, timing.spread)
+
+
+def forget(product: Product, tolerance: float, *, fits: bool = True, plans: bool = False) -> None:
+    """Make what was computed for a file be computed again: proofs, and if asked for fits and plans.
+
+    Fits looser than `tolerance` [mm] are kept, and those by which contours are told apart, which
+    are the same for all files.
+    """
+    boundaries = list(product.drawn.part.boundaries)
+    if plans:
+        for milled in filter(None, (product.milled, product.milled.whole)):
+            milled.kept.clear()
+        boundaries += [cut.centre for cut in product.milled.cuts if isinstance(cut, ContourCut)]
+    for boundary in boundaries:
+        if isinstance(boundary, CurveBoundary | ExactBoundary):
+            known = boundary.known
+            for key in [
+                each
+                for each in known
+                if isinstance(each, bytes)
+                or (fits and each[1] <= tolerance and each[1] != TOPOLOGY_TOLERANCE)
+            ]:
+                del known[key]
+
+
+def reason(error: ToleranceError | GeometryError | EffectError | SceneError | FileError) -> str:
+    """Why a row has no value, in one short sentence."""
+    if isinstance(error, FileError):
+        return str(error)
+    if isinstance(error, SceneError):
+        return "; ".join(fault.message for fault in error.faults)
+    return error.reason if isinstance(error, ToleranceError) else error.message
+
+
+def _ripple(
+    design: Design, flanks: Sequence[CurveBoundary], contours: Sequence[Contour]
+) -> float | None:
+    """The largest ripple of all flanks; None where no acceleration is prescribed, or where the
+    roller drops off an edge.
+    """
+    found = (
+        replay_contour(
+            design.cam.disc.pitch_curve, contour, Flank.OUTER if flank.hole else Flank.INNER
+        ).ripple
+        for flank, contour in zip(flanks, contours, strict=True)
+    )
+    return max((ripple for ripple in found if ripple is not None), default=None)

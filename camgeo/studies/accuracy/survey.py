@@ -1,0 +1,416 @@
+"""All measurements of one design."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from decimal import Decimal
+from functools import partial
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from camgeo.design.design import Design
+from camgeo.design.value_table import cam_angles
+from camgeo.dynamics.effects.effect import Bound, Column, Result
+from camgeo.errors import EffectError, GeometryError, ToleranceError
+from camgeo.geometry.contour.contour import Effort, Form
+from camgeo.kinematics.motion import Motion
+from camgeo.numeric.arrays import SHARE, FloatArray, ascending
+from camgeo.scene.formats.dxf import FORMAT
+from camgeo.scene.scene import Scene
+from camgeo.studies.accuracy.bill import BillRow, bill_rows
+from camgeo.studies.accuracy.contours import (
+    EFFORTS,
+    FORMS,
+    NOT_WRITTEN,
+    Clock,
+    ContourRow,
+    EffectRow,
+    Progress,
+    SolidRow,
+    TableRow,
+    contour_rows,
+    file_cost,
+    in_length,
+    reason,
+    repeated,
+)
+from camgeo.studies.accuracy.knee import Knee, knee_of
+from camgeo.units import MM_PER, TURN, LengthUnit
+
+if TYPE_CHECKING:
+    from camgeo.studies.accuracy.benefit import BenefitRow
+
+
+# -- effects --------------------------------------------------------------------------------------
+# The numerical effects of a design over their tolerance: computing time and error.
+#
+# Every figure, that is the value of each finding and each column over a turn, is compared with that
+# of a computation to a tolerance at least `TIGHTER` times as small. What a result states as its
+# error holds if no figure is off by more.
+
+
+TOLERANCES_OF_EFFECTS: Final = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)
+"""Tolerances measured, see `camgeo.dynamics.effects.effect.Bound`."""
+
+TIGHTER: Final = 100.0
+"""Factor from the tolerance of the reference to those of the rows compared with it."""
+
+ROUNDED: Final = 1e-11
+"""Errors up to this share are those of rounding, which no tolerance changes: some thousand
+roundings, as many as a chain of motion, mechanism, forces and a sum over the turn has."""
+
+ANGLES: Final = 720
+"""Cam angles over a turn at which columns are compared."""
+
+OFFSET: Final = 0.381966
+"""Offset of the first of these angles from 0, as a fraction of their spacing: the ends of a motion,
+where a quantity may jump, are hardly ever among them."""
+
+Figures = dict[str, FloatArray]
+"""The values of findings, in order, and of columns over the turn, by name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Off:
+    """How far a figure is off.
+
+    Attributes
+    ----------
+    figure : name of the finding or column.
+    off : from the reference, in the unit of the figure.
+    bound : what the result states.
+    """
+
+    figure: str
+    off: float
+    bound: Bound
+
+    @property
+    def share(self) -> float:
+        """Relative to the scale of the figure."""
+        return Bound(self.off, self.bound.scale).share
+
+    @property
+    def holds(self) -> bool:
+        """Whether the figure is off by no more than stated."""
+        return self.off <= self.bound.error
+
+
+def effect_rows(
+    design: Design, tolerances: Sequence[float] = TOLERANCES_OF_EFFECTS, *, progress: Progress
+) -> tuple[EffectRow, ...]:
+    """Rows of the numerical effects that the scene names.
+
+    One for each of `tolerances`, the loosest first; a row states why it has no answer. An effect
+    that reaches rounding at the loosest tolerance has this row alone, see `EffectRow.rounded`.
+    """
+    rows: list[EffectRow] = []
+    for name in design.scene.effects:
+        if design.effects.effect(name).numerical:
+            rows += _rows(design, name, sorted(tolerances, reverse=True), progress)
+    return tuple(rows)
+
+
+def _rows(
+    design: Design, name: str, tolerances: Sequence[float], progress: Progress
+) -> list[EffectRow]:
+    """The rows of one effect, the loosest first."""
+    reference = _reference(design, name, tolerances, progress)
+    rows: list[EffectRow] = []
+    for tolerance in tolerances:
+        progress(f"{name}, {tolerance:g}")
+        row, result = _row(design, name, tolerance)
+        if result is not None and reference is not None and reference[0] * TIGHTER <= tolerance:
+            row = _compared(row, result, reference[1])
+        if row.rounded and not rows:
+            return [row]
+        rows.append(replace(row, rounded=False))
+    return rows
+
+
+def _reference(
+    design: Design, name: str, tolerances: Sequence[float], progress: Progress
+) -> tuple[float, Result] | None:
+    """The most accurate result, with its tolerance; None if there is no answer.
+
+    It is `TIGHTER` than the tightest of `tolerances`, or what rounding leaves of that. Computing it
+    first keeps what does not depend on the tolerance out of the times of the rows.
+    """
+    tightest = tolerances[-1]
+    for tolerance in (tightest / TIGHTER, tightest, *reversed(tolerances[:-1])):
+        progress(f"{name}, reference to {tolerance:g}")
+        try:
+            return tolerance, _result(design, name, tolerance)
+        except (EffectError, GeometryError, ToleranceError):  # which a row will state
+            continue
+    return None
+
+
+def _result(design: Design, name: str, tolerance: float) -> Result:
+    """The effect recomputed; the effects that it depends on are computed only once."""
+    result: Result = design.effects.recomputed(name, tolerance).result(name)
+    return result
+
+
+def _row(design: Design, name: str, tolerance: float) -> tuple[EffectRow, Result | None]:
+    """A row without its difference, and the result."""
+    row = EffectRow(name, tolerance)
+    try:
+        result, timing = repeated(
+            lambda clock: clock.step(name, lambda: _result(design, name, tolerance))
+        )
+    except (EffectError, GeometryError, ToleranceError) as error:
+        return replace(row, fault=reason(error)), None
+    return replace(
+        row, seconds=timing.seconds[name], error=result.error, spread=timing.spread
+    ), result
+
+
+def _compared(row: EffectRow, result: Result, reference: Result) -> EffectRow:
+    """The row with the differences; a figure that is off by more than stated is a fault."""
+    found = compared(result, reference)
+    wrong = [each.figure for each in found if not each.holds]
+    largest = max(found, key=lambda each: each.share, default=None)
+    off = None if largest is None else largest.share
+    return replace(
+        row,
+        difference=off,
+        figure="" if largest is None or not off else largest.figure,
+        rounded=max(off or 0.0, row.error or 0.0) <= ROUNDED and not wrong,
+        fault=f"off by more than estimated: {', '.join(wrong)}" if wrong else "",
+    )
+
+
+def compared(result: Result, reference: Result) -> tuple[Off, ...]:
+    """All figures that both results have, with their differences.
+
+    A figure without an error is exact to rounding, `camgeo.numeric.arrays.SHARE` of its largest
+    magnitude.
+    """
+    own, best = figures_of(result), figures_of(reference)
+    found = []
+    for name, values in own.items():
+        if name not in best or best[name].shape != values.shape:
+            continue
+        size = float(max(np.max(np.abs(values)), np.max(np.abs(best[name]))))
+        bound = result.errors.get(name, Bound(SHARE * size, size))
+        found.append(Off(name, float(np.max(np.abs(values - best[name]))), bound))
+    return tuple(found)
+
+
+def figures_of(result: Result) -> Figures:
+    """All figures of a result."""
+    found: dict[str, list[float]] = {}
+    for finding in result.findings:
+        if finding.value is not None:
+            found.setdefault(finding.name, []).append(finding.value)
+    figures = {name: np.array(values, dtype=np.float64) for name, values in found.items()}
+    return figures | {column.name: _sampled(column) for column in result.columns}
+
+
+def _sampled(column: Column) -> FloatArray:
+    phi: FloatArray = (np.arange(ANGLES, dtype=np.float64) + OFFSET) * (TURN / ANGLES)
+    return column.values(phi, "right")
+
+
+# -- tables ---------------------------------------------------------------------------------------
+# The value table of a design over its step: rows, bytes, and the error of interpolation.
+#
+# Between two rows a step h apart a lift s with a continuous velocity departs from its chord by at
+# most max|s''| h^2/8. A jump j of the velocity at the distance x after a row adds j x (h - x)/h.
+
+
+STEPS: Final = tuple(
+    Decimal(text) for text in ("10", "5", "2", "1", "0.5", "0.2", "0.1", "0.05", "0.02", "0.01")
+)
+"""Steps measured [degrees]."""
+
+CELL: Final = np.radians(0.05)
+"""Largest cell [rad] over which |s''| is bounded. The bound exceeds the largest value in the cell
+by the change of s'' over half of it: some thousandths of the peak of a law of 40 degrees."""
+
+
+def table_rows(
+    design: Design, steps: Sequence[Decimal], *, progress: Progress
+) -> tuple[TableRow, ...]:
+    """One row per step [degrees]; the lift is that of the motion plan.
+
+    The effects that columns are of are computed before, as no step changes them.
+    """
+    if steps:
+        design.tabulated.table(max(steps))
+    rows = []
+    for step in steps:
+        progress(f"value table, {step} degrees")
+
+        def made(step: Decimal = step) -> tuple[int, int]:
+            table = design.tabulated.table(step)
+            return len(table.values), len(table.encoded())
+
+        (count, size), timing = repeated(partial(Clock.step, name="table", work=made))
+        error = interpolation_error(design.scene.plan, np.radians(cam_angles(step)))
+        rows.append(TableRow(step, count, size, timing.seconds["table"], error, timing.spread))
+    return tuple(rows)
+
+
+def interpolation_error(motion: Motion, phi: FloatArray) -> float:
+    """Bound [mm or rad] of |s - chord| over a turn, chords between the rows `phi`.
+
+    Parameters
+    ----------
+    motion : whose lift is interpolated.
+    phi : (n,) [rad] ascending in [0, 2 pi), the first 0; the last chord ends at 2 pi.
+    """
+    rows = np.append(phi, TURN)
+    parts = max(1, int(np.ceil(np.max(np.diff(rows)) / CELL)))
+    shares = np.arange(parts) / parts
+    cuts = (rows[:-1, None] + np.diff(rows)[:, None] * shares).ravel()
+    borders = motion.borders[(motion.borders > 0.0) & (motion.borders < TURN)]
+    cuts = ascending(np.concatenate((cuts, borders, [TURN])))
+    low, high = cuts[:-1], cuts[1:]
+    _, bounds = motion.jet_and_bounds(low, high)
+    # Each cell lies in one chord, as the rows are among the cuts.
+    chord = np.clip(np.searchsorted(rows, 0.5 * (low + high), side="right") - 1, 0, len(phi) - 1)
+    largest = np.zeros(len(phi))
+    np.maximum.at(largest, chord, bounds[2])
+    steps = np.diff(rows)
+    errors = largest * steps**2 / 8.0
+    kinks = motion.breaks[(motion.breaks > 0.0) & (motion.breaks < TURN)]
+    if len(kinks):
+        jumps = np.abs(motion.jet(kinks, "right", 1)[1] - motion.jet(kinks, "left", 1)[1])
+        place = np.clip(np.searchsorted(rows, kinks, side="right") - 1, 0, len(phi) - 1)
+        behind = kinks - rows[place]
+        np.add.at(errors, place, jumps * behind * (steps[place] - behind) / steps[place])
+    return float(np.max(errors))
+
+
+# -- survey ---------------------------------------------------------------------------------------
+
+
+TOLERANCES: Final = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
+"""Default tolerances [mm]. One more decade multiplies straight pieces and triangles by 3.16, and
+with them the time of the survey: two thirds of it would go into files of some 7 MB."""
+
+SOLIDS: Final = ("stl", "3mf", "step")
+"""Names of the writers of solids."""
+
+
+@dataclass(frozen=True, slots=True)
+class Survey:
+    """The cost of accuracy.
+
+    Attributes
+    ----------
+    contours, solids, tables : the measured rows.
+    knee : beyond which more cost gains nothing; None if nothing could be reached.
+    effects : rows of the numerical effects that the scene names and that a tolerance changes.
+    rounded : a row for each of the others, which reach rounding at once.
+    bill : whole builds; empty if they were not asked for.
+    """
+
+    contours: tuple[ContourRow, ...]
+    solids: tuple[SolidRow, ...]
+    tables: tuple[TableRow, ...]
+    knee: Knee | None
+    effects: tuple[EffectRow, ...] = ()
+    rounded: tuple[EffectRow, ...] = ()
+    bill: tuple[BillRow, ...] = ()
+
+    def in_length(self, length: LengthUnit) -> Survey:
+        """The same with tolerances and deviations of contours, solids and builds in a unit of
+        length; the knee stays in mm.
+        """
+        mm = MM_PER[length]
+        return replace(
+            self,
+            contours=tuple(in_length(row, mm) for row in self.contours),
+            solids=tuple(in_length(row, mm) for row in self.solids),
+            bill=tuple(in_length(row, mm) for row in self.bill),
+        )
+
+
+def survey(
+    design: Design,
+    tolerances: Sequence[float] = TOLERANCES,
+    steps: Sequence[Decimal] = STEPS,
+    *,
+    ripple: bool = False,
+    complete: bool = True,
+    bill: bool = False,
+    benefits: Sequence[BenefitRow] = (),
+    timed: bool = True,
+    progress: Progress = lambda _: None,
+) -> Survey:
+    """Measure `design` at `tolerances` [mm], and its value table at `steps` [degrees].
+
+    Parameters
+    ----------
+    ripple : whether the contours are also replayed.
+    complete : whether not only the contour that the scene asks for is measured, but all forms and
+        fits, programs, solids, value tables and effects.
+    bill : whether all files are also built.
+    benefits : what the contours do at one speed of the cam, if that is known.
+    timed : whether seconds of computing matter; else contours are made once, and the knee does not
+        depend on them.
+    progress : called with the name of each step.
+
+    Raises
+    ------
+    UndercutError
+        If the cam has no outline.
+    GeometryError
+        If the part is impossible.
+    """
+    form, effort = own_contour(design.scene)
+    forms, efforts = (FORMS, EFFORTS) if complete else ((form,), (effort,))
+    contours = contour_rows(
+        design, tolerances, ripple=ripple, progress=progress, forms=forms, efforts=efforts,
+        programs=complete, timed=timed,
+    )  # fmt: skip
+    effects: tuple[EffectRow, ...] = ()
+    if complete and design.scene.effects:
+        effects = effect_rows(design, progress=progress)
+    return Survey(
+        contours,
+        solid_rows(design, tolerances, progress=progress) if complete else (),
+        table_rows(design, steps, progress=progress) if complete else (),
+        knee_of(
+            own_rows(design.scene, contours),
+            [row for row in benefits if row.form == form],
+            timed=timed,
+        ),
+        tuple(row for row in effects if not row.rounded),
+        tuple(row for row in effects if row.rounded),
+        bill_rows(design, tolerances, progress=progress) if bill else (),
+    )
+
+
+def own_contour(scene: Scene) -> tuple[Form, Effort]:
+    """Form and fit of the contour in the drawing of a scene."""
+    return scene.output.options[FORMAT].form, scene.output.fit
+
+
+def own_rows(scene: Scene, rows: Sequence[ContourRow]) -> tuple[ContourRow, ...]:
+    """Those of the contour in the drawing of a scene."""
+    return tuple(row for row in rows if (row.form, row.effort) == own_contour(scene))
+
+
+def solid_rows(
+    design: Design, tolerances: Sequence[float], *, progress: Progress
+) -> tuple[SolidRow, ...]:
+    """One row per format and tolerance [mm]; none if the part has no thickness."""
+    if not design.disc.drawn.part.thickness:
+        return ()
+    rows = []
+    for name in SOLIDS:
+        for tolerance in tolerances:
+            progress(f"{name}, {tolerance:g} mm")
+            try:
+                if tolerance == tolerances[0]:
+                    file_cost(design.disc, name, tolerance, runs=1)
+                rows.append(SolidRow(name, tolerance, file_cost(design.disc, name, tolerance)))
+            except NOT_WRITTEN as error:
+                rows.append(SolidRow(name, tolerance, fault=reason(error)))
+    return tuple(rows)

@@ -1,0 +1,977 @@
+"""How measured points lie on the exact flank: as measured from the datum, or fitted.
+
+A measured point is P = S + exp(i alpha) Q, with Q its place in cam coordinates, S the shift and
+alpha the turn of the part, counter-clockwise positive. A fit minimizes the sum of the squares of
+the distances e of all Q from the flank. With the exact normal n at the foot of Q a step (dS,
+dalpha) of the part changes e by
+
+    de = -n . dS - (n . iQ) dalpha
+
+to the first order, for the foot itself moves along the flank: that is the Jacobian of Gauss and
+Newton's method, in closed form, and (A^T A)^-1 sigma^2 the covariance of shift and turn. n . iQ is
+the lever of the normal about the cam axis; where the flank is a circle about any point it is a
+linear combination of the components of n, and the turn is undetermined.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from statistics import NormalDist
+from typing import Final
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.outline.exact_flank import ExactFlank, Feet, Places
+from camgeo.geometry.outline.path import Stretch
+from camgeo.geometry.outline.replay import edges_between, replay_contour, replay_outline
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, dot, frozen, joined, taken
+from camgeo.numeric.columns import Asked, Columns, NumberColumn, fault, read_columns
+from camgeo.numeric.extremes import Extreme, Extremes, extremes_of, inverse, piecewise_extremes
+from camgeo.numeric.quadrature import gauss
+from camgeo.reading import COORDINATE
+from camgeo.record import Pickled
+from camgeo.units import MM_PER, TURN, LengthUnit
+
+# -- robust ---------------------------------------------------------------------------------------
+# Weights with which a fit passes over local errors of form.
+#
+# Tukey's biweight: with e the deviation and s their scale, points count by (1 - u^2)^2 with u = e /
+# (4.685 s), and not at all where |u| >= 1. The scale is the median of |e| over that of the normal
+# distribution, so that up to half the points may be far off. With normally distributed errors the
+# result scatters as little as with 95 % of the points by least squares. Its covariance is that of
+# least squares with tau^2 in place of sigma^2 (P. J. Huber, Robust Statistics, 1981, section 7.6):
+#
+#     tau^2 = [sum psi^2 / (n - p)] / [mean psi']^2,  psi = e (1 - u^2)^2.
+
+
+TUNING: Final = 4.685
+
+NORMAL: Final = 0.6744897501960817
+"""Median of the magnitude of a standard normal variable."""
+
+
+def weights(deviations: FloatArray, floor: float) -> FloatArray:
+    """(n,) weights of `deviations` (n,) [mm], whose scale is at least `floor`."""
+    inside = 1.0 - _reduced(deviations, floor) ** 2
+    return np.where(inside > 0.0, inside * inside, 0.0)
+
+
+def standard_error(deviations: FloatArray, freedom: int, floor: float) -> float:
+    """tau [mm] of the fit that leaves these `deviations` (n,), with `freedom` n - p."""
+    square = _reduced(deviations, floor) ** 2
+    inside = np.maximum(1.0 - square, 0.0)
+    psi = deviations * inside * inside
+    slope = float(np.mean(inside * (1.0 - 5.0 * square)))
+    return math.sqrt(float(np.sum(psi * psi)) / freedom) / slope if slope > 0.0 else math.inf
+
+
+def _reduced(deviations: FloatArray, floor: float) -> FloatArray:
+    """(n,) u."""
+    scale = max(float(np.median(np.abs(deviations))) / NORMAL, floor)
+    return deviations / (TUNING * scale)
+
+
+# -- deviation ------------------------------------------------------------------------------------
+# Deviations of measured points from the exact flank, over the cam angle.
+#
+# Their scatter is that of single readings: the part of each deviation that a straight line between
+# its neighbours along the flank does not explain. Form errors that extend over many points hardly
+# count in it, whatever their size.
+
+
+FEWEST_DEVIATIONS: Final = 12
+"""Points of which deviations have a scatter."""
+
+TOLD: Final = 1.2
+"""Where the root mean square exceeds the scatter by this factor, there are errors of form."""
+
+ONE: Final = 1e-6
+"""Points whose feet are closer than this [rad] are one, with the mean of their deviations."""
+
+
+@dataclass(frozen=True, slots=True)
+class Gap:
+    """A range of the path without a point.
+
+    Attributes
+    ----------
+    width : [rad].
+    place : cam angle [rad] at which it begins.
+    """
+
+    width: float
+    place: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Deviations:
+    """Deviations in the order of the path, in which no place occurs twice.
+
+    Attributes
+    ----------
+    places : (n,) feet.
+    values : (n,) [mm], positive where there is more material than there should be.
+    widest : gap between neighbours.
+    """
+
+    places: Places
+    values: FloatArray
+    widest: Gap
+
+    @property
+    def extremes(self) -> Extremes:
+        """Smallest and largest [mm], each with its cam angle [rad]."""
+        return extremes_of(self.places.phi, self.values)
+
+    @property
+    def profile(self) -> float:
+        """Width [mm] of the zone about the flank, half of it on each side, that holds all points:
+        what a profile tolerance of ISO 1101 limits.
+        """
+        return 2.0 * self.extremes.magnitude
+
+    @property
+    def root_mean_square(self) -> float:
+        """[mm]."""
+        return float(np.sqrt(np.mean(self.values**2)))
+
+    @property
+    def scatter(self) -> float:
+        """Standard deviation [mm] of a single reading, from each deviation and its neighbours."""
+        values, course = self.values, self.places.course
+        before, after = course[1:-1] - course[:-2], course[2:] - course[1:-1]
+        share = after / (before + after)
+        rest = values[1:-1] - share * values[:-2] - (1.0 - share) * values[2:]
+        variances = rest * rest / (1.0 + share * share + (1.0 - share) ** 2)
+        return float(np.sqrt(np.mean(variances)))
+
+    @property
+    def form(self) -> float:
+        """Root mean square [mm] of what is not scatter; 0 where it is too small to be told from
+        it, which is so up to a fifth more than the scatter in all.
+        """
+        total, scatter = self.root_mean_square, self.scatter
+        return math.sqrt(total * total - scatter * scatter) if total > TOLD * scatter else 0.0
+
+    @property
+    def uncertainty(self) -> float:
+        """[mm] within which all deviations at once are known, at `CONFIDENCE`, where readings
+        scatter independently, normally, and no systematic error of the measurement is counted.
+        """
+        outside = (1.0 - CONFIDENCE) / (2.0 * len(self.values))
+        return -NormalDist().inv_cdf(outside) * self.scatter
+
+
+def deviations_of(flank: ExactFlank, feet: Feet, values: FloatArray) -> Deviations:
+    """The deviations `values` (n,) [mm] at `feet` (n,), ordered.
+
+    Raises GeometryError if fewer than `FEWEST` places have been measured.
+    """
+    order = np.argsort(feet.places.course, kind="stable")
+    course, values = feet.places.course[order], values[order]
+    first = np.concatenate(([True], np.diff(course) > ONE))
+    starts = np.flatnonzero(first)
+    if len(starts) < FEWEST_DEVIATIONS:
+        raise GeometryError(
+            f"points at {FEWEST_DEVIATIONS} places of the flank or more are needed, and there are"
+            f" {len(starts)}"
+        )
+    counts = np.diff(np.append(starts, len(course)))
+    means = np.add.reduceat(values, starts) / counts
+    course = course[starts]
+    places = flank.at(course)
+    widths = np.diff(np.append(course, course[0] + flank.total))
+    widest = int(np.argmax(widths))
+    gap = Gap(float(widths[widest]), float(places.phi[widest]))
+    return Deviations(places, means, gap)
+
+
+# -- pressed --------------------------------------------------------------------------------------
+# The follower pressed against a disc as it was measured.
+#
+# Between neighbouring points the deviation is linear along the path, and the disc is bent as the
+# exact flank is: it is joined from arcs that turn as the exact normal does, over cells of at most a
+# quarter of a degree. On deviations of zero the follower makes the motion of the exact disc to
+# 0.00002 mm at the corners of a trimmed flank, and ten times better on a whole one, so that what
+# remains is the effect of the deviations.
+
+
+STEP: Final = math.radians(1.0)
+"""Of the samples [rad] of the replays themselves, which are not used."""
+
+SAMPLES: Final = 3600
+"""Cam angles at which lifts are compared for a picture, besides those of the points."""
+
+SAME: Final = 1e-12
+"""Nodes closer than this [rad] on a stretch are one."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LiftErrors:
+    """What deviations do to the follower.
+
+    Attributes
+    ----------
+    phi : (n,) cam angles [rad] in [0, 2 pi), ascending, for a picture.
+    errors : (n,) lift on the measured disc less that on the exact one [mm or rad].
+    extremes : smallest and largest error of the turn with their cam angles [rad].
+    """
+
+    phi: FloatArray
+    errors: FloatArray
+    extremes: Extremes
+
+
+def measured_contour(flank: ExactFlank, deviations: Deviations) -> Contour:
+    """The disc, or the hole, as measured: closed, counter-clockwise."""
+    nodes = flank.nodes
+    if flank.path.is_whole:
+        nodes = taken(nodes, slice(None, -1))  # the last is the first
+    measured = deviations.places
+    near = np.searchsorted(nodes.course, measured.course)
+    apart = np.minimum(
+        np.abs(measured.course - nodes.course[np.maximum(near - 1, 0)]),
+        np.abs(measured.course - nodes.course[np.minimum(near, len(nodes) - 1)]),
+    )
+    every: Places = joined([nodes, taken(measured, apart > SAME)])
+    # Stable, so that of the two nodes at a corner the first one stays the first.
+    every = taken(every, np.argsort(every.course, kind="stable"))
+    amounts = np.interp(every.course, measured.course, deviations.values, period=flank.total)
+    vertices = every.points + amounts * every.normals
+    turns = np.angle(np.roll(every.normals, -1) * every.normals.conj())
+    corner = every.course == np.roll(every.course, -1)
+    if not flank.path.is_whole:
+        corner[-1] = True
+    return Contour.through(vertices, np.where(corner, 0.0, turns)).counter_clockwise()
+
+
+def lift_errors(flank: ExactFlank, deviations: Deviations, *, clearance: float = 0.0) -> LiftErrors:
+    """Press the follower against the measured disc and against the exact one.
+
+    `clearance` [mm] is the groove's, see `replay_outline`.
+
+    Raises
+    ------
+    GeometryError
+        If the follower does not find its way round the measured disc.
+    """
+    pitch = flank.curve.pitch
+    exact = replay_outline(pitch, flank.path, step=STEP, clearance=clearance).lift
+    contour = measured_contour(flank, deviations)
+    actual = replay_contour(pitch, contour, flank.side, step=STEP).lift
+    grid = np.arange(SAMPLES) * (TURN / SAMPLES)
+    phi = np.unique(np.concatenate((grid, deviations.places.phi)))
+
+    def error(phi: FloatArray, side: Side = "right") -> FloatArray:
+        return actual.at(phi, side) - exact.at(phi, side)
+
+    found = piecewise_extremes(error, edges_between(actual, exact))
+    return LiftErrors(phi, error(phi), found)
+
+
+# -- student --------------------------------------------------------------------------------------
+# Quantiles of Student's t distribution, for confidence intervals.
+
+
+FEWEST_FREEDOMS: Final = 8
+"""Degrees of freedom from which on the expansion is off by less than 2e-5 of the value, up to a
+probability of 0.975."""
+
+TERMS: Final = (
+    ((1, 1), 4),
+    ((5, 16, 3), 96),
+    ((3, 19, 17, -15), 384),
+    ((79, 776, 1482, -1920, -945), 92160),
+)
+"""Coefficients of the odd powers of z, the highest first, and their divisor."""
+
+
+def quantile(probability: float, freedom: int) -> float:
+    """The value that a variable with `freedom` degrees of freedom, at least `FEWEST`, does not
+    exceed with that `probability`.
+
+    The expansion in 1/freedom about the normal quantile z (Abramowitz and Stegun 26.7.5).
+    """
+    z = NormalDist().inv_cdf(probability)
+    found = z
+    for order, (coefficients, divisor) in enumerate(TERMS, start=1):
+        value = 0.0
+        for each in coefficients:
+            value = value * z * z + each
+        found += z * value / divisor / freedom**order
+    return found
+
+
+# -- alignment ------------------------------------------------------------------------------------
+
+
+CONFIDENCE: Final = 0.95
+"""Of each uncertainty, by itself."""
+
+FEWEST_POINTS: Final = FEWEST_FREEDOMS + 3
+"""Points of a fit."""
+
+STEPS: Final = 40
+"""Most steps of a fit; from a start as near as these, six are many."""
+
+SETTLED: Final = 1e-12
+"""A step below this fraction of the flank's size is the last one."""
+
+ROBUST: Final = 1e-10
+PATIENT: Final = 200
+"""The same, and the most steps, of a robust fit, whose weights change from step to step."""
+
+NEAR: Final = 1e-5
+TRIAL: Final = 15
+"""The same, and the most steps, while starts are compared."""
+
+SLACK: Final = 1000.0
+"""A fit whose last step exceeds the above by this factor has no result."""
+
+LOST: Final = 1e-9
+"""A direction in which no point moves off the flank by more than this fraction of the step is
+undetermined."""
+
+STARTS: Final = 720
+"""Turns that are tried for the start of a fit, evenly round."""
+
+TRIED: Final = 6
+"""The best of them that are followed."""
+
+PROMISING: Final = 3.0
+"""Those that miss by more than the best one by this factor are not."""
+
+SOME: Final = 400
+"""Points that decide between starts."""
+
+ALIKE: Final = 1.5
+"""Two fits whose distances differ by less than this factor are equally good."""
+
+FLOOR: Final = 1e-12
+"""Distances below this fraction of the flank's size are rounding."""
+
+APART: Final = math.radians(1.0)
+"""Fits that differ by less than this turn are one."""
+
+
+class Align(StrEnum):
+    """What is fitted: nothing, the turn about the cam axis, or shift and turn."""
+
+    DATUM = "datum"
+    ROTATION = "rotation"
+    FREE = "free"
+
+    @property
+    def fitted(self) -> int:
+        """Number of fitted figures."""
+        return {Align.DATUM: 0, Align.ROTATION: 1, Align.FREE: 3}[self]
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """Where the part lies in the axes of the measurement.
+
+    Attributes
+    ----------
+    shift : S [mm].
+    turn : alpha [rad], counter-clockwise positive, in (-pi, pi].
+    """
+
+    shift: complex = 0j
+    turn: float = 0.0
+
+    def inward(self, points: ComplexArray) -> ComplexArray:
+        """(n,) places in cam coordinates of measured `points` (n,)."""
+        found: ComplexArray = (points - self.shift) * cmath.exp(-1j * self.turn)
+        return found
+
+    def moved(self, shift: complex, turn: float) -> Frame:
+        """The frame after a step of the part in cam coordinates, first the shift, then the turn."""
+        return Frame(
+            self.shift + cmath.exp(1j * self.turn) * shift,
+            -math.remainder(-self.turn - turn, 2.0 * math.pi),
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Alignment:
+    """Measured points on the flank.
+
+    Attributes
+    ----------
+    align : what is fitted.
+    frame : of the part.
+    feet : of the points in cam coordinates.
+    deviations : (n,) [mm] distances from the flank less the radius of the ball, positive where
+        there is more material.
+    shift_uncertainty : of both coordinates of the shift [mm], at `CONFIDENCE`; None if not fitted.
+    turn_uncertainty : of the turn [rad]; infinite if the points do not show it, None if not fitted.
+    sway : what errors of form can do to a fit of least squares: the largest shift [mm] and turn
+        [rad] that any deviations of 1 mm root mean square cause. Zeros for what is not fitted.
+    other_turn : a further turn [rad] at which the points fit as well, as on a flank that repeats
+        itself; None if there is none.
+    """
+
+    align: Align
+    frame: Frame
+    feet: Feet
+    deviations: FloatArray
+    shift_uncertainty: tuple[float, float] | None = None
+    turn_uncertainty: float | None = None
+    sway: tuple[float, float] = (0.0, 0.0)
+    other_turn: float | None = None
+
+
+def aligned(
+    flank: ExactFlank,
+    points: ComplexArray,
+    align: Align,
+    ball: float = 0.0,
+    *,
+    robust: bool = False,
+) -> Alignment:
+    """Lay measured `points` (n,) [mm] on the flank.
+
+    Parameters
+    ----------
+    ball : radius [mm] of the ball whose centres the points are; 0 for points of the flank.
+    robust : whether a fit passes over local errors of form, see
+    `camgeo.studies.inspection`.
+
+    Raises
+    ------
+    GeometryError
+        If there are too few points for a fit, it does not settle, or the points do not show the
+        shift.
+    """
+    if align is Align.DATUM:
+        return _result(flank, points, align, Frame(), ball)
+    if len(points) < FEWEST_POINTS:
+        raise GeometryError(
+            f"a fit needs {FEWEST_POINTS} points or more, and there are {len(points)};"
+            " align by datum"
+        )
+    frame, other = _best(flank, points, align, ball)
+    frame = _fit(flank, points, align, frame, ball)
+    if robust:
+        frame = _fit(flank, points, align, frame, ball, ROBUST, PATIENT, robust=True)
+    found = _result(flank, points, align, frame, ball)
+    shift, turn, sway = _uncertainties(found, flank.size, robust=robust)
+    other = None if math.isinf(turn) else other
+    return replace(
+        found, shift_uncertainty=shift, turn_uncertainty=turn, sway=sway, other_turn=other
+    )
+
+
+def _result(
+    flank: ExactFlank, points: ComplexArray, align: Align, frame: Frame, ball: float
+) -> Alignment:
+    feet = flank.feet(frame.inward(points))
+    return Alignment(align, frame, feet, feet.distances - ball)
+
+
+def _best(
+    flank: ExactFlank, points: ComplexArray, align: Align, ball: float
+) -> tuple[Frame, float | None]:
+    """A frame near the best one, and another turn that is as good."""
+    some = points[:: -(-len(points) // SOME)]
+    fits: list[tuple[float, Frame]] = []
+    for start in _starts(flank, some, align):
+        try:
+            frame = _fit(flank, some, align, start, ball, NEAR, TRIAL)
+        except GeometryError:
+            continue
+        distances = flank.feet(frame.inward(some)).distances - ball
+        fits.append((float(np.sqrt(np.mean(distances**2))), frame))
+    if not fits:
+        raise GeometryError("the points are no flank of this disc: no fit of them settles")
+    least = ALIKE * min(size for size, _ in fits) + FLOOR * flank.size
+    good = [frame for size, frame in fits if size <= least]
+    best = min(good, key=lambda frame: abs(frame.turn))
+    others = [
+        frame.turn
+        for frame in good
+        if abs(math.remainder(frame.turn - best.turn, 2.0 * math.pi)) > APART
+    ]
+    return best, min(others, key=abs, default=None)
+
+
+def _starts(flank: ExactFlank, points: ComplexArray, align: Align) -> list[Frame]:
+    """Frames from which a fit may find its way: the distances from the cam axis, over the polar
+    angle, are compared at many turns. For a shift the axis is first found by the centres of area.
+    """
+    nodes = flank.nodes.points
+    order = np.argsort(np.angle(nodes))
+    polar, radii = np.angle(nodes)[order], np.abs(nodes)[order]
+
+    def misses(inward: ComplexArray) -> FloatArray:
+        nominal = np.interp(np.angle(inward), polar, radii, period=2.0 * math.pi)
+        return np.asarray(np.sqrt(np.mean((np.abs(inward) - nominal) ** 2, axis=-1)))
+
+    centre, own = 0j, 0j
+    if align is Align.FREE:
+        centre, own = _centre(points), _centre(nodes)
+    turns = np.linspace(-math.pi, math.pi, STARTS, endpoint=False)
+    found = misses((points - centre) * np.exp(-1j * turns)[:, np.newaxis] + own)
+    lowest = np.flatnonzero((found <= np.roll(found, 1)) & (found <= np.roll(found, -1)))
+    lowest = lowest[np.argsort(found[lowest], kind="stable")][:TRIED]
+    # A turn between two that are tried misses by half their distance.
+    unsure = PROMISING * float(found[lowest[0]]) + math.pi / STARTS * flank.size
+    starts = [Frame(centre - own * cmath.exp(1j * turn), turn) for turn in turns[lowest].tolist()]
+    promising = [each for each, miss in zip(starts, found[lowest], strict=True) if miss <= unsure]
+    return [Frame()] * bool(misses(points) <= unsure) + promising
+
+
+def _centre(points: ComplexArray) -> complex:
+    """Centre of the area inside `points` (n,), joined by their polar angle about their mean."""
+    mean = complex(np.mean(points))
+    ring = points - mean
+    ring = ring[np.argsort(np.angle(ring))]
+    after = np.roll(ring, -1)
+    areas = (ring.conj() * after).imag
+    total = float(np.sum(areas))
+    return mean if total <= 0.0 else mean + complex(np.sum((ring + after) * areas)) / total / 3.0
+
+
+def _jacobian(feet: Feet, size: float) -> FloatArray:
+    """(n, 3) -de for steps of the shift [mm] and of the turn [rad] times `size`."""
+    normals = feet.places.normals
+    places = feet.places.points + feet.distances * normals
+    return np.column_stack((normals.real, normals.imag, dot(normals, 1j * places) / size))
+
+
+def _fit(
+    flank: ExactFlank,
+    points: ComplexArray,
+    align: Align,
+    frame: Frame,
+    ball: float,
+    settled: float = SETTLED,
+    steps: int = STEPS,
+    *,
+    robust: bool = False,
+) -> Frame:
+    """The frame of the least squares near `frame`; of weighted ones if `robust`."""
+    last = math.inf
+    for _ in range(steps):
+        feet = flank.feet(frame.inward(points))
+        matrix = _jacobian(feet, flank.size)
+        columns = _determined(matrix, align)
+        step = np.zeros(3)
+        misses = feet.distances - ball
+        if robust:
+            roots = np.sqrt(weights(misses, FLOOR * flank.size))
+            matrix, misses = matrix * roots[:, np.newaxis], misses * roots
+        step[columns] = np.linalg.lstsq(matrix[:, columns], misses, rcond=None)[0]
+        step /= flank.size
+        frame = frame.moved(complex(step[0], step[1]) * flank.size, float(step[2]))
+        last = float(np.max(np.abs(step)))
+        if last <= settled or last > 1.0:
+            break
+    if last > SLACK * settled:
+        raise GeometryError("the points are no flank of this disc: the fit does not settle")
+    return frame
+
+
+def _determined(matrix: FloatArray, align: Align) -> list[int]:
+    """The columns (n, 3) of what is fitted and what the points show.
+
+    Raises GeometryError if they do not show the shift.
+    """
+    count = math.sqrt(len(matrix))
+    if align is Align.FREE:
+        if np.linalg.svd(matrix[:, :2], compute_uv=False)[1] <= LOST * count:
+            raise GeometryError(
+                "the points do not show the shift of the part: their normals are all parallel;"
+                " measure all round, or align by datum"
+            )
+        known, _ = np.linalg.qr(matrix[:, :2])
+        lever = matrix[:, 2] - known @ (known.T @ matrix[:, 2])
+    else:
+        lever = matrix[:, 2]
+    shows = float(np.linalg.norm(lever)) > LOST * count
+    return [0, 1] * (align is Align.FREE) + [2] * shows
+
+
+def _uncertainties(
+    found: Alignment, size: float, *, robust: bool = False
+) -> tuple[tuple[float, float] | None, float, tuple[float, float]]:
+    """Of shift [mm] and turn [rad], at `CONFIDENCE`: by Student's t from the covariance; and the
+    sway.
+    """
+    count = len(found.deviations)
+    matrix = _jacobian(found.feet, size)
+    columns = _determined(matrix, found.align)
+    freedom = count - found.align.fitted
+    sigma = math.sqrt(float(np.sum(found.deviations**2)) / freedom)
+    if robust:
+        sigma = standard_error(found.deviations, freedom, FLOOR * size)
+    factor = sigma * quantile(0.5 + 0.5 * CONFIDENCE, freedom)
+    chosen = matrix[:, columns]
+    cofactors = np.zeros((3, 3))
+    if columns:
+        cofactors[np.ix_(columns, columns)] = np.linalg.inv(chosen.T @ chosen)
+    of_turn = math.sqrt(cofactors[2, 2]) / size
+    turn = factor * of_turn if 2 in columns else math.inf
+    # The shift is that of the cam axis in the axes of the measurement, which are turned.
+    cosine, sine = math.cos(found.frame.turn), math.sin(found.frame.turn)
+    across = np.array([[cosine, -sine], [sine, cosine]])
+    covariance = across @ cofactors[:2, :2] @ across.T
+    x, y = (factor * math.sqrt(covariance[k, k]) for k in (0, 1))
+    # By Cauchy and Schwarz: the fit is linear in the deviations, and this is the norm of its rows.
+    of_shift = math.sqrt(float(np.linalg.norm(cofactors[:2, :2], 2)))
+    sway = (math.sqrt(count) * of_shift, math.sqrt(count) * of_turn)
+    return ((x, y) if found.align is Align.FREE else None), turn, sway
+
+
+# -- measured -------------------------------------------------------------------------------------
+# Measured points from a CSV file: x, y and, if it has them, normals nx, ny.
+
+
+FEWEST: Final = 12
+MOST: Final = 50_000
+
+UNITS: Final[dict[str, LengthUnit]] = {
+    "mm": "mm", "inch": "inch", "in": "inch", '"': "inch"
+}  # fmt: skip
+
+LENGTHS: Final = tuple(
+    NumberColumn(name, (name, f"{name} measured", f"measured {name}"), tuple(UNITS), "mm or inch")
+    for name in "xy"
+)
+
+NORMALS: Final = (NumberColumn("nx", ("nx", "i")), NumberColumn("ny", ("ny", "j")))
+
+ASKED: Final = Asked(LENGTHS, NORMALS, FEWEST, MOST)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeasuredPoints(Pickled):
+    """Points as measured.
+
+    Attributes
+    ----------
+    points : (n,) complex [mm].
+    normals : (n,) complex, as stated, of any length but 0; None if there are none.
+    """
+
+    points: ComplexArray
+    normals: ComplexArray | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "points", frozen(self.points, np.complex128))
+        if self.normals is not None:
+            object.__setattr__(self, "normals", frozen(self.normals, np.complex128))
+
+
+def places_of(found: Columns, file: str, unit: LengthUnit) -> ComplexArray:
+    """(n,) complex [mm] the places in the first two columns, x and y; `unit` if they state none.
+
+    Raises GeometryError with file and line if they have different units, or one is too large.
+    """
+    units = {UNITS[each.lower()] for each in found.units[:2] if each}
+    if len(units) > 1:
+        raise fault(file, found.lines[0], "", "x and y have different units; allowed: one")
+    x, y = found.values[:2]
+    for values in (x, y):
+        beyond = np.flatnonzero(np.abs(values) > COORDINATE)
+        if len(beyond):
+            row = int(beyond[0])
+            message = f"too large; allowed: coordinates up to {COORDINATE:g}"
+            raise fault(file, found.lines[row], repr(float(values[row])), message)
+    places: ComplexArray = (x + 1j * y) * MM_PER[units.pop() if units else unit]
+    return places
+
+
+def read_points(data: bytes | str, file: str, unit: LengthUnit = "mm") -> MeasuredPoints:
+    """Read measured points.
+
+    The format is that of `camgeo.numeric.columns`: x and y, or x, y, nx and ny; a heading may have
+    further columns and may call the normals i and j, and may state mm or inch in brackets.
+
+    Parameters
+    ----------
+    unit : of a file whose heading states none.
+
+    Raises
+    ------
+    GeometryError
+        With file and line, if the table is not as described, x and y have different units, a
+        coordinate is too large or a normal is zero, or there are fewer than 12 different points.
+    """
+    found = read_columns(data, file, ASKED)
+    points = places_of(found, file, unit)
+    stated = found.values[len(LENGTHS) :]
+    if len(np.unique(points)) < FEWEST:
+        message = f"fewer than {FEWEST} different points; allowed: {FEWEST} or more"
+        raise fault(file, found.lines[-1], "", message)
+    if not len(stated):
+        return MeasuredPoints(points)
+    size = np.hypot(*stated)
+    normals = np.divide(stated[0] + 1j * stated[1], size, out=np.zeros_like(points), where=size > 0)
+    if not np.all(size > 0.0):
+        row = int(np.flatnonzero(size == 0.0)[0])
+        raise fault(file, found.lines[row], "", "a normal of no length; allowed: a direction")
+    return MeasuredPoints(points, normals)
+
+
+# -- normals --------------------------------------------------------------------------------------
+# Normals that a file states next to its points, compared with the true ones.
+#
+# A measuring machine subtracts the radius of its ball along the normal that it is given. Normals
+# that point along the radius from the cam axis, as computed from a table of polar coordinates, are
+# off by the angle delta between normal and radius, and the point that results is off the flank by r
+# (1 - cos delta) for a ball of radius r: the flank seems to have more material than it has.
+
+
+TELLING: Final = np.radians(1.0)
+"""Least angle [rad] between normal and radius at which the two can be told apart."""
+
+
+@dataclass(frozen=True, slots=True)
+class StatedNormals:
+    """What is found of the normals.
+
+    Attributes
+    ----------
+    largest : angle [rad] of the one farthest from the true normal, with its cam angle.
+    into_material : whether they point into the material; their angles are then taken reversed.
+    radial : whether most of those that tell are nearer to the radius than to the true normal.
+    """
+
+    largest: Extreme
+    into_material: bool
+    radial: bool
+
+
+def off_radius(feet: Feet) -> FloatArray:
+    """(n,) angle [rad] delta between the true normal and the radius from the cam axis, signed as
+    the normal is turned from the radius, which points to the side of the normal.
+    """
+    radii = feet.places.points / np.abs(feet.places.points)
+    turned = feet.places.normals * radii.conj()
+    return np.angle(np.where(turned.real < 0.0, -turned, turned))
+
+
+def false_share(delta: FloatArray) -> FloatArray:
+    """(n,) 1 - cos delta, the deviation per radius of the ball that radial normals feign."""
+    return 2.0 * np.sin(0.5 * delta) ** 2
+
+
+def stated_normals(feet: Feet, turn: float, normals: ComplexArray) -> StatedNormals:
+    """Compare the `normals` (n,) of points, of any length but 0, with those at their `feet`, where
+    the part is turned by `turn` [rad] in the axes of the measurement.
+    """
+    off = normals * np.exp(-1j * turn) * feet.places.normals.conj()
+    into_material = bool(np.median(off.real) < 0.0)
+    angles = np.angle(-off if into_material else off)
+    # The radius lies at -delta from the true normal.
+    delta = off_radius(feet)
+    telling = np.abs(delta) > TELLING
+    nearer = np.abs(angles + delta) < np.abs(angles)
+    radial = bool(np.any(telling) and np.mean(nearer[telling]) > 0.5)
+    worst = int(np.argmax(np.abs(angles)))
+    largest = Extreme(float(abs(angles[worst])), float(feet.places.phi[worst]))
+    return StatedNormals(largest, into_material, radial)
+
+
+# -- axes -----------------------------------------------------------------------------------------
+# Points measured in other axes than those of the cam: shifted, turned, or from the other side.
+
+
+GROSS: Final = 2e-3
+"""Deviations (root mean square) beyond this fraction of the flank's size are no errors of making:
+0.1 mm on a cam of 50 mm."""
+
+BETTER: Final = 0.1
+"""Share of the deviations that is left in axes that are the right ones."""
+
+
+@dataclass(frozen=True, slots=True)
+class OtherAxes:
+    """Axes in which the points fit.
+
+    Attributes
+    ----------
+    frame : of the part in the axes of the measurement, of which y is reversed if `mirrored`.
+    mirrored : whether the points are those of the disc seen from the other side.
+    left : deviation [mm] that is left, root mean square.
+    """
+
+    frame: Frame
+    mirrored: bool
+    left: float
+
+
+def other_axes(
+    flank: ExactFlank, points: ComplexArray, deviation: float, ball: float = 0.0
+) -> OtherAxes | None:
+    """The axes in which measured `points` (n,) [mm] fit far better than with a `deviation` [mm], a
+    root mean square; None if that is no gross one, or there are none.
+    """
+    some = points[:: -(-len(points) // SOME)]
+    if deviation <= GROSS * flank.size or len(some) < FEWEST_POINTS:
+        return None
+    tried = []
+    for mirrored in (False, True):
+        try:
+            found = aligned(flank, some.conj() if mirrored else some, Align.FREE, ball)
+        except GeometryError:
+            continue
+        left = float(np.sqrt(np.mean(found.deviations**2)))
+        tried.append(OtherAxes(found.frame, mirrored, left))
+    # A flank that is its own mirror image is not seen from the other side by rounding.
+    best = min(tried, key=lambda each: (1.0 + each.mirrored) * each.left, default=None)
+    return best if best is not None and best.left < BETTER * deviation else None
+
+
+# -- probing --------------------------------------------------------------------------------------
+# Points of an exact flank to be measured, with their true normals.
+#
+# At a step of the cam angle, or evenly along the flank: the arc length of each cell is Gauss's
+# integral of the pace ds/dphi, an exact function of the cam angle, and Newton's method finds the
+# cam angle of a length.
+
+
+MOST_PROBED: Final = 200_000
+"""Points of a flank."""
+
+NODES: Final = 8
+"""Of Gauss's rule on a cell of a quarter of a degree: exact to rounding between the breaks."""
+
+ROOM: Final = 1e-9
+"""The ball fits if no place of the flank is nearer to its centre than its radius less this share
+of the flank's size."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ProbePoints:
+    """Points of one flank to be measured.
+
+    Attributes
+    ----------
+    flank : of which they are.
+    places : (n,) of the points, in the order of the path.
+    missing : number of steps at which the disc has nothing of the flank.
+    ball : radius of the measuring ball [mm], 0 for a point.
+    """
+
+    flank: ExactFlank
+    places: Places
+    missing: int = 0
+    ball: float = 0.0
+
+    @property
+    def centres(self) -> ComplexArray:
+        """(n,) complex [mm] of the ball when it touches the points."""
+        found: ComplexArray = self.places.points + self.ball * self.places.normals
+        return found
+
+    @property
+    def off_radius(self) -> Extreme:
+        """The largest angle [rad] between a normal and the radius, with its cam angle."""
+        angles = np.abs(off_radius(self._feet))
+        worst = int(np.argmax(angles))
+        return Extreme(float(angles[worst]), float(self.places.phi[worst]))
+
+    @property
+    def feigned(self) -> float:
+        """The largest deviation [mm] that radial normals would feign with this ball."""
+        return float(np.max(false_share(off_radius(self._feet)))) * self.ball
+
+    @property
+    def obstructed(self) -> Extreme | None:
+        """How much nearer [mm] than its radius another place of the flank is to the ball where it
+        fits worst, with the cam angle; None if it fits everywhere.
+        """
+        if self.ball == 0.0:
+            return None
+        short = self.ball - self.flank.feet(self.centres).distances
+        worst = int(np.argmax(short))
+        if short[worst] <= ROOM * self.flank.size:
+            return None
+        return Extreme(float(short[worst]), float(self.places.phi[worst]))
+
+    @property
+    def _feet(self) -> Feet:
+        return Feet(self.places, np.zeros(len(self.places)))
+
+
+def points_at_cam_angles(flank: ExactFlank, phi: FloatArray, ball: float = 0.0) -> ProbePoints:
+    """Points at the cam angles `phi` (n,) [rad] in [0, 2 pi), ascending.
+
+    Raises GeometryError if the disc has nothing of the flank at any of them.
+    """
+    course = flank.course_of(phi)
+    there = ~np.isnan(course)
+    if not np.any(there):
+        raise GeometryError("the disc has nothing of the flank at any of these cam angles")
+    places = flank.at(course[there])
+    # As asked for: a turn added and taken away again would round it.
+    places.phi[:] = phi[there]
+    return ProbePoints(flank, places, int(np.count_nonzero(~there)), ball)
+
+
+def evenly(flank: ExactFlank, spacing: float, ball: float = 0.0) -> ProbePoints:
+    """Points as far apart along the flank as possible, at most `spacing` [mm], all equally.
+
+    The first one is at the start of the path, or half a spacing from it where that is a corner.
+
+    Raises GeometryError if these would be more than `MOST`.
+    """
+    nodes, lengths = flank.nodes, _lengths(flank)
+    total = float(lengths[-1])
+    if total > MOST_PROBED * spacing:
+        raise GeometryError(
+            f"points {spacing:g} mm apart on a flank of {total:.6g} mm would be more than"
+            f" {MOST_PROBED:,}"
+        )
+    count = max(1, math.ceil(total / spacing))
+    first = 0.0 if flank.path.is_whole else 0.5
+    wanted: FloatArray = (np.arange(count, dtype=np.float64) + first) * (total / count)
+    used = np.concatenate(([True], np.diff(lengths) > 0.0))  # the second of two at a corner is not
+    edges, marks = nodes.course[used], lengths[used]
+
+    def length(course: FloatArray) -> FloatArray:
+        cell = np.clip(np.searchsorted(edges, course, side="right") - 1, 0, len(edges) - 2)
+        return marks[cell] + _integrals(flank, edges[cell], course)
+
+    course = inverse(length, lambda u: _paces(flank, u), edges, wanted)
+    return ProbePoints(flank, flank.at(course), 0, ball)
+
+
+def length_of(flank: ExactFlank) -> float:
+    """Length of the flank [mm]."""
+    return float(_lengths(flank)[-1])
+
+
+def _lengths(flank: ExactFlank) -> FloatArray:
+    """(k,) [mm] from the start of the path to each of its nodes."""
+    course = flank.nodes.course
+    return np.concatenate(([0.0], np.cumsum(_integrals(flank, course[:-1], course[1:]))))
+
+
+def _integrals(flank: ExactFlank, low: FloatArray, high: FloatArray) -> FloatArray:
+    """(n,) lengths [mm] of the path from `low` (n,) to `high` (n,) [rad], within a cell each."""
+    places, half, weights = gauss(low, high, NODES)
+    return np.asarray(half * (_paces(flank, places.ravel()).reshape(places.shape) @ weights))
+
+
+def _paces(flank: ExactFlank, course: FloatArray) -> FloatArray:
+    """(n,) length per position u [mm/rad]."""
+    element, along = flank.element_at(course)
+    found = np.empty(len(course))
+    for number, each in enumerate(flank.path.elements):
+        which = element == number
+        if not np.any(which):
+            continue
+        if isinstance(each, Stretch):
+            found[which] = flank.curve.pace(each.start + along[which])
+        else:
+            found[which] = abs(each.distance)
+    return found

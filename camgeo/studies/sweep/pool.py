@@ -1,0 +1,239 @@
+"""The local pool: as many processes of this machine as one asks for, each with one BLAS thread."""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import os
+import signal
+import threading
+import time
+from collections import deque
+from collections.abc import Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import connection
+from multiprocessing.context import SpawnContext, SpawnProcess
+from typing import Any, Final
+
+from camgeo.errors import CamgeoError, GeometryError
+from camgeo.studies.sweep.family import Point
+from camgeo.studies.sweep.rows import AHEAD, Chunks, Pace, Row, Work, dead, rows_of
+
+THREADS: Final = (
+    "OPENBLAS_NUM_THREADS",
+    "OMP_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "VECLIB_MAXIMUM_THREADS",
+)
+"""Variables that state how many threads the BLAS of a process starts, read when it is loaded."""
+
+MOST_WORKERS: Final = 512
+
+DEADLY: Final = 2
+"""Times that a design alone may end its process before that is its answer."""
+
+NO_START: Final = (
+    "the processes of the pool end as they start; a program that uses the pool must do its own work"
+    ' under `if __name__ == "__main__":`, because they import it'
+)
+
+Chunk = tuple[Point, ...]
+
+Computed = Future[tuple[tuple[Row, ...], float]]
+"""The rows of a chunk, and the seconds that they took."""
+
+
+class Pool:
+    """Computes chunks in processes of this machine; see `camgeo.studies.sweep.rows.Engine`.
+
+    The processes end with this one, however it ends. A program that uses the pool must be one that
+    can be imported: its own work is under `if __name__ == "__main__"`.
+
+    Parameters
+    ----------
+    workers : how many processes; GeometryError if there cannot be so many.
+    """
+
+    name = "pool"
+
+    def __init__(self, workers: int | str) -> None:
+        if not isinstance(workers, int) or not 1 <= workers <= MOST_WORKERS:
+            message = f"must be from 1 to {MOST_WORKERS}"
+            raise GeometryError(message, "workers", str(workers))
+        self._workers = workers
+        self._held: _Processes | None = None
+
+    @contextlib.contextmanager
+    def held(self) -> Iterator[None]:
+        """See `Engine.held`."""
+        with contextlib.closing(_Processes(self._workers)) as self._held:
+            try:
+                yield
+            finally:
+                self._held = None
+
+    def rows(self, work: Work, points: Iterator[Point]) -> Chunks:
+        """See `Engine.rows`.
+
+        If a process dies, all chunks that were handed out are lost, and any may be to blame. They
+        are computed again one at a time, and a chunk that does it again is taken apart. Raises
+        CamgeoError if processes end before they compute anything.
+        """
+        pace, suspects = Pace(self._workers), deque[Chunk]()
+        deaths: dict[Point, int] = {}
+        processes = self._held or _Processes(self._workers)
+        running: dict[Computed, Chunk] = {}
+        try:
+            while True:
+                if suspects and not running:
+                    chunk = suspects.popleft()
+                    running[processes.computed(work, chunk)] = chunk
+                alone = len(running) == 1
+                while not suspects and len(running) < AHEAD * self._workers:
+                    if not (chunk := pace.take(points)):
+                        break
+                    running[processes.computed(work, chunk)] = chunk
+                    alone = False
+                if not running:
+                    return
+                finished, _ = wait(running, return_when=FIRST_COMPLETED)
+                lost: list[Chunk] = []
+                for future in finished:
+                    chunk = running.pop(future)
+                    try:
+                        found, seconds = future.result()
+                    except BrokenProcessPool:
+                        lost.append(chunk)
+                    else:
+                        pace.note(len(chunk), seconds)
+                        yield found
+                if lost:
+                    lost += running.values()
+                    running.clear()
+                    processes.end()
+                    processes.require_to_run()
+                    if not alone:
+                        suspects.extendleft(reversed(lost))
+                    elif len(lost[0]) > 1:
+                        suspects.extendleft((point,) for point in reversed(lost[0]))
+                    else:
+                        (point,) = lost[0]
+                        deaths[point] = deaths.get(point, 0) + 1
+                        if deaths[point] < DEADLY:
+                            suspects.appendleft(lost[0])
+                        else:
+                            yield (dead(work, point, deaths[point]),)
+        finally:
+            if running:
+                processes.end()
+            if processes is not self._held:
+                processes.close()
+
+
+class _Context(SpawnContext):
+    """Starts processes, and lists them."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.listed: list[SpawnProcess] = []
+
+    def Process(self, *given: Any, **named: Any) -> SpawnProcess:  # type: ignore[override]  # a class there
+        """See `multiprocessing.context.BaseContext`."""
+        self.listed.append(SpawnProcess(*given, **named))
+        return self.listed[-1]
+
+
+class _Processes:
+    """The processes of a pool, started when there is work for them; each has one BLAS thread."""
+
+    def __init__(self, workers: int) -> None:
+        self._workers = workers
+        self._context = _Context()
+        self._executor: ProcessPoolExecutor | None = None
+
+    def computed(self, work: Work, chunk: Chunk) -> Computed:
+        """The chunk handed out."""
+        try:
+            with _one_thread():
+                try:
+                    return self._running.submit(_computed, work, chunk)
+                except OSError:  # a process died as another was started; now the pool is broken
+                    return self._running.submit(_computed, work, chunk)
+        except BrokenProcessPool as error:  # a process died while none of its chunks was waited for
+            failed: Computed = Future()
+            failed.set_exception(error)
+            return failed
+
+    def require_to_run(self) -> None:
+        """Raise CamgeoError if a process of the pool ends as it starts: no design is to blame."""
+        try:
+            with _one_thread():
+                started = self._running.submit(os.getpid)
+            started.result()
+        except BrokenProcessPool as error:
+            raise CamgeoError(NO_START) from error
+
+    def end(self) -> None:
+        """End the processes at once; others are started if there is more work.
+
+        An executor that is broken ends them itself, except one that was being started at that
+        moment: that one stays, and the executor may wait for it for ever.
+        """
+        started = [each for each in self._context.listed if each.pid is not None]
+        for process in started:
+            process.kill()
+        self.close(cancelled=True)
+        for process in started:
+            process.join()
+        self._context.listed.clear()
+
+    def close(self, *, cancelled: bool = False) -> None:
+        """End the processes when they have nothing to do."""
+        if self._executor is not None:
+            self._executor.shutdown(cancel_futures=cancelled)
+            self._executor = None
+
+    @property
+    def _running(self) -> ProcessPoolExecutor:
+        if self._executor is None:
+            self._executor = ProcessPoolExecutor(
+                self._workers, mp_context=self._context, initializer=_begin
+            )
+        return self._executor
+
+
+@contextlib.contextmanager
+def _one_thread() -> Iterator[None]:
+    """Processes that are started within have one BLAS thread."""
+    before = {name: os.environ.get(name) for name in THREADS}
+    os.environ.update(dict.fromkeys(THREADS, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+def _computed(work: Work, chunk: Chunk) -> tuple[tuple[Row, ...], float]:
+    """The rows of a chunk, and the seconds that they took."""
+    start = time.perf_counter()
+    found = rows_of(work, chunk)
+    return found, time.perf_counter() - start
+
+
+def _begin() -> None:
+    """In a worker: leave Ctrl-C to the driver, and end with it even if it is killed."""
+    with contextlib.suppress(ValueError):
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
+
+
+def _end_with(sentinel: int) -> None:
+    connection.wait([sentinel])
+    os._exit(1)

@@ -1,0 +1,945 @@
+"""Rows of a sweep, and the work that makes them, as it is sent to where it is done."""
+
+from __future__ import annotations
+
+import math
+import pkgutil
+import platform
+import time
+from collections.abc import Callable, Generator, Hashable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, fields
+from functools import cached_property, lru_cache, partial
+from itertools import islice
+from operator import length_hint
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, Literal, Protocol
+
+import numpy as np
+
+from camgeo._version import __version__
+from camgeo.cam.cam import Disc, Drive, discs_together, drives_together
+from camgeo.check.finding import Finding, forbidding
+from camgeo.check.flank import (
+    check_standstill,
+    check_transmission_angle,
+    transmission_angle_extremes,
+)
+from camgeo.check.judge import linkage_findings, motion_findings, transmission_angle_limit, worst
+from camgeo.design.design import Design
+from camgeo.design.value_table import (
+    Columns,
+    bare,
+    of_effect,
+    quantities_of_disc,
+    quantities_of_drive,
+)
+from camgeo.errors import (
+    CamgeoError,
+    EffectError,
+    GeometryError,
+    SceneError,
+    ToleranceError,
+    UnknownNameError,
+    VersionError,
+)
+from camgeo.geometry.pieces import turn_enclosed
+from camgeo.geometry.together import Member, Together
+from camgeo.kinematics.mechanism.several import alike
+from camgeo.numeric.arrays import FloatArray, Quantity, merged
+from camgeo.numeric.extremes import Extremes, extremes_of_each, piecewise_extremes
+from camgeo.scene.scene import Scene
+from camgeo.scene.values import Source, document, document_of_tree, edited
+from camgeo.studies.sweep.family import Family, Point
+from camgeo.units import LengthUnit, counted, shortened
+
+if TYPE_CHECKING:
+    from camgeo.lazy import Ledger
+
+
+NOWHERE: Final = Path("/camgeo-sweep-has-no-folder")
+"""Folder of the scenes of a sweep. A worker has the contents of the files that they name, and must
+not read another file of its own machine under the same name."""
+
+FOLLOWER: Final = "follower."
+"""Keys that begin so are numbers and words of the follower."""
+
+MOST_BEGUN: Final = 64
+"""Scenes that are kept for others to share their plan, so that memory stays flat."""
+
+MOST_TOGETHER: Final = 64
+"""Designs that are computed at once: of 256 at once each costs 2 to 6 % less."""
+
+LISTED: Final = "; "
+"""Between the reasons of one row."""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """What one design of a family answers.
+
+    Attributes
+    ----------
+    point : the values that make the design.
+    values : what was asked, in the order asked; None where there is no answer.
+    units : of the values, likewise; empty where there is none.
+    reason : why something is missing; empty if nothing is, or if that is no failure, as of a
+        finding that the design does not give rise to.
+    """
+
+    point: Point
+    values: tuple[float | str | None, ...]
+    units: tuple[str, ...]
+    reason: str = ""
+
+    @property
+    def failed(self) -> bool:
+        """Whether something that was asked has no answer."""
+        return bool(self.reason)
+
+
+@dataclass(frozen=True, slots=True)
+class Versions:
+    """What decides the bits of a row: the versions of camgeo, numpy and Python."""
+
+    camgeo: str
+    numpy: str
+    python: str
+
+    @classmethod
+    def here(cls) -> Versions:
+        """Those of this process."""
+        return cls(__version__, np.__version__, platform.python_version())
+
+    def require_here(self) -> None:
+        """Raise VersionError, naming what differs, unless this process has the same."""
+        here = self.here()
+        for name in ("camgeo", "numpy", "python"):
+            mine, theirs = getattr(here, name), getattr(self, name)
+            if mine != theirs:
+                label = name.capitalize() if name == "python" else name
+                raise VersionError(
+                    f"a worker has {label} {mine}, the sweep was started with {theirs}; rows of"
+                    " both would not be comparable"
+                )
+
+
+@dataclass(frozen=True)
+class Work:
+    """All that a worker needs, wherever it runs; it can be pickled.
+
+    Attributes
+    ----------
+    text : TOML of the scene that the family starts from.
+    contents : of the files that designs name, by these names.
+    keys : that vary.
+    asked : of each design.
+    versions : with which the rows are to be computed.
+    """
+
+    text: str
+    contents: tuple[tuple[str, bytes], ...]
+    keys: tuple[str, ...]
+    asked: tuple[Asked, ...]
+    versions: Versions
+
+    @classmethod
+    def of(cls, family: Family, asked: Iterable[Asked]) -> Work:
+        """The work on a family, for processes with the versions of this one."""
+        contents = tuple(sorted(family.contents().items()))
+        text = family.scene.to_toml()
+        return cls(text, contents, family.keys, tuple(asked), Versions.here())
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The fields alone: whoever receives the work builds the scene."""
+        return {each.name: getattr(self, each.name) for each in fields(self)}
+
+    @cached_property
+    def source(self) -> Source:
+        """Where scenes get the contents of their files."""
+        folder = NOWHERE.resolve() if self.contents else None
+        return Source("", folder, self.text).having(dict(self.contents))
+
+    @cached_property
+    def base(self) -> Scene:
+        """The scene that the family starts from; VersionError in a process of other versions."""
+        self.versions.require_here()
+        return Scene.of(document(self.text.encode()), self.source)
+
+    @cached_property
+    def _begun(self) -> dict[Hashable, Scene]:
+        """A scene for each of the latest values at keys outside the follower: what does not depend
+        on the follower, the plan above all, is that of all designs with these values.
+        """
+        return {}
+
+    def scene_of(self, point: Point) -> Scene:
+        """The scene of a design; SceneError with its faults."""
+        edits = dict(zip(self.keys, point, strict=True))
+        of_follower = {key: each for key, each in edits.items() if key.startswith(FOLLOWER)}
+        others = tuple((type(each), each) for key, each in edits.items() if key not in of_follower)
+        earlier = self._begun.get(others)
+        start, edits = (self.base, edits) if earlier is None else (earlier, of_follower)
+        tree = edited(start.stated.scene.exact, edits)
+        document = document_of_tree(tree, earlier=start.stated.scene)
+        found = Scene.of(document, self.source, start)
+        if earlier is None:
+            while len(self._begun) >= MOST_BEGUN:
+                self._begun.pop(next(iter(self._begun)))
+            self._begun[others] = found
+        return found
+
+    def rows(self, points: Sequence[Point], ledger: Ledger | None = None) -> list[Row]:
+        """The rows of designs, each with the bits that it has alone; with the reason if its scene
+        is wrong.
+
+        What can be answered for many designs at once is.
+        """
+        base = self.base
+        assert base is not None  # its errors are not those of one design
+        found: dict[int, Row] = {}
+        designs: dict[int, Design] = {}
+        for number, point in enumerate(points):
+            try:
+                scene = self.scene_of(point)
+                designs[number] = Design(scene) if ledger is None else Design(scene, ledger)
+            except MemoryError:
+                raise  # which is not the design's fault
+            except Exception as error:
+                found[number] = self.nothing(point, reason_of(error))
+        answers = self._together(designs)
+        for number in [*designs]:
+            design = designs.pop(number)  # which has computed much, and is needed no longer
+            readings = [
+                answers.get((number, asked.word)) or read(design, asked) for asked in self.asked
+            ]
+            found[number] = self.answers(design, points[number], readings)
+        return [found[number] for number in range(len(points))]
+
+    def nothing(self, point: Point, reason: str) -> Row:
+        """The row of a design that has no answers at all."""
+        count = len(self.asked)
+        return Row(point, (None,) * count, ("",) * count, reason)
+
+    def _together(self, designs: Mapping[int, Design]) -> dict[tuple[int, str], Reading]:
+        """What can be answered for many designs at once, by their numbers and what is asked."""
+        words = [asked for asked in self.asked if asked.group in TOGETHER]
+        groups: dict[Hashable, list[int]] = {}
+        for number, design in sorted(designs.items(), key=_linkage) if words else ():
+            groups.setdefault(alike_designs(design), []).append(number)
+        return {
+            (number, asked.word): reading
+            for numbers in groups.values()
+            for asked in words
+            for number, reading in zip(
+                numbers, read_each([designs[each] for each in numbers], asked), strict=True
+            )
+        }
+
+    def answers(self, design: Design, point: Point, found: Sequence[Reading]) -> Row:
+        """The row of a design, of which `found` is what is asked."""
+        reasons: dict[str, list[str]] = {}
+        for asked, reading in zip(self.asked, found, strict=True):
+            if reading.reason:
+                reasons.setdefault(reading.reason, []).append(asked.word)
+        stated = [f"{', '.join(words)}: {reason}" for reason, words in reasons.items()]
+        return Row(
+            point,
+            tuple(each.value for each in found),
+            tuple(each.unit for each in found),
+            LISTED.join(stated),
+        )
+
+
+def _linkage(item: tuple[int, Design]) -> int:
+    """Designs with the same linkage one after another have the same motion: the plan keeps one."""
+    return id(item[1].scene.linkage)
+
+
+def rows_of(work: Work, points: Iterable[Point]) -> tuple[Row, ...]:
+    """The rows of several designs, as a worker computes them."""
+    known, rest = _known(work), iter(points)
+    found: list[Row] = []
+    while some := tuple(islice(rest, MOST_TOGETHER)):
+        found += known.rows(some)
+    return tuple(found)
+
+
+@lru_cache(maxsize=1)
+def _known(work: Work) -> Work:
+    """The work as it came first, with its scene: each chunk brings another copy."""
+    return work
+
+
+# -- engine ---------------------------------------------------------------------------------------
+# Engines compute the rows of a family: where, and how many at a time.
+#
+# An engine has a name and `rows`; it is registered in `ENGINES` by the place of its class, which is
+# imported when it is asked for. It neither writes the store nor decides what is computed: it takes
+# points from the iterator as it can use them, and gives back rows in any order. If its iterator is
+# closed, it ends what it has started. A row depends on its design alone, so all engines give the
+# same rows.
+
+
+CHUNK: Final = 1.0
+"""Seconds that a chunk of designs should take: far more than the 6 ms that handing one over costs,
+and no more than a run should lose when it is stopped."""
+
+MOST_IN_CHUNK: Final = 1000
+
+GROWTH: Final = 8
+"""Largest factor from one chunk to the next: the first designs may be no measure of the others."""
+
+AHEAD: Final = 2
+"""Chunks handed out for each worker: one is computed, the next one is there when it is done."""
+
+DIED: Final = "the process that computed it died, {times}: killed, or out of memory"
+
+
+Chunks = Generator[tuple[Row, ...], None, None]
+"""Rows in chunks, as they are finished; closing it ends the work."""
+
+
+class Engine(Protocol):
+    """Where rows are computed."""
+
+    @property
+    def name(self) -> str: ...
+
+    def rows(self, work: Work, points: Iterator[Point]) -> Chunks:
+        """The rows of all points, in any order, in chunks as they are finished.
+
+        A worker that dies costs its chunk a second computation. A design that keeps ending its
+        worker is a row that says so. Raises VersionError if a worker has other versions.
+        """
+        ...
+
+    def held(self) -> AbstractContextManager[None]:
+        """Within it, the workers of one call of `rows` stay for the next one."""
+        ...
+
+
+class Pace:
+    """How many designs make a chunk of about a second, from the chunks so far.
+
+    Parameters
+    ----------
+    workers : that share the designs; where it is known how few are left, each gets some of them.
+    """
+
+    def __init__(self, workers: int = 1) -> None:
+        self._size = 1
+        self._workers = workers
+
+    def take(self, points: Iterator[Point]) -> tuple[Point, ...]:
+        """The points of the next chunk; none if there are none left."""
+        share = -(-length_hint(points, MOST_IN_CHUNK * self._workers) // self._workers)
+        return tuple(islice(points, min(self._size, max(share, 1))))
+
+    def note(self, count: int, seconds: float, least: float = 0.0) -> None:
+        """A chunk of so many designs took so long; the next ones take at least `least` seconds."""
+        fitting = int(max(CHUNK, least) * count / max(seconds, 1e-9))
+        self._size = max(1, min(fitting, GROWTH * self._size, MOST_IN_CHUNK))
+
+
+class Loop:
+    """Computes one design after the other, in this process."""
+
+    name = "loop"
+
+    def __init__(self, _where: int | str = 1) -> None:
+        pass
+
+    def rows(self, work: Work, points: Iterator[Point]) -> Chunks:
+        """See `Engine.rows`."""
+        pace = Pace()
+        while chunk := pace.take(points):
+            start = time.perf_counter()
+            found = rows_of(work, chunk)
+            pace.note(len(chunk), time.perf_counter() - start)
+            yield found
+
+    def held(self) -> AbstractContextManager[None]:
+        """See `Engine.held`: there is no other process."""
+        return nullcontext()
+
+
+ENGINES: Final = {
+    "loop": "camgeo.studies.sweep.rows:Loop",
+    "pool": "camgeo.studies.sweep.pool:Pool",
+    "cluster": "camgeo.studies.sweep.cluster:Cluster",
+}
+"""The classes of engines by their names; each takes where it computes: the pool the number of its
+processes, a cluster its address."""
+
+
+def engine_of(name: str, where: int | str = 1) -> Engine:
+    """The engine `name` that computes there.
+
+    Raises UnknownNameError if there is none, GeometryError for a number of workers or an address
+    that it cannot have.
+    """
+    if name not in ENGINES:
+        raise UnknownNameError("engine", name, ENGINES)
+    found: Engine = pkgutil.resolve_name(ENGINES[name])(where)
+    return found
+
+
+def dead(work: Work, point: Point, times: int) -> Row:
+    """The row of a design that ended its process so many times."""
+    return work.nothing(point, DIED.format(times=counted(times, "time")))
+
+
+# -- reading --------------------------------------------------------------------------------------
+# What a design answers to what is asked of it. Nothing else is computed.
+
+
+LONGEST_REASON: Final = 400
+"""Characters of a reason; what a scene with many faults says beyond is left out."""
+
+
+class NoValueError(Exception):
+    """A design has no answer; the message is the reason, empty if none was to be expected."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """The answer of a design: a number in `unit`, or a word; None if there is none, perhaps with
+    the reason.
+    """
+
+    value: float | str | None
+    unit: str = ""
+    reason: str = ""
+
+
+def read(design: Design, asked: Asked) -> Reading:
+    """What the design answers. Every error except MemoryError becomes a reason."""
+    try:
+        found = ANSWERS[asked.group](design, asked)
+    except NoValueError as none:
+        return Reading(None, reason=in_a_line(str(none)))
+    except MemoryError:
+        raise  # which is not the design's fault
+    except Exception as error:
+        return Reading(None, reason=reason_of(error))
+    return _settled(found)
+
+
+def _settled(found: Reading) -> Reading:
+    """The same, if it is finite."""
+    if isinstance(found.value, float):
+        if not math.isfinite(found.value):
+            return Reading(None, found.unit, found.reason or "is infinite")
+        return Reading(found.value + 0.0, found.unit, in_a_line(found.reason))  # no -0.0
+    return found
+
+
+def read_each(designs: Sequence[Design], asked: Asked) -> list[Reading]:
+    """What each of the designs answers, with the same bits as `read`: those that are alike at once.
+
+    Where that fails, one of them has no answer: halves are tried, down to a design alone.
+    """
+    if len(designs) == 1:
+        return [read(designs[0], asked)]
+    try:
+        found = TOGETHER[asked.group](designs, asked)
+    except MemoryError:
+        raise  # which is not the designs' fault
+    except Exception:
+        half = len(designs) // 2
+        return read_each(designs[:half], asked) + read_each(designs[half:], asked)
+    return [_settled(each) for each in found]
+
+
+def alike_designs(design: Design) -> Hashable:
+    """Equal for designs that differ in numbers of follower and linkage only, and in what nothing
+    that is `TOGETHER` depends on.
+    """
+    scene = design.scene
+    drive = id(scene.plan), scene.speed, id(scene.speed_curve)
+    units = scene.unit, scene.lift_unit
+    disc = scene.rotation, scene.contact, scene.side_clearance
+    bodies = (None if body is None else alike(body) for body in (scene.linkage, scene.follower))
+    return drive, units, disc, *bodies
+
+
+def reason_of(error: Exception) -> str:
+    """Why there is no design or no answer, in one line."""
+    if isinstance(error, SceneError):
+        return in_a_line("; ".join(str(fault) for fault in error.faults))
+    if isinstance(error, CamgeoError):
+        return in_a_line(str(error))
+    return in_a_line(f"internal error: {type(error).__name__}: {error}")
+
+
+def in_a_line(text: str) -> str:
+    """The text in one line that is not too long."""
+    return shortened(" ".join(text.split()), LONGEST_REASON)
+
+
+# Findings -----------------------------------------------------------------------------------------
+
+
+def _of(findings: Iterable[Finding], name: str, why: Callable[[], str] = str) -> Reading:
+    """The value of the first finding of that name; NoValueError with `why` if there is none."""
+    for finding in findings:
+        if hyphened(finding.name) == name:
+            value = finding.value
+            return Reading(None if value is None else float(value), finding.unit)
+    raise NoValueError(why())
+
+
+def _refused(findings: Iterable[Finding]) -> str:
+    """What rules out the disc, if anything does."""
+    return "; ".join(finding.sentence for finding in forbidding(findings))
+
+
+def _angle(design: Design, asked: Asked) -> Reading:
+    """The transmission angle alone, as the findings have it."""
+    cam, limits = design.cam, design.scene.limits
+    if not cam.follower.has_pitch_curve:  # of an undercut flat face there is none
+        return _disc(design, asked)
+    before = linkage_findings(cam.drive, limits)
+    if not forbidding(before):
+        curve = cam.disc.pitch_curve
+        before = check_standstill(curve)
+        if not forbidding(before):
+            found = check_transmission_angle(curve, transmission_angle_limit(cam, limits))
+            return _of([found], asked.name)
+    raise NoValueError(_refused(before))
+
+
+def _angles(designs: Sequence[Design], asked: Asked) -> list[Reading]:
+    """The same for designs that are alike: what the answer takes is computed for all at once."""
+    if designs[0].cam.follower.has_pitch_curve:
+        curves = [design.cam.disc.pitch_curve for design in designs]
+        turn_enclosed.settle(curves)
+        transmission_angle_extremes.settle(curves)
+    return [read(design, asked) for design in designs]
+
+
+def _linkage_reading(design: Design, asked: Asked) -> Reading:
+    scene = design.scene
+    found = linkage_findings(design.drive, scene.limits)
+    return _of(found, asked.name, lambda: "" if found else "the scene has no [linkage]")
+
+
+def _motion(design: Design, asked: Asked) -> Reading:
+    return _of(motion_findings(design.drive), asked.name)
+
+
+def _disc(design: Design, asked: Asked) -> Reading:
+    return _of(design.findings, asked.name, lambda: _refused(design.findings))
+
+
+def _part(design: Design, asked: Asked) -> Reading:
+    from camgeo.design.judged_part import Body, findings_on
+    from camgeo.part.mass import largest_diameter, solid
+
+    scene = design.scene
+    if asked.name == DIAMETER:
+        return Reading(largest_diameter(design.disc.drawn.part)[0], "mm")
+    if scene.part is None:
+        raise NoValueError("the scene has no [part]")
+    if asked.name == "mass":
+        mass = Body(solid(design.disc.drawn.part), scene.part.density).mass
+        if mass is None:
+            raise NoValueError("the scene states neither material nor density of the part")
+        return Reading(mass, "kg")
+    return _of(findings_on(design.disc), asked.name, lambda: _refused(design.findings))
+
+
+def _verdict(design: Design, _: Asked) -> Reading:
+    return Reading(worst(judged(design)))
+
+
+def _machining(design: Design, _: Asked) -> Reading:
+    from camgeo.design.machining import machining_time  # few are asked for it
+
+    if forbidding(design.findings):
+        raise NoValueError(_refused(design.findings))
+    return Reading(machining_time(design.discs), "s")
+
+
+def judged(design: Design, *, machining: bool = False) -> list[Finding]:
+    """All findings on cam, effects and part, as far as there are such; with `machining` also those
+    on the milling programs.
+    """
+    from camgeo.design.judged_part import findings_on
+    from camgeo.design.product import with_pair
+
+    found = list(design.findings)
+    if not any(finding.severity == "invalid" for finding in found):
+        for name in design.scene.effects:
+            found += design.effects.findings(name)
+    if design.scene.follower is not None and not forbidding(design.findings):
+        for disc in with_pair(design.discs):
+            found += findings_on(disc)
+        if machining and design.scene.milling is not None:
+            from camgeo.design.machining import machining_of
+
+            found += machining_of(design.discs).findings
+    return found
+
+
+# Columns ------------------------------------------------------------------------------------------
+
+
+def _curves(design: Design, asked: Asked) -> Reading:
+    return _curves_of_each([design], asked)[0]
+
+
+def _curves_of_each(designs: Sequence[Design], asked: Asked) -> list[Reading]:
+    """The extreme of a column for designs that are alike."""
+    first = designs[0]
+    drive, scene = first.drive, first.scene
+    for place, (heading, quantity) in enumerate(_of_drive(scene, drive)):
+        if hyphened(bare(heading)) == asked.name:
+            if all(design.drive.motion is drive.motion for design in designs):
+                return [_extreme(first, asked, heading, quantity)] * len(designs)
+            of_drive = partial(_quantity_of_drive, place, scene)
+            found = _extremes_of_each(designs, _drives, of_drive)
+            return [_read(each, asked, heading) for each in found]
+    if scene.follower is not None:
+        disc = first.cam.disc
+        for place, (heading, _) in enumerate(quantities_of_disc(disc, scene.unit)):
+            if hyphened(bare(heading)) == asked.name:
+                of_disc = partial(_quantity_of_disc, place, scene.unit)
+                found = _extremes_of_each(designs, _discs, of_disc)
+                return [_read(each, asked, heading) for each in found]
+    raise NoValueError(f'has no column "{asked.name}"')
+
+
+def _of_drive(scene: Scene, drive: Drive) -> Columns:
+    return quantities_of_drive(drive, scene.lift_unit, scene.unit)
+
+
+def _quantity_of_drive(place: int, scene: Scene, drive: Drive) -> Quantity:
+    return _of_drive(scene, drive)[place][1]
+
+
+def _quantity_of_disc(place: int, unit: LengthUnit, disc: Disc) -> Quantity:
+    return quantities_of_disc(disc, unit)[place][1]
+
+
+def _drives(designs: Sequence[Design]) -> Together[Drive]:
+    return drives_together([design.drive for design in designs])
+
+
+def _discs(designs: Sequence[Design]) -> Together[Disc]:
+    return discs_together([design.cam.disc for design in designs])
+
+
+def _extremes_of_each(
+    designs: Sequence[Design],
+    together: Callable[[Sequence[Design]], Together[Member]],
+    quantity: Callable[[Member], Quantity],
+) -> list[Extremes]:
+    """The extremes of a quantity for designs that are alike, at once for those of them whose motion
+    is smooth between the same angles.
+    """
+    groups: dict[bytes, list[int]] = {}
+    for number, design in enumerate(designs):
+        groups.setdefault(design.drive.smooth_angles.tobytes(), []).append(number)
+    found: dict[int, Extremes] = {}
+    for numbers in groups.values():
+        some = [designs[number] for number in numbers]
+        with np.errstate(all="ignore"):  # a value that is not finite has a reason
+            each = extremes_of_each(together(some), quantity, some[0].drive.smooth_angles)
+        found |= zip(numbers, each, strict=True)
+    return [found[number] for number in range(len(designs))]
+
+
+def _effects(design: Design, asked: Asked) -> Reading:
+    """The value of a finding of an effect, or the extreme of its column."""
+    why = ""
+    for name in asked.effects:
+        try:
+            result = design.effect(name)
+        except EffectError as error:
+            why = why or error.message
+            for finding in design.effects.findings(name):
+                if hyphened(finding.name) == asked.name and finding.value is not None:
+                    return Reading(float(finding.value), finding.unit, error.message)
+            continue
+        if asked.how == "value":
+            for finding in result.findings:
+                if hyphened(finding.name) == asked.name:
+                    return _of([finding], asked.name)
+            continue
+        for column in result.columns:
+            if hyphened(column.name) == asked.name:
+                heading, quantity = of_effect(design.scene.unit, column)
+                return _extreme(design, asked, heading, quantity, column.borders)
+    if not why and asked.how != "value":
+        why = f'has no column "{asked.name}"'
+    raise NoValueError(why)
+
+
+def _extreme(
+    design: Design,
+    asked: Asked,
+    heading: str,
+    quantity: Quantity,
+    borders: FloatArray | None = None,
+) -> Reading:
+    edges = design.drive.smooth_angles
+    if borders is not None and len(borders):
+        edges = merged(np.concatenate((edges, borders)))
+    with np.errstate(all="ignore"):  # a value that is not finite has a reason
+        found = piecewise_extremes(quantity, edges)
+    return _read(found, asked, heading)
+
+
+def _read(found: Extremes, asked: Asked, heading: str) -> Reading:
+    unit = heading.rpartition(" [")[2].removesuffix("]") if heading.endswith("]") else ""
+    return Reading(EXTREME[asked.how](found), unit)
+
+
+EXTREME: Final[dict[str, Callable[[Extremes], float]]] = {
+    "min": lambda found: found.lowest.value,
+    "max": lambda found: found.highest.value,
+    "peak": lambda found: found.magnitude,
+}
+
+ANSWERS: Final[dict[Group, Callable[[Design, Asked], Reading]]] = {
+    "angle": _angle,
+    "linkage": _linkage_reading,
+    "motion": _motion,
+    "part": _part,
+    "disc": _disc,
+    "verdict": _verdict,
+    "machining": _machining,
+    "curves": _curves,
+    "effects": _effects,
+}
+
+TOGETHER: Final[dict[Group, Callable[[Sequence[Design], Asked], list[Reading]]]] = {
+    "angle": _angles,
+    "curves": _curves_of_each,
+}
+"""What is answered for many designs at once, if these are alike."""
+
+
+# -- asked ----------------------------------------------------------------------------------------
+# What is asked of each design of a family, by the names of findings and of value-table columns.
+#
+# A bare name is the value of a finding. `min:`, `max:` and `peak:`, the largest magnitude, before
+# the name of a column are its extremes over the turn. Names are written with hyphens or spaces. A
+# name is looked up once, in the scene that the family starts from, so that of each design only what
+# answers it is computed.
+
+
+How = Literal["value", "min", "max", "peak"]
+
+EXTREMES: Final[dict[str, How]] = {"min": "min", "max": "max", "peak": "peak"}
+"""Which extreme of a column, by the prefix of its name."""
+
+Group = Literal[
+    "angle", "linkage", "motion", "part", "disc", "verdict", "machining", "curves", "effects"
+]
+"""What is computed: the transmission angle, the linkage, the motion, the part, all findings on the
+disc, the worst severity of all findings, the milling programs, columns of motion and cam, or
+effects.
+"""
+
+VERDICT: Final = "verdict"
+"""Asks for the worst severity of all findings on cam, effects and part, a word."""
+
+DIAMETER: Final = "largest-diameter"
+
+MACHINING_TIME: Final = "machining-time"
+"""Asks how long the milling programs of all discs run."""
+
+ALSO: Final = {"diameter": DIAMETER}
+"""Shorter names."""
+
+BY_GROUP: Final[dict[Group, tuple[str, ...]]] = {
+    "angle": ("transmission-angle",),
+    "linkage": (
+        "dead-centre",
+        "linkage-transmission-angle",
+        "linkage-back-angle",
+        "linkage-branch",
+    ),
+    "motion": (
+        "largest-velocity",
+        "largest-acceleration",
+        "largest-jerk",
+        "largest-inertia-torque",
+        "laws",
+        "joints",
+        "shock",
+        "jerk",
+        "overshoot",
+        "lift-table",
+    ),
+    "part": (DIAMETER, "mass", "mass-of-both-discs", "smallest-wall", "wall-ratio"),
+    "disc": (
+        *(
+            f"{what}-{flank}"
+            for what in ("radius-ratio", "undercut", "cusp", "global-undercut", "lost-stroke")
+            for flank in ("inner", "outer")
+        ),
+        "closure",
+        "tangent-closure",
+        "closing-error",
+        "form-closure",
+        "convexity",
+        "face-length",
+        "contact-lever",
+        "side-clearance",
+        "standstill",
+    ),
+    "verdict": (VERDICT,),
+    "machining": (MACHINING_TIME,),
+}
+"""Names of findings by what has them. Other findings on the disc are looked up in the scene."""
+
+POLES: Final = ("r_K",)
+"""Columns that are infinite somewhere, and so have no extremes."""
+
+MOST: Final = 100
+"""Names that may be asked for at once."""
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """One quantity that is asked of each design.
+
+    Attributes
+    ----------
+    word : as it heads its column: `peak:contact-force`.
+    name : of the finding or the column, with hyphens.
+    how : the value of a finding, or which extreme of a column.
+    group : what has it.
+    effects : those that may have it, for the group "effects".
+    """
+
+    word: str
+    name: str
+    how: How
+    group: Group
+    effects: tuple[str, ...] = ()
+
+
+def asked_of(design: Design, words: Iterable[str]) -> tuple[Asked, ...]:
+    """What the `words` ask of designs like this one, each once.
+
+    Raises
+    ------
+    GeometryError
+        If there are none or too many, or one asks for what has no single value, or for the
+        machining time where the scene states no milling.
+    UnknownNameError
+        For a name that no finding or column has, with the nearest one.
+    """
+    found = {asked.word: asked for asked in (_asked(design, word) for word in words)}
+    if not found:
+        raise GeometryError("names nothing: say what is asked of each design", "sweep.ask")
+    if len(found) > MOST:
+        message = f"{counted(len(found), 'name')} are more than {MOST}"
+        raise GeometryError(message, "sweep.ask")
+    return tuple(found.values())
+
+
+def _asked(design: Design, word: str) -> Asked:
+    before, colon, rest = word.partition(":")
+    if colon and before.strip() in EXTREMES:
+        return _asked_extreme(design, EXTREMES[before.strip()], hyphened(rest))
+    word = hyphened(word)
+    name = ALSO.get(word, word)
+    for group, names in BY_GROUP.items():
+        if name in names:
+            if group == "machining" and not design.scene.states_milling:
+                message = f"is not stated: {MACHINING_TIME} needs a milling program"
+                raise GeometryError(message, "tool")
+            return Asked(word, name, "value", group)
+    seen, silent = _findings_of_effects(design)
+    effect = next((each for each, names in seen.items() if name in names), None)
+    if effect is not None:
+        return Asked(word, name, "value", "effects", (effect,))
+    judged = [hyphened(finding.name) for finding in design.findings]
+    if name in judged:
+        return Asked(word, name, "value", "disc")
+    of_effects = _columns(design)[0].values()
+    if name in [*_curve_names(design), *(each for names in of_effects for each in names)]:
+        message = f'is a column over the cam angle: ask for "peak:{name}", "max:{name}" or'
+        message += f' "min:{name}"'
+        raise GeometryError(message, "sweep.ask", f'"{word}"')
+    if silent:  # they may have it in another design
+        return Asked(word, name, "value", "effects", silent)
+    known = [name for names in BY_GROUP.values() for name in names]
+    there = [*known, *ALSO, *(each for names in seen.values() for each in names), *judged]
+    raise UnknownNameError("finding", name, dict.fromkeys(there))
+
+
+def _asked_extreme(design: Design, how: How, name: str) -> Asked:
+    word = canonical(f"{how}:{name}")
+    if name in (hyphened(pole) for pole in POLES):
+        message = "is infinite where the curve is straight, and has no extremes; ask for kappa"
+        raise GeometryError(message, "sweep.ask", f'"{word}"')
+    curves = _curve_names(design)
+    if name in curves:
+        return Asked(word, name, how, "curves")
+    seen, silent = _columns(design)
+    effect = next((each for each, names in seen.items() if name in names), None)
+    if effect is not None or silent:
+        return Asked(word, name, how, "effects", silent if effect is None else (effect,))
+    there = [*curves, *(each for names in seen.values() for each in names)]
+    raise UnknownNameError("column", name, dict.fromkeys(there))
+
+
+def canonical(word: str) -> str:
+    """What is asked, as it heads its column."""
+    before, colon, rest = word.partition(":")
+    if colon and before.strip() in EXTREMES:
+        return f"{before.strip()}:{hyphened(rest)}"
+    return hyphened(word)
+
+
+def hyphened(name: str) -> str:
+    """The name with hyphens in place of spaces."""
+    return "-".join(name.split())
+
+
+def _curve_names(design: Design) -> list[str]:
+    from camgeo.design.value_table import quantities
+
+    scene = design.scene
+    cam = None if scene.follower is None else design.cam
+    columns = quantities(design.drive, scene.lift_unit, cam, scene.unit)
+    return [hyphened(bare(heading)) for heading, _ in columns if bare(heading) not in POLES]
+
+
+Names = tuple[dict[str, list[str]], tuple[str, ...]]
+"""Names by effects, and the effects that have no answer."""
+
+
+def _findings_of_effects(design: Design) -> Names:
+    return _names(design, lambda name: (each.name for each in design.effects.findings(name)))
+
+
+def _columns(design: Design) -> Names:
+    return _names(design, lambda name: (each.name for each in design.effect(name).columns))
+
+
+def _names(design: Design, names: Callable[[str], Iterator[str]]) -> Names:
+    found: dict[str, list[str]] = {}
+    silent = []
+    for effect in _with_needed(design):
+        try:
+            design.effect(effect)
+            found[effect] = [hyphened(each) for each in names(effect)]
+        except (EffectError, GeometryError, ToleranceError):
+            silent.append(effect)
+    return found, tuple(silent)
+
+
+def _with_needed(design: Design) -> Sequence[str]:
+    """The effects that the scene names, then those that they need."""
+    found = list(design.scene.effects)
+    for name in found:
+        found += [each for each in design.effects.inputs(name) if each not in found]
+    return found

@@ -1,0 +1,646 @@
+"""Running a sweep: what is missing in its store is computed, and its rows are read back."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import os
+import re
+import sqlite3
+import sys
+import time
+import weakref
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, Literal
+
+from camgeo.design.design import Design
+from camgeo.errors import FileError, OutputError, unreadable
+from camgeo.studies.sweep.family import Family, Point, mark
+from camgeo.studies.sweep.rows import Asked, Engine, Loop, Row, Work, asked_of
+from camgeo.units import clock
+
+Progress = Callable[[str], None]
+
+SETTLED: Final = 3.0
+"""Seconds after which the rate says how long the rest will take."""
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """The rows of a family.
+
+    Attributes
+    ----------
+    family : whose designs they are.
+    asked : what the values of each row answer.
+    store : has the rows; of one in a file others may read the file.
+    computed : rows that this run computed; the others were there.
+    seconds : that it took.
+    """
+
+    family: Family
+    asked: tuple[Asked, ...]
+    store: Store
+    computed: int
+    seconds: float
+
+    @property
+    def rows(self) -> Iterator[Row]:
+        """The rows in the order of the family, read from the store as they are asked for."""
+        return self.store.rows(self.family.points())
+
+    def close(self) -> None:
+        """Close the store: rows of one in memory are gone."""
+        self.store.close()
+
+
+def sweep(
+    family: Family,
+    ask: Iterable[str],
+    *,
+    store: Path | str | None = None,
+    existing: Existing = "refuse",
+    engine: Engine | None = None,
+    progress: Progress = lambda _: None,
+) -> Result:
+    """Compute what is asked of the designs of a family, as far as the store does not have it.
+
+    Parameters
+    ----------
+    ask : names, see `camgeo.studies.sweep.rows`.
+    store : file of the rows, on a local disk; None keeps them in memory.
+    existing : what becomes of a store that exists; of one that is resumed, only what it lacks is
+        computed.
+    engine : where rows are computed; None for one after the other, in this process.
+    progress : called with words on how far the run is.
+
+    Raises
+    ------
+    UnknownNameError, GeometryError
+        If what is asked has no name or no single value.
+    OutputError, FileError
+        As `camgeo.studies.sweep.sweep.Store`. Rows that were finished before are kept.
+    VersionError
+        If a worker has another version of camgeo, numpy or Python.
+    """
+    asked = asked_of(Design(family.scene), ask)
+    work = Work.of(family, asked)
+    path = None if store is None else Path(store)
+    kept = Store(path, Heading.of(family, work), existing)
+    start = time.monotonic()
+    computed = 0
+    try:
+        there = sum(1 for _ in kept.rows(family.points())) if kept.resumed else 0
+        if family.sample is not None:
+            kept.state({"method": family.sample.method, "seed": str(family.sample.seed)})
+        points = iter(kept.missing(family.points())) if there else family.points()
+        with closing((engine or Loop()).rows(work, points)) as chunks:
+            for rows in chunks:
+                kept.add(rows)
+                computed += len(rows)
+                elapsed = time.monotonic() - start
+                progress(progress_words(there + computed, family.count, computed, elapsed))
+        kept.settle()
+    except BaseException:
+        kept.close()
+        raise
+    return Result(family, asked, kept, computed, time.monotonic() - start)
+
+
+def progress_words(done: int, count: int, computed: int, elapsed: float) -> str:
+    """How far a run is, how fast, and how long the rest will take."""
+    words = f"{done:,} of {count:,} designs"
+    if elapsed <= 0.0:
+        return words
+    rate = computed / elapsed
+    words += f", {rate:.3g}/s"
+    if elapsed < SETTLED:
+        return words
+    return f"{words}, {clock((count - done) / rate)} left"
+
+
+# -- store ----------------------------------------------------------------------------------------
+# The store of a sweep: an SQLite file with a row for each design, written chunk by chunk.
+#
+# It is keyed by the scene, by what varies and what is asked, and by the versions that decide the
+# bits of a row; the rows by the values that make a design. One process at a time writes it, and
+# others read it meanwhile. A run that is stopped, in whatever way, leaves all chunks that were
+# finished; the next one computes the others. What an earlier run has left is believed only where
+# tables, types and the checksum of each row say so.
+
+
+Existing = Literal["refuse", "resume", "replace"]
+"""What becomes of a store that exists."""
+
+ENCODED: Final = json.JSONEncoder(default=repr).encode
+"""Cells as text: damaged ones may be of any type."""
+
+KIND: Final = int.from_bytes(b"cams")
+"""SQLite's `application_id` of a store: it is one, however damaged the rest of it may be."""
+
+FORMAT: Final = 2
+"""Version of the tables, SQLite's `user_version`; the first one had neither it nor checksums."""
+
+HEADING: Final = (
+    "CREATE TABLE sweep (name TEXT PRIMARY KEY, value TEXT, checksum TEXT) WITHOUT ROWID"
+)
+
+FIRST_HEADING: Final = "CREATE TABLE sweep (name TEXT PRIMARY KEY, value TEXT) WITHOUT ROWID"
+"""That of the first format."""
+
+AT_ONCE: Final = 500
+"""Points that are looked up in one query."""
+
+MOST_FACTS: Final = 100
+"""Facts that are read of a heading, which has a dozen."""
+
+WHAT: Final = {
+    "camgeo": "was computed by another version of camgeo",
+    "numpy": "was computed with another version of numpy",
+    "python": "was computed with another version of Python",
+    "scene": "is of another scene",
+    "keys": "varies other keys",
+    "asked": "answers other questions",
+}
+"""What is wrong with a store, by what differs."""
+
+SHOWN: Final = ("camgeo", "numpy", "python", "keys", "asked")
+"""What a message states of both; a hash tells nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Heading:
+    """What all rows of a store have in common.
+
+    Attributes
+    ----------
+    name : of the scene.
+    scene : SHA-256 of all it states, and of the files that designs may name.
+    work : keys, what is asked, versions.
+    """
+
+    name: str
+    scene: str
+    work: Work
+
+    @classmethod
+    def of(cls, family: Family, work: Work) -> Heading:
+        """The heading of a family."""
+        found = hashlib.sha256(family.scene.identity.encode())
+        for name, data in work.contents:
+            found.update(f"{name}:{hashlib.sha256(data).hexdigest()}".encode())
+        return cls(family.scene.name, found.hexdigest(), work)
+
+    @property
+    def facts(self) -> dict[str, str]:
+        """By name, what must be the same."""
+        versions = self.work.versions
+        return {
+            "camgeo": versions.camgeo,
+            "numpy": versions.numpy,
+            "python": versions.python,
+            "scene": self.scene,
+            "keys": ", ".join(self.work.keys),
+            "asked": ", ".join(each.word for each in self.work.asked),
+        }
+
+
+class Store:
+    """The rows of a family, in a file or in memory.
+
+    Parameters
+    ----------
+    path : of the file; None keeps the rows in memory.
+    heading : what is kept; a file with another one is refused.
+    existing : what becomes of a store that exists: it is refused, resumed, or replaced.
+
+    Attributes
+    ----------
+    resumed : whether it had rows of the family, or at least its heading.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written, exists though nothing is resumed, lies on a network file
+        system, or another process writes it.
+    FileError
+        If it is no store, or one of another scene, other keys or questions, or other versions.
+    """
+
+    def __init__(self, path: Path | None, heading: Heading, existing: Existing = "refuse") -> None:
+        self.path = path
+        self.heading = heading
+        self.resumed = False
+        self._key = _checksum(list(heading.facts.items()))
+        if path is not None:
+            _require_place(path, existing)
+        self._open = connected(None)
+        self._file = None if path is None else connected(path)
+        self._end = weakref.finalize(self, _close, self._open, self._file)
+        try:
+            with errors_told(path):
+                self._prepare(existing)
+        except BaseException:
+            self.close()
+            raise
+
+    def _prepare(self, existing: Existing) -> None:
+        """Go on with the rows of the file; without any, keep those that come in memory until the
+        first are finished, so that what is replaced is there until then.
+        """
+        if self._file is not None:
+            if existing == "replace":  # what it has is not needed: its pages may be missing
+                self._file.execute("PRAGMA writable_schema = ON")
+            (kind,) = self._file.execute("PRAGMA application_id").fetchone()
+            take_writing(self._file)
+            self.resumed = self._is_resumed(self._file, kind, existing)
+            if self.resumed:
+                self._open, self._file = self._file, None
+                return
+        self._open.execute(HEADING)
+        self._open.execute(self._designs)
+        self._open.execute(f"PRAGMA application_id = {KIND}")
+        self._open.execute(f"PRAGMA user_version = {FORMAT}")
+        self._state(
+            {**self.heading.facts, "name": self.heading.name, "text": self.heading.work.text}
+        )
+
+    def _is_resumed(self, file: sqlite3.Connection, kind: int, existing: Existing) -> bool:
+        """Whether the file has rows of this family; FileError if they cannot be told from others.
+
+        Nothing but SQLite's own tables is read before these say that the tables are as they were
+        made: a view in place of one could compute without end.
+        """
+        if kind == KIND and existing == "replace":
+            return False
+        made = file.execute("SELECT type, name, sql FROM sqlite_master").fetchall()
+        tables = {name: sql for _, name, sql in made}
+        if kind != KIND:
+            if not made:
+                return False
+            if tables.get("sweep") != FIRST_HEADING:
+                raise FileError(f"{self.path} is a database of another program; {ELSEWHERE}")
+            if existing == "replace":
+                return False
+            raise FileError(f"{self.path} is a store of format 1, without checksums; {ANEW}")
+        (number,) = file.execute("PRAGMA user_version").fetchone()
+        if number != FORMAT:
+            raise FileError(f"{self.path} is a store of format {number}, not {FORMAT}; {ANEW}")
+        if tables.get("sweep") != HEADING:
+            raise self._damaged("its table of what all rows have in common is another one")
+        self._refuse_others(self._facts(file))
+        if tables.get("designs") != self._designs or any(each[0] == "trigger" for each in made):
+            raise self._damaged("its table of designs is another one")
+        # Not the quick one: it passes over keys out of order, of which some are then not found.
+        (found,) = file.execute("PRAGMA integrity_check(1)").fetchone()
+        if found != "ok":
+            raise self._damaged(" ".join(found.split()))
+        return True
+
+    def _facts(self, file: sqlite3.Connection) -> dict[str, str]:
+        """What the file states of itself."""
+        found = {}
+        for name, value, checksum in file.execute(f"SELECT * FROM sweep LIMIT {MOST_FACTS}"):
+            if checksum != _checksum([name, value]):
+                raise self._damaged(f"what it states as {name!r} was changed")
+            found[name] = value
+        return found
+
+    def _refuse_others(self, known: Mapping[str, str]) -> None:
+        facts = self.heading.facts
+        for name, what in WHAT.items():
+            if name not in known:
+                raise self._damaged(f"it lacks {name!r}")
+            if known[name] != facts[name]:
+                shown = f": {known[name]} in place of {facts[name]}" if name in SHOWN else ""
+                raise FileError(f"{self.path} {what}{shown}; {ANEW}, or name another file")
+
+    def _damaged(self, what: str) -> FileError:
+        return FileError(f"{self.path} is damaged: {what}; {ANEW}")
+
+    @property
+    def _designs(self) -> str:
+        """What makes the table of designs."""
+        work = self.heading.work
+        columns = [_quoted(name) for name in (*work.keys, *(each.word for each in work.asked))]
+        own = "".join(f"{column}, " for column in columns)
+        return (
+            f"CREATE TABLE designs (point TEXT PRIMARY KEY, {own}units TEXT, reason TEXT,"
+            " checksum TEXT) WITHOUT ROWID"
+        )
+
+    def _replace(self, file: sqlite3.Connection) -> None:
+        """Put what is in memory in place of what the file has, all of it or nothing."""
+        replace_contents(file, self._open)
+        self._open.close()
+        self._open, self._file = file, None
+        share_reading(self._open)
+
+    def state(self, sampled: Mapping[str, str]) -> None:
+        """Record how designs were drawn last, e.g. the seed; no row depends on it."""
+        self._state({f"sample {name}": value for name, value in sampled.items()})
+
+    def _state(self, facts: Mapping[str, str]) -> None:
+        rows = [(*fact, _checksum(fact)) for fact in facts.items()]
+        self._write("INSERT OR REPLACE INTO sweep VALUES (?, ?, ?)", rows)
+
+    def missing(self, points: Iterable[Point]) -> Iterator[Point]:
+        """Those of the points, in their order, that have no row yet."""
+        for group in _grouped(points):
+            known = self._known(group, "point")
+            yield from (point for point in group if mark(point) not in known)
+
+    def rows(self, points: Iterable[Point]) -> Iterator[Row]:
+        """The rows of those of the points that have one, in their order; FileError if one was
+        changed since it was computed.
+        """
+        for group in _grouped(points):
+            known = self._known(group, "*")
+            for point in group:
+                if (found := known.get(mark(point))) is not None:
+                    yield self._row(point, found)
+
+    def _row(self, point: Point, found: Sequence[Any]) -> Row:
+        work = self.heading.work
+        *cells, checksum = found
+        if checksum != _checksum(cells, self._key):
+            design = ", ".join(map("{} = {}".format, work.keys, point))
+            raise self._damaged(f"the row of {design} was changed")
+        values = cells[1 + len(work.keys) : -2]
+        return Row(point, tuple(values), tuple(json.loads(cells[-2])), cells[-1])
+
+    def _known(self, points: Sequence[Point], columns: str) -> dict[str, tuple[Any, ...]]:
+        marks = ", ".join("?" * len(points))
+        query = f"SELECT {columns} FROM designs WHERE point IN ({marks})"
+        with errors_told(self.path):
+            found = self._open.execute(query, [mark(point) for point in points])
+            return {row[0]: row for row in found}
+
+    def add(self, rows: Sequence[Row]) -> None:
+        """Keep rows, all or none; OutputError if the disk is full: earlier ones are kept."""
+        work = self.heading.work
+        marks = ", ".join("?" * (4 + len(work.keys) + len(work.asked)))
+        cells = [
+            (mark(row.point), *row.point, *row.values, json.dumps(row.units), row.reason)
+            for row in rows
+        ]
+        kept = [tuple(map(_kept, each)) for each in cells]
+        kept = [(*each, _checksum(each, self._key)) for each in kept]
+        self._write(f"INSERT INTO designs VALUES ({marks})", kept)
+        if self._file is not None:
+            with errors_told(self.path):
+                self._replace(self._file)
+
+    def _write(self, query: str, rows: Sequence[Sequence[Any]]) -> None:
+        """All rows or none; what writes the file gives it back for a moment only, see `_take`."""
+        with errors_told(self.path):
+            share_reading(self._open)
+            if not self._open.in_transaction:
+                self._open.execute("BEGIN IMMEDIATE")
+            with self._open:
+                self._open.executemany(query, rows)
+            self._open.execute("BEGIN IMMEDIATE")
+
+    def settle(self) -> None:
+        """Move everything into the one file; if somebody reads it just then, the last one does."""
+        if self.path is None:
+            return
+        with errors_told(self.path):
+            if self._file is not None:
+                self._replace(self._file)
+            self._open.commit()
+            self._open.execute("PRAGMA busy_timeout = 0")
+            with suppress(sqlite3.OperationalError):
+                self._open.execute("PRAGMA journal_mode = DELETE")
+
+    def close(self) -> None:
+        """Close the file; rows in memory are gone."""
+        self._end()
+
+
+def _close(*connections: sqlite3.Connection | None) -> None:
+    for each in connections:
+        if each is not None:
+            each.close()
+
+
+def _require_place(path: Path, existing: Existing) -> None:
+    """OutputError if there can be no store, or none may be there."""
+    try:
+        if path.exists() and existing == "refuse":
+            message = "exists: resume it, replace it, or name another file"
+            raise OutputError(f"{path} {message}")
+        require_local(path)
+    except OutputError:
+        raise
+    except (OSError, RuntimeError, ValueError) as error:  # a loop of links is a RuntimeError
+        raise OutputError(f"{path} cannot be written: {unreadable(error)}") from error
+
+
+def _checksum(cells: Sequence[object], key: str = "") -> str:
+    """Of the cells of a row, in which values of different types differ, and of its heading's."""
+    return hashlib.sha256(ENCODED([key, *cells]).encode()).hexdigest()
+
+
+def _kept(value: object) -> object:
+    """A value as SQLite keeps it."""
+    if isinstance(value, bool):
+        return int(value)
+    return None if isinstance(value, float) and math.isnan(value) else value
+
+
+def _grouped(points: Iterable[Point]) -> Iterator[list[Point]]:
+    group: list[Point] = []
+    for point in points:
+        group.append(point)
+        if len(group) == AT_ONCE:
+            yield group
+            group = []
+    if group:
+        yield group
+
+
+def _quoted(name: str) -> str:
+    doubled = name.replace('"', '""')
+    return f'"{doubled}"'
+
+
+# -- database -------------------------------------------------------------------------------------
+# SQLite's side of a store: a file that one process writes and others read, and its errors.
+#
+# The process that writes holds SQLite's lock for writing while it computes; the file's journal is a
+# write-ahead log, so that others read what is finished. Queries are bounded, whatever the file has.
+
+
+MEMORY: Final = ":memory:"
+
+MOST_STEPS: Final = 10**8
+"""Instructions of SQLite in one query, two seconds; a check of 1,000,000 rows takes a tenth."""
+
+LONGEST: Final = 2**26
+"""Bytes of a cell, 64 MB: more than any scene."""
+
+PATIENCE: Final = 5000
+"""Milliseconds for which the process that writes waits for others to finish a reading."""
+
+SHARED: Final = (("wal",), ("memory",))
+"""SQLite's journals with which others read, and that of rows in memory."""
+
+PAUSE: Final = 0.05
+"""Seconds in which a process that writes takes its store back, between two chunks."""
+
+ANEW: Final = "nothing of it was changed; --force makes it anew"
+
+BUSY: Final = "another process writes it; only one at a time may"
+
+ELSEWHERE: Final = "it was not changed: name another file, or delete it"
+
+IN_USE: Final = (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED)
+
+OF_THE_DISK: Final = (
+    sqlite3.SQLITE_PERM, sqlite3.SQLITE_NOMEM, sqlite3.SQLITE_READONLY, sqlite3.SQLITE_IOERR,
+    sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_AUTH,
+)  # fmt: skip
+"""Errors of SQLite that say nothing about the file's contents."""
+
+
+@contextmanager
+def errors_told(path: Path | None) -> Iterator[None]:
+    """Errors of SQLite within it become errors of camgeo, with the file and what to do."""
+    name = "the rows in memory" if path is None else str(path)
+    try:
+        yield
+    except (sqlite3.Error, UnicodeDecodeError) as error:  # messages quote what the file has
+        code = getattr(error, "sqlite_errorcode", 0) & 0xFF
+        if code in IN_USE:
+            raise OutputError(f"{name}: {BUSY}") from error
+        if code == sqlite3.SQLITE_FULL:
+            message = "the disk is full; the rows finished before are kept, resume the run later"
+            raise OutputError(f"{name}: {message}") from error
+        # A header that names a later SQLite makes a file read-only, whatever the disk allows.
+        if code == sqlite3.SQLITE_READONLY and path is not None and os.access(path, os.W_OK):
+            code = sqlite3.SQLITE_NOTADB
+        if code in OF_THE_DISK:
+            raise OutputError(f"{name} cannot be written: {error}") from error
+        if code == sqlite3.SQLITE_NOTADB:
+            message = f"is no store of a sweep, or not known as one any more; {ELSEWHERE}"
+            raise FileError(f"{name} {message}") from error
+        raise FileError(f"{name} is damaged: {error}; {ANEW}") from error
+
+
+def connected(path: Path | None) -> sqlite3.Connection:
+    """A connection to a file, or to rows in memory; it gives up at once where others write."""
+    try:
+        found = sqlite3.connect(MEMORY if path is None else path, timeout=0.0, isolation_level=None)
+    except (sqlite3.Error, OSError, ValueError) as error:
+        raise OutputError(f"{path} cannot be written: {unreadable(error)}") from error
+    found.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST)
+    found.set_progress_handler(lambda: 1, MOST_STEPS)
+    return found
+
+
+def take_writing(file: sqlite3.Connection) -> None:
+    """Become the one process that writes a file.
+
+    It holds SQLite's lock for writing while it computes, and after each chunk gives it back for as
+    long as it takes to ask for it again; so whoever got it asks twice.
+    """
+    file.execute("BEGIN IMMEDIATE")
+    file.rollback()
+    time.sleep(PAUSE)
+    file.execute("BEGIN IMMEDIATE")
+    file.execute(f"PRAGMA busy_timeout = {PATIENCE}")
+
+
+def share_reading(database: sqlite3.Connection) -> None:
+    """Let others read a file that this process writes; rows in memory stay as they are."""
+    if database.execute("PRAGMA journal_mode").fetchone() not in SHARED:
+        database.rollback()
+        database.execute("PRAGMA journal_mode = WAL")
+        database.execute("BEGIN IMMEDIATE")
+
+
+def replace_contents(file: sqlite3.Connection, memory: sqlite3.Connection) -> None:
+    """Put what is in memory in place of all that a file has, as one step, however damaged it is."""
+
+    def require_free(status: int, *_: int) -> None:
+        if status in IN_USE:  # which SQLite's own copying would wait for without end
+            error = sqlite3.OperationalError("database is locked")
+            error.sqlite_errorcode = status
+            raise error
+
+    memory.rollback()
+    file.rollback()
+    memory.backup(file, progress=require_free)
+    file.execute("PRAGMA writable_schema = OFF")
+
+
+# -- local ----------------------------------------------------------------------------------------
+# Whether a file lies on a disk of this machine: SQLite's locks do not hold across a network.
+
+
+NETWORKED: Final = frozenset(
+    {
+        "afs", "beegfs", "ceph", "cifs", "coda", "fuse.ceph", "fuse.cephfs", "fuse.glusterfs",
+        "fuse.rclone", "fuse.s3fs", "fuse.sshfs", "gfs2", "glusterfs", "gpfs", "lustre", "ncpfs",
+        "nfs", "nfs4", "ocfs2", "orangefs", "pvfs2", "smb3", "smbfs",
+    }
+)  # fmt: skip
+"""Kinds of file systems that lie on other machines, as Linux names them."""
+
+MOUNTS: Final = Path("/proc/self/mounts")
+
+REMOTE_DRIVE: Final = 4
+"""What Windows calls a drive of another machine."""
+
+
+def require_local(path: Path) -> None:
+    """Raise OutputError if `path` lies on a file system of another machine.
+
+    That is known on Linux and Windows; elsewhere every file passes.
+    """
+    kind = kind_of(path.resolve())
+    if kind in NETWORKED:
+        raise OutputError(
+            f"{path} lies on a network file system ({kind}), on which a store may be damaged: name"
+            " a file on a local disk, and copy it when the run has ended"
+        )
+
+
+def kind_of(path: Path) -> str:
+    """The kind of file system that an absolute path lies on; empty if it is not known."""
+    if sys.platform == "win32":
+        return "smbfs" if _is_remote(path) else ""
+    try:
+        lines = MOUNTS.read_text("utf-8", "surrogateescape").splitlines()
+    except OSError:
+        return ""
+    return mounted(lines, path)
+
+
+def mounted(lines: list[str], path: Path) -> str:
+    """The kind of the file system among mounts, as Linux lists them, that a path lies on."""
+    longest, found = -1, ""
+    for line in lines:
+        fields = line.split()
+        if len(fields) < 3:
+            continue
+        place = re.sub(r"\\([0-7]{3})", lambda octal: chr(int(octal[1], 8)), fields[1])
+        inside = path.is_relative_to(place)
+        if inside and len(place) >= longest:  # the last one mounted at a place hides the others
+            longest, found = len(place), fields[2]
+    return found
+
+
+def _is_remote(path: Path) -> bool:
+    if str(path).startswith("\\\\"):
+        return True
+    import ctypes
+
+    drive = os.path.splitdrive(path)[0] + "\\"
+    kernel = ctypes.windll.kernel32  # type: ignore[attr-defined]  # there is one on Windows
+    return bool(kernel.GetDriveTypeW(drive) == REMOTE_DRIVE)

@@ -1,0 +1,265 @@
+"""Exact sensitivities: how far the machine's position errs per unit of a dimension.
+
+By virtual displacements, see `camgeo.studies.tolerancing.machine`; nothing is sampled but the cam
+angle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Final, Self
+
+import numpy as np
+
+from camgeo.errors import GeometryError
+from camgeo.kinematics.mechanism.linkage import Linkage
+from camgeo.kinematics.motion import Jet
+from camgeo.numeric.arrays import ComplexArray, FloatArray, dot
+from camgeo.studies.tolerancing.machine import Machine, Nominal
+from camgeo.studies.tolerancing.sources import Deviations, Pose, Unit, Way
+
+
+@dataclass(frozen=True, eq=False)
+class Sensitivities:
+    """Of a machine at cam angles.
+
+    Attributes
+    ----------
+    machine : the nominal one.
+    phi : (n,) cam angles [rad].
+    """
+
+    machine: Machine
+    phi: FloatArray
+
+    @cached_property
+    def nominal(self) -> Nominal:
+        """The contact."""
+        return self.machine.nominal(self.phi)
+
+    @cached_property
+    def lifts(self) -> Jet:
+        """(4, n) of the follower, and derivatives."""
+        return self.machine.cam.drive.motion.jet(self.phi)
+
+    @cached_property
+    def positions(self) -> Jet:
+        """(4, n) of the far end, or of the follower if there is no linkage."""
+        return self.machine.cam.drive.plan.jet(self.phi)
+
+    @cached_property
+    def far_end(self) -> FarEnd | None:
+        """Of the linkage, if there is one."""
+        linkage = self.machine.linkage
+        return None if linkage is None else FarEnd.of(linkage)
+
+    def of(self, unit: Unit) -> FloatArray:
+        """(n,) error of the position [mm or rad] per unit of a dimension [mm or rad].
+
+        Raises GeometryError with key "linkage" where the follower cannot move the far end.
+        """
+        follower = self.of_follower(unit)
+        if self.far_end is None:
+            return follower
+        return self.far_end.sensitivity(unit, self.lifts[0], self.positions[0], follower)
+
+    def of_follower(self, unit: Unit) -> FloatArray:
+        """(n,) error of the follower's own lift, where this side carries it."""
+        if not unit.freedom.met_by(self.machine.hold):
+            return np.zeros(len(self.phi))
+        if unit.freedom.way is Way.SETTING:
+            return np.full(len(self.phi), -unit.factor.real / self._setting)
+        return self._pushed(unit) / self.nominal.leverage
+
+    @property
+    def _setting(self) -> float:
+        """Rate of the radius at lift 0, at which it is the base radius, per unit of lift.
+
+        Raises GeometryError if it is 0.
+        """
+        pose = self.machine.pose
+        place = complex(pose.start[0, 0])
+        rate = complex(pose.velocity(pose.start)[0, 0])
+        found = (place.conjugate() * rate).real / abs(place)
+        if found == 0.0:
+            message = "does not say where the follower is: at lift 0 it is nearest to the cam axis"
+            raise GeometryError(message, "follower.base_radius")
+        return found
+
+    def _pushed(self, unit: Unit) -> FloatArray:
+        """(n,) [mm] n . (dR - dW) per unit."""
+        nominal, pose = self.nominal, self.machine.pose
+        factor = unit.factor
+        match unit.freedom.way:
+            case Way.GROWTH:
+                return np.full(len(self.phi), factor.real)
+            case Way.WAVE:
+                later = np.pi if self.machine.half_turn else 0.0
+                turned = np.exp(-1j * unit.freedom.waves * (self.phi + later))
+                return np.asarray((factor * turned).real)
+            case Way.SEAT:
+                return nominal.across(factor * nominal.turn)
+            case Way.TIMING:
+                turn = 1j * self.machine.cam.rotation * nominal.places
+                return factor.real * nominal.across(turn)
+            case Way.SHAFT:
+                return nominal.across(factor)
+            case Way.PIVOT:
+                return -nominal.across(factor)
+            case Way.BODY:
+                return -nominal.across(factor * pose.turned(self.lifts[0]))
+            case Way.TILT:
+                return -factor.real * nominal.across(1j * nominal.places)
+        return np.zeros(len(self.phi))
+
+
+# -- far end --------------------------------------------------------------------------------------
+# The linkage of a machine that deviates: from the follower's coordinate q to the far end's x.
+#
+# The pin J_f(x) on the far member and the joint J_n(q) on the follower's member are the ends of the
+# coupler of length c: with D = J_f - J_n, |D| = c. Where the joints are displaced by dJ at the same
+# coordinates,
+#
+#     Re(conj(D) (J_f' dx + dJ_f - J_n' dq - dJ_n)) = c dc.
+#
+# The frame is that of the far end: if the rocker's shaft is displaced, the far member's shaft or
+# guide stays where it is.
+
+
+ONE: Final = np.array([[1.0], [0.0]])
+NONE: Final = np.zeros((2, 1))
+"""Rates of a coordinate that moves, and of one that rests."""
+
+STEPS: Final = 12
+"""Of Newton's method, which needs three or four."""
+
+SETTLED: Final = 1e-12
+"""Residual of the coupler, relative to its length."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FarEnd:
+    """The joints of a linkage, in the axes of its drawing, seen from the crank's nominal shaft.
+
+    Attributes
+    ----------
+    linkage : the nominal one.
+    near, far : joints on the follower's member and on the far one.
+    coupler : c (m, 1) or (1, 1) [mm].
+    driven_crank : whether the crank is the far member.
+    """
+
+    linkage: Linkage
+    near: Pose
+    far: Pose
+    coupler: FloatArray
+    driven_crank: bool
+
+    @classmethod
+    def of(cls, linkage: Linkage) -> Self:
+        """Of the nominal linkage."""
+        places = [complex(each[0]) for each in linkage.joints(np.zeros(1))]
+        moved = linkage.joint_rates(np.zeros(1), ONE, NONE)
+        own = linkage.joint_rates(np.zeros(1), NONE, ONE)
+        poses = []
+        for place, demanded, follows in zip(places, moved, own, strict=True):
+            first, second = (complex(each) for each in (demanded + follows)[:, 0])
+            poses.append(Pose.of_rates(place, first, second))
+        driven = bool(moved[0][0, 0] == 0.0)  # the pin goes with the follower
+        near, far = poses if driven else poses[::-1]
+        return cls(linkage, near, far, np.full((1, 1), linkage.coupler), driven)
+
+    def sensitivity(
+        self, unit: Unit, lift: FloatArray, x: FloatArray, follower: FloatArray
+    ) -> FloatArray:
+        """(n,) dx of the far end per unit of a dimension.
+
+        Parameters
+        ----------
+        lift, x : (n,) coordinates of the follower and of the far end.
+        follower : (n,) dq of the follower's coordinate, at its own place.
+
+        Raises GeometryError with key "linkage" where the follower cannot move the far end.
+        """
+        per_follower = self.linkage.per_follower(x)
+        near, far = self.near.at(lift)[0], self.far.at(x)[0]
+        apart = far - near
+        moved = np.zeros_like(apart)
+        longer = 0.0
+        factor = unit.factor
+        match unit.freedom.way:
+            case Way.COUPLER:
+                longer = factor.real * self.linkage.coupler
+            case Way.CRANK:
+                tip = far if self.driven_crank else -near
+                moved = factor * tip / np.abs(tip)
+            case Way.LEVER:
+                arm = far - self.far.centre[0]
+                moved = factor * arm / np.abs(arm)
+            case Way.FAR_SHAFT:
+                moved = moved + factor
+            case Way.FAR_ANGLE:
+                moved = factor * 1j * (far - self.far.centre[0])
+            case Way.PIVOT:
+                moved = moved - factor
+        rest = (longer - dot(apart, moved)) / dot(apart, self.far.velocity(far)[0])
+        return per_follower * follower + rest
+
+    def deviating(self, deviations: Deviations) -> FarEnd:
+        """The linkages (m, ...) of machines that deviate."""
+        near, far = self.near, self.far
+        tip = far if self.driven_crank else near
+        longer = tip.moved(tip.start / np.abs(tip.start) * deviations.real(Way.CRANK))
+        near, far = (near, longer) if self.driven_crank else (longer, far)
+        arm = (far.start - far.centre) * np.exp(1j * deviations.real(Way.FAR_ANGLE))
+        if not self.driven_crank and far.spin != 0.0:
+            arm = arm + arm / np.abs(arm) * deviations.real(Way.LEVER)
+        far = replace(far, start=far.centre + arm)
+        shifted = deviations.of(Way.FAR_SHAFT) - deviations.of(Way.PIVOT)
+        far = far.moved(shifted, whole=True)
+        coupler = self.coupler + deviations.real(Way.COUPLER)
+        return replace(self, near=near, far=far, coupler=coupler)
+
+    def follow(self, lifts: FloatArray, x: FloatArray) -> FloatArray:
+        """(3, m, n) x and two derivatives for lifts and derivatives (3, m, n) of the follower.
+
+        Parameters
+        ----------
+        x : (m, n) near the answer.
+
+        Raises
+        ------
+        GeometryError
+            With key "linkage", if the linkage of a machine does not close.
+        """
+        near = self.near.at(lifts[0])
+        for _ in range(STEPS):
+            far = self.far.at(x)
+            apart = far - near
+            rate = dot(apart, self.far.velocity(far))
+            miss = 0.5 * (dot(apart, apart) - self.coupler**2)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                x = x - miss / rate
+            if not np.all(np.isfinite(x)):
+                break
+            if np.all(np.abs(miss) <= SETTLED * self.coupler**2):
+                return np.stack((x, *self._rates(lifts, near, self.far.at(x))))
+        raise GeometryError(
+            "the linkage of a machine within the tolerances does not close: its dimensions are too"
+            " close to a dead centre for them",
+            key="linkage",
+        )
+
+    def _rates(
+        self, lifts: FloatArray, near: ComplexArray, far: ComplexArray
+    ) -> tuple[FloatArray, FloatArray]:
+        apart = far - near
+        along = self.far.velocity(far)
+        own = self.near.velocity(near)
+        rate = dot(apart, along)
+        first = dot(apart, own) * lifts[1] / rate
+        parting = along * first - own * lifts[1]
+        bend = self.far.acceleration(far) * first**2 - self.near.acceleration(near) * lifts[1] ** 2
+        rest = dot(apart, own) * lifts[2] - dot(parting, parting) - dot(apart, bend)
+        return first, rest / rate

@@ -1,1 +1,0 @@
-"""Toolpaths: exact cutter paths, leads, depth passes; moves that a G-code writer prints."""

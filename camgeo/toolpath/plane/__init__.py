@@ -1,1 +1,0 @@
-"""Plane geometry of cutter paths: open chains of lines and arcs, in closed form."""

@@ -1,1 +1,0 @@
-"""Files of any origin, compared with their certificate and their scene."""

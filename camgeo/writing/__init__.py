@@ -1,1 +1,0 @@
-"""Files written, read back and measured, certified, and moved into place together."""

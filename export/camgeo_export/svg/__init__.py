@@ -1,1 +1,0 @@
-"""SVG at true size, for laser cutters and drawing programs."""
