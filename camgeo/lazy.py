@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, MutableMapping
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import Any, Final, Generic, Protocol, Self, TypeVar, overload
 
@@ -89,16 +90,10 @@ class Ledger:
         Raises as `run`. A quantity without an answer is not computed twice either: its error, one
         of `NO_ANSWER`, is kept in `known` too and raised again.
         """
-        failed = f"{name}: failed"  # no attribute has this name
         with self.lock:  # another thread may have set it meanwhile
-            if failed in known:
-                raise known[failed].with_traceback(None)
             if name not in known:
-                try:
-                    known[name] = self.run(name, make)
-                except NO_ANSWER as error:
-                    known[failed] = error
-                    raise
+                with Entry(self, name, known):
+                    known[name] = make()
             return known[name]
 
     def run(self, name: str, make: Callable[[], Value]) -> Value:
@@ -111,33 +106,63 @@ class Ledger:
         Cancelled
             If `cancelled` returns True.
         """
-        name = f"{name}{self._what}"
-        with self.lock:
-            if name in self._open:
-                raise CycleError((*self._open[self._open.index(name) :], name))
-            if self._cancelled is not None and self._cancelled():
-                raise Cancelled(f"cancelled before {name} was computed")
-            if self._progress is not None:
-                self._progress(name)
-            return self._run(name, make)
+        with self.lock, Entry(self, name):
+            return make()
 
-    def _run(self, name: str, make: Callable[[], Value]) -> Value:
-        asked_by = self._open[-1] if self._open else ""
+    def begin(self, name: str) -> str:
+        """Notes that `name` is being computed, and returns its name in the record."""
+        name = f"{name}{self._what}"
+        if name in self._open:
+            raise CycleError((*self._open[self._open.index(name) :], name))
+        if self._cancelled is not None and self._cancelled():
+            raise Cancelled(f"cancelled before {name} was computed")
+        if self._progress is not None:
+            self._progress(name)
         self._open.append(name)
         self._inner.append(0.0)
-        failed = True
-        start = self.clock()
-        try:
-            value = make()
-            failed = False
-        finally:
-            seconds = self.clock() - start
-            self._open.pop()
-            inner = self._inner.pop()
-            if self._inner:
-                self._inner[-1] += seconds
-            self.runs.append(Run(name, asked_by, seconds, seconds - inner, failed))
-        return value
+        return name
+
+    def end(self, name: str, seconds: float, *, failed: bool) -> None:
+        """Records what has been begun last."""
+        self._open.pop()
+        inner = self._inner.pop()
+        if self._inner:
+            self._inner[-1] += seconds
+        asked_by = self._open[-1] if self._open else ""
+        self.runs.append(Run(name, asked_by, seconds, seconds - inner, failed))
+
+
+class Entry:
+    """What is computed within it is recorded in a ledger, whose lock the thread holds.
+
+    It is no function that calls another, so that computing takes no frame of its own on the stack.
+
+    Parameters
+    ----------
+    ledger : that records.
+    name : of the quantity.
+    known : where an error is kept, one of `NO_ANSWER`, and raised when it is asked for again.
+    """
+
+    __slots__ = ("failed", "known", "ledger", "name", "start")
+
+    def __init__(
+        self, ledger: Ledger, name: str, known: MutableMapping[str, Any] | None = None
+    ) -> None:
+        self.ledger, self.name, self.known = ledger, name, known
+        self.failed = f"{name}: failed"  # no attribute has this name
+
+    def __enter__(self) -> None:
+        if self.known is not None and self.failed in self.known:
+            raise self.known[self.failed].with_traceback(None)
+        self.name = self.ledger.begin(self.name)
+        self.start = self.ledger.clock()
+
+    def __exit__(self, kind: object, error: BaseException | None, _: object) -> None:
+        seconds = self.ledger.clock() - self.start
+        self.ledger.end(self.name, seconds, failed=error is not None)
+        if self.known is not None and isinstance(error, NO_ANSWER):
+            self.known[self.failed] = error
 
 
 class HasLedger(Protocol):
@@ -173,24 +198,25 @@ class lazy(Generic[Out]):
     def __get__(self, instance: HasLedger | None, owner: type) -> Self | Out:
         if instance is None:
             return self
-        return self.find(instance)
+        known = instance.__dict__
+        with instance.ledger.lock:  # another thread may have set it meanwhile
+            if self.name not in known:
+                with self.entry(instance):
+                    known[self.name] = self.make(instance)
+            found: Out = known[self.name]
+            return found
 
-    def find(self, instance: HasLedger) -> Out:
-        """The value, computed now if no thread has done so."""
-        found: Out = instance.ledger.once(self.name, instance.__dict__, lambda: self.make(instance))
-        return found
+    def entry(self, instance: HasLedger) -> AbstractContextManager[None]:
+        """Within which the value is computed."""
+        return Entry(instance.ledger, self.name, instance.__dict__)
 
 
 class built(lazy[Out]):
     """A property that is assembled at most once and computes nothing, so no ledger records it."""
 
-    def find(self, instance: HasLedger) -> Out:
-        """See `lazy.find`."""
-        with instance.ledger.lock:
-            if self.name not in instance.__dict__:
-                instance.__dict__[self.name] = self.make(instance)
-            found: Out = instance.__dict__[self.name]
-            return found
+    def entry(self, instance: HasLedger) -> AbstractContextManager[None]:
+        """See `lazy.entry`."""
+        return nullcontext()
 
 
 def lazy_names(owner: type) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -395,3 +396,29 @@ def _names() -> Iterator[str]:
     while True:
         number += 1
         yield f"quantity {number}"
+
+
+def frames() -> int:
+    """Frames on the stack of the caller."""
+    count, frame = 0, sys._getframe(1)
+    while frame.f_back is not None:
+        count, frame = count + 1, frame.f_back
+    return count
+
+
+def test_a_quantity_costs_one_frame() -> None:
+    """Besides that of the function that computes it."""
+
+    class Owner:
+        def __init__(self) -> None:
+            self.ledger = Ledger()
+
+        @lazy
+        def inner(self) -> int:
+            return frames()
+
+        @lazy
+        def outer(self) -> int:
+            return frames() - self.inner
+
+    assert Owner().outer == -2
