@@ -21,7 +21,7 @@ Errors [mm]:
   radius (beyond a corner it is even more); and of points and corners of the exact outline from its
   polygon;
 - of the stretches: the largest distance of points at equal cam angles, and of corners, from the
-  exact ones, with 40 digits by `camgeo.stability.exact_cam`, which has no formula in common with
+  exact ones, with 40 digits by `tests.stability.exact_cam`, which has no formula in common with
   the engine; it solves for the corners to 30 digits;
 - of the arcs: the proved deviation.
 
@@ -77,8 +77,8 @@ from camgeo.kinematics.motion import Motion
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.scene.scene import load_scene, parse_scene
-from camgeo.stability.exact_cam import Stage
 from camgeo.units import TURN
+from tests.stability.exact_cam import Stage
 
 FIXTURES: Final = Path(__file__).resolve().parents[1] / "fixtures"
 

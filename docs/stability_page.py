@@ -1,6 +1,6 @@
 """Writes docs/stability.md and its picture: `python docs/stability_page.py`.
 
-Runs the whole suite of `camgeo stability`. A test compares the page with a quick run.
+Runs the whole suite of `python -m tests.stability`. A test compares the page with a quick run.
 """
 
 from __future__ import annotations
@@ -10,11 +10,11 @@ import textwrap
 from collections.abc import Iterable
 from pathlib import Path
 
-from camgeo.pictures.stability import figure
-from camgeo.stability import suite
-from camgeo.stability.measure import Case, Reading
-from camgeo.stability.suite import Row
 from camgeo_export.plots import render
+from tests.stability import suite
+from tests.stability.measure import Case, Reading
+from tests.stability.picture import figure
+from tests.stability.suite import Row
 
 PAGE = Path(__file__).with_name("stability.md")
 PICTURE = Path(__file__).with_name("images") / "stability.png"
@@ -23,12 +23,12 @@ HEAD = """# Stability
 
 <!-- Made by docs/stability_page.py; change it there. -->
 
-How many digits does camgeo lose by computing in doubles? `camgeo stability` measures it: it
-computes every quantity of its suite twice, as camgeo does and with 80 digits by independent
-formulas, and compares the results. It takes about {seconds} seconds and needs `mpmath`; `--quick`
-evaluates two places of each case, `--only NAME` selects a group, a quantity or a case,
-`-o stability.png` draws the picture below, `--json` prints the readings for programs. Exit code 0
-means that the limit is met.
+How many digits does camgeo lose by computing in doubles? `python -m tests.stability` measures it,
+in a checkout: it computes every quantity of its suite twice, as camgeo does and with 80 digits by
+independent formulas, and compares the results. It takes about {seconds} seconds and needs
+`mpmath`; `--quick` evaluates two places of each case, `--only NAME` selects a group, a quantity
+or a case, `-o stability.png` draws the picture below, `--json` prints the readings for programs.
+Exit code 0 means that the limit is met.
 
 ## What is measured
 

@@ -41,7 +41,6 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("studies.sweep",),
     ("studies.optimise",),
     ("studies.tolerancing",),
-    ("stability",),
     ("studies.accuracy",),
     ("pictures.sheet",),
     ("pictures",),
@@ -58,7 +57,7 @@ EFFECTS = f"{PACKAGE}.dynamics.effects"
 ENGINE_LIBRARIES = {"jsonschema_rs", "numpy", "shapely", "tomlkit"}
 """What the engine may import besides the standard library and itself."""
 
-LAZY_LIBRARIES = {"mpmath", "scipy"}
+LAZY_LIBRARIES = {"scipy"}
 """What it may import inside a function only."""
 
 FORMAT_LIBRARIES = {"ezdxf", "lxml", "manifold3d", "matplotlib", "networkx", "trimesh"}

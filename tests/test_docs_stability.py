@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
-from camgeo.stability.measure import Reading
-from camgeo.stability.suite import GROUPS, LIMIT, Row
 from tests.pages import page_maker
+from tests.stability.measure import Reading
 from tests.stability.quick import CASES, quick
+from tests.stability.suite import GROUPS, LIMIT, Row
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGE = (DOCS / "stability.md").read_text(encoding="utf-8")

@@ -6,10 +6,10 @@ import math
 from dataclasses import replace
 
 from camgeo.app.answers.answer import figure, text
-from camgeo.app.answers.stability import Stability
-from camgeo.stability.measure import Reading
-from camgeo.stability.suite import table
 from tests.answers.documents import document
+from tests.stability.measure import Reading
+from tests.stability.report import Stability
+from tests.stability.suite import table
 
 
 def found(*readings: Reading) -> Stability:

@@ -30,7 +30,7 @@ SETZHUB = str(SCENES / "setzhub.toml")
 
 NAMES = (
     "new", "check", "build", "verify", "lint", "table", "plot", "setup", "replay", "accuracy",
-    "laws", "explain", "stability", "slotted-lever", "import", "size",
+    "laws", "explain", "slotted-lever", "import", "size",
     "machines", "probe", "inspect", "watch", "report", "design", "sweep", "compare", "optimise",
     "tolerance",
 )  # fmt: skip

@@ -7,7 +7,7 @@ import pytest
 from camgeo.app.cli.command import EARLIER
 from camgeo.app.cli.main import COMMANDS, main
 from camgeo.scene.toml import TEMPLATE_KINDS
-from camgeo.stability.suite import GROUPS
+from tests.stability.suite import GROUPS
 
 Capture = pytest.CaptureFixture[str]
 

@@ -42,7 +42,6 @@ MOST_CPU: Final = 120.0
 
 LONG: Final = {
     "accuracy": 360.0,
-    "stability": 360.0,
     "sweep": 360.0,
     "optimise": 360.0,
     PYTHON: 240.0,

@@ -133,8 +133,6 @@ def line(rng: Random) -> Step:
         words += ["--evaluations", "20"]
     if command == "watch":  # it would not end
         words += ["--runs", "1"]
-    if command == "stability" and "--only" not in words:  # all of it takes a minute
-        words += ["--only", rng.choice(("setzhub", "laws", "slotted-levers")), "--quick"]
     return tuple(words)
 
 

@@ -6,9 +6,9 @@ from dataclasses import replace
 from functools import cache
 from typing import Final
 
-from camgeo.stability.measure import Case, Reading
-from camgeo.stability.suite import all_cases, run
 from tests.long_form import LONG
+from tests.stability.measure import Case, Reading
+from tests.stability.suite import all_cases, run
 
 CHEAP: Final = ("laws", "slotted-levers")
 """Groups of which each case is measured at two places in the usual form, too."""

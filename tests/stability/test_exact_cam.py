@@ -9,13 +9,13 @@ import pytest
 from mpmath import mp, mpf
 
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
-from camgeo.stability import cams, loops
-from camgeo.stability.cam_case import CamSpec
-from camgeo.stability.exact_cam import CamJet
-from camgeo.stability.lifts import lift
-from camgeo.stability.linkage import exact_linkage
-from camgeo.stability.series import Series, variable
 from tests.reference import hard_case
+from tests.stability import cams, loops
+from tests.stability.cam_case import CamSpec
+from tests.stability.exact_cam import CamJet
+from tests.stability.lifts import lift
+from tests.stability.linkage import exact_linkage
+from tests.stability.series import Series, variable
 
 DIGITS = 60
 

@@ -9,9 +9,9 @@ from mpmath import mp, mpf
 
 from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
-from camgeo.stability import faces
-from camgeo.stability.cam_case import CamSpec
-from camgeo.stability.exact_face import FaceJet, face_jet
+from tests.stability import faces
+from tests.stability.cam_case import CamSpec
+from tests.stability.exact_face import FaceJet, face_jet
 
 DIGITS = 60
 

@@ -11,11 +11,11 @@ from mpmath import mp, mpf
 from camgeo.kinematics.mechanism.four_bar import FourBar
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
-from camgeo.stability import loops
-from camgeo.stability.cam_case import CamSpec
-from camgeo.stability.linkage import exact_linkage
-from camgeo.stability.series import Series
 from tests.mechanism.loops import four_bar_jet, slider_driven_crank_jet
+from tests.stability import loops
+from tests.stability.cam_case import CamSpec
+from tests.stability.linkage import exact_linkage
+from tests.stability.series import Series
 
 NAMES = [each.name for each in loops.specs() if not isinstance(each.linkage, SliderCrank)]
 

@@ -12,10 +12,10 @@ from mpmath import mp, mpf
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
-from camgeo.stability.cam_case import CamSpec
-from camgeo.stability.exact_outline import ROLLER, ExactOutline
-from camgeo.stability.outlines import INNER, OUTER, flanks
 from tests.reference import hard_case
+from tests.stability.cam_case import CamSpec
+from tests.stability.exact_outline import ROLLER, ExactOutline
+from tests.stability.outlines import INNER, OUTER, flanks
 
 DIGITS = 60
 

@@ -7,7 +7,8 @@ from typing import Any
 import pytest
 from mpmath import mp, mpf
 
-from camgeo.stability.lifts import (
+from tests.motion import oracle
+from tests.stability.lifts import (
     HALVES,
     boundary_lift,
     double_harmonic_lift,
@@ -15,8 +16,7 @@ from camgeo.stability.lifts import (
     scca_lift,
     septic_lift,
 )
-from camgeo.stability.series import Series, variable
-from tests.motion import oracle
+from tests.stability.series import Series, variable
 
 DIGITS = 60
 

@@ -11,8 +11,8 @@ import pytest
 
 from camgeo.errors import CamgeoError, GeometryError
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.stability import high_precision
-from camgeo.stability.measure import Case, Reading, measure
+from tests.stability import high_precision
+from tests.stability.measure import Case, Reading, measure
 
 Found = Callable[[FloatArray], FloatArray | ComplexArray]
 

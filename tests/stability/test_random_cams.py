@@ -12,13 +12,13 @@ from camgeo.kinematics.mechanism.four_bar import FourBar
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
-from camgeo.stability import faces
-from camgeo.stability.cam_case import CamSpec, cases_of
-from camgeo.stability.lifts import HALVES
-from camgeo.stability.measure import measure
-from camgeo.stability.suite import LIMIT
 from tests.long_form import examples
 from tests.mechanism.flat_faces import oscillating_flats, translating_flats
+from tests.stability import faces
+from tests.stability.cam_case import CamSpec, cases_of
+from tests.stability.lifts import HALVES
+from tests.stability.measure import measure
+from tests.stability.suite import LIMIT
 from tests.strategies import (
     attack,
     four_bars,

@@ -8,7 +8,7 @@ import pytest
 from mpmath import mp, mpf
 
 from camgeo.errors import GeometryError
-from camgeo.stability.high_precision import Roots, newton
+from tests.stability.high_precision import Roots, newton
 
 
 def test_the_first_root_of_a_guess_is_kept() -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from mpmath import mp, mpc, mpf
 
-from camgeo.stability.series import (
+from tests.stability.series import (
     Series,
     cosine,
     direction,

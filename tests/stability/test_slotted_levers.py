@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 from mpmath import mp, mpf
 
-from camgeo.stability.slotted_levers import exact_angle
 from tests.reference import hard_case
+from tests.stability.slotted_levers import exact_angle
 
 DIGITS = 60
 

@@ -18,20 +18,13 @@ from camgeo.kinematics.mechanism.follower import bend_of_path
 from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
-from camgeo.stability import cams, faces, loops, outlines, slotted_levers
-from camgeo.stability.cam_case import CamSpec, cases_of
-from camgeo.stability.measure import Case, Found, Reading, measure
-from camgeo.stability.suite import (
-    GROUPS,
-    LIMIT,
-    names,
-    run,
-    table,
-    worst_of_cases,
-)
 from camgeo.units import TURN
 from tests.reference import reference
+from tests.stability import cams, faces, loops, outlines, slotted_levers
+from tests.stability.cam_case import CamSpec, cases_of
+from tests.stability.measure import Case, Found, Reading, measure
 from tests.stability.quick import CASES, quick
+from tests.stability.suite import GROUPS, LIMIT, names, run, table, worst_of_cases
 
 
 def spec(name: str) -> CamSpec:

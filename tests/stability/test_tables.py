@@ -10,8 +10,8 @@ import pytest
 from mpmath import mp, mpf
 from scipy.interpolate import make_interp_spline
 
-from camgeo.stability.series import polynomial, variable
-from camgeo.stability.tables import exact_spline
+from tests.stability.series import polynomial, variable
+from tests.stability.tables import exact_spline
 
 DIGITS = 50
 

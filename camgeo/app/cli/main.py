@@ -66,7 +66,6 @@ COMMANDS = (
     "optimise",
     "tolerance",
     "explain",
-    "stability",
 )
 """In the order of the help; each is a module of `camgeo.app.cli`, with `-` for `_`.
 
@@ -76,6 +75,9 @@ takes the arguments and returns the exit code; `arguments.progress` shows the st
 
 MODULES = {"import": "import_"}
 """Those whose name is a Python keyword."""
+
+GONE: Final = {"stability": "is measured by `python -m tests.stability`, in a checkout"}
+"""What were commands, and what does it now."""
 
 
 class Stopped(KeyboardInterrupt):
@@ -171,6 +173,9 @@ def _run(words: list[str]) -> int:
     from camgeo.app.cli.command import CallError, present_name, show
 
     words[:1] = [present_name(word) for word in words[:1]]
+    if words and words[0] in GONE:
+        notify(f"camgeo: {words[0]} {GONE[words[0]]}")
+        return WRONG
     named = words[:1] if words and words[0] in COMMANDS else COMMANDS
     try:
         parsed = parser(named).parse_args(words)

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from camgeo.stability.high_precision import Number, multiprecision
-from camgeo.stability.series import Series, cosine, polynomial, sine
+from tests.stability.high_precision import Number, multiprecision
+from tests.stability.series import Series, cosine, polynomial, sine
 
 Half = Callable[[Series], Series]
 

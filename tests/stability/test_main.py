@@ -1,4 +1,4 @@
-"""`camgeo stability`: table, JSON, picture and exit code."""
+"""The suite as a program: table, JSON, picture and exit code."""
 
 from __future__ import annotations
 
@@ -10,11 +10,13 @@ from typing import Any
 
 import pytest
 
-from camgeo.app.cli.main import COMMANDS, main, parser
-from camgeo.pictures.stability import figure
-from camgeo.stability import suite
-from camgeo.stability.measure import Reading
+from camgeo.app.cli.main import COMMANDS
+from camgeo.app.cli.main import main as camgeo
 from camgeo_export.plots import render
+from tests.stability import suite
+from tests.stability.__main__ import main
+from tests.stability.measure import Reading
+from tests.stability.picture import figure
 from tests.stability.quick import CASES
 
 Capture = pytest.CaptureFixture[str]
@@ -26,9 +28,7 @@ RUN = suite.run
 
 
 def call(*words: str) -> int:
-    arguments = parser(("stability",)).parse_args(["stability", *words])
-    code: int = arguments.run(arguments)
-    return code
+    return main(words)
 
 
 def reading(error: float, conditioning: float = 1.0, quantity: str = "curvature") -> Reading:
@@ -61,8 +61,10 @@ def few(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(suite, "run", lambda *_, **__: readings_of_few())
 
 
-def test_it_is_a_command() -> None:
-    assert "stability" in COMMANDS
+def test_the_command_says_where_it_is(capsys: Capture) -> None:
+    assert "stability" not in COMMANDS
+    assert camgeo(["stability", "--quick"]) == 2
+    assert "python -m tests.stability" in capsys.readouterr().err
 
 
 def test_the_table(capsys: Capture) -> None:
@@ -151,18 +153,9 @@ def test_names_and_beginnings_of_cases(name: str, monkeypatch: pytest.MonkeyPatc
 )
 def test_wrong_words(words: list[str], message: str, capsys: Capture) -> None:
     with pytest.raises(SystemExit) as end:
-        main(["stability", *words])
+        main(words)
     assert end.value.code == 2
     assert message in capsys.readouterr().err
-
-
-def test_ctrl_c_ends_it(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
-    def interrupted(*_: object, **__: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(suite, "run", interrupted)
-    assert main(["stability"]) == 130
-    assert "interrupted" in capsys.readouterr().err
 
 
 # The picture --------------------------------------------------------------------------------------

@@ -7,8 +7,8 @@ from typing import Final
 from camgeo.kinematics.laws import make_law
 from camgeo.kinematics.laws.law import Law
 from camgeo.numeric.arrays import FloatArray
-from camgeo.stability.high_precision import Number
-from camgeo.stability.lifts import (
+from tests.stability.high_precision import Number
+from tests.stability.lifts import (
     HALVES,
     boundary_lift,
     double_harmonic_lift,
@@ -16,8 +16,8 @@ from camgeo.stability.lifts import (
     scca_lift,
     septic_lift,
 )
-from camgeo.stability.measure import Case, Exact
-from camgeo.stability.series import Series, variable
+from tests.stability.measure import Case, Exact
+from tests.stability.series import Series, variable
 
 GROUP: Final = "laws"
 

@@ -20,10 +20,10 @@ from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
-from camgeo.stability.high_precision import Number, multiprecision
-from camgeo.stability.lifts import lift
-from camgeo.stability.linkage import exact_linkage
-from camgeo.stability.series import Series, direction, logarithm, root, variable
+from tests.stability.high_precision import Number, multiprecision
+from tests.stability.lifts import lift
+from tests.stability.linkage import exact_linkage
+from tests.stability.series import Series, direction, logarithm, root, variable
 
 TERMS = 4
 """Z to Z'''."""

@@ -15,11 +15,11 @@ from camgeo.geometry.pieces import Extremes, curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.numeric.arrays import FloatArray
-from camgeo.stability import cams, loops
-from camgeo.stability.cam_case import CamSpec
-from camgeo.stability.exact_cam import CamJet
-from camgeo.stability.high_precision import Number, Roots, newton
-from camgeo.stability.measure import Case
+from tests.stability import cams, loops
+from tests.stability.cam_case import CamSpec
+from tests.stability.exact_cam import CamJet
+from tests.stability.high_precision import Number, Roots, newton
+from tests.stability.measure import Case
 
 GROUP: Final = "extremes"
 

@@ -1,29 +1,28 @@
-"""`camgeo stability`: results in double precision compared with mpmath, as table and picture."""
+"""Results in double precision compared with mpmath, as table, JSON and picture.
+
+python -m tests.stability [--only NAME ...] [--quick] [--json] [-o PICTURE]
+"""
 
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Sequence
 from typing import Final
 
 from camgeo.app.cli.command import CallError, add_json, present_name, show, write_files
 from camgeo.app.cli.plot import add_picture, pictures
+from camgeo.app.cli.progress import Progress
 from camgeo.errors import meant
 from camgeo.units import counted
 
 SUMMARY: Final = (
-    "measure the rounding errors of every quantity against mpmath, also on the hard cases"
-)
-
-EXAMPLE: Final = (
-    "camgeo stability -o stability.svg\n"
-    "  camgeo stability --only curvature HC14 --json\n"
-    "  camgeo stability --quick"
+    "Measure the rounding errors of every quantity against mpmath, also on the hard cases."
 )
 
 
 def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
+    """Add those of the program."""
     parser.add_argument(
         "--only",
         metavar="NAME",
@@ -39,8 +38,8 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the suite; 0 if all ratios are within the limit, else 1."""
-    from camgeo.app.answers.stability import stability  # with all that it measures
-    from camgeo.stability import suite
+    from tests.stability import suite
+    from tests.stability.report import stability  # with all that it measures
 
     cases = suite.all_cases()
     only = _known(arguments.only, suite.names(cases))
@@ -61,3 +60,22 @@ def _known(asked: Sequence[str], known: tuple[str, ...]) -> frozenset[str]:
             raise CallError(f"{message}; {hint}" if hint else message)
         found.update(these)
     return frozenset(found)
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the suite as `words` say, by default those of this process."""
+    parser = argparse.ArgumentParser(prog="python -m tests.stability", description=SUMMARY)
+    options(parser)
+    parser.set_defaults(progress=Progress())
+    arguments = parser.parse_args(words)
+    arguments.progress.begin()
+    try:
+        return run(arguments)
+    except CallError as error:
+        parser.error(str(error))
+    finally:
+        arguments.progress.end()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

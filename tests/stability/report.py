@@ -9,9 +9,9 @@ from typing import ClassVar, Final
 
 from camgeo.app.answers.answer import BROKEN, FINE, Answer
 from camgeo.pictures.model import Figure
-from camgeo.stability import suite
-from camgeo.stability.measure import Case, Reading
-from camgeo.stability.suite import LIMIT, Row, worst_of_cases
+from tests.stability import suite
+from tests.stability.measure import Case, Reading
+from tests.stability.suite import LIMIT, Row, worst_of_cases
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +51,7 @@ def stability(
     quick: bool = False,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Stability:
-    """Run cases of the suite; parameters as of `camgeo.stability.suite.run`."""
+    """Run cases of the suite; parameters as of `tests.stability.suite.run`."""
     readings = suite.run(cases, only, quick=quick, progress=progress)
     return Stability(readings, suite.table(readings), quick)
 
@@ -103,7 +103,7 @@ def text(answer: Stability) -> str:
 
 def figure(answer: Stability) -> Figure:
     """Errors over conditioning, the worst of each case."""
-    from camgeo.pictures import stability as picture
+    from tests.stability import picture
 
     return picture.figure(worst_of_cases(answer.readings), answer.limit)
 

@@ -10,8 +10,8 @@ from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.four_bar import FourBar
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
-from camgeo.stability.high_precision import Number, multiprecision
-from camgeo.stability.series import Series, direction, logarithm, root
+from tests.stability.high_precision import Number, multiprecision
+from tests.stability.series import Series, direction, logarithm, root
 
 Transform = Callable[[Series], Series]
 """Raises GeometryError if the linkage does not close."""

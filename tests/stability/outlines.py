@@ -18,10 +18,10 @@ from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.stability.cam_case import STEEP, CamSpec
-from camgeo.stability.exact_outline import ExactOutline
-from camgeo.stability.high_precision import Number, Roots
-from camgeo.stability.measure import Case
+from tests.stability.cam_case import STEEP, CamSpec
+from tests.stability.exact_outline import ExactOutline
+from tests.stability.high_precision import Number, Roots
+from tests.stability.measure import Case
 
 GROUP: Final = "outlines"
 

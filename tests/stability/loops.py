@@ -14,7 +14,7 @@ from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
-from camgeo.stability.cam_case import EVEN, SHARES, CamSpec
+from tests.stability.cam_case import EVEN, SHARES, CamSpec
 
 PLACES: Final = (1e-9, 0.21, 0.5, 0.83, 0.97)
 """Places inside a move, as fractions of it."""

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from camgeo.stability.high_precision import Number, multiprecision
+from tests.stability.high_precision import Number, multiprecision
 
 
 # No text of its own: mpmath makes that of what is not a number before it leaves a product to it.

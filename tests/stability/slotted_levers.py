@@ -11,10 +11,10 @@ import numpy as np
 from camgeo.kinematics.mechanism.slotted_lever import SlottedLever
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
-from camgeo.stability.high_precision import Number, multiprecision, newton
-from camgeo.stability.measure import Case
-from camgeo.stability.series import Series, direction, logarithm, variable
 from camgeo.units import TURN
+from tests.stability.high_precision import Number, multiprecision, newton
+from tests.stability.measure import Case
+from tests.stability.series import Series, direction, logarithm, variable
 
 GROUP: Final = "slotted-levers"
 

@@ -15,9 +15,9 @@ from typing import Any
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
-from camgeo.stability.exact_cam import TERMS, Stage
-from camgeo.stability.high_precision import Number, multiprecision
-from camgeo.stability.series import Series, direction, variable
+from tests.stability.exact_cam import TERMS, Stage
+from tests.stability.high_precision import Number, multiprecision
+from tests.stability.series import Series, direction, variable
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -15,9 +15,9 @@ import numpy as np
 from camgeo.kinematics.motion import FREE
 from camgeo.kinematics.splines import clamped_spline, periodic_spline
 from camgeo.numeric.arrays import FloatArray
-from camgeo.stability.high_precision import Number, multiprecision
-from camgeo.stability.measure import Case
-from camgeo.stability.series import polynomial, variable
+from tests.stability.high_precision import Number, multiprecision
+from tests.stability.measure import Case
+from tests.stability.series import polynomial, variable
 
 GROUP: Final = "tables"
 

@@ -24,7 +24,7 @@ from camgeo.pictures.model import (
     entries,
     over,
 )
-from camgeo.stability.measure import Reading
+from tests.stability.measure import Reading
 
 WIDTH, HEIGHT = 9.6, 9.0
 LEFT, RIGHT, TOP, BOTTOM = 0.75, 2.75, 0.5, 0.6

@@ -7,18 +7,9 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
-from camgeo.stability import (
-    cams,
-    extremes,
-    faces,
-    laws,
-    loops,
-    outlines,
-    slotted_levers,
-    tables,
-)
-from camgeo.stability.cam_case import CAMS, LINKAGES, CamSpec, cases_of
-from camgeo.stability.measure import Case, Reading, measure
+from tests.stability import cams, extremes, faces, laws, loops, outlines, slotted_levers, tables
+from tests.stability.cam_case import CAMS, LINKAGES, CamSpec, cases_of
+from tests.stability.measure import Case, Reading, measure
 
 GROUPS: Final[Mapping[str, Callable[[], tuple[Case, ...]]]] = {
     laws.GROUP: laws.cases,

@@ -13,7 +13,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.stability.high_precision import DIGITS, Number, multiprecision
+from tests.stability.high_precision import DIGITS, Number, multiprecision
 
 Found = Callable[[FloatArray], tuple[FloatArray | ComplexArray, ...]]
 Exact = Callable[..., tuple[Number, ...]]
@@ -27,7 +27,7 @@ class Case:
 
     Attributes
     ----------
-    group : the part of the suite it belongs to, see `camgeo.stability.suite.GROUPS`.
+    group : the part of the suite it belongs to, see `tests.stability.suite.GROUPS`.
     name : what is hard about it, in a few words.
     quantities : names of the computed quantities.
     places : (n,) the first input: z of a law, else the cam angle or the crank angle [rad]; for a

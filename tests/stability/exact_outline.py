@@ -17,10 +17,10 @@ from typing import Any, Final
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
-from camgeo.stability.cam_case import CamSpec
-from camgeo.stability.exact_cam import AnyFollower, CamJet
-from camgeo.stability.high_precision import STEPS, Number, multiprecision, newton
-from camgeo.stability.series import Series, direction, logarithm, root, variable
+from tests.stability.cam_case import CamSpec
+from tests.stability.exact_cam import AnyFollower, CamJet
+from tests.stability.high_precision import STEPS, Number, multiprecision, newton
+from tests.stability.series import Series, direction, logarithm, root, variable
 
 ENOUGH: Final = 24
 """A step that vanishes to this many decimals is the last one. Its error is its square over the

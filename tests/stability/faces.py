@@ -9,11 +9,11 @@ from camgeo.kinematics.mechanism.face import flat_follower
 from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.stability.cam_case import EVEN, LIFTS, MIDDLE, SHARES, STEEP, WIDE, CamSpec, of_moves
-from camgeo.stability.exact_face import face_jet
-from camgeo.stability.high_precision import Number, multiprecision
-from camgeo.stability.measure import Case
-from camgeo.stability.series import Series
+from tests.stability.cam_case import EVEN, LIFTS, MIDDLE, SHARES, STEEP, WIDE, CamSpec, of_moves
+from tests.stability.exact_face import face_jet
+from tests.stability.high_precision import Number, multiprecision
+from tests.stability.measure import Case
+from tests.stability.series import Series
 
 GROUP: Final = "flat faces"
 

@@ -17,9 +17,9 @@ from camgeo.kinematics.laws import make_law
 from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.stability.exact_cam import AnyFollower, AnyLinkage, Stage
-from camgeo.stability.high_precision import Number, multiprecision
-from camgeo.stability.measure import Case, Exact, Found
+from tests.stability.exact_cam import AnyFollower, AnyLinkage, Stage
+from tests.stability.high_precision import Number, multiprecision
+from tests.stability.measure import Case, Exact, Found
 
 CAMS: Final = "cams"
 

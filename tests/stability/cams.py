@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
-from camgeo.stability.cam_case import EVEN, MIDDLE, SHARES, STEEP, WIDE, CamSpec
+from tests.stability.cam_case import EVEN, MIDDLE, SHARES, STEEP, WIDE, CamSpec
 
 
 def specs() -> tuple[CamSpec, ...]:

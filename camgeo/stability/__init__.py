@@ -1,1 +1,0 @@
-"""Numerical stability: results of camgeo in doubles compared with references of eighty digits."""
