@@ -57,6 +57,12 @@ ROOMS: Final = {
 }  # fmt: skip
 """The parts of the product that are measured one by one."""
 
+FOLDERS: Final = {
+    "kinematics": "motion", "geometry": "curve", "dynamics": "effects", "milling": "toolpath",
+    "design": "product", "pictures": "figure", "app": "cli",
+}  # fmt: skip
+"""The folder of tests of a room that has not its name."""
+
 CPU: Final = 120
 """Computing of the tests of one mutant, in the seconds of `tests.speed`."""
 
@@ -322,7 +328,8 @@ def modules_for(path: str) -> list[str]:
     module = name_of(path)
     near, beyond = importers_of(module)
     words = module.split(".")[1:]
-    mirrors = [ROOT / "tests" / "/".join(words[:depth]) for depth in range(len(words), 0, -1)]
+    folders = [FOLDERS.get(word, word) for word in (*reversed(words[:-1]), *words[-1:])]
+    mirrors = (ROOT / "tests" / each for each in folders)
     mirror = next((each for each in mirrors if each.is_dir()), None)
     ranks: dict[Path, tuple[int, float]] = {}
     for each in sorted((ROOT / "tests").rglob("test_*.py")):
@@ -333,7 +340,7 @@ def modules_for(path: str) -> list[str]:
         )  # fmt: skip
         tiers = (
             inside and module in names, inside, module in names, not near.isdisjoint(names),
-            own.startswith(f"{words[0]}/") and not beyond.isdisjoint(names),
+            own.partition("/")[0] in folders and not beyond.isdisjoint(names),
             KEPT in each.read_text("utf-8"), not beyond.isdisjoint(names),
         )  # fmt: skip
         if any(tiers):
