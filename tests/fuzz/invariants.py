@@ -21,6 +21,8 @@ from typing import Any, Final
 import numpy as np
 from jsonschema_rs import Draft202012Validator
 
+import camgeo
+import camgeo_export
 from camgeo.app.answers.answer import CRASHED, schema_of
 from camgeo.app.cli.main import TRACEBACK, main
 from camgeo.design.design import Design
@@ -138,10 +140,14 @@ def _shortened(trace: str) -> str:
     return "\n".join(trace.splitlines()[-24:])
 
 
+OURS: Final = {Path(str(each.__file__)).parent for each in (camgeo, camgeo_export)}
+"""The folders of the packages."""
+
+
 def _place(trace: str) -> str:
     """The last function of camgeo, or else any, that a traceback goes through."""
     frames = re.findall(r'File "(.*)", line \d+, in (\S+)', trace)
-    ours = [each for each in frames if re.search(r"\bcamgeo(_export)?/", each[0])]
+    ours = [each for each in frames if not OURS.isdisjoint(Path(each[0]).parents)]
     name, function = (ours or frames)[-1]
     return f"{'/'.join(Path(name).parts[-2:])}:{function}"
 

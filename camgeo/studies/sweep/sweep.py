@@ -238,8 +238,8 @@ class Store:
         self._key = _checksum(list(heading.facts.items()))
         if path is not None:
             _require_place(path, existing)
-        self._open = connected(None)
         self._file = None if path is None else connected(path)
+        self._open = connected(None)
         self._end = weakref.finalize(self, _close, self._open, self._file)
         try:
             with errors_told(path):
