@@ -1,4 +1,4 @@
-"""What objects show of themselves: at a prompt one line, in a notebook what a renderer makes.
+"""How objects are shown, pickled and copied, and the schemas beside their modules.
 
 The engine draws nothing. A notebook asks an object for its picture or HTML through the methods that
 IPython has defined; only then is the renderer looked up among the entry points.

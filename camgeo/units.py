@@ -1,4 +1,4 @@
-"""Conversion between the units of a scene and those inside: millimetres and radians.
+"""Units of a scene and those inside, and the words that messages share.
 
 Values are converted once: by the scene loader on the way in, by a writer on the way out. So are
 texts: they are made in mm, as "17.5 mm", and `in_unit` restates them where they are handed on.

@@ -39,10 +39,6 @@ if TYPE_CHECKING:
     from camgeo.kinematics.time_course import SpeedCurve, TimeCourse
 
 
-# -- disc -----------------------------------------------------------------------------------------
-# A disc: the body of a cam that turns in a plane, its curves and its real flanks.
-
-
 # -- contact --------------------------------------------------------------------------------------
 # The flank or flanks of the disc on which the follower runs.
 

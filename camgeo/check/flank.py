@@ -1,4 +1,5 @@
-"""Checks of the curvature of a flank in use: roller radius against r_K, cusp, local undercut.
+"""Checks of a flank: its curvature, what remains of it, a flat or curved face, standstill,
+transmission angle, and the play of a roller in its groove.
 
 All of them read 1 + d kappa of the flank, d = -r_R for the inner, +r_R for the outer working
 curve: 1 minus that is r_R / r_K for the sign of curvature that matters, at most 0.7 by the rule of

@@ -1,4 +1,4 @@
-"""Checks of the linkage: dead centres, the distance from them, transmission angles, the branch."""
+"""Checks of the machine: linkage, form closure, roller and guide, and how the pitch curve joins."""
 
 from __future__ import annotations
 

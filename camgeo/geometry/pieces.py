@@ -1,4 +1,4 @@
-"""The smooth pieces of a curve: the parts of the turn between neighbouring breaks."""
+"""Smooth pieces of a curve, its exact arcs, and exact extremes of a quantity over the turn."""
 
 from __future__ import annotations
 

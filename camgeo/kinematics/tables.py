@@ -1,4 +1,4 @@
-"""Motion from CSV tables: a lift, or how the disc turns."""
+"""Tables of two columns in CSV files, the motions that they state, and the value table of a law."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""A spiral between two closed curves about one pole, paced by the engagement of the cutter.
+"""Areas that a cutter clears: contours that rays from a pole meet once, spirals between them,
+parallels, and crossings with circles.
 
 In each direction the distance from the pole is r = (1 - u) a + u b, with a the curve at which the
 cutter first touches the stock and b that on which the cut ends. u grows evenly with the angle

@@ -1,4 +1,4 @@
-"""Largest and smallest values over smooth pieces, and the stretches around them."""
+"""Extremes and roots of functions over smooth pieces, many at once."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Volume, centre of mass and moments of inertia of a part, from its exact boundaries.
+"""Mass properties of a part, and the thinnest material between its boundaries.
 
 The body has a uniform density. Each face around it contributes what its boundary encloses between
 its heights, with the sign of its material side, so any list of layers is covered.

@@ -1,4 +1,4 @@
-"""The pictures themselves."""
+"""Pictures of a sweep and of an optimisation."""
 
 from __future__ import annotations
 

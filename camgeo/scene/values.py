@@ -1,4 +1,4 @@
-"""The valid values of a scene: rules are checked on these, whatever else is wrong."""
+"""The values of a scene: as a tree, in internal units, and as rules see them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How measured points lie on the exact flank: as measured from the datum, or fitted.
+"""A measured disc: its points, how they lie on the exact flank, and what their deviations do.
 
 A measured point is P = S + exp(i alpha) Q, with Q its place in cam coordinates, S the shift and
 alpha the turn of the part, counter-clockwise positive. A fit minimizes the sum of the squares of

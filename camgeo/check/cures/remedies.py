@@ -346,9 +346,6 @@ def _(follower: OscillatingRoller) -> tuple[str, float, float, float, float]:
     return "arm", low, high, follower.arm, abs(follower.excess)
 
 
-# -- remedies -------------------------------------------------------------------------------------
-
-
 # -- laws -----------------------------------------------------------------------------------------
 # Cure by another law for the moves at fault, with sizes and spans unchanged.
 

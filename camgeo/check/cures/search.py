@@ -1,4 +1,4 @@
-"""A cure: one knob of the design, turned just far enough to remove a fault."""
+"""What is to be cured, what must hold, and the nearest value at which a fault is gone."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Generalised forces on the follower over the cam angle.
+"""Generalised forces on the follower over the cam angle, also those of an elastic train.
 
 The follower has one coordinate q: its lift [mm], or the angle of the rocker [rad]. A generalised
 force Q does the work Q dq: it is in N for a translating follower, in N mm for an oscillating one,

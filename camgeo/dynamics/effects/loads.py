@@ -1,4 +1,4 @@
-"""Loads on the pivot or the guide of a follower: one definition for friction and for reactions.
+"""Loads on the pivot or the guide of a follower, and forces in the joints of a linkage.
 
 The cam presses on the follower with F_c = |N| (s n + f_t t), in the notation of `friction`. With
 the forces F of spring, weights and the coupler of a linkage (`camgeo.dynamics.effects.loads`), and

@@ -1,4 +1,4 @@
-"""How the cam turns in its steady state, as a time course like any other."""
+"""A camshaft that does not turn at constant speed: its equation of motion over the cam angle."""
 
 from __future__ import annotations
 

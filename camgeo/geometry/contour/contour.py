@@ -1,4 +1,4 @@
-"""A closed contour of lines and arcs: the form in which the geometry hands on an outline.
+"""Closed contours of lines and arcs, their pieces, and distances from them.
 
 Vertices, sweeps and centres are arrays, so that a contour of 100,000 pieces needs no more memory
 than its numbers. Piece i runs from vertex i to vertex i + 1, the last one back to vertex 0, so that

@@ -1,4 +1,4 @@
-"""The parts of a contour that a flat face touches: the vertices and arcs of its convex hull.
+"""Where a flat face touches a contour, and the cam, at each cam angle.
 
 The face with the normal at theta lies at the distance
 

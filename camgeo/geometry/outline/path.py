@@ -1,4 +1,4 @@
-"""Closed paths of stretches of parallels and of turns about a point.
+"""Closed paths of stretches of parallels and of turns about a point, their radii and moments.
 
 The outline of a real disc is one: the remaining stretches of a working curve, and between two of
 them either a corner or, where the follower's velocity jumps, the arc of the roller turning about

@@ -1,4 +1,4 @@
-"""Holes drilled in pecks."""
+"""Strategies that work on single places: holes, lines and letters."""
 
 from __future__ import annotations
 

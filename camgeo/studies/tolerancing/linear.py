@@ -1,4 +1,4 @@
-"""The error of the position by exact sensitivities, as independent sources add up.
+"""The error of the position: by exact sensitivities, of random machines, and with play.
 
 Its extremes are sought between the angles where the motion has a kink, and are exact but for
 rounding; shares of the variance and what is not linear are of the angles of the analysis.

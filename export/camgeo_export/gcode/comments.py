@@ -1,4 +1,4 @@
-"""The comments of a program: written, and read back."""
+"""Comments and numbers of a program, written and read back."""
 
 from __future__ import annotations
 

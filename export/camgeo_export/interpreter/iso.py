@@ -1,4 +1,4 @@
-"""Text in the words of ISO 6983 taken apart: comments, words, commands.
+"""Programs in the words of ISO 6983: their text, codes and blocks, and the rules that they break.
 
 Covers the dialects of our profiles: comments in brackets or behind a semicolon, `%` and `O`
 around programs, and Sinumerik's commands `CYCLE832(...)`, addresses with an equals sign and
