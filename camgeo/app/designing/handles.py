@@ -640,8 +640,6 @@ def _coupler(reach: float, before: float) -> Sizes:
 MOST: Final = 400
 """Handles of a plan; of a longer one only the first ones have any."""
 
-JointEdits = Mapping[str, Any]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pull:
@@ -661,7 +659,7 @@ class Pull:
     at: tuple[float, float]
     moves: Moves
     keys: Mapping[str, str]
-    edits: Callable[[tuple[float, float], tuple[float, float]], JointEdits]
+    edits: Callable[[tuple[float, float], tuple[float, float]], Edits]
 
 
 def pulls(motion: list[dict[str, Any]], positions: Sequence[float]) -> Iterator[Pull]:
@@ -717,7 +715,7 @@ def _joint(
     if rises:
         keys[to_place] = "position"
 
-    def edits(place: tuple[float, float], steps: tuple[float, float]) -> JointEdits:
+    def edits(place: tuple[float, float], steps: tuple[float, float]) -> Edits:
         found: dict[str, Any] = {}
         if not both.fixed:
             new = _joint_at(place[0], steps[0], both, at[index - 1], at[index], at[index + 1])
@@ -761,7 +759,7 @@ def _point(segment: dict[str, Any], index: int, number: int, start: Decimal) -> 
     place_of_at = spelled(("motion", index, "points", number, "at"))
     place_of_to = spelled(("motion", index, "points", number, "to"))
 
-    def edits(place: tuple[float, float], steps: tuple[float, float]) -> JointEdits:
+    def edits(place: tuple[float, float], steps: tuple[float, float]) -> Edits:
         now = Decimal(own["at"])
         with localcontext(EXACT):
             by = step_near(steps[0])
