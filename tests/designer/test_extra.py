@@ -9,6 +9,7 @@ import pytest
 
 from camgeo.app.cli.main import main
 from tests.designer.conftest import MISSING
+from tests.imported import imported_anew
 
 SETZHUB = str(Path(__file__).parents[2] / "fixtures" / "scenes" / "setzhub.toml")
 
@@ -25,12 +26,11 @@ def test_the_extra_is_installed() -> None:
 def test_a_missing_extra_names_its_pip_line(
     package: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    for name in [*sys.modules]:
-        if name.split(".")[0] in ("camgeo_export", "starlette", "uvicorn", "websockets"):
-            monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setitem(sys.modules, package, None)
-    with pytest.raises(SystemExit) as stopped:
-        main(["design", SETZHUB, "--no-browser"])
+    needed = {"camgeo_export", "starlette", "uvicorn", "websockets"}
+    with imported_anew(lambda name: name.split(".")[0] in needed), monkeypatch.context() as without:
+        without.setitem(sys.modules, package, None)
+        with pytest.raises(SystemExit) as stopped:
+            main(["design", SETZHUB, "--no-browser"])
     assert stopped.value.code == 2
     told = capsys.readouterr().err
     assert package in told

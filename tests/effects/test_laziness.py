@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterable, Iterator
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,7 @@ from camgeo.dynamics.effects.graph import AT_FOUND, node_name
 from camgeo.dynamics.effects.registry import EFFECTS, find_effect
 from camgeo.dynamics.effects.results import CAMSHAFT_WINDUP, FINDERS, VIBRATION
 from tests.effects.scenes import SCENES, design
+from tests.imported import imported_anew
 from tests.long_form import LONG
 from tests.waiting import PATIENCE
 
@@ -154,11 +156,17 @@ def nodes(of: Design, names: tuple[str, ...]) -> set[str]:
 @pytest.fixture
 def no_effect_imported() -> Iterator[None]:
     """As in a fresh interpreter: none that computes is in `sys.modules`; put back afterwards."""
-    mine = {name: module for name, module in sys.modules.items() if COMPUTES.fullmatch(name)}
-    for name in mine:
-        del sys.modules[name]
-    yield
-    sys.modules.update(mine)
+    with imported_anew(lambda name: COMPUTES.fullmatch(name) is not None):
+        yield
+
+
+def test_what_was_imported_before_is_back_in_its_package() -> None:
+    name = "camgeo.dynamics.effects.kinematics.result"
+    before = import_module(name)
+    with imported_anew(name.__eq__):
+        assert import_module(name) is not before
+    assert sys.modules[name] is before
+    assert sys.modules[before.__package__ or ""].result is before
 
 
 def computing(modules: Iterable[str]) -> set[str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import builtins
 import json
-import sys
 from pathlib import Path
 from typing import Any, Final
 
@@ -19,6 +18,7 @@ from camgeo.errors import CamgeoError
 from camgeo_export.browser.bundles import bundle
 from camgeo_export.notebook.viewer import viewer
 from tests.hostile_scene import ALL_AT_ONCE, hostile_design
+from tests.imported import imported_anew
 
 SCENES: Final = Path(__file__).parents[2] / "fixtures" / "scenes"
 
@@ -88,9 +88,12 @@ def test_without_the_library_the_command_that_brings_it_is_named(
             raise ModuleNotFoundError("No module named 'anywidget'", name="anywidget")
         return found(name, *given, **named)
 
-    monkeypatch.delitem(sys.modules, "camgeo_export.notebook.widget", raising=False)
     monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(CamgeoError, match=r'`pip install "camgeo\[notebook\]"` brings it'):
+    cure = r'`pip install "camgeo\[notebook\]"` brings it'
+    with (
+        imported_anew("camgeo_export.notebook.widget".__eq__),
+        pytest.raises(CamgeoError, match=cure),
+    ):
         viewer(design)
     assert design._repr_html_() is not None
     assert design.plot("motion") is not None
