@@ -14,7 +14,6 @@ from camgeo.errors import Cancelled, CycleError, EffectError, GeometryError, Tol
 NO_ANSWER: Final = (GeometryError, ToleranceError, EffectError)
 """Errors that depend on the data of a quantity alone, as its value does."""
 
-Value = TypeVar("Value")
 Out = TypeVar("Out", covariant=True)
 
 
@@ -84,20 +83,11 @@ class Ledger:
         """A copy or pickle is an empty ledger, without results and hooks."""
         return Ledger, ()
 
-    def once(self, name: str, known: MutableMapping[str, Any], make: Callable[[], Any]) -> Any:
-        """The entry `name` of `known`; if there is none, it is set to the result of `make`.
+    def entry(self, name: str, known: MutableMapping[str, Any] | None = None) -> Entry:
+        """Within it the quantity `name` is computed, by this thread alone, and recorded.
 
-        Raises as `run`. A quantity without an answer is not computed twice either: its error, one
-        of `NO_ANSWER`, is kept in `known` too and raised again.
-        """
-        with self.lock:  # another thread may have set it meanwhile
-            if name not in known:
-                with Entry(self, name, known):
-                    known[name] = make()
-            return known[name]
-
-    def run(self, name: str, make: Callable[[], Value]) -> Value:
-        """The result of `make`, recorded as `name`.
+        With `known`, a quantity without an answer is not computed twice: its error, one of
+        `NO_ANSWER`, is kept there and raised again.
 
         Raises
         ------
@@ -106,8 +96,7 @@ class Ledger:
         Cancelled
             If `cancelled` returns True.
         """
-        with self.lock, Entry(self, name):
-            return make()
+        return Entry(self, name, known)
 
     def begin(self, name: str) -> str:
         """Notes that `name` is being computed, and returns its name in the record."""
@@ -133,7 +122,7 @@ class Ledger:
 
 
 class Entry:
-    """What is computed within it is recorded in a ledger, whose lock the thread holds.
+    """What is computed within it is recorded in a ledger, whose lock it holds.
 
     It is no function that calls another, so that computing takes no frame of its own on the stack.
 
@@ -155,12 +144,18 @@ class Entry:
     def __enter__(self) -> None:
         if self.known is not None and self.failed in self.known:
             raise self.known[self.failed].with_traceback(None)
-        self.name = self.ledger.begin(self.name)
+        self.ledger.lock.acquire()
+        try:
+            self.name = self.ledger.begin(self.name)
+        except BaseException:
+            self.ledger.lock.release()
+            raise
         self.start = self.ledger.clock()
 
     def __exit__(self, kind: object, error: BaseException | None, _: object) -> None:
         seconds = self.ledger.clock() - self.start
         self.ledger.end(self.name, seconds, failed=error is not None)
+        self.ledger.lock.release()
         if self.known is not None and isinstance(error, NO_ANSWER):
             self.known[self.failed] = error
 

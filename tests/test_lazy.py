@@ -201,7 +201,8 @@ def test_a_ring_is_refused_with_its_way() -> None:
         ("one", True),
         ("entry", True),
     ]
-    assert ring.ledger.run("other", lambda: 7) == 7
+    with ring.ledger.entry("other"):
+        pass
     assert ring.ledger.runs[-1].asked_by == ""
 
 
@@ -315,11 +316,9 @@ def test_ledgers_side_by_side_do_not_wait_for_each_other() -> None:
     def ask(number: int) -> object:
         first, second = (main, other) if number % 2 else (other, main)
 
-        def both() -> object:
+        with first.ledger.entry(f"pair {number}"):
             give_way()
             return second.base
-
-        return first.ledger.run(f"pair {number}", both)
 
     assert len({id(value) for value in asked_at_once(ask)}) == 2
     assert sorted(run.name for run in main.ledger.runs)[0] == "base"
@@ -348,16 +347,6 @@ def test_a_cancelled_computation_ends_at_the_next_step() -> None:
     assert owner.made == ["left", "base", "right"]
 
 
-def test_once_looks_before_it_makes() -> None:
-    ledger, known = Ledger(), {"there": None}
-    assert ledger.once("there", known, lambda: pytest.fail("made again")) is None
-    assert ledger.once("new", known, lambda: 3) == 3
-    assert known == {"there": None, "new": 3}
-    with pytest.raises(ZeroDivisionError):
-        ledger.once("wrong", known, lambda: 1 // 0)
-    assert "wrong" not in known
-
-
 Tree = tuple[float, list["Tree"]]
 
 trees: st.SearchStrategy[Tree] = st.recursive(
@@ -380,9 +369,11 @@ def test_own_seconds_add_up(tree: Tree) -> None:
         def make(tree: Tree) -> None:
             clock.now += tree[0]
             for inner in tree[1]:
-                ledger.run(next(names), lambda inner=inner: make(inner))  # type: ignore[misc]  # mypy infers no type for a lambda with defaults
+                with ledger.entry(next(names)):
+                    make(inner)
 
-        ledger.run("root", lambda: make(tree))
+        with ledger.entry("root"):
+            make(tree)
     root = ledger.runs[-1]
     assert root == replace(root, name="root", asked_by="", failed=False)
     assert root.seconds == clock.now

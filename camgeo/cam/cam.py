@@ -191,9 +191,8 @@ class Disc(Pickled):
         from camgeo.geometry.outline.replay import replay_outline  # only needed with undercut
 
         path = self.outline(flank).path
-        return self.ledger.run(
-            f"replay of {flank} flank", lambda: replay_outline(self.pitch_curve, path)
-        )
+        with self.ledger.entry(f"replay of {flank} flank"):
+            return replay_outline(self.pitch_curve, path)
 
     @property
     def pitch_path(self) -> Path:

@@ -88,7 +88,8 @@ class Checks(dict[str, tuple[Finding, ...]]):
 
     def run(self, name: str, check: Callable[[], Iterable[Finding]]) -> tuple[Finding, ...]:
         """The findings of `check`, kept by `name`."""
-        self[name] = self._ledger.run(f"{FINDINGS}{name}", lambda: tuple(check()))
+        with self._ledger.entry(f"{FINDINGS}{name}"):
+            self[name] = tuple(check())
         return self[name]
 
     @property

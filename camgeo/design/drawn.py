@@ -103,7 +103,8 @@ class DrawnDisc(Pickled):
 
         fit = fit_arcs if self.effort == "fast" else fewest_arcs
         path = self.cam.disc.pitch_path
-        return self.ledger.run("arcs of pitch curve", lambda: fit(path, tolerance))
+        with self.ledger.entry("arcs of pitch curve"):
+            return fit(path, tolerance)
 
     def pitch_deviation(self, contour: Contour) -> float:
         """Proved bound [mm] on the distance between `contour` and the pitch curve."""

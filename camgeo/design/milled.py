@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from itertools import groupby
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 from camgeo.check.finding import Finding, stated_in
 from camgeo.errors import GeometryError, SceneError, UndercutError, UnsafeError
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
     from camgeo.milling.zero import Zero
     from camgeo.part.part import Part
     from camgeo.scene.scene import Scene
-
-Planned = TypeVar("Planned")
 
 
 @dataclass(frozen=True)
@@ -80,7 +79,8 @@ class MilledDisc(Pickled):
         if self.first is None or spec is None or spec.second is None:
             return options
         second = spec.second
-        return self._planned(lambda: second.program(options))
+        with self._faults_of_scene():
+            return second.program(options)
 
     @built
     def spec(self) -> MillingSpec | None:
@@ -104,7 +104,10 @@ class MilledDisc(Pickled):
         """The exact cuts of all programs, and what is told of them; raises SceneError if the scene
         lacks what milling needs, or its tools cannot do it.
         """
-        return self._planned(self._sequence) if self.whole is None else self.whole.sequence
+        if self.whole is not None:
+            return self.whole.sequence
+        with self._faults_of_scene():
+            return self._sequence()
 
     def _sequence(self) -> Sequence:
         from camgeo.milling.planned import sequence_of
@@ -116,10 +119,11 @@ class MilledDisc(Pickled):
         found = sequence_of(self.part, self.spec, options.heights, options.compensation)
         return replace(found, findings=stated_in(self.scene.unit, found.findings))
 
-    def _planned(self, plan: Callable[[], Planned]) -> Planned:
-        """What `plan` makes; what it finds wrong is the scene's fault."""
+    @contextmanager
+    def _faults_of_scene(self) -> Iterator[None]:
+        """What planning finds wrong within it is the scene's fault."""
         try:
-            return plan()
+            yield
         except UndercutError:  # of the disc, not of how it is milled
             raise
         except GeometryError as error:
@@ -184,7 +188,8 @@ class MilledDisc(Pickled):
 
         stock = Stock() if self.spec is None else self.spec.stock
         turned = NOT if self.spec is None else self.spec.turned
-        return self._planned(lambda: self._zero_of(stock, turned))
+        with self._faults_of_scene():
+            return self._zero_of(stock, turned)
 
     def _zero_of(self, stock: Stock, turned: str) -> Zero:
         from camgeo.milling.milling import AXIS
@@ -208,12 +213,8 @@ class MilledDisc(Pickled):
 
         cuts, spec, effort = self.cuts, self.gcode, self.drawn.effort
         limits, heights = load(spec.machine).arcs, spec.heights
-        return self._planned(
-            lambda: self.ledger.run(
-                "toolpath",
-                lambda: plan_toolpath(cuts, heights, limits, tolerance, effort),
-            )
-        )
+        with self._faults_of_scene(), self.ledger.entry("toolpath"):
+            return plan_toolpath(cuts, heights, limits, tolerance, effort)
 
     def flaws(self, toolpath: Toolpath, tolerance: float) -> tuple[Flaw, ...]:
         """What the simulation of a program finds that lies within `tolerance` [mm]; of the second
@@ -223,10 +224,8 @@ class MilledDisc(Pickled):
         from camgeo.milling.simulation import settled
 
         cuts = tuple(operation.cut for operation in toolpath.operations)
-        return self.ledger.run(
-            "simulation",
-            lambda: settled(job(self, cuts, runs_of(toolpath), tolerance, ahead=False))[-1],
-        )
+        with self.ledger.entry("simulation"):
+            return settled(job(self, cuts, runs_of(toolpath), tolerance, ahead=False))[-1]
 
     def engaged(self, toolpath: Toolpath) -> tuple[Engaged, ...]:
         """How the cutter is engaged in each roughing operation of a program, with places as the
@@ -237,7 +236,8 @@ class MilledDisc(Pickled):
 
         part, spec = self.part, self.spec
         assert spec is not None  # for there is a program
-        found = self.ledger.run("engagement", lambda: engaged_of(toolpath, part, spec))
+        with self.ledger.entry("engagement"):
+            found = engaged_of(toolpath, part, spec)
         return tuple(replace(each, place=mirrored(each.place, spec.turned)) for each in found)
 
     def findings(self, toolpath: Toolpath, tolerance: float) -> tuple[Finding, ...]:

@@ -136,7 +136,8 @@ class TabulatedCam(Pickled):
         if step is None:
             return self.value_table
         degrees = cam_angles(exact_step(step))
-        return self.ledger.run("value_table", lambda: self._table(degrees))
+        with self.ledger.entry("value_table"):
+            return self._table(degrees)
 
     @lazy
     def value_table(self) -> Table:

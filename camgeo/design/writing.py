@@ -13,7 +13,6 @@ import time
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
-from functools import partial
 from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
@@ -540,7 +539,8 @@ def _make(
     """
     progress(f"{name}: computing")
     try:
-        written = disc.ledger.run(f"{name} file", partial(writer.write, disc, tolerance))
+        with disc.ledger.entry(f"{name} file"):
+            written = writer.write(disc, tolerance)
     except ToleranceError as error:
         # The writer used a share of the tolerance; the user knows the whole.
         raise ToleranceError(f"{name}: {error.reason}", tolerance, error.reached) from error
@@ -548,9 +548,8 @@ def _make(
         raise FileError(f"{name}: {error}") from error
     progress(f"{name}: reading back")
     try:
-        deviation = disc.ledger.run(
-            f"{name} file, measured", partial(writer.measure, disc, written.data)
-        )
+        with disc.ledger.entry(f"{name} file, measured"):
+            deviation = writer.measure(disc, written.data)
     except FileError as error:
         raise FileError(f"{name}: the file cannot be read back: {error}") from error
     if deviation is not None and not deviation <= tolerance:

@@ -72,10 +72,8 @@ class CurveBoundary(Pickled):
     def beside(self, tolerance: float) -> Fit:
         """See `camgeo.part.part.Boundary`; raises ToleranceError."""
         if (BESIDE, tolerance) not in self.known:
-            found = self.ledger.run(
-                f"distances from {self.name}", lambda: fit_polyline(self.path, tolerance)
-            )
-            self.known[BESIDE, tolerance] = found
+            with self.ledger.entry(f"distances from {self.name}"):
+                self.known[BESIDE, tolerance] = fit_polyline(self.path, tolerance)
         known: Fit = self.known[BESIDE, tolerance]
         return known
 
@@ -115,7 +113,8 @@ class CurveBoundary(Pickled):
     ) -> Found:
         """The fit; its contour as lines and arcs, `drawn`, does not cross itself."""
         if (fit, tolerance) not in self.known:
-            found = self.ledger.run(f"{what} of {self.name}", lambda: fit(self.path, tolerance))
+            with self.ledger.entry(f"{what} of {self.name}"):
+                found = fit(self.path, tolerance)
             require_simple(drawn(found), self.name)
             self.known[fit, tolerance] = found
         known: Found = self.known[fit, tolerance]
@@ -123,16 +122,16 @@ class CurveBoundary(Pickled):
 
     def deviation(self, contour: Contour | SplineContour) -> float:
         """Proved bound [mm], see `camgeo.geometry.contour.proof`."""
-        if isinstance(contour, SplineContour):
-            from camgeo.geometry.contour.cubic_proof import (
-                spline_deviation,  # few files have splines
-            )
+        if contour not in self.known:
+            with self.ledger.entry(f"proof of {self.name}"):
+                if isinstance(contour, SplineContour):
+                    from camgeo.geometry.contour.cubic_proof import spline_deviation  # few files
 
-            return self._proved(contour, lambda: spline_deviation(self.path, contour))
-        return self._proved(contour, lambda: deviation(self.path, contour))
-
-    def _proved(self, contour: Contour | SplineContour, find: Callable[[], float]) -> float:
-        return once(self.known, contour, lambda: self.ledger.run(f"proof of {self.name}", find))
+                    self.known[contour] = spline_deviation(self.path, contour)
+                else:
+                    self.known[contour] = deviation(self.path, contour)
+        known: float = self.known[contour]
+        return known
 
     @property
     def corner_radius(self) -> None:

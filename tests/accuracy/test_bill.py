@@ -21,19 +21,18 @@ def test_own_seconds_go_to_their_stages_and_the_rest_to_writing(
     now = [0.0]
     monkeypatch.setattr(time, "perf_counter", lambda: now[0])
 
-    def took(seconds: float) -> None:
-        now[0] += seconds
-
-    def nested() -> None:
-        took(1.0)
-        ledger.run("arcs of outline", lambda: took(2.0))
-        ledger.run("proof of outline", lambda: took(4.0))
+    def took(name: str, seconds: float) -> None:
+        with ledger.entry(name):
+            now[0] += seconds
 
     ledger = Ledger()
-    ledger.run("findings", lambda: took(8.0))
-    ledger.run("dxf file", nested)
-    ledger.run("dxf of cam-return file, measured of the return disc", lambda: took(16.0))
-    took(32.0)
+    took("findings", 8.0)
+    with ledger.entry("dxf file"):
+        now[0] += 1.0
+        took("arcs of outline", 2.0)
+        took("proof of outline", 4.0)
+    took("dxf of cam-return file, measured of the return disc", 16.0)
+    now[0] += 32.0
     found = staged(ledger.runs, now[0])
     assert found == {"evaluate": 8.0, "fit": 2.0, "prove": 4.0, "write": 33.0, "read": 16.0}
     assert math.fsum(found.values()) == now[0]

@@ -165,16 +165,15 @@ def _parts(design: Design) -> dict[str, PartFound]:
     from camgeo.design.judged_part import part_of  # a motion alone has none
     from camgeo.design.product import with_pair
 
-    def found() -> dict[str, PartFound]:
+    with design.ledger.entry(OF_PART):
         return {disc.name: part_of(disc) for disc in with_pair(design.discs)}
-
-    return design.ledger.run(OF_PART, found)
 
 
 def _machining(design: Design) -> Machining:
     from camgeo.design.machining import machining_of  # few scenes are milled
 
-    return design.ledger.run(OF_MILLING, lambda: machining_of(design.discs))
+    with design.ledger.entry(OF_MILLING):
+        return machining_of(design.discs)
 
 
 def _remains(disc: Disc, flank: str) -> Remains | None:

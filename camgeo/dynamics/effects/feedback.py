@@ -98,8 +98,8 @@ class FedBack(Nodes):
         super().__init__(subject, catalogue.rigid(), ledger, known)
         self._elastic = catalogue
 
-    def _compute(self, name: str) -> Any:
-        found = super()._compute(name)
+    def _stated(self, name: str, result: Any) -> Any:
+        found = super()._stated(name, result)
         return self._steady(name, found) if name == self.catalogue.finder else found
 
     def _steady(self, name: str, rigid: Turning) -> Turning:

@@ -161,11 +161,13 @@ class Effects:
             return result
 
         def found() -> Findings:
-            told: Findings = self.ledger.once(
-                FINDINGS + node_name(name), self._judged,
-                lambda: Findings(self._qualified(name, result)),
-            )  # fmt: skip
-            return told
+            known, entry = self._judged, FINDINGS + node_name(name)
+            with self.ledger.lock:  # another thread may have set it meanwhile
+                if entry not in known:
+                    with self.ledger.entry(entry, known):
+                        known[entry] = Findings(self._qualified(name, result))
+                told: Findings = known[entry]
+                return told
 
         whole, errors = LazyFindings(found), result.errors
         if isinstance(errors, InheritedErrors):
@@ -360,7 +362,8 @@ class Effects:
             table = {**self.tables.get(name, {}), "tolerance": tolerance}
             catalogue = catalogue.with_table(name, table)
         self.inputs(name)
-        return type(nodes)(nodes.subject, catalogue, Ledger(), nodes.inputs(name))
+        known = {each: nodes.result(each) for each in nodes.catalogue.received(name)}
+        return type(nodes)(nodes.subject, catalogue, Ledger(), known)
 
 
 # -- nodes ----------------------------------------------------------------------------------------
@@ -416,7 +419,6 @@ class Nodes:
         self._off: tuple[Nodes, ...] | None = None
         self._near: dict[str, Any] = {}
         self._results: dict[str, Any] = dict(known or {})
-        self._failures: dict[str, EffectError] = {}
 
     @property
     def at_found(self) -> bool:
@@ -430,18 +432,11 @@ class Nodes:
         with self.ledger.lock:  # another thread may be computing it
             if self._base is not None and not self.catalogue.moved(name):
                 return self._base.result(name)
-            if name in self._results:
-                return self._results[name]
-            if name in self._failures:
-                raise self._failures[name]
-            self.catalogue.inputs(name)
-            try:
-                found = self.ledger.run(node_name(name), lambda: self._compute(name))
-            except EffectError as error:
-                self._failures[name] = error
-                raise
-            self._results[name] = found
-            return found
+            if name not in self._results:
+                self.catalogue.inputs(name)
+                with self.ledger.entry(node_name(name), self._results):
+                    self._results[name] = self._compute(name)
+            return self._results[name]
 
     def beside(self, name: str, near: Any) -> Any:
         """The result of the effect `name`, which is known to be `near` another; raises as
@@ -449,10 +444,6 @@ class Nodes:
         """
         self._near[name] = near
         return self.result(name)
-
-    def inputs(self, name: str) -> dict[str, Any]:
-        """The results that the effect `name` receives; raises as `result`."""
-        return {each: self.result(each) for each in self.catalogue.received(name)}
 
     def _compute(self, name: str) -> Any:
         effect, tables = self.catalogue.effect(name), self.catalogue.tables
@@ -462,7 +453,9 @@ class Nodes:
             )
         if self.subject.disc is None and not effect.of_drive:
             raise GeometryError("needs [follower]", key="follower")
-        results = Results(self.inputs(name))
+        received = {}
+        for each in self.catalogue.received(name):  # a loop, which takes no frame on the stack
+            received[each] = self.result(each)
         table = tables.get(name, {})
         tolerance = float(table.get("tolerance", TOLERANCE))
         if name in tables and effect.rules:
@@ -473,7 +466,9 @@ class Nodes:
             raise GeometryError(error.message, _place(name, error.key), error.value) from error
         compute = pkgutil.resolve_name(effect.compute)
         near = self._near.get(name)
-        return self._stated(name, compute(Request(self.subject, data, results, tolerance, near)))
+        return self._stated(
+            name, compute(Request(self.subject, data, Results(received), tolerance, near))
+        )
 
     def _refuse_misfits(self, effect: Effect, table: Mapping[str, Any]) -> None:
         """Raise GeometryError with the key if the effect or one of its keys does not fit."""
