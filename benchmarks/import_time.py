@@ -1,4 +1,4 @@
-"""Start-up times: `import camgeo` and `camgeo check`, compared with `import numpy`.
+"""Start-up times: `import camgeo`, `camgeo --help` and `camgeo check`, against `import numpy`.
 
 Each round starts a fresh interpreter for each command in turn. CPU times are reported, which other
 load on the machine hardly affects: medians of them and of the differences within a round. The check
@@ -84,6 +84,7 @@ def compare(scene: str, plain: str, rounds: int) -> int:
         "bare interpreter": [sys.executable, "-c", "pass"],
         REFERENCE: [sys.executable, "-c", "import numpy"],
         "import camgeo": [sys.executable, "-c", "import camgeo"],
+        "camgeo --help": [sys.executable, "-m", "camgeo", "--help"],
         "check, no milling": [*check, plain],
         "camgeo check": [*check, scene],
     }

@@ -54,6 +54,17 @@ def test_help_names_all_commands(capsys: Capture) -> None:
     assert all(re.search(rf"^    {name}\s", out, re.MULTILINE) for name in NAMES)
 
 
+def test_help_loads_no_command() -> None:
+    code = (
+        "import sys; from camgeo.app.cli.main import COMMANDS, main\n"
+        "try:\n    main(['--help'])\nfinally:\n    print(*sys.modules, file=sys.stderr)"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = set(run.stderr.split())
+    assert "numpy" not in loaded
+    assert not loaded & {f"camgeo.app.cli.{name.replace('-', '_')}" for name in COMMANDS}
+
+
 def test_version_and_module() -> None:
     run = subprocess.run(
         [sys.executable, "-m", "camgeo", "--version"], capture_output=True, text=True, check=True

@@ -19,11 +19,6 @@ from camgeo.app.cli.plot import add_picture, pictures
 from camgeo.scene.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.units import RPM
 
-SUMMARY: Final = (
-    "measure what accuracy costs: pieces, bytes, computing and machining time over the"
-    " tolerance, and where more of it stops paying off"
-)
-
 EXAMPLE: Final = (
     "camgeo accuracy fixtures/scenes/setzhub.toml -o setzhub-accuracy.svg\n"
     "  camgeo accuracy my-cam.toml --tolerances 1e-2,1e-3,1e-4 --ripple\n"

@@ -11,8 +11,6 @@ from camgeo.app.answers.build import build, poor_findings
 from camgeo.app.cli.command import add_scene, number, opened, settle, show
 from camgeo.app.cli.streams import notify
 
-SUMMARY: Final = "write the files of a scene, with certificate.json"
-
 EXAMPLE: Final = "camgeo build fixtures/scenes/setzhub.toml -o out --only dxf,gcode"
 
 

@@ -8,11 +8,6 @@ from typing import Final
 from camgeo.app.answers.check import check
 from camgeo.app.cli.command import add_json, add_scene, opened, show
 
-SUMMARY: Final = (
-    "check a scene against its limits; exits with 0 if all are kept, 1 if one is broken, 2 if the"
-    " scene is invalid"
-)
-
 EXAMPLE: Final = "camgeo check fixtures/scenes/setzhub.toml"
 
 

@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Any, Final
 from camgeo.app.answers import answer as render
 from camgeo.app.answers.answer import FINE, Answer
 from camgeo.app.cli.streams import notify, say, write
-from camgeo.design.design import Design
 from camgeo.errors import OutputError
 from camgeo.lazy import Ledger
 from camgeo.units import counted
 
 if TYPE_CHECKING:
+    from camgeo.design.design import Design
     from camgeo.studies.sweep.rows import Engine
 
 
@@ -49,7 +49,8 @@ def opened(arguments: argparse.Namespace) -> Design:
     Each quantity is shown as its computation starts. The design is kept with the arguments: an
     error states lengths in its unit.
     """
-    from camgeo.scene.scene import load_scene  # some commands need no scene
+    from camgeo.design.design import Design  # some commands need no scene
+    from camgeo.scene.scene import load_scene
 
     arguments.opened = Design(load_scene(arguments.scene), Ledger(arguments.progress))
     design: Design = arguments.opened

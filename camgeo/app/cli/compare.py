@@ -10,8 +10,6 @@ from typing import Final
 from camgeo.app.cli.command import add_json, add_repeated, show, write_files
 from camgeo.app.cli.plot import add_picture, pictures
 
-SUMMARY: Final = "put a few designs side by side: what differs, findings, curves"
-
 EXAMPLE: Final = (
     "camgeo compare fixtures/scenes/setzhub.toml fixtures/scenes/querhub.toml -o both.png\n"
     "  camgeo compare cam-a.toml cam-b.toml --ask transmission-angle,peak:a,diameter"

@@ -18,11 +18,6 @@ EXTRA: Final = "pip install 'camgeo[design]'"
 
 HOST: Final = "127.0.0.1"
 
-SUMMARY: Final = (
-    "design a cam live in the browser: drag, watch curve, mechanism, diagrams and findings follow,"
-    " save, build"
-)
-
 EXAMPLE: Final = "camgeo design fixtures/scenes/setzhub.toml"
 
 

@@ -8,10 +8,6 @@ from typing import Final
 from camgeo.app.answers.explain import GOALS, explain
 from camgeo.app.cli.command import add_json, add_scene, opened, show
 
-SUMMARY: Final = (
-    "show what a command computes for a scene, why, how long it takes, and what it leaves out"
-)
-
 EXAMPLE: Final = "camgeo explain fixtures/scenes/setzhub.toml build"
 
 

@@ -12,8 +12,6 @@ from camgeo.reading import PROJECT
 from camgeo.scene.ocv import ignored_answer, import_project, project_numbers, scene_name
 from camgeo.scene.scene import read_file
 
-SUMMARY: Final = "turn a project of opticurv 1.0.3 (.ocv) into a scene"
-
 EXAMPLE: Final = "camgeo import fixtures/reference/ocv/setzhub.ocv -o setzhub.toml"
 
 

@@ -25,11 +25,6 @@ from camgeo.studies.inspection import Align
 TABLE: Final = ".csv"
 """How the name of a table ends; that of a picture in one of `SUFFIXES`."""
 
-SUMMARY: Final = (
-    "compare measured points with the exact flank: deviations over the cam angle, shift and turn"
-    " with their uncertainty, what the follower does"
-)
-
 EXAMPLE: Final = (
     "camgeo inspect my-cam.toml measured.csv --tolerance 0.02\n"
     "  camgeo inspect my-cam.toml centres.csv --ball 1.5 -o deviations.png\n"

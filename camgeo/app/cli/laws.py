@@ -20,10 +20,6 @@ RUNNING: Final = {
     "stroke": ("MM", "stroke in mm"),
 }
 
-SUMMARY: Final = (
-    "compare the motion laws for a motion task by their characteristic values (VDI 2143)"
-)
-
 EXAMPLE: Final = (
     "camgeo laws --task R-U --inflection 0.4\n"
     "  camgeo laws --task all\n"

@@ -10,8 +10,6 @@ from camgeo.app.answers.lint import lint
 from camgeo.app.cli.command import CallError, add_json, number, opened, show
 from camgeo.design.linting import Bench
 
-SUMMARY: Final = "run milling programs as a controller would, and show what is wrong with them"
-
 EXAMPLE: Final = (
     "camgeo lint part.nc --machine fanuc\n"
     "  camgeo lint *.ngc --machine linuxcnc --stock-top 0 --clearance 5\n"

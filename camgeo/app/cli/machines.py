@@ -8,8 +8,6 @@ from typing import Final
 from camgeo.app.answers.machines import machine, machines
 from camgeo.app.cli.command import add_json, show
 
-SUMMARY: Final = "list the machine profiles, show one with all its keys, or check one of your own"
-
 EXAMPLE: Final = "camgeo machines haas"
 
 

@@ -10,13 +10,13 @@ import os
 import signal
 import sys
 import traceback
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from types import FrameType
 from typing import Final, NoReturn
 
 from camgeo._version import __version__
-from camgeo.app.answers.answer import CRASHED, STOPPED, WRONG
+from camgeo.app.answers.answer import CRASHED, STOPPED, WRONG, text
 from camgeo.app.cli.progress import Progress
 from camgeo.app.cli.streams import StreamError, discard_output, mend, notify, printable, write
 from camgeo.errors import CamgeoError
@@ -40,37 +40,81 @@ BLAS_THREADS: Final = "OPENBLAS_NUM_THREADS"
 camgeo's matrices are too small to be shared among threads, which would only wait for work, and do
 so by spinning."""
 
-COMMANDS = (
-    "new",
-    "import",
-    "check",
-    "size",
-    "build",
-    "verify",
-    "lint",
-    "table",
-    "plot",
-    "watch",
-    "design",
-    "report",
-    "setup",
-    "replay",
-    "probe",
-    "inspect",
-    "laws",
-    "machines",
-    "slotted-lever",
-    "accuracy",
-    "compare",
-    "sweep",
-    "optimise",
-    "tolerance",
-    "explain",
-)
-"""In the order of the help; each is a module of `camgeo.app.cli`, with `-` for `_`.
+COMMANDS: Final = {
+    "new": "write a commented scene to start from",
+    "import": "turn a project of opticurv 1.0.3 (.ocv) into a scene",
+    "check": (
+        "check a scene against its limits; exits with 0 if all are kept, 1 if one is broken, 2"
+        " if the scene is invalid"
+    ),
+    "size": (
+        "find the smallest base circle, with its offset or pivot and arm side, that keeps the"
+        " limits, and Flocke's proposal"
+    ),
+    "build": "write the files of a scene, with certificate.json",
+    "verify": (
+        "read DXF, G-code, STL, 3MF and STEP files back and measure them against the exact curves"
+    ),
+    "lint": "run milling programs as a controller would, and show what is wrong with them",
+    "table": (
+        "print the value table as CSV: motion, curves, transmission angle, curvature; or that"
+        " of a motion law"
+    ),
+    "plot": (
+        "draw a scene: motion, cam, mechanism, curvature, transmission-angle, effects,"
+        " shock-spectrum, backplot"
+    ),
+    "watch": "check and draw a scene anew whenever its file, or one that it names, changes",
+    "design": (
+        "design a cam live in the browser: drag, watch curve, mechanism, diagrams and findings"
+        " follow, save, build"
+    ),
+    "report": (
+        "all that is known of a design: with -o as one HTML page that needs nothing else, with"
+        " the turning mechanism, diagrams, findings and their next steps, table, price list,"
+        " certificate"
+    ),
+    "setup": (
+        "the setup sheet of a milling program: blank, zero, holding, tools, operations with"
+        " their times, simulation; with -o as an HTML page with a backplot"
+    ),
+    "replay": (
+        "press the follower against the real outline, or a contour from a file, over a turn:"
+        " lift, velocity, acceleration, shocks, compared with the motion demanded"
+    ),
+    "probe": (
+        "list points of the flanks for a measuring machine, with true normals, ball centres and"
+        " tolerance, and the lift curve"
+    ),
+    "inspect": (
+        "compare measured points with the exact flank: deviations over the cam angle, shift and"
+        " turn with their uncertainty, what the follower does"
+    ),
+    "laws": "compare the motion laws for a motion task by their characteristic values (VDI 2143)",
+    "machines": "list the machine profiles, show one with all its keys, or check one of your own",
+    "slotted-lever": (
+        "compute the extremes and the time ratio of a slotted lever, its value table and its"
+        " diagram"
+    ),
+    "accuracy": (
+        "measure what accuracy costs: pieces, bytes, computing and machining time over the"
+        " tolerance, and where more of it stops paying off"
+    ),
+    "compare": "put a few designs side by side: what differs, findings, curves",
+    "sweep": "compute what is asked of a whole family of designs, and keep it in a file",
+    "optimise": "search for the best design within limits, and write its scene",
+    "tolerance": (
+        "analyse the tolerances of a scene: the follower's error over the cam angle, by source"
+    ),
+    "explain": (
+        "show what a command computes for a scene, why, how long it takes, and what it leaves out"
+    ),
+}
+"""What each command does, in the order of the help; each is a module of `camgeo.app.cli`, with `-`
+for `_`.
 
-It has a `SUMMARY` and an `EXAMPLE`, `options`, which adds to the command's parser, and `run`, which
-takes the arguments and returns the exit code; `arguments.progress` shows the steps of long work.
+It has an `EXAMPLE`, `options`, which adds to the command's parser, and `run`, which takes the
+arguments and returns the exit code; `arguments.progress` shows the steps of long work.
 """
 
 MODULES = {"import": "import_"}
@@ -100,8 +144,10 @@ class Parser(argparse.ArgumentParser):
         super().error(printable(message))
 
 
-def parser(commands: Sequence[str] = COMMANDS) -> Parser:
-    """The parser of `commands`; no module of another command is imported."""
+def parser(commands: Collection[str] = COMMANDS) -> Parser:
+    """The parser of all commands, with the options of `commands`; no module of another one is
+    imported.
+    """
     top = Parser(
         prog="camgeo",
         description="From a scene file to DXF, G-code, STL, 3MF and STEP of a cam, each proved to"
@@ -118,18 +164,19 @@ def parser(commands: Sequence[str] = COMMANDS) -> Parser:
         TRACEBACK, action="store_true", help="print where in camgeo an internal error happened"
     )
     subparsers = top.add_subparsers(metavar="COMMAND", required=True)
-    for command in commands:
-        name = MODULES.get(command, command.replace("-", "_"))
-        module = importlib.import_module(f"camgeo.app.cli.{name}")
+    for command, summary in COMMANDS.items():
         own = subparsers.add_parser(
             command,
-            help=module.SUMMARY,
-            description=f"{module.SUMMARY[0].upper()}{module.SUMMARY[1:]}.",
-            epilog=f"example:\n  {module.EXAMPLE}",
+            help=summary,
+            description=f"{summary[0].upper()}{summary[1:]}.",
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
-        module.options(own)
-        own.set_defaults(run=module.run, parser=own, progress=Progress())
+        if command in commands:
+            name = MODULES.get(command, command.replace("-", "_"))
+            module = importlib.import_module(f"camgeo.app.cli.{name}")
+            module.options(own)
+            own.epilog = f"example:\n  {module.EXAMPLE}"
+            own.set_defaults(run=module.run, parser=own, progress=Progress())
     return top
 
 
@@ -168,15 +215,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(words: list[str]) -> int:
     """Run the command of these words."""
-    from camgeo.app.answers import answer
-    from camgeo.app.answers.refusal import refusal
     from camgeo.app.cli.command import CallError, present_name, show
 
     words[:1] = [present_name(word) for word in words[:1]]
     if words and words[0] in GONE:
         notify(f"camgeo: {words[0]} {GONE[words[0]]}")
         return WRONG
-    named = words[:1] if words and words[0] in COMMANDS else COMMANDS
+    named = [word for word in words if not word.startswith("-")][:1]
     try:
         parsed = parser(named).parse_args(words)
     except SystemExit:
@@ -190,12 +235,14 @@ def _run(words: list[str]) -> int:
         parsed.parser.error(str(error))
         return WRONG  # never reached: `error` exits
     except CamgeoError as error:
+        from camgeo.app.answers.refusal import refusal
+
         if (design := getattr(parsed, "opened", None)) is not None:
             design.scene.restate(error)
         found = refusal(error)
         if getattr(parsed, "json", False):
             return show(found, parsed)
-        notify(answer.text(found))
+        notify(text(found))
         return found.exit_code
     finally:
         parsed.progress.end()

@@ -8,8 +8,6 @@ from typing import Final
 from camgeo.app.cli.command import add_output, deliver, present_name
 from camgeo.scene.toml import TEMPLATE_KINDS, template
 
-SUMMARY: Final = "write a commented scene to start from"
-
 EXAMPLE: Final = "camgeo new oscillating-roller -o my-cam.toml"
 
 

@@ -33,8 +33,6 @@ if TYPE_CHECKING:
 
 SUFFIXES: Final = (".toml", ".json", ".csv", *plot.SUFFIXES)
 
-SUMMARY: Final = "search for the best design within limits, and write its scene"
-
 EXAMPLE: Final = (
     "camgeo optimise fixtures/scenes/setzhub.toml --vary follower.base_radius=40:60"
     " --vary motion.2.law=modified-sine,polynomial-345 --least diameter"

@@ -28,11 +28,6 @@ RENDERER = "matplotlib"
 SUFFIXES = (".png", ".svg", ".pdf")
 
 
-SUMMARY: Final = (
-    "draw a scene: motion, cam, mechanism, curvature, transmission-angle, effects,"
-    " shock-spectrum, backplot"
-)
-
 EXAMPLE: Final = "camgeo plot fixtures/scenes/setzhub.toml motion cam -o setzhub.png"
 
 

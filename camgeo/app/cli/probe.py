@@ -35,11 +35,6 @@ LARGEST_STEP: Final = Decimal(30)
 
 TABLE: Final = ".csv"
 
-SUMMARY: Final = (
-    "list points of the flanks for a measuring machine, with true normals, ball centres and"
-    " tolerance, and the lift curve"
-)
-
 EXAMPLE: Final = (
     "camgeo probe fixtures/scenes/setzhub.toml --ball 1.5 -o points.csv\n"
     "  camgeo probe my-cam.toml --spacing 0.5 --tolerance 0.02 -o points.csv --lift lift.csv"

@@ -31,11 +31,6 @@ LARGEST_STEP: Final = Decimal(10)
 TABLE: Final = ".csv"
 """How the name of a table ends; that of a picture in one of `SUFFIXES`."""
 
-SUMMARY: Final = (
-    "press the follower against the real outline, or a contour from a file, over a turn: lift,"
-    " velocity, acceleration, shocks, compared with the motion demanded"
-)
-
 EXAMPLE: Final = (
     "camgeo replay fixtures/scenes/setzhub.toml\n"
     "  camgeo replay fixtures/scenes/setzhub.toml out/setzhub.dxf -o ripple.png\n"

@@ -11,11 +11,6 @@ from camgeo.app.cli.command import add_json, add_output, add_scene, opened, show
 PAGES: Final = "camgeo.pages"
 """Entry points of pages: callables that make an HTML file of an answer."""
 
-SUMMARY: Final = (
-    "all that is known of a design: with -o as one HTML page that needs nothing else, with the"
-    " turning mechanism, diagrams, findings and their next steps, table, price list, certificate"
-)
-
 EXAMPLE: Final = "camgeo report fixtures/scenes/setzhub.toml -o setzhub.html"
 
 

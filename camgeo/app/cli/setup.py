@@ -16,11 +16,6 @@ from camgeo.app.cli.command import (
     write_files,
 )
 
-SUMMARY: Final = (
-    "the setup sheet of a milling program: blank, zero, holding, tools, operations with their"
-    " times, simulation; with -o as an HTML page with a backplot"
-)
-
 EXAMPLE: Final = "camgeo setup fixtures/scenes/setzhub.toml -o setzhub.html"
 
 

@@ -24,11 +24,6 @@ from camgeo.app.cli.streams import notify
 from camgeo.errors import Fault, SceneError
 from camgeo.units import MM_PER
 
-SUMMARY: Final = (
-    "find the smallest base circle, with its offset or pivot and arm side, that keeps the limits,"
-    " and Flocke's proposal"
-)
-
 EXAMPLE: Final = (
     "camgeo size fixtures/scenes/setzhub.toml -o size.png\n"
     "  camgeo size my-cam.toml --transmission-angle 50 --scene my-smaller-cam.toml"

@@ -24,10 +24,6 @@ TABLE_OPTIONS: Final = dict(zip(("step", "from", "to"), FULL_TURN, strict=True))
 """With their defaults."""
 
 
-SUMMARY: Final = (
-    "compute the extremes and the time ratio of a slotted lever, its value table and its diagram"
-)
-
 EXAMPLE: Final = (
     "camgeo slotted-lever --frame 150 --swing 60 --speed 90 -o slotted-lever.png\n"
     "  camgeo slotted-lever --frame 150 --swing 60 --speed 90 --table --printed\n"

@@ -39,8 +39,6 @@ KINDS: Final = ("map", "parallel", "pareto")
 
 METHODS: Final = ("sobol", "random")
 
-SUMMARY: Final = "compute what is asked of a whole family of designs, and keep it in a file"
-
 EXAMPLE: Final = (
     "camgeo sweep fixtures/scenes/setzhub.toml --vary follower.base_radius=40:60:21"
     " --vary motion.2.law=modified-sine,polynomial-345"

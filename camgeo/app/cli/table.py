@@ -23,11 +23,6 @@ from camgeo.kinematics.tables import PRINTED_STEP
 from camgeo.scene.formats.csv import LARGEST_STEP, SMALLEST_STEP
 from camgeo.units import counted
 
-SUMMARY: Final = (
-    "print the value table as CSV: motion, curves, transmission angle, curvature; or that of a"
-    " motion law"
-)
-
 EXAMPLE: Final = (
     "camgeo table fixtures/scenes/setzhub.toml --step 0.5 -o setzhub.csv\n"
     "  camgeo table --law modified-sine --step 0.002 --printed"

@@ -26,10 +26,6 @@ TABLE: Final = ".csv"
 
 RECORD: Final = ".json"
 
-SUMMARY: Final = (
-    "analyse the tolerances of a scene: the follower's error over the cam angle, by source"
-)
-
 EXAMPLE: Final = (
     "camgeo tolerance fixtures/tolerance/lever.toml -o tolerance.png\n"
     "  camgeo tolerance my-cam.toml --count 4096 --seed 1 -o errors.csv"

@@ -14,10 +14,6 @@ from camgeo.design.verify import Wanted, endings, files_in, write_verification
 from camgeo.design.writing import VERIFICATION
 from camgeo.errors import Fault, SceneError, unreadable
 
-SUMMARY: Final = (
-    "read DXF, G-code, STL, 3MF and STEP files back and measure them against the exact curves"
-)
-
 EXAMPLE: Final = (
     "camgeo verify out/setzhub\n"
     "  camgeo verify drawing.dxf --scene my-cam.toml --tolerance 0.01 --layer OUTLINE\n"

@@ -33,8 +33,6 @@ BAD: Final = ("invalid", "no-disc", "broken")
 NAMED: Final = 3
 """Most of them that are named in a line."""
 
-SUMMARY: Final = "check and draw a scene anew whenever its file, or one that it names, changes"
-
 EXAMPLE: Final = "camgeo watch fixtures/scenes/setzhub.toml cam -o setzhub.png"
 
 
