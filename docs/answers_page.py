@@ -1,12 +1,12 @@
-"""Writes docs/answers.md: `python docs/answers_page.py`.
+"""Writes docs/answers.md and the schemas of answers: `python docs/answers_page.py`.
 
-The page describes the JSON documents of the commands; it is made from their schemas, in
-`camgeo.app.answers`. A test holds the page to them.
+The page describes the JSON documents of the commands; page and schemas are made from the keys that
+the modules in `camgeo.app.answers` state, and their types. A test holds both to them.
 """
 
 from __future__ import annotations
 
-import importlib
+import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
@@ -20,7 +20,7 @@ PAGE: Final = Path(__file__).with_name("answers.md")
 HEAD: Final = """\
 # Answers as JSON
 
-<!-- Made from the schemas in camgeo/app/answers by docs/answers_page.py; change them there. -->
+<!-- Made from the answers in camgeo/app/answers by docs/answers_page.py; change them there. -->
 
 With `--json` a command prints its answer as one JSON document; if it has no answer, it prints its
 faults as one ([`camgeo/refusal`](#camgeorefusal)). The keys `schema` and `version` identify the
@@ -63,13 +63,21 @@ def page() -> str:
 
 
 def packages() -> list[str]:
-    """The modules with answers, each beside its schema, in the order of the commands."""
-    found = {path.stem for path in Path(answers.__path__[0]).glob("*.json")}
+    """The modules with answers, in the order of the commands."""
+    found = {path.stem for path in Path(answers.__path__[0]).glob("*.py")}
     names = [name for name in (command.replace("-", "_") for command in COMMANDS) if name in found]
-    assert found == {*names, LAST}
-    for name in (*names, LAST):
-        importlib.import_module(f"{answers.__name__}.{name}")
+    assert found == {*names, LAST, "answer", "__init__"}
     return [f"{answers.__name__}.{name}" for name in (*names, LAST)]
+
+
+def schema_file(package: str) -> Path:
+    """Where the schema of a module's answers is shipped."""
+    return Path(answers.__path__[0]) / f"{package.rpartition('.')[2]}.json"
+
+
+def schema_text(package: str) -> str:
+    """What stands there."""
+    return json.dumps(schema_of(package), ensure_ascii=False) + "\n"
 
 
 def _section(schema: Mapping[str, Any]) -> str:
@@ -77,7 +85,7 @@ def _section(schema: Mapping[str, Any]) -> str:
     name, version = (properties[key]["const"] for key in ("schema", "version"))
     rows = "".join(
         f"| `{key}` | {kind} | {description} |\n"
-        for key, kind, description in _rows(schema, schema, "")
+        for key, kind, description in _rows(schema, "")
         if key not in OF_ALL
     )
     return (
@@ -86,22 +94,19 @@ def _section(schema: Mapping[str, Any]) -> str:
     )
 
 
-def _rows(
-    node: Mapping[str, Any], schema: Mapping[str, Any], path: str
-) -> Iterator[tuple[str, str, str]]:
+def _rows(node: Mapping[str, Any], path: str) -> Iterator[tuple[str, str, str]]:
     """The keys below a node: path, type, description."""
     if "items" in node:
-        yield from _rows(_resolved(node["items"], schema), schema, f"{path}[]")
+        yield from _rows(node["items"], f"{path}[]")
     each = node.get("additionalProperties")
     if isinstance(each, Mapping):
-        yield from _rows(_resolved(each, schema), schema, f"{path}.*")
+        yield from _rows(each, f"{path}.*")
     required = node.get("required", ())
-    for key, stated in node.get("properties", {}).items():
-        inner = _resolved(stated, schema)
+    for key, inner in node.get("properties", {}).items():
         shown = f"{path}.{key}" if path else key
         description = str(inner.get("description", "")).replace("|", "\\|")
         yield shown if key in required else f"{path}.({key})".lstrip("."), _kind(inner), description
-        yield from _rows(inner, schema, shown)
+        yield from _rows(inner, shown)
 
 
 def _kind(node: Mapping[str, Any]) -> str:
@@ -114,20 +119,7 @@ def _kind(node: Mapping[str, Any]) -> str:
     return " or ".join([stated] if isinstance(stated, str) else stated)
 
 
-def _resolved(node: Mapping[str, Any], schema: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The node with its reference followed; null is added to the type where it is allowed."""
-    if "anyOf" in node:
-        (one,) = (_resolved(each, schema) for each in node["anyOf"] if each.get("type") != "null")
-        return {**one, "type": [one["type"], "null"], **_beside(node)}
-    if "$ref" in node:
-        found = schema["$defs"][node["$ref"].rpartition("/")[2]]
-        return {**_resolved(found, schema), **_beside(node)}
-    return node
-
-
-def _beside(node: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: each for key, each in node.items() if key not in ("anyOf", "$ref")}
-
-
 if __name__ == "__main__":
     PAGE.write_text(page(), encoding="utf-8")
+    for name in packages():
+        schema_file(name).write_text(schema_text(name), encoding="utf-8")

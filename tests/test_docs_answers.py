@@ -16,6 +16,14 @@ def test_the_page_is_made_from_the_schemas() -> None:
     )
 
 
+def test_the_schemas_that_are_shipped_are_those_of_the_answers() -> None:
+    maker = page_maker("answers_page")
+    for name in maker.packages():
+        assert maker.schema_file(name).read_text(encoding="utf-8") == maker.schema_text(name), (
+            "run python docs/answers_page.py"
+        )
+
+
 def test_every_key_stands_on_the_page() -> None:
     text = PAGE.read_text(encoding="utf-8")
     for name in page_maker("answers_page").packages():

@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
-from camgeo.app.answers.answer import BROKEN, FINE, Answer
+from camgeo.app.answers.answer import BROKEN, FINE, Answer, Key
 from camgeo.pictures.model import Figure
 from tests.stability import suite
 from tests.stability.measure import Case, Reading
@@ -54,6 +54,56 @@ def stability(
     """Run cases of the suite; parameters as of `tests.stability.suite.run`."""
     readings = suite.run(cases, only, quick=quick, progress=progress)
     return Stability(readings, suite.table(readings), quick)
+
+
+# -- document -------------------------------------------------------------------------------------
+# What JSON has of the answer.
+
+
+READING: Final = Key(
+    "The worst value in this respect.",
+    {
+        "group": "Group of the case.",
+        "case": "What was computed.",
+        "at": "Place: `z` of a law, otherwise `cam_angle_deg` or `crank_angle_deg`.",
+        "value": "The exact value, rounded; for a vector its length.",
+        "error_ulp": Key(
+            "Distance of camgeo's value from it, in units in its last place; null if camgeo gives"
+            " none.",
+            of="error",
+            type=float | None,
+        ),
+        "conditioning_ulp": Key(
+            "How far the exact value moves if each input moves by half a unit in its last place.",
+            of="conditioning",
+        ),
+        "ratio": Key(
+            "Ratio of error to conditioning, or to 1 where that is less; null if camgeo gives no"
+            " value.",
+            type=float | None,
+        ),
+    },
+)
+
+DOCUMENT: Final = Key(
+    "Rounding errors and conditioning of every quantity, measured against mpmath.",
+    {
+        "quick": "Whether only two places of each case were compared.",
+        "limit": "Limit of the ratio of error to conditioning.",
+        "kept": "Whether all ratios are within the limit.",
+        "quantities": Key(
+            "The largest ratio first.",
+            {
+                "quantity": "Its name.",
+                "values": Key("Number of its values that were compared.", of="count"),
+                "largest_error": READING,
+                "largest_ratio": READING,
+            },
+            of="rows",
+        ),
+    },
+    type=Stability,
+)
 
 
 # -- rendering ------------------------------------------------------------------------------------

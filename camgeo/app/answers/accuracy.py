@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
 
-from camgeo.app.answers.answer import Answer
+from camgeo.app.answers.answer import SCENE, Answer, Key
 from camgeo.design.design import Design
 from camgeo.geometry.contour.contour import Form
 from camgeo.pictures.model import Figure
@@ -188,6 +188,285 @@ def accuracy(
         progress=progress,
     )  # fmt: skip
     return Accuracy(design.scene, found, ripple, design.drive.unit == "rad", complete, benefits)
+
+
+# -- document -------------------------------------------------------------------------------------
+# What JSON has of the answer.
+
+
+COUNT: Final = Key(
+    "The contours of all flanks in use; null if they cannot be made.",
+    {
+        "pieces": "Number of pieces of all flanks together.",
+        "forced": "Pieces among them that dwells and turns require, whatever the tolerance.",
+        "least": "Lower limit of the others for small tolerances.",
+        "ratio": "Pieces that are not forced, as a multiple of that limit; null where it is 0.",
+        "deviation_mm": "Largest proved deviation.",
+        "fit_seconds": (
+            "CPU time for the fits, including their own proof; the median of some runs, as all"
+            " seconds of computing."
+        ),
+        "proof_seconds": "Time for the proofs from the finished contours alone.",
+        "spread": "Ratio of the upper quartile of the runs to the lower one; 1 for a single run.",
+    },
+)
+
+FILE: Final = Key(
+    "A file written and read back; null if there is none.",
+    {
+        "bytes": Key("Its size.", of="size"),
+        "deviation_mm": "Deviation proved for the file as read back; null if it has none.",
+        "write_seconds": "Time to write it, including the fits.",
+        "read_seconds": "Time to read it back and prove it.",
+        "spread": "Ratio of the upper quartile of the runs to the lower one; 1 for a single run.",
+        "facts": "What its writer reports about it, e.g. the number of arcs.",
+    },
+)
+
+KNEE: Final = Key(
+    "The recommended contour; null if no tolerance could be reached.",
+    {
+        "contour": Key("Its form.", of="row.form", type=str),
+        "fit": Key("How hard the fit tried.", of="row.effort", type=str),
+        "tolerance_mm": Key("Its tolerance.", of="row.tolerance"),
+        "end": Key(
+            "What a tighter tolerance loses: time, decimals, ripple, benefit or cost; reach if it"
+            " cannot be reached, range if no tighter one was examined.",
+            type=str,
+        ),
+    },
+)
+
+DOCUMENT: Final = Key(
+    "What accuracy costs, over the tolerance, and where it stops paying.",
+    {
+        "scene": SCENE,
+        "step": (
+            "What the last step of accuracy up to the recommended tolerance costs and buys, in"
+            " words; empty if there is none."
+        ),
+        "contours": Key(
+            "A row for each form of the contours at each tolerance.",
+            {
+                "contour": Key("Form of the contours.", of="form"),
+                "fit": Key("How hard the fit tried.", of="effort"),
+                "tolerance_mm": "The requested tolerance.",
+                "count": COUNT,
+                "dxf": Key(
+                    "The drawing with these contours; null if it cannot be made.",
+                    FILE,
+                    of="drawing",
+                ),
+                "gcode": Key(
+                    "The milling program, only for arcs and if the scene asks for milling;"
+                    " otherwise null.",
+                    FILE,
+                    of="program",
+                ),
+                "round_seconds": (
+                    "Estimated time of milling once along the flanks; null if it is not known."
+                ),
+                "shortest_seconds": (
+                    "The same at the largest feed that the controller can hold on these pieces."
+                ),
+                "ripple": (
+                    "Largest error of the acceleration in a replay, as a fraction of its demanded"
+                    " peak; null without a replay."
+                ),
+                "decimals": (
+                    "Of the coordinates in a program within that tolerance; null if the scene does"
+                    " not ask for milling."
+                ),
+                "fault": "Why something is missing, or empty.",
+            },
+            of="survey.contours",
+        ),
+        "solids": Key(
+            "A row for each format of solids at each tolerance.",
+            {
+                "format": "Format of the solid.",
+                "tolerance_mm": "The requested tolerance.",
+                "file": Key("Its file; null if it cannot be made.", FILE),
+                "fault": "Why something is missing, or empty.",
+            },
+            of="survey.solids",
+        ),
+        "tables": Key(
+            "A row for each step of the value table.",
+            {
+                "step_deg": Key("Step of the cam angle.", type=float),
+                "rows": Key("Number of rows of the table.", type=int),
+                "bytes": Key("Size of its file.", type=int),
+                "seconds": Key("Time to make it.", type=float),
+                "spread": Key(
+                    "Ratio of the upper quartile of the runs to the lower one; 1 for a single run.",
+                    type=float,
+                ),
+                "interpolation_error": Key(
+                    "Bound on the error of the lift between two rows with linear interpolation,"
+                    " in `unit`.",
+                    type=float,
+                ),
+                "unit": Key("Unit of that error.", type=Literal["mm", "inch", "deg"]),
+            },
+            by_key=True,
+        ),
+        "effects": Key(
+            "A row for each numerical effect of the scene that a tolerance changes, at each"
+            " tolerance; tolerances and errors are relative to the scale of each figure, such as"
+            " the largest torque.",
+            {
+                "effect": "Its name.",
+                "tolerance": "The tolerance, as such a fraction.",
+                "seconds": (
+                    "Time to compute it, without the effects that it needs; null if it has no"
+                    " answer."
+                ),
+                "spread": (
+                    "Ratio of the upper quartile of the runs to the lower one; 1 for a single run."
+                ),
+                "error": (
+                    "The error that it estimates itself, the largest of all its figures, relative"
+                    " likewise; null if it gives none."
+                ),
+                "difference": (
+                    "The largest difference of all figures, values of findings and columns, from a"
+                    " result to a tolerance at most a hundredth of this, relative likewise; null"
+                    " without such a result."
+                ),
+                "figure": "Name of the finding or column with this difference; empty if it is 0.",
+                "fault": (
+                    "Why it has no answer, or which figures are off by more than estimated; else"
+                    " empty."
+                ),
+            },
+            of="survey.effects",
+        ),
+        "effects_at_rounding": Key(
+            "The other numerical effects of the scene, which reach rounding at the loosest"
+            " tolerance.",
+            {
+                "effect": "Its name.",
+                "seconds": (
+                    "Time to compute it, without the effects that it needs; null if it has no"
+                    " answer."
+                ),
+                "spread": (
+                    "Ratio of the upper quartile of the runs to the lower one; 1 for a single run."
+                ),
+                "error": (
+                    "The error that it estimates itself, the largest of all its figures, relative"
+                    " likewise; null if it gives none."
+                ),
+                "difference": (
+                    "The largest difference of all figures, values of findings and columns, from a"
+                    " result to a tolerance at most a hundredth of this, relative likewise; null"
+                    " without such a result."
+                ),
+            },
+            of="survey.rounded",
+        ),
+        "knee": Key(
+            "The recommended contour; null if no tolerance could be reached.",
+            KNEE,
+            of="survey.knee",
+        ),
+        "advice": "The recommendation, in words.",
+        "bill": Key(
+            "Whole builds of the scene, with --bill; else empty.",
+            {
+                "tolerance_mm": "Largest deviation allowed.",
+                "evaluate": Key(
+                    "Seconds for motion, mechanism, findings, part, effects and tool paths.",
+                    optional=True,
+                ),
+                "fit": Key("Seconds for contours with the proofs that decide them.", optional=True),
+                "prove": Key(
+                    "Seconds for further proofs, also of what was read back.", optional=True
+                ),
+                "write": Key("Seconds for the files and their certificate.", optional=True),
+                "read": Key("Seconds for reading them back.", optional=True),
+                "total": Key("Seconds from the loaded scene to the last file.", optional=True),
+                "spread": Key(
+                    "Ratio of the upper quartile of the runs to the lower one; 1 for a single run.",
+                    optional=True,
+                ),
+                "pieces": Key("Of the flanks of all discs.", optional=True),
+                "bytes": Key("Of all files.", of="size", optional=True),
+                "machining_seconds": Key("Estimated time of all programs.", optional=True),
+                "fault": Key("Why nothing was built; else empty.", optional=True),
+            },
+            of="survey.bill",
+        ),
+        "benefits": Key(
+            "What contours of each form and tolerance do at the speed of --speed: the follower on"
+            " the contour as written, compared with the exact motion; empty without.",
+            {
+                "contour": Key("Form of the contour.", type=str),
+                "tolerance_mm": Key("Its tolerance.", type=float),
+                "speed_rpm": Key("Constant speed of the cam [rev/min].", type=float),
+                "acceleration": Key(
+                    "Largest deviation of the acceleration from the exact one, jumps of the"
+                    " velocity apart, in `unit`/s^2.",
+                    type=float | None,
+                ),
+                "exact_acceleration": Key(
+                    "Largest magnitude of the exact one, in `unit`/s^2.", type=float | None
+                ),
+                "jump": Key("Largest jump of the velocity, in `unit`/s.", type=float | None),
+                "unit": Key("Unit of the motion.", type=Literal["mm", "inch", "deg"]),
+                "ripple": Key(
+                    "The deviation as a fraction of the exact peak; null if that is 0.",
+                    type=float | None,
+                ),
+                "force_N": Key(
+                    "Largest deviation of the contact force, jumps of the velocity apart; null"
+                    " without forces.",
+                    type=float | None,
+                ),
+                "lowest_force_N": Key(
+                    "Least contact force; negative where the follower would have to be pulled or,"
+                    " held both ways, where the other side carries.",
+                    type=float | None,
+                ),
+                "highest_force_N": Key("Largest contact force.", type=float | None),
+                "exact_lowest_force_N": Key(
+                    "The least one of the exact motion.", type=float | None
+                ),
+                "exact_highest_force_N": Key(
+                    "The largest one of the exact motion.", type=float | None
+                ),
+                "lift_off_rpm": Key(
+                    "Speed of the cam from which the contact force is 0 somewhere; null if it"
+                    " never is, if none was found for an elastic train, and if the follower is"
+                    " held both ways.",
+                    type=float | None,
+                ),
+                "exact_lift_off_rpm": Key("The same of the exact motion.", type=float | None),
+                "octaves": Key(
+                    "Effective value of the deviation of the acceleration in the harmonics 1, 2"
+                    " to 3, 4 to 7 and so on of the cam's speed, jumps of the velocity included,"
+                    " in `unit`/s^2.",
+                    type=tuple[float, ...],
+                ),
+                "octave_error": Key(
+                    "Of the amplitude of each harmonic at most, in `unit`/s^2.", type=float | None
+                ),
+                "strongest_harmonic": Key(
+                    "Number of the harmonic with the largest amplitude.", type=int | None
+                ),
+                "fault": Key("Why values are missing; else empty.", type=str),
+            },
+            of="written",
+            by_key=True,
+        ),
+        "enough": (
+            "Which tolerance is enough at the speed of --speed, and why: a sentence for each form"
+            " of the contour; empty without."
+        ),
+    },
+    type=Accuracy,
+)
 
 
 # -- rendering ------------------------------------------------------------------------------------

@@ -1,24 +1,40 @@
 """What a command finds: a frozen result, with text, JSON, tables and pictures as renderings.
 
-Each command has a package in this stage: its result, a dataclass that is an `Answer`, and the
-function that makes it; `rendering`, which has `text` and perhaps `table` and `figure`, functions of
-the result alone; and schema.json, the JSON Schema of its document, by which the
-document is read from the result (`camgeo.app.answers.answer`).
+Each command has a module beside this one: its result, a dataclass that is an `Answer`, and the
+function that makes it; `DOCUMENT`, which says what JSON has of the result; `text`, and perhaps
+`table` and `figure`, functions of the result alone.
 """
 
 from __future__ import annotations
 
+import ast
+import inspect
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from decimal import Decimal
+from enum import Enum
 from functools import cache
 from importlib import import_module
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    ClassVar,
+    Final,
+    Literal,
+    TypeAlias,
+    Union,
+    get_args,
+    get_origin,
+)
 
 from camgeo._version import __version__
-from camgeo.record import Displayed, schema_beside
+from camgeo.record import Displayed
 from camgeo.units import LengthUnit, counted, in_unit
 
 if TYPE_CHECKING:
@@ -102,18 +118,9 @@ def exit_code(findings: Iterable[Finding]) -> int:
     return BROKEN if severities & {"broken", "no-disc"} else FINE
 
 
-# -- render ---------------------------------------------------------------------------------------
-# The renderings of an answer: text, a JSON document, a table, a picture.
-#
-# A document is read from an answer by its schema. A key of the schema is the attribute of that
-# name, without its unit (`cam_angle_deg` is `cam_angle`), or the one, with dots, that `x-attribute`
-# names. A number with the `x-unit` "deg" is an angle in rad, one with another unit is left as it
-# is; a Decimal is a number as a scene states it, in its unit. Infinite values and NaN become null;
-# a key that is not required is left out where the answer has no value for it.
+# -- renderings -----------------------------------------------------------------------------------
+# An answer as text, a table, a picture, or a JSON document.
 
-
-Node = Mapping[str, Any]
-"""An object of a schema."""
 
 SENTENCES: Final = (
     "advice", "allowed", "enough", "fault", "infeasible", "message", "note", "reason", "remarks",
@@ -124,48 +131,38 @@ SENTENCES: Final = (
 
 def has(answer: Answer, rendering: str) -> bool:
     """Whether answers of this kind have that rendering, "table" or "figure"."""
-    return hasattr(_rendering(answer), rendering)
+    return hasattr(_module(answer), rendering)
 
 
 def text(answer: Answer) -> str:
     """The answer in words, lines without the last line end, lengths in the unit of its scene."""
-    words: str = _rendering(answer).text(answer)
+    words: str = _module(answer).text(answer)
     return in_unit(words, _unit(answer))
 
 
 def table(answer: Answer) -> Table:
     """The answer's table, for CSV."""
-    found: Table = _rendering(answer).table(answer)
+    found: Table = _module(answer).table(answer)
     return found
 
 
 def figure(answer: Answer) -> Figure:
     """The answer's picture."""
-    found: Figure = _rendering(answer).figure(answer)
+    found: Figure = _module(answer).figure(answer)
     return found
 
 
 def to_json(answer: Answer) -> dict[str, Any]:
-    """The answer as a document that the schema of its package describes; sentences state lengths
-    in the unit of its scene.
+    """The answer as a document that its schema describes (`schema_of`); sentences state lengths in
+    the unit of its scene.
     """
     head = {"schema": f"camgeo/{answer.command}", "version": answer.version, "camgeo": __version__}
-    schema = schema_of(type(answer).__module__)
-    own = {key: node for key, node in schema["properties"].items() if key not in head}
-    found = _read_object(answer, {**schema, "properties": own}, schema.get("$defs", {}))
+    found = head | _read_object(answer, _module(answer).DOCUMENT)
     unit = _unit(answer)
-    return head | (found if unit == "mm" else _restated(found, unit))
+    return found if unit == "mm" else _restated(found, unit)
 
 
-@cache
-def schema_of(package: str) -> dict[str, Any]:
-    """The JSON Schema of the answers of a package; it must not be changed."""
-    file = import_module(package).__file__
-    assert file is not None  # it is no namespace
-    return schema_beside(file)
-
-
-def _rendering(answer: Answer) -> Any:
+def _module(answer: Answer) -> Any:
     return import_module(type(answer).__module__)
 
 
@@ -184,55 +181,291 @@ def _restated(value: Any, unit: LengthUnit, key: str = "") -> Any:
     return in_unit(value, unit) if key in SENTENCES and isinstance(value, str) else value
 
 
-def _read(value: Any, node: Node, definitions: Node) -> Any:
-    """What JSON has of a value that the schema describes by `node`."""
-    if value is None or isinstance(value, bool):
+# -- documents ------------------------------------------------------------------------------------
+# A document is read from an answer by its keys. A key is the attribute of that name without its
+# unit (`cam_angle_deg` is `cam_angle`), or the one that is stated. Its type is that of the
+# attribute, from which the JSON Schema follows: it is stated again only where they differ.
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """A key of a document.
+
+    Attributes
+    ----------
+    meaning : of its value, in words.
+    keys : those of the object that its value is, or of each object in a list or by name; None for
+        plain values. Those of another `Key` mean what that says.
+    of : its attribute, with dots; "" for the one of its name.
+    type : of the value, where the attribute does not say it; of a document its class.
+    optional : whether it is left out where there is no value.
+    by_key : whether the object is a mapping by the keys of the document.
+    """
+
+    meaning: str
+    keys: Mapping[str, Key | str] | Key | None = None
+    of: str = ""
+    type: Any = None
+    optional: bool = False
+    by_key: bool = False
+
+    @property
+    def own(self) -> dict[str, Key] | None:
+        """The keys of the object, or of each one."""
+        if self.keys is None or isinstance(self.keys, Key):
+            return None if self.keys is None else self.keys.own
+        return {
+            name: Key(each) if isinstance(each, str) else each for name, each in self.keys.items()
+        }
+
+
+Keys: TypeAlias = Mapping[str, Key | str]
+"""Those of an object in the order of the document; a text is the meaning of a key that is plain."""
+
+UNITS: Final = {
+    "deg": "deg", "rad_per_s": "rad/s", "kg_per_m3": "kg/m^3", "kg_mm2": "kg mm^2", "mm": "mm",
+    "mm2": "mm^2", "mm3": "mm^3", "kg": "kg", "s": "s",
+}  # fmt: skip
+"""Units of numbers, by the end of their key. Angles in rad are stated in degrees, other numbers as
+they are; a Decimal is a number as a scene states it, in its unit.
+"""
+
+SCENE: Final = Key(
+    "A scene.",
+    {
+        "name": "Name of the scene, the stem of its file names.",
+        "sha256": Key(
+            "SHA-256 of everything in it that determines the bytes of files, hexadecimal, as"
+            " written in them.",
+            of="made",
+        ),
+        "files": Key(
+            "SHA-256 of the data files that it names, hexadecimal, by file name.",
+            type=Mapping[str, str],
+        ),
+    },
+)
+
+FINDING: Final = Key(
+    "The result of one check.",
+    {
+        "name": 'Name of the check, e.g. "transmission-angle".',
+        "severity": "ok: within its limit, or without one, see `verdict`. warning: worth knowing."
+        " broken: beyond its limit, though the disc can be made. no-disc: there is no such disc."
+        " invalid: the scene describes no cam mechanism.",
+        "verdict": "What is said of it in words. figure: a value that nothing limits, neither good"
+        " nor bad. note: a sentence for which the same holds. Both have the severity ok; all others"
+        " have their severity.",
+        "value": "The value found, in `unit`; null where the check has no figure.",
+        "limit": "The limit, in `unit`; null where there is none.",
+        "unit": 'Unit of value and limit: "deg", "mm", ... or empty.',
+        "cam_angle_deg": "Cam angle of the value; null for the whole turn.",
+        "cam_range_deg": "Range, from and to, over which a limit is exceeded throughout; the end is"
+        " below the start if the range passes cam angle 0.",
+        "sentence": "The finding in words, with value, limit and place.",
+    },
+)
+
+
+def _stem_and_unit(name: str) -> tuple[str, str]:
+    """The name of a key without its unit, and the unit; "" for none."""
+    for ending, unit in UNITS.items():
+        if name.endswith(f"_{ending}"):
+            return name.removesuffix(f"_{ending}"), unit
+    return name, ""
+
+
+def _read_object(value: Any, key: Key) -> dict[str, Any]:
+    """The object of a document for a value that has the keys of `key`."""
+    found = {}
+    for name, each in (key.own or {}).items():
+        item = _read(_attribute(value, name, each, by_key=key.by_key), name, each)
+        if item is not None or not each.optional:
+            found[name] = item
+    return found
+
+
+def _attribute(value: Any, name: str, key: Key, *, by_key: bool) -> Any:
+    """What the key of this name is of a value; None if it has none and may be left out."""
+    if by_key:
+        return value.get(name)
+    try:
+        return attrgetter(key.of or _stem_and_unit(name)[0])(value)
+    except AttributeError:
+        if key.optional:
+            return None
+        raise
+
+
+def _read(value: Any, name: str, key: Key) -> Any:
+    """What JSON has of the value of a key; infinite numbers and NaN are null."""
+    if value is None or isinstance(value, str | int):
         return value
-    node = _resolved(node, definitions)
-    if isinstance(value, str | int | Decimal) and "x-unit" not in node:
-        return float(value) if isinstance(value, Decimal) else value
-    if isinstance(value, float | Decimal):
-        degrees = node.get("x-unit") == "deg" and isinstance(value, float)
-        number = math.degrees(value) if degrees else float(value)
+    if isinstance(value, float):
+        number = math.degrees(value) if _stem_and_unit(name)[1] == "deg" else value
         return number if math.isfinite(number) else None
+    if isinstance(value, Decimal):
+        return float(value)
     if isinstance(value, complex):
         return [value.real, value.imag]
-    if "properties" in node:
-        return _read_object(value, node, definitions)
-    if "additionalProperties" in node:
-        each = node["additionalProperties"]
-        return {key: _read(item, each, definitions) for key, item in dict(value).items()}
-    assert isinstance(value, Iterable)  # all else that an answer has
-    return [_read(item, node["items"], definitions) for item in value]
+    if get_origin(key.type) is Mapping or (isinstance(value, Mapping) and not key.by_key):
+        return {str(each): _read(item, name, key) for each, item in dict(value).items()}
+    if key.own is not None and not isinstance(value, Sequence | Iterator):
+        return _read_object(value, key)
+    return [_read(item, name, key) for item in value]
 
 
-def _read_object(value: Any, node: Node, definitions: Node) -> dict[str, Any]:
-    needed = node.get("required", ())
-    found = {}
-    for key, each in node["properties"].items():
-        found[key] = _read(_attribute(value, key, each, needed=key in needed), each, definitions)
-    return {key: item for key, item in found.items() if key in needed or item is not None}
+# -- schemas --------------------------------------------------------------------------------------
+# The JSON Schema of a document, from its keys and the types of the attributes that these are.
 
 
-def _resolved(node: Node, definitions: Node) -> Node:
-    """The node with its reference followed; of alternatives the one that is not null."""
-    for each in node.get("anyOf", ()):
-        if each.get("type") != "null":
-            return _resolved(each, definitions)
-    if "$ref" in node:
-        return _resolved(definitions[node["$ref"].rpartition("/")[2]], definitions)
-    return node
+DRAFT: Final = "https://json-schema.org/draft/2020-12/schema"
+
+PLAIN: Final = {
+    bool: "boolean",
+    int: "integer",
+    float: "number",
+    Decimal: "number",
+    str: "string",
+    Path: "string",
+}
+"""Types of JSON."""
 
 
-def _attribute(value: Any, key: str, node: Node, *, needed: bool) -> Any:
-    """The attribute of a value for a key of its document; None if absent and not required."""
-    if isinstance(value, Mapping):
-        return value.get(key)
-    unit = node.get("x-unit", "").replace("/", " per ").replace("^", "")
-    name = node.get("x-attribute", key.removesuffix("_" + "_".join(unit.split())))
-    try:
-        return attrgetter(name)(value)
-    except AttributeError:
-        if needed:
-            raise
-        return None
+def schema_of(package: str) -> dict[str, Any]:
+    """The JSON Schema of the documents of a module with an answer.
+
+    `x-unit` is the unit of a number, `x-attribute` the attribute of a key that has another name.
+    """
+    document: Key = import_module(package).DOCUMENT
+    kind: type[Answer] = document.type
+    head: dict[str, dict[str, Any]] = {
+        "schema": {
+            "description": "Name of this kind of document.",
+            "const": f"camgeo/{kind.command}",
+        },
+        "version": {
+            "description": "Version of its schema; it changes if a key is removed or changes its"
+            " meaning.",
+            "const": kind.version,
+        },
+        "camgeo": {
+            "description": "Version of camgeo that wrote the document.",
+            "type": "string",
+        },
+    }
+    own = _object_schema([kind], document)
+    return {
+        "$schema": DRAFT,
+        "title": f"camgeo {kind.command}",
+        "description": document.meaning,
+        **own,
+        "required": [*head, *own["required"]],
+        "properties": head | own["properties"],
+    }
+
+
+def _object_schema(kinds: Sequence[Any], key: Key) -> dict[str, Any]:
+    """That of objects of one of these types."""
+    table = key.own or {}
+    properties = {}
+    for name, each in table.items():
+        stem, unit = _stem_and_unit(name)
+        types = [each.type]
+        if each.type is None:
+            types = list(kinds)
+            for attribute in (each.of or stem).split("."):
+                types = _types_of(types, attribute)
+        if each.optional:  # it is left out, never null
+            types = [
+                member for kind in types for member in _members(kind) if member is not NoneType
+            ]
+        node = {"description": each.meaning, **_schema(types, each)}
+        node |= {"x-unit": unit} if unit else {}
+        properties[name] = node | ({"x-attribute": each.of} if each.of else {})
+    return {
+        "type": "object",
+        "additionalProperties": False,
+        "required": [name for name, each in table.items() if not each.optional],
+        "properties": properties,
+    }
+
+
+def _schema(types: Sequence[Any], key: Key) -> dict[str, Any]:
+    """That of a value of one of these types."""
+    members = [member for each in types for member in _members(each)]
+    kinds = [each for each in members if each is not NoneType]
+    null = ["null"] if len(kinds) < len(members) else []
+    if all(each in PLAIN for each in kinds):
+        names = dict.fromkeys(PLAIN[each] for each in kinds)
+        if "number" in names:
+            names.pop("integer", None)  # which is one
+        return _typed([*names, *null])
+    kind, origin, inner = kinds[0], get_origin(kinds[0]), get_args(kinds[0])
+    if origin is Literal:
+        return {"enum": [*inner, *([None] if null else [])]}
+    if isinstance(kind, type) and issubclass(kind, Enum):
+        return {"enum": [each.value for each in kind]}
+    is_mapping = isinstance(origin, type) and issubclass(origin, Mapping)
+    if key.own is not None and (origin is None or (is_mapping and key.by_key)):
+        return _object_schema(kinds, key) | _typed(["object", *null])
+    if is_mapping:
+        return _typed(["object", *null]) | {"additionalProperties": _item_schema(inner[1], key)}
+    node = _typed(["array", *null])
+    if kind is complex:
+        return node | {"items": _typed(["number"]), "minItems": 2, "maxItems": 2}
+    if origin is tuple and ... not in inner:
+        node |= {"minItems": len(inner), "maxItems": len(inner)}
+    item = float if getattr(origin, "__module__", "") == "numpy" else inner[0]
+    return node | {"items": _item_schema(item, key)}
+
+
+def _item_schema(kind: Any, key: Key) -> dict[str, Any]:
+    """That of each value in a list or by name."""
+    node = _schema([kind], key)
+    is_last = "items" not in node and not isinstance(node.get("additionalProperties"), Mapping)
+    said = {"description": key.keys.meaning} if isinstance(key.keys, Key) and is_last else {}
+    return said | node
+
+
+def _typed(names: Sequence[str]) -> dict[str, Any]:
+    return {"type": names[0] if len(names) == 1 else list(names)}
+
+
+def _members(kind: Any) -> list[Any]:
+    """The types of a union, without what only annotates them."""
+    if get_origin(kind) is Annotated:
+        return _members(get_args(kind)[0])
+    if get_origin(kind) in (Union, UnionType):
+        return [each for member in get_args(kind) for each in _members(member)]
+    return [kind]
+
+
+def _types_of(kinds: Sequence[Any], attribute: str) -> list[Any]:
+    """The types of an attribute of objects of these types, where they have it."""
+    found = []
+    for kind in (member for each in kinds for member in _members(each)):
+        for base in getattr(kind, "__mro__", ()):
+            stated = inspect.get_annotations(base).get(attribute)
+            made = vars(base).get(attribute)
+            for name in ("fget", "func", "make"):  # of a property, a cached and a lazy one
+                if hasattr(made, name):
+                    stated = getattr(made, name).__annotations__["return"]
+            if stated is not None:
+                found.append(eval(stated, _names_in(base.__module__)))
+                break
+    if not found:
+        raise AttributeError(f"{attribute} has no type in {kinds}")
+    return found
+
+
+@cache
+def _names_in(module: str) -> dict[str, Any]:
+    """The names of a module, those among them that it imports for its annotations alone."""
+    found = dict(vars(import_module(module)))
+    for node in ast.walk(ast.parse(inspect.getsource(import_module(module)))):
+        if isinstance(node, ast.ImportFrom) and node.module is not None:
+            others = vars(import_module(node.module))
+            known = (each for each in node.names if each.name in others)
+            found |= {each.asname or each.name: others[each.name] for each in known}
+    return found

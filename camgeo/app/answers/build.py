@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, Final
 
-from camgeo.app.answers.answer import Answer, exit_code
+from camgeo.app.answers.answer import FINDING, SCENE, Answer, Key, exit_code
 from camgeo.check.finding import Finding
 from camgeo.design.design import Design
 from camgeo.design.product import in_one_piece
@@ -84,6 +84,39 @@ def build(
     report = write_files(design.discs, folder, names, asked, force=force, progress=progress)
     watched = tuple(finding for each in report.files for finding in each.findings)
     return Build(scene, asked, bad + watched, where, report.files, report.paths[-1].name)
+
+
+# -- document -------------------------------------------------------------------------------------
+# What JSON has of the answer.
+
+
+DOCUMENT: Final = Key(
+    "The files written for a scene.",
+    {
+        "scene": SCENE,
+        "tolerance_mm": "Largest deviation allowed.",
+        "findings": Key("Findings beyond a limit, and warnings.", FINDING),
+        "folder": "Folder of the files.",
+        "files": Key(
+            "The files.",
+            {
+                "file": Key("Its name.", of="name"),
+                "format": "Name of its format.",
+                "bytes": Key("Its size.", of="size"),
+                "tolerance_mm": "Largest deviation allowed.",
+                "deviation_mm": (
+                    "Largest deviation proved for the file as read back; null for a picture."
+                ),
+                "facts": "What its writer reports about it, e.g. the number of arcs.",
+            },
+        ),
+        "certificate": (
+            "Name of the certificate written with them; null if nothing was written because the"
+            " cam has no outline."
+        ),
+    },
+    type=Build,
+)
 
 
 # -- rendering ------------------------------------------------------------------------------------

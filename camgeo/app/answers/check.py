@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar, Final, Literal
 
-from camgeo.app.answers.answer import Answer, exit_code, finding_lines
+from camgeo.app.answers.answer import FINDING, SCENE, Answer, Key, Keys, exit_code, finding_lines
 from camgeo.check.finding import RETURN, Finding, forbidding
 from camgeo.check.judge import FINDINGS
 from camgeo.design.judged_part import Body, PartFound
@@ -187,6 +187,270 @@ def _size(path: Path) -> float:
     from camgeo.geometry.outline.path import area  # only JSON shows areas
 
     return abs(area(path))
+
+
+# -- document -------------------------------------------------------------------------------------
+# What JSON has of the answer.
+
+
+SEGMENT: Final[Keys] = {
+    "span_deg": "Span of the cam angle.",
+    "to": Key(
+        "Position at its end, in mm, or in rad where the demanded motion turns; a dwell has none.",
+        optional=True,
+    ),
+    "law": Key(
+        "Its law; a dwell and motion by data have none.",
+        {
+            "name": "Its name, as in scenes.",
+            "task": 'Motion task, e.g. "R-R".',
+            "parameters": "Its parameters, by name.",
+        },
+        optional=True,
+    ),
+    "report": Key(
+        "For a lift table, the deviation of the motion from its rows.",
+        {
+            "largest_deviation": "Largest deviation, in the unit of `to`.",
+        },
+        optional=True,
+    ),
+}
+
+JOINT: Final[Keys] = {
+    "cam_angle_deg": "Cam angle of the joint.",
+    "before": Key(
+        "Class of the end of the segment before, as in motion tasks: R, U, ...", type=str
+    ),
+    "after": Key("Class of the start of the segment after.", type=str),
+    "continuous_derivatives": Key(
+        "Order of the highest derivative that is continuous, -1 (none) to 3.", of="order"
+    ),
+    "left": "Position and three derivatives by the cam angle in rad, before the joint.",
+    "right": "The same after the joint.",
+}
+
+OUTLINE: Final[Keys] = {
+    "area_mm2": "Area inside the outline.",
+    "left_out_deg": Key("Ranges of the cam angle that it leaves out.", of="outline.dropped"),
+    "corners": Key(
+        "Corners of the outline.",
+        {
+            "point_mm": Key("x, y.", of="centre"),
+            "from_deg": Key("Cam angle at which the outline before ends.", of="before"),
+            "to_deg": Key("Cam angle at which it continues.", of="after"),
+            "turn_deg": Key(
+                "Angle by which the normal turns, counter-clockwise positive.", of="sweep"
+            ),
+        },
+    ),
+    "lobes_mm2": "Areas of the pieces that are cut off.",
+}
+
+CHANGE: Final[Keys] = {
+    "key": "Path of the key in the scene.",
+    "from": Key(
+        "Its present value, in the unit of the scene or in degrees, or the name of a law.",
+        of="value_from",
+    ),
+    "to": Key("The other value.", of="value_to"),
+}
+
+CURE: Final[Keys] = {
+    "fault": 'What it removes: "undercut", "radius ratio", "transmission angle" or "convexity".',
+    "knob": (
+        'The parameter that is changed: "base radius", "roller radius", "offset", "arm", "longer'
+        ' segment" or "other law".'
+    ),
+    "key": "Path of its key in the scene; empty if no single key is at fault.",
+    "from": Key("The present value, in `unit`, or the name of a law.", of="value_from"),
+    "to": Key(
+        "The nearest value that cures the fault and breaks no limit that holds, or else that"
+        " cures it; null if there is none.",
+        of="value_to",
+    ),
+    "unit": 'Unit of both: that of the scene for a length, "deg" or empty.',
+    "cost": "Fraction of the present value by which it changes; null without a cure.",
+    "also": Key("The other keys that change with it.", CHANGE),
+    "breaks": "Names of the findings on limits that hold now and that it breaks.",
+    "sentence": "The cure in words.",
+}
+
+BODY: Final[Keys] = {
+    "volume_mm3": Key("Volume.", of="solid.volume"),
+    "relative_error": Key(
+        "Estimate of the relative error of volume and moment of inertia about the cam axis.",
+        of="solid.share",
+    ),
+    "centre_mm": Key(
+        "Centre of mass: x, y, z.", of="solid.centre", type=tuple[float, float, float]
+    ),
+    "density_kg_per_m3": Key(
+        "Density stated by [effects.balance]; null without it, and then so are all that follow.",
+        of="stated_density",
+    ),
+    "mass_kg": Key("Mass.", of="mass"),
+    "axial_inertia_kg_mm2": Key("Moment of inertia about the cam axis.", of="axial_inertia"),
+    "inertia_kg_mm2": Key(
+        "Inertia tensor about the centre of mass, row by row: moments of inertia in the diagonal,"
+        " products with a minus sign off it.",
+        of="inertia",
+        type=tuple[tuple[float, ...], ...] | None,
+    ),
+}
+
+PART: Final = Key(
+    "The exact part; coordinates are those of the cam, z upward and 0 on the upper face of the"
+    " disc.",
+    {
+        "diameter_mm": (
+            "Largest diameter, twice the distance of its farthest point from the cam axis; null if"
+            " no such part can be made."
+        ),
+        "layers": Key(
+            "Slices of constant section, from the lowest upward.",
+            {
+                "name": 'What it is for, e.g. "disc", "groove".',
+                "z0_mm": "Height of its lower face.",
+                "z1_mm": (
+                    "Height of its upper face; that of the lower one where the scene states none."
+                ),
+                "area_mm2": Key("Area of the material.", of="area"),
+            },
+        ),
+        "body": Key(
+            "The part as a body of uniform density; null where the scene does not state its"
+            " heights.",
+            BODY,
+        ),
+        "findings": Key(
+            "Diameter and mass compared with their limits; why there is no such part.", FINDING
+        ),
+    },
+)
+
+OPERATION: Final[Keys] = {
+    "name": "Of the operation.",
+    "seconds": "Of the operation.",
+    "cutting": "Seconds at feed.",
+    "traverses": "Seconds of traverses.",
+    "blocks": "Number of blocks that the controller plans.",
+    "slowed": "Share of the seconds at feed that exceeds length over feed.",
+}
+
+ENGAGEMENT: Final = Key(
+    "Of the cutter at the last depth of an operation, entries left out.",
+    {
+        "operation": "Its name.",
+        "air": "Share of the length in no material.",
+        "usual_deg": "Angle that is not exceeded on 99.5 % of the length.",
+        "largest_deg": "Largest angle.",
+        "limit_deg": "The tool's, or that of a straight wall at the stepover.",
+    },
+)
+
+FEATURE: Final = Key(
+    "A feature of the part, compared with the operations that make it.",
+    {
+        "name": 'Of a wall, a face, an edge or a keyway: "outline", "upper edge of the outline".',
+        "operations": "Names of those that make it; of those that touch it, if none finishes it.",
+        "severity": Key(
+            "ok: it is made, or nothing is to be done. warning: it is not made as the part"
+            " states. broken: more is taken off than the part states.",
+            type=Literal["ok", "warning", "broken"],
+        ),
+        "sentence": "In words, with the difference between part and operations.",
+        "stated_mm": Key(
+            "Width of a chamfer, or what is to be left there; null elsewhere.", of="stated"
+        ),
+        "made_mm": Key("The same as the operations make it; null elsewhere.", of="made"),
+    },
+)
+
+MILLED_PROGRAM: Final[Keys] = {
+    "seconds": (
+        "Of the whole program; null if there is none, or if the dynamics of the machine are not"
+        " known."
+    ),
+    "operations": Key("In their order; null where `seconds` is.", OPERATION),
+    "findings": Key(
+        "What is told of the sequence, and what its simulation finds; broken if the program must"
+        " not be run, invalid if it cannot be planned.",
+        FINDING,
+    ),
+    "faults": Key(
+        "What is wrong in the scene, if there is no program.",
+        {
+            "key": "Path of the key or option, e.g. motion[2].span; empty for the file as a whole.",
+            "value": "The given value as written; empty if there was none.",
+            "message": "What is wrong, and what is allowed.",
+            "hint": "A suggestion, or empty.",
+            "line": "Line in the file, counted from 1; null where it is not known.",
+        },
+    ),
+    "roughing": Key("Of the operations that clear an area.", ENGAGEMENT),
+    "features": Key(
+        "The part, feature by feature, with the operations of all its sides; empty of a second"
+        " side, and where there is no program.",
+        FEATURE,
+    ),
+}
+
+MACHINING: Final[Keys] = {
+    "machine": "Name of the controller.",
+    "seconds": (
+        "Of all programs; tool changes, dwells and halts are left out. Null if it is not known."
+    ),
+    "programs": Key(
+        "The program of each disc, the main one first, named by the stem of its files; of a disc"
+        " with a second side one of each.",
+        MILLED_PROGRAM,
+    ),
+}
+
+DOCUMENT: Final = Key(
+    "The findings on a scene.",
+    {
+        "scene": SCENE,
+        "segments": Key(
+            "Segments of the motion, in the order of the scene, a rest of zero length too.",
+            SEGMENT,
+            of="scene.plan.segments",
+        ),
+        "joints": Key("Joints between the segments, by ascending cam angle.", JOINT),
+        "findings": Key("All findings, good and bad, worst first.", FINDING),
+        "discs": Key(
+            "For each disc, the main one first, named by the stem of its files, the outline of"
+            " each flank in use; null if nothing remains of it, or if that is not known. A scene"
+            " without a follower has no discs.",
+            OUTLINE,
+        ),
+        "cures": Key(
+            "Changes that would cure undercut and a broken transmission angle or radius ratio:"
+            " for each fault the cheapest first, then the parameters that cannot cure it.",
+            CURE,
+        ),
+        "effects": Key(
+            "Findings of the effects that the scene names, by name of the effect.", FINDING
+        ),
+        "parts": Key(
+            "The part of each disc, the main one first, named by the stem of its files, and of a"
+            " conjugate pair in one piece; empty if there is no disc.",
+            PART,
+        ),
+        "machining": Key(
+            "The milling programs, as their controller runs them; null if the scene states no"
+            " milling, or not all that it needs, or if there is no disc.",
+            MACHINING,
+        ),
+        "formats": Key(
+            "What the scene lacks for the formats that it names, and for a milling program if it"
+            " states any of what that needs; empty if nothing.",
+            FINDING,
+        ),
+    },
+    type=Check,
+)
 
 
 # -- rendering ------------------------------------------------------------------------------------

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Any, ClassVar, Final
+from typing import Any, ClassVar, Final, Literal
 
-from camgeo.app.answers.answer import MARKS, Answer
+from camgeo.app.answers.answer import MARKS, Answer, Key
 from camgeo.app.answers.check import check
 from camgeo.app.answers.sweep import aligned, shown_in
 from camgeo.check.finding import Finding
@@ -53,7 +53,7 @@ class Compared:
 
 
 @dataclass(frozen=True, slots=True)
-class Key:
+class DifferingKey:
     """A key of the scenes with its values in the order of the designs, as text; empty if a scene
     does not state it.
     """
@@ -102,7 +102,7 @@ class Compare(Answer):
     command: ClassVar[str] = "compare"
 
     designs: tuple[Compared, ...]
-    keys: tuple[Key, ...]
+    keys: tuple[DifferingKey, ...]
     lines: tuple[Line, ...]
 
 
@@ -186,7 +186,7 @@ def _knows(design: Design, word: str) -> bool:
     return True
 
 
-def _differing(designs: Sequence[Design]) -> tuple[Key, ...]:
+def _differing(designs: Sequence[Design]) -> tuple[DifferingKey, ...]:
     """The keys at which the scenes do not all state the same."""
     stated = [dict(_leaves(design.scene.values)) for design in designs]
     paths = dict.fromkeys(path for values in stated for path in values)
@@ -194,7 +194,7 @@ def _differing(designs: Sequence[Design]) -> tuple[Key, ...]:
     for path in paths:
         values = [values.get(path) for values in stated]
         if path != NAME and any(value != values[0] for value in values):
-            found.append(Key(spelled(path), tuple(map(_shown, values))))
+            found.append(DifferingKey(spelled(path), tuple(map(_shown, values))))
     return tuple(found)
 
 
@@ -216,6 +216,64 @@ def _shown(value: Any) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     return f"{value:f}" if isinstance(value, Decimal) and abs(value) < 1e15 else str(value)
+
+
+# -- document -------------------------------------------------------------------------------------
+# What JSON has of the answer.
+
+
+DOCUMENT: Final = Key(
+    "A few designs side by side: what their scenes state differently, and what is found of each.",
+    {
+        "designs": Key(
+            "The designs, in the order given.",
+            {
+                "label": "By which the text and the picture name it.",
+                "name": "Name of its scene.",
+                "sha256": Key(
+                    "SHA-256 of everything that the scene states, hexadecimal.", of="identity"
+                ),
+                "verdict": Key(
+                    "The worst severity of its findings; empty if only some questions were asked.",
+                    type=Literal["ok", "warning", "broken", "no-disc", "invalid", ""],
+                ),
+            },
+        ),
+        "keys": Key(
+            "The keys in which the scenes differ.",
+            {
+                "key": "Path of the key.",
+                "values": "What each scene states, as text; empty if it does not state it.",
+            },
+        ),
+        "findings": Key(
+            "The findings of all designs, or what was asked.",
+            {
+                "name": "Of the finding; of several with that name in a design, the first counts.",
+                "values": Key(
+                    "For each design.",
+                    {
+                        "value": "What was found, in the unit; null if there is none.",
+                        "unit": "Unit of the number; empty without one.",
+                        "severity": (
+                            "Of the finding; empty if the design has none, or if questions were"
+                            " asked."
+                        ),
+                        "verdict": (
+                            "What is said of it: its severity, or, of a finding that nothing"
+                            ' limits, "figure" if it has a value and "note" if not; empty as the'
+                            " severity is."
+                        ),
+                        "reason": "Why what was asked has no answer; else empty.",
+                    },
+                    of="cells",
+                ),
+            },
+            of="lines",
+        ),
+    },
+    type=Compare,
+)
 
 
 # -- rendering ------------------------------------------------------------------------------------

@@ -6,9 +6,9 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from itertools import chain
-from typing import ClassVar, Final
+from typing import ClassVar, Final, Literal
 
-from camgeo.app.answers.answer import Answer
+from camgeo.app.answers.answer import SCENE, Answer, Key
 from camgeo.app.answers.check import OF_MILLING, OF_PART, Check, check
 from camgeo.cam.cam import Disc, Drive
 from camgeo.check.finding import Finding
@@ -119,6 +119,46 @@ def _reason(design: Design, quantity: str) -> str:
     inputs = design.effects.inputs(name)
     named = "named by the scene" if name in design.scene.effects else "needed"
     return named + (f"; from {', '.join(inputs)}" if inputs else "")
+
+
+# -- document -------------------------------------------------------------------------------------
+# What JSON has of the answer.
+
+
+DOCUMENT: Final = Key(
+    "What a command computes for a scene, for which other quantity, and how long it takes.",
+    {
+        "scene": SCENE,
+        "command": Key(
+            "The command that is explained.", of="goal", type=Literal["check", "table", "build"]
+        ),
+        "computed": Key(
+            "The quantities that were computed, in order of completion.",
+            {
+                "name": "Name of the quantity.",
+                "asked_by": "The quantity for which it was computed; empty if the command asked.",
+                "seconds": "Time taken, including everything that it asked for.",
+                "own_seconds": "Of these, without what it asked for.",
+                "failed": "Whether it has no answer.",
+            },
+        ),
+        "reasons": "Why effects among them were computed, by the names of the quantities.",
+        "left_alone": "Quantities and effects that were not computed.",
+        "findings": Key(
+            "What each check, effect and part among them found, by the names of the quantities;"
+            ' "findings.effects.NAME" are those of an effect.',
+            {
+                "name": "Of the finding.",
+                "severity": "What it means to the designer.",
+                "verdict": (
+                    "What is said of it: its severity, or, of a finding that nothing limits,"
+                    ' "figure" if it has a value and "note" if not.'
+                ),
+            },
+        ),
+    },
+    type=Explanation,
+)
 
 
 # -- rendering ------------------------------------------------------------------------------------

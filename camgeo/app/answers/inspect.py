@@ -6,11 +6,11 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar, Final, Literal
 
 import numpy as np
 
-from camgeo.app.answers.answer import Answer, exit_code, finding_lines
+from camgeo.app.answers.answer import FINDING, SCENE, Answer, Key, exit_code, finding_lines
 from camgeo.check.finding import Finding, held
 from camgeo.design.design import Design
 from camgeo.design.product import Product, disc_of
@@ -415,6 +415,125 @@ def _normals(alignment: Alignment, measured: MeasuredPoints) -> Iterator[Finding
         yield Finding(
             "normals-inward", "warning", "those of the file point into the material", None
         )
+
+
+# -- document -------------------------------------------------------------------------------------
+# What JSON has of the answer.
+
+
+DEVIATION: Final = Key(
+    "A largest or smallest deviation.",
+    {
+        "value_mm": Key("Positive where there is more material.", of="value"),
+        "cam_angle_deg": Key("Cam angle of the value.", of="place"),
+    },
+)
+
+ERROR: Final = Key(
+    "A largest or smallest error of the lift.",
+    {
+        "value": "In the unit of the lift.",
+        "cam_angle_deg": Key("Cam angle of the value.", of="place"),
+    },
+)
+
+LIFT: Final = Key(
+    "The lift on the measured disc less that on the exact one.",
+    {
+        "of": Key(
+            "Whose lift: that of the rocker of a linkage, or of the follower.",
+            type=Literal["follower", "rocker"],
+        ),
+        "unit": Key('Unit of the lift, "deg" for a swing.', type=Literal["mm", "inch", "deg"]),
+        "largest": Key("A largest or smallest error of the lift.", ERROR, of="extremes.highest"),
+        "smallest": Key("A largest or smallest error of the lift.", ERROR, of="extremes.lowest"),
+        "uncertainty": Key(
+            "Of the error of the larger magnitude, by that of the deviations; null if that has no"
+            " bound.",
+            type=float | None,
+        ),
+    },
+)
+
+DOCUMENT: Final = Key(
+    "A measured flank compared with the exact one. Deviations are positive where there is more"
+    " material than there should be.",
+    {
+        "scene": SCENE,
+        "name": Key("Of the disc, the stem of its files.", of="disc.name"),
+        "flank": "Which flank.",
+        "file": "Name of the file with the points.",
+        "count": "Number of its points.",
+        "ball_mm": "Radius of the ball whose centres the points are; 0 for points of the flank.",
+        "align": Key(
+            "What was fitted: nothing, the turn about the cam axis, or shift and turn.",
+            type=Literal["datum", "rotation", "free"],
+        ),
+        "robust": "Whether the fit passes over local errors of form.",
+        "confidence": "Of each uncertainty.",
+        "tolerance_mm": (
+            "Profile tolerance: width of the zone about the flank that must hold all points; null"
+            " if not stated."
+        ),
+        "shift_mm": "Of the part in the axes of the measurement, x and y; null if not fitted.",
+        "shift_uncertainty_mm": Key(
+            "Of x and y, by the scatter of what is left; null if not fitted.",
+            of="alignment.shift_uncertainty",
+        ),
+        "turn_deg": (
+            "Of the part in the axes of the measurement, counter-clockwise positive; null if not"
+            " fitted."
+        ),
+        "turn_uncertainty_deg": Key(
+            "By the scatter of what is left; null if not fitted, or if the flank is too round to"
+            " show the turn.",
+            of="alignment.turn_uncertainty",
+        ),
+        "delay_deg": (
+            "Cam angle by which the motion comes later because the part is turned; null if not"
+            " fitted."
+        ),
+        "deviation": Key(
+            "Deviations of the points from the exact flank.",
+            {
+                "largest": Key(
+                    "A largest or smallest deviation.", DEVIATION, of="extremes.highest"
+                ),
+                "smallest": Key(
+                    "A largest or smallest deviation.", DEVIATION, of="extremes.lowest"
+                ),
+                "profile_mm": (
+                    "Width of the zone about the flank, half of it on each side, that holds all"
+                    " points."
+                ),
+                "root_mean_square_mm": "Of all deviations.",
+                "scatter_mm": (
+                    "Standard deviation of a single reading, from each deviation and its"
+                    " neighbours."
+                ),
+                "uncertainty_mm": (
+                    "Within which all deviations at once are known, by the scatter alone."
+                ),
+                "gap": Key(
+                    "The widest range of the flank without a point.",
+                    {
+                        "width_deg": Key("Its width in cam angle.", of="width"),
+                        "cam_angle_deg": Key("Where it begins.", of="place"),
+                    },
+                    of="widest",
+                ),
+            },
+            of="deviations",
+        ),
+        "lift": Key(
+            "What the deviations do to the follower, pressed on the measured disc; null if that"
+            " cannot be told, see the findings.",
+            LIFT,
+        ),
+        "findings": Key("What is to be known, worst first.", FINDING),
+    },
+    type=Inspection,
+)
 
 
 # -- rendering ------------------------------------------------------------------------------------

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar, Final, Literal
 
-from camgeo.app.answers.answer import Answer
+from camgeo.app.answers.answer import Answer, Key, Keys
 from camgeo.errors import Fault, SceneError
 from camgeo.kinematics.laws import ALIASES, FAMILIES, OPTIONS, find_family
 from camgeo.kinematics.laws.comparison import QUANTITIES, Entry, Running, compare
@@ -152,6 +152,93 @@ def _physical(entry: Entry, running: Running | None) -> dict[str, Physical | Non
         physical = None if value is None else Physical(running.physical(quantity, value), unit)
         found[quantity] = physical
     return found
+
+
+# -- document -------------------------------------------------------------------------------------
+# What JSON has of the answer.
+
+
+EXTREME: Final[Keys] = {
+    "value": "With its sign.",
+    "z": Key("Where, from 0 to 1.", of="place"),
+}
+
+PHYSICAL: Final[Keys] = {
+    "value": "In `unit`.",
+    "unit": Key(
+        "Of the value; the moment is that against the inertia of 1 kg on the follower.",
+        type=Literal["mm/s", "mm/s^2", "mm/s^3", "N m/kg"],
+    ),
+}
+
+DOCUMENT: Final = Key(
+    "The motion laws of one motion task side by side, or those that are made for each task.",
+    {
+        "running": Key(
+            "The move that gives the laws physical values, if one was named.",
+            {
+                "speed_rad_per_s": "Of the cam.",
+                "span_deg": "Cam angle of the move.",
+                "stroke_mm": "Of the follower.",
+            },
+            optional=True,
+        ),
+        "laws": Key(
+            "The laws of one task, in the order in which they were named, or as they are listed.",
+            {
+                "law": Key("Its name.", of="entry.name"),
+                "task": Key('The motion task, e.g. "R-U".', of="entry.task"),
+                "parameters": (
+                    "Those of the law, by name: the inflection point, boundary values, options."
+                ),
+                "ignored": Key(
+                    "Parameters that were given and that the law does not take for the task.",
+                    of="entry.ignored",
+                ),
+                "assumed_zero": Key(
+                    "Boundary values that the law takes, that were not given, and that are 0"
+                    " therefore.",
+                    of="entry.assumed",
+                ),
+                "reason": Key(
+                    "Why there is no such law; empty if there is one.", of="entry.reason"
+                ),
+                "shock_places": Key("Where f' jumps, z from 0 to 1.", of="entry.shocks"),
+                "jerk_places": Key("Where f'' jumps, z from 0 to 1.", of="entry.jerks"),
+                "runs_back": Key("Whether f' is negative somewhere.", of="entry.runs_back"),
+                "overshoots": Key("Whether f leaves the range from 0 to 1.", of="entry.overshoots"),
+                "values": Key(
+                    'Characteristic values (VDI 2143-1) by name, e.g. "velocity" for C_v,'
+                    ' "deceleration" for C_a*; null without a law.',
+                    Key("Null if it is unbounded, because of a shock or jerk.", EXTREME),
+                ),
+                "physical": Key(
+                    "Velocity, acceleration, jerk and moment of the move by name; missing without"
+                    " a move or a law.",
+                    Key("Null if it is unbounded.", PHYSICAL),
+                    optional=True,
+                ),
+            },
+            of="rows",
+            optional=True,
+        ),
+        "tasks": Key(
+            "All motion tasks (VDI 2143-1, Tafel 1), if they were asked for.",
+            {
+                "task": 'E.g. "R-U".',
+                "ends": Key(
+                    'What the move meets at its start and at its end, e.g. "rest" and "turn".',
+                    type=tuple[str, str],
+                ),
+                "laws": Key(
+                    "The laws made for it, by name: the names of their parameters.", of="families"
+                ),
+            },
+            optional=True,
+        ),
+    },
+    type=Laws,
+)
 
 
 # -- rendering ------------------------------------------------------------------------------------

@@ -7,9 +7,9 @@ import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import ClassVar, Final
+from typing import ClassVar, Final, Literal
 
-from camgeo.app.answers.answer import BROKEN, FINE, WRONG, Answer
+from camgeo.app.answers.answer import BROKEN, FINE, WRONG, Answer, Key
 from camgeo.design.design import Design
 from camgeo.design.linting import Bench, LineFinding, Linted, Linter, linter, work_judge
 from camgeo.design.product import Product, disc_of, sides_of
@@ -180,6 +180,56 @@ def _with(found: Linted, further: tuple[LineFinding, ...], data: bytes) -> Linte
     texts = {each.line: lines[each.line - 1] for each in further if 0 < each.line <= len(lines)}
     both = sorted((*found.findings, *further), key=lambda each: each.line or math.inf)
     return replace(found, findings=tuple(both), texts={**texts, **found.texts})
+
+
+# -- document -------------------------------------------------------------------------------------
+# What JSON has of the answer.
+
+
+DOCUMENT: Final = Key(
+    "Programs run as the controller of a machine profile would run them.",
+    {
+        "machine": Key(
+            "Name of the machine profile that the programs were read with.", of="machine.name"
+        ),
+        "stock_top_mm": Key("Z of the highest stock.", of="bench.stock_top"),
+        "clearance_mm": Key("Z from which on traverses may go anywhere.", of="bench.free"),
+        "clean": "Whether all files could be read and nothing was found in any.",
+        "programs": Key(
+            "In the order in which they were named.",
+            {
+                "file": "Its path, as named.",
+                "refused": Key("Why it cannot be read; missing if it can.", optional=True),
+                "moves": "Moves that it makes.",
+                "complete": "Whether it was read to its end; false after too many findings.",
+                "findings": Key(
+                    "By line, those of the whole program last.",
+                    {
+                        "line": Key(
+                            "Line of the file, counted from 1; missing for the whole program.",
+                            optional=True,
+                        ),
+                        "text": "Text of the line.",
+                        "rule": Key(
+                            "Name of the rule that is broken, as in docs/lint.md.", of="found.rule"
+                        ),
+                        "concerns": Key(
+                            "What it concerns.",
+                            of="found.concerns",
+                            type=Literal[
+                                "words", "path", "form", "safety", "frame", "limits", "work"
+                            ],
+                        ),
+                        "what": Key("What is wrong.", of="found.what"),
+                        "value": Key("What was found.", optional=True),
+                        "allowed": Key("What would be right.", optional=True),
+                    },
+                ),
+            },
+        ),
+    },
+    type=Lint,
+)
 
 
 # -- rendering ------------------------------------------------------------------------------------

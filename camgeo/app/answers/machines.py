@@ -6,9 +6,9 @@ import json
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Final, Literal
 
-from camgeo.app.answers.answer import Answer
+from camgeo.app.answers.answer import Answer, Key, Keys
 from camgeo.milling.machine import EVIDENCE, Evidence, Machine, load, names, schema
 
 
@@ -33,7 +33,7 @@ class Listed:
 
 
 @dataclass(frozen=True, slots=True)
-class Key:
+class ProfileKey:
     """A key of a profile.
 
     Attributes
@@ -66,7 +66,7 @@ class Machines(Answer):
     shown: Listed | None = None
 
     @property
-    def keys(self) -> tuple[Key, ...] | None:
+    def keys(self) -> tuple[ProfileKey, ...] | None:
         """Those of the profile that is shown, in the order of the schema."""
         return None if self.shown is None else tuple(keys_of(self.shown.machine))
 
@@ -86,7 +86,9 @@ def machine(name: str) -> Machines:
     return Machines(shown=Listed(name, load(name, "PROFILE")))
 
 
-def keys_of(owner: Any, node: Mapping[str, Any] | None = None, path: str = "") -> Iterator[Key]:
+def keys_of(
+    owner: Any, node: Mapping[str, Any] | None = None, path: str = ""
+) -> Iterator[ProfileKey]:
     """The keys of a profile or of one of its tables that have a value, but its evidence."""
     nodes = (schema() if node is None else node)["properties"]
     for field in fields(owner):
@@ -99,9 +101,9 @@ def keys_of(owner: Any, node: Mapping[str, Any] | None = None, path: str = "") -
         elif isinstance(value, Mapping):
             for name, item in value.items():
                 quoted = name if name.replace("_", "").isalnum() else json.dumps(name)
-                yield Key(f"{key}.{quoted}", _toml(item), "", own["description"])
+                yield ProfileKey(f"{key}.{quoted}", _toml(item), "", own["description"])
         else:
-            yield Key(key, _toml(value), own.get("x-unit", ""), own["description"])
+            yield ProfileKey(key, _toml(value), own.get("x-unit", ""), own["description"])
 
 
 def _toml(value: object) -> str:
@@ -110,6 +112,57 @@ def _toml(value: object) -> str:
     if isinstance(value, tuple):
         return f"[{', '.join(_toml(each) for each in value)}]"
     return f"{value:.15g}"
+
+
+# -- document -------------------------------------------------------------------------------------
+# What JSON has of the answer.
+
+
+PROFILE: Final[Keys] = {
+    "profile": "Name by which scenes refer to it, or its file.",
+    "name": Key("Name in messages and programs.", of="machine.name"),
+    "controller": Key("Controllers that it is meant for.", of="machine.controller"),
+    "dialect": Key(
+        "How blocks are spelled.", of="machine.dialect", type=Literal["iso", "klartext"]
+    ),
+    "extension": Key("Ending of its programs.", of="machine.extension"),
+    "evidence": "Number of its statements of each kind.",
+}
+
+DOCUMENT: Final = Key(
+    "The machine profiles of camgeo, or one profile, which may be a file of the user's own, with"
+    " all its keys.",
+    {
+        "machines": Key(
+            "All profiles, by name, if none was named.", PROFILE, of="listed", optional=True
+        ),
+        "profile": Key("The profile that was named.", PROFILE, of="shown", optional=True),
+        "keys": Key(
+            "Its keys that have a value, in the order of docs/machines.md.",
+            {
+                "key": "With the names of its tables.",
+                "value": "As in a profile file.",
+                "unit": "Unit of a number; empty if it has none.",
+                "description": "What it means.",
+            },
+            optional=True,
+        ),
+        "evidence": Key(
+            "What the profile that was named rests on.",
+            {
+                "kind": Key(
+                    'What the statement rests on; "none" if it is not confirmed.',
+                    type=Literal["manual", "source code", "interpreter", "machine", "post", "none"],
+                ),
+                "about": "Keys or tables that it is about.",
+                "text": "What the source says, or what is not confirmed.",
+                "source": 'Where; empty for kind "none".',
+            },
+            optional=True,
+        ),
+    },
+    type=Machines,
+)
 
 
 # -- rendering ------------------------------------------------------------------------------------
@@ -157,7 +210,7 @@ def _list(listed: Sequence[Listed]) -> list[str]:
     ]
 
 
-def _keys(keys: Sequence[Key]) -> list[str]:
+def _keys(keys: Sequence[ProfileKey]) -> list[str]:
     width = max(len(each.key) for each in keys)
     return [
         f"{each.key:{width}} = {each.value}{f' {each.unit}' if each.unit else ''}" for each in keys

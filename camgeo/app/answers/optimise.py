@@ -6,9 +6,9 @@ import csv
 import io
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar, Final, Literal
 
-from camgeo.app.answers.answer import BROKEN, FINE, Answer
+from camgeo.app.answers.answer import BROKEN, FINE, Answer, Key
 from camgeo.app.answers.sweep import aligned, exact, shown, shown_in
 from camgeo.scene.scene import Scene
 from camgeo.scene.varied import Value
@@ -161,6 +161,83 @@ def _bound(variable: Variable) -> Bound:
         return Bound(variable.keys, float(values.start), float(values.stop), ())
     listed = tuple(values.at(place) for place in range(values.count))
     return Bound(variable.keys, None, None, listed)
+
+
+# -- document -------------------------------------------------------------------------------------
+# What JSON has of the answer.
+
+
+TRIED: Final = Key(
+    "A design that was tried.",
+    {
+        "number": "In the order of the trials, from 1.",
+        "values": "Its values by the keys that vary, in the units of the scene.",
+        "answers": "By what was asked, objectives first; null where there is none.",
+        "violated": (
+            "The limits that it breaks, or why there is no such design, the worst first; empty if"
+            " it keeps all."
+        ),
+    },
+)
+
+DOCUMENT: Final = Key(
+    "The best design that a search found, and what was tried.",
+    {
+        "scene": Key(
+            "The scene that the search starts from.",
+            {
+                "name": "Name of the scene.",
+                "sha256": Key(
+                    "SHA-256 of everything that it states but [sweep], hexadecimal.", of="identity"
+                ),
+            },
+        ),
+        "objectives": Key(
+            "What was sought.",
+            {
+                "asked": "Name of a finding, or of a column after min:, max: or peak:.",
+                "sense": Key("What it should be.", type=Literal["least", "largest"]),
+                "unit": "Unit of its answers; empty if it has none, or if no design has an answer.",
+            },
+        ),
+        "limits": "Limits stated with the call, in the units of the answers.",
+        "ignored": (
+            'Findings whose limits in the scene were left out of account; "limits" stands for all.'
+        ),
+        "bounds": Key(
+            "What could vary.",
+            {
+                "keys": "The keys that take the value.",
+                "from": Key("One end of the range; null for a list.", of="start"),
+                "to": Key("The other end; null for a list.", of="stop"),
+                "values": "What could be chosen, a value for each key; empty for a range.",
+            },
+        ),
+        "seed": Key("Of what was drawn.", of="found.seed"),
+        "evaluations": "Designs that were tried.",
+        "allowed": Key("Designs that could be tried.", of="found.most"),
+        "kept": "Designs that keep all limits.",
+        "ended": Key("Why no more were tried.", of="found.ended"),
+        "start": Key(
+            "The design of the scene; null if it was not tried, as it is not within the bounds.",
+            TRIED,
+        ),
+        "best": Key(
+            "The best design as the search found it, of several objectives one in the middle of"
+            " the front; if none keeps the limits, that which violates them least.",
+            TRIED,
+        ),
+        "written": Key(
+            "The best design with short numbers, as it is written; null if none keeps the limits.",
+            TRIED,
+        ),
+        "remarks": "Limits that it breaks and that were left out of account.",
+        "front": Key(
+            "Of several objectives, the designs that no other one beats; else empty.", TRIED
+        ),
+    },
+    type=Optimum,
+)
 
 
 # -- rendering ------------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ from typing import ClassVar, Final
 
 import numpy as np
 
-from camgeo.app.answers.answer import Answer, exit_code, finding_lines
+from camgeo.app.answers.answer import FINDING, SCENE, Answer, Key, exit_code, finding_lines
 from camgeo.check.finding import Finding
 from camgeo.design.design import Design
 from camgeo.design.product import Product
@@ -179,6 +179,44 @@ def _findings(points: ProbePoints) -> list[Finding]:
         )
         found.append(Finding("left-out", "warning", sentence, float(points.missing)))
     return found
+
+
+# -- document -------------------------------------------------------------------------------------
+# What JSON has of the answer.
+
+
+FLANK: Final = Key(
+    "The points of one flank.",
+    {
+        "name": Key("Of the disc, the stem of its files.", of="disc.name"),
+        "flank": "Which flank; normals point out of the material, outward on the inner one.",
+        "length_mm": "Length of the flank.",
+        "count": "Number of points.",
+        "off_radius": Key(
+            "The largest angle between a normal and the radius.",
+            {
+                "angle_deg": Key("That angle.", of="value"),
+                "cam_angle_deg": Key("Cam angle of the value.", of="place"),
+            },
+        ),
+        "findings": Key("What is to be known, worst first.", FINDING),
+    },
+)
+
+DOCUMENT: Final = Key(
+    "Points of the flanks to be measured; their table and the lift curve are the CSV files.",
+    {
+        "scene": SCENE,
+        "step_deg": "Step of the cam angle; null if the points are evenly spaced.",
+        "spacing_mm": (
+            "Largest distance along the flank; null if the points are at a step of the cam angle."
+        ),
+        "ball_mm": "Radius of the measuring ball, 0 for none.",
+        "tolerance_mm": "Profile tolerance: width of the zone about the flank; null if not stated.",
+        "flanks": Key("All in use, those of the main disc first.", FLANK),
+    },
+    type=Probing,
+)
 
 
 # -- rendering ------------------------------------------------------------------------------------

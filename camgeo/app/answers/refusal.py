@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Final
 
-from camgeo.app.answers.answer import BROKEN, WRONG, Answer
+from camgeo.app.answers.answer import BROKEN, WRONG, Answer, Key
 from camgeo.errors import CamgeoError, Fault, GeometryError, SceneError, UndercutError, UnsafeError
 
 
@@ -45,6 +45,34 @@ def refusal(error: CamgeoError) -> Refusal:
         fault = Fault(error.key, error.value, error.message)
         return Refusal(name, message, "", (fault,))
     return Refusal(name, message, "", (Fault("", "", message),))
+
+
+# -- document -------------------------------------------------------------------------------------
+# What JSON has of the answer.
+
+
+DOCUMENT: Final = Key(
+    "Why a command gives no answer, with `--json`; it exits with 2, or with 1 if the cam has no"
+    " outline to write or its program must not be run.",
+    {
+        "error": "Name of the error: SceneError, GeometryError, ...",
+        "message": "All of it in words.",
+        "file": "The file that is wrong; empty if no file is.",
+        "faults": Key(
+            "What is wrong, all at once.",
+            {
+                "key": (
+                    "Path of the key or option, e.g. motion[2].span; empty for the file as a whole."
+                ),
+                "value": "The given value as written; empty if there was none.",
+                "message": "What is wrong, and what is allowed.",
+                "hint": "A suggestion, or empty.",
+                "line": "Line in the file, counted from 1; null where it is not known.",
+            },
+        ),
+    },
+    type=Refusal,
+)
 
 
 # -- rendering ------------------------------------------------------------------------------------

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from decimal import Decimal
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Final, Protocol
+from typing import TYPE_CHECKING, ClassVar, Final, Literal, Protocol
 
 import numpy as np
 
-from camgeo.app.answers.answer import Answer
+from camgeo.app.answers.answer import SCENE, Answer, Key, Keys
 from camgeo.cam.cam import Cam
 from camgeo.design.design import Design
 from camgeo.design.product import Product, disc_of
@@ -313,6 +313,154 @@ def _in_time(cam: Cam, replay: Replay, factor: float) -> dict[str, float] | None
         out[f"{name}_velocity"] = float(np.max(timed[1]))
         out[f"{name}_acceleration"] = float(np.max(timed[2][replay.smooth]))
     return out
+
+
+# -- document -------------------------------------------------------------------------------------
+# What JSON has of the answer.
+
+
+EXTREME: Final = Key(
+    "A largest value and its place.",
+    {
+        "value": "In the unit of the lift, or a fraction.",
+        "cam_angle_deg": Key("Cam angle of the value.", of="place"),
+    },
+)
+
+DISC: Final[Keys] = {
+    "name": Key("Of the disc, the stem of its files.", of="disc.name"),
+    "contour": 'On which the follower runs: the name of a file, or "the real outline".',
+    "note": "The contour that is used of a file with several; otherwise empty.",
+    "notes": (
+        "What of the file was left out, is not exact or may be meant otherwise; a sentence each."
+    ),
+    "of": Key(
+        "Whose motion this is: that of the rocker of a linkage, or of the follower.",
+        type=Literal["follower", "rocker"],
+    ),
+    "unit": Key(
+        'Unit of lifts, "deg" for a swing. Derivatives are per rad of the cam angle.',
+        type=Literal["mm", "inch", "deg"],
+    ),
+    "lost_stroke": Key(
+        "Largest distance by which the follower gets beyond where it should be, into the disc.",
+        EXTREME,
+    ),
+    "lift_error": Key("Actual minus demanded lift, where its magnitude is largest.", EXTREME),
+    "velocity": Key(
+        "The largest magnitude.",
+        {
+            "actual": Key(
+                "Signed value; null where it is unbounded, because the roller falls off an edge.",
+                EXTREME,
+            ),
+            "demanded": "Largest magnitude.",
+        },
+    ),
+    "acceleration": Key(
+        "The largest magnitude.",
+        {
+            "actual": Key(
+                "Signed value; null where it is unbounded, because the roller falls off an edge.",
+                EXTREME,
+            ),
+            "demanded": "Largest magnitude.",
+        },
+    ),
+    "ripple": Key(
+        "Largest error of the acceleration as a fraction of its demanded peak; null if that is 0,"
+        " or if the acceleration is unbounded.",
+        EXTREME,
+    ),
+    "shocks": Key(
+        "Jumps of the velocity.",
+        {
+            "count": Key("How many.", of="phi.size", type=int),
+            "largest": Key("Null if there is none.", EXTREME),
+        },
+    ),
+    "shock_share": Key(
+        "The largest shock as a fraction of the demanded peak velocity; null if that is 0.",
+        of="replay.largest_shock",
+    ),
+    "drops": Key(
+        "Jumps of the lift: the roller falls off an edge.",
+        {
+            "count": Key("How many.", of="phi.size", type=int),
+            "largest": Key("Null if there is none.", EXTREME),
+        },
+    ),
+    "contact": Key(
+        "Where a flat face is touched; a roller has no such place.",
+        {
+            "from": Key(
+                "The lowest place.",
+                {
+                    "place_mm": Key("Along the face, measured as its ends are.", of="value"),
+                    "cam_angle_deg": Key("Cam angle of the value.", of="place"),
+                },
+                of="lowest",
+            ),
+            "to": Key(
+                "The highest place.",
+                {
+                    "place_mm": Key("Along the face, measured as its ends are.", of="value"),
+                    "cam_angle_deg": Key("Cam angle of the value.", of="place"),
+                },
+                of="highest",
+            ),
+            "leaves_face": (
+                "Whether these lie beyond an end of the face that the scene states; the motion is"
+                " that of a longer face."
+            ),
+        },
+        optional=True,
+    ),
+    "in_time": Key(
+        "Velocity and acceleration per s and s^2, for a scene with a speed, where they are"
+        " bounded.",
+        {
+            "actual_velocity": Key("Largest magnitude, actual.", type=float),
+            "demanded_velocity": Key("Largest magnitude, demanded.", type=float),
+            "actual_acceleration": Key("Largest magnitude, actual.", type=float),
+            "demanded_acceleration": Key("Largest magnitude, demanded.", type=float),
+        },
+        optional=True,
+        by_key=True,
+    ),
+}
+
+DOCUMENT: Final = Key(
+    "The actual motion of the follower on a disc, compared with the demanded one.",
+    {
+        "scene": SCENE,
+        "flank": "The flank on which the follower runs.",
+        "discs": Key("One, or both of a conjugate pair, the main one first.", DISC),
+        "closing": Key(
+            "How a conjugate pair closes.",
+            {
+                "largest_play": Key(
+                    "Between the discs.",
+                    {
+                        "travel_mm": Key("As travel of the main roller.", of="value"),
+                        "cam_angle_deg": Key("Cam angle of the value.", of="place"),
+                    },
+                    of="highest",
+                ),
+                "smallest_play": Key(
+                    "Negative where the rollers are squeezed.",
+                    {
+                        "travel_mm": Key("As travel of the main roller.", of="value"),
+                        "cam_angle_deg": Key("Cam angle of the value.", of="place"),
+                    },
+                    of="lowest",
+                ),
+            },
+            optional=True,
+        ),
+    },
+    type=FollowerReplay,
+)
 
 
 # -- rendering ------------------------------------------------------------------------------------

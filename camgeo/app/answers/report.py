@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
-from camgeo.app.answers.answer import MANY, MARKS, Answer
+from camgeo.app.answers.answer import FINDING, MANY, MARKS, SCENE, Answer, Key
 from camgeo.app.answers.check import Check, check
 from camgeo.check.cures.search import Cure
 from camgeo.check.finding import RETURN, Finding, Severity
@@ -269,6 +269,51 @@ def _certificate(design: Design, progress: Progress) -> dict[str, Any]:
     contents, _ = make_files(design.discs, output.formats, output.tolerance, progress=progress)
     found: dict[str, Any] = json.loads(contents[CERTIFICATE])
     return found
+
+
+# -- document -------------------------------------------------------------------------------------
+# What JSON has of the answer.
+
+
+DOCUMENT: Final = Key(
+    "What the page of `camgeo report` shows of a design, in numbers and words; its table is that"
+    " of `camgeo table`.",
+    {
+        "scene": SCENE,
+        "findings": Key(
+            "All findings, each with its next step.",
+            {
+                "about": "What was judged: the cam, an effect, a part or a program.",
+                "finding": FINDING,
+                "step": "What to do about it; empty if there is nothing to do.",
+            },
+            of="advised",
+        ),
+        "charts": Key(
+            "The diagrams, without their curves.",
+            {
+                "title": "What it shows.",
+                "sentence": "The same in words.",
+                "readings": Key(
+                    "The extremes of its curves.",
+                    {
+                        "name": "Of the quantity, with its unit in brackets.",
+                        "low": Key("Smallest value; null if it is infinite.", type=float | None),
+                        "low_at_deg": "Cam angle of its first place.",
+                        "high": Key("Largest value; null if it is infinite.", type=float | None),
+                        "high_at_deg": "Cam angle of its first place.",
+                    },
+                ),
+            },
+        ),
+        "certificate": Key(
+            "SHA-256 of the scene in the certificate of its files; null if none was made.",
+            of="certified",
+        ),
+        "left_out": "What the page lacks, and why.",
+    },
+    type=Report,
+)
 
 
 # -- rendering ------------------------------------------------------------------------------------

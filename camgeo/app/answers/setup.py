@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from html import escape
-from typing import ClassVar, Final
+from typing import ClassVar, Final, Literal
 
-from camgeo.app.answers.answer import BROKEN, FINE, MARKS, Answer
+from camgeo.app.answers.answer import BROKEN, FINE, MARKS, SCENE, Answer, Key
 from camgeo.design.design import Design
 from camgeo.design.milled import compared
 from camgeo.design.product import Product, programs_of, sides_of
@@ -276,6 +276,149 @@ def _traverses(heights: Heights, zero: Zero, unit: LengthUnit) -> str:
     if retract == clearance:
         return f"at Z {clearance}"
     return f"at Z {clearance} between operations, at Z {retract} within them"
+
+
+# -- document -------------------------------------------------------------------------------------
+# What JSON has of the answer.
+
+
+TOOL: Final = Key(
+    "A tool, lengths in mm.",
+    {
+        "number": "In the tool table.",
+        "name": "As the scene states it; may be empty.",
+        "kind": "Of the tool.",
+        "diameter": "Of the tool.",
+        "flutes": "Number of cutting edges; null if not stated.",
+        "flute_length": "Of the cutting edges; null if not stated.",
+        "stick_out": "From the tip to the holder; null if not stated.",
+        "shank_diameter": "Above the cutting edges; null if not stated.",
+    },
+)
+
+ENGAGEMENT: Final = Key(
+    "Of the cutter at the last depth of an operation that clears an area, entries left out.",
+    {
+        "air": "Share of the length in no material.",
+        "usual_deg": "Angle that is not exceeded on 99.5 % of the length.",
+        "largest_deg": "Largest angle.",
+        "limit_deg": "The tool's, or that of a straight wall at the stepover.",
+    },
+)
+
+OPERATION: Final = Key(
+    "An operation.",
+    {
+        "name": "Of the operation.",
+        "tool": Key("Number of the tool.", of="number"),
+        "spindle_speed": Key("Revolutions a minute.", of="tool.spindle_speed"),
+        "feed": Key("mm/min, in the plane.", of="tool.feed"),
+        "plunge_feed": Key("mm/min, into material.", of="tool.plunge_feed"),
+        "lowest": "Z of the tip at its deepest, mm.",
+        "seconds": "Machining time; null if the dynamics of the machine are not known.",
+        "compensation": (
+            "What the offset of its tool holds, and how far it may be off; empty without"
+            " compensation."
+        ),
+        "stops": "What the operator does at each halt.",
+        "note": "For the operator; may be empty.",
+        "engagement": Key(
+            "How the cutter is engaged; null if it clears no area.", ENGAGEMENT, of="engaged"
+        ),
+    },
+)
+
+FLAW: Final = Key(
+    "What a machinist would not accept.",
+    {
+        "name": "Of the kind: rapid, plunge, gouge, obstacle, depth, shank, loose, rest.",
+        "operation": "In which it arises.",
+        "sentence": "In words, lengths in the unit of the scene.",
+        "value": "What was found.",
+        "limit": "What is allowed.",
+        "unit": "Of both.",
+        "place": "X, Y and Z [mm].",
+        "watched": (
+            "Whether it is no fault, but something for the machinist to watch: a piece that a"
+            " fixture must hold, or a rest that stated operations leave."
+        ),
+    },
+)
+
+FEATURE: Final = Key(
+    "A feature of the part, compared with the operations that make it.",
+    {
+        "name": 'Of a wall, a face, an edge or a keyway: "outline", "upper edge of the outline".',
+        "operations": "Names of those that make it; of those that touch it, if none finishes it.",
+        "severity": Key(
+            "ok: it is made, or nothing is to be done. warning: it is not made as the part"
+            " states. broken: more is taken off than the part states.",
+            type=Literal["ok", "warning", "broken"],
+        ),
+        "sentence": "In words, with the difference between part and operations.",
+        "stated_mm": Key(
+            "Width of a chamfer, or what is to be left there; null elsewhere.", of="stated"
+        ),
+        "made_mm": Key("The same as the operations make it; null elsewhere.", of="made"),
+    },
+)
+
+SECOND_SIDE: Final = Key(
+    "The sheet of the second side, as the work then lies.",
+    {
+        "side": Key("Which side this is, and how the work lies, in words.", type=str),
+        "work_offset": "As in scenes.",
+        "blank": "In words, lengths in the unit of the scene.",
+        "zero": "Of the program, in words.",
+        "holding": "In words, lengths in the unit of the scene.",
+        "traverses": "Their heights, in words, in the unit of the scene.",
+        "seconds": (
+            "Machining time of all operations; null if the dynamics of the machine are not known."
+        ),
+        "tools": Key("Each once, in the order in which they are called.", TOOL),
+        "operations": Key("In their order.", OPERATION, of="steps"),
+        "told": "Of the sequence: what is not milled, and what is left to be done.",
+        "flaws": Key(
+            "Of the simulated program, with what is to be watched; empty if there is nothing.", FLAW
+        ),
+    },
+)
+
+DOCUMENT: Final = Key(
+    "The setup sheet of a milling program.",
+    {
+        "scene": SCENE,
+        "machine": "Name of the controller.",
+        "work_offset": "As in scenes.",
+        "blank": "In words, lengths in the unit of the scene.",
+        "zero": "Of the program, in words.",
+        "holding": "In words, lengths in the unit of the scene.",
+        "traverses": "Their heights, in words, in the unit of the scene.",
+        "seconds": (
+            "Machining time of all operations; null if the dynamics of the machine are not known."
+        ),
+        "tools": Key("Each once, in the order in which they are called.", TOOL),
+        "operations": Key("In their order.", OPERATION, of="steps"),
+        "told": "Of the sequence: what is not milled, and what is left to be done.",
+        "flaws": Key(
+            "Of the simulated program, with what is to be watched; empty if there is nothing.", FLAW
+        ),
+        "features": Key(
+            "The part, feature by feature, with the operations of all its sides.", FEATURE
+        ),
+        "side": Key(
+            "Which side this is, and how the work lies, in words. Omitted if there is but one.",
+            optional=True,
+        ),
+        "second_side": Key(
+            "The sheet of the second side; omitted if there is none.",
+            SECOND_SIDE,
+            of="second",
+            optional=True,
+        ),
+    },
+    type=SetupSheet,
+)
 
 
 # -- rendering ------------------------------------------------------------------------------------

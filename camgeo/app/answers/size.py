@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from decimal import ROUND_HALF_EVEN, Decimal
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
 
-from camgeo.app.answers.answer import BROKEN, FINE, Answer
+from camgeo.app.answers.answer import BROKEN, FINE, SCENE, Answer, Key, Keys
 from camgeo.cam.cam import Cam
 from camgeo.check.finding import Finding
 from camgeo.check.judge import motion_findings, transmission_angle_limit
@@ -326,6 +326,185 @@ def sized_scene(found: CamSize) -> Scene:
     if made is None:
         raise GeometryError("the requirement can only just be met: no scene surely keeps it")
     return scene_with(found.scene, made)
+
+
+# -- document -------------------------------------------------------------------------------------
+# What JSON has of the answer.
+
+
+RATING: Final[Keys] = {
+    "base_radius_mm": "r_G.",
+    "offset_mm": Key(
+        "Signed distance of the roller's guide from the cam axis; 0 for an oscillating follower.",
+        of="follower.offset",
+        type=float,
+    ),
+    "arm_mm": Key(
+        "Length of the arm of an oscillating follower.",
+        of="follower.arm",
+        type=float,
+        optional=True,
+    ),
+    "pivot_mm": Key(
+        "x, y of its pivot, from the cam axis.",
+        of="follower.pivot",
+        type=tuple[float, float],
+        optional=True,
+    ),
+    "pivot_distance_mm": Key(
+        "Distance of the pivot from the cam axis.",
+        of="follower.centre_distance",
+        type=float,
+        optional=True,
+    ),
+    "arm_side": Key(
+        "Side of the arm, or of the face, of an oscillating follower, as in scenes.", optional=True
+    ),
+    "transmission_angle": Key(
+        "The smallest one.",
+        {
+            "smallest_deg": Key("Extreme value over the turn.", of="value"),
+            "cam_angle_deg": Key("Cam angle of the value.", of="place"),
+        },
+    ),
+    "radius_ratio": Key(
+        "The largest r_R/r_K; 0 for a flat face.",
+        {
+            "largest": Key("Extreme value over the turn.", of="value"),
+            "cam_angle_deg": Key("Cam angle of the value.", of="place"),
+        },
+    ),
+    "radius_of_curvature": Key(
+        "The smallest of the cam under a flat face.",
+        {
+            "smallest_mm": Key("Extreme value over the turn.", of="value"),
+            "cam_angle_deg": Key("Cam angle of the value.", of="place"),
+        },
+        optional=True,
+    ),
+    "contact_mm": Key(
+        "From where to where the contact runs along a flat face, measured as the face is.",
+        of="contact",
+        optional=True,
+    ),
+}
+
+DOCUMENT: Final = Key(
+    "The smallest base circle that keeps the required transmission angle and ratio of radii"
+    " without undercut, and Flocke's proposal; for a flat face the smallest with a convex cam.",
+    {
+        "scene": SCENE,
+        "required": Key(
+            "The requirements.",
+            {
+                "transmission_angle_deg": Key("Least transmission angle.", of="angle"),
+                "radius_ratio": Key(
+                    "Largest r_R/r_K; 1 for a flat face, where it limits nothing.", of="ratio"
+                ),
+                "radius_of_curvature_mm": Key(
+                    "Least radius of curvature of the cam under a flat face.",
+                    of="radius",
+                    optional=True,
+                ),
+            },
+            of="sizing",
+        ),
+        "present": Key("The present design; null if there is no such mechanism.", RATING),
+        "flocke": Key(
+            "Flocke's proposal for the scene's own side; null if its region is empty, and for a"
+            " flat face.",
+            RATING,
+            of="own.sizing.flocke",
+        ),
+        "transmission_angle_alone": Key(
+            "The smallest on the scene's own side that keeps the transmission angle; null if none"
+            " does, and for a flat face.",
+            RATING,
+            of="own.sizing.for_angle",
+        ),
+        "smallest": Key(
+            "The limit: the smallest that keeps all requirements, on the better side of a rocker,"
+            " to the last digits; null if none does.",
+            RATING,
+            of="sizing.answer",
+        ),
+        "written": Key(
+            "The same with its sizes rounded up, as they are printed and written; null if there"
+            " is none.",
+            RATING,
+        ),
+        "proof": Key(
+            "What is known of anything smaller.",
+            {
+                "exact": "Whether the limit is exact, to rounding.",
+                "none_below_mm": Key(
+                    "No base radius below this keeps all requirements: that is proved. Null if"
+                    " none does.",
+                    type=float | None,
+                ),
+            },
+        ),
+        "face_mm": Key(
+            "From where to where a flat face has to reach for the sizes that are written, if the"
+            " follower's is too short.",
+            of="longer_face",
+            optional=True,
+        ),
+        "sides": Key(
+            "Both sides of a rocker, that of the scene first; a guide has one.",
+            {
+                "arm_side": "Side of the arm, or of the face, as in scenes; null for a guide.",
+                "smallest": Key("As `smallest` above, on this side.", RATING, of="sizing.answer"),
+                "written": Key("As `written` above, on this side.", RATING),
+                "infeasible": "Why there is none on this side, in words; null if there is one.",
+            },
+        ),
+        "remarks": Key(
+            "What `camgeo check` still finds wrong in the scene with these sizes, besides its"
+            " motion: what does not depend on them, or belongs to a return disc.",
+            {
+                "name": "Name of the check.",
+                "severity": Key("What it means.", type=Literal["broken", "no-disc", "invalid"]),
+                "sentence": "The finding in words.",
+            },
+        ),
+        "active": Key(
+            "The conditions that determine it.",
+            {
+                "condition": Key(
+                    "The condition that is at its limit.",
+                    of="name",
+                    type=Literal[
+                        "transmission-angle",
+                        "radius-ratio",
+                        "global-undercut",
+                        "roller-over-axis",
+                        "convexity",
+                        "face-over-axis",
+                    ],
+                ),
+                "cam_angle_deg": "Cam angle of the value.",
+            },
+            of="sizing.active",
+        ),
+        "infeasible": "Why none keeps all requirements, in words; null if one does.",
+        "nearest": Key(
+            "What can be achieved instead.",
+            {
+                "transmission_angle_deg": Key(
+                    "The largest that can be achieved, if the required one cannot; otherwise null.",
+                    of="nearest_angle",
+                ),
+                "radius_ratio": Key(
+                    "The smallest that was found, if the required one was not; otherwise null.",
+                    of="nearest_ratio",
+                ),
+            },
+            of="sizing",
+        ),
+    },
+    type=CamSize,
+)
 
 
 # -- rendering ------------------------------------------------------------------------------------

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar, Final, Literal
 
-from camgeo.app.answers.answer import Answer
+from camgeo.app.answers.answer import Answer, Key
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.slotted_lever import (
     NAMES,
@@ -115,6 +115,66 @@ def _table(driven: DrivenLever, rows: Rows, printed: bool) -> Table:
 
     found = lever_table(driven, *rows)
     return Table.rounded(NAMES, found.printed()) if printed else Table(NAMES, found.values)
+
+
+# -- document -------------------------------------------------------------------------------------
+# What JSON has of the answer.
+
+
+DOCUMENT: Final = Key(
+    "The motion of a slotted lever whose crank turns at constant speed. Angles are positive in"
+    " the crank's sense of rotation; the crank angle counts from where its pin is nearest the"
+    " lever's axis, phi from where the lever points to the crank's axis.",
+    {
+        "frame_mm": Key(
+            "Distance between the axes of crank and lever.", of="driven.lever.distance"
+        ),
+        "crank_mm": Key("Radius of the crank.", of="driven.lever.crank"),
+        "ratio": Key("Ratio of frame to crank.", of="driven.lever.ratio"),
+        "swings": Key(
+            "Whether the lever oscillates; otherwise it rotates.", of="driven.lever.swings"
+        ),
+        "swing_deg": "Swing from one end to the other; null for a lever that rotates.",
+        "speed_rad_per_s": Key("Speed of the crank.", of="driven.speed"),
+        "turn_s": Key("Duration of one turn of the crank.", of="driven.turn_time"),
+        "extremes": Key(
+            "Largest and smallest values over one turn of the crank: phi, omega2, eps2, each by"
+            " ascending crank angle. No phi for a lever that rotates; none at all for a crank as"
+            " long as the frame.",
+            {
+                "quantity": (
+                    "phi, the angle of the lever, omega2, its velocity, or eps2, its acceleration."
+                ),
+                "largest": "True for the largest value with its sign, false for the smallest.",
+                "value": "Value of the quantity, in `unit`.",
+                "unit": Key("Unit of the value.", type=Literal["rad", "rad/s", "rad/s^2"]),
+                "crank_deg": "Crank angle.",
+                "time_s": "Time since crank angle 0.",
+                "phi_deg": Key("Angle of the lever there.", of="angle"),
+            },
+            of="driven.extremes",
+        ),
+        "strokes": Key(
+            "The slow stroke and the quick one; null for a lever that rotates.",
+            {
+                "crank_from_deg": Key("Crank angle at its start.", of="start"),
+                "crank_to_deg": Key("Crank angle at its end; may exceed a turn.", of="end"),
+                "duration_s": "Duration of the stroke.",
+            },
+            of="driven.strokes",
+        ),
+        "time_ratio": (
+            "Duration of the slow stroke over that of the quick one; null without strokes."
+        ),
+        "table": Key(
+            "The columns of the value table, with --table or --csv; names have the unit in"
+            " brackets.",
+            of="table.columns",
+            optional=True,
+        ),
+    },
+    type=LeverMotion,
+)
 
 
 # -- rendering ------------------------------------------------------------------------------------

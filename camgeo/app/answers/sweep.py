@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Final
 
-from camgeo.app.answers.answer import Answer
+from camgeo.app.answers.answer import Answer, Key
 from camgeo.studies.sweep.rows import Row
 from camgeo.studies.sweep.sweep import Result
 from camgeo.units import LengthUnit, counted, listed, shortened, unit_in
@@ -169,6 +169,68 @@ def _design(result: Result, row: Row, mixed: frozenset[str] = frozenset()) -> De
     answers = dict(zip(words, row.values, strict=True))
     units = {word: unit for word, unit in zip(words, row.units, strict=True) if word in mixed}
     return Design(values, answers, units, row.reason)
+
+
+# -- document -------------------------------------------------------------------------------------
+# What JSON has of the answer.
+
+
+DESIGN: Final = Key(
+    "A design of the family.",
+    {
+        "values": "Its values by the keys that vary, in the units of the scene.",
+        "answers": "By what was asked, in the units of the questions; null where there is none.",
+        "units": "Units of those answers that designs state in different ones.",
+        "reason": "Why an answer is missing; empty if nothing failed.",
+    },
+)
+
+DOCUMENT: Final = Key(
+    "The designs of a family and what was asked of each.",
+    {
+        "scene": Key(
+            "The scene that the family starts from.",
+            {
+                "name": "Name of the scene.",
+                "sha256": Key(
+                    "SHA-256 of everything that it states but [sweep], hexadecimal.", of="identity"
+                ),
+            },
+        ),
+        "keys": "The keys of the scene that vary.",
+        "sample": Key(
+            "How designs were drawn; null for all combinations.",
+            {
+                "method": "Sequence of the samples.",
+                "seed": "With which it begins.",
+            },
+        ),
+        "count": "Number of designs.",
+        "failed": "Designs that lack an answer, with a reason.",
+        "questions": Key(
+            "What was asked, in the order of the answers.",
+            {
+                "asked": Key(
+                    "Name of a finding, or of a column after min:, max: or peak:.", of="word"
+                ),
+                "unit": (
+                    "Unit of the numbers; empty without one, or if designs state them in different"
+                    " ones."
+                ),
+                "count": "Designs that have an answer.",
+                "least": Key(
+                    "The design with the least number, the first of several; null if no answer is"
+                    " a number, or if units differ.",
+                    DESIGN,
+                ),
+                "greatest": Key("The design with the greatest number, likewise.", DESIGN),
+            },
+            of="spans",
+        ),
+        "designs": Key("All designs, in the order of the family.", DESIGN),
+    },
+    type=Sweep,
+)
 
 
 # -- rendering ------------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import ClassVar, Final
 
-from camgeo.app.answers.answer import Answer
+from camgeo.app.answers.answer import Answer, Key
 from camgeo.design.design import Design
 from camgeo.design.value_table import Table
 from camgeo.kinematics.laws.law import Law
@@ -46,6 +46,22 @@ def table_of_law(
     if printed:
         return ValueTable(Table.rounded(PRINTED_NAMES, exact.printed()))
     return ValueTable(Table(NAMES, exact.values))
+
+
+# -- document -------------------------------------------------------------------------------------
+# What JSON has of the answer.
+
+
+DOCUMENT: Final = Key(
+    "The value table of a scene, or of a motion law.",
+    {
+        "columns": Key(
+            'The columns, by headings with units, e.g. "phi [deg]": one value per row.',
+            of="table.columns",
+        ),
+    },
+    type=ValueTable,
+)
 
 
 # -- rendering ------------------------------------------------------------------------------------

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar, Final, Literal
 
 import numpy as np
 
-from camgeo.app.answers.answer import BROKEN, FINE, Answer
+from camgeo.app.answers.answer import BROKEN, FINE, SCENE, Answer, Key
 from camgeo.app.answers.sweep import aligned
 from camgeo.design.design import Design
 from camgeo.design.value_table import Table
@@ -320,6 +320,159 @@ def tolerance(design: Design, *, count: int = COUNT, seed: int = 0) -> Tolerance
             contact = contact_forces(design, linear.stated.machine.flank, linear.angles)
         found = sampled(linear, count, seed, contact, between)
     return ToleranceAnalysis(design.scene, linear, contributions, found, between)
+
+
+# -- document -------------------------------------------------------------------------------------
+# What JSON has of the answer.
+
+
+EXTREME: Final = Key(
+    "A value of the largest magnitude and its place.",
+    {
+        "value": "In the unit of the position, or as the key says.",
+        "cam_angle_deg": Key("Cam angle of the value.", of="place"),
+    },
+)
+
+SOURCE: Final = Key(
+    "A dimension, a clearance or an error of form.",
+    {
+        "name": "Key of the dimension, or what the scene states.",
+        "sense": "What a positive deviation is.",
+        "limits": "Lower and upper limit of its deviation, in its own unit.",
+        "unit": Key("Its own unit.", type=Literal["mm", "inch", "deg"]),
+        "distribution": Key(
+            "Between the limits.", type=Literal["normal", "uniform", "triangular", "random phase"]
+        ),
+        "sensitivity": Key(
+            "Error of the position per deviation, exact; of a source without direction its"
+            " amplitude.",
+            EXTREME,
+        ),
+        "sensitivity_unit": 'As "deg/mm".',
+        "mean": Key("Error that all machines share, the largest over the turn.", EXTREME),
+        "three_sigma": Key(
+            "Three standard deviations of the error, the largest over the turn.",
+            EXTREME,
+            of="spread",
+        ),
+        "share": (
+            "Of the variance of the error, averaged over the whole degrees of the cam angle; 0 to"
+            " 1."
+        ),
+        "share_at_worst": "Of the variance where it is largest.",
+        "remainder": Key(
+            "How far the exact motion is off the linear one, where the source deviates by three"
+            " standard deviations: the largest at whole degrees of the cam angle.",
+            EXTREME,
+        ),
+    },
+)
+
+SPREAD: Final = Key(
+    "A quantity of the nominal machine and of random ones.",
+    {
+        "nominal": "Of the scene's machine.",
+        "machines": "What 1 %, 50 % and 99 % of machines do not exceed.",
+    },
+)
+
+DOCUMENT: Final = Key(
+    "What the tolerances of a machine's dimensions do to the position that its cam is for.",
+    {
+        "scene": SCENE,
+        "of": Key(
+            "Whose position it is: that of the follower, or of the far end of the linkage.",
+            type=Literal["follower", "slider", "lever", "crank"],
+        ),
+        "flank": "The flank that carries the follower.",
+        "unit": Key("Unit of the position and its errors.", type=Literal["mm", "inch", "deg"]),
+        "limit": "Largest error that is allowed, plus or minus; null if the scene states none.",
+        "set_at_deg": Key(
+            "Cam angle at which the error is set to 0; null if it is not.", of="set_at"
+        ),
+        "within": (
+            "Whether mean and three standard deviations keep the limit; null if there is none."
+        ),
+        "worst": Key(
+            "The largest error over the turn by the linear analysis, of mean and three standard"
+            " deviations.",
+            EXTREME,
+        ),
+        "sources": Key("What makes machines deviate, in the order of the scene.", SOURCE),
+        "play": Key(
+            "How far the follower can move between the two sides that hold it, a conjugate pair"
+            " or a yoke, by the linear analysis; negative where they squeeze it. Left out on a"
+            " single flank.",
+            {
+                "unit": Key("Of the follower's own motion.", type=Literal["mm", "inch", "deg"]),
+                "least": Key(
+                    "The least over the turn, of mean less three standard deviations.", EXTREME
+                ),
+                "most": Key(
+                    "The largest over the turn, of mean and three standard deviations.", EXTREME
+                ),
+                "sources": Key("What each does to the play, as to the position.", SOURCE),
+            },
+            optional=True,
+        ),
+        "machines": Key(
+            "Random machines, each replayed exactly; left out if none were asked for.",
+            {
+                "count": "How many there are.",
+                "seed": "Of what was drawn.",
+                "quantile": Key(
+                    "Of the errors that 1 % and 99 % of machines are below, that of the largest"
+                    " magnitude.",
+                    EXTREME,
+                ),
+                "three_sigma": Key("Three times the largest standard deviation.", EXTREME),
+                "largest": (
+                    "Magnitude that the errors of 99 % of machines do not exceed at any cam angle."
+                ),
+                "kept": (
+                    "Share of machines that keep the limit at all cam angles, 0 to 1; null if"
+                    " there is no limit."
+                ),
+                "kept_error": "Standard error of that share.",
+                "acceleration": Key(
+                    "Largest magnitude of the second derivative of the position, in its unit per"
+                    " rad^2.",
+                    SPREAD,
+                ),
+                "largest_force": Key(
+                    "The largest contact force over the turn; left out unless the scene names"
+                    " contact-force and inertia, and a speed.",
+                    SPREAD,
+                    optional=True,
+                ),
+                "smallest_force": Key(
+                    "The smallest contact force over the turn; left out unless the scene names"
+                    " contact-force and inertia, and a speed.",
+                    SPREAD,
+                    optional=True,
+                ),
+                "least_play": Key(
+                    "The least play over the turn; left out on a single flank.",
+                    SPREAD,
+                    optional=True,
+                ),
+                "most_play": Key(
+                    "The largest play over the turn; left out on a single flank.",
+                    SPREAD,
+                    optional=True,
+                ),
+                "squeezed": Key(
+                    "Share of machines that squeeze the follower somewhere, 0 to 1; left out on a"
+                    " single flank.",
+                    optional=True,
+                ),
+            },
+            optional=True,
+        ),
+    },
+    type=ToleranceAnalysis,
+)
 
 
 # -- rendering ------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar, Final
 
-from camgeo.app.answers.answer import BROKEN, CRASHED, FINE, Answer
+from camgeo.app.answers.answer import BROKEN, CRASHED, FINE, Answer, Key
 from camgeo.design.design import Design
 from camgeo.design.verify import Against, Check, Verdict, Wanted, scene_file, verify_files
 from camgeo.scene.scene import hashes_of, load_scene
@@ -84,6 +84,80 @@ def _scenes(named: str | Path | None) -> Callable[[Path, str], Against]:
         return load(scene_file((folder, folder / "..", Path()), sha256, hashes_of))
 
     return find
+
+
+# -- document -------------------------------------------------------------------------------------
+# What JSON has of the answer.
+
+
+DOCUMENT: Final = Key(
+    "Files read back and compared with the exact curves of their scene.",
+    {
+        "passed": "Whether all files pass.",
+        "files": Key(
+            "In the order in which they were named.",
+            {
+                "file": Key("Its name.", type=str),
+                "format": Key("Name of its format.", type=str),
+                "sha256": Key("SHA-256 of its bytes, hexadecimal.", type=str),
+                "bytes": Key("Its size.", type=int),
+                "scene": Key(
+                    "The scene that it was compared with, if it was measured.",
+                    {
+                        "name": Key("Name of the scene.", type=str),
+                        "sha256": Key("Its hash as written in the file, hexadecimal.", type=str),
+                    },
+                    type=dict[str, Any],
+                    optional=True,
+                    by_key=True,
+                ),
+                "tolerance_mm": Key(
+                    "The tolerance that was applied, if it was measured.", type=float, optional=True
+                ),
+                "tolerance_from": Key(
+                    "Origin of the tolerance: the call, the file, its certificate or the scene.",
+                    type=str,
+                    optional=True,
+                ),
+                "deviation_mm": Key(
+                    "Largest proved deviation; missing if one could not be proved, or there is"
+                    " none.",
+                    type=float,
+                    optional=True,
+                ),
+                "passed": Key("Whether no check fails.", type=bool),
+                "checks": Key(
+                    "All checks.",
+                    {
+                        "name": Key('What was checked, e.g. "deviation".', type=str),
+                        "of": Key(
+                            "The boundary or operation concerned; missing for the whole file.",
+                            type=str,
+                            optional=True,
+                        ),
+                        "value": Key("What was found, in `unit`.", type=float | str, optional=True),
+                        "expected": Key("What it should be.", type=float | str, optional=True),
+                        "limit": Key(
+                            "Largest value, or largest difference from what is expected.",
+                            type=float,
+                            optional=True,
+                        ),
+                        "unit": Key("Unit of the numbers.", type=str, optional=True),
+                        "ok": Key(
+                            "Whether it passes; null for information alone.", type=bool | None
+                        ),
+                        "note": Key("A sentence or a place.", type=str, optional=True),
+                    },
+                    type=tuple[dict[str, Any], ...],
+                    by_key=True,
+                ),
+            },
+            of="records",
+            by_key=True,
+        ),
+    },
+    type=Verification,
+)
 
 
 # -- rendering ------------------------------------------------------------------------------------
