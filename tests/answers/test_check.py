@@ -54,19 +54,6 @@ CHOSEN = [path for path in SCENES if LONG or path.stem in KINDS]
 by_scene = pytest.mark.parametrize("scene", CHOSEN, ids=lambda path: path.stem)
 
 
-@pytest.mark.long  # tests/answers/test_kept.py validates those of each kind
-@by_scene
-def test_documents_are_what_their_schema_says(scene: Path) -> None:
-    design, found, shown = checked(scene)
-    reported = document(found)
-    assert len(reported["findings"]) == len(design.findings)
-    assert {name: len(each) for name, each in reported["effects"].items()} == {
-        name: len(design.effects.findings(name)) for name in design.scene.effects
-    }
-    assert list(reported["discs"]) == [each.name for each in design.discs]
-    assert shown.count("\n") >= len(design.findings) - 1
-
-
 @by_scene
 def test_every_effect_is_reported_in_finite_numbers(scene: Path) -> None:
     design, found, shown = checked(scene)
@@ -277,15 +264,6 @@ def test_the_engagement_of_what_clears_a_bore() -> None:
         (steep,) = engagement_findings([replace(bore, limit=0.5 * bore.largest)])
         assert steep.severity == "warning"
         assert steep.value == pytest.approx(math.degrees(bore.largest))
-
-
-@pytest.mark.long  # tests/answers/test_kept.py has both documents
-def test_no_machining_without_a_tool_or_without_a_disc() -> None:
-    bare = FIXTURES / "effects" / "conjugate_lever.toml"
-    assert check(Design(load_scene(bare))).machining is None
-    refused = FIXTURES / "refused" / "undercut_tappet.toml"
-    assert check(Design(load_scene(refused))).machining is None
-    assert document(check(Design(load_scene(bare))))["machining"] is None
 
 
 DISC = """

@@ -13,19 +13,16 @@ from camgeo.app.answers.answer import figure, table, text
 from camgeo.app.answers.inspect import Inspection, inspect, of_points
 from camgeo.app.answers.probe import probe
 from camgeo.design.design import Design
-from camgeo.errors import FileError, GeometryError, SceneError
 from camgeo.geometry.outline.exact_flank import ExactFlank
 from camgeo.geometry.outline.path import Flank
 from camgeo.numeric.arrays import FloatArray
 from camgeo.pictures.model import Line
 from camgeo.scene.scene import load_scene
 from camgeo.studies.inspection import Align, MeasuredPoints
-from tests.answers.documents import FIXTURES, SCENES, document
+from tests.answers.documents import FIXTURES, document
 from tests.inspection.flanks import BUMP, bump, disc_of, every, flank_of, measured
 
 FOLDER = FIXTURES / "scenes"
-
-FRAME = (0.4 - 0.3j, 0.02)
 
 
 def found_on(
@@ -39,33 +36,6 @@ def found_on(
     """Points that are `away` [mm] from a flank."""
     points = MeasuredPoints(measured(every(flank_of(name, side), count), away))
     return of_points(disc_of(name), side, points, "points.csv", **options)  # type: ignore[arg-type]  # of one test each
-
-
-@pytest.mark.long  # tests/answers/test_kept.py validates those of each kind
-@pytest.mark.parametrize("scene", [s for s in SCENES if s.parent == FOLDER], ids=lambda p: p.stem)
-def test_documents_are_what_their_schema_says(scene: Path) -> None:
-    design = Design(load_scene(scene))
-    if design.scene.follower is None or not design.judgement.has_outline:
-        pytest.skip("no flank of a real disc")
-    disc, side = design.disc, design.cam.contact.main
-    flank = ExactFlank(disc.cam.disc.outline(side).path, side)
-    places = every(flank, 72)
-    rng = np.random.default_rng(1)
-    away = rng.normal(0.0, 1e-3, 72)
-    points = MeasuredPoints(measured(places, away, *FRAME), places.normals * np.exp(1j * FRAME[1]))
-    found = of_points(disc, side, points, "points.csv", align=Align.FREE)
-    reported = document(found)
-    x, y = reported["shift_mm"]
-    assert abs(complex(x, y) - FRAME[0]) < 3.0 * np.hypot(*reported["shift_uncertainty_mm"])
-    off = np.radians(reported["turn_deg"]) - FRAME[1]
-    assert abs(off) < 3.0 * np.radians(reported["turn_uncertainty_deg"])
-    assert reported["confidence"] == 0.95
-    assert {each["name"] for each in reported["findings"]} >= {"profile", "coverage", "normals"}
-    assert len(table(found).values) == 72
-    assert (reported["lift"] is None) == (found.lift is None)
-    assert ("lift error" in text(found)) == (found.lift is not None)
-    assert found.lift is not None or scene.stem == "cut_lobe"
-    json.dumps(figure(found).to_data(), allow_nan=False)
 
 
 @pytest.mark.parametrize(
@@ -242,15 +212,3 @@ def test_points_of_probe_come_back_in_inches_and_as_centres(tmp_path: Path) -> N
     path.write_text("".join(f"{x!r};{y!r}\n".replace(".", ",") for x, y in rows.tolist()))
     assert inspect(inch, path, ball=1.5).deviations.profile < 1e-12
     assert inspect(inch, path, ball=1.5, unit="mm").deviations.profile > 1.0
-
-
-def test_files_that_cannot_be_read_are_refused(tmp_path: Path) -> None:
-    design = Design(load_scene(FOLDER / "plate_translating.toml"))
-    with pytest.raises(SceneError, match="cannot be read"):
-        inspect(design, tmp_path / "none.csv")
-    (tmp_path / "large.csv").write_bytes(bytes(16_000_001))
-    with pytest.raises(FileError, match="16,000,000"):
-        inspect(design, tmp_path / "large.csv")
-    (tmp_path / "few.csv").write_text("1,2\n3,4\n")
-    with pytest.raises(GeometryError, match=r"few.csv, line 2: 2 rows"):
-        inspect(design, tmp_path / "few.csv")

@@ -2,77 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
 import pytest
 
-from camgeo.app.answers import (
-    accuracy,
-    build,
-    check,
-    compare,
-    explain,
-    inspect,
-    laws,
-    lint,
-    machines,
-    optimise,
-    probe,
-    refusal,
-    replay,
-    report,
-    setup,
-    size,
-    slotted_lever,
-    sweep,
-    table,
-    tolerance,
-    verify,
-)
+from camgeo.app import answers
 from tests import kept
-from tests.answers.documents import FIXTURES, validator
+from tests.answers.documents import FIXTURES, SCENES, validator
 from tests.thinned import WHOLE, share
-
-ANSWERS: Final = {
-    f"camgeo/{each.__name__.rpartition('.')[2].replace('_', '-')}": each.__name__
-    for each in (
-        accuracy, build, check, compare, explain, inspect, laws, lint, machines, optimise, probe,
-        refusal, replay, report, setup, size, slotted_lever, sweep, table, tolerance,
-        verify,
-    )
-}  # fmt: skip
-"""Packages of answers by the schemas that their documents name."""
 
 FOLLOWING: Final = {"files", "scenes"}
 """Names of calls that read what the one before has written; of others a usual run makes a share."""
 
-Keeping = Callable[[str, str], None]
-
-
-def judged(document: dict[str, Any]) -> None:
-    """A document is what its schema says."""
-    validator(ANSWERS[document["schema"]]).validate(document)
-
-
-@pytest.fixture
-def keeping(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Keeping:
-    """Compares what calls say with the file of a name; {} in a call is a folder for files."""
-    monkeypatch.chdir(FIXTURES)
-
-    def keep(name: str, text: str) -> None:
-        every, calls = name in FOLLOWING, text.strip().splitlines()
-        made = kept.called("\n".join(calls if every else share(calls, 3)), tmp_path, judged)
-        kept.compare(f"answers/{name}.txt", made, whole=every or WHOLE)
-
-    return keep
-
-
-def test_a_check_is_as_kept(keeping: Keeping) -> None:
-    keeping(
-        "check",
-        """
+KEPT: Final = {
+    "check": """
     check scenes/conjugate_lever.toml
     check scenes/inch.toml
     check scenes/inch.toml --json
@@ -82,24 +26,12 @@ def test_a_check_is_as_kept(keeping: Keeping) -> None:
     check milling/moved_clamps.toml
     check milling/moved_clamps.toml --json
     """,
-    )
-
-
-def test_an_explanation_is_as_kept(keeping: Keeping) -> None:
-    keeping(
-        "explain",
-        """
+    "explain": """
     explain scenes/conjugate_lever.toml
     explain scenes/inch.toml --json
     explain refused/undercut_tappet.toml
     """,
-    )
-
-
-def test_a_sizing_is_as_kept(keeping: Keeping) -> None:
-    keeping(
-        "size",
-        """
+    "size": """
     size scenes/setzhub.toml
     size scenes/setzhub.toml --json
     size scenes/inch.toml
@@ -111,13 +43,7 @@ def test_a_sizing_is_as_kept(keeping: Keeping) -> None:
     size scenes/crank_slider.toml
     size scenes/four_bar.toml --json
     """,
-    )
-
-
-def test_a_table_is_as_kept(keeping: Keeping) -> None:
-    keeping(
-        "table",
-        """
+    "table": """
     table scenes/inch.toml --step 45
     table scenes/inch.toml --step 45 --json
     table scenes/four_bar.toml --step 60
@@ -131,13 +57,7 @@ def test_a_table_is_as_kept(keeping: Keeping) -> None:
     table scenes/inch.toml --law modified-sine
     table --law no-such-law
     """,
-    )
-
-
-def test_a_setup_sheet_is_as_kept(keeping: Keeping) -> None:
-    keeping(
-        "setup",
-        """
+    "setup": """
     setup milling/moved_clamps.toml --json
     setup milling/moved_clamps.toml
     setup scenes/conjugate_lever.toml
@@ -145,13 +65,7 @@ def test_a_setup_sheet_is_as_kept(keeping: Keeping) -> None:
     setup scenes/inch.toml --json
     setup effects/yoke.toml
     """,
-    )
-
-
-def test_a_replay_is_as_kept(keeping: Keeping) -> None:
-    keeping(
-        "replay",
-        """
+    "replay": """
     replay scenes/inch.toml --step 10
     replay scenes/inch.toml --step 10 --json
     replay scenes/conjugate_lever.toml --step 10 --json
@@ -160,13 +74,7 @@ def test_a_replay_is_as_kept(keeping: Keeping) -> None:
     replay scenes/groove.toml --step 10 --flank outer
     replay scenes/inch.toml --step 11
     """,
-    )
-
-
-def test_a_list_of_points_is_as_kept(keeping: Keeping) -> None:
-    keeping(
-        "probe",
-        """
+    "probe": """
     probe scenes/inch.toml --step 30 --ball 1.5 --tolerance 0.02
     probe scenes/inch.toml --step 30 --ball 1.5 --tolerance 0.02 --json
     probe scenes/conjugate_lever.toml --spacing 40 --json
@@ -175,13 +83,7 @@ def test_a_list_of_points_is_as_kept(keeping: Keeping) -> None:
     probe scenes/tappet.toml --step 31
     probe scenes/tappet.toml --step 3 --spacing 4
     """,
-    )
-
-
-def test_a_comparison_of_laws_is_as_kept(keeping: Keeping) -> None:
-    keeping(
-        "laws",
-        """
+    "laws": """
     laws
     laws --task all --json
     laws --places
@@ -192,26 +94,14 @@ def test_a_comparison_of_laws_is_as_kept(keeping: Keeping) -> None:
     laws --speed 120
     laws --task B-B --a0 1 --a1 2
     """,
-    )
-
-
-def test_a_list_of_machines_is_as_kept(keeping: Keeping) -> None:
-    keeping(
-        "machines",
-        """
+    "machines": """
     machines
     machines --json
     machines haas
     machines linuxcnc --json
     machines none
     """,
-    )
-
-
-def test_a_slotted_lever_is_as_kept(keeping: Keeping) -> None:
-    keeping(
-        "slotted-lever",
-        """
+    "slotted-lever": """
     slotted-lever --frame 150 --swing 60 --speed 90
     slotted-lever --frame 150 --swing 60 --speed 90 --json
     slotted-lever --frame 50 --crank 80 --speed 90
@@ -220,35 +110,17 @@ def test_a_slotted_lever_is_as_kept(keeping: Keeping) -> None:
     slotted-lever --frame 50 --crank 50 --speed 90
     slotted-lever --frame 50 --swing 180 --speed 90
     """,
-    )
-
-
-def test_what_accuracy_costs_is_as_kept(keeping: Keeping) -> None:
-    keeping(
-        "accuracy",
-        """
+    "accuracy": """
     accuracy scenes/inch.toml --tolerances 1e-1 --speed 600 --json
     """,
-    )
-
-
-def test_a_comparison_of_designs_is_as_kept(keeping: Keeping) -> None:
-    keeping(
-        "compare",
-        """
+    "compare": """
     compare scenes/inch.toml scenes/tappet.toml
     compare scenes/inch.toml scenes/tappet.toml --json
     compare scenes/inch.toml scenes/inch.toml scenes/plate_translating.toml --ask diameter,peak:a
     compare scenes/inch.toml
     compare scenes/inch.toml scenes/tappet.toml --ask nothing
     """,
-    )
-
-
-def test_a_sweep_is_as_kept(keeping: Keeping) -> None:
-    keeping(
-        "sweep",
-        """
+    "sweep": """
     sweep scenes/inch.toml --vary follower.base_radius=1:2:3 \
         --ask transmission-angle,peak:a,diameter
     sweep scenes/inch.toml --vary follower.base_radius=1:2:3 --ask transmission-angle,verdict --json
@@ -258,13 +130,7 @@ def test_a_sweep_is_as_kept(keeping: Keeping) -> None:
     sweep scenes/inch.toml --vary follower.no=1,2 --ask verdict
     sweep scenes/inch.toml
     """,
-    )
-
-
-def test_a_search_is_as_kept(keeping: Keeping) -> None:
-    keeping(
-        "optimise",
-        """
+    "optimise": """
     optimise scenes/inch.toml --vary follower.base_radius=1:3 --least diameter \
         --keep transmission-angle>=60 --evaluations 12
     optimise scenes/inch.toml --vary follower.base_radius=1,2,3 --least diameter \
@@ -273,26 +139,14 @@ def test_a_search_is_as_kept(keeping: Keeping) -> None:
         --keep transmission-angle>=89 --evaluations 8
     optimise scenes/inch.toml --vary follower.base_radius=1:2
     """,
-    )
-
-
-def test_an_analysis_of_tolerances_is_as_kept(keeping: Keeping) -> None:
-    keeping(
-        "tolerance",
-        """
+    "tolerance": """
     tolerance tolerance/lever.toml --count 128
     tolerance tolerance/lever.toml --count 0 --json
     tolerance tolerance/lever.toml --seed 3 --json
     tolerance tolerance/lever.toml --count 127
     tolerance scenes/inch.toml
     """,
-    )
-
-
-def test_what_is_said_of_files_is_as_kept(keeping: Keeping) -> None:
-    keeping(
-        "files",
-        """
+    "files": """
     build scenes/inch.toml -o {}/inch --only dxf,csv,gcode,stl
     build scenes/inch.toml -o {}/inch --only dxf,csv,gcode,stl --json
     verify {}/inch --scene scenes/inch.toml
@@ -312,15 +166,34 @@ def test_what_is_said_of_files_is_as_kept(keeping: Keeping) -> None:
     build refused/undercut_tappet.toml -o {}/none
     report refused/undercut_tappet.toml
     """,
-    )
-
-
-def test_a_scene_to_start_from_is_as_kept(keeping: Keeping) -> None:
-    keeping(
-        "scenes",
-        """
+    "scenes": """
     new oscillating-flat
     import reference/ocv/setzhub.ocv
     import reference/ocv/vorschub.ocv
     """,
-    )
+}
+"""Calls by the name of the file in which what they say is kept; {} is a folder for files."""
+
+
+def judged(document: dict[str, Any]) -> None:
+    """A document is what its schema says."""
+    name = document["schema"].removeprefix("camgeo/").replace("-", "_")
+    validator(f"{answers.__name__}.{name}").validate(document)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
+def test_documents_of_every_scene_are_what_their_schemas_say(scene: Path, tmp_path: Path) -> None:
+    commands = ("check", "explain", "probe --step 10", "replay", "setup", "size", "table --step 45")
+    calls = "\n".join(f"{command} {scene} --json" for command in commands)
+    assert len([*kept.called(calls, tmp_path, judged)]) == len(commands)
+
+
+@pytest.mark.parametrize("name", KEPT)
+def test_what_is_said_is_as_kept(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(FIXTURES)
+    every, calls = name in FOLLOWING, KEPT[name].strip().splitlines()
+    made = kept.called("\n".join(calls if every else share(calls, 3)), tmp_path, judged)
+    kept.compare(f"answers/{name}.txt", made, whole=every or WHOLE)

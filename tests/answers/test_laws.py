@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import replace
 
 import pytest
 
-from camgeo.app.answers.answer import figure, text
+from camgeo.app.answers.answer import text
 from camgeo.app.answers.laws import LawRow, laws_of_all_tasks, laws_of_task
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws.comparison import Running, compare
@@ -16,23 +15,6 @@ from camgeo.kinematics.motion import TASKS
 from tests.answers.documents import document
 
 MOVE = Running(4.0 * math.pi, math.radians(60.0), 25.0)
-
-
-@pytest.mark.long  # tests/answers/test_kept.py validates those of each kind
-@pytest.mark.parametrize("running", [None, MOVE], ids=["plain", "running"])
-@pytest.mark.parametrize("task", TASKS)
-def test_documents_are_what_their_schema_says(task: str, running: Running | None) -> None:
-    found = laws_of_task(task, {"inflection": 0.4, "a0": 6.0, "a1": -5.0}, running=running)
-    reported = document(found)
-    assert "tasks" not in reported
-    assert ("running" in reported) == (running is not None)
-    assert [each["law"] for each in reported["laws"]] == [
-        row.entry.name for row in found.rows or ()
-    ]
-    for each in reported["laws"]:
-        assert (each["values"] is None) == (each["reason"] != "")
-        assert ("physical" in each) == (running is not None and each["values"] is not None)
-    json.dumps(figure(found).to_data(), allow_nan=False)
 
 
 def test_text_and_document_are_of_one_result() -> None:

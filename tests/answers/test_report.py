@@ -39,17 +39,6 @@ def of(name: str) -> Report:
     return report(Design(load_scene(FIXTURES / f"{name}.toml")), quick=True)
 
 
-@pytest.mark.long  # tests/answers/test_kept.py validates those of each kind
-@pytest.mark.parametrize("name", ["scenes/four_bar", "refused/undercut_tappet", "effects/lever"])
-def test_documents_are_what_their_schema_says(name: str) -> None:
-    found = of(name)
-    reported = document(found)
-    assert [each["title"] for each in reported["charts"]] == [each.title for each in found.charts]
-    assert len(reported["findings"]) == len(found.check.everything)
-    for each in reported["findings"]:
-        assert (each["finding"]["severity"] == "ok") == (each["step"] == "")
-
-
 def test_a_changed_value_shows_in_text_and_document() -> None:
     found = of("scenes/four_bar")
     changed = replace(found, left_out=("nonsense: made up",))

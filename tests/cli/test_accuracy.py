@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from camgeo.app.cli.main import COMMANDS, main, parser
+from camgeo.app.cli.main import main, parser
 from camgeo.pictures.accuracy import figure
 from camgeo.pictures.model import Line, Rule, Text
 from camgeo.studies.accuracy import benefit
@@ -25,6 +25,7 @@ from camgeo.units import RPM
 from camgeo_export.plots import render
 from tests import kept
 from tests.accuracy.rows import file, missing, row
+from tests.answers.documents import validator
 
 Capture = pytest.CaptureFixture[str]
 
@@ -80,10 +81,6 @@ def call(*words: str) -> int:
     arguments = parser(("accuracy",)).parse_args(["accuracy", *words])
     code: int = arguments.run(arguments)
     return code
-
-
-def test_it_is_a_command() -> None:
-    assert "accuracy" in COMMANDS
 
 
 def test_the_tables(found: list[dict[str, Any]], capsys: Capture) -> None:
@@ -143,6 +140,7 @@ def test_columns_are_aligned(found: list[dict[str, Any]], capsys: Capture) -> No
 def test_json_has_the_same(found: list[dict[str, Any]], capsys: Capture) -> None:
     assert call(SETZHUB, "--json") == 0
     document: dict[str, Any] = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+    validator("camgeo.app.answers.accuracy").validate(document)
     assert document["scene"]["name"] == "setzhub"
     arcs = document["contours"][2]
     assert (arcs["contour"], arcs["fit"], arcs["tolerance_mm"]) == ("arcs", "fewest", 0.01)
@@ -192,22 +190,6 @@ def test_what_is_asked_reaches_the_survey(
     capsys.readouterr()
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["--tolerances", "1e-3,fine"], "'fine' must be a length of 1e-07 to 1 mm"),
-        (["--tolerances", "1e-8"], "'1e-8' must be a length"),
-        (["--tolerances", "nan"], "'nan' must be a length"),
-        (["-o", "accuracy.bmp"], "'accuracy.bmp' must end in one of .png, .svg, .pdf"),
-    ],
-)
-def test_wrong_words(words: list[str], message: str, capsys: Capture) -> None:
-    with pytest.raises(SystemExit) as end:
-        call(SETZHUB, *words)
-    assert end.value.code == 2
-    assert message in capsys.readouterr().err
-
-
 def test_ctrl_c_leaves_nothing(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: Capture
 ) -> None:
@@ -229,18 +211,6 @@ def test_a_disc_that_cannot_be_is_refused(tmp_path: Path, capsys: Capture) -> No
 
 
 # The picture --------------------------------------------------------------------------------------
-
-
-@pytest.mark.long  # tests/figure/test_motion.py does it for one figure
-@pytest.mark.parametrize(
-    ("suffix", "start"), [(".png", b"\x89PNG"), (".svg", b"<?xml"), (".pdf", b"%PDF")]
-)
-def test_the_same_picture_each_time(suffix: str, start: bytes) -> None:
-    first = render(figure(made_up(), title="made up"), suffix)
-    assert first.startswith(start)
-    # That one figure gives the same bytes in all kinds, `tests.figure.test_motion` has.
-    if suffix == ".svg":
-        assert render(figure(made_up(), title="made up"), suffix) == first
 
 
 def test_the_ripple_is_drawn_where_it_was_asked_for() -> None:

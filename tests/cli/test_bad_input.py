@@ -10,14 +10,12 @@ from pathlib import Path
 import pytest
 
 import camgeo
-from camgeo.app.cli.main import main
 from camgeo.design import writing
 from camgeo.errors import SceneError
+from tests.cli.calling import called
 from tests.scene.scenes import FIXTURES, PLATE, ROCKER, spoilt
 
 SCHNITT = (FIXTURES / "schnitt.toml").read_text(encoding="utf-8")
-
-Capture = pytest.CaptureFixture[str]
 
 BAD = {
     "empty": ("", "the scene is empty"),
@@ -61,189 +59,130 @@ BAD = {
     ),
 }
 
+OUTPUT = {"build": ["-o", "out"], "table": ["-o", "t.csv"], "plot": ["-o", "p.png"], "check": []}
 
-@pytest.mark.parametrize("command", ["check", "build", "table", "plot"])
-@pytest.mark.parametrize("case", BAD)
-def test_one_message_and_no_file(
-    case: str, command: str, tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    text, message = BAD[case]
+
+@pytest.fixture
+def scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A scene, alone in the present folder."""
     monkeypatch.chdir(tmp_path)
-    scene = tmp_path / "scene.toml"
+    path = Path("scene.toml")
+    path.write_text(PLATE, encoding="utf-8")
+    return path
+
+
+def alone(scene: Path) -> bool:
+    """Whether nothing else has been written."""
+    return list(Path().iterdir()) == [scene]
+
+
+@pytest.mark.parametrize("command", OUTPUT)
+@pytest.mark.parametrize("case", BAD)
+def test_one_message_and_no_file(case: str, command: str, scene: Path) -> None:
+    text, message = BAD[case]
     scene.write_text(text, encoding="utf-8")
-    output = {"build": ["-o", "out"], "table": ["-o", "t.csv"], "plot": ["-o", "p.png"]}
-    assert main([command, "scene.toml", *output.get(command, [])]) == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    head, *faults = captured.err.splitlines()
+    found = called(command, scene, *OUTPUT[command])
+    assert (found.code, found.out) == (2, "")
+    head, fault = found.err.splitlines()
     assert head == "camgeo: scene.toml: 1 fault"
-    assert len(faults) == 1
-    assert re.search(message, faults[0])
-    assert list(tmp_path.iterdir()) == [scene]
+    assert re.search(message, fault)
+    assert alone(scene)
 
 
-def test_all_faults_at_once(tmp_path: Path, capsys: Capture) -> None:
-    scene = tmp_path / "scene.toml"
-    scene.write_text(
-        spoilt(PLATE, ("span = 100", "span = -1"), ("roller_radius = 10", "roller_radius = -1"))
-    )
-    assert main(["check", str(scene)]) == 2
-    err = capsys.readouterr().err
-    assert "2 faults" in err
-    assert "motion[2].span" in err
-    assert "follower.roller_radius" in err
+def test_all_faults_at_once(scene: Path) -> None:
+    wrong = (("span = 100", "span = -1"), ("roller_radius = 10", "roller_radius = -1"))
+    scene.write_text(spoilt(PLATE, *wrong))
+    found = called("check", scene)
+    assert found.code == 2
+    assert all(each in found.err for each in ("2 faults", "motion[2].span", "follower.roller_rad"))
 
 
 @pytest.mark.parametrize(
-    ("change", "word", "message"),
+    ("change", "code", "said"),
     [
-        (("offset = 12", "offset = 50"), "self-locking", "transmission angle is 0 at cam angle 0"),
-        (("offset = 12", "offset = -50"), "self-locking", "transmission angle is 0"),
-        (("roller_radius = 10", "roller_radius = 60"), "roller-over-axis", "covers the cam axis"),
+        (("offset = 12", "offset = 50"), 2,
+         r"^INVALID +self-locking .*transmission angle is 0 at cam angle 0"),
+        (("offset = 12", "offset = -50"), 2, r"^INVALID +self-locking .*transmission angle is 0"),
+        (("roller_radius = 10", "roller_radius = 60"), 2,
+         r"^INVALID +roller-over-axis.*covers the cam axis"),
+        (("roller_radius = 10", "roller_radius = 48"), 1, "^NO DISC "),
     ],
-)
-def test_mechanism_that_is_none(
-    change: tuple[str, str], word: str, message: str, tmp_path: Path, capsys: Capture
+)  # fmt: skip
+def test_a_mechanism_or_disc_that_is_none(
+    change: tuple[str, str], code: int, said: str, scene: Path
 ) -> None:
     """Offset at the base radius, roller larger than the base circle: the checks report both."""
-    scene = tmp_path / "scene.toml"
     scene.write_text(spoilt(PLATE, change))
-    assert main(["check", str(scene)]) == 2
-    (line,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("INVALID")]
-    assert word in line
-    assert message in line
-    assert main(["build", str(scene), "-o", str(tmp_path / "out")]) == 2
-    assert "nothing was written" in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == [scene]
-
-
-def test_undercut_is_reported_and_nothing_written(tmp_path: Path, capsys: Capture) -> None:
-    scene = tmp_path / "scene.toml"
-    scene.write_text(spoilt(PLATE, ("roller_radius = 10", "roller_radius = 48")))
-    assert main(["check", str(scene)]) == 1
-    assert "NO DISC" in capsys.readouterr().out
-    assert main(["build", str(scene), "-o", str(tmp_path / "out")]) == 1
-    assert "nothing was written" in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == [scene]
+    checked = called("check", scene)
+    assert (checked.code, checked.out.count("INVALID")) == (code, code - 1)
+    assert re.search(said, checked.out, re.MULTILINE)
+    built = called("build", scene, "-o", "out")
+    assert built.code == code
+    assert "nothing was written" in built.err
+    assert alone(scene)
 
 
 @pytest.mark.parametrize(
-    ("changes", "message"),
+    ("change", "message"),
     [
-        ([("bore = 20", "bore = 81")], r"part\.bore|the bore reaches"),
-        (
-            [("\ndiameter = 10", "\ndiameter = 20.5")],
-            r"diameter = 20\.5: must be less than the bore",
-        ),
-        ([("tolerance = 0.001", "tolerance = 1e-13")], r"output\.tolerance = 1e-13: must be"),
+        (("bore = 20", "bore = 81"), r"part\.bore|the bore reaches"),
+        (("\ndiameter = 10", "\ndiameter = 20.5"), r"diameter = 20\.5: must be less than the bore"),
+        (("tolerance = 0.001", "tolerance = 1e-13"), r"output\.tolerance = 1e-13: must be"),
     ],
 )
-def test_part_that_cannot_be_made(
-    changes: list[tuple[str, str]], message: str, tmp_path: Path, capsys: Capture
-) -> None:
-    scene = tmp_path / "scene.toml"
-    scene.write_text(spoilt(PLATE, *changes))
-    assert main(["build", str(scene), "-o", str(tmp_path / "out")]) == 2
-    assert re.search(message, capsys.readouterr().err)
-    assert list(tmp_path.iterdir()) == [scene]
+def test_part_that_cannot_be_made(change: tuple[str, str], message: str, scene: Path) -> None:
+    scene.write_text(spoilt(PLATE, change))
+    found = called("build", scene, "-o", "out")
+    assert found.code == 2
+    assert re.search(message, found.err)
+    assert alone(scene)
 
 
-@pytest.mark.parametrize("command", ["check", "build", "table", "plot"])
-def test_no_such_scene(
-    command: str, tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert main([command, "none.toml"]) == 2
-    assert "none.toml: 1 fault\n  there is no such file" in capsys.readouterr().err
-    assert not any(tmp_path.iterdir())
+@pytest.mark.parametrize("command", OUTPUT)
+def test_no_such_scene(command: str, scene: Path) -> None:
+    found = called(command, "none.toml")
+    assert found.code == 2
+    assert "none.toml: 1 fault\n  there is no such file" in found.err
+    assert alone(scene)
 
 
-@pytest.mark.parametrize("value", ["0", "-1", "1e-8", "2", "1e300"])
-def test_no_such_tolerance(value: str, tmp_path: Path, capsys: Capture) -> None:
-    scene = tmp_path / "scene.toml"
-    scene.write_text(PLATE)
-    call = ["build", str(scene), "-o", str(tmp_path / "out"), "--tolerance", value]
-    assert main([*call, "--only", "dxf"]) == 2
-    assert "tolerance" in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == [scene]
-
-
-@pytest.mark.parametrize("value", ["nan", "inf", "-inf", "1" * 400, "-1e999"])
-@pytest.mark.parametrize(
-    "call",
-    [
-        ("build", "scene.toml", "--tolerance"),
-        ("size", "scene.toml", "--transmission-angle"),
-        ("laws", "polynomial-345", "--v0"),
-    ],
-    ids=lambda call: call[0],
-)
-def test_an_option_takes_finite_numbers_alone(
-    call: tuple[str, ...], value: str, capsys: Capture
-) -> None:
-    *words, option = call
-    with pytest.raises(SystemExit) as caught:
-        main([*words, f"{option}={value}"])
-    assert caught.value.code == 2
-    said = capsys.readouterr().err
-    assert f"argument {option}: '{value}' is " in said
-    assert "finite number" in said or "too large for a number" in said
-
-
-def test_unknown_format(tmp_path: Path, capsys: Capture) -> None:
-    scene = tmp_path / "scene.toml"
-    scene.write_text(PLATE)
-    assert main(["build", str(scene), "-o", str(tmp_path / "out"), "--only", "csv,dfx"]) == 2
-    assert 'did you mean "dxf"?' in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == [scene]
-
-
-@pytest.mark.parametrize("formats", ["", ",", " , "])
-def test_no_format(formats: str, tmp_path: Path, capsys: Capture) -> None:
-    scene = tmp_path / "scene.toml"
-    scene.write_text(PLATE)
-    assert main(["build", str(scene), "-o", str(tmp_path / "out"), "--only", formats]) == 2
-    assert "format: no format is named; there are 3mf, " in capsys.readouterr().err
+def test_no_format(scene: Path) -> None:
     with pytest.raises(SceneError, match="no format is named"):
-        camgeo.load(scene).write(tmp_path / "out", [])
-    assert list(tmp_path.iterdir()) == [scene]
+        camgeo.load(scene).write("out", [])
+    assert alone(scene)
 
 
 @pytest.mark.parametrize("command", ["build", "table", "plot", "new", "size", "verify"])
-def test_names_that_are_too_long(command: str, tmp_path: Path, capsys: Capture) -> None:
-    scene, name = tmp_path / "scene.toml", str(tmp_path / ("a" * 256))
-    scene.write_text(PLATE)
-    call = {
+def test_names_that_are_too_long(command: str, scene: Path) -> None:
+    name = "a" * 256
+    words: dict[str, list[object]] = {
         "new": ["-o", name],
-        "plot": [str(scene), "motion", "-o", f"{name}.svg"],
-        "size": [str(scene), "--scene", name],
+        "plot": [scene, "motion", "-o", f"{name}.svg"],
+        "size": [scene, "--scene", name],
         "verify": [name],
     }
-    assert main([command, *call.get(command, [str(scene), "-o", name])]) == 2
-    err = capsys.readouterr().err
-    assert os.strerror(errno.ENAMETOOLONG) in err or "there is no such file" in err
-    assert list(tmp_path.iterdir()) == [scene]
+    found = called(command, *words.get(command, [scene, "-o", name]))
+    assert found.code == 2
+    assert os.strerror(errno.ENAMETOOLONG) in found.err or "there is no such file" in found.err
+    assert alone(scene)
 
 
-def test_unwritable_folder(tmp_path: Path, capsys: Capture) -> None:
+def test_unwritable_folder(scene: Path) -> None:
     """Even for root: below a file, and in /proc."""
-    scene = tmp_path / "scene.toml"
-    scene.write_text(PLATE)
     places = [scene / "out", scene]
     if Path("/proc/self").is_dir():
         places += [Path("/proc"), Path("/proc/camgeo-test")]
     for place in places:
-        assert main(["build", str(scene), "-o", str(place), "--only", "csv"]) == 2
-        assert "nothing was written" in capsys.readouterr().err
-        assert main(["table", str(scene), "-o", str(place / "t.csv")]) == 2
-        assert "nothing was written" in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == [scene]
+        for words in (("build", scene, "-o", place, "--only", "csv"),
+                      ("table", scene, "-o", place / "t.csv")):  # fmt: skip
+            found = called(*words)
+            assert found.code == 2
+            assert "nothing was written" in found.err
+    assert alone(scene)
     assert scene.read_text() == PLATE
 
 
-def test_full_disk(tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
-    scene = tmp_path / "scene.toml"
-    scene.write_text(PLATE)
+def test_full_disk(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     original = writing._write_durably
 
     def full(path: Path, data: bytes) -> None:
@@ -253,7 +192,7 @@ def test_full_disk(tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPa
         original(path, data)
 
     monkeypatch.setattr(writing, "_write_durably", full)
-    assert main(["build", str(scene), "-o", str(tmp_path / "out"), "--only", "csv,dxf"]) == 2
-    err = capsys.readouterr().err
-    assert "plate.dxf: No space left on device; nothing was written" in err
-    assert list(tmp_path.iterdir()) == [scene]
+    found = called("build", scene, "-o", "out", "--only", "csv,dxf")
+    assert found.code == 2
+    assert "plate.dxf: No space left on device; nothing was written" in found.err
+    assert alone(scene)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import math
 import re
 import subprocess
 import sys
@@ -21,7 +20,6 @@ from camgeo.app.cli.progress import CLEARED, Progress, clear
 from camgeo.design import writing
 from camgeo.scene.toml import TEMPLATE_KINDS
 from camgeo.units import MM_PER
-from tests.reference import hard_case
 from tests.waiting import until
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
@@ -70,16 +68,6 @@ def test_version_and_module() -> None:
         [sys.executable, "-m", "camgeo", "--version"], capture_output=True, text=True, check=True
     )
     assert run.stdout == f"camgeo {camgeo.__version__}\n"
-
-
-@pytest.mark.parametrize("call", [[], ["bild"], ["check"], ["table", SETZHUB, "--step", "x"],
-                                  ["table", SETZHUB, "--step", "0"],
-                                  ["build", SETZHUB, "--tolerance", "x"]])  # fmt: skip
-def test_wrong_call_is_2(call: list[str], capsys: Capture) -> None:
-    with pytest.raises(SystemExit) as stopped:
-        main(call)
-    assert stopped.value.code == 2
-    assert "camgeo" in capsys.readouterr().err
 
 
 def test_check_of_a_good_scene_is_0(capsys: Capture) -> None:
@@ -279,35 +267,6 @@ def test_reader_that_has_had_enough() -> None:
     run = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=True)
     assert run.stdout.startswith("phi [deg],")
     assert run.stderr == ""
-
-
-@pytest.mark.long  # tests/answers/test_kept.py has such documents
-def test_check_gives_outline_and_cures_as_json(capsys: Capture) -> None:
-    scene = str(SCENES.parent / "refused" / "global_undercut.toml")
-    assert main(["check", scene, "--json"]) == 1
-    stated = json.loads(capsys.readouterr().out)
-    ((_, outlines),) = stated["discs"].items()
-    outline = outlines["inner"]
-    _, expected = hard_case("HC22")
-    ((start, end),) = outline["left_out_deg"]
-    assert start == pytest.approx(
-        float(expected["self_intersections_on_axis_phi_deg"][0]), abs=1e-9
-    )
-    assert end == pytest.approx(float(expected["mirror_phi_deg"][0]), abs=1e-9)
-    (corner,) = outline["corners"]
-    radial = float(expected["radial_position_mm"][0])
-    assert math.hypot(*corner["point_mm"]) == pytest.approx(radial, rel=1e-12)
-    assert len(outline["lobes_mm2"]) == 1
-    costs = [cure["cost"] for cure in stated["cures"] if cure["to"] is not None]
-    assert costs == sorted(costs)
-    assert {cure["key"] for cure in stated["cures"][:2]} == {
-        "follower.roller_radius",
-        "follower.base_radius",
-    }
-    assert main(["check", SETZHUB, "--json"]) == 0
-    healthy = json.loads(capsys.readouterr().out)
-    assert healthy["cures"] == []
-    assert healthy["discs"]["setzhub"]["inner"]["left_out_deg"] == []
 
 
 def test_an_outline_that_crosses_itself_is_refused(tmp_path: Path, capsys: Capture) -> None:

@@ -33,16 +33,3 @@ def test_a_table_and_a_picture(tmp_path: Path, capsys: Capture) -> None:
 def test_labels_tell_designs_apart() -> None:
     assert labels_of(["a/x.toml", "b/y.toml"]) == ["x", "y"]
     assert labels_of(["a/x.toml", "b/x.toml"]) == ["a/x.toml", "b/x.toml"]
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        ([SCENE], "2 to 8 designs can be compared, not 1 design"),
-        ([SCENE, "none.toml"], "none.toml: 1 fault"),
-        ([SCENE, SCENE, "--ask", "mu"], 'ask for "peak:mu"'),
-    ],
-)
-def test_wrong_calls(words: list[str], message: str, capsys: Capture) -> None:
-    assert main(["compare", *words]) == 2
-    assert message in capsys.readouterr().err

@@ -46,13 +46,6 @@ def test_what_ran_and_what_did_not_are_all_there_is(goal: str, capsys: Capture) 
     assert alone <= everything
 
 
-@pytest.mark.long  # tests/answers/test_kept.py has such a scene
-def test_a_scene_without_effects_leaves_all_of_them_alone(capsys: Capture) -> None:
-    document = explained(capsys, str(SCENE), "build")
-    alone = document["left_alone"]
-    assert {f"effects.{name}" for name in EFFECTS} <= set(alone)
-
-
 def test_effects_stand_below_what_asked_for_them(sprung: str, capsys: Capture) -> None:
     document = explained(capsys, sprung)
     runs = {each["name"]: each for each in document["computed"]}

@@ -64,29 +64,12 @@ def test_a_table_and_a_picture_are_written(points: Path, tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["--align", "best"], "'best'"),
-        (["--robust"], "--robust: allowed with --align rotation or free only"),
-        (["--unit", "cm"], "'cm'"),
-        (["--ball", "nan"], "is not a finite number"),
-        (["--tolerance", "0"], "must be a number from"),
-        (["-o", "x.txt"], "must end in one of .csv, .png"),
-    ],
-)
-def test_wrong_calls_are_refused(words: list[str], message: str, capsys: Capture) -> None:
-    with pytest.raises(SystemExit) as stopped:
-        main(["inspect", PLATE, "points.csv", *words])
-    assert stopped.value.code == 2
-    assert message in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
     ("content", "message"),
     [
         (None, "MEASURED = "),
         (b"1,2\n", "p.csv, line 1: 1 row of numbers; allowed: 12 to 50,000"),
         (b"x;y;nx;ny\n" + b"1,5;2;0;0\n" * 12, "p.csv, line 13: fewer than 12 different points"),
+        (bytes(16_000_001), "at most 16,000,000 are allowed"),
     ],
 )
 def test_wrong_files_are_refused(

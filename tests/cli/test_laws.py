@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-import subprocess
-import sys
 from dataclasses import fields
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -315,38 +312,6 @@ def test_impossible_moves_are_refused(key: str, numbers: tuple[float, float, flo
 # The picture --------------------------------------------------------------------------------------
 
 
-@pytest.mark.long  # tests/figure/test_motion.py does it for one figure
-@pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
-def test_the_picture_is_the_same_each_time(suffix: str, tmp_path: Path, capsys: Capture) -> None:
-    target = tmp_path / f"laws{suffix}"
-    call = ["laws", "--task", "R-B", "-o", str(target)]
-    assert main(call) == 0
-    data = target.read_bytes()
-    assert data.startswith({".svg": b"<?xml", ".png": b"\x89PNG", ".pdf": b"%PDF"}[suffix])
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert "laws for R-B" in captured.err
-    # That one figure gives the same bytes in all kinds, `tests.figure.test_motion` has.
-    if suffix == ".svg":
-        assert main(call) == 0
-        assert target.read_bytes() == data
-
-
-@pytest.mark.long  # tests/cli/test_commands.py has it of builds
-def test_another_picture_is_not_written_over_it(tmp_path: Path, capsys: Capture) -> None:
-    target = tmp_path / "laws.svg"
-    call = ["laws", "--task", "R-B", "-o", str(target)]
-    assert main(call) == 0
-    data = target.read_bytes()
-    other = [*call, "--v1", "1.5"]
-    capsys.readouterr()
-    assert main(other) == 2
-    assert "--force" in capsys.readouterr().err
-    assert target.read_bytes() == data
-    assert main([*other, "--force"]) == 0
-    assert target.read_bytes() != data
-
-
 def test_every_law_has_its_row_with_all_one_sided_values() -> None:
     entries = compare("U-U", {"a0": 6.0, "a1": -5.0})
     drawn = figure(entries)
@@ -393,47 +358,7 @@ def test_no_such_kind_of_picture() -> None:
         render(figure(compare("R-R", {})), ".gif")
 
 
-def test_the_table_needs_no_matplotlib() -> None:
-    code = (
-        "import sys; from camgeo.app.cli.main import main; main(['laws']);"
-        "sys.exit('matplotlib' in sys.modules or 'camgeo_export' in sys.modules)"
-    )
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True).returncode == 0
-
-
 # Wrong calls --------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("call", "reported"),
-    [
-        (["--law", "modified-sin"], "is not a motion law; did you mean modified-sine?"),
-        (["--task", "X-X"], "'X-X'"),
-        (["--inflection", "x"], "--inflection: 'x' is not a finite number"),
-        (["--speed", "60"], "physical values need --span and --stroke too"),
-        (
-            ["--speed", "0", "--span", "60", "--stroke", "1"],
-            "speed = 0.0: must be a number above 0",
-        ),
-        (["--speed", "1", "--span", "361", "--stroke", "1"], "span = 361: cannot be more than one"),
-        (["--task", "all", "--v0", "1", "--places"], "--v0, --places: allowed with one task only"),
-        (["--task", "all", "-o", "x.svg"], "-o: allowed with one task only"),
-        (["-o", "laws.gif"], "'laws.gif' must end in one of .png, .svg, .pdf"),
-    ],
-)
-def test_a_wrong_call_is_refused_with_what_is_allowed(
-    call: list[str], reported: str, capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    try:
-        code: object = main(["laws", *call])
-    except SystemExit as stopped:
-        code = stopped.code
-    captured = capsys.readouterr()
-    assert code == 2
-    assert captured.out == ""
-    assert reported in captured.err
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_name_may_be_an_alias_and_is_listed_once(capsys: Capture) -> None:

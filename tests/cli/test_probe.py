@@ -50,31 +50,3 @@ def test_the_document_sums_the_points_up(capsys: Capture) -> None:
     assert main(["probe", GROOVE, "--flank", "outer", "--step", "10", "--json"]) == 0
     record = json.loads(capsys.readouterr().out)
     assert [each["flank"] for each in record["flanks"]] == ["outer"]
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["--step", "1", "--spacing", "1"], "--step and --spacing are both given"),
-        (["--step", "0"], "from 0.01 to 30 are allowed"),
-        (["--spacing", "0"], "must be a number from 1e-09 to 1e+06"),
-        (["--ball", "-1"], "must be a number from 0 on"),
-        (["--lift", "lift.txt"], "must end in .csv"),
-        (["-o", "points.png"], "must end in one of .csv"),
-        (["-o", "a.csv", "--lift", "a.csv"], "name the same file"),
-        (["-o", "a.csv", "--lift", "b/a.csv"], "in the same folder"),
-    ],
-)
-def test_wrong_calls_are_refused(words: list[str], message: str, capsys: Capture) -> None:
-    with pytest.raises(SystemExit) as stopped:
-        main(["probe", PLATE, *words])
-    assert stopped.value.code == 2
-    assert message in capsys.readouterr().err
-
-
-def test_the_lift_curve_may_not_have_the_name_of_a_flank(tmp_path: Path, capsys: Capture) -> None:
-    names = ["-o", str(tmp_path / "p.csv"), "--lift", str(tmp_path / "p-inner.csv")]
-    with pytest.raises(SystemExit):
-        main(["probe", GROOVE, "--step", "30", *names])
-    assert "--lift names the file of a flank" in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == []

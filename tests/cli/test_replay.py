@@ -143,30 +143,6 @@ def test_the_table(tmp_path: Path) -> None:
         replay(PLATE, "-o", str(target))
 
 
-@pytest.mark.long  # tests/figure/test_kept.py has its marks
-@pytest.mark.parametrize(("suffix", "start"), [(".png", b"\x89PNG"), (".svg", b"<?xml")])
-def test_the_picture(drawings: Path, tmp_path: Path, suffix: str, start: bytes) -> None:
-    words = (PLATE, str(drawings / "plate_translating.dxf"), "-o")
-    first, second = tmp_path / f"a{suffix}", tmp_path / f"b{suffix}"
-    assert replay(*words, str(first)) == replay(*words, str(second)) == 0
-    assert first.read_bytes().startswith(start)
-    assert first.read_bytes() == second.read_bytes()
-
-
-@pytest.mark.parametrize(
-    "words",
-    [
-        ("--step", "x"), ("--step", "0"), ("--step", "nan"), ("-o", "a.txt"), ("--gap", "-1"),
-        ("--corner", "nan"), ("--unit", "cm"), ("--flank", "left"),
-    ],
-)  # fmt: skip
-def test_wrong_calls(words: tuple[str, ...], capsys: Capture) -> None:
-    with pytest.raises(SystemExit) as stopped:
-        main(["replay", PLATE, *words])
-    assert stopped.value.code == 2
-    assert "camgeo" in capsys.readouterr().err
-
-
 def test_wrong_files(tmp_path: Path) -> None:
     with pytest.raises(SceneError, match=r"the name must end in one of \.csv, \.dxf"):
         replay(PLATE, "outline.step")

@@ -179,35 +179,6 @@ motion = [{ dwell = 360 }]
     assert "# one line" in written
 
 
-@pytest.mark.parametrize(
-    ("options", "reported"),
-    [
-        (["--transmission-angle", "0"], "transmission_angle = 0: must be above 0"),
-        (["--transmission-angle", "90"], "transmission_angle = 90"),
-        (["--radius-ratio", "0"], "radius_ratio = 0: must be above 0"),
-        (["--radius-ratio", "2"], "radius_ratio = 2"),
-    ],
-)
-def test_wrong_requirements_are_2(options: list[str], reported: str, capsys: Capture) -> None:
-    assert main(["size", SETZHUB, *options]) == 2
-    assert reported in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    "options",
-    [
-        ["--transmission-angle", "x"],
-        ["-o", "size.gif"],
-        ["-o", "size.png", "--arm", "40", "60"],
-        ["-o", "a/size.png", "--scene", "b/sized.toml"],
-    ],
-)
-def test_wrong_calls_are_2(options: list[str], capsys: Capture) -> None:
-    with pytest.raises(SystemExit) as stopped:
-        main(["size", SETZHUB, *options])
-    assert stopped.value.code == 2
-
-
 def test_nothing_is_written_over(tmp_path: Path, capsys: Capture) -> None:
     target = tmp_path / "mine.toml"
     target.write_text("mine")
@@ -218,10 +189,3 @@ def test_nothing_is_written_over(tmp_path: Path, capsys: Capture) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["mine.toml"]
     assert main([*call, "--force"]) == 0
     assert b"<svg" in (tmp_path / "size.svg").read_bytes()
-
-
-def test_a_scene_with_files_stays_in_their_folder(tmp_path: Path, capsys: Capture) -> None:
-    source = str(SCENES / "measured.toml")
-    assert main(["size", source, "--scene", str(tmp_path / "sized.toml")]) == 2
-    assert "must be in the folder of SCENE" in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == []

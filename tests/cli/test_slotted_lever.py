@@ -6,8 +6,6 @@ import csv
 import io
 import json
 import math
-import subprocess
-import sys
 from decimal import Decimal
 from itertools import pairwise
 from pathlib import Path
@@ -16,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.app.cli.main import COMMANDS, main
+from camgeo.app.cli.main import main
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.slotted_lever import (
     NAMES,
@@ -366,66 +364,6 @@ def test_a_very_short_crank(capsys: Capture) -> None:
 # What is refused ----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (("--frame", "0", "--swing", "60", "--speed", "90"), "frame = 0: must be from"),
-        (("--frame", "-1", "--swing", "60", "--speed", "90"), "frame = -1: must be from"),
-        (("--frame", "1e999", "--swing", "60", "--speed", "90"), "frame = 1E+999: must be from"),
-        (("--frame", "150", "--crank", "0", "--speed", "90"), "crank = 0: must be from"),
-        (("--frame", "150", "--swing", "0", "--speed", "90"), "swing = 0: "),
-        (("--frame", "150", "--swing", "180.5", "--speed", "90"), "at most 180 degrees"),
-        (("--frame", "150", "--swing", "179.9999999999", "--speed", "90"), "give the crank"),
-        (("--frame", "1e-99", "--swing", "0.1", "--speed", "90"), "swing = 0.1: makes a crank"),
-        (("--frame", "150", "--swing", "60", "--speed", "0"), "speed = 0: must be from"),
-        (("--frame", "150", "--swing", "60", "--speed", "-90"), "speed = -90: must be from"),
-        ((*EXERCISE, "--table", "--step", "0"), "step = 0: "),
-        ((*EXERCISE, "--table", "--step", "91"), "must be 0.001 to 90 degrees"),
-        ((*EXERCISE, "--table", "--step", "1.0000000000001"), "at most 12 decimals"),
-        ((*EXERCISE, "--table", "--from", "360"), "from = 360: "),
-        ((*EXERCISE, "--table", "--from", "-1"), "from = -1: "),
-        ((*EXERCISE, "--table", "--from", "20", "--to", "20"), "to = 20: "),
-        ((*EXERCISE, "--table", "--to", "361"), "at most 360 degrees"),
-    ],
-)
-def test_wrong_values_are_reported_with_what_is_allowed(
-    words: tuple[str, ...], message: str, tmp_path: Path, capsys: Capture
-) -> None:
-    assert call(*words, "-o", str(tmp_path / "lever.svg")) == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert message in captured.err
-    assert not any(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (("--frame", "150", "--speed", "90"), "--swing --crank is required"),
-        ((*EXERCISE, "--crank", "75"), "--crank"),
-        (("--frame", "x", "--swing", "60", "--speed", "90"), "'x' is not a finite number"),
-        (("--frame", "nan", "--swing", "60", "--speed", "90"), "'nan' is not a finite number"),
-        (("--frame", "150", "--swing", "60", "--speed", "inf"), "'inf' is not a finite number"),
-        ((*EXERCISE, "--step", "2", "--printed"), "--step, --printed: allowed with --table"),
-        ((*EXERCISE, "-o", "lever.gif"), "must end in one of"),
-        ((*EXERCISE, "--csv", "a/lever.csv", "-o", "b/lever.png"), "in the same folder"),
-        ((*EXERCISE, "--csv", "lever.png", "-o", "lever.png"), "the same file"),
-    ],
-)
-def test_wrong_calls_are_refused_with_the_usage(
-    words: tuple[str, ...], message: str, tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch, capsys: Capture,
-) -> None:  # fmt: skip
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(SystemExit) as stopped:
-        call(*words)
-    assert stopped.value.code == 2
-    captured = capsys.readouterr()
-    assert "camgeo slotted-lever" in captured.err
-    assert message in captured.err
-    assert not any(tmp_path.iterdir())
-
-
 def test_extreme_lengths_and_speeds_give_finite_numbers(capsys: Capture) -> None:
     for frame in ("1e-100", "1e100"):
         for crank in ("1e-100", "1e100"):
@@ -448,15 +386,3 @@ def test_a_swing_that_cannot_be_is_refused(swing: float) -> None:
     with pytest.raises(GeometryError, match="at most 180") as refused:
         crank_for_swing(150.0, swing)
     assert refused.value.key == "swing"
-
-
-def test_without_a_picture_no_plot_library_is_loaded() -> None:
-    code = "import sys; from camgeo.app.cli.main import main; main(sys.argv[1:]);"
-    code += "print([name for name in sys.modules if name.split('.')[0] in ('matplotlib', 'scipy')])"
-    words = [sys.executable, "-c", code, "slotted-lever", *EXERCISE]
-    run = subprocess.run(words, capture_output=True, text=True, check=True)
-    assert run.stdout.splitlines()[-1] == "[]"
-
-
-def test_it_is_a_command() -> None:
-    assert "slotted-lever" in COMMANDS

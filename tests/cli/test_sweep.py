@@ -91,33 +91,3 @@ def test_what_cannot_be_written_is_told_before_anything_is_computed(
     monkeypatch.setattr(rows, "rows_of", None)
     assert call(*FAMILY, "-o", str(table)) == 2
     assert f"{table} would be overwritten; allow it with --force" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["--vary", "follower.base_radis=1,2", "--ask", "laws"], "did you mean follower.base_radi"),
-        (["--vary", "follower.base_radius=3:3:5", "--ask", "laws"], "is an empty range"),
-        (["--vary", "cam.speed=1:2:1000000000", "--ask", "laws"], "1,000,000,000 designs are more"),
-        (["--vary", RADII, "--ask", "lawz"], 'did you mean "laws"?'),
-        (["--vary", RADII], "names nothing: say what is asked"),
-        (["--ask", "laws"], "nothing varies"),
-        ([*FAMILY, "-o", "runs.xls"], "'runs.xls' must end in one of .sqlite, .csv, .json"),
-        ([*FAMILY, "-o", "a.sqlite", "-o", "b.sqlite"], "-o may name one store only"),
-        ([*FAMILY, "-o", "a.csv", "-o", "a.csv"], "must name different files"),
-        ([*FAMILY, "--show", "map"], "--show, --least and --largest need --picture"),
-        ([*FAMILY, "--picture", "a.bmp"], "'a.bmp' must end in one of .png, .svg, .pdf"),
-        ([*FAMILY, "--picture", "a.png", "--show", "pareto"], "needs --least or --largest"),
-        ([*FAMILY, "--picture", "a.png", "--least", "laws"], "two objectives or more"),
-        ([*FAMILY, "--resume"], "--resume needs a store"),
-        ([*FAMILY, "--seed", "1"], "--method and --seed need --samples"),
-        ([*FAMILY, "--samples", "0"], "must be at least 1"),
-    ],
-)
-def test_wrong_calls(words: list[str], message: str, capsys: Capture) -> None:
-    try:
-        code: object = call(*words)
-    except SystemExit as end:
-        code = end.code
-    assert code == 2
-    assert message in capsys.readouterr().err

@@ -8,60 +8,88 @@ import json
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import camgeo
 from camgeo.app.answers.verify import verify
-from camgeo.app.cli.main import main
 from camgeo.reading import VERIFIED
-
-SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
+from camgeo_export.stl import FACET, PREFIX
+from camgeo_export.verify.dxf import VERIFIER
+from tests.cli.calling import SCENES, Called, called
 
 SCENE = SCENES / "vorschub.toml"
 
 
 @pytest.fixture(scope="module")
 def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A drawing, a table and their certificate; without a scene in their folder."""
+    """A drawing, a table, a body and their certificate; without a scene in their folder."""
     folder = tmp_path_factory.mktemp("source")
-    words = ["build", str(SCENE), "-o", str(folder), "--only", "dxf,csv", "--tolerance", "0.01"]
-    assert main(words) == 0
+    words = ("-o", folder, "--only", "dxf,csv,stl", "--tolerance", "0.05")
+    assert called("build", SCENE, *words).code == 0
     return folder
 
 
 @pytest.fixture
-def folder(source: Path, tmp_path: Path) -> Path:
-    """A copy of it that a test may change."""
-    return Path(shutil.copytree(source, tmp_path / "parts"))
+def folder(source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Drawing, table and certificate, which a test may change; the present folder is above."""
+    monkeypatch.chdir(tmp_path)
+    found = Path(shutil.copytree(source, tmp_path / "parts"))
+    (found / "vorschub.stl").unlink()
+    certificate = json.loads((found / "certificate.json").read_text())
+    certificate["files"] = [each for each in certificate["files"] if "stl" not in each["file"]]
+    (found / "certificate.json").write_text(json.dumps(certificate))
+    return found
 
 
-def test_a_folder_that_cannot_be_read(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.fixture
+def bare(source: Path, tmp_path: Path) -> Path:
+    """Drawing and body, without their certificate."""
+    found = Path(shutil.copytree(source, tmp_path / "bare"))
+    for name in ("certificate.json", "vorschub.csv"):
+        (found / name).unlink()
+    return found
+
+
+def with_scene(folder: Path, *words: object) -> Called:
+    return called("verify", folder, "--scene", SCENE, *words)
+
+
+def verdicts(folder: Path) -> tuple[int, dict[str, str]]:
+    """The exit code, and the failed checks of each file."""
+    found = with_scene(folder, "--tolerance", "0.05", "--json")
+    return found.code, {
+        each["file"]: "; ".join(c.get("note", "") for c in each["checks"] if c["ok"] is False)
+        for each in found.document["files"]
+    }
+
+
+def test_a_folder_that_cannot_be_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Root can read every folder."""
 
     def refused(_: Path) -> None:
         raise PermissionError(errno.EACCES, "Permission denied")
 
     monkeypatch.setattr(Path, "iterdir", refused)
-    assert main(["verify", str(tmp_path)]) == 2
-    assert f"DIR = {tmp_path}: cannot be read: Permission denied" in capsys.readouterr().err
+    found = called("verify", tmp_path)
+    assert found.code == 2
+    assert f"DIR = {tmp_path}: cannot be read: Permission denied" in found.err
 
 
-def test_verdict_and_certificate(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["verify", str(folder), "--scene", str(SCENE)]) == 0
-    out, err = capsys.readouterr()
-    lines = out.splitlines()
+def test_verdict_and_certificate(folder: Path) -> None:
+    found = with_scene(folder)
+    lines = found.out.splitlines()
+    assert found.code == 0
     assert lines[0] == f"{folder / 'vorschub.csv'}: pass, bytes only"
-    assert lines[2].startswith(f"{folder / 'vorschub.dxf'}: pass, at most 0.00")
-    assert lines[2].endswith("mm off (tolerance 0.01 mm, by the file)")
+    assert lines[2].startswith(f"{folder / 'vorschub.dxf'}: pass, at most 0.0")
+    assert lines[2].endswith("mm off (tolerance 0.05 mm, by the file)")
     names = [line.split("  ")[1] for line in lines[3:]]
-    for name in ("unit", "closure", "deviation outline", "kink outline", "area outline"):
-        assert name in names
+    assert {"unit", "closure", "deviation outline", "kink outline", "area outline"} <= {*names}
     assert all(line.rpartition("ok")[1] for line in lines[3:])
-    assert err.endswith("verification.json: the results\n")
+    assert found.err.endswith("verification.json: the results\n")
 
-    document = json.loads((folder / "verification.json").read_text())
+    before = (folder / "verification.json").read_bytes()
+    document = json.loads(before)
     assert document["passed"] is True
     drawing = document["files"][1]
     data = (folder / "vorschub.dxf").read_bytes()
@@ -69,11 +97,9 @@ def test_verdict_and_certificate(folder: Path, capsys: pytest.CaptureFixture[str
     assert drawing["bytes"] == len(data)
     sha256 = camgeo.load(SCENE).scene.made
     assert drawing["scene"] == {"name": "vorschub", "sha256": sha256}
-    assert drawing["tolerance_mm"] == 0.01
-    assert drawing["tolerance_from"] == "the file"
-    assert drawing["deviation_mm"] <= 0.01
-    before = (folder / "verification.json").read_bytes()
-    assert main(["verify", str(folder), "--scene", str(SCENE)]) == 0
+    assert (drawing["tolerance_mm"], drawing["tolerance_from"]) == (0.05, "the file")
+    assert drawing["deviation_mm"] <= 0.05
+    assert with_scene(folder).code == 0
     assert (folder / "verification.json").read_bytes() == before
 
 
@@ -85,17 +111,16 @@ def test_scene_is_found_by_its_hash(
     here = tmp_path / "elsewhere"
     here.mkdir()
     monkeypatch.chdir(here)
-    assert main(["verify", str(folder / "vorschub.dxf")]) == 2
+    drawing = folder / "vorschub.dxf"
+    assert called("verify", drawing).code == 2
     target = {"folder": folder, "parent": tmp_path, "here": here}[place]
     shutil.copy(SCENES / "setzhub.toml", target / "another.toml")
-    assert main(["verify", str(folder / "vorschub.dxf")]) == 2
+    assert called("verify", drawing).code == 2
     shutil.copy(SCENE, target / "renamed.toml")
-    assert main(["verify", str(folder / "vorschub.dxf")]) == 0
+    assert called("verify", drawing).code == 0
 
 
-def test_files_that_name_the_hash_of_the_text(
-    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_files_that_name_the_hash_of_the_text(folder: Path) -> None:
     """Those were written before a scene was known by its values; an edit of the text counts."""
     scene = camgeo.load(SCENE).scene
     for path in folder.glob("vorschub.*"):
@@ -108,132 +133,114 @@ def test_files_that_name_the_hash_of_the_text(
     for record in certificate["files"]:
         record["sha256"] = hashlib.sha256((folder / record["file"]).read_bytes()).hexdigest()
     (folder / "certificate.json").write_text(json.dumps(certificate))
-    monkeypatch.chdir(tmp_path)
     for name in ("with", "without"):
-        assert main(["verify", str(folder), "--scene", str(SCENE)]) == 0
+        assert with_scene(folder).code == 0
         (folder / "certificate.json").unlink(missing_ok=name == "without")
-    assert main(["verify", str(folder / "vorschub.dxf")]) == 2
     text = SCENE.read_text("utf-8")
-    (folder / "scene.toml").write_text(f"# another state\n{text}", "utf-8")
-    assert main(["verify", str(folder / "vorschub.dxf")]) == 2
-    (folder / "scene.toml").write_text(f"{text}\n[effects.kinematics]\n", "utf-8")
-    assert main(["verify", str(folder / "vorschub.dxf")]) == 0
+    assert called("verify", folder / "vorschub.dxf").code == 2
+    for content, code in ((f"# another state\n{text}", 2), (f"{text}\n[effects.kinematics]\n", 0)):
+        (folder / "scene.toml").write_text(content, "utf-8")
+        assert called("verify", folder / "vorschub.dxf").code == code
 
 
-def test_scene_is_found_whatever_effects_it_names(
-    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_scene_is_found_whatever_effects_it_names(folder: Path) -> None:
     """Files stay those of the scene when a table of an effect is added to it."""
-    monkeypatch.chdir(tmp_path)
     text = SCENE.read_text("utf-8")
     other = text.replace("roller_radius = ", "roller_radius = 1", 1)
-    (folder / "scene.toml").write_text(f"{other}\n[effects.kinematics]\n", "utf-8")
-    assert main(["verify", str(folder / "vorschub.dxf")]) == 2
-    (folder / "scene.toml").write_text(f"{text}\n[effects.kinematics]\n", "utf-8")
-    assert main(["verify", str(folder / "vorschub.dxf")]) == 0
+    for content, code in ((other, 2), (text, 0)):
+        (folder / "scene.toml").write_text(f"{content}\n[effects.kinematics]\n", "utf-8")
+        assert called("verify", folder / "vorschub.dxf").code == code
 
 
-def test_scene_that_is_not_found_is_reported(
-    folder: Path,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert main(["verify", str(folder)]) == 2
-    assert "no scene with SHA-256" in (err := capsys.readouterr().err)
-    assert "name it with --scene" in err
+def test_scene_that_is_not_found_is_reported(folder: Path) -> None:
+    found = called("verify", folder)
+    assert found.code == 2
+    assert "no scene with SHA-256" in found.err
+    assert "name it with --scene" in found.err
     assert not (folder / "verification.json").exists()
 
 
-def test_tolerance_of_the_person_counts(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["verify", str(folder / "vorschub.dxf"), "--scene", str(SCENE), "--json"]
-    assert main([*words, "--tolerance", "0.001"]) == 1
-    (record,) = json.loads(capsys.readouterr().out)["files"]
+def test_tolerance_of_the_person_counts(folder: Path) -> None:
+    found = with_scene(folder / "vorschub.dxf", "--json", "--tolerance", "0.001")
+    (record,) = found.document["files"]
+    assert found.code == 1
     assert (record["tolerance_mm"], record["tolerance_from"]) == (0.001, "--tolerance")
     failed = [check for check in record["checks"] if check["ok"] is False]
     assert {check["name"] for check in failed} == {"deviation"}
-    assert failed[0]["note"].startswith("at least 0.00")
-
-
-def test_changed_bytes_of_a_table(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A file that is not measured is still compared with its certificate."""
-    table = folder / "vorschub.csv"
-    table.write_bytes(table.read_bytes().replace(b"7", b"8", 1))
-    assert main(["verify", str(folder), "--scene", str(SCENE)]) == 1
-    assert "it was changed" in capsys.readouterr().out
-
-
-def test_missing_file_is_reported(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (folder / "vorschub.csv").unlink()
-    assert main(["verify", str(folder), "--scene", str(SCENE)]) == 1
-    assert "certificate.json names it, but it is not there" in capsys.readouterr().out
+    assert failed[0]["note"].startswith("at least 0.0")
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"scene": 1}', '{"scene": {"sha256": ""}}'])
-def test_certificate_that_is_none(
-    text: str, folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_certificate_that_is_none(text: str, folder: Path) -> None:
     (folder / "certificate.json").write_text(text)
-    assert main(["verify", str(folder), "--scene", str(SCENE)]) == 1
-    assert "certificate.json is not a certificate of camgeo" in capsys.readouterr().out
+    found = with_scene(folder)
+    assert found.code == 1
+    assert "certificate.json is not a certificate of camgeo" in found.out
 
 
-def test_changed_data_file_of_the_scene(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_files_are_compared_with_their_certificate(folder: Path) -> None:
+    """Also one that is not measured, and one that is not there."""
+    table = folder / "vorschub.csv"
+    table.write_bytes(table.read_bytes().replace(b"7", b"8", 1))
+    found = with_scene(folder)
+    assert found.code == 1
+    assert "it was changed" in found.out
+    table.unlink()
+    found = with_scene(folder)
+    assert found.code == 1
+    assert "certificate.json names it, but it is not there" in found.out
+
+
+def test_changed_data_file_of_the_scene(tmp_path: Path) -> None:
     """The scene is found, though the lift table that it reads is another one now."""
     for name in ("measured.toml", "measured.csv"):
         shutil.copy(SCENES / name, tmp_path)
-    words = [str(tmp_path / "measured.toml"), "-o", str(tmp_path / "out")]
-    assert main(["build", *words, "--only", "dxf"]) == 0
-    assert main(["verify", str(tmp_path / "out")]) == 0
-    table = tmp_path / "measured.csv"
+    out, table = tmp_path / "out", tmp_path / "measured.csv"
+    assert called("build", tmp_path / "measured.toml", "-o", out, "--only", "dxf").code == 0
+    assert called("verify", out).code == 0
     table.write_text(table.read_text() + "\n")
-    capsys.readouterr()
-    assert main(["verify", str(tmp_path / "out")]) == 1
-    out = capsys.readouterr().out
-    assert "a file that the scene reads is not the one that certificate.json names" in out
+    found = called("verify", out)
+    assert found.code == 1
+    assert "a file that the scene reads is not the one that certificate.json names" in found.out
 
 
 def test_a_new_set_takes_away_the_verification_of_the_old_one(folder: Path) -> None:
     target = folder / "verification.json"
-    build = ["build", str(SCENE), "-o", str(folder), "--force", "--only", "dxf"]
-    assert main(["verify", str(folder), "--scene", str(SCENE)]) == 0
-    assert main([*build, "--tolerance", "0.02"]) == 0
+    build = ("build", SCENE, "-o", folder, "--force", "--only", "dxf")
+    assert with_scene(folder).code == 0
+    assert called(*build, "--tolerance", "0.02").code == 0
     assert not target.exists()
-    assert main(["verify", str(folder), "--scene", str(SCENE)]) == 0
-    assert main([*build, "--tolerance", "0.02"]) == 0
+    assert with_scene(folder).code == 0
+    assert called(*build, "--tolerance", "0.02").code == 0
     assert target.exists()  # the files are the same
     target.write_text('{"kind": "a diary"}')
-    assert main(build) == 0
+    assert called(*build).code == 0
     assert target.read_text() == '{"kind": "a diary"}'
 
 
-def test_only_verifications_are_replaced(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["verify", str(folder), "--scene", str(SCENE)]
-    target = folder / "verification.json"
+def test_only_verifications_are_replaced(folder: Path) -> None:
+    target, other = folder / "verification.json", folder / "notes.txt"
     target.write_text('{"kind": "a diary"}')
-    assert main(words) == 2
-    assert "verification.json would be overwritten" in capsys.readouterr().err
+    found = with_scene(folder)
+    assert found.code == 2
+    assert "verification.json would be overwritten" in found.err
     assert target.read_text() == '{"kind": "a diary"}'
-    assert main([*words, "--force"]) == 0
-    assert main([*words, "--tolerance", "0.02"]) == 0
-    assert json.loads(target.read_text())["files"][1]["tolerance_mm"] == 0.02
-    other = folder / "notes.txt"
+    assert with_scene(folder, "--force").code == 0
+    assert with_scene(folder, "--tolerance", "0.06").code == 0
+    assert json.loads(target.read_text())["files"][1]["tolerance_mm"] == 0.06
     other.write_text("mine")
-    assert main([*words, "-o", str(other)]) == 2
+    assert with_scene(folder, "-o", other).code == 2
     assert other.read_text() == "mine"
 
 
-def test_nothing_is_written_if_nothing_was_measured(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_nothing_is_written_if_nothing_was_measured(folder: Path) -> None:
     drawing = folder / "vorschub.dxf"
     drawing.write_bytes(drawing.read_bytes()[:5000])
-    assert main(["verify", str(drawing)]) == 1
-    out, err = capsys.readouterr()
-    assert "FAIL, not measured" in out
-    assert "not a complete DXF file" in out
-    assert "nothing was written" in err
+    found = called("verify", drawing)
+    assert found.code == 1
+    assert "FAIL, not measured" in found.out
+    assert "not a complete DXF file" in found.out
+    assert "nothing was written" in found.err
     assert not (folder / "verification.json").exists()
 
 
@@ -247,39 +254,21 @@ def test_nothing_is_written_if_nothing_was_measured(
         (["parts", "--scene", "absent.toml"], "there is no such file"),
     ],
 )
-def test_wrong_calls(
-    words: list[str],
-    message: str,
-    folder: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    monkeypatch.chdir(folder.parent)
+def test_wrong_calls(words: list[str], message: str, folder: Path) -> None:
     Path("notes.txt").write_text("")
     Path("empty").mkdir()
-    assert main(["verify", *words]) == 2
-    assert message in capsys.readouterr().err
+    found = called("verify", *words)
+    assert found.code == 2
+    assert message in found.err
 
 
-@pytest.mark.parametrize("tolerance", ["0", "-1", "nan", "inf", "wide"])
-def test_no_tolerance(tolerance: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as stop:
-        main(["verify", str(folder), "--tolerance", tolerance])
-    assert stop.value.code == 2
-    assert "--tolerance" in capsys.readouterr().err
-
-
-def test_files_of_several_folders(
-    folder: Path, source: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    words = ["verify", str(folder), str(source / "vorschub.dxf"), "--scene", str(SCENE)]
-    with pytest.raises(SystemExit) as stop:
-        main(words)
-    assert stop.value.code == 2
-    assert "-o" in capsys.readouterr().err
-    target = tmp_path / "all.json"
-    assert main([*words, "-o", str(target)]) == 0
-    assert len(json.loads(target.read_text())["files"]) == 3
+def test_files_of_several_folders(folder: Path, source: Path) -> None:
+    words = ("verify", folder, source / "vorschub.dxf", "--scene", SCENE)
+    found = called(*words)
+    assert found.code == 2
+    assert "-o" in found.err
+    assert called(*words, "-o", "all.json").code == 0
+    assert len(json.loads(Path("all.json").read_text())["files"]) == 3
 
 
 def test_format_of_a_file_too_large_to_be_read(tmp_path: Path) -> None:
@@ -289,3 +278,65 @@ def test_format_of_a_file_too_large_to_be_read(tmp_path: Path) -> None:
     (verdict,) = verify((program,), scene=SCENE).verdicts
     assert verdict.format == "gcode"
     assert not verdict.passed
+
+
+# Some files that cannot be read: the others keep their verdicts -----------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "reason"),
+    [
+        ("a.3mf", b"PK\x03\x04", "not a complete 3MF package: cannot be unpacked"),
+        ("a.ngc", b"G1 X" + b"9" * 310, "cut|more than 60 digits|move before unit"),
+        ("a.stl", b"0\n" * 20_000_000,
+         "has 40,000,000 bytes; at most 32,000,000 are allowed in a STL"),
+        ("a.stl", b"solid\nfacet normal 0 0 nan\n", "endsolid missing"),
+    ],
+)  # fmt: skip
+def test_a_damaged_file_takes_away_no_verdict(
+    name: str, data: bytes, reason: str, bare: Path
+) -> None:
+    (bare / name).write_bytes(data)
+    code, found = verdicts(bare)
+    assert code == 1
+    assert any(each in found[name] for each in reason.split("|"))
+    assert found["vorschub.dxf"] == found["vorschub.stl"] == ""
+
+
+def test_a_file_that_names_an_unknown_scene_takes_away_no_verdict(bare: Path) -> None:
+    shutil.copy(SCENE, bare)
+    text = (bare / "vorschub.dxf").read_text()
+    place = text.index("scene\n") + len("scene\n")
+    (bare / "other.dxf").write_text(text[:place] + text[place:].replace("1\n", "1\n0000", 1))
+    found = called("verify", bare)
+    assert found.code == 1
+    assert f"{bare / 'vorschub.dxf'}: pass" in found.out
+    assert f"{bare / 'other.dxf'}: FAIL" in found.out
+
+
+def test_an_error_of_ours_takes_away_no_verdict(
+    bare: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise ZeroDivisionError("by zero")
+
+    monkeypatch.setattr(type(VERIFIER), "checks", fail)
+    code, found = verdicts(bare)
+    assert code == 70
+    assert "internal error (ZeroDivisionError: by zero); please report" in found["vorschub.dxf"]
+    assert found["vorschub.stl"] == ""
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -1.0])
+@pytest.mark.parametrize("whose", ["ours", "foreign"])
+def test_wrong_normals_fail_without_a_certificate(value: float, whose: str, bare: Path) -> None:
+    path = bare / "vorschub.stl"
+    data = path.read_bytes()
+    facets = np.frombuffer(data, FACET, offset=PREFIX).copy()
+    facets["normal"][7] = -facets["normal"][7] if value == -1.0 else value
+    head = data[:PREFIX] if whose == "ours" else b"cad".ljust(80) + data[80:PREFIX]
+    path.write_bytes(head + facets.tobytes())
+    code, found = verdicts(bare)
+    assert code == 1
+    assert "that of facet 8" in found["vorschub.stl"]
+    assert found["vorschub.dxf"] == ""

@@ -159,13 +159,6 @@ def test_an_existing_picture_is_not_overwritten_unasked(scene: Path, capsys: Cap
     assert "--force" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("option", [("--every", "0"), ("--runs", "1.5"), ("--runs", "-1")])
-def test_options_out_of_range_are_refused(option: tuple[str, str], capsys: Capture) -> None:
-    with pytest.raises(SystemExit):
-        main(["watch", "a.toml", *option])
-    assert option[0] in capsys.readouterr().err
-
-
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 0), (signal.SIGTERM, 143)])
 def test_ctrl_c_is_a_clean_end_and_other_signals_are_not(

@@ -35,22 +35,3 @@ def test_a_missing_extra_names_its_pip_line(
     told = capsys.readouterr().err
     assert package in told
     assert "pip install 'camgeo[design]'" in told
-
-
-@pytest.mark.parametrize(
-    ("words", "sentence"),
-    [
-        (["none.toml"], "there is no such file"),
-        ([".."], "there is no such file"),
-        (["--port", "65536"], "from 0 to 65535"),
-        (["--port", "-1"], "from 0 to 65535"),
-        ([SETZHUB, "--port", "x"], "from 0 to 65535"),
-    ],
-)
-def test_wrong_calls_are_told(
-    words: list[str], sentence: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    with pytest.raises(SystemExit) as stopped:
-        sys.exit(main(["design", *words, "--no-browser"]))
-    assert stopped.value.code == 2
-    assert sentence in capsys.readouterr().err
