@@ -19,7 +19,6 @@ from camgeo.design.design import Design
 from camgeo.errors import SceneError
 from camgeo.milling.plan import engagement_findings
 from camgeo.scene.scene import load_scene
-from camgeo.units import clock
 from tests.answers.documents import FIXTURES, RING, SCENES, UNHELD, document, explained
 from tests.long_form import LONG
 
@@ -100,20 +99,6 @@ def test_text_asks_for_no_outline_that_the_findings_do_not_need(
         document(found)
 
 
-def test_text_and_document_are_of_one_result() -> None:
-    found = check(Design(load_scene(SETZHUB)))
-    first, *rest = found.findings
-    sentence = "the linkage has gone"
-    changed = replace(
-        found, findings=(replace(first, sentence=sentence, severity="invalid"), *rest)
-    )
-    assert sentence in text(changed).splitlines()[0]
-    assert text(changed).startswith("INVALID")
-    assert document(changed)["findings"][0]["sentence"] == sentence
-    assert (found.exit_code, changed.exit_code) == (0, 2)
-    assert text(found).splitlines()[1:] == text(changed).splitlines()[1:]
-
-
 @pytest.mark.parametrize("name", ["near_dead_centre", "dead_centre"])
 def test_text_and_document_agree_on_a_linkage_near_a_dead_centre(name: str) -> None:
     """Near the limit the roller is harmless; at it there is no disc, and the rest is unknown."""
@@ -140,45 +125,12 @@ def test_a_crank_that_its_slider_cannot_turn_has_no_disc() -> None:
     assert found.exit_code == 1
 
 
-def test_the_machining_time_of_each_operation() -> None:
-    found = check(Design(load_scene(SETZHUB)))
-    machining = found.machining
-    assert machining is not None
-    assert machining.machine == "LinuxCNC"
-    (program,) = machining.programs.values()
-    assert program.operations is not None
-    names = [each.name for each in program.operations]
-    assert names[-1] == "outline"
-    (reported,) = document(found)["machining"]["programs"].values()
-    assert [each["name"] for each in reported["operations"]] == names
-    assert sum(each["seconds"] for each in reported["operations"]) == pytest.approx(
-        machining.seconds
-    )
-    assert machining.seconds is not None
-    (head,) = (line for line in text(found).splitlines() if line.startswith("machining on "))
-    assert clock(machining.seconds) in head
-
-
 def test_a_sound_program_is_said_to_be_one() -> None:
     found = check(Design(load_scene(FIXTURES / "milling" / "groove_flanks.toml")))
     assert found.machining is not None
     (program,) = found.machining.programs.values()
     assert program.findings == ()
     assert "milling: simulated, nothing found" in text(found).splitlines()
-
-
-def test_the_machining_times_of_both_discs_and_their_sum() -> None:
-    found = check(Design(load_scene(FIXTURES / "scenes" / "conjugate_lever.toml")))
-    assert found.machining is not None
-    times = {name: each.seconds for name, each in found.machining.programs.items()}
-    assert list(times) == ["conjugate_lever", "conjugate_lever-return"]
-    seconds = [each for each in times.values() if each is not None]
-    assert found.machining.seconds == pytest.approx(sum(seconds))
-    lines = text(found).splitlines()
-    for name, time in times.items():
-        assert f"  {name}: {clock(time or 0.0)}" in lines
-        assert any(line.startswith(f"milling of {name}:") for line in lines)
-    assert document(found)["machining"]["seconds"] == found.machining.seconds
 
 
 def test_a_program_that_cannot_be_planned_is_the_fault_of_its_scene() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +19,7 @@ from camgeo.pictures.model import Line
 from camgeo.scene.scene import load_scene
 from camgeo.studies.inspection import Align, MeasuredPoints
 from tests.answers.documents import FIXTURES, document
-from tests.inspection.flanks import BUMP, bump, disc_of, every, flank_of, measured
+from tests.inspection.flanks import bump, disc_of, every, flank_of, measured
 
 FOLDER = FIXTURES / "scenes"
 
@@ -36,44 +35,6 @@ def found_on(
     """Points that are `away` [mm] from a flank."""
     points = MeasuredPoints(measured(every(flank_of(name, side), count), away))
     return of_points(disc_of(name), side, points, "points.csv", **options)  # type: ignore[arg-type]  # of one test each
-
-
-@pytest.mark.parametrize(
-    ("name", "side"),
-    [("plate_translating", Flank.INNER), ("tappet", Flank.INNER), ("groove", Flank.INNER),
-     ("groove", Flank.OUTER), ("flat_rocker", Flank.INNER)],
-)  # fmt: skip
-def test_five_micrometres_come_back_with_their_lift_error(name: str, side: Flank) -> None:
-    """By datum, with 1 um of noise and without; the lift error to the first order."""
-    places = every(flank_of(name, side), 720)
-    exact = found_on(name, side, away=bump(places.phi), count=720)
-    largest = exact.deviations.extremes.highest
-    assert largest.value == pytest.approx(BUMP, abs=1e-4)
-    assert exact.lift is not None
-    pitch = flank_of(name, side).curve.pitch
-    leverage = float(pitch.leverage(np.radians([60.0]))[0]) * -side.sign
-    worst = max(exact.lift.errors.extremes.highest, exact.lift.errors.extremes.lowest,
-                key=lambda each: abs(each.value))  # fmt: skip
-    assert worst.value * leverage == pytest.approx(BUMP, abs=1e-4)
-    assert abs(worst.place - np.radians(60.0)) < np.radians(1.0)
-    noise = np.random.default_rng(2).normal(0.0, 1e-3, 720)
-    noisy = found_on(name, side, away=bump(places.phi) + noise, count=720)
-    apart = noisy.deviations.values - bump(noisy.deviations.places.phi)
-    assert np.max(np.abs(apart)) < noisy.deviations.uncertainty < 5e-3
-    assert noisy.lift is not None
-    at = int(np.argmin(np.abs(noisy.lift.errors.phi - np.radians(60.0))))
-    lifted = float(noisy.lift.errors.errors[at]) * leverage
-    assert abs(lifted - BUMP) < noisy.deviations.uncertainty
-
-
-def test_text_and_document_are_of_one_result() -> None:
-    found = found_on("plate_translating", tolerance=0.01)
-    other = replace(found, count=98765, file="other.csv")
-    assert document(other)["count"] == 98765
-    assert text(other).startswith("plate_translating: 98,765 points of the inner flank, other.csv")
-    assert document(found)["shift_mm"] is document(found)["turn_deg"] is None
-    assert "shift" not in text(found)
-    assert document(found)["tolerance_mm"] == 0.01
 
 
 def test_a_profile_out_of_tolerance_breaks_a_limit() -> None:

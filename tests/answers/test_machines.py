@@ -5,13 +5,12 @@ from __future__ import annotations
 import json
 import re
 import tomllib
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from camgeo.app.answers.answer import text
-from camgeo.app.answers.machines import Machines, machine, machines
+from camgeo.app.answers.machines import machine
 from camgeo.app.cli.main import main
 from camgeo.errors import SceneError
 from camgeo.milling import machine as profiles
@@ -20,26 +19,6 @@ from tests.answers.documents import document
 FOLDER = Path(profiles.__file__).parent / "machines"
 
 Capture = pytest.CaptureFixture[str]
-
-
-def test_the_list_has_every_profile_in_text_and_document() -> None:
-    found = machines()
-    listed = document(found)["machines"]
-    assert [each["profile"] for each in listed] == list(profiles.names())
-    lines = text(found).splitlines()
-    for each, line in zip(listed, lines, strict=True):
-        assert line.startswith(each["profile"])
-        assert each["extension"] in line
-        assert each["controller"] in line
-        for count in each["evidence"].values():
-            assert re.search(rf"\b{count} ", line)
-    assert found.listed is not None
-    first, *rest = found.listed
-    other = replace(first, machine=replace(first.machine, controller="the moon"))
-    changed = replace(found, listed=(other, *rest))
-    assert document(changed)["machines"][0]["controller"] == "the moon"
-    assert "the moon" in text(changed)
-    assert "the moon" not in text(found)
 
 
 @pytest.mark.parametrize("name", profiles.names())
@@ -65,19 +44,6 @@ def test_a_profile_is_shown_with_all_its_keys(name: str) -> None:
         each["text"] for each in table["evidence"]
     ]
     assert all(f"    {each['text']}" in lines for each in shown["evidence"])
-
-
-def test_one_changed_value_shows_in_text_and_document() -> None:
-    found = machine("haas")
-    assert found.shown is not None
-    own = found.shown.machine
-    changed = Machines(shown=replace(
-        found.shown, machine=replace(own, retract=replace(own.retract, blocks=("G0 Z99.",))),
-    ))  # fmt: skip
-    (key,) = [each for each in document(changed)["keys"] if each["key"] == "retract.blocks"]
-    assert key["value"] == '["G0 Z99."]'
-    assert '["G0 Z99."]' in text(changed)
-    assert '["G0 Z99."]' not in text(found)
 
 
 def test_a_profile_of_ones_own_is_checked(tmp_path: Path, capsys: Capture) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from decimal import Decimal
 
 import numpy as np
@@ -22,17 +21,6 @@ STEP = Decimal(10)
 
 def probed(name: str, ball: float = 0.0) -> Probing:
     return probe(Design(load_scene(FOLDER / f"{name}.toml")), step=STEP, ball=ball)
-
-
-def test_text_and_document_are_of_one_result() -> None:
-    found = probed("plate_translating")
-    (one,) = found.flanks
-    other = replace(found, flanks=(replace(one, length=12.3456),))
-    assert document(other)["flanks"][0]["length_mm"] == 12.3456
-    assert "12.3456 mm long" in text(other)
-    assert "12.3456" not in text(found)
-    assert document(found)["spacing_mm"] is document(found)["tolerance_mm"] is None
-    assert set(table(found).names) == {"phi [deg]", "x [mm]", "y [mm]", "nx", "ny", "s [mm]"}
 
 
 def test_a_ball_that_does_not_fit_breaks_a_limit() -> None:
@@ -67,12 +55,3 @@ def test_the_lift_curve_of_a_trimmed_cam_is_what_its_disc_makes() -> None:
     assert np.max(np.abs(found.lift_curve[:, 1] - demanded)) > 0.01
     assert found.flanks[0].count < 36
     assert "no point" in text(found)
-
-
-def test_even_points_say_so() -> None:
-    design = Design(load_scene(FOLDER / "plate_translating.toml"))
-    found = probe(design, spacing=5.0)
-    assert found.step is None
-    assert document(found)["spacing_mm"] == 5.0
-    assert "evenly along it" in text(found)
-    assert probe(design).step == 1

@@ -31,18 +31,6 @@ def changed(found: FollowerReplay, disc: DiscReplay) -> FollowerReplay:
     return replace(found, discs=(disc, *found.discs[1:]))
 
 
-def test_text_and_document_are_of_one_result() -> None:
-    found = replayed("swallow_tail")
-    first = found.discs[0]
-    other = changed(found, replace(first, lost_stroke=Extreme(12.345, 0.0), note="one of two"))
-    assert document(other)["discs"][0]["lost_stroke"] == {"value": 12.345, "cam_angle_deg": 0.0}
-    assert document(other)["discs"][0]["note"] == "one of two"
-    assert "lost stroke           12.345 mm at cam angle 0 deg" in text(other).splitlines()
-    assert "12.345" not in text(found)
-    assert [a for a, b in zip(text(found).split("\n"), text(other).split("\n"), strict=True)
-            if a != b] == [text(found).split("\n")[1]]  # fmt: skip
-
-
 def test_a_roller_that_falls_off_an_edge_has_no_bounds() -> None:
     found = replayed("plate_translating")
     first = found.discs[0]

@@ -51,26 +51,9 @@ class Tags(HTMLParser):
         self.texts.append(data)
 
 
-def test_a_document_is_what_its_schema_says(sheet: SetupSheet) -> None:
-    reported = document(sheet)
-    assert [each["name"] for each in reported["operations"]] == [s.name for s in sheet.steps]
-    assert reported["tools"][0]["diameter"] == 10.0
-    (frame,) = reported["flaws"]
-    assert (frame["name"], frame["watched"], frame["unit"]) == ("loose", True, "pieces")
-    made = {each["name"]: each["operations"] for each in reported["features"]}
-    assert made["outline"] == ["outline"]
-    assert made["keyway"] == []
+def test_a_flaw_of_the_simulated_program_is_the_verdict(sheet: SetupSheet) -> None:
     assert sheet.exit_code == 0
-    assert sheet.seconds == pytest.approx(sum(each["seconds"] for each in reported["operations"]))
-
-
-def test_text_has_tools_operations_and_verdict(sheet: SetupSheet) -> None:
-    shown = text(sheet)
-    assert "zero      X 0, Y 0 on the cam axis, Z 0 on the upper face" in shown
-    assert "cuts go 0.5 mm below the part" in shown
-    assert all(re.search(rf"\d  {step.name} ", shown) for step in sheet.steps)
-    assert "which the fixture must hold, comes loose" in shown
-    assert "warning keyway: 5 mm wide at 0 deg: no operation makes it" in shown
+    assert "which the fixture must hold, comes loose" in text(sheet)
     assert "nothing comes loose" in text(replace(sheet, flaws=()))
     wrong = replace(sheet, flaws=(FLAW,))
     assert wrong.exit_code == 1
@@ -80,17 +63,10 @@ def test_text_has_tools_operations_and_verdict(sheet: SetupSheet) -> None:
 
 
 def test_a_sheet_is_in_the_unit_of_its_scene() -> None:
-    """As its program is; JSON is in mm."""
+    """As its program is."""
     found = setup_sheet(Design(load_scene(FIXTURES / "scenes" / "inch.toml")))
     assert found.blank == "plate of unstated size, 0.5 inch high, its upper face at Z 0"
-    assert found.holding.endswith("cuts go 0.02 inch below the part")
-    assert found.traverses == "at Z 0.25"
-    rows = [line.split() for line in text(found).splitlines()]
-    assert ["1", "end", "mill", "0.5", "-", "1", "-", "-"] in rows
-    assert ["2", "bore", "1", "3000", "12.00", "4.00", "-0.52"] in [row[:7] for row in rows]
     assert "Lengths in inch, feeds in inch/min" in html(found, "<svg></svg>")
-    (tool,) = document(found)["tools"]
-    assert tool["diameter"] == pytest.approx(12.7)
 
 
 def test_the_operator_reads_notes_stops_and_what_is_left_to_be_done() -> None:

@@ -19,33 +19,6 @@ from tests.sweep.families import SETZHUB, family
 ASK = ("largest-acceleration", "transmission-angle")
 
 
-def test_document_table_and_text_are_of_one_result() -> None:
-    with closing(sweep(family("follower.base_radius=45,50,-1"), ASK)) as result:
-        answer = answer_of(result)
-        reported = document(answer)
-        rows = list(csv.reader(io.StringIO(comma_separated(answer).decode())))
-        words = text(answer)
-    assert (reported["count"], reported["failed"], answer.exit_code) == (3, 1, 0)
-    assert reported["keys"] == ["follower.base_radius"]
-    assert reported["scene"]["sha256"] == SETZHUB.identity
-    first, _, bad = reported["designs"]
-    assert first["values"] == {"follower.base_radius": 45}
-    assert bad["answers"] == dict.fromkeys(ASK)
-    assert "follower.base_radius = -1: must be" in bad["reason"]
-    head, *body = rows
-    assert head == ["follower.base_radius", "largest-acceleration [mm/s^2]",
-                    "transmission-angle [deg]", "reason"]  # fmt: skip
-    assert [float(cell) for cell in body[0][1:3]] == list(first["answers"].values())
-    assert body[2] == ["-1", "", "", bad["reason"]]
-    angle = reported["questions"][1]
-    assert (angle["unit"], angle["count"]) == ("deg", 2)
-    assert angle["least"] == first
-    lines = words.splitlines()
-    assert lines[0] == "setzhub: 3 designs"
-    assert "1 design failed:" in lines
-    assert f"{first['answers']['transmission-angle']:.7g}" in lines[3]
-
-
 def test_of_many_designs_only_the_ends_are_printed() -> None:
     with closing(sweep(family(f"follower.base_radius=45:60:{FEW + 1}"), ASK)) as many:
         answer = answer_of(many)

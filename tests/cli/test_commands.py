@@ -95,38 +95,6 @@ def test_check_of_a_broken_limit_is_1(tmp_path: Path, capsys: Capture) -> None:
     assert (tmp_path / "out" / "setzhub.csv").exists()
 
 
-def test_check_json(capsys: Capture) -> None:
-    assert main(["check", SETZHUB, "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
-    laws = [segment.get("law", {"name": "dwell"}) for segment in document["segments"]]
-    assert [law["name"] for law in laws] == [
-        "dwell",
-        "polynomial-345",
-        "dwell",
-        "polynomial-345",
-        "dwell",
-    ]
-    assert [joint["cam_angle_deg"] for joint in document["joints"]] == pytest.approx(
-        [0.0, 110.0, 190.0, 210.0, 300.0]
-    )
-    assert {joint["before"] + joint["after"] for joint in document["joints"]} == {"RR"}
-    assert all(joint["continuous_derivatives"] >= 2 for joint in document["joints"])
-    design = camgeo.load(SETZHUB)
-    assert document["camgeo"] == camgeo.__version__
-    assert document["scene"] == {
-        "name": "setzhub",
-        "sha256": design.disc.scene_hash,
-        "files": {},
-    }
-    assert len(document["findings"]) == len(design.findings)
-    for record, finding in zip(document["findings"], design.findings, strict=True):
-        assert record["name"] == finding.name
-        assert record["value"] == finding.value
-        assert record["sentence"] == finding.sentence
-        if finding.cam_angle is not None:
-            assert record["cam_angle_deg"] == pytest.approx(np.degrees(finding.cam_angle))
-
-
 def test_build_reports_what_it_wrote(tmp_path: Path, capsys: Capture) -> None:
     call = ["build", SETZHUB, "-o", str(tmp_path), "--only", "dxf,csv", "--tolerance", "0.01"]
     assert main(call) == 0

@@ -32,15 +32,6 @@ def moved(points: Path, path: Path, by: float) -> str:
     return str(path)
 
 
-def test_points_of_probe_have_no_deviation(points: Path, capsys: Capture) -> None:
-    assert main(["inspect", PLATE, str(points), "--tolerance", "1e-6"]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert lines[0] == (
-        "plate_translating: 90 points of the inner flank, points.csv, as measured from the datum"
-    )
-    assert "more material         +0 mm at cam angle" in lines[1]
-
-
 def test_eccentricity_shows_by_datum_and_as_a_shift(
     points: Path, tmp_path: Path, capsys: Capture
 ) -> None:

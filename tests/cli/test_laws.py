@@ -195,15 +195,6 @@ def test_the_guideline_s_comparison_from_rest_to_turn(capsys: Capture) -> None:
         )
 
 
-def test_parameters_that_a_law_does_not_take_are_listed(capsys: Capture) -> None:
-    out = printed(["--task", "G-G", "--v0", "0.5", "--inflection", "0.4"], capsys)
-    assert "ignored, no parameters for G-G: inflection, v0 (straight-line)" in out
-    assert "ignored, no parameters for G-G: inflection (polynomial-5, polynomial-7)" in out
-    assert "not given, taken as 0: v1 (modified-sine, polynomial-5)" in out
-    assert "not given, taken as 0: j0, v1, j1 (polynomial-7)" in out
-    assert "lambda=0.4 v0=0.5" in out
-
-
 def test_what_cannot_be_is_listed_with_its_reason(capsys: Capture) -> None:
     """A simple sine has one parameter, so that only one of its turns can be chosen."""
     call = ["--task", "U-U", "--a0", "6", "--a1", "-5"]
@@ -248,19 +239,6 @@ def test_places(capsys: Capture) -> None:
     # f' = 1 - cos(2 pi z): C_v in the middle, C_a at the quarters, C_j at the ends, C_Mdyn at 1/3.
     assert lines[2].split() == ["at", "z", "0.50000", "0.25000", "0.75000", "0.00000", "1.00000",
                                 "0.33333", "0.66667"]  # fmt: skip
-
-
-def test_all_tasks(capsys: Capture) -> None:
-    out = printed(["--task", "all"], capsys)
-    assert [line.split()[0] for line in out.splitlines()] == list(TASKS)
-    assert "rest to turn" in out
-    assert main(["laws", "--task", "all", "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)["tasks"]
-    made = {(task["task"], law) for task in document for law in task["laws"]}
-    assert made == {(task, name) for name, family in FAMILIES.items() for task in family.tasks}
-    (to_turn,) = [task for task in document if task["task"] == "G-U"]
-    assert to_turn["ends"] == ["constant velocity", "turn"]
-    assert to_turn["laws"]["harmonic-combination"] == ["inflection", "v0", "a1"]
 
 
 # Physical values ----------------------------------------------------------------------------------

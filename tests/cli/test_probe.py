@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from pathlib import Path
 
@@ -17,24 +16,6 @@ PLATE, GROOVE, PAIR = (
 )
 
 Capture = pytest.CaptureFixture[str]
-
-
-def test_points_and_lift_curve_are_written_as_a_set(tmp_path: Path, capsys: Capture) -> None:
-    points, lift = tmp_path / "p.csv", tmp_path / "l.csv"
-    words = ["probe", PLATE, "--step", "5", "--ball", "1.5", "--tolerance", "0.02"]
-    assert main([*words, "-o", str(points), "--lift", str(lift)]) == 0
-    rows = list(csv.reader(points.read_text().splitlines()))
-    assert rows[0] == [
-        "phi [deg]", "x [mm]", "y [mm]", "nx", "ny", "s [mm]", "ball x [mm]", "ball y [mm]",
-        "upper [mm]", "lower [mm]",
-    ]  # fmt: skip
-    assert [row[0] for row in rows[1:4]] == ["0.0", "5.0", "10.0"]
-    assert len(rows) == 73
-    assert lift.read_text().startswith("phi [deg],s [mm]\n0.0,0.0\n5.0,")
-    out, err = capsys.readouterr()
-    assert out.startswith("plate_translating: 72 points of the inner flank, every 5 deg")
-    assert f"{points}: 72 rows" in err
-    assert f"{lift}: lift curve, 72 rows" in err
 
 
 @pytest.mark.parametrize(

@@ -80,17 +80,6 @@ def test_a_drawing_for_cutting_is_the_same(drawings: Path, capsys: Capture) -> N
         assert second == pytest.approx(first, rel=1e-6)
 
 
-def test_text_names_the_contour_and_the_ripple(drawings: Path, capsys: Capture) -> None:
-    assert replay(PLATE, str(drawings / "plate_translating.dxf")) == 0
-    captured = capsys.readouterr()
-    assert "2 contours; the one of 7371.2" in captured.err
-    lines = captured.out.splitlines()
-    assert lines[0] == "plate_translating: the roller on plate_translating.dxf, inner flank"
-    (ripple,) = [line for line in lines if line.startswith("ripple")]
-    assert " % of the demanded peak acceleration, at cam angle " in ripple
-    assert "shocks                none" in lines
-
-
 @pytest.mark.parametrize("side", ["inner", "outer"])
 def test_both_flanks_of_a_groove(drawings: Path, capsys: Capture, side: str) -> None:
     groove = str(SCENES / "groove.toml")

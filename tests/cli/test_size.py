@@ -25,20 +25,6 @@ def sizes(base_radius: float) -> dict[str, float]:
     return {"follower.base_radius": base_radius, "follower.offset": 0.0}
 
 
-def test_it_prints_the_answer(capsys: Capture) -> None:
-    assert main(["size", SETZHUB]) == 0
-    out = capsys.readouterr().out
-    assert "required: transmission angle at least 41 deg, r_R/r_K at most 0.7" in out
-    rows = {line[:24].strip(): line.split() for line in out.splitlines()}
-    assert rows["present design"][2] == "50.1990"
-    assert rows["smallest on its present"][5:8] == ["43.1443", "65.0965", "41.0001"]
-    assert rows["smallest"][1:4] == ["18.4924", "65.1478", "41.0000"]
-    assert 'the smallest has follower.arm_side = "cw"' in out
-    assert "decided by the transmission angle of 41 deg at cam angle 139.11" in out
-    assert "the limit is 18.4923969 mm, exactly" in out
-    assert "Flocke's base circle is 23% larger" in out
-
-
 def test_flocke_is_optimistic_about_the_curvature(capsys: Capture) -> None:
     assert main(["size", str(SCENES / "schnitt.toml")]) == 0
     out = capsys.readouterr().out

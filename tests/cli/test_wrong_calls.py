@@ -17,6 +17,8 @@ LEVER = "slotted-lever --frame 150 --swing 60 --speed 90"
 
 TABLE = f"{LEVER} --table"
 
+EQUAL = "slotted-lever --frame 150 --crank 150 --speed 90"
+
 FAMILY = (
     "sweep scenes/setzhub.toml --vary follower.base_radius=40:60:4"
     " --vary motion.2.law=modified-sine,polynomial-345 --ask laws"
@@ -99,6 +101,8 @@ WRONG = {
     f"{TABLE} --from -1": "from = -1: ",
     f"{TABLE} --from 20 --to 20": "to = 20: ",
     f"{TABLE} --to 361": "at most 360 degrees",
+    f"{EQUAL} --table": "from = 0: ",
+    f"{EQUAL} --table --from 1": "to = 360: ",
     "slotted-lever --frame 150 --speed 90": "--swing --crank is required",
     f"{LEVER} --crank 75": "--crank",
     f"{LEVER} --step 2 --printed": "--step, --printed: allowed with --table",

@@ -203,8 +203,3 @@ def test_a_damaged_journal_is_told_and_designing_goes_on(
     found.change("a = 4\n", "a 4")
     kill(found)
     assert again(folder, states).text == "a = 4\n"
-
-
-def test_two_designers_do_not_edit_one_file(desk: Desk, folder: Path, states: Path) -> None:
-    with pytest.raises(FileError, match="open in another designer"):
-        again(folder, states)

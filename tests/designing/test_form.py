@@ -12,7 +12,7 @@ import pytest
 from camgeo.app.designing.form import form
 from camgeo.scene.keys import path_of
 from camgeo.scene.values import document, document_of
-from tests.designing.scenes import CHOSEN, FILES, NAMES, name_of
+from tests.designing.scenes import CHOSEN, name_of
 
 
 def fields(data: bytes) -> dict[str, Any]:
@@ -47,30 +47,6 @@ def leaves(node: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     if isinstance(node, list) and node and isinstance(node[0], dict) and len(path) == 1:
         return [f for index, each in enumerate(node) for f in leaves(each, (*path, index))]
     return [] if isinstance(node, list) and node and isinstance(node[0], dict) else [path]
-
-
-def test_a_field_says_what_the_schema_says() -> None:
-    found = fields(FILES[NAMES.index("scenes-setzhub")].read_bytes())
-    radius = found["follower.roller_radius"]
-    assert (radius.title, radius.type, radius.unit, radius.value) == (
-        "roller radius", "number", "mm", 7.0,
-    )  # fmt: skip
-    assert radius.description.startswith("r_R: radius of the roller")
-    assert (radius.low, radius.high, radius.slider) == (0, 1e9, (0.0, 10.0, 0.02))
-    assert found["follower.contact"].choices == ("inner", "outer", "groove")
-    assert found["linkage.mirrored"].type == "flag"
-    assert found["cam.speed_curve"].type == "file"
-    assert found["follower.pivot"].value == [-40.46, -62.0]
-    assert found["limits.transmission_angle"].unit == "°"
-    assert found["follower.side_clearance"].stated is False
-    assert found["tool[1].feed"].unit == "mm/min"
-
-
-def test_kinds_can_be_chosen() -> None:
-    sections = {each.key: each for each in form(document(FILES[0].read_bytes()))}
-    assert sections["follower"].kind == "translating-roller"
-    assert {name for name, _ in sections["linkage"].kinds or ()} == {"slider-crank", "four-bar"}
-    assert not sections["linkage"].stated
 
 
 @pytest.mark.parametrize(

@@ -74,15 +74,6 @@ def test_a_history_comes_back_as_it_was(events: list[str]) -> None:
     assert anew.history.future == history.future
 
 
-def test_edits_survive_a_process_that_was_killed(tmp_path: Path) -> None:
-    history = edited(tmp_path, "b", "c")
-    found = Journal.opened(FILE, tmp_path)
-    assert found.kept == Kept(history, "saved")
-    assert left(found).history == history
-    found.close(keep=False)
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_a_journal_is_of_one_file(tmp_path: Path) -> None:
     edited(tmp_path, "b")
     assert Journal.opened("/scenes/other.toml", tmp_path).kept is None

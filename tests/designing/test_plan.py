@@ -10,7 +10,7 @@ import pytest
 
 from camgeo.app.designing.form import plan
 from camgeo.scene.values import document, document_of
-from tests.designing.scenes import CHOSEN, FILES, NAMES, design, name_of
+from tests.designing.scenes import CHOSEN, design, name_of
 
 
 @pytest.mark.parametrize("file", CHOSEN, ids=name_of)
@@ -21,16 +21,6 @@ def test_rows_are_the_segments(file: pathlib.Path) -> None:
     assert found[-1].end == 360.0
     assert all(each.fields for each in found)
     json.dumps([each.to_data() for each in found], allow_nan=False)
-
-
-def test_a_row_has_the_keys_of_its_kind() -> None:
-    rows = plan(document(FILES[NAMES.index("scenes-setzhub")].read_bytes()))
-    assert [each.key for each in rows[0].fields] == ["motion[1].dwell"]
-    assert [each.kind for each in rows] == ["dwell", "move", "dwell", "move", "dwell"]
-    move = {each.title: each for each in rows[1].fields}
-    assert (move["to"].unit, move["velocity"].unit, move["span"].unit) == ("mm", "mm/rad", "°")
-    assert "modified-sine" in move["law"].choices
-    assert (rows[1].start, rows[1].to, rows[1].law) == (0.0, 58.5, "polynomial-345")
 
 
 def test_a_row_has_the_parameters_that_its_law_takes() -> None:
