@@ -10,9 +10,9 @@ from typing import Any, Final
 
 import numpy as np
 
+from camgeo.app.answers.answer import in_a_line
 from camgeo.app.designing.children import Job
 from camgeo.app.designing.edits import changed
-from camgeo.app.designing.faults import sentence
 from camgeo.app.designing.handles import handles
 from camgeo.app.designing.segments import ACTIONS
 from camgeo.app.designing.work import run
@@ -97,7 +97,7 @@ def changes(name: str) -> Iterator[tuple[str, str]]:
         try:
             found = changed(text, str(file_of(name)), None, each, own)
         except CamgeoError as error:
-            yield f"{name}: {each}", sentence(error)
+            yield f"{name}: {each}", in_a_line(error)
             continue
         lines = difflib.unified_diff(text.splitlines(), found.text.splitlines(), n=0)
         told = [line for line in lines if not line.startswith(("---", "+++", "@@"))]

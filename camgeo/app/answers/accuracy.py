@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
 
-from camgeo.app.answers.answer import SCENE, Answer, Key
+from camgeo.app.answers.answer import SCENE, Answer, Key, aligned
 from camgeo.design.design import Design
 from camgeo.geometry.contour.contour import Form
 from camgeo.pictures.model import Figure
@@ -606,17 +606,8 @@ def figure(answer: Accuracy) -> Figure:
 
 def _columns(heads: Sequence[str], rows: Sequence[tuple[list[str], str]]) -> list[str]:
     """Columns, right-aligned except the first; a row with gaps is followed by the reason."""
-    table = [list(heads), *(cells for cells, _ in rows)]
-    widths = [max(len(cells[column]) for cells in table) for column in range(len(heads))]
-    faults = ["", *(fault for _, fault in rows)]
-    lines = []
-    for cells, fault in zip(table, faults, strict=True):
-        line = "  ".join(
-            cell.rjust(width) if column else cell.ljust(width)
-            for column, (cell, width) in enumerate(zip(cells, widths, strict=True))
-        )
-        lines.append(f"{line}  {fault}".rstrip())
-    return lines
+    lines = [[*heads, ""], *([*cells, fault] for cells, fault in rows)]
+    return aligned(lines, range(1, len(heads)))
 
 
 def _contour_cells(row: ContourRow, *, ripple: bool) -> tuple[list[str], str]:

@@ -11,8 +11,8 @@ import ast
 import inspect
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from enum import Enum
 from functools import cache
@@ -34,13 +34,17 @@ from typing import (
 )
 
 from camgeo._version import __version__
+from camgeo.errors import CamgeoError, Fault, FileError, GeometryError, SceneError, unreadable
 from camgeo.record import Displayed
-from camgeo.units import LengthUnit, counted, in_unit
+from camgeo.units import MM_PER, LengthUnit, at_cam_angles, counted, in_unit, small
 
 if TYPE_CHECKING:
+    from camgeo.cam.cam import Cam
     from camgeo.check.finding import Finding
     from camgeo.design.value_table import Table
+    from camgeo.numeric.extremes import Extreme
     from camgeo.pictures.model import Figure
+    from camgeo.reading import Limits
 
 
 FINE: Final = 0
@@ -116,6 +120,78 @@ def exit_code(findings: Iterable[Finding]) -> int:
     if "invalid" in severities:
         return WRONG
     return BROKEN if severities & {"broken", "no-disc"} else FINE
+
+
+# -- texts ----------------------------------------------------------------------------------------
+# What texts of several answers share.
+
+
+def aligned(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> list[str]:
+    """Rows of cells as lines, columns two spaces apart, those numbered in `right` right-aligned."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(
+            cell.rjust(width) if number in right else cell.ljust(width)
+            for number, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in rows
+    ]
+
+
+def named_line(name: str, text: str) -> str:
+    """A line of a list, its name in a column of 22."""
+    return f"{name:22}{text}"
+
+
+def small_extreme(extreme: Extreme, unit: str) -> str:
+    """A small extreme with its sign and its cam angle."""
+    return f"{small(extreme.value, unit, signed=True)} {at_cam_angles(extreme.place)}"
+
+
+def scaled(extreme: Extreme, factor: float) -> Extreme:
+    """The extreme in a unit of which `factor` are 1 mm or rad; a zero has no sign."""
+    return replace(extreme, value=extreme.value * factor + 0.0)
+
+
+def unit_of(length: LengthUnit, *, is_angle: bool) -> tuple[str, float]:
+    """The unit in which lengths or angles are shown, and how many of it are 1 mm or rad."""
+    return ("deg", math.degrees(1.0)) if is_angle else (length, 1.0 / MM_PER[length])
+
+
+def whose_lift(cam: Cam) -> str:
+    """Whose motion the lift of a cam is: that of the rocker of a linkage, or of the follower."""
+    return "rocker" if cam.drive.linkage is not None and cam.lift_unit == "rad" else "follower"
+
+
+def in_a_line(error: CamgeoError) -> str:
+    """The error in one line, without the name of a file."""
+    several = error.faults if isinstance(error, SceneError) else (error,)
+    return " ".join("; ".join(map(str, several)).split())
+
+
+def faults_of(error: CamgeoError) -> tuple[Fault, ...]:
+    """The faults of a scene; any other error as a single fault, at its key."""
+    if isinstance(error, SceneError):
+        return error.faults
+    if isinstance(error, GeometryError):
+        return (Fault(error.key, error.value, error.message),)
+    return (Fault("", "", str(error)),)
+
+
+def read_named(path: Path, limits: Limits, key: str) -> bytes:
+    """The bytes of a file that a call names as `key`.
+
+    FileError if there are too many, SceneError if it cannot be read.
+    """
+    from camgeo.reading import read_within  # few answers read files
+
+    try:
+        return read_within(path, limits)
+    except FileError:
+        raise
+    except (OSError, ValueError) as error:  # the latter for a path that no file can have
+        fault = Fault(key, str(path), f"cannot be read: {unreadable(error)}")
+        raise SceneError([fault]) from error
 
 
 # -- renderings -----------------------------------------------------------------------------------

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any, ClassVar, Final, Literal
 
-from camgeo.app.answers.answer import MARKS, Answer, Key
+from camgeo.app.answers.answer import MARKS, Answer, Key, aligned
 from camgeo.app.answers.check import check
-from camgeo.app.answers.sweep import aligned, shown_in
+from camgeo.app.answers.sweep import shown_in
 from camgeo.check.finding import Finding
 from camgeo.check.judge import worst
 from camgeo.design.design import Design

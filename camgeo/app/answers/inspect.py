@@ -10,16 +10,29 @@ from typing import TYPE_CHECKING, ClassVar, Final, Literal
 
 import numpy as np
 
-from camgeo.app.answers.answer import FINDING, SCENE, Answer, Key, exit_code, finding_lines
+from camgeo.app.answers.answer import (
+    FINDING,
+    SCENE,
+    Answer,
+    Key,
+    exit_code,
+    finding_lines,
+    named_line,
+    read_named,
+    scaled,
+    small_extreme,
+    unit_of,
+    whose_lift,
+)
 from camgeo.check.finding import Finding, held
 from camgeo.design.design import Design
 from camgeo.design.product import Product, disc_of
 from camgeo.design.value_table import Table
-from camgeo.errors import Fault, FileError, GeometryError, SceneError, unreadable
+from camgeo.errors import GeometryError
 from camgeo.geometry.outline.exact_flank import ExactFlank
 from camgeo.geometry.outline.path import Flank
-from camgeo.numeric.extremes import Extreme, Extremes
-from camgeo.reading import TABLE, read_within
+from camgeo.numeric.extremes import Extremes
+from camgeo.reading import TABLE
 from camgeo.scene.scene import Scene
 from camgeo.studies.inspection import (
     CONFIDENCE,
@@ -189,7 +202,9 @@ def inspect(
     """
     path = Path(file)
     disc, side = _measured(design, path.stem, flank)
-    measured = read_points(_data(path), path.name, unit or design.scene.unit)
+    measured = read_points(
+        read_named(path, TABLE, "MEASURED"), path.name, unit or design.scene.unit
+    )
     return of_points(
         disc,
         side,
@@ -261,37 +276,16 @@ def _measured(design: Design, stem: str, flank: str | None) -> tuple[Product, Fl
     return disc_of(design.discs, stem), design.cam.contact.main
 
 
-def _data(path: Path) -> bytes:
-    try:
-        return read_within(path, TABLE)
-    except FileError:
-        raise
-    except (OSError, ValueError) as error:
-        message = f"cannot be read: {unreadable(error)}"
-        raise SceneError([Fault("MEASURED", str(path), message)]) from error
-
-
 def _effect(disc: Product, exact: ExactFlank, deviations: Deviations) -> LiftEffect:
     """The effect on the follower, in the unit of the scene."""
     cam = disc.cam
     errors = lift_errors(exact, deviations, clearance=cam.clearance)
-    turns = cam.lift_unit == "rad"
-    factor = math.degrees(1.0) if turns else 1.0 / MM_PER[disc.scene.unit]
-    found = errors.extremes
-    low, high = (
-        Extreme(each.value * factor + 0.0, each.place) for each in (found.lowest, found.highest)
-    )
+    unit, factor = unit_of(disc.scene.unit, is_angle=cam.lift_unit == "rad")
+    low, high = (scaled(each, factor) for each in (errors.extremes.lowest, errors.extremes.highest))
     worst = high if high.value >= -low.value else low
     leverage = abs(float(exact.curve.pitch.leverage(np.array([worst.place]))[0]))
     uncertainty = math.inf if leverage == 0.0 else deviations.uncertainty * factor / leverage
-    return LiftEffect(
-        errors,
-        "rocker" if cam.drive.linkage is not None and turns else "follower",
-        "deg" if turns else disc.scene.unit,
-        factor,
-        Extremes(low, high),
-        uncertainty,
-    )
+    return LiftEffect(errors, whose_lift(cam), unit, factor, Extremes(low, high), uncertainty)
 
 
 def _profile(deviations: Deviations, tolerance: float | None) -> Finding:
@@ -540,9 +534,6 @@ DOCUMENT: Final = Key(
 # What `camgeo inspect` finds, in words, as a table and as a picture.
 
 
-WIDTH: Final = 22
-"""Of the names."""
-
 ALIGNED: Final = {
     "datum": "as measured from the datum",
     "rotation": "turned to fit",
@@ -557,26 +548,30 @@ def text(answer: Inspection) -> str:
     found, sure = answer.deviations, f"{100.0 * answer.confidence:g} %"
     lines = [f"{head}, {_fitted(answer)}"]
     low, high = found.extremes.lowest, found.extremes.highest
-    lines.append(_line("more material", _at(high, "mm")))
-    lines.append(_line("less material", _at(low, "mm")))
-    lines.append(_line("profile", f"{small(found.profile, 'mm')}, twice the larger of the two"))
-    lines.append(_line("root mean square", small(found.root_mean_square, "mm")))
+    lines.append(named_line("more material", small_extreme(high, "mm")))
+    lines.append(named_line("less material", small_extreme(low, "mm")))
+    lines.append(
+        named_line("profile", f"{small(found.profile, 'mm')}, twice the larger of the two")
+    )
+    lines.append(named_line("root mean square", small(found.root_mean_square, "mm")))
     scatter = f"{small(found.scatter, 'mm')} of a reading; all deviations within"
-    lines.append(_line("scatter", f"{scatter} {small(found.uncertainty, 'mm')} ({sure})"))
+    lines.append(named_line("scatter", f"{scatter} {small(found.uncertainty, 'mm')} ({sure})"))
     alignment = answer.alignment
     if (shift := answer.shift) is not None and alignment.shift_uncertainty is not None:
         for name, value, off in zip(
             "xy", (shift.real, shift.imag), alignment.shift_uncertainty, strict=True
         ):
             within = f"± {small(off, 'mm')} ({sure})"
-            lines.append(_line(f"shift in {name}", f"{small(value, 'mm', signed=True)} {within}"))
+            lines.append(
+                named_line(f"shift in {name}", f"{small(value, 'mm', signed=True)} {within}")
+            )
     if answer.turn is not None and alignment.turn_uncertainty is not None:
         off = math.degrees(alignment.turn_uncertainty)
         within = f"± {small(off, 'deg')} ({sure})" if math.isfinite(off) else "± unknown"
         turn = small(math.degrees(answer.turn), "deg", signed=True)
         delay = math.degrees(answer.delay or 0.0)
         when = f"the motion comes {small(abs(delay), 'deg')} {'late' if delay > 0.0 else 'early'}"
-        lines.append(_line("turn", f"{turn} {within}; {when}"))
+        lines.append(named_line("turn", f"{turn} {within}; {when}"))
     if answer.lift is not None:
         lines += _lift_lines(answer.lift, sure)
     return "\n".join([*lines, *finding_lines(answer.findings)])
@@ -625,14 +620,8 @@ def _fitted(answer: Inspection) -> str:
 def _lift_lines(lift: LiftEffect, sure: str) -> list[str]:
     low, high = lift.extremes.lowest, lift.extremes.highest
     return [
-        _line("lift error", f"{_at(high, lift.unit)}, of the {lift.of}"),
-        _line("", f"{_at(low, lift.unit)}; ± {small(lift.uncertainty, lift.unit)} ({sure})"),
+        named_line("lift error", f"{small_extreme(high, lift.unit)}, of the {lift.of}"),
+        named_line(
+            "", f"{small_extreme(low, lift.unit)}; ± {small(lift.uncertainty, lift.unit)} ({sure})"
+        ),
     ]
-
-
-def _line(name: str, text: str) -> str:
-    return f"{name:{WIDTH}}{text}"
-
-
-def _at(extreme: Extreme, unit: str) -> str:
-    return f"{small(extreme.value, unit, signed=True)} {at_cam_angles(extreme.place)}"

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Final, Literal
 
-from camgeo.app.answers.answer import BROKEN, FINE, Answer, Key
-from camgeo.app.answers.sweep import aligned, exact, shown, shown_in
+from camgeo.app.answers.answer import BROKEN, FINE, Answer, Key, aligned
+from camgeo.app.answers.sweep import exact, shown, shown_in
 from camgeo.scene.scene import Scene
 from camgeo.scene.varied import Value
 from camgeo.studies.optimise.optimise import Found, Trial

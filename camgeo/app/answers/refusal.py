@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
-from camgeo.app.answers.answer import BROKEN, WRONG, Answer, Key
-from camgeo.errors import CamgeoError, Fault, GeometryError, SceneError, UndercutError, UnsafeError
+from camgeo.app.answers.answer import BROKEN, WRONG, Answer, Key, faults_of
+from camgeo.errors import CamgeoError, Fault, UndercutError, UnsafeError
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,15 +36,10 @@ def refusal(error: CamgeoError) -> Refusal:
     not be run, else 2.
     """
     name, message = type(error).__name__, str(error)
-    if isinstance(error, SceneError):
-        return Refusal(name, message, error.file, error.faults)
     if isinstance(error, UndercutError | UnsafeError):
         message = f"{error.message}; nothing was written"
         return Refusal(name, message, "", (Fault("", "", message),), BROKEN)
-    if isinstance(error, GeometryError):
-        fault = Fault(error.key, error.value, error.message)
-        return Refusal(name, message, "", (fault,))
-    return Refusal(name, message, "", (Fault("", "", message),))
+    return Refusal(name, message, getattr(error, "file", ""), faults_of(error))
 
 
 # -- document -------------------------------------------------------------------------------------

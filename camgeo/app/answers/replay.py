@@ -12,12 +12,22 @@ from typing import TYPE_CHECKING, ClassVar, Final, Literal, Protocol
 
 import numpy as np
 
-from camgeo.app.answers.answer import SCENE, Answer, Key, Keys
+from camgeo.app.answers.answer import (
+    SCENE,
+    Answer,
+    Key,
+    Keys,
+    named_line,
+    read_named,
+    scaled,
+    unit_of,
+    whose_lift,
+)
 from camgeo.cam.cam import Cam
 from camgeo.design.design import Design
 from camgeo.design.product import Product, disc_of
 from camgeo.design.value_table import Table, cam_angles
-from camgeo.errors import Fault, FileError, GeometryError, SceneError, unreadable
+from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.geometry.contour.contour import Contour, crossing, winding_number
 from camgeo.geometry.contour.foreign import Outlines, by_arcs
 from camgeo.geometry.contour.spline import SplineContour
@@ -36,9 +46,9 @@ from camgeo.geometry.outline.replay import (
 from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme, Extremes
-from camgeo.reading import DRAWING, read_within
+from camgeo.reading import DRAWING
 from camgeo.scene.scene import Scene
-from camgeo.units import MM_PER, TURN, LengthUnit, counted, in_unit
+from camgeo.units import TURN, LengthUnit, counted, in_unit
 
 if TYPE_CHECKING:
     from camgeo.pictures.model import Figure
@@ -242,16 +252,12 @@ def _result(
     disc: Product, contour: str, note: str, notes: Sequence[str], replay: Replay
 ) -> DiscReplay:
     """The result of a replay, in the unit of the scene."""
-    cam, unit = disc.cam, disc.scene.unit
-    turns = cam.lift_unit == "rad"
-    factor = math.degrees(1.0) if turns else 1.0 / MM_PER[unit]
+    cam = disc.cam
+    unit, factor = unit_of(disc.scene.unit, is_angle=cam.lift_unit == "rad")
     falls = bool(len(replay.drops))
 
-    def scaled(extreme: Extreme) -> Extreme:
-        return Extreme(extreme.value * factor + 0.0, extreme.place)
-
     def peak(actual: Extreme | None, demanded: float) -> Peak:
-        return Peak(None if actual is None else scaled(actual), demanded * factor)
+        return Peak(None if actual is None else scaled(actual, factor), demanded * factor)
 
     ripple, off, most = None, replay.largest_acceleration_error, replay.demanded_acceleration
     if off is not None and most > 0.0:
@@ -262,11 +268,11 @@ def _result(
         note=note,
         notes=tuple(notes),
         replay=replay,
-        of="rocker" if cam.drive.linkage is not None and turns else "follower",
-        unit="deg" if turns else unit,
+        of=whose_lift(cam),
+        unit=unit,
         factor=factor,
-        lost_stroke=scaled(replay.largest_loss),
-        lift_error=scaled(replay.largest_error),
+        lost_stroke=scaled(replay.largest_loss, factor),
+        lift_error=scaled(replay.largest_error, factor),
         velocity=peak(replay.velocity, replay.demanded_velocity),
         acceleration=peak(replay.acceleration, replay.demanded_acceleration),
         ripple=ripple,
@@ -467,9 +473,6 @@ DOCUMENT: Final = Key(
 # What `camgeo replay` finds, in words, as a table and as a picture.
 
 
-WIDTH: Final = 22
-"""Of the names."""
-
 TOUCHING: Final = 1e-9
 """Rollers that are squeezed by up to this [mm] touch: rounding."""
 
@@ -527,35 +530,37 @@ def figure(answer: FollowerReplay) -> Figure:
 def _lines(disc: DiscReplay) -> list[str]:
     """What the follower does, a line each."""
     unit = disc.unit
-    lines = [_line("lost stroke", _at(disc.lost_stroke, unit))]
-    lines.append(_line("lift error", _at(disc.lift_error, unit)))
+    lines = [named_line("lost stroke", _at(disc.lost_stroke, unit))]
+    lines.append(named_line("lift error", _at(disc.lift_error, unit)))
     for name, peak, per in (
         ("velocity", disc.velocity, "rad"),
         ("acceleration", disc.acceleration, "rad^2"),
     ):
         actual = "unbounded" if peak.actual is None else _at(peak.actual, f"{unit}/{per}")
-        lines.append(_line(name, f"{actual}; demanded {peak.demanded:.6g}"))
+        lines.append(named_line(name, f"{actual}; demanded {peak.demanded:.6g}"))
     if disc.ripple is not None:
         share = f"{_percent(disc.ripple.value)} of the demanded peak acceleration"
-        lines.append(_line("ripple", f"{share}, at {_place(disc.ripple)}"))
+        lines.append(named_line("ripple", f"{share}, at {_place(disc.ripple)}"))
     shocks, largest = "none", disc.shocks.largest
     if largest is not None:
         shocks = f"{len(disc.shocks)}, the largest {_at(largest, f'{unit}/rad')}"
         if disc.replay.largest_shock is not None:
             shocks += f", {_percent(disc.replay.largest_shock)} of the demanded peak velocity"
-    lines.append(_line("shocks", shocks))
+    lines.append(named_line("shocks", shocks))
     if (drop := disc.drops.largest) is not None:
         count = len(disc.drops)
         often = "once," if count == 1 else f"{count} times, the largest"
-        lines.append(_line("falls off an edge", f"{often} {_at(drop, unit)}"))
+        lines.append(named_line("falls off an edge", f"{often} {_at(drop, unit)}"))
     if (contact := disc.contact) is not None:
         ends = " to ".join(_at(each, "mm") for each in (contact.lowest, contact.highest))
         beyond = "; it leaves the face, as if it were longer" if contact.leaves_face else ""
-        lines.append(_line("contact on the face", f"{ends}{beyond}"))
+        lines.append(named_line("contact on the face", f"{ends}{beyond}"))
     if (timed := disc.in_time) is not None:
         for name, per in (("velocity", "s"), ("acceleration", "s^2")):
             actual, demanded = (f"{timed[f'{of}_{name}']:.6g}" for of in ("actual", "demanded"))
-            lines.append(_line(f"{name} in time", f"{actual} {unit}/{per}; demanded {demanded}"))
+            lines.append(
+                named_line(f"{name} in time", f"{actual} {unit}/{per}; demanded {demanded}")
+            )
     return lines
 
 
@@ -564,12 +569,8 @@ def _closing_lines(closing: Extremes) -> list[str]:
     lines = []
     for name, each in (("largest play", closing.highest), ("smallest play", closing.lowest)):
         tail = ": the rollers are squeezed there" if each.value < -TOUCHING else ""
-        lines.append(_line(name, f"{_at(each, 'mm')}, as travel of the main roller{tail}"))
+        lines.append(named_line(name, f"{_at(each, 'mm')}, as travel of the main roller{tail}"))
     return lines
-
-
-def _line(name: str, text: str) -> str:
-    return f"{name:{WIDTH}}{text}"
 
 
 def _at(extreme: Extreme, unit: str) -> str:
@@ -658,13 +659,7 @@ def outline_in(
         endings = ", ".join(f".{name}" for name in sorted(readers.names))
         raise SceneError([Fault("CONTOUR", str(file), f"the name must end in one of {endings}")])
     reader: Reader = readers[kind].load()
-    try:
-        data = read_within(file, DRAWING)
-    except FileError:
-        raise
-    except (OSError, ValueError) as error:
-        message = f"cannot be read: {unreadable(error)}"
-        raise SceneError([Fault("CONTOUR", str(file), message)]) from error
+    data = read_named(file, DRAWING, "CONTOUR")
     read = reader.read(
         data,
         file.name,

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
-from camgeo.app.answers.answer import FINDING, MANY, MARKS, SCENE, Answer, Key
+from camgeo.app.answers.answer import FINDING, MANY, MARKS, SCENE, Answer, Key, in_a_line
 from camgeo.app.answers.check import Check, check
 from camgeo.check.cures.search import Cure
 from camgeo.check.finding import RETURN, Finding, Severity
-from camgeo.errors import CamgeoError, SceneError
+from camgeo.errors import CamgeoError
 from camgeo.pictures import effects, motion, plots
 from camgeo.pictures import motion as diagrams
 from camgeo.pictures.mechanism import Animation, animation
@@ -44,6 +44,9 @@ FACETS, LEAST = 5e-4, 1e-3
 
 TOGETHER: Final = 6
 """Most panels of effects in a diagram: as many as fit on a sheet."""
+
+MOTION: Final = "motion plan and diagrams"
+"""Title of the first diagram."""
 
 Progress = Callable[[str], None]
 
@@ -151,7 +154,7 @@ def report(design: Design, *, quick: bool = False, progress: Progress = lambda _
         try:
             return make()
         except CamgeoError as error:
-            left_out.append(f"{what}: {_reason(error)}")
+            left_out.append(f"{what}: {in_a_line(error)}")
             return None
 
     turn = None
@@ -159,7 +162,7 @@ def report(design: Design, *, quick: bool = False, progress: Progress = lambda _
         left_out.append("mechanism: the scene has no follower, so there is no disc")
     else:
         turn = tried("mechanism", lambda: animation(design.disc))
-    wanted = [("motion plan and diagrams", partial(_motion, design))]
+    wanted = [(MOTION, partial(motion_diagram, design))]
     wanted += tried("diagrams of the disc", lambda: [*_of_discs(design)]) or ()
     charts = [
         Chart(what, figure, readings(figure))
@@ -190,13 +193,8 @@ def report(design: Design, *, quick: bool = False, progress: Progress = lambda _
     )
 
 
-def _reason(error: CamgeoError) -> str:
-    """The error in a line."""
-    several = error.faults if isinstance(error, SceneError) else (error,)
-    return " ".join("; ".join(map(str, several)).split())
-
-
-def _motion(design: Design) -> Figure:
+def motion_diagram(design: Design) -> Figure:
+    """The motion plan, and the motion over the cam angle."""
     scene = design.scene
     return motion.of_drive(design.name, scene.unit, design.drive, scene.lift_unit)
 
@@ -205,14 +203,20 @@ def _of_discs(design: Design) -> Iterator[tuple[str, Callable[[], Figure]]]:
     """The title of each diagram that needs a disc, and what makes it."""
     if design.scene.follower is None:
         return
-    for disc in design.discs:
-        name = "" if disc is design.disc else f" of {disc.name}"
-        yield f"transmission angle{name}", partial(diagrams.transmission_angle, disc)
-        yield f"curvature{name}", partial(diagrams.curvature, disc)
+    yield from ((title, make) for _, title, make in disc_diagrams(design))
     if design.scene.effects:
         yield from of_effects(design.disc)
     if plots.SPECTRUM in design.scene.effects:
         yield "shock spectra", lambda: plots.of_design(design, [plots.SPECTRUM])[0]
+
+
+def disc_diagrams(design: Design) -> Iterator[tuple[str, str, partial[Figure]]]:
+    """Name, title and maker of each diagram that shows a disc, one after the other."""
+    for disc in design.discs:
+        name, of = ("", "") if disc is design.disc else ("-return", f" of {disc.name}")
+        angle = partial(diagrams.transmission_angle, disc)
+        yield f"transmission{name}", f"transmission angle{of}", angle
+        yield f"curvature{name}", f"curvature{of}", partial(diagrams.curvature, disc)
 
 
 def of_effects(disc: Product) -> Iterator[tuple[str, partial[Figure]]]:

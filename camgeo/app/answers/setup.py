@@ -9,7 +9,7 @@ from functools import partial
 from html import escape
 from typing import ClassVar, Final, Literal
 
-from camgeo.app.answers.answer import BROKEN, FINE, MARKS, SCENE, Answer, Key
+from camgeo.app.answers.answer import BROKEN, FINE, MARKS, SCENE, Answer, Key, aligned
 from camgeo.design.design import Design
 from camgeo.design.milled import compared
 from camgeo.design.product import Product, programs_of, sides_of
@@ -598,15 +598,7 @@ def _step(number: int, step: Step, unit: LengthUnit) -> list[str]:
 
 
 def _columns(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    table = [heads, *rows]
-    widths = [max(len(row[column]) for row in table) for column in range(len(heads))]
-    return [
-        "  ".join(
-            cell.ljust(width) if column == 1 else cell.rjust(width)
-            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in table
-    ]
+    return aligned([heads, *rows], {*range(len(heads))} - {1})
 
 
 def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

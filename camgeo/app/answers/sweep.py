@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Final
 
-from camgeo.app.answers.answer import Answer, Key
+from camgeo.app.answers.answer import Answer, Key, aligned
 from camgeo.studies.sweep.rows import Row
 from camgeo.studies.sweep.sweep import Result
 from camgeo.units import LengthUnit, counted, listed, shortened, unit_in
@@ -318,15 +318,6 @@ def _answer(design: Design, word: str, common: str, length: LengthUnit) -> tuple
     own = design.units.get(word, "")
     found, unit = shown_in(length, design.answers[word], own or common)
     return found, unit if own else ""
-
-
-def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Rows of cells as lines, columns two spaces apart."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [
-        "  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in rows
-    ]
 
 
 def shown_in(length: LengthUnit, value: object, unit: str) -> tuple[str, str]:

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Final, Literal
 
 import numpy as np
 
-from camgeo.app.answers.answer import BROKEN, FINE, SCENE, Answer, Key
-from camgeo.app.answers.sweep import aligned
+from camgeo.app.answers.answer import (
+    BROKEN,
+    FINE,
+    SCENE,
+    Answer,
+    Key,
+    aligned,
+    scaled,
+    small_extreme,
+    unit_of,
+)
 from camgeo.design.design import Design
 from camgeo.design.value_table import Table
 from camgeo.geometry.outline.path import Flank
@@ -28,7 +36,7 @@ from camgeo.studies.tolerancing.linear import (
 )
 from camgeo.studies.tolerancing.sources import SIGMAS
 from camgeo.studies.tolerancing.stated import stated_of
-from camgeo.units import MM_PER, at_cam_angles, cam_angle, counted, small
+from camgeo.units import at_cam_angles, cam_angle, counted, small
 
 if TYPE_CHECKING:
     from camgeo.pictures.model import Figure
@@ -155,7 +163,7 @@ class ToleranceAnalysis(Answer):
     @property
     def unit(self) -> str:
         """Of the position: that of the scene, or "deg"."""
-        return "deg" if self._turns else self.scene.unit
+        return unit_of(self.scene.unit, is_angle=self._turns)[0]
 
     @property
     def _turns(self) -> bool:
@@ -164,11 +172,7 @@ class ToleranceAnalysis(Answer):
     @property
     def factor(self) -> float:
         """`unit` per mm or rad."""
-        return self._own(is_angle=self._turns)
-
-    def _own(self, *, is_angle: bool) -> float:
-        """Units of the scene per rad or mm."""
-        return math.degrees(1.0) if is_angle else 1.0 / MM_PER[self.scene.unit]
+        return unit_of(self.scene.unit, is_angle=self._turns)[1]
 
     @property
     def limit(self) -> float | None:
@@ -184,7 +188,7 @@ class ToleranceAnalysis(Answer):
     @property
     def worst(self) -> Extreme:
         """The largest error, of mean and three standard deviations."""
-        return self.scaled(self.linear.worst)
+        return scaled(self.linear.worst, self.factor)
 
     @property
     def sources(self) -> tuple[Share, ...]:
@@ -197,10 +201,7 @@ class ToleranceAnalysis(Answer):
         if self.between is None:
             return None
         unit, factor = self.play_unit
-        least, most = (
-            Extreme(each.value * factor, each.place)
-            for each in (self.between.least, self.between.most)
-        )
+        least, most = (scaled(each, factor) for each in (self.between.least, self.between.most))
         shares = (self._share(each, factor, unit) for each in self.between.contributions)
         return Room(unit, least, most, tuple(shares))
 
@@ -208,34 +209,24 @@ class ToleranceAnalysis(Answer):
     def play_unit(self) -> tuple[str, float]:
         """Unit of the follower's own motion, and how many of it are 1 mm or rad."""
         turns = self.linear.stated.machine.cam.lift_unit == "rad"
-        return "deg" if turns else self.scene.unit, self._own(is_angle=turns)
-
-    def scaled(self, extreme: Extreme) -> Extreme:
-        """An error [mm or rad] in the unit of the position."""
-        return Extreme(extreme.value * self.factor, extreme.place)
+        return unit_of(self.scene.unit, is_angle=turns)
 
     def _share(self, found: Contribution, factor: float, of: str) -> Share:
         """What a source does, to what has the unit `of`."""
         source = found.source
-        own = self._own(is_angle=source.is_angle)
-        unit = "deg" if source.is_angle else self.scene.unit
-        low, high = source.limits
-        per = Extreme(found.sensitivity.value * factor / own, found.sensitivity.place)
-        spread, mean, remainder = (
-            Extreme(each.value * factor, each.place)
-            for each in (found.spread, found.mean, found.remainder)
-        )
+        unit, own = unit_of(self.scene.unit, is_angle=source.is_angle)
+        (low, high), per = source.limits, found.sensitivity
         return Share(
             name=source.name,
             sense=source.sense,
             limits=(low * own, high * own),
             unit=unit,
             distribution=source.shape,
-            sensitivity=per,
+            sensitivity=replace(per, value=per.value * factor / own),
             sensitivity_unit=f"{of}/{unit}",
-            spread=spread,
-            mean=mean,
-            remainder=remainder,
+            spread=scaled(found.spread, factor),
+            mean=scaled(found.mean, factor),
+            remainder=scaled(found.remainder, factor),
             share=found.share,
             share_at_worst=found.share_at_worst,
         )
@@ -246,12 +237,11 @@ class ToleranceAnalysis(Answer):
         found, factor = self.sampled, self.factor
         if found is None:
             return None
-        sigma = self.scaled(found.sigma)
         return Machines(
             count=found.count,
             seed=found.seed,
-            quantile=self.scaled(found.worst),
-            three_sigma=Extreme(SIGMAS * sigma.value, sigma.place),
+            quantile=scaled(found.worst, factor),
+            three_sigma=scaled(scaled(found.sigma, factor), SIGMAS),
             largest=float(np.quantile(found.largest, QUANTILES[-1])) * factor,
             kept=found.kept,
             kept_error=found.kept_error,
@@ -495,9 +485,10 @@ COST: Final = "by the scene, and below what 1 %, 50 % and 99 % of machines stay"
 def text(answer: ToleranceAnalysis) -> str:
     """The largest error, and a line for each source."""
     sources = counted(len(answer.sources), "source")
+    worst = small_extreme(answer.worst, answer.unit)
     lines = [
         f"{answer.scene.name}: position of the {answer.of} on the {answer.flank} flank, {sources}",
-        f"largest error, mean and 3 sigma: {_at(answer.worst, answer.unit)}{_verdict(answer)}",
+        f"largest error, mean and 3 sigma: {worst}{_verdict(answer)}",
     ]
     if answer.set_at is not None:
         lines.append(f"the machine is set {at_cam_angles(answer.set_at)}")
@@ -505,7 +496,7 @@ def text(answer: ToleranceAnalysis) -> str:
     lines.append(f"errors in {answer.unit}, cam angles in degrees; {NOTE}")
     room = answer.play
     if room is not None:
-        least, most = (_at(each, room.unit) for each in (room.least, room.most))
+        least, most = (small_extreme(each, room.unit) for each in (room.least, room.most))
         lines += ["", f"play between both sides, mean and 3 sigma: {least}, {most}"]
         lines += [SQUEEZED, "", *_sources(room.sources), ""]
     if answer.machines is not None:
@@ -523,8 +514,8 @@ def _sources(sources: tuple[Share, ...]) -> list[str]:
 def _machines(found: Machines, unit: str, room: Room | None) -> list[str]:
     lines = [
         f"{counted(found.count, 'random machine')} (Sobol, seed {found.seed}), replayed exactly:",
-        f"  1 % or 99 % of the errors are beyond {_at(found.quantile, unit)}",
-        f"  3 sigma {_at(found.three_sigma, unit)}",
+        f"  1 % or 99 % of the errors are beyond {small_extreme(found.quantile, unit)}",
+        f"  3 sigma {small_extreme(found.three_sigma, unit)}",
         f"  99 % of machines err nowhere by more than {small(found.largest, unit)}",
     ]
     if found.kept is not None:
@@ -552,10 +543,6 @@ def _verdict(answer: ToleranceAnalysis) -> str:
         return ""
     kept = "kept" if answer.within else "BROKEN"
     return f"; limit {small(answer.limit, answer.unit)}: {kept}"
-
-
-def _at(extreme: Extreme, unit: str) -> str:
-    return f"{small(extreme.value, unit, signed=True)} {at_cam_angles(extreme.place)}"
 
 
 def _row(each: Share) -> list[str]:

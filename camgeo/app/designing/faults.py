@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Final
 
-from camgeo.app.answers.answer import MARKS
-from camgeo.errors import CamgeoError, Fault, GeometryError, SceneError
+from camgeo.app.answers.answer import MARKS, faults_of
+from camgeo.errors import CamgeoError, Fault
 from camgeo.scene.keys import key_lines, line_of, path_of
 from camgeo.units import counted
 
@@ -22,16 +22,8 @@ def faults_as_data(error: CamgeoError, text: str = "") -> list[dict[str, Any]]:
             "hint": each.hint,
             "line": each.line,
         }
-        for each in _with_lines(_faults(error), text)
+        for each in _with_lines(faults_of(error), text)
     ]
-
-
-def _faults(error: CamgeoError) -> tuple[Fault, ...]:
-    if isinstance(error, SceneError):
-        return error.faults
-    if isinstance(error, GeometryError):
-        return (Fault(error.key, error.value, error.message),)
-    return (Fault("", "", str(error)),)
 
 
 def _with_lines(faults: tuple[Fault, ...], text: str) -> tuple[Fault, ...]:
@@ -43,12 +35,6 @@ def _with_lines(faults: tuple[Fault, ...], text: str) -> tuple[Fault, ...]:
         each if each.line else replace(each, line=line_of(path_of(each.key) or (), lines))
         for each in faults
     )
-
-
-def sentence(error: CamgeoError) -> str:
-    """The error in one line, without the name of the file."""
-    found = error.faults if isinstance(error, SceneError) else (error,)
-    return " ".join("; ".join(map(str, found)).split())
 
 
 # -- verdict --------------------------------------------------------------------------------------

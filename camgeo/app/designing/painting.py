@@ -14,25 +14,31 @@ from typing import Any, Final
 
 import numpy as np
 
-from camgeo.app.answers.report import Chart, Reading, of_effects, plain, readings, shown
+from camgeo.app.answers.answer import in_a_line
+from camgeo.app.answers.report import (
+    MOTION,
+    Chart,
+    Reading,
+    disc_diagrams,
+    motion_diagram,
+    of_effects,
+    plain,
+    readings,
+    shown,
+)
 from camgeo.app.designing.children import Job, JobError
 from camgeo.app.designing.edits import changed
-from camgeo.app.designing.faults import faults_as_data, sentence
+from camgeo.app.designing.faults import faults_as_data
 from camgeo.app.designing.form import form, plan
 from camgeo.app.designing.handles import handles
 from camgeo.app.designing.recent import Recent
 from camgeo.design.design import Design
 from camgeo.errors import CamgeoError, SceneError
 from camgeo.numeric.arrays import FloatArray
-from camgeo.pictures import motion
-from camgeo.pictures import motion as diagrams
 from camgeo.pictures.mechanism import Animation, animation
 from camgeo.pictures.model import Figure, figure_data, listed
 from camgeo.pictures.thinned import thinned, thinned_turn
 from camgeo.scene.values import Document
-
-MOTION: Final = "motion"
-"""Key of the scene's segments."""
 
 
 def curves(job: Job, recent: Recent) -> dict[str, Any]:
@@ -86,7 +92,7 @@ def change(job: Job, recent: Recent) -> dict[str, Any]:
     except JobError:
         raise
     except CamgeoError as error:
-        return {"text": job.text, "refused": sentence(error), "faults": faults_as_data(error)}
+        return {"text": job.text, "refused": in_a_line(error), "faults": faults_as_data(error)}
     after = replace(job, text=found.text)
     if found.scene is not None:
         recent.made(after, found.scene)
@@ -98,7 +104,7 @@ def change(job: Job, recent: Recent) -> dict[str, Any]:
 
 def _stated(found: Document, recent: Recent) -> dict[str, Any]:
     # Joints are dragged more often than anything else, and the form does not show them.
-    shown = repr({key: value for key, value in found.exact.items() if key != MOTION})
+    shown = repr({key: value for key, value in found.exact.items() if key != "motion"})
     return {
         "form": recent.kept("form", (shown,), lambda: [each.to_data() for each in form(found)]),
         "plan": [each.to_data() for each in plan(found)],
@@ -138,19 +144,11 @@ def effect_charts(design: Design) -> list[dict[str, Any]]:
 def _wanted(design: Design, recent: Recent) -> Iterator[Callable[[], dict[str, Any]]]:
     """What makes each diagram that is soon made."""
     scene, drive = design.scene, design.drive
-    moves = partial(motion.of_drive, design.name, scene.unit, drive, scene.lift_unit)
     moved = design.name, scene.unit, drive, scene.lift_unit
-    chart = partial(_chart, "motion", "motion plan and diagrams", moves)
+    chart = partial(_chart, "motion", MOTION, partial(motion_diagram, design))
     yield partial(recent.kept, "motion", moved, chart)
-    if scene.follower is None:
-        return
-    for disc in design.discs:
-        own = disc is design.disc
-        name, of = ("", "") if own else ("-return", f" of {disc.name}")
-        angles = partial(diagrams.transmission_angle, disc)
-        yield partial(_chart, f"transmission{name}", f"transmission angle{of}", angles)
-        bends = partial(diagrams.curvature, disc)
-        yield partial(_chart, f"curvature{name}", f"curvature{of}", bends)
+    if scene.follower is not None:
+        yield from (partial(_chart, *each) for each in disc_diagrams(design))
 
 
 def _tried(make: Callable[[], dict[str, Any]]) -> dict[str, Any] | None:

@@ -10,7 +10,6 @@ from typing import Any, Final
 
 from camgeo.app.answers.report import shown
 from camgeo.app.designing import making, painting
-from camgeo.app.designing import making as judging
 from camgeo.app.designing.children import Job, JobError
 from camgeo.app.designing.faults import faults_as_data
 from camgeo.app.designing.recent import Arguments, Recent
@@ -138,7 +137,7 @@ Work = Callable[[Job, Recent], dict[str, Any]]
 WORK: Final[Mapping[str, Work]] = {
     "curves": painting.curves,
     "change": painting.change,
-    "findings": judging.findings,
+    "findings": making.findings,
     "build": making.build,
     "size": making.size,
     "solid": making.solid,
