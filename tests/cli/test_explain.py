@@ -14,8 +14,6 @@ from camgeo.dynamics.effects.registry import EFFECTS
 from tests.effects.scenes import SCENES
 
 SCENE = SCENES / "plate_translating.toml"
-PAIR = SCENES / "conjugate_lever.toml"
-
 Capture = pytest.CaptureFixture[str]
 
 
@@ -77,11 +75,6 @@ def test_the_text_shows_the_tree(sprung: str, capsys: Capture) -> None:
     assert force.index("effects.contact-force") > place
     assert lines[-1].startswith("Not computed: ")
     assert "effects.vibration" in lines[-1]
-
-
-def test_the_return_disc_is_among_what_was_computed(capsys: Capture) -> None:
-    ran = {each["name"] for each in explained(capsys, str(PAIR))["computed"]}
-    assert {"bends", "bends of the return disc"} <= ran
 
 
 def test_nothing_is_written(

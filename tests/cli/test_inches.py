@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import io
-import json
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import Any
@@ -98,12 +97,6 @@ def test_a_check_in_inches_says_the_same(name: str, tmp_path: Path) -> None:
     compare(mm, inch)
 
 
-@pytest.mark.parametrize("command", ["size", "setup", "explain", "probe"])
-def test_no_command_states_mm(command: str, tmp_path: Path) -> None:
-    made = both(FIXTURES / "scenes/plate_translating.toml", tmp_path)
-    assert re.search(r"(?<!/)\bmm\b", printed(command, str(made))) is None
-
-
 def told(document: Any) -> Iterator[str]:
     """The texts of a document, but for units of its numbers and names of keys."""
     if isinstance(document, dict):
@@ -114,33 +107,6 @@ def told(document: Any) -> Iterator[str]:
             yield from told(value)
     elif isinstance(document, str) and document != "mm":
         yield document
-
-
-def assert_in_inches(texts: Iterable[str]) -> None:
-    """No text states mm, and some state inches."""
-    found = [*texts]
-    assert [each for each in found if STATES_MM.search(each)] == []
-    assert any(re.search(rf"{NUMBER}\)? inch\b", each) for each in found)
-
-
-def test_files_and_programs_are_told_in_inches(tmp_path: Path) -> None:
-    """By `verify`, `lint` and the setup sheet, in words, in JSON, on pages and in files."""
-    made = both(FIXTURES / "scenes/plate_translating.toml", tmp_path)
-    written = tmp_path / "out"
-    printed("build", str(made), "-o", str(written), "--only", "dxf,gcode")
-    assert_in_inches([printed("verify", str(written))])
-    verification = json.loads((written / "verification.json").read_text("utf-8"))
-    assert_in_inches(told(verification))
-    checks = [each for file in verification["files"] for each in file["checks"]]
-    assert {each["unit"] for each in checks if each["name"] == "deviation"} == {"mm"}
-    (program,) = written.glob("*.ngc")
-    program.write_text(program.read_text("utf-8").replace("Z-", "Z-9", 3), encoding="utf-8")
-    lint = ["lint", str(program), "--machine", "linuxcnc", "--scene", str(made)]
-    assert_in_inches([printed(*lint)])
-    assert_in_inches(told(json.loads(printed(*lint, "--json"))))
-    page = tmp_path / "setup.html"
-    printed("setup", str(made), "-o", str(page))
-    assert_in_inches(re.sub(r"<[^>]*>", "\n", page.read_text("utf-8")).split("<svg")[:1])
 
 
 @pytest.mark.parametrize(
@@ -157,13 +123,6 @@ def test_the_designer_tells_inches(kind: str, arguments: dict[str, Any], tmp_pat
     assert [each for each in told(found) if STATES_MM.search(each)] == []
 
 
-def test_faults_and_tables_are_in_inches(tmp_path: Path) -> None:
-    made = both(FIXTURES / "scenes/plate_translating.toml", tmp_path)
-    family = ["--vary", "follower.base_radius=1.9:2:2", "--ask", "diameter"]
-    assert "diameter [inch]" in printed("sweep", str(made), *family)
-    assert "inch" in printed("compare", str(made), str(made))
-
-
 def test_errors_are_in_inches_and_tell_the_key_as_it_is_stated(tmp_path: Path) -> None:
     made = both(FIXTURES / "scenes/plate_translating.toml", tmp_path)
     scene = load_scene(made)
@@ -178,16 +137,3 @@ def test_errors_are_in_inches_and_tell_the_key_as_it_is_stated(tmp_path: Path) -
     with pytest.raises(GeometryError, match="inch") as raised:
         wide.write(tmp_path, ["stl"])
     assert " mm" not in str(raised.value)
-
-
-def test_sentences_of_documents_are_in_inches_and_numbers_in_mm(tmp_path: Path) -> None:
-    made = both(FIXTURES / "scenes/plate_translating.toml", tmp_path)
-    found = json.loads(printed("probe", str(made), "--ball", "0.5", "--json"))
-    own = json.loads(printed("probe", str(FIXTURES / "scenes/plate_translating.toml"), "--ball",
-                             "0.5", "--json"))  # fmt: skip
-    for inch, mm in zip(found["flanks"], own["flanks"], strict=True):
-        for one, other in zip(inch["findings"], mm["findings"], strict=True):
-            assert " mm" not in one["sentence"]
-            compare(other["sentence"], one["sentence"])
-            assert one["value"] == pytest.approx(other["value"], rel=1e-9)
-            assert one["unit"] == other["unit"] == "mm"

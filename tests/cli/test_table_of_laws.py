@@ -103,24 +103,6 @@ def test_json(capsys: Capture) -> None:
     }  # fmt: skip
 
 
-def test_file(tmp_path: Path, capsys: Capture) -> None:
-    call = ["table", "--law", "modified-sine", "--step", "0.1", "--printed"]
-    assert main(call) == 0
-    text = capsys.readouterr().out
-    target = tmp_path / "law.csv"
-    assert main([*call, "-o", str(target)]) == 0
-    assert target.read_text() == text
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert "11 rows" in captured.err
-    target.write_text("mine")
-    assert main([*call, "-o", str(target)]) == 2
-    assert "--force" in capsys.readouterr().err
-    assert target.read_text() == "mine"
-    assert main([*call, "-o", str(target), "--force"]) == 0
-    assert target.read_text() == text
-
-
 def refused(call: list[str], capsys: Capture) -> str:
     """The error of a wrong call; its exit code must be 2, and nothing else is printed."""
     assert main(["table", *call]) == 2
