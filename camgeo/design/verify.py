@@ -1,4 +1,4 @@
-"""Files compared with their certificate and their scene."""
+"""Files compared with their certificate, their scene, and what camgeo writes of it."""
 
 from __future__ import annotations
 
@@ -7,14 +7,23 @@ import json
 import math
 import os
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from importlib.metadata import entry_points
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any, Final, Protocol
 
 from camgeo.design.product import Product, disc_of
-from camgeo.design.writing import CERTIFICATE, KIND, interrupted, is_verification, write_set
+from camgeo.design.writing import (
+    CERTIFICATE,
+    KIND,
+    find_writer,
+    interrupted,
+    is_verification,
+    pieces_of,
+    write_set,
+)
 from camgeo.errors import CamgeoError, Fault, FileError, SceneError, unreadable
 from camgeo.reading import CERTIFICATE as CERTIFIED
 from camgeo.reading import VERIFIED, number_of, read_within
@@ -200,7 +209,15 @@ def _verdict(
         if certain is not None:
             note = f"the file names a different tolerance from {CERTIFICATE}"
             checks.append(equal("tolerance", origin.tolerance, certain, note=note))
-    reading = Reading(path.name, origin.ours, wanted.layer, wanted.unit, wanted.origin)
+    if origin.version:
+        certified = None if certificate is None else certificate.tolerances.get(path.name)
+        stated = origin.tolerance or certified
+        checks.append(
+            _written_again(
+                path.name, verifier, data, origin, against, stated, vouched=checks[0].ok is True
+            )
+        )
+    reading = Reading(path.name, wanted.layer, wanted.unit, wanted.origin)
     try:
         checks += verifier.checks(product, data, reading, tolerance[0])
     except CamgeoError as error:
@@ -250,7 +267,7 @@ def _scene(
         checks.append(
             Check("scene", "", digits[:SHORT], origin.scene[:SHORT], ok=ok, note="" if ok else note)
         )
-    elif origin.ours:
+    elif origin.version:
         checks.append(failed("scene", "the file names no scene"))
     else:
         checks.append(reported("scene", present[:SHORT], note="not from camgeo: only measured"))
@@ -283,6 +300,117 @@ def _tolerance(
         ((value, who) for value, who in said if value is not None),
         (against.tolerance, "the scene"),
     )
+
+
+# -- written again --------------------------------------------------------------------------------
+# Files of the running version compared with what it writes of their scene: the same scene gives the
+# same bytes, so whatever else a file holds was changed.
+
+
+WRITTEN: Final = "written again"
+
+NUMBER: Final = re.compile(r"([A-Za-z]?)([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)")
+"""A number, behind the letter of its word if it has one."""
+
+SHOWN: Final = 60
+"""Characters of a token that are shown."""
+
+
+def _written_again(
+    name: str,
+    verifier: Verifier,
+    data: bytes,
+    origin: Origin,
+    against: Against,
+    tolerance: float | None,
+    *,
+    vouched: bool,
+) -> Check:
+    """The file against the one that is written now, with the `tolerance` [mm] that it, or its
+    certificate, states.
+
+    A difference is a fault unless something else explains it: where the certificate has `vouched`
+    for the bytes, another processor or library has rounded otherwise, and where no tolerance is
+    stated, it may have been another one than the scene's.
+    """
+    product = against.discs[0]
+    if origin.version != product.version:
+        note = f"it is of camgeo {origin.version}: only measured"
+        return reported(WRITTEN, "no", note=note)
+    if not (origin.scene and product.scene_hash.startswith(origin.scene)):
+        return reported(WRITTEN, "no", note="it is not of this scene: only measured")
+    found: list[Difference] = []
+    try:
+        writer = find_writer(origin.format or verifier.format)
+        pieces = [each for disc in against.discs for each in pieces_of(writer, disc)]
+        ending = writer.format.ending(product.options)
+        # One of another name may be any of them.
+        pieces = [each for each in pieces if each.name + ending == name] or pieces
+        for piece in pieces:
+            written = writer.write(piece, tolerance or against.tolerance).data
+            difference = first_difference(verifier, data, written)
+            if difference is None:
+                return Check(WRITTEN, "", "the same", ok=True)
+            found.append(difference)
+        note = (
+            max(found, key=lambda each: each.number).sentence if found else "there is no such file"
+        )
+    except CamgeoError as error:
+        note = f"the scene cannot be written: {error}"
+    if vouched:
+        return reported(WRITTEN, "differs", note=f"{note}; {CERTIFICATE} vouches for the file")
+    if tolerance is None:
+        return reported(WRITTEN, "differs", note=f"{note}; its tolerance is not known")
+    return Check(WRITTEN, "", "differs", ok=False, note=note)
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """The first token in which two files differ.
+
+    Attributes
+    ----------
+    number : of the token, from 0.
+    place : of it.
+    found, written : the token in the file, and in the one that is written again.
+    """
+
+    number: int
+    place: str
+    found: str
+    written: str
+
+    @property
+    def sentence(self) -> str:
+        """Place, and both tokens."""
+        found, written = (
+            repr(each[:SHOWN]) if each else "the end" for each in (self.found, self.written)
+        )
+        return f"{self.place}: {found} where camgeo writes {written}"
+
+
+def first_difference(verifier: Verifier, data: bytes, written: bytes) -> Difference | None:
+    """Where a file first differs from the one that is written again; None if it does not.
+
+    Texts must be equal, numbers within the verifier's `slack` times their size, or times 1 where
+    they are less.
+    """
+    if data == written:
+        return None
+    pairs = zip_longest(verifier.tokens(data), verifier.tokens(written), fillvalue=("", ""))
+    for number, ((place, found), (other, expected)) in enumerate(pairs):
+        if found != expected and not _alike(found, expected, verifier.slack):
+            return Difference(number, place or other, found, expected)
+    return None
+
+
+def _alike(one: str, other: str, slack: float) -> bool:
+    """Whether two words are the same letter with numbers that agree within the slack."""
+    found, expected = NUMBER.fullmatch(one), NUMBER.fullmatch(other)
+    if found is None or expected is None or found[1] != expected[1]:
+        return False
+    value, wanted = float(found[2]), float(expected[2])
+    return abs(value - wanted) <= slack * max(1.0, abs(wanted))
 
 
 def write_verification(
@@ -497,10 +625,8 @@ def reported(name: str, value: float | str, unit: str = "", of: str = "", note: 
     return Check(name, of, value, None, None, unit, None, note)
 
 
-def unit_check(unit: str, reading: Reading, ours: str, note: str) -> Check:
-    """The unit of a file, which must be `ours` if camgeo wrote it, else the user's."""
-    if reading.ours:
-        return equal("unit", unit, ours, note=note)
+def unit_check(unit: str, reading: Reading) -> Check:
+    """The unit of a file, which must be the user's if one is given."""
     if reading.unit is not None:
         return equal("unit", unit, reading.unit, note="the file is not in the unit of --unit")
     return reported("unit", unit)
@@ -517,16 +643,18 @@ class Origin:
 
     Attributes
     ----------
-    ours : whether it states that camgeo wrote it.
+    version : of camgeo, if it states that camgeo wrote it; else empty.
     scene : hash of the scene that it names, or its first digits; empty if it names none.
     tolerance : [mm] that it names, or None.
     damage : why it cannot be read at all; empty if it can.
+    format : that it was written in, if it is not the verifier's.
     """
 
-    ours: bool = False
+    version: str = ""
     scene: str = ""
     tolerance: float | None = None
     damage: str = ""
+    format: str = ""
 
 
 def length_of(text: str) -> float | None:
@@ -542,14 +670,12 @@ class Reading:
     Attributes
     ----------
     name : of the file, for messages.
-    ours : whether camgeo wrote it; then it must hold everything that our writer puts in.
     layer : the one read in a drawing; None for CUT if it exists, else for all layers.
     unit : of the file if it does not state one; None if the user has not given it either.
     origin : of a drawing: where the cam axis lies in its axes [mm].
     """
 
     name: str
-    ours: bool
     layer: str | None = None
     unit: LengthUnit | None = None
     origin: complex = 0j
@@ -562,13 +688,24 @@ class Verifier(Protocol):
     def format(self) -> str:
         """Name of the format."""
 
+    @property
+    def slack(self) -> float:
+        """By how much numbers of files of one scene may differ where another processor has
+        computed them, as a share of their size.
+        """
+
+    def tokens(self, data: bytes) -> Iterator[tuple[str, str]]:
+        """The words and numbers of a file that is not damaged, each with its place."""
+
     def origin(self, data: bytes) -> Origin:
         """What the file states about itself; raises nothing."""
 
     def checks(
         self, product: Product, data: bytes, reading: Reading, tolerance: float
     ) -> tuple[Check, ...]:
-        """All checks, against `tolerance` [mm]; what cannot be measured fails."""
+        """All checks of a file of any origin, against `tolerance` [mm]; what cannot be measured
+        fails.
+        """
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,11 +1,12 @@
-"""What all readers of files share: numbers, the layers of drawings, and which contour of a file is
-which boundary of the part.
+"""What all readers of files share: numbers and tokens, the layers of drawings, and which contour of
+a file is which boundary of the part.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+import re
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -32,6 +33,23 @@ def finite(text: str, name: str, line: int) -> float:
         what = f"is not a finite number of at most {COORDINATE:g}"
         raise FileError(f"{name}, line {line}: {text[:40]!r} {what}")
     return number
+
+
+TOKEN: Final = re.compile(r"""[^\s,;()<>="']+|[,;()<>="']""")
+
+COMPUTED: Final = 1e-9
+"""Share of its size, or of 1, by which a number of a file may differ on another processor."""
+
+OF_ARCS: Final = 1e-5
+"""The same where arcs have centres or radii: last digits of the ends of flat ones move them."""
+
+
+def text_tokens(data: bytes, place: str = "") -> Iterator[tuple[str, str]]:
+    """The words, numbers and marks of a text, each with its `place`, by default its line."""
+    for number, line in enumerate(data.decode("utf-8", "replace").splitlines(), 1):
+        where = place or f"line {number}"
+        for token in TOKEN.findall(line):
+            yield where, token
 
 
 # -- matching -------------------------------------------------------------------------------------

@@ -5,10 +5,13 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
+from functools import partial
+from typing import Any
 
 import numpy as np
 
 from camgeo.numeric.arrays import FloatArray
+from camgeo_export.stl import FACET, PREFIX
 from tests.packages import repacked
 
 TOLERANCE = 1e-3
@@ -18,55 +21,54 @@ MOVED = 2.0 * TOLERANCE
 
 Damage = Callable[[bytes], bytes]
 
-FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-
-PREFIX = 84
-
 MODEL = "3D/3dmodel.model"
+
+
+def replaced(old: bytes, new: bytes, count: int = 1) -> Damage:
+    """The first `count` occurrences replaced, all of them for -1."""
+    return lambda data: data.replace(old, new, count)
+
+
+def cut_short(data: bytes) -> bytes:
+    return data[: len(data) * 7 // 10]
 
 
 # Drawings -----------------------------------------------------------------------------------------
 
 
 class Drawing:
-    """The lines of a DXF, and where the vertices of its polylines stand."""
+    """The lines of a DXF, and where its entities of one kind stand.
 
-    def __init__(self, data: bytes) -> None:
+    `longest` is the one with the most points on layer CUT, i.e. the outline.
+    """
+
+    def __init__(self, data: bytes, kind: str = "LWPOLYLINE") -> None:
         self.lines = data.decode().split("\n")
-        codes = [line.strip() for line in self.lines]
-        self.starts = [
-            k + 1
-            for k in range(0, len(codes) - 1, 2)
-            if codes[k] == "0" and codes[k + 1] == "LWPOLYLINE"
-        ]
-        self.ends = [self._end(codes, start) for start in self.starts]
+        words = [line.strip() for line in self.lines]
+        pairs = list(zip(words[::2], words[1::2], strict=False))
+        starts = [k for k, pair in enumerate(pairs) if pair == ("0", kind)]
+        ends = [next(k for k in range(s + 1, len(pairs)) if pairs[k][0] == "0") for s in starts]
+        self.codes = [code for code, _ in pairs]
+        self.entities = [range(s, e) for s, e in zip(starts, ends, strict=True)]
+        cut = [each for each in self.entities if self.lines[self.values(8, each)[0]] == "CUT"]
+        self.longest = max(cut, key=lambda each: len(self.values(10, each)))
 
-    @staticmethod
-    def _end(codes: list[str], start: int) -> int:
-        """Index of the group 0 after the entity whose name stands at `start`."""
-        return next(k for k in range(start + 1, len(codes), 2) if codes[k] == "0")
-
-    def values(self, polyline: int, code: int) -> list[int]:
-        """Indices of the values of group `code` in a polyline."""
-        inside = range(self.starts[polyline] + 1, self.ends[polyline], 2)
-        return [k + 1 for k in inside if self.lines[k].strip() == str(code)]
-
-    @property
-    def longest(self) -> int:
-        """The polyline with the most vertices on layer CUT, i.e. the outline."""
-        cut = [k for k in range(len(self.starts)) if "CUT" in self._layer(k)]
-        return max(cut, key=lambda k: len(self.values(k, 10)))
+    def values(self, code: int, entity: range | None = None) -> list[int]:
+        """The lines with the values of a group in an entity, by default the longest."""
+        inside = self.longest if entity is None else entity
+        return [2 * k + 1 for k in inside if self.codes[k] == str(code)]
 
     def point(self, vertex: int) -> complex:
-        """A vertex of the outline."""
-        x, y = (self.lines[self.values(self.longest, code)[vertex]] for code in (10, 20))
-        return complex(float(x), float(y))
+        x, y = (float(self.lines[self.values(code)[vertex]]) for code in (10, 20))
+        return complex(x, y)
 
-    def _layer(self, polyline: int) -> str:
-        return self.lines[self.values(polyline, 8)[0]]
+    def change(self, place: int, value: float) -> None:
+        self.lines[place] = repr(value)
 
-    def data(self) -> bytes:
-        return "\n".join(self.lines).encode()
+    def data(self, left_out: range = range(0)) -> bytes:
+        """The file, without some of its groups."""
+        kept = self.lines[: 2 * left_out.start] + self.lines[2 * left_out.stop :]
+        return "\n".join(kept if left_out else self.lines).encode()
 
 
 def move_dxf_vertex(data: bytes) -> bytes:
@@ -75,33 +77,33 @@ def move_dxf_vertex(data: bytes) -> bytes:
     before, point, after = (drawing.point(k) for k in (4, 5, 6))
     moved = point + MOVED * 1j * (after - before) / abs(after - before)
     for code, value in ((10, moved.real), (20, moved.imag)):
-        drawing.lines[drawing.values(drawing.longest, code)[5]] = repr(value)
+        drawing.change(drawing.values(code)[5], value)
     return drawing.data()
 
 
 def turn_bulge(data: bytes) -> bytes:
     drawing = Drawing(data)
-    places = drawing.values(drawing.longest, 42)
-    place = max(places, key=lambda k: abs(float(drawing.lines[k])))
-    drawing.lines[place] = repr(-float(drawing.lines[place]))
+    place = max(drawing.values(42), key=lambda k: abs(float(drawing.lines[k])))
+    drawing.change(place, -float(drawing.lines[place]))
     return drawing.data()
 
 
 def leave_out_vertex(data: bytes) -> bytes:
     drawing = Drawing(data)
-    polyline = drawing.longest
-    x, following = drawing.values(polyline, 10)[6:8]
-    (count,) = drawing.values(polyline, 90)
+    x, following = drawing.values(10)[6:8]
+    (count,) = drawing.values(90)
     drawing.lines[count] = str(int(drawing.lines[count]) - 1)
-    del drawing.lines[x - 1 : following - 1]
-    return drawing.data()
+    return drawing.data(range(x // 2, following // 2))
 
 
 def leave_out_polyline(data: bytes) -> bytes:
     drawing = Drawing(data)
-    polyline = next(k for k in range(len(drawing.starts)) if k != drawing.longest)
-    del drawing.lines[drawing.starts[polyline] - 1 : drawing.ends[polyline]]
-    return drawing.data()
+    return drawing.data(next(each for each in drawing.entities if each != drawing.longest))
+
+
+def leave_out_spline(data: bytes) -> bytes:
+    drawing = Drawing(data, "SPLINE")
+    return drawing.data(drawing.longest)
 
 
 def change_insunits(data: bytes) -> bytes:
@@ -109,25 +111,22 @@ def change_insunits(data: bytes) -> bytes:
     return head + name + re.sub(rb"^(\s*70\s+)\d", rb"\g<1>1", rest, count=1)
 
 
-def mirror_dxf(data: bytes) -> bytes:
-    drawing = Drawing(data)
-    for polyline in range(len(drawing.starts)):
-        for place in drawing.values(polyline, 10) + drawing.values(polyline, 42):
-            drawing.lines[place] = repr(-float(drawing.lines[place]))
-    return drawing.data()
+def times(factor: float, *codes: int) -> Damage:
+    """All values of some groups of polylines multiplied."""
 
+    def multiplied(data: bytes) -> bytes:
+        drawing = Drawing(data)
+        for entity in drawing.entities:
+            for place in (k for code in codes for k in drawing.values(code, entity)):
+                drawing.change(place, factor * float(drawing.lines[place]))
+        return drawing.data()
 
-def scale_dxf(data: bytes) -> bytes:
-    drawing = Drawing(data)
-    for polyline in range(len(drawing.starts)):
-        for place in drawing.values(polyline, 10) + drawing.values(polyline, 20):
-            drawing.lines[place] = repr(1.001 * float(drawing.lines[place]))
-    return drawing.data()
+    return multiplied
 
 
 def open_polyline(data: bytes) -> bytes:
     drawing = Drawing(data)
-    (flags,) = drawing.values(drawing.longest, 70)
+    (flags,) = drawing.values(70)
     drawing.lines[flags] = "0"
     return drawing.data()
 
@@ -135,109 +134,72 @@ def open_polyline(data: bytes) -> bytes:
 def change_dxf_digit(data: bytes) -> bytes:
     """The second decimal of a coordinate, across the outline."""
     drawing = Drawing(data)
-    count = len(drawing.values(drawing.longest, 10))
-    level = max(range(1, count - 1), key=lambda k: _level(drawing, k))
-    place = drawing.values(drawing.longest, 20)[level]
-    drawing.lines[place] = _other_digit(drawing.lines[place], 2)
+
+    def level(vertex: int) -> float:
+        """How nearly the outline runs along x at a vertex."""
+        along = drawing.point(vertex + 1) - drawing.point(vertex - 1)
+        return abs(along.real) / abs(along)
+
+    place = drawing.values(20)[max(range(1, len(drawing.values(10)) - 1), key=level)]
+    text = drawing.lines[place]
+    digit = text.index(".") + 2
+    drawing.lines[place] = text[:digit] + ("1" if text[digit] != "1" else "3") + text[digit + 1 :]
     return drawing.data()
-
-
-def _level(drawing: Drawing, vertex: int) -> float:
-    """How nearly the outline runs along x at a vertex."""
-    along = drawing.point(vertex + 1) - drawing.point(vertex - 1)
-    return abs(along.real) / abs(along)
 
 
 def change_dxf_last_digit(data: bytes) -> bytes:
     drawing = Drawing(data)
-    place = drawing.values(drawing.longest, 20)[8]
+    place = drawing.values(20)[8]
     text = drawing.lines[place].rstrip()
     drawing.lines[place] = text[:-1] + ("1" if text[-1] != "1" else "2")
     return drawing.data()
 
 
-def _other_digit(number: str, decimal: int) -> str:
-    place = number.index(".") + decimal
-    digit = "1" if number[place] != "1" else "3"
-    return number[:place] + digit + number[place + 1 :]
-
-
-class Splines:
-    """The lines of a DXF, and where the values of its longest SPLINE stand."""
-
-    def __init__(self, data: bytes) -> None:
-        self.lines = data.decode().split("\n")
-        codes = [line.strip() for line in self.lines]
-        starts = [
-            k + 1
-            for k in range(0, len(codes) - 1, 2)
-            if codes[k] == "0" and codes[k + 1] == "SPLINE"
-        ]
-        ends = [next(k for k in range(s + 1, len(codes), 2) if codes[k] == "0") for s in starts]
-        self.start, self.end = max(
-            zip(starts, ends, strict=True), key=lambda span: span[1] - span[0]
-        )
-
-    def values(self, code: int) -> list[int]:
-        inside = range(self.start + 1, self.end, 2)
-        return [k + 1 for k in inside if self.lines[k].strip() == str(code)]
-
-    def data(self) -> bytes:
-        return "\n".join(self.lines).encode()
-
-
 def move_control(data: bytes) -> bytes:
     """Moved so far that the curve moves by at least two tolerances: a control point weighs 2/3."""
-    splines = Splines(data)
-    controls = splines.values(10)
+    drawing = Drawing(data, "SPLINE")
+    controls = drawing.values(10)
     place = controls[len(controls) // 2]
-    splines.lines[place] = repr(float(splines.lines[place]) + 5.0 * MOVED)
-    return splines.data()
+    drawing.change(place, float(drawing.lines[place]) + 5.0 * MOVED)
+    return drawing.data()
 
 
 def change_knot(data: bytes) -> bytes:
     """Half way to the knot after it."""
-    splines = Splines(data)
-    knots = splines.values(40)
+    drawing = Drawing(data, "SPLINE")
+    knots = drawing.values(40)
     place, after = knots[len(knots) // 2 : len(knots) // 2 + 2]
-    middle = 0.5 * (float(splines.lines[place]) + float(splines.lines[after]))
-    splines.lines[place] = repr(middle)
-    return splines.data()
-
-
-def leave_out_spline(data: bytes) -> bytes:
-    splines = Splines(data)
-    del splines.lines[splines.start - 1 : splines.end]
-    return splines.data()
+    drawing.change(place, 0.5 * (float(drawing.lines[place]) + float(drawing.lines[after])))
+    return drawing.data()
 
 
 # Programs -----------------------------------------------------------------------------------------
 
 
-def _outline_blocks(data: bytes, word: str) -> tuple[list[str], list[int]]:
-    """The lines of a program and the arcs of its operation "outline" at its first depth."""
-    lines = data.decode().splitlines(keepends=True)
-    start = next(k for k, line in enumerate(lines) if line.startswith("(operation outline"))
-    plunge = next(k for k in range(start, len(lines)) if lines[k].startswith("G1 Z"))
-    lift = next(k for k in range(plunge, len(lines)) if lines[k].startswith("G0 Z"))
-    return lines, [k for k in range(plunge, lift) if lines[k].startswith(word)]
+def in_outline(word: str, change: Callable[[list[str], list[int]], None]) -> Damage:
+    """A change of the lines of a program, given the blocks that begin with a word in its operation
+    "outline", at its first depth.
+    """
+
+    def changed(data: bytes) -> bytes:
+        lines = data.decode().splitlines(keepends=True)
+        start = next(k for k, line in enumerate(lines) if line.startswith("(operation outline"))
+        plunge = next(k for k in range(start, len(lines)) if lines[k].startswith("G1 Z"))
+        lift = next(k for k in range(plunge, len(lines)) if lines[k].startswith("G0 Z"))
+        change(lines, [k for k in range(plunge, lift) if lines[k].startswith(word)])
+        return "".join(lines).encode()
+
+    return changed
 
 
 def _longest_arc(lines: list[str], arcs: list[int]) -> int:
     """The arc that goes farthest, as its I and J show at the least: they are its radius."""
-    inner = arcs[2:-2]
-
-    def span(k: int) -> float:
-        x0, y0 = _xy(lines[k - 1])
-        x, y = _xy(lines[k])
-        return abs(complex(x - x0, y - y0))
-
-    return max(inner, key=span)
+    return max(arcs[2:-2], key=lambda k: abs(_end(lines[k]) - _end(lines[k - 1])))
 
 
-def _xy(line: str) -> tuple[float, float]:
+def _end(line: str) -> complex:
     words = dict(re.findall(r"([XYIJ])(-?[\d.]+)", line))
-    return float(words["X"]), float(words["Y"])
+    return complex(float(words["X"]), float(words["Y"]))
 
 
 def _shifted(line: str, letter: str, by: float) -> str:
@@ -248,53 +210,49 @@ def _shifted(line: str, letter: str, by: float) -> str:
     return re.sub(rf"{letter}(-?[\d.]+)", moved, line)
 
 
-def reverse_arc(data: bytes) -> bytes:
-    lines, arcs = _outline_blocks(data, "G2")
+def _reverse_arc(lines: list[str], arcs: list[int]) -> None:
     place = _longest_arc(lines, arcs)
     lines[place] = "G3" + lines[place][2:]
-    return "".join(lines).encode()
 
 
-def reverse_lead(data: bytes) -> bytes:
+def _reverse_lead(lines: list[str], blocks: list[int]) -> None:
     """The arc onto the closed path comes from the other side, on the same circle."""
-    lines, arcs = _outline_blocks(data, "G")
-    lines[arcs[1]] = {"G2": "G3", "G3": "G2"}[lines[arcs[1]][:2]] + lines[arcs[1]][2:]
-    return "".join(lines).encode()
+    place = blocks[1]
+    lines[place] = {"G2": "G3", "G3": "G2"}[lines[place][:2]] + lines[place][2:]
 
 
-def lead_into_the_part(data: bytes) -> bytes:
+def _lead_into_the_part(lines: list[str], blocks: list[int]) -> None:
     """Straight on after the closed path, over the cam axis."""
-    lines, arcs = _outline_blocks(data, "G")
-    last = max(k for k in arcs if lines[k].startswith(("G2", "G3")))
+    last = max(k for k in blocks if lines[k].startswith(("G2", "G3")))
     lines[last] = "G1 X0.0000 Y0.0000\n"
-    return "".join(lines).encode()
 
 
-def move_gcode_end(data: bytes) -> bytes:
+def _move_end(lines: list[str], blocks: list[int]) -> None:
     """Across the path."""
-    lines, arcs = _outline_blocks(data, "G")
-    place = _longest_arc(lines, arcs)
-    along = complex(*_xy(lines[place + 1])) - complex(*_xy(lines[place - 1]))
+    place = _longest_arc(lines, blocks)
+    along = _end(lines[place + 1]) - _end(lines[place - 1])
     step = MOVED * 1j * along / abs(along)
     for letter, by in (("X", step.real), ("Y", step.imag)):
         lines[place] = _shifted(lines[place], letter, by)
-    return "".join(lines).encode()
+
+
+def _leave_out_block(lines: list[str], arcs: list[int]) -> None:
+    del lines[_longest_arc(lines, arcs)]
+
+
+reverse_arc = in_outline("G2", _reverse_arc)
+reverse_lead = in_outline("G", _reverse_lead)
+lead_into_the_part = in_outline("G", _lead_into_the_part)
+move_gcode_end = in_outline("G", _move_end)
+leave_out_block = in_outline("G2", _leave_out_block)
 
 
 def change_word(letter: str, by: float) -> Damage:
-    def change(data: bytes) -> bytes:
-        lines, arcs = _outline_blocks(data, "G2")
+    def change(lines: list[str], arcs: list[int]) -> None:
         place = _longest_arc(lines, arcs)
         lines[place] = _shifted(lines[place], letter, by)
-        return "".join(lines).encode()
 
-    return change
-
-
-def leave_out_block(data: bytes) -> bytes:
-    lines, arcs = _outline_blocks(data, "G2")
-    del lines[_longest_arc(lines, arcs)]
-    return "".join(lines).encode()
+    return in_outline("G2", change)
 
 
 def leave_out_line(start: str) -> Damage:
@@ -308,24 +266,6 @@ def leave_out_line(start: str) -> Damage:
     return leave_out
 
 
-def replaced(old: bytes, new: bytes, count: int = 1) -> Damage:
-    """The first `count` occurrences replaced, all of them for -1."""
-
-    def replace(data: bytes) -> bytes:
-        assert old in data
-        return data.replace(old, new, count)
-
-    return replace
-
-
-def change_gcode_last_digit(data: bytes) -> bytes:
-    return change_word("X", 1e-4)(data)
-
-
-def cut_short(data: bytes) -> bytes:
-    return data[: len(data) * 7 // 10]
-
-
 def cut_between_lines(data: bytes) -> bytes:
     """Cut short at the end of a line, so that every word is whole."""
     return data[: data.rindex(b"\n", 0, len(data) * 7 // 10) + 1]
@@ -334,62 +274,60 @@ def cut_between_lines(data: bytes) -> bytes:
 # Meshes -------------------------------------------------------------------------------------------
 
 
-def _facets(data: bytes) -> np.ndarray[tuple[int], np.dtype[np.void]]:
-    return np.frombuffer(data[PREFIX:], dtype=FACET).copy()
+def in_facets(change: Callable[[Any], None]) -> Damage:
+    """The facets of an STL changed in place."""
 
+    def changed(data: bytes) -> bytes:
+        facets = np.frombuffer(data[PREFIX:], dtype=FACET).copy()
+        change(facets)
+        return data[:PREFIX] + facets.tobytes()
 
-def _stl(data: bytes, facets: np.ndarray[tuple[int], np.dtype[np.void]]) -> bytes:
-    return data[: PREFIX - 4] + np.uint32(len(facets)).tobytes() + facets.tobytes()
+    return changed
 
 
 def drop_facet(data: bytes) -> bytes:
-    return _stl(data, np.delete(_facets(data), 7))
+    facets = np.delete(np.frombuffer(data[PREFIX:], dtype=FACET), 7)
+    return data[: PREFIX - 4] + np.uint32(len(facets)).tobytes() + facets.tobytes()
 
 
-def flip_facet(data: bytes) -> bytes:
-    facets = _facets(data)
+def _flip(facets: Any) -> None:
     facets["corners"][7] = facets["corners"][7][::-1]
-    return _stl(data, facets)
 
 
-def scale_stl(data: bytes) -> bytes:
-    facets = _facets(data)
+def _scale(facets: Any) -> None:
     facets["corners"] *= 25.4
-    return _stl(data, facets)
 
 
-def mirror_stl(data: bytes) -> bytes:
+def _mirror(facets: Any) -> None:
     """Still closed and turned outwards."""
-    facets = _facets(data)
     facets["corners"][:, :, 0] *= -1.0
     facets["corners"] = facets["corners"][:, ::-1].copy()
-    return _stl(data, facets)
 
 
-def move_stl_vertex(data: bytes) -> bytes:
-    """At all facets that meet there, from face to face: a whole edge."""
-    facets = _facets(data)
+def _move_edge(facets: Any) -> None:
+    """A corner at all facets that meet there, from face to face: a whole edge."""
     corners = facets["corners"]
-    place = _outermost(corners.reshape(-1, 3).astype(np.float64))
-    there = (corners[:, :, :2] == corners.reshape(-1, 3)[place, :2]).all(axis=2)
-    corners[there, :2] *= np.float32(
-        1.0 + MOVED / np.linalg.norm(corners.reshape(-1, 3)[place, :2])
-    )
-    return _stl(data, facets)
+    x, y, _ = corners.reshape(-1, 3)[_outermost(corners.reshape(-1, 3).astype(np.float64))]
+    there = (corners[:, :, 0] == x) & (corners[:, :, 1] == y)
+    corners[there, :2] *= np.float32(1.0 + MOVED / math.hypot(x, y))
 
 
-def tear_stl(data: bytes) -> bytes:
+def _tear(facets: Any) -> None:
     """One corner of one facet is moved."""
-    facets = _facets(data)
     facets["corners"][7, 0, 0] += np.float32(MOVED)
-    return _stl(data, facets)
 
 
-def thicken_stl(data: bytes) -> bytes:
-    facets = _facets(data)
-    corners = facets["corners"]
-    corners[:, :, 2] = np.where(corners[:, :, 2] > 0.0, corners[:, :, 2] + np.float32(MOVED), 0.0)
-    return _stl(data, facets)
+def _thicken(facets: Any) -> None:
+    z = facets["corners"][:, :, 2]
+    facets["corners"][:, :, 2] = np.where(z > 0.0, z + np.float32(MOVED), 0.0)
+
+
+flip_facet = in_facets(_flip)
+scale_stl = in_facets(_scale)
+mirror_stl = in_facets(_mirror)
+move_stl_vertex = in_facets(_move_edge)
+tear_stl = in_facets(_tear)
+thicken_stl = in_facets(_thicken)
 
 
 def _outermost(points: FloatArray) -> int:
@@ -398,32 +336,10 @@ def _outermost(points: FloatArray) -> int:
 
 def in_model(change: Callable[[str], str]) -> Damage:
     """A change of the model inside a 3MF, packed again."""
-
-    def changed(path: str, content: str) -> str:
-        if path != MODEL:
-            return content
-        after = change(content)
-        assert after != content
-        return after
-
-    return lambda data: repacked(data, changed)
+    return partial(repacked, change=lambda path, text: change(text) if path == MODEL else text)
 
 
 VERTEX = re.compile(r'<vertex x="([^"]+)" y="([^"]+)" z="([^"]+)" />')
-
-
-def _move_3mf_vertex(text: str) -> str:
-    points = np.array([[float(value) for value in row] for row in VERTEX.findall(text)])
-    x, y, _ = points[_outermost(points)]
-    share = 1.0 + MOVED / float(np.hypot(x, y))
-
-    def moved(match: re.Match[str]) -> str:
-        here, there = float(match.group(1)), float(match.group(2))
-        if (here, there) != (x, y):
-            return match.group(0)
-        return f'<vertex x="{share * here!r}" y="{share * there!r}" z="{match.group(3)}" />'
-
-    return VERTEX.sub(moved, text)
 
 
 def _scale_3mf(text: str) -> str:
@@ -432,6 +348,13 @@ def _scale_3mf(text: str) -> str:
         return f'<vertex x="{x!r}" y="{y!r}" z="{z!r}" />'
 
     return VERTEX.sub(scaled, text)
+
+
+def _move_3mf_vertex(text: str) -> str:
+    points = np.array([[float(value) for value in row] for row in VERTEX.findall(text)])
+    x, y, _ = points[_outermost(points)].tolist()
+    share = 1.0 + MOVED / math.hypot(x, y)
+    return text.replace(f'x="{x!r}" y="{y!r}"', f'x="{share * x!r}" y="{share * y!r}"')
 
 
 move_3mf_vertex = in_model(_move_3mf_vertex)
@@ -459,18 +382,14 @@ def swap_sense(kind: str) -> Damage:
 
 def move_step_vertex(data: bytes) -> bytes:
     """The outermost vertex, outwards; the curves that end there stay where they are."""
-    places = {}
-    for number in re.findall(rb"=VERTEX_POINT\('',#(\d+)\);", data):
-        found = re.search(rb"\n#%s=CARTESIAN_POINT\('',\((.*?)\)\);" % number, data)
-        assert found is not None
-        places[number] = found
-    points = {k: [float(x) for x in found.group(1).split(b",")] for k, found in places.items()}
-    outermost = max(points, key=lambda k: math.hypot(*points[k][:2]))
-    x, y, z = points[outermost]
+    vertices = set(re.findall(rb"=VERTEX_POINT\('',#(\d+)\);", data))
+    points = re.finditer(rb"\n#(\d+)=CARTESIAN_POINT\('',\((.*?),(.*?),(.*?)\)\);", data)
+    places = [found for found in points if found[1] in vertices]
+    outermost = max(places, key=lambda found: math.hypot(float(found[2]), float(found[3])))
+    x, y = float(outermost[2]), float(outermost[3])
     share = 1.0 + MOVED / math.hypot(x, y)
-    found = places[outermost]
-    moved = f"{share * x!r},{share * y!r},{z:.1f}".encode()
-    return data[: found.start(1)] + moved + data[found.end(1) :]
+    moved = f"{share * x!r},{share * y!r}".encode()
+    return data[: outermost.start(2)] + moved + data[outermost.end(3) :]
 
 
 def drop_step_face(data: bytes) -> bytes:

@@ -466,6 +466,6 @@ def test_comments_up_to_the_end_of_a_line(tmp_path: Path) -> None:
     data = WRITER.write(product, 0.01).data
     assert b"(" not in data
     assert WRITER.measure(product, data) <= 0.01
-    assert VERIFIER.origin(data) == Origin(ours=True, scene=product.scene_hash, tolerance=0.01)
-    checks = VERIFIER.checks(product, data, Reading("a.ngc", ours=True), 0.01)
+    assert VERIFIER.origin(data) == Origin(product.version, product.scene_hash, 0.01)
+    checks = VERIFIER.checks(product, data, Reading("a.ngc"), 0.01)
     assert all(check.ok is not False for check in checks)

@@ -216,7 +216,7 @@ EDITS: dict[str, tuple[Callable[[Lines], None], tuple[str, ...]]] = {
 
 def told(name: str, data: bytes) -> Checks:
     """What is found of a file of another program."""
-    return checked(VERIFIER, given(name), data, Reading("file", ours=False))
+    return checked(VERIFIER, given(name), data, Reading("file"))
 
 
 @pytest.mark.parametrize("edit", EDITS)

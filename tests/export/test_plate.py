@@ -91,7 +91,7 @@ def test_lib3mf_reads_it_strictly() -> None:
 def test_it_is_verified() -> None:
     disc = _discs()[0]
     assert faults(VERIFIER, disc, _written()) == []
-    checks = checked(VERIFIER, disc, _written(), Reading("file", ours=True))
+    checks = checked(VERIFIER, disc, _written(), Reading("file"))
     for piece in plate_of(disc):
         volume = checks["volume", piece.name]
         assert volume.expected == pytest.approx(solid(piece.part).volume, rel=1e-9)
@@ -152,7 +152,7 @@ def test_a_pair_in_one_piece_has_one_plate() -> None:
     assert report.name == "conjugate_carriage-pair.3mf"
     assert discs[0].pair is not None
     data = files[report.name]
-    checks = VERIFIER.checks(discs[0].pair, data, Reading(report.name, ours=True), 0.1)
+    checks = VERIFIER.checks(discs[0].pair, data, Reading(report.name), 0.1)
     assert [each for each in checks if each.ok is False] == []
 
 

@@ -72,7 +72,7 @@ def test_a_compensated_body_is_what_it_should_be(writer: Writer) -> None:
     assert "bore 0.2 mm larger in diameter, 0.1 mm per side" in finding.sentence
     verifier = VERIFIERS[writer.format.name]
     assert faults(verifier, disc, written.data) == []
-    checks = checked(verifier, disc, written.data, Reading("file", ours=True))
+    checks = checked(verifier, disc, written.data, Reading("file"))
     assert checks["compensation", ""].value == disc.drawn.printed.text
     assert checks["volume", ""].expected == pytest.approx(exact, rel=1e-9)
 
@@ -90,7 +90,7 @@ def test_a_body_without_one_of_them_is_another(writer: Writer, lost: str) -> Non
         deviation = writer.measure(disc, data)
         assert deviation is not None
         assert deviation > 3.0 * TOLERANCE
-    checks = VERIFIERS[writer.format.name].checks(disc, data, Reading("file", ours=True), TOLERANCE)
+    checks = VERIFIERS[writer.format.name].checks(disc, data, Reading("file"), TOLERANCE)
     assert any(each.ok is False for each in checks)
 
 
@@ -101,7 +101,7 @@ def test_without_compensation_nothing_is_said(writer: Writer) -> None:
     assert list(written.facts) == ["triangles", "volume_mm3"]
     assert written.findings == ()
     assert disc.drawn.printed.target is disc.drawn.part
-    checks = checked(VERIFIERS[writer.format.name], disc, written.data, Reading("file", ours=True))
+    checks = checked(VERIFIERS[writer.format.name], disc, written.data, Reading("file"))
     assert ("compensation", "") not in checks
 
 

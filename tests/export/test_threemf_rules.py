@@ -242,7 +242,7 @@ def said(data: bytes) -> str:
     unit = re.search(rb' unit="([^"]*)"', parts_of(data)[MODEL])
     if unit is not None and unit[1] != b"millimeter":
         return f"{unit[1].decode()!r} is not a unit"  # which is a check of its own
-    return "".join(each.note for each in package_checks(parts_of(data), ours=False, name="")
+    return "".join(each.note for each in package_checks(parts_of(data))
                    if each.ok is False)  # fmt: skip
 
 

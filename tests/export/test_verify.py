@@ -21,6 +21,7 @@ from camgeo.design.product import Product
 from camgeo.design.verify import Origin, Reading, Verifier, length_of
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour
+from camgeo_export.dxf.writer import WRITER as DXF
 from camgeo_export.gcode.writer import WRITER as GCODE
 from camgeo_export.reading import farthest
 from camgeo_export.stl import WRITER as STL
@@ -32,6 +33,7 @@ from camgeo_export.verify.gcode import VERIFIER as GCODE_VERIFIER
 from camgeo_export.verify.plane import joints_of
 from camgeo_export.verify.stl import VERIFIER as STL_VERIFIER
 from camgeo_export.verify.threemf import VERIFIER as THREEMF_VERIFIER
+from tests.effects.scenes import SCENES as EFFECTS
 from tests.export.verified import TOLERANCE, Checks, checked
 from tests.packages import repacked
 
@@ -39,7 +41,7 @@ SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
 FIT = 0.5 * TOLERANCE
 
-FOREIGN = Reading("drawing.dxf", ours=False)
+FOREIGN = Reading("drawing.dxf")
 
 
 @pytest.fixture(scope="module")
@@ -110,7 +112,7 @@ def test_foreign_drawing_passes(design: Design, units: int, scale: float, unit: 
     """Single pieces with gaps of rounding, in any unit, stated by the file or by the user."""
     decimals = 6 if scale == 1.0 else 7
     data = _data(_drawing(design, units=units, scale=scale, decimals=decimals))
-    checks = _checks(DXF_VERIFIER, design.disc, data, Reading("a.dxf", ours=False, unit=unit))
+    checks = _checks(DXF_VERIFIER, design.disc, data, Reading("a.dxf", unit=unit))
     assert not _failed(checks)
     gap = checks["closure", ""].value
     assert isinstance(gap, float)
@@ -140,11 +142,35 @@ def test_layers_of_a_foreign_drawing(design: Design) -> None:
     document = _drawing(design, layer="OUTLINE")
     document.modelspace().add_circle((0, 0), 3.0, dxfattribs={"layer": "HOLES"})
     data = _data(document)
-    assert not _failed(
-        _checks(DXF_VERIFIER, design.disc, data, Reading("a.dxf", ours=False, layer="OUTLINE"))
-    )
+    assert not _failed(_checks(DXF_VERIFIER, design.disc, data, Reading("a.dxf", layer="OUTLINE")))
     count = _checks(DXF_VERIFIER, design.disc, data)["contours", ""]
     assert (count.value, count.expected, count.ok) == (3.0, 2.0, False)
+
+
+@pytest.mark.parametrize(("code", "name"), [(38, "elevation"), (39, "thickness"), (43, "width")])
+def test_drawings_lie_flat_within_the_tolerance(design: Design, code: int, name: str) -> None:
+    """Their other groups do not matter."""
+    lines = DXF.write(design.disc, TOLERANCE).data.decode().split("\n")
+    place = lines.index("AcDbPolyline") + 1
+    for value, expected in (("0.5", {name}), ("0.005", set())):
+        other = [*lines[:place], f"{code:>3}", value, " 62", "1", *lines[place:]]
+        checks = _checks(DXF_VERIFIER, design.disc, "\n".join(other).encode())
+        assert _failed(checks) == expected
+        if expected:
+            assert checks[name, ""].value == 0.5
+            assert "LWPOLYLINE on layer CUT" in checks[name, ""].note
+
+
+@pytest.mark.parametrize("entity", ["arcs", "lines-and-arcs"])
+@pytest.mark.parametrize("layer", [b"BLIND_10", b"CUT"])
+def test_edges_are_read_from_all_layers_of_the_part(entity: str, layer: bytes) -> None:
+    """By depth, or as earlier versions drew them, all on layer CUT."""
+    edits = {"fit": "fast", "dxf.auxiliary": False, "dxf.entity": entity}
+    groove = camgeo.load(EFFECTS / "groove.toml").with_output(edits).disc
+    data = DXF.write(groove, TOLERANCE).data.replace(b"\nBLIND_10\n", b"\n%s\n" % layer)
+    checks = _checks(DXF_VERIFIER, groove, data)
+    assert not _failed(checks)
+    assert checks["contours", ""].value == 4.0
 
 
 def test_boundary_left_out_of_a_foreign_drawing(design: Design) -> None:
@@ -194,7 +220,7 @@ def test_a_roughing_may_be_off_by_its_slack_and_no_more(design: Design) -> None:
 
 
 def test_foreign_words_are_refused_with_a_sentence(design: Design) -> None:
-    text = GCODE.write(design.disc, TOLERANCE).data.decode()
+    text = GCODE.write(design.disc, TOLERANCE).data.decode().replace("(camgeo", "(other")
     checks = _checks(GCODE_VERIFIER, design.disc, text.replace("G17 ", "G17 G68 ").encode())
     assert re.search(r"line \d+: .*G68, a rotation; .*for LinuxCNC", checks["program", ""].note)
     checks = _checks(GCODE_VERIFIER, design.disc, text.replace("G17 ", "G18 ").encode())
@@ -216,7 +242,7 @@ def test_text_stl_of_another_program(design: Design) -> None:
     assert {"deviation", "volume"} <= _failed(_checks(STL_VERIFIER, design.disc, inch))
     note = _checks(STL_VERIFIER, design.disc, inch)["deviation", "outline, lower face"].note
     assert "inch taken for mm?" in note
-    reading = Reading("a.stl", ours=False, unit="inch")
+    reading = Reading("a.stl", unit="inch")
     assert not _failed(_checks(STL_VERIFIER, design.disc, inch, reading))
     assert STL_VERIFIER.origin(text[: len(text) // 2]).damage.endswith("endsolid missing")
 
@@ -331,5 +357,5 @@ def test_faults_of_meshes_are_named() -> None:
 def test_any_bytes_are_recognised_as_damaged_or_foreign(verifier: Verifier, data: bytes) -> None:
     """Nothing raises, nothing passes for ours."""
     origin = verifier.origin(data)
-    assert not origin.ours
+    assert not origin.version
     assert origin.damage or verifier.format == "gcode"

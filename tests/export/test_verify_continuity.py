@@ -63,7 +63,7 @@ def places(lines: tuple[str, ...], codes: tuple[str, ...]) -> list[int]:
 
 
 def verified(scene: str, entity: str, lines: list[str]) -> Checks:
-    reading = Reading(f"{scene}.dxf", ours=True)
+    reading = Reading(f"{scene}.dxf")
     return checked(VERIFIER, disc(scene, entity), "\n".join(lines).encode(), reading)
 
 
@@ -133,7 +133,7 @@ def with_numbers(change: Callable[[float], float]) -> bytes:
 
 
 def verified_package(data: bytes) -> Checks:
-    reading = Reading("setzhub.3mf", ours=True)
+    reading = Reading("setzhub.3mf")
     return checked(THREEMF_VERIFIER, disc("setzhub", "arcs"), data, reading)
 
 
@@ -163,7 +163,7 @@ def program() -> tuple[str, ...]:
 
 
 def verified_program(lines: list[str]) -> Checks:
-    reading = Reading("eccentric.ngc", ours=False)
+    reading = Reading("eccentric.ngc")
     return checked(GCODE_VERIFIER, ECCENTRIC, "\n".join(lines).encode(), reading)
 
 

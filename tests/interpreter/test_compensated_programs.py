@@ -66,7 +66,7 @@ def program(mode: str, machine: str = "linuxcnc") -> str:
 
 
 def checks(mode: str, machine: str, text: str) -> list[Check]:
-    reading = Reading("a.nc", ours=True)
+    reading = Reading("a.nc")
     return list(VERIFIER.checks(product(mode, machine), text.encode(), reading, TOLERANCE))
 
 
@@ -75,7 +75,7 @@ def test_programs_in_inches(machine: str) -> None:
     disc = product("wear", machine, "inch")
     text = WRITER.write(disc, TOLERANCE).data.decode()
     assert WRITER.measure(disc, text.encode()) <= TOLERANCE
-    reading = Reading("a.nc", ours=True)
+    reading = Reading("a.nc")
     found = VERIFIER.checks(disc, text.encode(), reading, TOLERANCE)
     assert [check for check in found if check.ok is False] == []
     assert NOMINAL[machine] in text

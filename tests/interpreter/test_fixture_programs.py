@@ -84,7 +84,7 @@ def test_programs_are_clean_and_verify(
         assert lifted(found) <= {cut.name for cut in product.milled.cuts if cut.strategy == "drill"}
         if not (LONG or machine == VERIFIED):  # to measure the path takes half a second
             continue
-        checks = VERIFIER.checks(product, data, Reading("a.nc", ours=True), kept)
+        checks = VERIFIER.checks(product, data, Reading("a.nc"), kept)
         assert [check for check in checks if check.ok is False] == []
 
 

@@ -106,7 +106,7 @@ def test_programs_are_clean_and_verify(machine: str, zero: str, height: str) -> 
     found = run(text, load(machine), bench_of(disc, load(machine)))
     assert found.findings == ()
     assert WRITER.measure(disc, text.encode()) <= TOLERANCE
-    checks = VERIFIER.checks(disc, text.encode(), Reading("a.nc", ours=True), TOLERANCE)
+    checks = VERIFIER.checks(disc, text.encode(), Reading("a.nc"), TOLERANCE)
     assert [check for check in checks if check.ok is False] == []
 
 
@@ -128,7 +128,7 @@ def test_the_path_is_that_of_the_axis_moved(machine: str) -> None:
 
 
 def test_a_program_for_another_zero_does_not_verify() -> None:
-    reading = Reading("a.ngc", ours=True)
+    reading = Reading("a.ngc")
     own = product(zero="front-left")
     for other in (product(zero="front-right"), product(zero="front-left", height="blank-top")):
         checks = VERIFIER.checks(own, written(other).encode(), reading, TOLERANCE)

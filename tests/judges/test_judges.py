@@ -420,7 +420,7 @@ def test_freecad_reads_mitred_chamfers(
     given = Given(path, volume=float(volume), near=1e-11, faces=int(faces))
     freecad.judge(given, tmp_path / "again.step")
     again = (tmp_path / "again.step").read_bytes()
-    checks = STEP.checks(product, again, Reading("again.step", ours=False), TOLERANCE)
+    checks = STEP.checks(product, again, Reading("again.step"), TOLERANCE)
     assert [check for check in checks if check.ok is False] == []
 
 
@@ -431,7 +431,7 @@ def test_what_freecad_makes_of_a_solid_is_verified_too(tmp_path: Path) -> None:
     freecad.judge(given, tmp_path / "again.step")
     data = (tmp_path / "again.step").read_bytes()
     product = camgeo.load(scene_of(SIX[0])).disc
-    assert not STEP.origin(data).ours
-    checks = STEP.checks(product, data, Reading("again.step", ours=False), TOLERANCE)
+    assert not STEP.origin(data).version
+    checks = STEP.checks(product, data, Reading("again.step"), TOLERANCE)
     assert [check for check in checks if check.ok is False] == []
     assert {"deviation", "volume", "uncertainty"} <= {check.name for check in checks}

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import re
 from array import array
+from collections.abc import Iterator
+from itertools import chain
 
 import numpy as np
 
@@ -23,10 +25,11 @@ from camgeo.reading import (
     number_of,
 )
 from camgeo.units import MM_PER, LengthUnit, counted
+from camgeo_export.reading import text_tokens
 from camgeo_export.stl import FACET, HEADER_BYTES, PREFIX
 from camgeo_export.verify.body import body_checks, heights, point_text
 
-OURS = re.compile(rb"camgeo \S+ unit (\w+) scene ([0-9a-f]*)")
+OURS = re.compile(rb"camgeo (\S+) unit (\w+) scene ([0-9a-f]*)")
 
 TURNED = 0.01
 """By how much a normal may be turned [deg]; single floats turn it by 1e-5."""
@@ -35,31 +38,41 @@ UNIT = 1e-5
 """By how much the length of our normals may miss 1."""
 
 SINGLE = 2.0**-23 * 4.0
-"""Rounding of the corners, as a fraction of their coordinates."""
+"""Rounding of the corners and normals, as a fraction of their coordinates."""
 
 
 class StlVerifier:
     """Verifies an STL."""
 
     format = "stl"
+    slack = SINGLE
+
+    def tokens(self, data: bytes) -> Iterator[tuple[str, str]]:
+        """The words of the header, and all numbers of each facet."""
+        yield from text_tokens(data[:HEADER_BYTES], "header")
+        for number, facet in enumerate(np.frombuffer(data, FACET, offset=PREFIX).tolist(), 1):
+            normal, corners, attribute = facet
+            for value in (*normal, *chain.from_iterable(corners), attribute):
+                yield f"facet {number}", repr(value)
 
     def origin(self, data: bytes) -> Origin:
         """From the header, which has room only for the first digits of the scene's hash."""
         found = OURS.match(data[:PREFIX])
-        scene = found.group(2).decode() if found else ""
+        version, scene = (found[1].decode(), found[3].decode()) if found else ("", "")
         try:
             _check(data)
         except FileError as error:
             return Origin(damage=str(error))
-        return Origin(found is not None, scene, None, _damage(data))
+        return Origin(version, scene, None, _damage(data))
 
     def checks(
         self, product: Product, data: bytes, reading: Reading, tolerance: float
     ) -> tuple[Check, ...]:
         """Unit, header, normals, and the body against the part."""
+        ours = OURS.match(data[:PREFIX]) is not None
         unit, check = _unit(data, reading)
         checks = [check]
-        if reading.ours:
+        if ours:  # it states no tolerance, so what cannot be written again is checked here
             checks += [_header(data, product), _attributes(data)]
         try:
             normals, corners = _facets_of(data)
@@ -68,7 +81,7 @@ class StlVerifier:
         if not np.abs(corners).max(initial=0.0) <= COORDINATE:  # or NaN
             message = f"one of their coordinates is not finite, or beyond {COORDINATE:g}"
             return (*checks, failed("facets", message))
-        checks.append(_normals(normals, corners, reading.ours))
+        checks.append(_normals(normals, corners, ours))
         vertices = corners.reshape(-1, 3) * MM_PER[unit]
         triangles = np.arange(len(vertices)).reshape(-1, 3)
         return (*checks, *body_checks(product, vertices, triangles, tolerance))
@@ -101,10 +114,9 @@ def _damage(data: bytes) -> str:
 
 def _unit(data: bytes, reading: Reading) -> tuple[LengthUnit, Check]:
     """Ours are in mm and say so; others state no unit."""
-    if reading.ours:
-        found = OURS.match(data[:PREFIX])
-        stated = found.group(1).decode() if found else ""
-        return "mm", equal("unit", stated, "mm", note="camgeo's STL files are in mm")
+    found = OURS.match(data[:PREFIX])
+    if found:
+        return "mm", equal("unit", found[2].decode(), "mm", note="camgeo's STL files are in mm")
     if reading.unit is not None:
         return reading.unit, reported("unit", reading.unit, note="by --unit")
     return "mm", reported("unit", "mm", note="assumed: STL has no unit; give another with --unit")
@@ -118,8 +130,9 @@ def _is_binary(data: bytes) -> bool:
 def _header(data: bytes, product: Product) -> Check:
     """The part that the header names, as far as there is room for it."""
     found = OURS.match(data[:PREFIX])
-    named = data[found.end() : HEADER_BYTES].decode("ascii", "replace").strip() if found else ""
-    room = HEADER_BYTES - found.end() - 1 if found else 0
+    assert found is not None  # it is one of ours
+    named = data[found.end() : HEADER_BYTES].decode("ascii", "replace").strip()
+    room = HEADER_BYTES - found.end() - 1
     name = product.name.encode("ascii", "replace").decode()[: max(room, 0)].strip()
     return equal("part", named, name, note="the header names another part")
 

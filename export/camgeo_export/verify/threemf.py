@@ -5,17 +5,17 @@ from __future__ import annotations
 import io
 import posixpath
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 from xml.etree import ElementTree as ET
 
 from camgeo.design.plate import Piece, plate_of
-from camgeo.design.product import Product, title_of
+from camgeo.design.product import Product
 from camgeo.design.verify import Check, Origin, Reading, failed, length_of, unit_check
 from camgeo.errors import FileError
-from camgeo.reading import number_of
 from camgeo.units import counted
+from camgeo_export.reading import COMPUTED, text_tokens
 from camgeo_export.threemf.parts import PATH, PRODUCTION, check_bodies, packed, parts_of
 from camgeo_export.threemf.writer import (
     CONTENT_TYPES,
@@ -44,11 +44,22 @@ SHORT = {"millimeter": "mm"}
 
 MODEL = ".model"
 
+OURS = "camgeo "
+"""How the application begins that our packages name."""
+
 
 class ThreeMfVerifier:
     """Verifies a 3MF package."""
 
     format = "3mf"
+    slack = COMPUTED
+
+    def tokens(self, data: bytes) -> Iterator[tuple[str, str]]:
+        """Those of the elements of all parts."""
+        for name, part in sorted(parts_of(data).items()):
+            yield name, name
+            for number, element in enumerate(part.split(b"<")):
+                yield from text_tokens(element, f"{name}, element {number}")
 
     def origin(self, data: bytes) -> Origin:
         """From the metadata of the model."""
@@ -58,8 +69,9 @@ class ThreeMfVerifier:
             _, metadata = _head(parts)
         except (SyntaxError, FileError) as error:
             return Origin(damage=f"not a complete 3MF package: {error}")
+        application = metadata.get("Application", "")
         return Origin(
-            metadata.get("Application", "").startswith("camgeo "),
+            application.removeprefix(OURS) if application.startswith(OURS) else "",
             metadata.get("camgeo:scene", ""),
             length_of(metadata.get("camgeo:tolerance", "")),
         )
@@ -69,11 +81,10 @@ class ThreeMfVerifier:
     ) -> tuple[Check, ...]:
         """Package, unit, and the body against the part."""
         parts = parts_of(data)
-        plate = plate_of(product) if reading.ours else ()
-        valid = package_checks(parts, reading.ours, title_of(product), plate)
-        unit, _ = _head(parts)
-        name = SHORT.get(unit, unit)
-        check = unit_check(name, reading, "mm", "camgeo's 3MF files are in millimetres")
+        valid = package_checks(parts)
+        unit, metadata = _head(parts)
+        plate = plate_of(product) if metadata.get("Application", "").startswith(OURS) else ()
+        check = unit_check(SHORT.get(unit, unit), reading)
         scale = MM_PER_UNIT.get(unit)
         if scale is None:
             return (*valid, check, failed("unit", f"{unit!r} is not a unit of 3MF"))
@@ -194,17 +205,12 @@ def core(*tags: str) -> str:
     return "/".join(f"{{{CORE}}}{tag}" for tag in tags)
 
 
-def model_of(
-    content: bytes,
-    thumbnails: Collection[str] = (),
-    own: Mapping[str, Collection[str]] | None = None,
-) -> Model:
+def model_of(content: bytes, thumbnails: Collection[str] = ()) -> Model:
     """A model, if it is valid; raises FileError or SyntaxError with what is wrong.
 
     Parameters
     ----------
     thumbnails : names of the parts to which it has a relationship as a picture.
-    own : its elements and their attributes, where it may have no others.
     """
     prefixes: dict[str, str] = {}
     root: ET.Element | None = None
@@ -215,7 +221,7 @@ def model_of(
             root = item
     if root is None or root.tag != core("model"):
         raise FileError(f"its root is not the model of {CORE}")
-    _check_elements(root, own or ATTRIBUTES, alone=own is not None)
+    _check_elements(root)
     for prefix in root.get("requiredextensions", "").split():
         if prefixes.get(prefix) not in READ_EXTENSIONS:
             raise FileError(f"it requires the extension {prefix!r}, which is not read")
@@ -229,25 +235,19 @@ def model_of(
     return Model(root, metadata, objects, _items(root, objects))
 
 
-def _check_elements(
-    root: ET.Element, allowed: Mapping[str, Collection[str]], *, alone: bool
-) -> None:
-    """2.3.2: every element and attribute of the core namespace is known; there are no others if
-    what is allowed stands `alone`.
-    """
+def _check_elements(root: ET.Element) -> None:
+    """2.3.2: every element and attribute of the core namespace is known."""
     name = core("")
     for each in root.iter():
         if SPACE in each.attrib:
             raise fault("2.3.4", "it has the attribute xml:space")
         if not each.tag.startswith(name):
-            if alone:
-                raise FileError(f"the element {each.tag} is not one of camgeo's")
             continue
         tag = each.tag.removeprefix(name)
-        if tag not in allowed:
+        if tag not in ATTRIBUTES:
             raise fault("2.3.2", f"the element {tag} is not expected")
         for attribute in each.attrib:
-            if attribute not in allowed[tag] and (alone or not attribute.startswith("{")):
+            if attribute not in ATTRIBUTES[tag] and not attribute.startswith("{"):
                 raise fault("2.3.2", f"the attribute {attribute} of {tag} is not expected")
 
 
@@ -379,36 +379,11 @@ def _items(root: ET.Element, objects: Mapping[str, ET.Element]) -> list[ET.Eleme
 
 
 # -- package --------------------------------------------------------------------------------------
-# Whether other programs can read a 3MF package: its parts, and how they refer to each other; that
-# one of camgeo's holds what it should.
+# Whether other programs can read a 3MF package: its parts, and how they refer to each other.
 #
 # The rules are those of the Open Packaging Conventions (ECMA-376, part 2) and of the 3MF core
 # specification, as strict readers like lib3mf apply them; `verify.model` has those of the model.
 
-
-OUR_ATTRIBUTES: Final[Mapping[str, Collection[str]]] = {
-    "model": ("unit", LANGUAGE),
-    "metadata": ("name",),
-    "resources": (),
-    "object": ("id", "type", "name"),
-    "mesh": (),
-    "vertices": (),
-    "vertex": ("x", "y", "z"),
-    "triangles": (),
-    "triangle": ("v1", "v2", "v3"),
-    "build": (),
-    "item": ("objectid",),
-}
-"""Those that our packages have."""
-
-PLATE_ATTRIBUTES: Final[Mapping[str, Collection[str]]] = {
-    **OUR_ATTRIBUTES,
-    "basematerials": ("id",),
-    "base": ("name", "displaycolor"),
-    "object": ("id", "type", "name", "pid", "pindex"),
-    "item": ("objectid", "transform"),
-}
-"""Those of our packages with a plate."""
 
 IDENTIFIER: Final = re.compile(r"[A-Za-z_][\w.-]*")
 
@@ -437,22 +412,16 @@ TYPE_OF: Final[Mapping[str, Collection[str]]] = {
 """Content types of what relationships lead to (2.1.3 and appendix C)."""
 
 
-def package_checks(
-    parts: Mapping[str, bytes], ours: bool, name: str, plate: Sequence[Piece] = ()
-) -> list[Check]:
-    """That the package of these `parts` is complete and valid; one of `ours` must hold the part
-    `name`, or the bodies of a `plate`.
-    """
+def package_checks(parts: Mapping[str, bytes]) -> list[Check]:
+    """That the package of these `parts` is complete and valid."""
     try:
         path = model_path(parts)
-        if ours:
-            _require_our_parts(parts, path)
         pictures = [f"/{each.target}" for each in _relations(parts, path) if each.type in PICTURES]
     except (SyntaxError, ValueError) as error:
         return [failed("package", str(error))]
     checks = [Check("package", "", path, ok=True)]
     try:
-        _check_model(parts[path], pictures, ours, name, plate)
+        model_of(parts[path], pictures)
     except (SyntaxError, ValueError) as error:
         return [*checks, failed("model", str(error))]
     return [*checks, Check("model", "", "valid", ok=True)]
@@ -547,65 +516,6 @@ def _check_type(types: Mapping[tuple[str, str], str], part: str, allowed: Collec
     if allowed and found not in allowed:
         what = f"the type of {part} is {found or 'not stated'}"
         raise FileError(f"{CONTENT_TYPES_PATH}: {what}, not {' or '.join(allowed)}")
-
-
-def _require_our_parts(parts: Mapping[str, bytes], path: str) -> None:
-    own = (CONTENT_TYPES_PATH, RELATIONSHIPS_PATH, MODEL_PATH)
-    foreign = [name for name in parts if name not in own]
-    if foreign or path != MODEL_PATH:
-        raise FileError(f"{foreign[0] if foreign else path} is not a part of camgeo's packages")
-
-
-def _check_model(
-    content: bytes, thumbnails: Collection[str], ours: bool, name: str, plate: Sequence[Piece]
-) -> None:
-    """Raise FileError or SyntaxError unless the model is valid, and ours as it should be."""
-    if not ours:
-        model_of(content, thumbnails)
-        return
-    model = model_of(content, own=PLATE_ATTRIBUTES if plate else OUR_ATTRIBUTES)
-    objects = list(model.objects.values())
-    if any(each.get("type", "model") != "model" for each in objects):
-        raise FileError("not all of its objects are models")
-    if model.metadata.get("Title") != name:
-        raise FileError(f"its title is named {model.metadata.get('Title')!r}, not {name!r}")
-    if plate:
-        _check_plate(model.root, objects, model.items, plate)
-    else:
-        _check_one(objects, model.items, name)
-
-
-def _check_one(objects: Sequence[ET.Element], items: Sequence[ET.Element], name: str) -> None:
-    if len(objects) != 1 or len(items) != 1:
-        raise FileError(f"it has {len(objects)} objects, built {len(items)} times, not one")
-    if objects[0].get("name") != name:
-        raise FileError(f"its object is named {objects[0].get('name')!r}, not {name!r}")
-
-
-def _check_plate(
-    root: ET.Element,
-    objects: Sequence[ET.Element],
-    items: Sequence[ET.Element],
-    plate: Sequence[Piece],
-) -> None:
-    """Each body is there once, with its name and colour, and stands where it should."""
-    if len(objects) != len(plate) or len(items) != len(plate):
-        found = f"{len(objects)} objects, built {len(items)} times"
-        raise FileError(f"it has {found}, not the {len(plate)} of the plate")
-    groups = root.findall(core("resources", "basematerials"))
-    colours = [dict(base.attrib) for group in groups for base in group]
-    if colours != [{"name": each.name, "displaycolor": each.colour} for each in plate]:
-        raise FileError("its colours are not those of the bodies on the plate")
-    own = groups[0].get("id", "")
-    for number, (each, item, piece) in enumerate(zip(objects, items, plate, strict=True)):
-        if each.get("name") != piece.name:
-            raise FileError(f"an object is named {each.get('name')!r}, not {piece.name!r}")
-        if (each.get("pid"), each.get("pindex")) != (own, str(number)):
-            raise FileError(f"the {piece.name} has not its colour")
-        words = item.get("transform", "").split(" ")
-        wanted = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, piece.x, piece.y, 0.0]
-        if item.get("objectid") != each.get("id") or [number_of(word) for word in words] != wanted:
-            raise FileError(f"the {piece.name} does not stand at ({piece.x:g}, {piece.y:g}) mm")
 
 
 # -- plate ----------------------------------------------------------------------------------------
