@@ -704,10 +704,6 @@ class NumberForm:
             message = 'must be given if point is "required", and only then'
             raise GeometryError(message, "numbers.increment", "")
 
-    def feed_step(self, unit: LengthUnit) -> float:
-        """The last printed decimal of a feed [mm/min or inch/min]."""
-        return 10.0**-self.feed_decimals * (1.0 if unit == "mm" else self.inch_feed)
-
 
 @dataclass(frozen=True, slots=True)
 class UnitWords:

@@ -27,11 +27,6 @@ TOLERANCE = re.compile(rf"\btolerance (?:{NUMBER} inch, )?{NUMBER} mm", re.IGNOR
 
 ONE_OF = re.compile(r"program (\d{1,4}) of \d{1,4}, run in this order", re.ASCII | re.IGNORECASE)
 
-TOOL = re.compile(
-    rf"\btool (\d+): (?:end mill|drill|chamfer mill), diameter (?:{NUMBER} inch, )?{NUMBER} mm",
-    re.IGNORECASE,
-)
-
 OFFSET = re.compile(
     r"\bcompensation (?:wear|control): .{1,200}?"
     rf"at most (?:{NUMBER} inch, )?{NUMBER} mm either way",
@@ -175,7 +170,6 @@ class Stated:
     version : of camgeo, which wrote it; empty if they do not say so.
     scene : hash of the scene; empty if there is none.
     tolerance : [mm], or None.
-    tools : number and diameter [mm] of each.
     program : number from 1 where the machine needs one for each tool; 0 where it holds all.
     offsets : how far that of each compensated operation may be off [mm], in their order.
     second : whether it mills the second side.
@@ -184,7 +178,6 @@ class Stated:
     version: str
     scene: str
     tolerance: float | None
-    tools: tuple[tuple[int, float], ...]
     program: int = 0
     offsets: tuple[float, ...] = ()
     second: bool = False
@@ -201,7 +194,6 @@ def stated(notes: Iterable[str]) -> Stated:
         versions[0] if versions else "",
         scene.group(1).replace(" ", "")[:HASH_DIGITS].lower() if scene else "",
         length_of(tolerance.group(2).lower()) if tolerance else None,
-        tuple((int(tool), _size(size)) for tool, _, size in TOOL.findall(text)),
         int(one.group(1)) if (one := ONE_OF.search(text)) else 0,
         tuple(_size(most) for _, most in OFFSET.findall(text)),
         any(line.lower().startswith(SECOND) for line in lines),

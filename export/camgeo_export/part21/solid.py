@@ -797,16 +797,6 @@ class Model:
             if record.kind in kinds
         ]
 
-    def reached(self, *first: int) -> set[int]:
-        """The numbers of instances to which these lead, themselves included."""
-        found, left = set(first), list(first)
-        while left:
-            for ref in references(self.instances[left.pop()]):
-                if ref not in found:
-                    found.add(ref)
-                    left.append(ref)
-        return found
-
 
 def references(records: tuple[Record, ...]) -> Iterator[Ref]:
     """All references in the parameters of records."""

@@ -218,12 +218,12 @@ def _owner(loop: Loop, shapes: dict[str, Shape]) -> str:
     return min(shapes, key=lambda name: abs(shapes[name].length - length))
 
 
-VERIFIER = GcodeVerifier()
-
-
 def near(z: FloatArray, heights: Iterable[float], slack: float) -> BoolArray:
     """(n,) whether each of `z` (n,) is one of `heights` within a `slack` [mm]."""
     known = np.sort(np.array([*heights, -np.inf, np.inf]))
     place = np.clip(np.searchsorted(known, z), 1, len(known) - 1)  # which NaN exceeds
     found: BoolArray = (z - known[place - 1] <= slack) | (known[place] - z <= slack)
     return found
+
+
+VERIFIER = GcodeVerifier()

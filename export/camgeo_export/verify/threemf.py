@@ -177,24 +177,6 @@ LARGEST: Final = 2**31 - 1
 """Of ids and indices."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Model:
-    """A valid model.
-
-    Attributes
-    ----------
-    root : its element.
-    metadata : texts by name.
-    objects : by their ids, in their order.
-    items : what is built.
-    """
-
-    root: ET.Element
-    metadata: Mapping[str, str]
-    objects: Mapping[str, ET.Element]
-    items: Sequence[ET.Element]
-
-
 def fault(clause: str, what: str) -> FileError:
     """The error for what breaks a clause of the core specification."""
     return FileError(f"{what} (3MF core specification, {clause})")
@@ -205,12 +187,10 @@ def core(*tags: str) -> str:
     return "/".join(f"{{{CORE}}}{tag}" for tag in tags)
 
 
-def model_of(content: bytes, thumbnails: Collection[str] = ()) -> Model:
-    """A model, if it is valid; raises FileError or SyntaxError with what is wrong.
+def check_model(content: bytes, thumbnails: Collection[str]) -> None:
+    """Raise FileError or SyntaxError with what is wrong unless a model is valid.
 
-    Parameters
-    ----------
-    thumbnails : names of the parts to which it has a relationship as a picture.
+    `thumbnails` are the names of the parts to which it has a relationship as a picture.
     """
     prefixes: dict[str, str] = {}
     root: ET.Element | None = None
@@ -226,13 +206,12 @@ def model_of(content: bytes, thumbnails: Collection[str] = ()) -> Model:
         if prefixes.get(prefix) not in READ_EXTENSIONS:
             raise FileError(f"it requires the extension {prefix!r}, which is not read")
     for group in root.iter(core("metadatagroup")):
-        _metadata(group, prefixes)
-    metadata = _metadata(root, prefixes)
+        _check_metadata(group, prefixes)
+    _check_metadata(root, prefixes)
     order = [each.tag for each in root if each.tag in (core("resources"), core("build"))]
     if order != [core("resources"), core("build")]:
         raise fault("3.4", "it has not one element resources, and after it one element build")
-    objects = _objects(root, thumbnails)
-    return Model(root, metadata, objects, _items(root, objects))
+    _check_items(root, _objects(root, thumbnails))
 
 
 def _check_elements(root: ET.Element) -> None:
@@ -251,11 +230,11 @@ def _check_elements(root: ET.Element) -> None:
                 raise fault("2.3.2", f"the attribute {attribute} of {tag} is not expected")
 
 
-def _metadata(holder: ET.Element, prefixes: Mapping[str, str]) -> dict[str, str]:
-    """3.4.1: texts of the metadata by name. A name is there once, and one of `METADATA`, or has a
-    namespace that the model declares.
+def _check_metadata(holder: ET.Element, prefixes: Mapping[str, str]) -> None:
+    """3.4.1: a name of metadata is there once, and one of `METADATA`, or has a namespace that the
+    model declares.
     """
-    found: dict[str, str] = {}
+    found: set[str] = set()
     for each in holder.findall(core("metadata")):
         name = each.get("name", "")
         prefix, colon, _ = name.partition(":")
@@ -264,8 +243,7 @@ def _metadata(holder: ET.Element, prefixes: Mapping[str, str]) -> dict[str, str]
         if prefix not in prefixes if colon else name not in METADATA:
             wanted = "neither one of 3MF's own nor of a namespace that the model declares"
             raise fault("3.4.1", f"the metadata {name!r} is {wanted}")
-        found[name] = each.text or ""
-    return found
+        found.add(name)
 
 
 def _objects(root: ET.Element, thumbnails: Collection[str]) -> dict[str, ET.Element]:
@@ -355,7 +333,7 @@ def _number(text: str | None) -> int:
     return int(found) if found.isascii() and found.isdecimal() else -1
 
 
-def _items(root: ET.Element, objects: Mapping[str, ET.Element]) -> list[ET.Element]:
+def _check_items(root: ET.Element, objects: Mapping[str, ET.Element]) -> None:
     """3.4.3: what is built, at least one object, and none of type "other", by itself or within
     another one.
     """
@@ -375,14 +353,13 @@ def _items(root: ET.Element, objects: Mapping[str, ET.Element]) -> list[ET.Eleme
             raise fault("3.4.3.1", f"it builds the object {key!r}, which does not exist")
         if key in others:
             raise fault("3.4.3.1", f"it builds the object {key!r}, which is of type 'other'")
-    return items
 
 
 # -- package --------------------------------------------------------------------------------------
 # Whether other programs can read a 3MF package: its parts, and how they refer to each other.
 #
 # The rules are those of the Open Packaging Conventions (ECMA-376, part 2) and of the 3MF core
-# specification, as strict readers like lib3mf apply them; `verify.model` has those of the model.
+# specification, as strict readers like lib3mf apply them; those of the model are above.
 
 
 IDENTIFIER: Final = re.compile(r"[A-Za-z_][\w.-]*")
@@ -421,7 +398,7 @@ def package_checks(parts: Mapping[str, bytes]) -> list[Check]:
         return [failed("package", str(error))]
     checks = [Check("package", "", path, ok=True)]
     try:
-        model_of(parts[path], pictures)
+        check_model(parts[path], pictures)
     except (SyntaxError, ValueError) as error:
         return [*checks, failed("model", str(error))]
     return [*checks, Check("model", "", "valid", ok=True)]
