@@ -14,7 +14,7 @@ from camgeo.milling.tool import Tool
 from camgeo.units import LengthUnit
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import run
-from camgeo_export.verify.simulated import runs_in, simulation_checks
+from camgeo_export.verify.gcode import runs_in, simulation_checks
 from tests.export.stub_product import StubProduct
 
 TOLERANCE = 0.01

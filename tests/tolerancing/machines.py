@@ -11,9 +11,8 @@ from camgeo.design.design import Design
 from camgeo.geometry.outline.path import Flank
 from camgeo.scene.scene import Scene, load_scene
 from camgeo.studies.tolerancing.linear import Linear
-from camgeo.studies.tolerancing.machine import Machine
 from camgeo.studies.tolerancing.replay import replayed
-from camgeo.studies.tolerancing.sensitivity import Sensitivities
+from camgeo.studies.tolerancing.sensitivity import Machine, Sensitivities
 from camgeo.studies.tolerancing.sources import Deviations, Unit
 from camgeo.studies.tolerancing.stated import stated_of
 

@@ -22,7 +22,7 @@ from camgeo.milling.machining_time import arc_sweep, times_on
 from camgeo.milling.moves import ArcFeed, Move, Rapid, Stop, Toolpath
 from camgeo.pictures.backplot import KINDS, plotted
 from camgeo.scene.scene import parse_scene
-from camgeo_export.verify.simulated import depths
+from camgeo_export.verify.gcode import depths
 from tests.second_side import scenes as second_side
 
 ROOT: Final = Path(__file__).resolve().parents[2]

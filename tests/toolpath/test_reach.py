@@ -6,7 +6,7 @@ import pytest
 
 from camgeo.milling.moves import ArcFeed, Feed, Move, Point, Rapid
 from camgeo.milling.stages import Run, Setup
-from camgeo_export.verify.simulated import Depth, depths
+from camgeo_export.verify.gcode import Depth, depths
 from tests.toolpath.test_simulation import FEED, PLATE, RADIUS
 
 

@@ -24,7 +24,6 @@ from camgeo.geometry.outline.path import Flank
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
 from camgeo.scene.scene import Scene
-from camgeo.studies.tolerancing.contact import contact_forces
 from camgeo.studies.tolerancing.linear import (
     COUNT,
     QUANTILES,
@@ -32,6 +31,7 @@ from camgeo.studies.tolerancing.linear import (
     Linear,
     Play,
     Sampled,
+    contact_forces,
     sampled,
 )
 from camgeo.studies.tolerancing.sources import SIGMAS

@@ -24,7 +24,7 @@ from camgeo.record import schema_beside
 from camgeo.scene.keys import KeyPath, spelled
 from camgeo.scene.rules import TOLERANCE
 from camgeo.scene.scene import Scene
-from camgeo.studies.tolerancing.machine import Machine
+from camgeo.studies.tolerancing.sensitivity import Machine
 from camgeo.studies.tolerancing.sources import (
     Distribution,
     Fit,

@@ -1,33 +1,55 @@
-"""Verification of milling programs: our own, and others that use only the words we read."""
+"""Verification of milling programs: our own, and others that use only the words we read.
+
+Each closed path is measured, and the program simulated as it is written: its moves take the blank
+down to the part.
+"""
 
 from __future__ import annotations
 
+import cmath
 import math
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
+from itertools import groupby
+from types import MappingProxyType
+from typing import Final
 
 import numpy as np
+import shapely
 
 from camgeo.design.linting import Bench, LineFinding
+from camgeo.design.milled import job
 from camgeo.design.product import Product, programs_of, sides_of
-from camgeo.design.verify import Check, Origin, Reading, at_most, failed, unit_check
-from camgeo.errors import FileError
-from camgeo.geometry.contour.contour import Contour
+from camgeo.design.verify import Check, Origin, Reading, at_most, failed, reported, unit_check
+from camgeo.errors import FileError, SceneError
+from camgeo.geometry.contour.contour import HALF_TURN, Contour, Pieces, distances
+from camgeo.geometry.contour.spline import Arc
+from camgeo.milling.areas import inside
+from camgeo.milling.bench import Bench as Workbench
 from camgeo.milling.compensation import mode_of, side_of
-from camgeo.milling.cut import AreaCut, ContourCut, LetterCut
+from camgeo.milling.course import Course, course_of
+from camgeo.milling.cut import AreaCut, ContourCut, Cut, LetterCut
+from camgeo.milling.holding import Obstacle
+from camgeo.milling.judged import run_with, runs_of
 from camgeo.milling.machine import Machine, load
-from camgeo.numeric.arrays import BoolArray, FloatArray
+from camgeo.milling.milling import MillingSpec
+from camgeo.milling.moves import ArcFeed, Feed, Move, Point, Rapid, Stop
+from camgeo.milling.simulation import ALLOWED, Done, Side, settled, simulated
+from camgeo.milling.stages import Flaw, Run, Setup
+from camgeo.milling.tool import END_MILL, Tool
+from camgeo.milling.track import Track
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, joined, taken
 from camgeo.reading import PROGRAM, check_text
 from camgeo.scene.formats.gcode import FORMAT
 from camgeo.units import counted
 from camgeo_export.gcode.comments import stated
 from camgeo_export.gcode.measure import bench_of, beyond_slack, centred, fault_of, too_near
-from camgeo_export.gcode.moves import Loop
-from camgeo_export.interpreter.run import Run, notes_of, run_bytes
+from camgeo_export.gcode.moves import CutterMove, Loop
+from camgeo_export.interpreter.run import Run as Program
+from camgeo_export.interpreter.run import notes_of, run_bytes
 from camgeo_export.reading import COMPUTED, text_tokens
 from camgeo_export.verify.plane import Shape, contour_checks, shapes_of
-from camgeo_export.verify.simulated import WORK, simulation_checks, work_findings
 
 NAMES = {1.0: "mm", 25.4: "inch"}
 
@@ -128,7 +150,7 @@ def _side(product: Product, second: bool) -> Product | None:
     return sides[second]
 
 
-def _compensation(product: Product, program: Run, machine: Machine) -> Iterator[Check]:
+def _compensation(product: Product, program: Program, machine: Machine) -> Iterator[Check]:
     """Programs of ours are compensated as they are to be; of others the offsets are not known."""
     move, cuts = program.compensated, product.milled.cuts
     if not stated(program.comments).version:
@@ -143,7 +165,7 @@ def _compensation(product: Product, program: Run, machine: Machine) -> Iterator[
             yield Check("compensation", cut.name, mode_of(cut), ok=True, note=note)
 
 
-def _without(program: Run, name: str, *concerns: str) -> Check:
+def _without(program: Program, name: str, *concerns: str) -> Check:
     """The check that no finding of the interpreter concerns one of these."""
     try:
         program.refuse(*concerns)
@@ -152,7 +174,7 @@ def _without(program: Run, name: str, *concerns: str) -> Check:
     return Check(name, "", counted(len(program.moves), "move"), ok=True)
 
 
-def _paths(product: Product, program: Run, tolerance: float, extra: float) -> list[Check]:
+def _paths(product: Product, program: Program, tolerance: float, extra: float) -> list[Check]:
     """Every operation runs its closed path at each of its depths, and no other."""
     centres = tuple(cut.centre for cut in product.milled.contour_cuts)
     exact = shapes_of(centres, product.drawn.base_radius, tolerance)
@@ -227,3 +249,473 @@ def near(z: FloatArray, heights: Iterable[float], slack: float) -> BoolArray:
 
 
 VERIFIER = GcodeVerifier()
+
+
+# -- simulation ------------------------------------------------------------------------------------
+NAME: Final = "simulation"
+
+UNFED: Final = 1.0
+"""Feed [mm/min] of cuts before any is programmed; the material does not depend on it."""
+
+
+def simulation_checks(product: Product, program: Program, tolerance: float) -> list[Check]:
+    """That the program leaves the part, and does nothing on the way that must not be done.
+
+    One check, or one for each flaw. The path may lie within `tolerance` [mm] of the exact one.
+    """
+    spec = product.milled.spec
+    assert spec is not None  # for the scene has a tool
+    if program.compensated is not None:
+        return [reported(NAME, "none", note="the control computes the path of the cutter")]
+    try:
+        runs = _among_others(product, runs_in(product, program), tolerance)
+    except FileError as error:
+        return [failed(NAME, str(error))]
+    whole = product.milled if product.milled.whole is None else product.milled.whole
+    level = program.step if math.isfinite(program.step) else 0.0
+    done = job(whole, whole.cuts, runs, tolerance, level=level)
+    told = [
+        (flaw, flaw.sentence if side.side.runs is runs else f"of the other side, {flaw.sentence}")
+        for side, flaws in zip(done, settled(done), strict=True)
+        for flaw in flaws
+    ]
+    if wrong := [(flaw, text) for flaw, text in told if not flaw.watched]:
+        return [failed(NAME, text, flaw.operation) for flaw, text in wrong]
+    names = {run.name for run in runs}
+    checks = [Check(NAME, "", counted(len(names), "operation"), ok=True)]
+    return checks + [Check(NAME, flaw.operation, ok=None, note=text) for flaw, text in told]
+
+
+def _among_others(product: Product, runs: tuple[Run, ...], tolerance: float) -> tuple[Run, ...]:
+    """The runs of one of several programs, among those that the others should have."""
+    whole = product.milled.whole
+    if whole is None:
+        return runs
+    own = {cut.name for cut in product.milled.cuts}
+    planned = runs_of(whole.toolpath(tolerance))
+    first = next(k for k, each in enumerate(planned) if each.name in own)
+    others = [each for each in planned if each.name not in own]
+    return (*others[:first], *runs, *others[first:])
+
+
+@dataclass(frozen=True, slots=True)
+class Traced:
+    """What a tool of a program does in one operation.
+
+    Attributes
+    ----------
+    run : its moves.
+    tool : that runs them.
+    lines : of the program, one for each move.
+    """
+
+    run: Run
+    tool: Tool
+    lines: tuple[int, ...]
+
+
+def runs_in(product: Product, program: Program) -> tuple[Run, ...]:
+    """What each tool of a program does, operation by operation; raises like `traced`."""
+    return tuple(each.run for each in traced(product, program, product.milled.cuts))
+
+
+def traced(product: Product, program: Program, cuts: Iterable[Cut]) -> tuple[Traced, ...]:
+    """What each tool of a program does, operation by operation, with its lines; `cuts` are those
+    that it may name.
+
+    Moves from and to places that the program has not stated are left out; the machine's reference
+    is above all other heights.
+
+    Raises
+    ------
+    FileError
+        If a tool cuts that the scene does not have.
+    """
+    spec = product.milled.spec
+    tools = {tool.number: tool for tool in spec.tools} if spec is not None else {}
+    named = {cut.name: cut for cut in cuts}
+    above = max((abs(z) for z in _heights(program.moves)), default=0.0)
+    above = max(above, product.milled.gcode.heights.clearance)
+    found = []
+    for (name, number), group in groupby(program.moves, lambda move: (move.operation, move.tool)):
+        moves = list(group)
+        cut = named.get(name)
+        known = cut.tool if cut is not None and cut.tool.number == number else tools.get(number)
+        if known is None and all(move.kind == "rapid" for move in moves):
+            continue  # above the blank, before the first tool
+        tool = _required(known, number, moves)
+        obstacles = _always_there(spec) if cut is None else cut.obstacles
+        title = name or f"tool {number}"
+        for start, chain, lines in _chains(moves, above):
+            run = run_with(tool, title, chain, obstacles, start)
+            found.append(Traced(run, tool, lines))
+    return tuple(found)
+
+
+def _always_there(spec: MillingSpec | None) -> tuple[Obstacle, ...]:
+    """Clamps and screws that neither come nor go."""
+    clamps = () if spec is None or spec.holding is None else spec.holding.clamps
+    return tuple(each.obstacle for each in clamps if not (each.since or each.until))
+
+
+def _required(tool: Tool | None, number: int, moves: Sequence[CutterMove]) -> Tool:
+    if tool is not None:
+        return tool
+    line = next(move.line for move in moves if move.kind != "rapid")
+    what = f"tool {number} is none of the scene's" if number else "no tool is called"
+    raise FileError(f"line {line}: {what}")
+
+
+def _heights(moves: Sequence[CutterMove]) -> Iterator[float]:
+    """All heights of a program that are known [mm]."""
+    return (z for move in moves for z in (move.z_start, move.z_end) if math.isfinite(z))
+
+
+def _chains(
+    moves: Sequence[CutterMove], above: float
+) -> Iterator[tuple[Point, tuple[Move, ...], tuple[int, ...]]]:
+    """Moves that join, with their starts and their lines."""
+    start: Point | None = None
+    chain: list[Move] = []
+    lines: list[int] = []
+    for move in moves:
+        begin = _point(move.start, move.z_start, above)
+        end = _point(move.end, move.z_end, above)
+        if begin is None or end is None:
+            if start is not None and chain:
+                yield start, tuple(chain), tuple(lines)
+            start, chain, lines = None, [], []
+            continue
+        start = start or begin
+        chain += _moves(move, begin, end)
+        lines += [move.line] * (len(chain) - len(lines))
+    if start is not None and chain:
+        yield start, tuple(chain), tuple(lines)
+
+
+def _point(place: complex, z: float, above: float) -> Point | None:
+    """A place [mm]; None if it is not known."""
+    if cmath.isnan(place) or math.isnan(z):
+        return None
+    return (float(place.real), float(place.imag), float(z) if math.isfinite(z) else above)
+
+
+def _moves(move: CutterMove, start: Point, end: Point) -> Iterator[Move]:
+    """A move of at most half a turn each."""
+    if move.kind == "rapid":
+        yield Rapid(end)
+        return
+    feed = float(move.feed) or UNFED
+    if not move.sweep:
+        yield Feed(end, feed)
+        return
+    arcs = move.course.split(HALF_TURN)
+    for k, arc in enumerate(arcs, start=1):
+        share = k / len(arcs)
+        z = end[2] if k == len(arcs) else start[2] + share * (end[2] - start[2])
+        yield _arc(arc, z, feed)
+
+
+def _arc(arc: Arc, z: float, feed: float) -> ArcFeed:
+    end, centre = complex(arc.end), complex(arc.centre)
+    return ArcFeed((end.real, end.imag, z), (centre.real, centre.imag), arc.sweep > 0.0, feed)
+
+
+# -- lines ----------------------------------------------------------------------------------------
+# What a program of any origin does to the blank of a scene, by line.
+
+
+WORK: Final = "work"
+"""What these findings concern."""
+
+RULES: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "rapid": "rapid-in-material",
+        "plunge": "plunge",
+        "gouge": "gouged-part",
+        "obstacle": "collision",
+        "depth": "too-low",
+        "shank": "shank",
+        "loose": "loose-piece",
+        "rest": "rest",
+    }
+)
+"""Rules by the names of flaws."""
+
+DEEPER: Final = 1e-3
+"""By how much a depth may exceed what is stated [mm]: heights are printed rounded."""
+
+
+def work_findings(product: Product, program: Program) -> tuple[LineFinding, ...]:
+    """What the tools of the scene, run as the program says, do to its blank and its part."""
+    milled = product.milled
+    spec = milled.spec
+    assert spec is not None  # for the scene has a tool
+    cuts = _cuts(product)
+    try:
+        found = traced(product, program, cuts)
+    except FileError as error:
+        place, _, what = str(error).rpartition(": ")
+        line = int(place.removeprefix("line ")) if place else 0
+        return (LineFinding(line, "unknown-tool", WORK, what),)
+    if not found:
+        return ()
+    runs = tuple(_named_apart([each.run for each in found]))
+    level = program.step if math.isfinite(program.step) else 0.0
+    done = _done(product, cuts, runs, level)
+    bench = Workbench(milled.part, spec)
+    told = []
+    for side, flaws in zip(done, settled(done), strict=True):
+        own = side.side.runs is runs
+        for flaw, seen in zip(side.simulation.flaws, flaws, strict=True):
+            if not seen.watched:
+                told.append(_finding(flaw, seen, found, bench) if own else _of_other(seen))
+        told += _too_deep(side.setup, found) if own else ()
+    return tuple(sorted(told, key=lambda each: each.line or math.inf))
+
+
+def _done(
+    product: Product, cuts: tuple[Cut, ...], runs: tuple[Run, ...], level: float
+) -> tuple[Done, ...]:
+    """Both sides of the job, or the only one; also where nothing can be planned of it."""
+    milled = product.milled
+    try:
+        tolerance = product.scene.output.tolerance
+        return job(milled, cuts, runs, tolerance, level=level, allowed=ALLOWED)
+    except SceneError:
+        assert milled.spec is not None  # for the scene has a tool
+        side = Side(milled.part, milled.spec, cuts, runs)
+        return simulated([side], allowed=ALLOWED, level=level, of=1)
+
+
+def _of_other(flaw: Flaw) -> LineFinding:
+    """What goes wrong with the other side of the job, as it is planned, or is left after both."""
+    return LineFinding(0, RULES[flaw.name], WORK, f"of the other side, {flaw.sentence}")
+
+
+def _cuts(product: Product) -> tuple[Cut, ...]:
+    """Those that the scene plans; stand-ins that cut every wall, where its own tools cannot."""
+    try:
+        return product.milled.cuts
+    except SceneError:
+        spec = product.milled.spec
+        assert spec is not None  # for the scene has a tool
+        return tuple(
+            ContourCut(
+                name=wall.boundary.name,
+                strategy="profile",
+                tool=spec.tools[0],
+                top=wall.z1,
+                depths=(wall.z0,),
+                centre=wall.boundary,
+                right=wall.boundary.name,
+            )
+            for wall in product.milled.part.walls
+        )
+
+
+def _named_apart(runs: Sequence[Run]) -> list[Run]:
+    """The runs by names of their own: what is wrong is told once for each name."""
+    return [replace(run, name=f"{number} {run.name}") for number, run in enumerate(runs)]
+
+
+def _finding(flaw: Flaw, seen: Flaw, found: Sequence[Traced], bench: Workbench) -> LineFinding:
+    """A flaw with its line; `seen` is the same with its place as the work lies."""
+    number, _, name = flaw.operation.partition(" ")
+    each = found[int(number)]
+    what = seen.sentence.removeprefix(f"{flaw.operation}: ")
+    reason = _too_large(flaw, each.tool, bench) if flaw.name in ("gouge", "rest") else ""
+    what = f"{name}: {what}; {reason}" if reason else f"{name}: {what}"
+    return LineFinding(_line(flaw, each), RULES[flaw.name], WORK, what)
+
+
+def _too_large(flaw: Flaw, tool: Tool, bench: Workbench) -> str:
+    """Whether the wall at the place of a flaw is too narrow for the tool; empty if not."""
+    place = np.array([complex(*flaw.place[:2])])
+    contours = [wall.boundary.arcs(ALLOWED, "fast").contour for wall in bench.part.walls]
+    away = [float(distances(place, Track.around(each))[0]) for each in contours]
+    return bench.too_large(tool, bench.part.walls[int(np.argmin(away))].boundary)
+
+
+def _line(flaw: Flaw, each: Traced) -> int:
+    """The first line of a run that comes to the place of a flaw as deep as it is told."""
+    run = each.run
+    if flaw.name == "rest":
+        return 0
+    if flaw.name == "loose":
+        return max((line for line, move in _lined(each) if not isinstance(move, Rapid)), default=0)
+    moves = [
+        move if isinstance(move, Stop) or not isinstance(move, Rapid) else Feed(move.end, 1.0)
+        for move in run.moves
+    ]
+    course = course_of(moves, run.start)
+    kind = isinstance
+    wanted = np.array(
+        [kind(run.moves[k], Rapid) == (flaw.name == "rapid") for k in course.moves.tolist()]
+    )
+    x, y, z = flaw.place
+    away = course.apart(np.full(len(course), complex(x, y)))
+    away = np.where(wanted & (course.lowest <= z + DEEPER), away, np.inf)
+    if not np.any(np.isfinite(away)):
+        return 0
+    touching = np.flatnonzero(away <= max(run.radius, float(np.min(away))) + ALLOWED)
+    return each.lines[int(course.moves[touching[0]])]
+
+
+def _lined(each: Traced) -> Iterator[tuple[int, object]]:
+    return zip(each.lines, each.run.moves, strict=True)
+
+
+def _too_deep(setup: Setup, found: Sequence[Traced]) -> Iterator[LineFinding]:
+    """The first move of each run that digs deeper than its tool may, for each limit."""
+    told: set[tuple[int, str]] = set()
+    for depth in depths(setup, [each.run for each in found]):
+        each = found[depth.run]
+        for rule, value, limit, what in _limits(each.tool, depth):
+            if value > limit + DEEPER and (depth.run, rule) not in told:
+                told.add((depth.run, rule))
+                x, y, _ = depth.place
+                text = f"{each.run.name}: {what} at X {x:.4g}, Y {y:.4g} mm"
+                line = each.lines[depth.move]
+                yield LineFinding(line, rule, WORK, text, f"{value:.4g} mm", f"{limit:g} mm")
+
+
+def _limits(tool: Tool, depth: Depth) -> Iterator[tuple[str, float, float, str]]:
+    """Rule, depth, limit and words for what a tool must not do."""
+    if tool.kind != END_MILL:
+        return
+    if tool.stepdown is not None:
+        yield "slot-depth", depth.ahead, tool.stepdown, "a slot deeper than the tool's stepdown"
+    if tool.flute_length is not None:
+        yield "flute-length", depth.beside, tool.flute_length, "deeper than the cutting edges are"
+    if tool.stick_out is not None:
+        yield (
+            "holder",
+            depth.beside,
+            tool.stick_out,
+            "deeper than the tool sticks out of its holder",
+        )
+
+
+# -- reach ----------------------------------------------------------------------------------------
+# How much material stands before and beside a cutter: against its stepdown and its edges.
+#
+# Every feed move is judged at its end and in its middle, in front of the cutter and on both sides:
+# there the material reaches from the tip up to what moves before it have left, exactly. In front of
+# a cutter it stands as deep as the cutter digs a slot.
+
+
+SHARES: Final = (0.5, 1.0)
+"""Of each piece, where the cutter is judged."""
+
+RIM: Final = 1e-3
+"""Share of the radius by which the places looked at lie inside the cutter ahead, and outside on its
+sides; what lies twice that inside those that came by before counts as cleared."""
+
+SIDES: Final = np.array([1.0 - RIM, -1j * (1.0 + RIM), 1j * (1.0 + RIM)])
+"""Places that are looked at, in radii, seen in the direction of the cutter."""
+
+BATCH: Final = 64
+"""Places that are compared with the courses at once."""
+
+
+@dataclass(frozen=True, slots=True)
+class Depth:
+    """The deepest material at a cutter in one run.
+
+    Attributes
+    ----------
+    run, move : numbers of the run, and of the move in it.
+    ahead : depth of the slot that the cutter digs [mm].
+    beside : height of the material above the tip, ahead or on a side [mm].
+    place : of the tip.
+    """
+
+    run: int
+    move: int
+    ahead: float
+    beside: float
+    place: Point
+
+
+def depths(setup: Setup, runs: Sequence[Run]) -> Iterator[Depth]:
+    """What stands at the cutter in each feed move that is not straight up or down."""
+    courses = [course_of(run.moves, run.start) for run in runs]
+    if not any(len(each) for each in courses):
+        return
+    whole = joined(courses)
+    owners = np.concatenate([np.full(len(each), k) for k, each in enumerate(courses)])
+    radii = np.array([run.radius for run in runs])[owners]
+    standing = _standing(setup)
+    moving = np.flatnonzero(whole.lengths > 0.0)
+    for first in range(0, len(moving), BATCH):
+        yield from _of_pieces(
+            moving[first : first + BATCH], whole, owners, radii, standing
+        )  # fmt: skip
+
+
+def _standing(setup: Setup) -> Callable[[ComplexArray], FloatArray]:
+    """Up to which Z [mm] material reaches at places (n,) at first; -infinite beside it."""
+    if setup.before is None:
+        blank = Pieces.around(setup.blank)
+        return lambda places: np.where(inside(blank, places), setup.top, -np.inf)
+    slabs = setup.before.slabs
+
+    def left(places: ComplexArray) -> FloatArray:
+        found = np.full(len(places), -np.inf)
+        for slab in slabs:  # from the lowest
+            found[shapely.contains_xy(slab.material, places.real, places.imag)] = slab.z1
+        return found
+
+    return left
+
+
+def _of_pieces(
+    pieces: np.ndarray[tuple[int], np.dtype[np.intp]],
+    whole: Course,
+    owners: np.ndarray[tuple[int], np.dtype[np.intp]],
+    radii: FloatArray,
+    standing: Callable[[ComplexArray], FloatArray],
+) -> Iterator[Depth]:
+    """Of some pieces of the course, in their order."""
+    numbers = np.repeat(pieces, len(SHARES))
+    shares = np.tile(SHARES, len(pieces))
+    some = taken(whole, numbers)
+    places, tips = some.at(shares), some.from_z + shares * (some.to_z - some.from_z)
+    rims = radii[numbers] * some.tangents(places)
+    looked = (places[:, None] + rims[:, None] * SIDES).ravel()
+    order = np.repeat(numbers, len(SIDES))
+    tops = standing(looked)
+    near = _near(whole, looked, radii)
+    cleared = _cleared(whole, near, looked, order, radii)
+    found = np.minimum(tops, cleared).reshape(-1, len(SIDES)) - tips[:, None]
+    for k, piece in enumerate(numbers.tolist()):
+        at = (float(places[k].real), float(places[k].imag), float(tips[k]))
+        ahead, beside = max(0.0, float(found[k, 0])), max(0.0, float(np.max(found[k])))
+        yield Depth(int(owners[piece]), int(whole.moves[piece]), ahead, beside, at)
+
+
+def _near(whole: Course, places: ComplexArray, radii: FloatArray) -> BoolArray:
+    """(n,) which pieces may come within their radius of one of `places`."""
+    middle = 0.5 * (whole.starts + whole.ends)
+    half = 0.5 * np.abs(whole.ends - whole.starts)
+    centre = complex(np.mean(places))
+    wide = float(np.max(np.abs(places - centre)))
+    found: BoolArray = np.abs(middle - centre) <= half + radii + wide
+    return found
+
+
+def _cleared(
+    whole: Course,
+    near: BoolArray,
+    places: ComplexArray,
+    order: np.ndarray[tuple[int], np.dtype[np.intp]],
+    radii: FloatArray,
+) -> FloatArray:
+    """(k,) lowest Z [mm] of a tip that passed over each place before; infinite if none did."""
+    picked = np.flatnonzero(near)
+    some = taken(whole, picked)
+    over = some.apart(places[:, None]) < (1.0 - 2.0 * RIM) * radii[picked]
+    over &= picked[None, :] < order[:, None]
+    found: FloatArray = np.min(np.where(over, some.lowest[None, :], np.inf), axis=1, initial=np.inf)
+    return found
