@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
-
-import pytest
+from typing import Final
 
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.graph import Effects
 from camgeo.dynamics.effects.registry import EFFECTS, find_effect
 from camgeo.dynamics.effects.rules import Kind, Only
-from camgeo.errors import GeometryError, SceneError
-from camgeo.lazy import Ledger
 from camgeo.scene.scene import parse_scene
 
 SCENES = Path(__file__).resolve().parents[2] / "fixtures" / "scenes"
@@ -44,14 +39,13 @@ def only_for(kind: Kind) -> tuple[tuple[str, str], ...]:
     return tuple(dict.fromkeys(found))
 
 
-def assert_refused(scene: str, effect: str, text: str, key: str, words: str = "") -> None:
-    """The fault that `key` of an effect's table does not apply, reported by scene and design."""
-    with pytest.raises(SceneError) as stated:
-        design(scene, f"[effects.{effect}]\n{text}\n")
-    (fault,) = (each for each in stated.value.faults if each.key == f"effects.{effect}.{key}")
-    assert words in fault.message
-    subject = design(scene, "").effects.subject
-    with pytest.raises(GeometryError) as error:
-        Effects(subject, {effect: tomllib.loads(text)}, Ledger()).result(effect)
-    assert error.value.key.startswith(f"effects.{effect}.")
-    assert words in error.value.message
+LOCKED: Final = (
+    ("crank = 42.0", "crank = 100"),
+    ("coupler = 75.38", "coupler = 60"),
+    ("crank_deflection = 6.3", "crank_deflection = 0"),
+    ('stroke_direction = "left"', 'stroke_direction = "right"'),
+    ("to = 5.5", "to = 155"),
+    ('direction = "outward"', 'direction = "inward"'),
+)
+"""Changes of schnitt, whose rocker comes to where it cannot move its slider: the coupler hangs
+straight down from the pin at X = -sqrt(100^2 - 40^2), a stroke of 60 + 91.65 mm to the right."""

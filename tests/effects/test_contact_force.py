@@ -14,10 +14,8 @@ from camgeo.dynamics.effects.contact_force.result import compute
 from camgeo.dynamics.effects.effect import Request, Results
 from camgeo.dynamics.effects.forces import Force
 from camgeo.dynamics.effects.results import ContactForce
-from camgeo.errors import EffectError, SceneError
-from camgeo.kinematics.time_course import in_time
+from camgeo.errors import EffectError
 from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.scene.scene import parse_scene
 from camgeo.units import TURN
 from tests.effects.scenes import design
@@ -25,9 +23,6 @@ from tests.findings import effect_findings
 
 PHI = np.linspace(0.0, TURN, 721)[:-1]
 
-ROUNDING = 1e-12
-"""A few thousand roundings: forces, normals and arms go through a dozen operations each, and the
-place of the roller is known to 1e-16 of lengths ten times those of the lift."""
 
 TRANSLATING = """
 [effects.inertia]
@@ -66,11 +61,6 @@ class Stuck:
         return np.stack((-self.share * np.sign(velocity), np.zeros(len(phi))))
 
 
-def timed(subject: Design) -> FloatArray:
-    assert subject.drive.time_course is not None
-    return in_time(subject.cam.drive.motion.jet(PHI), subject.drive.time_course, PHI)
-
-
 def zero(phi: FloatArray) -> FloatArray:
     return np.zeros((4, len(phi)))
 
@@ -91,93 +81,12 @@ def computed(subject: Design, results: dict[str, Any], limit: float | None = Non
     return compute(Request(subject.effects.subject, EFFECT.parse(table), Results(results), 1e-6))
 
 
-def turned(subject: Design, phi: FloatArray) -> Any:
-    """From cam coordinates to those of the frame, (n,) complex."""
-    return np.exp(1j * subject.cam.rotation * phi)
-
-
-def outward(subject: Design, phi: FloatArray) -> Any:
-    """(n,) complex unit normals in the cam, from the point of contact to the roller's centre."""
-    between = subject.cam.disc.pitch_curve.point(phi) - subject.cam.disc.inner_curve.point(phi)
-    return between / subject.cam.follower.roller_radius
-
-
 def finding(found: Any, name: str) -> Any:
     (one,) = [each for each in found if each.name == name]
     return one
 
 
 # -- Newton and virtual work ---------------------------------------------------------------------
-
-
-def test_newton_along_the_guide() -> None:
-    """Free body of a translating follower in the frame: m a = N n + weight + spring + load."""
-    subject = design("plate_translating", TRANSLATING)
-    found = subject.effect("contact-force").normal(PHI, "right")
-    follower: Any = subject.cam.follower
-    guide = np.exp(1j * follower.guide_angle)
-    lift, _, acceleration, _ = timed(subject)
-    mass = 0.8e-3
-    weight = mass * 9806.65 * np.exp(1j * math.radians(-60.0))
-    pushed = weight - (30.0 + 1.5 * lift + 12.0) * guide
-    n = outward(subject, PHI) * turned(subject, PHI)
-    along = (n * np.conj(guide)).real
-    expected = (mass * acceleration - (pushed * np.conj(guide)).real) / along
-    assert np.max(np.abs(found - expected)) <= ROUNDING * np.max(np.abs(expected))
-
-
-@pytest.mark.parametrize("scene", ["shuttle", "groove"])
-def test_euler_about_the_pivot(scene: str) -> None:
-    """Free body of a rocker in the frame: J chi'' = arm x N n + torque, counter-clockwise."""
-    subject = design(scene, ROCKING)
-    found = subject.effect("contact-force").normal(PHI, "right")
-    follower: Any = subject.cam.follower
-    sense = follower.swing_sense
-    _, _, acceleration, _ = timed(subject)
-    moment = 0.012e3 + 0.15e-3 * follower.arm**2
-    arm = subject.cam.disc.pitch_curve.point(PHI) * turned(subject, PHI) - follower.pivot
-    n = outward(subject, PHI) * turned(subject, PHI)
-    crossed = (np.conj(arm) * n).imag
-    expected = (moment * sense * acceleration + sense * 2.5e3) / crossed
-    assert np.max(np.abs(found - expected)) <= ROUNDING * np.max(np.abs(expected))
-
-
-@pytest.mark.parametrize(
-    ("scene", "effects"),
-    [("plate_translating", TRANSLATING), ("shuttle", ROCKING), ("groove", ROCKING)],
-)
-def test_torque_is_the_moment_of_the_force_about_the_cam_axis(scene: str, effects: str) -> None:
-    subject = design(scene, effects)
-    normal = subject.effect("contact-force").normal(PHI, "right")
-    work = (
-        normal * subject.cam.disc.pitch_curve.leverage(PHI) * subject.cam.drive.motion.jet(PHI)[1]
-    )
-    at, n = subject.cam.disc.inner_curve.point(PHI), outward(subject, PHI)
-    moment = subject.cam.rotation * normal * (np.conj(at) * n).imag
-    # The arm is a difference of lengths of the size of the cam.
-    scale = np.max(np.abs(normal)) * np.max(np.abs(at))
-    assert np.max(np.abs(work - moment)) <= ROUNDING * scale
-
-
-def test_conservative_torque_does_no_work_over_a_turn() -> None:
-    subject = design("plate_translating", TRANSLATING)
-    contact = subject.effect("contact-force")
-
-    def torque(phi: FloatArray) -> FloatArray:
-        lever = subject.cam.disc.pitch_curve.leverage(phi) * subject.cam.drive.motion.jet(phi)[1]
-        return np.asarray(contact.normal(phi, "right") * lever)
-
-    work = piecewise_integral(torque, contact.edges, 1e-13)
-    assert abs(work.value) <= 1e-12 * np.max(np.abs(torque(PHI)))
-
-
-def test_a_force_at_every_speed_is_the_force_of_the_scene_at_that_speed() -> None:
-    slow = design("plate_translating", TRANSLATING)
-    fast = design("plate_translating", TRANSLATING, ("speed = 60", "speed = 300"))
-    omega = np.full(len(PHI), 10.0 * math.pi)
-    found = slow.effect("contact-force").normal_at(PHI, "right", np.stack((omega, 0.0 * omega)))
-    expected = fast.effect("contact-force").normal(PHI, "right")
-    assert found == pytest.approx(expected, rel=1e-12, abs=1e-12 * np.max(expected))
 
 
 # -- examples ------------------------------------------------------------------------------------
@@ -236,30 +145,6 @@ def test_a_textbook_exercise() -> None:
 # -- friction and jamming ------------------------------------------------------------------------
 
 
-def test_friction_keeps_the_balance_on_both_flanks() -> None:
-    subject = design("groove", "", ("speed = 30\n", "speed = 300\n"))
-    friction = Stuck(subject, 0.2 * 80.0)
-    loads = {"load": constant(-2000.0), "spring": swaying(), "friction": friction}
-    found = computed(subject, loads)
-    normal = found.normal(PHI, "right")
-    assert np.min(normal) < 0.0 < np.max(normal)
-    sense = np.where(normal >= 0.0, 1, -1)
-    lever = subject.cam.disc.pitch_curve.leverage(PHI)
-    taken = friction.per_normal(PHI, "right", 1)[0]
-    needed = found.required(PHI, "right")[0]
-    balance = np.abs(normal) * (sense * lever + taken) - needed
-    assert np.max(np.abs(balance)) <= ROUNDING * np.max(np.abs(needed))
-
-
-def swaying() -> Any:
-    def coefficients(phi: FloatArray, side: Side) -> FloatArray:
-        out = zero(phi)
-        out[0] = 4000.0 * np.sin(phi)
-        return out
-
-    return SimpleNamespace(force=Force("spring", coefficients))
-
-
 def test_jamming_is_where_friction_takes_all() -> None:
     """sin mu - c is what is left of the force on a rise: it jams where mu <= asin c."""
     subject = design("plate_translating", "")
@@ -281,16 +166,6 @@ def test_jamming_is_where_friction_takes_all() -> None:
     assert error.limit == pytest.approx(math.degrees(math.asin(share)), abs=1e-7)
     # Just below, it moves everywhere.
     computed(subject, {"load": constant(-5.0), "friction": Stuck(subject, math.sin(least) - 1e-6)})
-
-
-@pytest.mark.parametrize("load", [-5.0, 5.0])
-def test_jamming_at_transmission_angle_0(load: float) -> None:
-    """The roller centre on a level with the cam axis: no force along the guide from the cam."""
-    subject = design("plate_translating", "", ("offset = 12", "offset = 50"))
-    with pytest.raises(EffectError, match="transmission angle is 0") as caught:
-        computed(subject, {"load": constant(load)})
-    assert caught.value.finding == "jamming"
-    assert caught.value.value == pytest.approx(0.0, abs=1e-9)
 
 
 def test_no_force_is_no_jamming() -> None:
@@ -378,8 +253,3 @@ def test_the_force_keeps_its_sign_between_its_edges() -> None:
     inside = contact.edges[:-1] + share * np.diff(contact.edges)
     sign = np.sign(contact.normal(inside.ravel(), "right")).reshape(inside.shape)
     assert np.all(sign == sign[:1])
-
-
-def test_a_force_is_needed() -> None:
-    with pytest.raises(SceneError, match=r"effects\.inertia"):
-        design("plate_translating", "[effects.contact-force]\n")

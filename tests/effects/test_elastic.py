@@ -273,19 +273,6 @@ def test_contact_is_kept_at_all_speeds_below(hertz: float, damping: float) -> No
         assert spectrum.least(speed * RPM) > -0.05
 
 
-def test_the_drive_puts_in_what_the_dampers_take() -> None:
-    chain = press(300.0)
-    contact = chain.of.effect(CONTACT_FORCE)
-    assert contact.behind is not None
-    phi = (np.arange(20000) + 0.5) * TURN / 20000
-    slip = contact.behind.response.states(phi / chain.speed, "right")[1]
-    taken = chain.damping[0] * np.mean(slip**2) * TURN / chain.speed
-    error = chain.of.effect("drive-torque").errors["work-per-turn"].error
-    assert value(chain.of, "drive-torque", "work-per-turn") == pytest.approx(
-        1e-3 * taken, abs=error + 1e-6 * 1e-3 * taken
-    )
-
-
 def test_a_load_takes_its_work_from_the_output() -> None:
     """The train takes what its damper takes, and no more: the load has its power at x', not y'."""
     chain = pressing(300.0)
@@ -396,24 +383,6 @@ def test_only_what_is_in_front_of_the_train_is_struck() -> None:
     assert contact.struck is not None
     assert not np.any(contact.struck(PHI, "right"))
     assert np.all(inertia.to_follower(PHI, "right") > 0.0)
-
-
-# Both kinds of trains are held against an integration above.
-@pytest.mark.long
-def test_two_masses_one_by_one_leave_the_cam_as_given_by_frequencies() -> None:
-    """100 Hz and 0.05, and on it 160 Hz and 0.03 with a quarter of the mass: 1.2 kg and 0.3 kg."""
-    second = {"natural_frequency": 160.0, "mass_ratio": 0.25, "damping": 0.03}
-    old = {"natural_frequency": 100.0, "damping": 0.05, "second": second}
-    rows = [
-        {"mass": mass, "stiffness": 1e-3 * mass * (TURN * hertz) ** 2, "damping": damping}
-        for mass, hertz, damping in ((1.2, 100.0, 0.05), (0.3, 160.0, 0.03))
-    ]
-    one, other = (loaded("lift_off_elastic", effects__vibration=each) for each in
-                  (old, {"masses": rows}))  # fmt: skip
-    told = [own_error(each) for each in (one, other)]
-    here, there = (value(each, "lift-off", "lift-off-speed") for each in (one, other))
-    assert abs(here - there) <= sum(told) + 1e-12 * here
-    assert sum(told) <= 1e-6 * here
 
 
 def test_listed_masses_are_a_part_of_those_that_are_moved() -> None:

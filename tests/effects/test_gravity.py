@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.dynamics.effects.gravity import EFFECT, STANDARD_GRAVITY
-from camgeo.errors import GeometryError, SceneError
+from camgeo.dynamics.effects.gravity import STANDARD_GRAVITY
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 from tests.effects.scenes import design
@@ -140,43 +139,7 @@ def test_coupler_and_rocker_pull_as_their_centres_move(changes: Any) -> None:
     assert result.force.potential(np.zeros(1), "right")[0] == 0.0
 
 
-@pytest.mark.parametrize(
-    ("scene", "effects"),
-    [
-        ("plate_translating", f"{FOLLOWER}[effects.gravity]\n"),
-        ("measured", f"{FOLLOWER}[effects.gravity]\n"),
-        ("shuttle", "[effects.inertia]\nroller_mass = 0.3\n[effects.gravity]\n"),
-        ("setzhub", ALL),
-        ("schnitt", ALL),
-    ],
-)
-def test_weights_do_no_work_over_a_turn(scene: str, effects: str) -> None:
-    """To 1e-12 of the peak power."""
-    made = design(scene, effects)
-    result = made.effect("gravity")
-
-    def power(phi: FloatArray) -> FloatArray:
-        found: FloatArray = (
-            result.force.coefficients(phi, "right")[0] * made.cam.drive.motion.jet(phi)[1]
-        )
-        return found
-
-    low, high = cells(made.drive.smooth_angles[:-1], 8)
-    peak = float(np.max(np.abs(power(PHI))))
-    assert peak > 0.0
-    assert abs(float(np.sum(integrals(power, low, high)))) <= 1e-12 * peak * TURN
-
-
 def test_without_masses_nothing_weighs() -> None:
     made = design("groove", "[effects.inertia]\n[effects.gravity]\n")
     assert not np.any(force(made))
     assert [each.value for each in made.effect("gravity").findings] == [0.0, 0.0, 0.0]
-
-
-def test_it_needs_the_masses_and_says_so() -> None:
-    with pytest.raises(SceneError, match=r"effects\.inertia"):
-        design("plate_translating", "[effects.gravity]\n")
-    with pytest.raises(GeometryError) as caught:
-        design("plate_translating", "").effect("gravity")
-    assert caught.value.key == "effects.inertia"
-    assert EFFECT.needs == ("inertia",)

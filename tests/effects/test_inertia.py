@@ -12,25 +12,23 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
-from camgeo.dynamics.effects.effect import Request, Results, Subject
+from camgeo.dynamics.effects.effect import Subject
 from camgeo.dynamics.effects.forces import at_rates
-from camgeo.dynamics.effects.inertia import EFFECT, MassProperties, parse
+from camgeo.dynamics.effects.inertia import MassProperties, parse
 from camgeo.dynamics.effects.inertia.result import (
     LinkedTrain,
     Train,
     at_cam,
-    compute,
     inertia_force,
     reduced,
     train_of,
 )
 from camgeo.dynamics.effects.results import Inertia
-from camgeo.errors import EffectError, GeometryError, SceneError
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
-from tests.effects.scenes import assert_refused, design
+from tests.effects.scenes import design
 from tests.integrals import cells, integrals
 from tests.strategies import SMOOTH, attack, plans, slider_cranks
 
@@ -397,34 +395,6 @@ def test_the_slider_runs_along_x_in_the_stated_direction() -> None:
 # What contradicts -----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("scene", "text", "key"),
-    [
-        ("plate_translating", "moment_of_inertia = 0", "moment_of_inertia"),
-        ("plate_translating", "rocker_mass = 1", "rocker_mass"),
-        ("plate_translating", "coupler_mass = 1", "coupler_mass"),
-        ("groove", "mass = 1", "mass"),
-        ("groove", "coupler_mass = 1", "coupler_mass"),
-    ],
-)
-def test_a_mass_of_what_is_not_there_is_refused(scene: str, text: str, key: str) -> None:
-    assert_refused(scene, "inertia", text, key)
-
-
-@pytest.mark.parametrize(
-    ("table", "key"),
-    [
-        ({"rocker_centre": (1.0, 2.0)}, "rocker_centre"),
-        ({"coupler_centre": 0.3}, "coupler_centre"),
-        ({"coupler_moment": 0.3}, "coupler_moment"),
-    ],
-)
-def test_a_centre_needs_its_mass(table: dict[str, Any], key: str) -> None:
-    with pytest.raises(GeometryError, match="which is missing") as caught:
-        parse(table)
-    assert caught.value.key == key
-
-
 def test_a_moment_too_small_for_its_mass_is_reported() -> None:
     """1 kg at 0.1 m from the pivot (-96, -72) has 0.01 kg m^2 at least."""
     text = "[effects.inertia]\nmoment_of_inertia = {}\nrocker_mass = 1\nrocker_centre = [4, -72]\n"
@@ -434,53 +404,3 @@ def test_a_moment_too_small_for_its_mass_is_reported() -> None:
     assert (found.value, found.limit) == pytest.approx((0.0099, 0.01), rel=1e-14)
     result, _ = inertia_of("groove", text.format(0.01))
     assert "rocker-moment-of-inertia" not in [each.name for each in result.findings]
-
-
-LOCKED = (
-    ("crank = 42.0", "crank = 100"),
-    ("coupler = 75.38", "coupler = 60"),
-    ("crank_deflection = 6.3", "crank_deflection = 0"),
-    ('stroke_direction = "left"', 'stroke_direction = "right"'),
-    ("to = 5.5", "to = 155"),
-    ('direction = "outward"', 'direction = "inward"'),
-)
-"""The coupler hangs straight down from the pin at X = -sqrt(100^2 - 40^2), a stroke of
-60 + 91.65 mm to the right."""
-
-
-def test_a_slider_that_the_rocker_cannot_move_has_no_force() -> None:
-    made = design("schnitt", "[effects.inertia]\nmass = 1\n", *LOCKED)
-    with pytest.raises(EffectError, match="is square to the guide") as caught:
-        made.effect("inertia")
-    stroke = 60.0 + math.sqrt(100.0**2 - 40.0**2)
-    assert caught.value.value == pytest.approx(stroke, rel=1e-14)
-    (at,) = made.cam.drive.plan.jet(np.array([caught.value.cam_angle]))[0]
-    assert at == pytest.approx(stroke, rel=1e-12)
-    assert caught.value.finding == "locked-slider"
-    (reported,) = made.effects.findings("inertia")
-    assert reported.severity == "broken"
-    # The rocker alone can be moved.
-    made = design("schnitt", "[effects.inertia]\nmoment_of_inertia = 1\n", *LOCKED)
-    assert np.all(np.isfinite(made.effect("inertia").force.coefficients(PHI, "right")))
-
-
-def test_without_a_speed_it_is_refused_with_the_key() -> None:
-    with pytest.raises(SceneError, match="speed"):
-        design("ring", "[effects.inertia]\nmass = 1\n")
-
-
-def test_without_its_table_it_is_missing() -> None:
-    with pytest.raises(GeometryError) as caught:
-        design("plate_translating", "").effect("inertia")
-    assert caught.value.key == "effects.inertia"
-    assert EFFECT.tabled
-
-
-def test_the_same_request_gives_the_same_bytes() -> None:
-    made = design("setzhub", LINKED)
-    spec = parse({"mass": 1.5e-3, "coupler_mass": 4e-4})
-    results = [compute(Request(made.effects.subject, spec, Results({}), 1e-6)) for _ in range(2)]
-    first, second = (each.force.coefficients(PHI, "right").tobytes() for each in results)
-    assert first == second
-    reported = [each.findings for each in results]
-    assert reported[0] == reported[1]

@@ -9,10 +9,7 @@ import pytest
 
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.contact import ranges_below, runs
-from camgeo.dynamics.effects.lift_off import flight
-from camgeo.dynamics.effects.lift_off.flight import Flight, cells_from
-from camgeo.dynamics.effects.lift_off.result import Change
-from camgeo.errors import GeometryError
+from camgeo.dynamics.effects.lift_off.flight import cells_from
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.scene.scene import parse_scene
@@ -181,23 +178,51 @@ constant = 3
 [effects.lift-off]
 """
 
-SCENES = [
-    ("plate_translating", effects()),
-    ("plate_translating", effects(margin=5.0)),
-    ("plate_translating", effects(more="[effects.gravity]\nangle = 80")),
-    ("plate_translating", effects(more="[effects.friction]\nguide_viscous = 0.05")),
-    ("feed", effects(stiffness=0.2)),
-    ("shuttle", LOADED_ROCKER),
-    ("points", effects()),
-    ("setzhub", effects(preload=60.0)),
+SPRUNG_ROCKER = f"""
+[effects.spring]
+kind = "torsion"
+torsional_stiffness = 40
+preload_torque = 30
+[effects.friction]
+pivot_viscous = 0.4
+{LOADED_ROCKER}
+margin = 20
+"""
+
+FACE = effects(
+    "mass = 0.9", 12.0, 150.0, 15.0,
+    "[effects.friction]\nface = 0.11\nguide = 0.13\nguide_length = 42\nguide_overhang = 17",
+)  # fmt: skip
+
+OUTER = (
+    ("offset = 12", "offset = 0"),
+    ('direction = "outward"', 'direction = "inward"'),
+    ('contact = "inner"', 'contact = "outer"'),
+    ("bore = 25", "rim = 160"),
+    ("keyway = { width = 8, depth = 3.3, angle = 90 }\n", ""),
+)
+"""A ring around the roller, which a positive lift moves inwards."""
+
+SCENES: list[tuple[str, str, tuple[tuple[str, str], ...]]] = [
+    ("plate_translating", effects(), ()),
+    ("plate_translating", effects(), OUTER),
+    ("plate_translating", effects(margin=5.0), OUTER),
+    ("plate_translating", effects(more="[effects.gravity]\nangle = 80"), ()),
+    ("plate_translating", effects(more="[effects.friction]\nguide_viscous = 0.05"), ()),
+    ("feed", effects(stiffness=0.2), ()),
+    ("shuttle", LOADED_ROCKER, ()),
+    ("shuttle", SPRUNG_ROCKER, ()),
+    ("points", effects(), ()),
+    ("setzhub", effects(preload=60.0), ()),
+    ("tappet", FACE, ()),
 ]
 
 
-@pytest.mark.parametrize(("scene", "tables"), SCENES)
+@pytest.mark.parametrize(("scene", "tables", "changes"), SCENES)
 def test_the_speed_is_that_at_which_the_force_first_touches_its_margin(
-    scene: str, tables: str
+    scene: str, tables: str, changes: tuple[tuple[str, str], ...]
 ) -> None:
-    subject = design(scene, tables)
+    subject = design(scene, tables, *changes)
     found = lift_off(subject)
     factor = found.speed.value
     contact = subject.effect("contact-force")
@@ -208,8 +233,8 @@ def test_the_speed_is_that_at_which_the_force_first_touches_its_margin(
         contact.normal_at(here, side, np.stack((factor * omega, factor * factor * alpha)))[0]
         for side in ("left", "right")
     ]
-    scale = contact.normal_at(here, "right", np.stack((0.0 * omega, alpha)))[0] + margin
-    assert min(abs(force - margin) for force in forces) <= ROUNDING * abs(scale)
+    scale = abs(contact.normal_at(here, "right", np.stack((0.0 * omega, alpha)))[0]) + margin
+    assert min(abs(abs(force) - margin) for force in forces) <= ROUNDING * scale
     if margin == 0.0:
         assert abs(lowest(subject, factor)) <= ROUNDING
         assert lowest(subject, factor * (1.0 - 1e-9)) > 0.0
@@ -253,37 +278,6 @@ def test_the_jump_speed_of_a_harmonic_motion() -> None:
     assert one(found, "lift-off-speed").cam_angle == pytest.approx(math.pi, abs=1e-6)
 
 
-def test_a_spring_of_an_exercise_is_too_weak() -> None:
-    """3-4-5 polynomial, 10 mm in 90 deg at 10 rad/s, 7.5 kg, preload 10 N, rate 100 N/m: does the
-    spring do (an exercise of courses after Norton, Cam Design and Manufacturing Handbook)? No: the
-    largest deceleration, 10 / sqrt(3) h / T^2 = 2.34 m/s^2, takes 17.5 N, and there is 10.8 N."""
-    text = HARMONIC.replace("speed = 100", f"speed = {10.0 / RPM!r}")
-    text = text[: text.index("[[motion]]")]
-    text += '[[motion]]\nlaw = "polynomial-345"\nspan = 90\nto = 10\n[[motion]]\ndwell = 45\n'
-    text += '[[motion]]\nlaw = "polynomial-345"\nspan = 180\nto = 0\n[[motion]]\ndwell = 45\n'
-    tables = effects("mass = 7.5", stiffness=0.1, preload=10.0)
-    found = lift_off(Design(parse_scene(text + tables, "exercise.toml")))
-    (lost,) = named(found, "lift-off")
-    z = 0.5 + math.sqrt(3.0) / 6.0  # where the deceleration is largest
-    assert math.degrees(lost.cam_range[0]) < 90.0 * z < math.degrees(lost.cam_range[1])
-    place = np.array([math.radians(90.0 * z)])
-    subject = Design(parse_scene(text + tables, "exercise.toml"))
-    needed = subject.effect("contact-force").required(place, "right")
-    inertia = float(needed[2, 0]) * 100.0
-    assert inertia == pytest.approx(-7.5 * 10.0 / math.sqrt(3.0) * 10e-3 / 0.15708**2, rel=1e-4)
-    assert 10.0 < float(needed[0, 0]) < 11.0
-
-
-def test_no_speed_at_all() -> None:
-    """Weights and a spring keep it, and there is no mass to lift it off."""
-    tables = effects("mass = 0")
-    found = lift_off(design("plate_translating", tables))
-    speed = one(found, "lift-off-speed")
-    assert speed.severity == "ok"
-    assert speed.value is None
-    assert math.isinf(found.speed.value)
-
-
 @pytest.mark.parametrize("more", ["", "[effects.gravity]\nangle = 90"])
 def test_any_speed(more: str) -> None:
     """Without a spring nothing holds the roller."""
@@ -303,24 +297,26 @@ def test_a_scene_without_speed_has_no_speed_of_lift_off() -> None:
 # -- the spring ----------------------------------------------------------------------------------
 
 SPRINGS = [
-    ("plate_translating", FAST, 12.5),
-    ("feed", ("speed = 45", "speed = 300"), 0.0),
-    ("setzhub", ("speed = 90", "speed = 200"), 3.0),
+    ("plate_translating", (FAST,), 12.5),
+    ("plate_translating", (FAST, *OUTER), 12.5),
+    ("feed", (("speed = 45", "speed = 300"),), 0.0),
+    ("setzhub", (("speed = 90", "speed = 200"),), 3.0),
 ]
 
 
-@pytest.mark.parametrize(("scene", "change", "margin"), SPRINGS)
+@pytest.mark.parametrize(("scene", "changes", "margin"), SPRINGS)
 def test_the_least_spring_just_keeps_contact(
-    scene: str, change: tuple[str, str], margin: float
+    scene: str, changes: tuple[tuple[str, str], ...], margin: float
 ) -> None:
-    found = lift_off(design(scene, effects("mass = 1.2", 0.5, 20.0, margin), change))
+    found = lift_off(design(scene, effects("mass = 1.2", 0.5, 20.0, margin), *changes))
 
     def short(stiffness: float, preload: float) -> float:
         """Shortfall of the margin, relative to the largest force."""
-        subject = design(scene, effects("mass = 1.2", stiffness, preload, margin), change)
-        contact = subject.effect("contact-force")
-        force = piecewise_extremes(contact.normal, contact.edges)
-        return (force.lowest.value - margin) / force.magnitude
+        subject = design(scene, effects("mass = 1.2", stiffness, preload, margin), *changes)
+        force = subject.effect("contact-force").extremes
+        outer = subject.cam.contact == "outer"
+        least = -force.highest.value if outer else force.lowest.value
+        return float((least - margin) / force.magnitude)
 
     assert abs(short(0.5, found.preload.value)) <= ROUNDING
     assert short(0.5, found.preload.value * (1.0 - 1e-6)) < -ROUNDING
@@ -331,19 +327,6 @@ def test_the_least_spring_just_keeps_contact(
         return
     assert abs(short(found.stiffness.value, 20.0)) <= ROUNDING
     assert short(found.stiffness.value * (1.0 - 1e-6), 20.0) < -ROUNDING
-
-
-def test_the_least_spring_of_a_harmonic_motion() -> None:
-    """P + k e + (m omega^2 - k) e cos phi >= 0 at cos phi = -1: P >= m e omega^2 - 2 k e."""
-    omega = 100.0 * RPM * 5.0
-    tables = effects(stiffness=0.1, preload=12.0)
-    text = HARMONIC.replace("speed = 100", "speed = 500") + tables
-    found = lift_off(Design(parse_scene(text, "harmonic.toml")))
-    inertia = 1.2e-3 * 10.0 * omega**2
-    assert one(found, "least-preload").value == pytest.approx(inertia - 2.0, rel=1e-12)
-    assert one(found, "least-stiffness").value == pytest.approx((inertia - 12.0) / 20.0, rel=1e-12)
-    assert one(found, "least-preload").severity == "broken"
-    assert one(found, "least-preload").limit == 12.0
 
 
 def test_no_spring_is_needed() -> None:
@@ -398,72 +381,6 @@ def test_a_load_keeps_one_flank() -> None:
     assert not named(found, "impact-speed")
 
 
-@pytest.mark.parametrize("number", [0, 1])
-def test_a_small_backlash_is_crossed_as_the_cube_of_time(number: int) -> None:
-    """R grows by R' from 0: the gap is L R' t^3 / (6 M) at first, so that the roller meets the
-    other flank with 3 b / t, t = (6 M b / (L R'))^(1/3). The next term is of the order of t."""
-    errors = []
-    for backlash in (1e-3, 1e-6):
-        subject = groove(backlash)
-        change: Change = lift_off(subject).changes[number]
-        flight: Flight = lift_off(subject).flights[number]
-        duration = flight.landing - flight.leaving
-        contact, inertia = subject.effect("contact-force"), subject.effect("inertia")
-        omega = 30.0 * RPM
-        # The slope of R to the fourth order, at steps within one piece of the law on either side.
-        step = 1e-3
-        around = change.leaving + step * np.array([-2.0, -1.0, 1.0, 2.0])
-        needed = contact.required(around, "right")[2] * omega**2
-        slope = (needed @ np.array([1.0, -8.0, 8.0, -1.0])) / (12.0 * step) * omega
-        here = np.array([change.leaving])
-        mass = inertia.to_follower(here, "right")[0]
-        lever = abs(subject.cam.disc.pitch_curve.leverage(here)[0])
-        time = (6.0 * mass * backlash / (lever * abs(slope))) ** (1.0 / 3.0)
-        assert flight.crossed
-        assert flight.left == change.sense
-        assert flight.leaving == pytest.approx(change.leaving, abs=backlash)
-        errors += [abs(flight.speed / (3.0 * backlash / time) - 1.0)]
-        # Of the order of the flight's angle, 4 times as large at most.
-        assert errors[-1] <= 4.0 * duration
-        assert duration == pytest.approx(time * omega, rel=4.0 * duration)
-    assert errors[1] < 0.2 * errors[0]
-
-
-# Four searches of seconds; `test_stated_errors` and `test_recorded` hold errors of impacts.
-@pytest.mark.long
-def test_the_tolerance_of_an_impact_is_kept_or_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With few nodes a cell, cells are halved until they are enough, or no impact is given."""
-    subject = groove(0.05)
-    exact = [each.speed for each in lift_off(subject).flights]
-    monkeypatch.setattr(flight, "ORDERS", (3, 4))
-    errors = []
-    for tolerance in (1e-2, 1e-4):
-        found = subject.effects.recomputed("lift-off", tolerance).result("lift-off")
-        assert found.error <= tolerance
-        speeds = [each.speed for each in found.flights]
-        errors.append(max(abs(a / b - 1.0) for a, b in zip(speeds, exact, strict=True)))
-        assert errors[-1] <= tolerance
-    assert errors[1] <= errors[0]
-    monkeypatch.setattr(flight, "ORDERS", (1, 2))
-    rough = subject.effects.recomputed("lift-off", 1e-10).result("lift-off")
-    assert rough.flights == ()
-    assert "the tolerance is 1e-10" in one(rough, "impact-speed").sentence
-
-
-def test_the_impact_grows_with_the_backlash() -> None:
-    speeds = [
-        one(lift_off(groove(backlash)), "largest-impact-speed").value
-        for backlash in (0.01, 0.02, 0.04)
-    ]
-    assert speeds == sorted(speeds)
-
-
-def test_the_impact_grows_with_the_speed() -> None:
-    """Inertia alone: the paths are the same at every speed."""
-    slow, fast = (one(lift_off(groove(0.02, "", n)), "largest-impact-speed") for n in (30.0, 90.0))
-    assert fast.value == pytest.approx(3.0 * slow.value, rel=1e-12)
-
-
 def test_without_a_mass_no_impact_is_reported() -> None:
     tables = (
         "[effects.load]\nsegments = [1, -1, 1, -1, 1]\n[effects.contact-force]\n"
@@ -477,22 +394,6 @@ def test_without_a_mass_no_impact_is_reported() -> None:
 
 
 # -- contradictions ------------------------------------------------------------------------------
-
-
-def test_a_margin_in_a_groove_is_refused() -> None:
-    tables = f"{ROCKER}[effects.contact-force]\n[effects.lift-off]\nmargin = 5\n"
-    with pytest.raises(GeometryError, match="one flank") as caught:
-        design("groove", tables).effect("lift-off")
-    assert caught.value.key == "effects.lift-off.margin"
-
-
-def test_a_backlash_on_a_plate_is_refused() -> None:
-    tables = (
-        "[effects.load]\nconstant = 5\n[effects.contact-force]\n[effects.lift-off]\nbacklash = 1\n"
-    )
-    with pytest.raises(GeometryError, match="groove") as caught:
-        design("plate_translating", tables).effect("lift-off")
-    assert caught.value.key == "effects.lift-off.backlash"
 
 
 def with_play(backlash: str = "") -> Design:
@@ -513,12 +414,6 @@ def test_the_side_clearance_of_the_groove_is_the_backlash() -> None:
     )
     # Impacts are those of the pitch curve, to first order in the clearance.
     assert one(lift_off(tight), "largest-impact-speed").value == stated.value
-
-
-def test_a_backlash_that_contradicts_the_side_clearance_is_refused() -> None:
-    with pytest.raises(GeometryError, match=r"side_clearance, 0\.08 mm") as caught:
-        with_play("backlash = 0.05\n").effect("lift-off")
-    assert caught.value.key == "effects.lift-off.backlash"
 
 
 def test_cells_between_edges_that_nearly_coincide_come_to_an_end() -> None:

@@ -14,13 +14,12 @@ from camgeo.design.design import Design
 from camgeo.dynamics.effects.effect import DataFile
 from camgeo.dynamics.effects.load import ProcessLoad, parse, read_load_table
 from camgeo.dynamics.effects.load.result import profile_of
-from camgeo.errors import EffectError, GeometryError, SceneError
+from camgeo.errors import GeometryError
 from camgeo.kinematics.plan import Dwell, MotionPlan
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.scene import load_scene
 from camgeo.units import TURN
 from tests.effects.scenes import SCENES, design
-from tests.effects.test_inertia import LOCKED
 from tests.integrals import cells, integrals
 
 PHI = np.linspace(0.0, TURN, 721)
@@ -99,19 +98,6 @@ def test_a_rest_of_no_length_has_no_load() -> None:
     angles = np.radians([0.0, 120.0])
     assert np.array_equal(steps.values(angles, "right"), [7.0, 8.0])
     assert np.array_equal(steps.values(angles, "left"), [8.0, 7.0])
-
-
-def test_too_few_segments_are_refused_with_the_key() -> None:
-    made = design("plate_translating", "[effects.load]\nsegments = [1, 2]\n")
-    with pytest.raises(GeometryError, match=r"number of values 2, .* length 5;") as caught:
-        made.effect("load")
-    assert caught.value.key == "effects.load.segments"
-
-
-@pytest.mark.parametrize("text", ["", "constant = 1\nsegments = [1, 2, 3, 4, 5]\n"])
-def test_exactly_one_kind_is_allowed(text: str) -> None:
-    with pytest.raises(SceneError, match="one of constant, segments, file is needed"):
-        design("plate_translating", f"[effects.load]\n{text}")
 
 
 # Files ----------------------------------------------------------------------------------------
@@ -199,17 +185,3 @@ def test_a_file_of_torques_loads_a_rocker(tmp_path: Path) -> None:
 
 
 # What has no answer ---------------------------------------------------------------------------
-
-
-def test_a_load_on_a_slider_that_cannot_be_moved_has_no_force() -> None:
-    made = design("schnitt", "[effects.load]\nconstant = 1\n", *LOCKED)
-    with pytest.raises(EffectError, match="is square to the guide") as caught:
-        made.effect("load")
-    assert caught.value.finding == "locked-slider"
-    assert caught.value.unit == "mm"
-
-
-def test_without_its_table_it_is_missing() -> None:
-    with pytest.raises(GeometryError) as caught:
-        design("plate_translating", "").effect("load")
-    assert caught.value.key == "effects.load"

@@ -14,16 +14,13 @@ import pytest
 
 from camgeo.design.design import Design
 from camgeo.design.product import Product
-from camgeo.errors import EffectError, GeometryError, SceneError
+from camgeo.errors import EffectError
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.units import TURN
-from tests.effects.scenes import design
-from tests.effects.test_physics import (
+from tests.effects.bodies import (
     DIFFERENCE,
     PIVOT,
     ROLLER,
-    ROUNDING,
     Bodies,
     along,
     friction,
@@ -32,6 +29,7 @@ from tests.effects.test_physics import (
     omega,
     slope,
 )
+from tests.effects.scenes import design
 from tests.effects.test_power_balance import assert_zero, powers
 
 RIGHT: Final[Side] = "right"
@@ -193,42 +191,6 @@ def test_each_disc_has_the_pressure_of_its_own_roller_and_flank() -> None:
         assert np.max(found) > 0.0
 
 
-def test_the_follower_crosses_its_play_as_a_free_body() -> None:
-    """M d'' = -R from the change on, by sums over short steps, until the next disc is met."""
-    scene, play = "conjugate_lever", 0.04
-    effects = forces(scene, LOAD[scene]) + TELLING
-    effects = effects.replace("[effects.lift-off]", f"[effects.lift-off]\nbacklash = {play}")
-    made = design(scene, effects)
-    groove = made.effect("lift-off")
-    assert groove is not None
-    flights = groove.flights
-    assert len(groove.changes) == len(flights) >= 2
-    assert not [each for each in made.effect("lift-off").findings if each.severity == "broken"]
-    assert {flight.left for flight in flights} == {1, -1}
-    speed = omega(made)
-    # To first order in the play: the motion of a disc with play is not that of the pitch curve.
-    off = 20.0 * play / made.cam.follower.base_radius
-    for change, flight in zip(groove.changes, flights, strict=True):
-        main, back = both(made, np.array([change.leaving]))
-        largest = max(map(np.max, both(made, inside(made))))
-        assert max(main[0], back[0]) <= ROUNDING * largest * 1e3
-        assert flight.crossed
-        assert flight.left == change.sense
-        assert flight.leaving == pytest.approx(change.leaving, abs=off)
-        phi = np.linspace(change.leaving, flight.landing, 20001)
-        required = inertia_of(made) * speed**2 * made.cam.drive.motion.jet(phi)[2] + LOAD[scene]
-        h = np.diff(phi) / speed
-        free = -required / inertia_of(made)
-        rate = np.concatenate(([0.0], np.cumsum(0.5 * h * (free[1:] + free[:-1]))))
-        way = np.concatenate(([0.0], np.cumsum(0.5 * h * (rate[1:] + rate[:-1]))))
-        main_way, back_way = (each * way[-3:] for each in ways(made, phi[[-3, -2, -1]]))
-        # The play is that of the return roller.
-        assert back_way[-1] == pytest.approx(-flight.left * play, rel=off)
-        met = back_way if flight.left > 0 else main_way
-        closing = -(3.0 * met[-1] - 4.0 * met[-2] + met[-3]) / (2.0 * h[-1])
-        assert flight.speed == pytest.approx(closing, rel=off)
-
-
 def test_discs_that_push_in_one_sense_carry_nothing_the_other_way() -> None:
     scene = "conjugate_lever"
     made = design(scene, forces(scene, 100.0) + TELLING, ("arm_angle = 84", "arm_angle = 8"))
@@ -253,24 +215,6 @@ def test_a_limit_holds_either_disc() -> None:
     assert largest.severity == "broken"
 
 
-def test_a_margin_is_refused_where_the_force_changes_discs() -> None:
-    effects = forces("conjugate_lever", 0.0) + "[effects.lift-off]\nmargin = 5\n"
-    with pytest.raises(GeometryError, match="or between two discs, the force changes sign"):
-        design("conjugate_lever", effects).effect("lift-off")
-
-
-@pytest.mark.parametrize(("key", "value"), [("guide_length", 80), ("guide_overhang", 10)])
-def test_the_guide_of_a_carriage_with_two_rollers_has_no_levers(key: str, value: int) -> None:
-    scene = "conjugate_carriage"
-    table = "guide = 0.1\nguide_length = 80\n"
-    if key != "guide_length":
-        table += f"{key} = {value}\n"
-    with pytest.raises(
-        SceneError, match=f"effects.friction.{key} = {value}: supports a single roller"
-    ):
-        design(scene, f"{forces(scene, 0.0)}[effects.friction]\n{table}")
-
-
 def test_a_weight_across_the_guide_rubs_alike_on_either_disc() -> None:
     """The side force of the return roller counts in the direction in which the weight's does."""
     scene = "conjugate_carriage"
@@ -282,18 +226,6 @@ def test_a_weight_across_the_guide_rubs_alike_on_either_disc() -> None:
     assert np.any(main > 0.0)
     assert np.any(back > 0.0)
     assert_zero(*powers(made, table, phi))
-
-
-def test_the_force_is_the_same_however_a_turn_is_sampled() -> None:
-    """The edges have every change of disc: between two of them one disc carries."""
-    scene = "conjugate_carriage"
-    made = design(scene, forces(scene, LOAD[scene]) + TELLING)
-    contact = made.effect("contact-force")
-    phi = np.linspace(0.0, TURN, 7201)[:-1]
-    sign = np.sign(contact.normal(phi, RIGHT))
-    piece = np.searchsorted(contact.edges, phi, "right")
-    for each in np.unique(piece):
-        assert len(set(sign[piece == each]) - {0.0}) <= 1
 
 
 def test_a_trimmed_return_disc_does_not_have_a_motion_of_its_own() -> None:

@@ -19,16 +19,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.loads import coupler_of
-from camgeo.errors import EffectError
 from camgeo.kinematics.mechanism.four_bar import FourBar
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.scene.scene import parse_scene
+from tests.effects.bodies import along, cross, pull
 from tests.effects.scenes import SCENES, design
-from tests.effects.test_inertia import LOCKED
-from tests.effects.test_physics import along, pull
 from tests.long_form import examples
 
 LINKED: Final = (
@@ -44,10 +41,6 @@ ROUNDS: Final = 80
 
 Jets = tuple[ComplexArray, ComplexArray, ComplexArray]
 """A place and its first and second derivative over time, (n,) each."""
-
-
-def cross(a: Any, b: Any) -> Any:
-    return np.imag(np.conj(a) * b)
 
 
 def drawn(rng: Random, name: str, *, rubbing: bool = False) -> tuple[str, dict[str, float]]:
@@ -398,14 +391,6 @@ def test_pins_pass_on_what_an_elastic_train_takes() -> None:
     rigid = Design(parse_scene(text, str(SCENES.parent / f"{name}.toml")))
     before = rigid.effect("reactions").bodies.pins.at(phi, "right").near
     assert np.max(np.abs(near - before)) > 1e-3 * np.max(np.abs(before))
-
-
-def test_pins_of_a_slider_that_the_rocker_cannot_move_have_no_force() -> None:
-    subject = design("schnitt", "", *LOCKED).effects.subject
-    assert subject.drive.linkage is not None
-    with pytest.raises(EffectError, match="the rocker cannot move the slider there") as caught:
-        coupler_of(subject, subject.drive.linkage, (), None, None)
-    assert caught.value.finding == "locked-slider"
 
 
 def test_no_mass_and_no_load_leave_the_pins_empty() -> None:

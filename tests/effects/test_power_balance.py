@@ -202,26 +202,6 @@ def found_of(text: str) -> dict[str, float]:
     return {each.name: each.value for each in found if each.value is not None}
 
 
-# Its power at each angle is that of all others above, and the works are in `test_recorded`.
-@pytest.mark.long
-def test_works_of_a_turn_add_up() -> None:
-    """In a turn springs and masses give back what they take at constant speed; the work of the
-    drive is that of friction.
-    """
-    made = Design(parse_scene(scene_with(LEVER, "power-balance"), "lever.toml"))
-    told = made.effects.findings("power-balance")
-    found = {each.name: each.value for each in told if each.value is not None}
-    drive = made.effect("drive-torque")
-    (work,) = (each.value for each in drive.findings if each.name == "work-per-turn")
-    assert work is not None
-    error = made.effect("power-balance").errors["work-inertia"].error
-    works = [value for name, value in found.items() if name.startswith("work-")]
-    assert abs(sum(works) - work) <= (len(works) + 1) * error
-    assert found["work-spring"] == 0.0
-    assert found["work-pivot-friction"] > 0.0
-    assert "efficiency" not in found
-
-
 def test_the_efficiency_is_the_share_of_the_load() -> None:
     """A constant torque Q against a rise by h takes Q h whatever the law: without friction all that
     the drive provides.

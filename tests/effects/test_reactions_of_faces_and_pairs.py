@@ -13,9 +13,9 @@ import pytest
 
 from camgeo.design.design import Design
 from camgeo.numeric.arrays import ComplexArray, FloatArray
+from tests.effects.bodies import along, cross, pull
 from tests.effects.scenes import design
-from tests.effects.test_physics import along, pull
-from tests.effects.test_pins import Members, angles, cross
+from tests.effects.test_pins import Members, angles
 
 ROUNDING: Final = 1e-12
 """Of the largest force of the turn."""

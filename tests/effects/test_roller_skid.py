@@ -20,8 +20,8 @@ from camgeo.dynamics.effects.roller_spin.result import Rolling, Skid
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.scene import load_scene
 from camgeo.units import TURN
+from tests.effects.bodies import ROLLER
 from tests.effects.scenes import SCENES
-from tests.effects.test_physics import ROLLER
 from tests.effects.test_roller_spin import rolling
 from tests.integrals import integrals
 from tests.long_form import examples

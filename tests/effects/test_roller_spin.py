@@ -11,8 +11,7 @@ from camgeo.design.design import Design
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.scene import load_scene
 from camgeo.units import RPM
-from tests.effects.scenes import SCENES, design
-from tests.effects.test_physics import (
+from tests.effects.bodies import (
     DIFFERENCE,
     PLATE,
     ROLLER,
@@ -23,8 +22,8 @@ from tests.effects.test_physics import (
     omega,
     speed_of,
 )
-from tests.effects.test_reactions import cells_of
-from tests.integrals import integrals
+from tests.effects.scenes import SCENES, design
+from tests.integrals import cells, integrals
 
 INERTIA: Final = 3e-2
 """[t mm^2]"""
@@ -68,7 +67,7 @@ def test_its_angular_momentum_changes_by_friction_and_traction(way: str) -> None
         own = np.imag(np.conj(bodies.arm) * force) + sum(bodies.moments(ROLLER))
         return np.asarray(own / speed)
 
-    low, high = cells_of(contact.edges)
+    low, high = cells(contact.edges[:-1], 8)
     before, after = roller.spin(low, "right")[0], roller.spin(high, "left")[0]
     gained = INERTIA * (after - before)
     total = integrals(moment, low, high)

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import cmath
 import math
 from types import SimpleNamespace
 from typing import Any, Final
@@ -12,10 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.spring import parse
 from camgeo.dynamics.effects.spring.result import BetweenPoints, along_slider
 from camgeo.errors import GeometryError
-from camgeo.kinematics.mechanism.linkage import locked_at
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
@@ -24,9 +21,6 @@ from tests.integrals import cells, integrals
 
 LINEAR: Final = "stiffness = 5\npreload = 50\n"
 TORSION: Final = 'kind = "torsion"\ntorsional_stiffness = 5\npreload_torque = 50\n'
-ON_ARM: Final = "attachment = [20, 0]\n"
-MET: Final = 110.0 - 90.0 * cmath.exp(1j * math.radians(8.0))
-"""Where that attachment of the shuttle, which swings by 16 degrees about [110, 0], is half-way."""
 
 ENDS: Final = "anchor = [30, -60]\nattachment = [60, 30]\n"
 
@@ -229,82 +223,6 @@ def test_torque_is_in_newton_metres() -> None:
     assert found["largest-spring-deflection"].unit == "deg"
 
 
-@pytest.mark.parametrize(
-    ("table", "key"),
-    [
-        ({}, "stiffness"),
-        ({"stiffness": 1.0}, "preload"),
-        ({"kind": "extension", "preload": 1.0}, "stiffness"),
-        ({"kind": "torsion", "torsional_stiffness": 1.0}, "preload_torque"),
-        ({"kind": "torsion", "preload_torque": 1.0}, "torsional_stiffness"),
-        ({"stiffness": 1.0, "preload": 1.0, "preload_torque": 1.0}, "preload_torque"),
-        (
-            {
-                "kind": "torsion",
-                "torsional_stiffness": 1.0,
-                "preload_torque": 1.0,
-                "stiffness": 1.0,
-            },
-            "stiffness",
-        ),
-        (
-            {
-                "kind": "torsion",
-                "torsional_stiffness": 1.0,
-                "preload_torque": 1.0,
-                "anchor": (0.0, 1.0),
-            },
-            "anchor",
-        ),
-        ({"stiffness": 1.0, "preload": 1.0, "anchor": (0.0, 1.0)}, "attachment"),
-        ({"stiffness": 1.0, "preload": 1.0, "attachment": (0.0, 1.0)}, "anchor"),
-        ({"wire": WOUND}, "preload"),
-        ({"wire": WOUND, "preload": 1.0, "stiffness": 1.0}, "stiffness"),
-        ({"wire": WOUND, "preload": 1.0, "kind": "extension"}, "wire"),
-        ({"wire": WOUND, "preload_torque": 1.0, "kind": "torsion"}, "wire"),
-        ({"wire": WOUND | {"coil_diameter": 3.0}, "preload": 1.0}, "wire.coil_diameter"),
-        ({"wire": WOUND | {"total_coils": 5.5}, "preload": 1.0}, "wire.total_coils"),
-        ({"wire": WOUND | {"free_length": 24.0}, "preload": 1.0}, "wire.free_length"),
-    ],
-)
-def test_missing_and_foreign_keys(table: dict[str, Any], key: str) -> None:
-    with pytest.raises(GeometryError) as error:
-        parse(table)
-    assert error.value.key == key
-
-
-@pytest.mark.parametrize(
-    ("scene", "table", "key"),
-    [
-        ("plate_translating", TORSION, "kind"),
-        ("plate_translating", LINEAR + ENDS, "anchor"),
-        ("groove", LINEAR, "anchor"),
-        ("shuttle", LINEAR + "anchor = [0, 0]\nattachment = [110, 0]\n", "attachment"),
-        ("shuttle", LINEAR + f"anchor = [{MET.real!r}, {MET.imag!r}]\n" + ON_ARM, "anchor"),
-    ],
-)
-def test_a_spring_that_does_not_fit_the_follower(scene: str, table: str, key: str) -> None:
-    made = design(scene, f"[effects.spring]\n{table}")
-    with pytest.raises(GeometryError) as error:
-        made.effect("spring")
-    assert error.value.key == f"effects.spring.{key}"
-
-
-def test_a_slider_that_turns_back_cannot_close_all_round() -> None:
-    """The coupler comes square to the guide on the way from X = 60 mm to 40 mm."""
-    plan = design("plate_translating", "").cam.drive.plan
-    refused = []
-    for branch in (1, -1):
-        linkage = SliderCrank(50.0, 60.0, 0.0, True, 1, -1, branch)
-        if locked_at(linkage, plan) is None:
-            continue
-        subject: Any = SimpleNamespace(state=SimpleNamespace(output=plan))
-        with pytest.raises(GeometryError, match="square to the guide") as error:
-            along_slider(subject, linkage)
-        refused.append(error.value.key)
-    assert refused == ["effects.spring"]
-
-
 def test_an_arm_over_the_line_of_centres_cannot_close_by_the_slider() -> None:
     made = design("schnitt", f"[effects.spring]\n{LINEAR}")
     linkage = made.cam.drive.linkage
@@ -378,10 +296,3 @@ def test_what_a_helical_spring_cannot_bear_is_said() -> None:
             told = helical(free_length=length, seats=seats)[1]
             assert told["spring-buckling"].severity == severity
     assert helical(coil_diameter=37.0)[1]["spring-index"].severity == "warning"
-
-
-def test_asked_again_it_answers_the_same() -> None:
-    (made, first), (_, second) = spring_of("compression"), spring_of("compression")
-    phi = grid(made)
-    assert first.findings == second.findings
-    assert np.array_equal(first.per_stiffness(phi, "left"), second.per_stiffness(phi, "left"))

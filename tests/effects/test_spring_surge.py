@@ -10,7 +10,6 @@ import pytest
 
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.spring_surge.result import CLEAR, FARTHEST
-from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.scene import parse_scene
 from camgeo.units import RPM, TURN
@@ -109,10 +108,3 @@ def test_a_cam_that_turns_unevenly() -> None:
     total = np.sum(integrals(wave, *cells(borders, order)))
     wanted = 2.0 / duration * abs(total)
     assert result.harmonic.amplitude == pytest.approx(wanted, abs=1e-9 * result.harmonic.travel)
-
-
-def test_a_spring_without_wire_is_refused() -> None:
-    stiff = "[effects.spring]\npreload = 1\nstiffness = 1\n[effects.spring-surge]\n"
-    with pytest.raises(GeometryError, match="stated by its wire") as error:
-        design("plate_translating", stiff).effect("spring-surge")
-    assert error.value.key == "effects.spring.wire"

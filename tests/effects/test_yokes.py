@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
 from random import Random
 from typing import Any, Final
 
@@ -19,13 +18,12 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from camgeo.design.design import Design
-from camgeo.errors import EffectError, GeometryError
+from camgeo.errors import EffectError
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.scene.scene import load_scene, parse_scene
 from camgeo.units import RPM, TURN
-from tests.effects.scenes import SCENES, assert_refused
-from tests.effects.test_physics import along, pull
-from tests.effects.test_pins import cross
+from tests.effects.bodies import along, cross, pull
+from tests.effects.scenes import SCENES
 from tests.long_form import examples
 
 RIGHT: Final[Side] = "right"
@@ -429,11 +427,3 @@ def test_each_roller_has_a_spin_of_its_own_that_the_other_has_half_a_turn_later(
     assert np.all(reserve <= 0.0)
     names = [each.name for each in spin.findings]
     assert "opposite-traction-reserve" in names
-
-
-def test_what_is_not_for_a_yoke_is_refused() -> None:
-    with pytest.raises(GeometryError, match="in a yoke, or between two discs"):
-        Drawn().made("[effects.lift-off]\nmargin = 3\n").effect("lift-off")
-    text = Path(SCENES / "constant_breadth.toml").read_text("utf-8")
-    assert "[follower.yoke]" in text
-    assert_refused("constant_breadth", "lift-off", "backlash = 0.1", "backlash", "its breadth")
