@@ -1,6 +1,9 @@
-"""The findings of a design's effects together."""
+"""The findings of a design's effects together, and single ones by their names."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
 
 from camgeo.check.finding import Finding
 from camgeo.design.design import Design
@@ -10,3 +13,14 @@ def effect_findings(design: Design) -> tuple[Finding, ...]:
     """Findings of the effects in the scene, in its order; those that several effects share once."""
     found = [each for name in design.scene.effects for each in design.effects.findings(name)]
     return tuple(dict.fromkeys(found))
+
+
+def finding(findings: Iterable[Finding], name: str) -> Any:
+    """The only one of that name. Whoever asks knows which of its fields are not None."""
+    (found,) = (each for each in findings if each.name == name)
+    return found
+
+
+def finding_values(findings: Iterable[Finding]) -> dict[str, float]:
+    """The values of those that have one, the last of each name."""
+    return {each.name: each.value for each in findings if each.value is not None}
