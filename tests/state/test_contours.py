@@ -1,16 +1,14 @@
 """Followers that are held both ways, on the side of a written contour that the scene states.
 
-Oracles: mpmath on the piece that is touched, as in `tests.state.test_written`; a roller pressed
-against points of the contour, by bisection; and the free body of the follower.
+Oracles: a roller pressed against points of the contour, by bisection, and the free body of the
+follower; their lifts are in `tests.state.test_written`.
 """
 
 from __future__ import annotations
 
 import math
-from functools import cache
 from typing import Any, Final
 
-import mpmath
 import numpy as np
 import pytest
 
@@ -21,59 +19,31 @@ from camgeo.dynamics.effects.results import CONTACT_FORCE
 from camgeo.dynamics.state.state import FIRST, SECOND
 from camgeo.dynamics.state.written import Contours, Written
 from camgeo.errors import SceneError
-from camgeo.geometry.contour.contour import Contour, Form
+from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.outline.roller import PlayedLift
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.follower_path import path_of
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.part.part import written_contour
 from tests.effects.scenes import design
 from tests.effects.test_premises import GROOVE
-from tests.effects.test_trimmed_cams import on_guide, on_rocker
-from tests.state.test_written import gap_on
+from tests.state.test_written import SIDED, asked, side_of, state_of
 
 WIDE: Final = ("thickness = 10", "thickness = 10\nrim = 125\ngroove_depth = 5")
 
 SIDES: Final = {"inner": FIRST, "main": FIRST, "outer": SECOND, "return": SECOND}
 
-ROCKING: Final = "[effects.inertia]\nmoment_of_inertia = 0.01\n[effects.contact-force]\n"
-GUIDED: Final = "[effects.inertia]\nmass = 2\n[effects.contact-force]\n"
 
-
-@cache
-def asked(scene: str, flank: str, form: Form = "arcs", tolerance: float = 1e-3) -> Design:
-    """The fixture scene with the motion on that side of its written contours."""
-    text = GUIDED if scene == "groove_clearance" else ROCKING
-    edits = {
-        "state.motion": "written",
-        "state.contour": form,
-        "state.flank": flank,
-        "output.tolerance": tolerance,
-    }
-    return Design(design(scene, f"{text}[effects.kinematics]\n").scene.with_values(edits))
-
-
-def state_of(made: Design) -> Written:
-    state = made.effects.subject.state
-    assert isinstance(state, Written)
-    return state
+def sided(scene: str, flank: str, tolerance: float = 1e-3) -> Design:
+    guided = scene in ("plate_translating", "groove_clearance")
+    own = "mass = 2" if guided else "moment_of_inertia = 0.01"
+    text = f"[effects.inertia]\n{own}\n[effects.contact-force]\n[effects.kinematics]\n"
+    return asked(scene, "arcs", tolerance, text, flank)
 
 
 def contours_of(made: Design) -> Contours:
     found = made.effects.subject.contours
     assert found is not None
     return found
-
-
-def side_of(made: Design, flank: str) -> tuple[Contour, Any]:
-    """The contour of a side, and the cam whose roller runs on it."""
-    disc = made.discs[1 if flank == "return" else 0]
-    name = "outline" if flank in ("main", "return") else f"{flank} flank"
-    (boundary,) = (each for each in disc.drawn.part.boundaries if each.name == name)
-    writing = contours_of(made).writing
-    found = written_contour(boundary, writing.form, writing.effort, writing.tolerance).contour
-    assert isinstance(found, Contour)
-    return found, disc.drawn.cam
 
 
 def press(flank: str) -> int:
@@ -130,38 +100,6 @@ def pressed_on(made: Design, flank: str, phi: FloatArray, spacing: float) -> Flo
     return np.asarray(0.5 * (clear + hit))
 
 
-CASES: Final = [
-    ("groove", "inner"), ("groove", "outer"), ("groove_clearance", "outer"),
-    ("conjugate_lever", "return"),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize("form", ["arcs", "polyline"])
-@pytest.mark.parametrize(("scene", "flank"), CASES)
-def test_the_lift_is_that_of_a_roller_that_touches_its_piece(
-    scene: str, flank: str, form: Form
-) -> None:
-    made = asked(scene, flank, form)
-    state, (contour, cam) = state_of(made), side_of(made, flank)
-    assert state.sense == SIDES[flank]
-    place = (on_guide if cam.lift_unit == "mm" else on_rocker)(cam.follower)
-    lift = state.motion.lift
-    middles = 0.5 * (lift.borders + np.append(lift.borders[1:], lift.borders[0] + 2.0 * math.pi))
-    places = middles[np.linspace(0, len(middles) - 1, 6).astype(int)]
-    elements, _ = lift.held_by(lift.number(places))
-    for phi, element, jet in zip(
-        places, elements.tolist(), state.motion.jet(places).T, strict=True
-    ):
-        gap = gap_on(contour, element, place, cam, press(flank))
-        with mpmath.workdps(30):
-
-            def moved(angle: Any, gap: Any = gap, guess: float = float(jet[0])) -> Any:
-                return mpmath.findroot(lambda q: gap(q, angle), guess)
-
-            wanted = [float(mpmath.diff(moved, mpmath.mpf(float(phi)), k)) for k in range(4)]
-        assert jet == pytest.approx(wanted, abs=1e-8 * (max(map(abs, wanted)) + 1.0))
-
-
 @pytest.mark.parametrize(
     ("scene", "both"), [("groove", ("inner", "outer")), ("conjugate_lever", ("main", "return"))]
 )
@@ -172,7 +110,7 @@ def test_the_play_is_that_between_rollers_pressed_against_both_contours(
     h^2 / 4r here, over the lever of its lift.
     """
     phi, spacing = np.linspace(0.05, 6.2, 11), 0.02
-    made = [asked(scene, each, "arcs", 1e-2) for each in both]
+    made = [sided(scene, each, 1e-2) for each in both]
     lever = np.abs(made[0].effects.subject.state.curve.leverage(phi))
     deeper = 1.1 * spacing**2 / (4.0 * made[0].cam.follower.roller_radius) / lever
     levers = np.abs(made[0].effects.subject.state.curve.leverage(np.linspace(0.0, 6.28, 400)))
@@ -189,12 +127,12 @@ def test_the_play_is_that_between_rollers_pressed_against_both_contours(
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-4])
-@pytest.mark.parametrize(("scene", "flank"), CASES)
+@pytest.mark.parametrize(("scene", "flank"), SIDED)
 def test_the_lift_comes_to_that_on_the_exact_flank(
     scene: str, flank: str, tolerance: float
 ) -> None:
     """Within eps over the lever, as for a single flank; with side clearance, to the played lift."""
-    made = asked(scene, flank, "arcs", tolerance)
+    made = sided(scene, flank, tolerance)
     state, cam = state_of(made), made.cam
     phi = np.linspace(0.0, 6.28, 300)
     exact = made.drive.motion.jet(phi)[0]
@@ -208,7 +146,7 @@ def test_the_lift_comes_to_that_on_the_exact_flank(
 
 
 def test_both_discs_see_one_motion() -> None:
-    made = asked("conjugate_lever", "return")
+    made = sided("conjugate_lever", "return")
     subject = made.effects.subject
     assert subject.returning is not None
     state, other = subject.state, subject.returning.state
@@ -219,13 +157,10 @@ def test_both_discs_see_one_motion() -> None:
     assert made.effect(CONTACT_FORCE).state.sense == SECOND
 
 
-@pytest.mark.parametrize(
-    ("scene", "flank"), [("groove", "outer"), ("groove_clearance", "outer"),
-                         ("conjugate_lever", "return")]
-)  # fmt: skip
+@pytest.mark.parametrize(("scene", "flank"), [("plate_translating", ""), *SIDED[1:]])
 def test_the_force_is_that_of_the_free_body_where_that_side_carries(scene: str, flank: str) -> None:
     """m q'' omega^2 over the lever of the line through the centre of the touched arc."""
-    made = asked(scene, flank)
+    made = sided(scene, flank)
     state, (contour, cam), course = state_of(made), side_of(made, flank), made.drive.time_course
     assert course is not None
     phi = np.linspace(0.01, 6.27, 120)
@@ -245,8 +180,9 @@ def test_the_force_is_that_of_the_free_body_where_that_side_carries(scene: str, 
     normal = made.effect(CONTACT_FORCE).normal(phi, "right")
     carried = wanted > 0.0
     assert np.sum(carried) > 20
-    assert SECOND * normal[carried] == pytest.approx(wanted[carried], rel=1e-6)
-    assert not np.any(SECOND * normal[~carried] > 0.0)
+    sense = SECOND if flank else FIRST
+    assert sense * normal[carried] == pytest.approx(wanted[carried], rel=1e-6)
+    assert not np.any(sense * normal[~carried] > 0.0)
 
 
 def found(made: Design, effect: str, name: str) -> Finding:
@@ -261,7 +197,7 @@ def found(made: Design, effect: str, name: str) -> Finding:
 def test_findings_say_where_the_other_side_carries_and_how_far_it_is(
     scene: str, flank: str, other: str
 ) -> None:
-    made = asked(scene, flank)
+    made = sided(scene, flank)
     told = found(made, "contact-force", "other-side")
     assert told.severity == "warning"
     assert f"the {other} carries" in told.sentence
@@ -303,7 +239,7 @@ def test_what_the_opposite_flank_has_lost_is_told_as_its_own() -> None:
 
 
 def test_flights_between_written_contours_are_refused() -> None:
-    scene = asked("groove", "outer").scene.with_values({"effects.lift-off.backlash": 0.02})
+    scene = sided("groove", "outer").scene.with_values({"effects.lift-off.backlash": 0.02})
     told = found(Design(scene), "lift-off", "impact-speed")
     assert told.value is None
     assert "flights between these are not computed" in told.sentence
@@ -316,6 +252,9 @@ def test_flights_between_written_contours_are_refused() -> None:
         ("conjugate_lever", {"motion": "written", "flank": "inner"}, "needs contact"),
         ("querhub", {"motion": "written", "flank": "inner"}, "needs contact"),
         ("groove", {"flank": "inner"}, "another motion is the same on both sides"),
+        ("plate_translating", {"motion": "written", "flank": "main"}, "needs [follower"),
+        ("conjugate_lever", {"motion": "written", "flank": "opposite"}, "needs [follower"),
+        ("constant_breadth", {"motion": "written", "flank": "return"}, "needs [follower"),
     ],
 )
 def test_a_scene_states_one_of_two_sides(scene: str, edits: dict[str, str], words: str) -> None:

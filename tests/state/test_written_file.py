@@ -1,12 +1,7 @@
-"""The contour of the motion `written` is that of the file, and the motion is that of the file.
-
-The drawing is read here, from the group codes of DXF alone, and the roller is laid on what was read
-by intersecting circles and lines.
-"""
+"""The contour of the motion `written` is that of the file, read here from the group codes of DXF."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -21,7 +16,6 @@ from camgeo.design.writing import find_writer
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import MM_PER
 from tests.long_form import LONG
-from tests.state.test_contours import places_of
 
 FIXTURES: Final = Path(__file__).parents[2] / "fixtures"
 
@@ -198,100 +192,3 @@ def strands_of(contour: Any) -> list[tuple[ComplexArray, FloatArray | None, bool
         else (np.array([each.start, each.end]), None, each.sweep < 0.0)
         for each in contour.strands
     ]
-
-
-def lifts_on(vertices: ComplexArray, bulges: FloatArray, cam: Any, phi: float, near: float) -> Any:
-    """The lift [mm or rad] of a roller on the outline of a file, and number of what it touches.
-
-    The largest at which the roller touches a piece, or a vertex of straight ones, within 0.05 of
-    `near`.
-    """
-    follower, radius = cam.follower, cam.follower.roller_radius
-    ends = np.roll(vertices, -1)
-    chord = ends - vertices
-    # Of an arc: tan(sweep/4) is the bulge, and the centre is on the left of the chord by the
-    # half of it over tan(sweep/2).
-    sweep = 4.0 * np.arctan(bulges)
-    straight = bulges == 0.0
-    with np.errstate(divide="ignore", invalid="ignore"):
-        centre = vertices + 0.5 * chord * (1.0 + 1j / np.tan(0.5 * sweep))
-    centre = np.where(straight, vertices, centre)
-    reach = radius + np.where(straight, 0.0, np.sign(sweep) * np.abs(vertices - centre))
-    turn = np.exp(1j * cam.rotation * phi)
-    if follower.lift_unit == "mm":
-        height = math.sqrt(follower.base_radius**2 - follower.offset**2)
-        way = complex(follower.way)
-        start = way * (height - 1j * follower.offset)
-        seen = (centre * turn - start) / way
-        q = seen.real + np.sqrt(np.maximum(reach**2 - seen.imag**2, 0.0)) * np.array([[1], [-1]])
-        line = (vertices * turn - start) / way
-        along = chord * turn / (way * np.abs(chord))
-        # Im(conj(along) (q - line)) = -radius on the right of the chord.
-        q_line = (radius - (np.conj(along) * line).imag) / along.imag
-    else:
-        pivot, arm = complex(follower.pivot), complex(follower.start_arm)
-        seen = (centre * turn - pivot) / arm
-        away = np.abs(seen)
-        cosine = (1.0 + away**2 - (reach / abs(arm)) ** 2) / (2.0 * away)
-        half = np.arccos(np.clip(cosine, -1.0, 1.0)) * np.array([[1], [-1]])
-        q = follower.swing_sense * np.angle(seen * np.exp(1j * half))
-        line = (vertices * turn - pivot) / arm
-        along = chord * turn / arm
-        along /= np.abs(along)
-        away_line = (np.conj(along) * line).imag - radius / abs(arm)
-        # Im(conj(along) e^(i t)) = away_line.
-        bent = np.arcsin(np.clip(away_line, -1.0, 1.0))
-        q_line = follower.swing_sense * np.angle(
-            along * np.exp(1j * np.array([bent, math.pi - bent]))
-        )
-    found = []
-    for options, on_line in ((q, False), (np.atleast_2d(q_line), True)):
-        place = places_of(cam, options, np.full(options.shape, phi))
-        if on_line:
-            share = (np.conj(chord) * (place - vertices)).real / np.abs(chord) ** 2
-            valid = straight & (share >= -1e-12) & (share <= 1.0 + 1e-12)
-        else:
-            foot = (place - centre) * np.sign(reach)
-            bent_by = np.where(straight, 1.0, sweep)
-            from_start = np.where(straight, 1.0, (vertices - centre) * np.sign(bent_by))
-            turned = np.angle(foot / from_start) / bent_by
-            valid = straight | ((turned >= -1e-9) & (turned <= 1.0 + 1e-9))
-        valid = valid & (np.abs(options - near) < 0.05)
-        number = np.broadcast_to(np.arange(len(vertices)) + on_line * len(vertices), options.shape)
-        found += list(zip(options[valid].tolist(), number[valid].tolist(), strict=True))
-    return max(found)
-
-
-@pytest.mark.parametrize(
-    ("name", "entity", "tolerance"),
-    [
-        ("plate_translating", "arcs", 5.7e-3),
-        ("querhub", "arcs", 1.6e-2),
-        ("querhub", "polyline", 1e-2),
-    ],
-)
-def test_the_motion_is_that_of_a_roller_on_the_outline_in_the_file(
-    name: str, entity: str, tolerance: float
-) -> None:
-    """Lift, and acceleration by differences, which is that of no other contour of the tolerance:
-    one that is 2 per cent wider has other pieces, and is off by many per cent of the peak.
-    """
-    made = written(f"scenes/{name}", entity, "", tolerance)
-    state, step = made.effects.subject.state, 2e-4
-    (data,) = drawings_of(made)
-    vertices, bulges = loops_of(data, 1.0)[0]  # the outline is the first boundary
-    phi = np.linspace(0.05, 6.2, 40)
-    own = state.motion.jet(phi)
-    peak = float(np.max(np.abs(state.motion.jet(np.linspace(0.0, 2.0 * math.pi, 3000))[2])))
-    compared = 0
-    for angle, jet in zip(phi.tolist(), own.T, strict=True):
-        three = [
-            lifts_on(vertices, bulges, made.cam, angle + k * step, float(jet[0]))
-            for k in (-1, 0, 1)
-        ]
-        (before, first), (here, middle), (after, last) = three
-        assert here == pytest.approx(jet[0], abs=1e-9)
-        if first == middle == last:
-            compared += 1
-            assert (after - 2.0 * here + before) / step**2 == pytest.approx(jet[2], abs=1e-4 * peak)
-    assert compared > 20
