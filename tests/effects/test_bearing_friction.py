@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-import math
 from typing import Any, Final
 
 import numpy as np
@@ -57,71 +55,6 @@ def test_the_balance_has_one_root(
     if released > 1e-3:
         wanted = brentq(left, 0.0, 1e7, xtol=1e-13, rtol=1e-14)
         assert n == pytest.approx(wanted, rel=1e-9, abs=1e-9)
-
-
-def test_the_root_is_that_of_the_quadratic() -> None:
-    """A single load: (p n - R)^2 = w^2 |A + B n|^2, of which the root with the sign of w counts."""
-    own, per = np.array([[40.0 - 25.0j]]), np.array([[-0.3 + 1.1j]])
-    for drag in (0.4, -0.4):
-        free, demand = 0.9, 55.0
-        a = free**2 - drag**2 * abs(per[0, 0]) ** 2
-        b = free * demand + drag**2 * (np.conj(own) * per)[0, 0].real
-        c = demand**2 - drag**2 * abs(own[0, 0]) ** 2
-        root = math.sqrt(b * b - a * c)
-        one = np.ones(1)
-        (n,), _ = directions(demand * one, free * one, drag * one, own, per)
-        assert n == pytest.approx((b + math.copysign(root, drag)) / a, rel=1e-13)
-
-
-@pytest.mark.parametrize("rev", [30.0, 300.0, 900.0])
-def test_a_lever_against_the_balance_of_its_free_body(rev: float) -> None:
-    """Spring, inertia and contact as vectors; the moments about the pivot by Brent's method."""
-    made = lever(**{"cam.speed": rev, "effects.lift-off": None, "effects.vibration": None,
-                    "effects.contact-pressure": None})  # fmt: skip
-    edges, follower = made.drive.smooth_angles, made.cam.follower
-    phi = np.concatenate([np.linspace(a, b, 9)[1:-1] for a, b in itertools.pairwise(edges)])
-    pivot, swing = complex(95.0, 10.0), follower.swing_sense
-    jet, speed = made.cam.drive.motion.jet(phi), rev * math.pi / 30.0
-    moving = np.sign(np.where(np.abs(jet[1]) > 1e-12, jet[1], 0.0))
-    curve = made.cam.disc.pitch_curve.jet(phi)
-    turned = np.exp(1j * made.cam.rotation * phi)
-    tangent = curve[1] / np.abs(curve[1]) * turned
-    push = 1j * made.cam.rotation * tangent  # outwards
-    centre = curve[0] * turned
-    end = pivot + (60.0 - 14.0j - pivot) * np.exp(1j * swing * jet[0])
-    line = (40.0 + 70.0j) - end
-    spring = line / np.abs(line) * (220.0 + 6.0 * (np.abs(line) - abs(-20.0 + 84.0j)))
-    turning = swing * jet[2] * speed**2
-    arm = centre - pivot
-    masses = 0.08e-3 * (1j * turning - (jet[1] * speed) ** 2) * arm
-    inertia = (1.6 + 0.08e-3 * np.abs(arm) ** 2) * turning
-    about = np.imag(np.conj(end - pivot) * spring) - inertia
-    own = masses - spring
-    wanted = []
-    for k in range(len(phi)):
-
-        def left(n: float, k: int = k) -> float:
-            contact = n * push[k]
-            moment = np.imag(np.conj(arm[k]) * contact) + about[k]
-            return float(moment - swing * moving[k] * abs(own[k] - contact))  # mu d / 2 = 1 mm
-
-        wanted.append(brentq(left, 0.0, 1e5, xtol=1e-12, rtol=1e-14))
-    normal = made.effect("contact-force").normal(phi, "right")
-    assert np.max(np.abs(normal - wanted)) <= 1e-11 * np.max(wanted)
-
-
-def test_without_friction_it_is_that_of_a_lever_without_bearings() -> None:
-    """mu -> 0: the force tends to that without friction, in proportion to mu."""
-    phi = np.linspace(0.6, 5.0, 40)
-
-    def normal(mu: float) -> FloatArray:
-        found = lever(**{"effects.friction.pivot": mu}).effect("contact-force")
-        return np.asarray(found.normal(phi, "right"))
-
-    bare = normal(0.0)
-    first, second = (np.max(np.abs(normal(mu) - bare)) for mu in (1e-3, 1e-6))
-    assert first / second == pytest.approx(1e3, rel=1e-2)
-    assert second <= 1e-6 * np.max(bare)
 
 
 @given(st.floats(1.0, 200.0), st.floats(-500.0, 500.0), st.floats(1e-4, 1.0), st.integers(0, 10))
@@ -199,29 +132,3 @@ def test_at_lift_off_behind_a_linkage_the_force_is_0() -> None:
     for change in changes:
         extremes = linked_press(**change).effect("contact-force").extremes
         assert abs(extremes.lowest.value) <= 1e-9 * extremes.magnitude
-
-
-ELASTIC: Final[dict[str, dict[str, Any]]] = {
-    "lever": {"effects.friction.pivot": 0.4},
-    "linked_press": {
-        "effects.speed-fluctuation": None,
-        "effects.friction.pivot": 0.4,
-    },
-}
-
-
-# A rigid one is above; the speed of an elastic one with a loaded pivot is in `test_recorded`.
-@pytest.mark.long
-@pytest.mark.parametrize("name", ELASTIC)
-def test_an_elastic_train_lifts_off_where_its_force_loads_the_pivot(name: str) -> None:
-    """At the speed that is told the force of the steady state falls to 0, and not before."""
-    scene = load_scene(SCENES.parent / "effects" / f"{name}.toml")
-    scene = scene.with_values({**ELASTIC[name], "effects.contact-pressure": None})
-    found = Design(scene).effects.findings("lift-off")
-    (speed,) = (each.value for each in found if each.name == "lift-off-speed")
-    assert speed is not None
-    for factor, sign in ((1.0, 0), (0.999, 1), (1.001, -1)):
-        made = Design(scene.with_values({"cam.speed": factor * speed}))
-        extremes = made.effect("contact-force").extremes
-        low = extremes.lowest.value / extremes.magnitude
-        assert abs(low) <= 1e-7 if sign == 0 else sign * low > 1e-7

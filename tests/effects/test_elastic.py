@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.results import CONTACT_FORCE, INERTIA, ContactForce
+from camgeo.dynamics.effects.results import CONTACT_FORCE, ContactForce
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.scene import load_scene
@@ -356,33 +356,6 @@ def test_without_damping_there_is_no_lift_off_speed() -> None:
     assert told.severity == "warning"
     assert told.value is None
     assert "without damping the train resonates" in told.sentence
-
-
-def test_a_stiff_train_is_all_but_rigid() -> None:
-    stiffness = examples(2e6, long=2e9)
-    stiff = loaded("lift_off_elastic", effects__vibration={"stiffness": stiffness, "damping": 0.3})
-    here, there = (value(of, "lift-off", "lift-off-speed") for of in (stiff, rigid()))
-    assert here == pytest.approx(there, rel=1e-3)
-    own = [
-        {"effects__load": {"segments": [-20.0, 35.0, 0.0]}, **each}
-        for each in (
-            {"state__output": "rigid"},
-            {"effects__vibration": {"stiffness": stiffness, "damping": 0.3}},
-        )
-    ]
-    # What a jump leaves has decayed, and y''/w^2 of the lift is a 1e-5 of it.
-    one, other = (loaded("lift_off_elastic", **each).effect(CONTACT_FORCE) for each in own)
-    phi = PHI + 0.02  # none is at a jump
-    off = np.max(np.abs(one.normal(phi, "right") - other.normal(phi, "right")))
-    assert off <= 2e4 / stiffness * one.extremes.magnitude
-
-
-def test_only_what_is_in_front_of_the_train_is_struck() -> None:
-    of = loaded("lift_off_elastic")
-    contact, inertia = of.effect(CONTACT_FORCE), of.effect(INERTIA)
-    assert contact.struck is not None
-    assert not np.any(contact.struck(PHI, "right"))
-    assert np.all(inertia.to_follower(PHI, "right") > 0.0)
 
 
 def test_listed_masses_are_a_part_of_those_that_are_moved() -> None:

@@ -27,6 +27,7 @@ from camgeo.dynamics.effects.results import CONTACT_FORCE, INERTIA
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.units import RPM, TURN
+from tests.effects.shafts import lift
 from tests.effects.test_elastic import loaded
 
 TOTAL: Final = 1.5e-3
@@ -48,18 +49,9 @@ class Bodies:
     load: float = 0.0
 
     def cam(self, t: float) -> tuple[float, float, float]:
-        """h, h', h'': 20 mm up and down in 90 degrees each, by s = 10 z^3 - 15 z^4 + 6 z^5."""
-        phi = self.omega * t % TURN
-        if phi >= math.pi:
-            return 0.0, 0.0, 0.0
-        place, falls = math.modf(phi / (0.25 * TURN))
-        z, per = (1.0 - place, -1.0) if falls else (place, 1.0)
-        per *= self.omega / (0.25 * TURN)
-        return (
-            20.0 * z**3 * (10.0 - 15.0 * z + 6.0 * z * z),
-            20.0 * per * 30.0 * (z * (1.0 - z)) ** 2,
-            20.0 * per * per * 60.0 * z * (1.0 - z) * (1.0 - 2.0 * z),
-        )
+        """h, h', h''."""
+        jet = lift(self.omega * t % TURN)
+        return jet[0], self.omega * jet[1], self.omega**2 * jet[2]
 
     def masses(self, lift: float, rate: float, y: list[float]) -> tuple[list[float], float]:
         """Rates of the state of the masses, lifts and velocities, and the force in the first spring

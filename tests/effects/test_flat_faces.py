@@ -143,11 +143,9 @@ class Bodies:
 
 def left_over(
     made: Design, table: dict[str, float], at: Bodies, normal: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """(n,) what the balance of the follower leaves of the `normal` force, and the force needed.
-
-    Moments about a pivot, or forces along a guide, whose reactions follow from the balances across
-    it.
+) -> tuple[FloatArray, Any]:
+    """(n,) what the balance of the follower leaves of the `normal` force, and the force of its
+    pivot or those of both ends of its guide, which keep the other balances.
     """
     timed = in_time(made.cam.drive.motion.jet(at.phi), made.drive.time_course, at.phi)  # type: ignore[arg-type]  # the scene has a speed
     moving = np.sign(np.where(np.abs(timed[1]) > 1e-9 * omega(made), timed[1], 0.0))
@@ -157,12 +155,12 @@ def left_over(
         swing = follower.swing_sense
         centre = (complex(-35.0, 62.0) - follower.pivot) * np.exp(1j * swing * timed[0])
         bent = (1j * swing * timed[2] - timed[1] ** 2) * centre
-        held = np.abs(push + 0.6e-3 * (pull(-75.0) - bent))
+        held = 0.6e-3 * (bent - pull(-75.0)) - push
         # The load is taken against a growing lift, and the spring closes the contact.
         needed = 2.0 * timed[2] - swing * cross(centre, 0.6e-3 * pull(-75.0))
         needed = needed + 9e3 + 60e3 * timed[0] + 0.05e3 * timed[1] + 0.8e3
-        lost = 0.5 * table["pivot"] * table["pivot_diameter"] * held * moving
-        return swing * cross(place - follower.pivot, push) - lost - needed, needed
+        lost = 0.5 * table["pivot"] * table["pivot_diameter"] * np.abs(held) * moving
+        return swing * cross(place - follower.pivot, push) - lost - needed, held
     assert isinstance(follower, TranslatingFlat)
     out, weight = np.exp(1j * follower.guide_angle), 0.9e-3 * pull(-60.0)
     height, beside = along(out, place), along(-1j * out, place) - table["guide_offset"]
@@ -172,31 +170,50 @@ def left_over(
     ends = np.linalg.solve(rows, np.stack((-side, height * side - beside * along(out, push))))
     lost = table["guide"] * np.sum(np.abs(ends), axis=0) * moving
     needed = 0.9e-3 * timed[2] - along(out, weight) + 30.0 + 150.0 + 12.0 * timed[0]
-    needed = needed + table["guide_viscous"] * timed[1]
-    return along(out, push) - lost - needed, needed
+    return along(out, push) - lost - needed - table["guide_viscous"] * timed[1], ends
 
 
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize("scene", CASES)
 def test_newton_with_a_sliding_face(scene: str, turned: bool) -> None:
-    """Normal force by Newton's law, and the torque as the moment of the force on the cam."""
+    """Normal force and reactions by Newton's law, the torque as the moment of the force on the
+    cam.
+    """
     forces, table = CASES[scene]
-    made = made_of(scene, forces + friction(table) + TELLING, turned)
-    phi = inside(made)
+    made = made_of(scene, forces + friction(table) + TELLING + "[effects.reactions]", turned)
+    phi, bodies = inside(made), made.effect("reactions").bodies
     at, normal = Bodies(made, phi), made.effect("contact-force").normal(phi, "right")
     assert np.min(normal) > 0.0
-    left, needed = left_over(made, table, at, normal)
+    left, held = left_over(made, table, at, normal)
+    push = normal * at.push(table["face"])
     # The normal is a difference here, and levers magnify it by a few.
-    assert np.max(np.abs(left)) <= 10.0 * DIFFERENCE * np.max(np.abs(needed))
-    moment = cross(at.contact(phi), normal * at.push(table["face"]))
+    reach = np.max(np.abs(at.contact(phi)))
+    size = np.max(normal) * (1.0 if made.cam.lift_unit == "mm" else reach)
+    assert np.max(np.abs(left)) <= 10.0 * DIFFERENCE * size
+    of_bearing = bodies.of_guide if made.cam.lift_unit == "mm" else bodies.of_pivot
+    assert np.max(np.abs(of_bearing(phi, "right") - held)) <= 10.0 * DIFFERENCE * np.max(normal)
+    assert np.max(np.abs(bodies.of_cam(phi, "right") - push)) <= DIFFERENCE * np.max(normal)
     torque = made.effect("drive-torque").torque(phi, "right")
-    scale = np.max(normal) * np.max(np.abs(at.contact(phi)))
-    assert np.max(np.abs(torque - made.cam.rotation * moment)) <= DIFFERENCE * scale
+    moment = made.cam.rotation * cross(at.contact(phi), push)
+    assert np.max(np.abs(torque - moment)) <= DIFFERENCE * np.max(normal) * reach
     # In a rest the face rubs all the same, and nothing else takes power.
     rests = made.cam.drive.motion.jet(phi)[1] == 0.0
     assert np.any(rests)
     rubbed = table["face"] * normal * np.abs(at.slip)
     assert np.allclose(torque[rests], rubbed[rests], rtol=1e-8)
+
+
+def test_a_guide_of_no_stated_length_has_one_force_and_a_moment() -> None:
+    """The contact of the face lies aside of the guide's axis."""
+    made = made_of("tappet", f"{TAPPET}[effects.reactions]")
+    phi, result = inside(made), made.effect("reactions")
+    at, normal = Bodies(made, phi), made.effect("contact-force").normal(phi, "right")
+    out = np.exp(1j * made.cam.follower.guide_angle)  # type: ignore[attr-defined]  # it has a guide
+    held = -along(-1j * out, 0.9e-3 * pull(-60.0))
+    assert np.max(np.abs(result.bodies.of_guide(phi, "right")[0] - held)) <= 1e-12 * np.max(normal)
+    told = {each.name: each.values(phi, "right") for each in result.columns}
+    moment = normal * along(-1j * out, at.contact(phi))
+    assert np.max(np.abs(1e3 * told["guide moment"] - moment)) <= 1e-9 * np.max(np.abs(moment))
 
 
 LINKED: Final = """

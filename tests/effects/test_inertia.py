@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from mpmath import mp, mpf
 
 from camgeo.dynamics.effects.effect import Subject
 from camgeo.dynamics.effects.forces import at_rates
@@ -24,7 +23,6 @@ from camgeo.dynamics.effects.inertia.result import (
     train_of,
 )
 from camgeo.dynamics.effects.results import Inertia
-from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
@@ -228,70 +226,6 @@ def test_a_coupler_is_worth_two_point_masses(train: LinkedTrain) -> None:
         assert masses[0] == pytest.approx(masses[1], rel=ROUNDING)
 
 
-def closed(linkage: SliderCrank, stroke: Any, guess: float) -> tuple[Any, Any]:
-    """Pin and tip at 40 digits, by Newton on |P - T| = l_4, in the frame of the formulas."""
-    height = mpf(linkage.crank) * mp.cos(mpf(linkage.deflection))
-    lean = mpf(linkage.crank) * mp.sin(mpf(linkage.deflection))
-    start = linkage.slider_side * (linkage.coupler + (-lean if linkage.leans_away else lean))
-    pin = mp.mpc(-(start + linkage.stroke_direction * stroke), height)
-    theta = mpf(guess)
-    for _ in range(7):
-        rod = pin - linkage.crank * mp.expj(theta)
-        gap = abs(rod) ** 2 - mpf(linkage.coupler) ** 2
-        slope = 2 * mp.re(mp.conj(rod) * (-1j * linkage.crank * mp.expj(theta)))
-        theta -= gap / slope
-    return pin, linkage.crank * mp.expj(theta)
-
-
-@attack
-@given(train=trains(), stroke=st.floats(0.5, 7.5))
-def test_the_reduced_inertia_is_that_of_the_joints_moving(
-    train: LinkedTrain, stroke: float
-) -> None:
-    """2T for a rocker that turns with 1 rad/s: velocities by differences at 40 digits."""
-    linkage, spec = train.linkage, train.data
-    assert isinstance(linkage, SliderCrank)
-    (guess,) = linkage.crank_angle(np.array([stroke]))
-    with mp.workdps(40):
-        h = mpf(10) ** -12  # the error of a central difference is h^2, far below a double's
-        (p1, t1), (p2, t2) = (closed(linkage, mpf(stroke) + d, float(guess)) for d in (-h, h))
-        swing = mp.arg(t2 / t1)
-        slide = 2 * h / swing
-        turn = mp.arg((p2 - t2) / (p1 - t1)) / swing
-        share = spec.coupler_centre
-        centre = ((t2 - t1) * (1 - mpf(share)) + (p2 - p1) * mpf(share)) / swing
-        moment = spec.turning(linkage)
-        expected = float(
-            train.inertia
-            + spec.mass * slide**2
-            + spec.coupler_mass * abs(centre) ** 2
-            + moment * turn**2
-        )
-    found = 0.0
-    # The stroke is where it is for the plan that rests there.
-    for each in _at_stroke(train, stroke):
-        found += each.inertia * float(each.per_lift[0]) ** 2
-    assert found == pytest.approx(expected, rel=ROUNDING, abs=1e-300)
-
-
-class _Still:
-    """A plan that rests at a stroke."""
-
-    def __init__(self, stroke: float) -> None:
-        self.stroke = stroke
-
-    def jet(self, phi: FloatArray, side: Any = "right", order: int = 3) -> FloatArray:
-        del side, order
-        out = np.zeros((4, len(phi)))
-        out[0] = self.stroke
-        return out
-
-
-def _at_stroke(train: LinkedTrain, stroke: float) -> list[Any]:
-    still: Any = _Still(stroke)
-    return replace(train, output=still)(np.zeros(1), "right")
-
-
 def test_a_coupler_without_a_moment_of_its_own_is_a_slender_rod() -> None:
     rod, subject = inertia_of("schnitt", "[effects.inertia]\ncoupler_mass = 0.6\n")
     linkage = subject.cam.drive.linkage
@@ -303,41 +237,6 @@ def test_a_coupler_without_a_moment_of_its_own_is_a_slender_rod() -> None:
     assert rod.to_follower(PHI, "right") == pytest.approx(
         reported.to_follower(PHI, "right"), rel=1e-14
     )
-
-
-@pytest.mark.parametrize(
-    ("scene", "effects"),
-    [
-        ("plate_translating", TRANSLATING),
-        ("measured", TRANSLATING),
-        ("feed", TRANSLATING),
-        ("groove", ROCKER),
-        ("shuttle", ROCKER),
-        ("setzhub", LINKED),
-        ("schnitt", LINKED),
-    ],
-)
-def test_a_turn_at_constant_speed_costs_no_work(scene: str, effects: str) -> None:
-    """To 1e-12 of the peak power; and J and dJ/dphi belong together."""
-    result, subject = inertia_of(scene, effects)
-    low, high = cells(subject.cam.drive.smooth_angles[:-1], 8)
-
-    def power(phi: FloatArray) -> FloatArray:
-        rate = subject.cam.drive.motion.jet(phi)[1]
-        return np.asarray(result.force.coefficients(phi, "right")[2] * rate)
-
-    peak = float(np.max(np.abs(power(PHI))))
-    assert peak > 0.0
-    assert abs(np.sum(integrals(power, low, high))) <= 1e-12 * peak * TURN
-    train = train_made(scene, effects)
-    moment, slope = at_cam(train, PHI, "right")
-    rate = subject.cam.drive.motion.jet(PHI)[1]
-    largest = float(np.max(moment))
-    assert moment == pytest.approx(result.to_follower(PHI, "right") * rate**2, abs=1e-12 * largest)
-    assert -2.0 * power(PHI) == pytest.approx(slope, abs=1e-12 * 2.0 * peak)
-    over = integrals(lambda phi: at_cam(train, phi, "right")[1], low, high)
-    change = at_cam(train, high, "left")[0] - at_cam(train, low, "right")[0]
-    assert over == pytest.approx(change, abs=1e-12 * largest)
 
 
 # Places ---------------------------------------------------------------------------------------

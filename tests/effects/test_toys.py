@@ -202,47 +202,6 @@ def test_its_columns_are_in_the_table(said: dict[str, tuple[int, str]]) -> None:
     assert max(float(row[name]) for row in rows) > GAIN * 80.0
 
 
-REFUSED: Final = (
-    ("gap = 1", "plate_translating", "effects.noise.gain: is missing: By force"),
-    ("gain = -1", "plate_translating", "effects.noise.gain = -1: must be a number, at least 0"),
-    (
-        "gain = 1\ngab = 1",
-        "plate_translating",
-        "effects.noise.gab = 1: is not a known key (did",
-    ),
-    ("gain = 1\ngap = 0", "plate_translating", "effects.noise.gap = 0: must be a positive"),
-    ("gain = 1", "conjugate_lever", "effects.noise: supports a single disc"),
-    ("gain = 1", "ring", "effects.noise: needs [cam] speed"),
-)
-"""Tables of the effect, the scenes to which they are added, and the expected message."""
-
-CHECK_EACH: Final = """
-import contextlib, io, json, sys
-from camgeo.app.cli.main import main
-answers = []
-for path in sys.argv[1:]:
-    with contextlib.redirect_stderr(io.StringIO()) as reported:
-        answers.append((main(["check", path]), reported.getvalue()))
-print(json.dumps(answers))
-"""
-"""One interpreter for many scenes."""
-
-
-def test_its_table_is_refused_in_the_words_of_all_others(home: Path, tmp_path: Path) -> None:
-    files = []
-    for number, (text, name, _) in enumerate(REFUSED):
-        folder = tmp_path / str(number)
-        folder.mkdir()
-        files.append(scene(folder, f"[effects.noise]\n{text}\n", name))
-    done = subprocess.run(
-        [sys.executable, "-c", CHECK_EACH, *map(str, files)],
-        cwd=home, env={"PYTHONPATH": str(home)}, capture_output=True, text=True, check=True,
-    )  # fmt: skip
-    for (code, reported), (_, _, message) in zip(json.loads(done.stdout), REFUSED, strict=True):
-        assert code == 2
-        assert message in reported
-
-
 def test_editors_know_it(home: Path) -> None:
     code = (
         "from camgeo.dynamics.effects.registry import effect_names\n"

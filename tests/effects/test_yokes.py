@@ -15,7 +15,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.optimize import brentq
 
 from camgeo.design.design import Design
 from camgeo.errors import EffectError
@@ -24,6 +23,7 @@ from camgeo.scene.scene import load_scene, parse_scene
 from camgeo.units import RPM, TURN
 from tests.effects.bodies import along, cross, pull
 from tests.effects.scenes import SCENES
+from tests.findings import finding
 from tests.long_form import examples
 
 RIGHT: Final[Side] = "right"
@@ -257,32 +257,6 @@ def test_a_pair_with_the_same_disc_twice_has_the_same_effects() -> None:
         assert mine.sense == theirs.sense
 
 
-@pytest.mark.parametrize("kind", ["roller", "flat"])
-def test_a_yoke_seen_from_its_other_side_is_the_same(kind: str) -> None:
-    """What is first and second is a name: the same body with the same forces on it.
-
-    Across the guide the weight acts at the first side, so there is none.
-    """
-    rubbing = (("face", 0.1), ("guide", 0.1), ("guide_length", 80.0)) if kind == "flat" else ()
-    one = Drawn(kind, rest=20, speed=800.0, load=7.0, rubbing=rubbing)
-    base = one.breadth - one.base
-    turned = (("face", 0.1), ("guide", 0.1), ("guide_length", 80.0),
-              ("guide_overhang", -80.0 - one.breadth)) if kind == "flat" else ()  # fmt: skip
-    other = Drawn(kind, rest=20, speed=800.0, load=7.0, rubbing=turned, base=base,
-                  guide=one.guide - 180.0, direction=-1)  # fmt: skip
-    phi = np.random.default_rng(2).uniform(0.0, TURN, 80)
-    first, second = one.made(), other.made()
-    normal = [made.effect("contact-force").normal(phi, RIGHT) for made in (first, second)]
-    assert np.min(normal[0]) < 0.0 < np.max(normal[0])
-    assert normal[0] == pytest.approx(-normal[1], abs=1e-12 * np.max(np.abs(normal[0])))
-    torque = [made.effect("drive-torque").torque(phi, RIGHT) for made in (first, second)]
-    assert torque[0] == pytest.approx(torque[1], abs=1e-12 * np.max(np.abs(torque[0])))
-    ends = [made.effect("reactions").bodies.of_guide(phi, RIGHT) for made in (first, second)]
-    largest = np.max(np.abs(ends[0]))
-    swapped = -ends[1][::-1] if kind == "flat" else -ends[1]
-    assert ends[0] == pytest.approx(swapped, abs=1e-12 * largest)
-
-
 def circle(play: float = 0.0, face: float = 0.0, load: float = 6.0) -> Drawn:
     """An eccentric circle between two faces."""
     rubbing = (("face", face),) if face else ()
@@ -314,31 +288,6 @@ def test_an_eccentric_between_two_faces_in_closed_form() -> None:
     a, sine, F = of.mass * omega**2 * e, math.sin(turn), of.load
     bound = 2.0 * R * (2.0 * a * sine + F * (2.0 * turn - math.pi)) - math.pi * a * e
     assert work["work-contact-friction"] == pytest.approx(0.08e-3 * bound, rel=1e-6)
-
-
-def test_the_follower_crosses_the_play_of_its_yoke_as_a_free_body() -> None:
-    play, e = 0.05, 12.0
-    of = circle(play, load=6.0)
-    made, omega = of.made(), of.speed * RPM
-    flights = made.effect("lift-off").flights
-    assert [each.left for each in flights] == [1, -1]
-    falling = -of.load / of.mass / omega**2
-    for each in flights:
-        start, way = each.leaving, float(each.left)
-
-        def apart(phi: float, start: float = start, way: float = way) -> float:
-            """From the side that it has left, less the play."""
-            free = e * math.sin(start) * (phi - start) + 0.5 * falling * (phi - start) ** 2
-            return way * (free + e * (math.cos(phi) - math.cos(start))) - play
-
-        end = brentq(apart, start + 1e-3, start + 1.0, xtol=1e-14)
-        speed = omega * (e * math.sin(start) + falling * (end - start) - e * math.sin(end))
-        told = made.effect("lift-off").errors["impact-speed"].error
-        assert each.landing == pytest.approx(end, abs=1e-9)
-        assert abs(each.speed - abs(speed)) <= told + 1e-12 * abs(speed)
-    (crossed,) = (f for f in made.effects.findings("contact-force") if f.severity != "ok")
-    assert crossed.name == "clearance-crossed"
-    assert "of its yoke" in crossed.sentence
 
 
 UNEVEN: Final = "".join(
@@ -412,6 +361,8 @@ def test_flights_across_an_uneven_play_end_on_the_disc_half_a_turn_on() -> None:
         )[0]
         assert each.speed == pytest.approx(abs(omega * lever * (end[1] - met[1])), rel=1e-6)
     assert {each.left for each in flights} == {1, -1}
+    crossed = finding(design.effects.findings("contact-force"), "clearance-crossed")
+    assert "of its yoke" in crossed.sentence
 
 
 def test_each_roller_has_a_spin_of_its_own_that_the_other_has_half_a_turn_later() -> None:

@@ -1,4 +1,4 @@
-"""The contour of the motion `written` is that of the file, read here from the group codes of DXF."""
+"""The contour of the motion `written` is that of the drawing, read here from its group codes."""
 
 from __future__ import annotations
 
