@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import replace
 from decimal import Decimal
 
 import numpy as np
@@ -13,7 +12,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
@@ -22,7 +20,7 @@ from camgeo.units import TURN
 from tests.integrals import cells, integrals
 from tests.laws import LAWS
 from tests.reference import shift
-from tests.strategies import BENT, SMOOTH, attack, pitch_curves
+from tests.strategies import BENT, attack, pitch_curves
 
 PLAN_TURN = Decimal(360)
 PHI = np.linspace(0.0, TURN, 121)
@@ -112,65 +110,6 @@ def test_each_derivative_of_z_is_the_derivative_of_the_one_before(curve: PitchCu
     found = integrals(lambda phi: curve.jet(phi)[1:], low, high)
     limit = ROUNDING * (size(curve.jet(PHI))[:3] + size(found))
     assert np.all(np.abs(found - change) <= limit)
-
-
-@attack
-@given(curve=pitch_curves(SMOOTH))
-def test_the_same_cam_turned_the_other_way(curve: PitchCurve) -> None:
-    """Z of -sigma for the plan run backwards is Z of sigma, point for point."""
-    assert isinstance(curve.motion, MotionPlan)
-    other = PitchCurve(backwards(curve.motion), curve.follower, -curve.rotation)
-    here, there = curve.point(PHI), other.point(-PHI)
-    # 1 - lambda is rounded too.
-    assert np.max(np.abs(here - there)) <= 10.0 * ROUNDING * np.max(np.abs(here))
-
-
-def mirrored(curve: PitchCurve) -> PitchCurve:
-    """The mechanism seen in a mirror on the x axis."""
-    follower = curve.follower
-    if isinstance(follower, TranslatingRoller):
-        image: TranslatingRoller | OscillatingRoller = replace(
-            follower, offset=-follower.offset, guide_angle=-follower.guide_angle
-        )
-    else:
-        assert isinstance(follower, OscillatingRoller)
-        image = replace(follower, pivot=follower.pivot.conjugate(), arm_side=-follower.arm_side)
-    return PitchCurve(curve.motion, image, -curve.rotation)
-
-
-@attack
-@given(curve=pitch_curves(BENT))
-def test_the_mirror_image_of_a_mechanism_makes_the_mirror_image_of_the_cam(
-    curve: PitchCurve,
-) -> None:
-    image = mirrored(curve)
-    here, there = curve.jet(PHI), image.jet(PHI)
-    assert np.all(np.abs(np.conj(here) - there) <= ROUNDING * size(here))
-    for kappa, other in (
-        (curve.curvature(PHI), image.curvature(PHI)),
-        (curve.transmission_angle(PHI), image.transmission_angle(PHI)),
-    ):
-        assert np.max(np.abs(kappa - other)) <= ROUNDING * np.max(np.abs(kappa))
-    for distance in (-5.0, 5.0):
-        ours = WorkingCurve(curve, distance).point(PHI)
-        theirs = WorkingCurve(image, distance).point(PHI)
-        assert np.max(np.abs(np.conj(ours) - theirs)) <= ROUNDING * np.max(np.abs(ours))
-
-
-@attack
-@given(curve=pitch_curves(BENT), angle=st.floats(-math.pi, math.pi))
-def test_turning_the_mechanism_turns_the_curve(curve: PitchCurve, angle: float) -> None:
-    follower = curve.follower
-    if isinstance(follower, TranslatingRoller):
-        turned: TranslatingRoller | OscillatingRoller = replace(
-            follower, guide_angle=follower.guide_angle + angle
-        )
-    else:
-        assert isinstance(follower, OscillatingRoller)
-        turned = replace(follower, pivot=follower.pivot * cmath.exp(1j * angle))
-    here = curve.jet(PHI) * cmath.exp(1j * angle)
-    there = replace(curve, follower=turned).jet(PHI)
-    assert np.all(np.abs(here - there) <= ROUNDING * size(here))
 
 
 @attack

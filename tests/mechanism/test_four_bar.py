@@ -6,8 +6,6 @@ from decimal import Decimal
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from camgeo.check.machine import check_linkage
 from camgeo.errors import GeometryError
@@ -15,50 +13,7 @@ from camgeo.kinematics.mechanism.four_bar import FourBar
 from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.units import TURN
-from tests.integrals import cells
-from tests.long_form import examples
-from tests.mechanism.bounds import assert_bounds_are_close, assert_bounds_hold
-from tests.mechanism.loops import four_bar_jet
 from tests.reference import POLYNOMIAL
-from tests.strategies import SMOOTH, attack, four_bars, plans
-
-MOTION = 0.6  # of the linkages drawn
-
-ROUNDING = 1e-11
-"""As a share of the largest value. With 2 mm to spare sin(v - theta) is 0.1 at least, by which five
-times is divided; pins turn up to 350 mm from the shaft."""
-
-few = settings(attack, max_examples=examples(10, long=25))
-
-jets = st.tuples(st.floats(0.0, MOTION), *[st.floats(-2.0, 2.0)] * 3).map(np.array)
-
-
-@few
-@given(linkage=four_bars(), jet=jets)
-def test_newton_on_the_loop_finds_the_same_rocker(linkage: FourBar, jet: np.ndarray) -> None:
-    """The loop and its derivatives to the third, solved as a power series with 50 digits."""
-    (near,) = linkage.crank_angle(jet[:1])
-    expected = four_bar_jet(linkage, jet, float(near))
-    found = linkage.transform(jet[:, np.newaxis])[:, 0]
-    found[0] += linkage.start_angle
-    assert found == pytest.approx(expected, rel=ROUNDING, abs=ROUNDING * np.max(np.abs(expected)))
-
-
-@attack
-@given(linkage=four_bars())
-def test_loop_and_branch_hold_and_the_swing_is_continuous(linkage: FourBar) -> None:
-    motion = np.linspace(0.0, MOTION, 400)
-    pin, tip = linkage.joints(motion)
-    assert np.abs(pin - tip) == pytest.approx(np.full(400, linkage.coupler), rel=1e-13)
-    assert np.abs(pin - linkage.shaft) == pytest.approx(np.full(400, linkage.lever), rel=1e-13)
-    assert np.all(np.sign(np.imag(np.conj(pin) * tip)) == -linkage.branch)
-    jet = np.zeros((4, 400))
-    jet[0], jet[1] = motion, 1.0
-    swing, speed = linkage.transform(jet)[:2]
-    assert swing[0] == 0.0
-    # The mean value theorem excludes a turn; a crank that rests, of a kite, rests to rounding.
-    most = 2.0 * np.max(np.abs(speed)) * motion[1]
-    assert np.max(np.abs(np.diff(swing))) < most + 16.0 * 2.0**-52 * math.pi
 
 
 def test_a_rocker_may_turn_more_than_half_a_turn_with_no_jump() -> None:
@@ -72,52 +27,6 @@ def test_a_rocker_may_turn_more_than_half_a_turn_with_no_jump() -> None:
     # Each turn of the lever is one of the crank.
     assert swing[-1] - swing[0] == pytest.approx(6.0 * TURN, rel=1e-13)
     assert not linkage.dead_positions(-9.0, 9.0)
-
-
-@few
-@given(linkage=four_bars(), jet=jets)
-def test_the_mirror_image_turns_the_other_way(linkage: FourBar, jet: np.ndarray) -> None:
-    mirrored = replace(
-        linkage,
-        shaft=linkage.shaft.conjugate(),
-        lever_angle=-linkage.lever_angle,
-        lever_sense=-linkage.lever_sense,
-        branch=-linkage.branch,
-    )
-    one, other = (each.transform(jet[:, np.newaxis]) for each in (linkage, mirrored))
-    # Angles about pi fall on the other side of their range.
-    assert other == pytest.approx(-one, rel=1e-11, abs=1e-11 * np.max(np.abs(one)))
-
-
-@pytest.mark.parametrize("scale", [1e-3, 1e3])
-@few
-@given(linkage=four_bars(), jet=jets)
-def test_the_swing_does_not_know_the_unit(scale: float, linkage: FourBar, jet: np.ndarray) -> None:
-    other = replace(
-        linkage,
-        crank=scale * linkage.crank,
-        coupler=scale * linkage.coupler,
-        lever=scale * linkage.lever,
-        shaft=scale * linkage.shaft,
-    )
-    one = linkage.transform(jet[:, np.newaxis])
-    expected = pytest.approx(one, rel=ROUNDING, abs=ROUNDING * np.max(np.abs(one)))
-    assert other.transform(jet[:, np.newaxis]) == expected
-
-
-@few
-@given(linkage=four_bars(), plan=plans(SMOOTH, MOTION), count=st.integers(1, 5))
-def test_bounds_hold_all_over_their_cells(linkage: FourBar, plan: MotionPlan, count: int) -> None:
-    motion = LinkedMotion(plan, linkage)
-    assert_bounds_hold(motion, count, ROUNDING, 0.01)
-    small = motion.jet_and_bounds(*cells(plan.borders, 64))[1]
-    assert np.all(np.isfinite(small))
-
-
-@pytest.mark.parametrize(("dead", "side"), [(0, 1), (1, -1), (2, 1)])
-def test_bounds_are_close_next_to_a_dead_centre(dead: int, side: int) -> None:
-    linkage = FourBar(40.0, 70.0, 50.0, 90.0 + 10.0j, math.radians(95.0), -1, 1)
-    assert_bounds_are_close(linkage, linkage.dead_positions(-4.0, 4.0)[dead], side, 2.0)
 
 
 PARALLELOGRAM = FourBar(40.0, 100.0, 40.0, 100.0 + 0.0j, math.radians(60.0), 1, -1)

@@ -6,13 +6,14 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
-from mpmath import mp, mpc, mpf
+from mpmath import mp, mpf
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.slotted_lever import SlottedLever
 from camgeo.units import TURN
+from tests.stability.slotted_levers import exact_angle
 from tests.strategies import attack
 
 EPS = 2.0**-52
@@ -50,14 +51,6 @@ def crank_angles() -> st.SearchStrategy[float]:
     )
 
 
-def exact(lever: SlottedLever, theta: float) -> tuple[mpf, mpf, mpf]:
-    """phi within (-pi, pi], phi', phi'' from phi = Im log(a - R e^{-i theta})."""
-    a, r = mpf(lever.distance), mpf(lever.crank)
-    arm = r * mp.expj(-mpf(theta))
-    slot = mpc(a) - arm
-    return mp.arg(slot), (1j * arm / slot).imag, (a * arm / slot**2).imag
-
-
 def undefined(lever: SlottedLever, theta: float) -> bool:
     spread = 2.0 * np.spacing(abs(theta))
     return lever.crank == lever.distance and abs(math.remainder(theta, TURN)) <= 2.0 * spread
@@ -77,10 +70,9 @@ def test_angle_velocity_and_acceleration_by_the_complex_logarithm(
     )
     # The terms of phi' cancel to theta squared, 1e-120, where a = R.
     with mp.workdps(200):
-        true, true1, true2 = exact(lever, theta)
-        # Unwrapped, and for a = R the other way along the lever with every turn of the crank.
-        step = mp.pi if lever.crank == lever.distance else 2 * mp.pi
-        true += step * mp.nint((mpf(phi) - true) / step)
+        lengths = mpf(lever.crank), mpf(lever.distance)
+        series = exact_angle(mpf(theta), *lengths, 3)
+        true, true1, true2 = (series.derivative(order) for order in range(3))
         assert abs(phi - true) <= LIMIT * abs(true)
         share = mpf(lever.crank) / (mpf(lever.crank) + mpf(lever.distance))
         near_square = abs(true1 / share) if true1 else mpf(0)
@@ -95,29 +87,6 @@ def test_angle_velocity_and_acceleration_by_the_complex_logarithm(
             assert acceleration == 0.0
         else:
             assert abs(acceleration - true2) <= 2.0 * LIMIT * abs(true2)
-
-
-@attack
-@given(lever=slotted_levers(), start=st.floats(-10.0, 10.0))
-def test_the_angle_has_no_jumps(lever: SlottedLever, start: float) -> None:
-    """Over three turns, with steps so fine near theta = 0 that phi moves by less than a right angle
-    in each, and the total is that of the kind of lever."""
-    gap = abs(lever.ratio - 1.0)
-    assume(gap == 0.0 or gap > 1e-11)  # a spacing of 6 pi is 4e-15
-    fine = np.geomspace(max(gap, 1e-15) / 10.0, 1.0, 400)
-    turn = np.concatenate((fine, np.linspace(1.0, TURN - 1.0, 50), TURN - fine[::-1]))
-    theta = np.concatenate([turn + number * TURN for number in range(3)])
-    theta = theta[np.abs(np.sin(0.5 * theta)) > 4.0 * np.spacing(theta)]
-    phi = lever.angle(theta)
-    assert np.max(np.abs(np.diff(phi))) < 0.5 * math.pi
-    turns = 0.0 if lever.swings else -0.5 if gap == 0.0 else -1.0
-    place = np.array([start, start + TURN])
-    if not any(undefined(lever, float(angle)) for angle in place):
-        one = float(np.diff(lever.angle(place))[0])
-        speed = float(np.max(np.abs(lever.velocity(place))))
-        # start + 2 pi is rounded, and where the pin is near the axis phi runs fast.
-        lost = np.spacing(abs(start) + TURN) * (1.0 + speed)
-        assert one == pytest.approx(turns * TURN, abs=4.0 * lost + 1e-14)
 
 
 @attack
@@ -136,22 +105,6 @@ def test_the_counterpart_with_crank_and_distance_exchanged(
     assert lever.acceleration(place)[0] == pytest.approx(
         -other.acceleration(place)[0], rel=2.0 * LIMIT, abs=0.0
     )
-
-
-@attack
-@given(lever=slotted_levers(), theta=crank_angles())
-def test_the_lever_points_at_the_pin(lever: SlottedLever, theta: float) -> None:
-    """In the fixed frame, A_0 at the origin: pin R e^{i theta}, lever -e^{-i phi} from C."""
-    if undefined(lever, theta):
-        return
-    (phi,) = lever.angle(np.array([theta]))
-    arm = lever.crank * complex(math.cos(theta), math.sin(theta)) - lever.distance
-    along = -arm * complex(math.cos(phi), math.sin(phi))
-    reach = lever.crank + lever.distance
-    assert abs(along.imag) <= 4.0 * LIMIT * reach
-    # a = R: the line keeps turning and the pin passes to its other side.
-    if lever.crank != lever.distance:
-        assert along.real >= -4.0 * LIMIT * reach
 
 
 @attack

@@ -12,7 +12,7 @@ from mpmath import mp
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws.law import Law, characteristic
 from tests.laws import LAWS
-from tests.motion.oracle import decimal, ulps
+from tests.motion.exact_laws import decimal, ulps
 from tests.reference import POLYNOMIAL, hard_case, shift
 from tests.strategies import BENT, attack, inflections, laws, places
 

@@ -25,22 +25,21 @@ from mpmath import mp, mpf
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import ALIASES, FAMILIES, find_family, make_law
-from camgeo.kinematics.laws.law import Law, Region, Values, acceleration_jumps, characteristic
+from camgeo.kinematics.laws.law import Law, Region, Values, characteristic
 from camgeo.kinematics.motion import TASKS
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
-from tests.laws import LAWS
 from tests.long_form import examples
-from tests.motion.oracle import (
+from tests.motion.exact_laws import (
     DIGITS,
+    Number,
+    Pieces,
     decimal,
     exact,
     exact_pieces,
     ulps,
     values_of,
-    worst_ulps,
 )
-from tests.motion.printed import Number, Pieces
 from tests.reference import law_cases, law_of, law_terms
 from tests.strategies import FAMILY_TASKS, attack, family_laws, family_terms, inflections, places
 
@@ -177,70 +176,6 @@ def borders_values(case: dict[str, Any], key: str) -> list[Number]:
 
 
 @by_case
-def test_f_and_its_complement_to_the_last_digits(case: dict[str, Any]) -> None:
-    if float(case["extrema"]["f1"]["min"]["value"]) < 0.0:
-        return  # f has zeros inside, and no digits to keep there
-    law, points, z = law_of(case), case["points"], points_of(case)
-    f = [decimal(point["f"]) for point in points]
-    g = [decimal(point["g"]) for point in points]
-    limit, low, high = ulp_limit(law.name), z <= 0.5, z >= 0.5
-    assert 1e-12 in z
-    assert 1.0 - 1e-12 in z
-    assert worst_ulps(law(z[low])[0], np.array(f)[low]) <= limit
-    assert worst_ulps(law.complement(z[high]), np.array(g)[high]) <= limit
-
-
-@by_case
-@pytest.mark.parametrize("order", [1, 2])
-def test_derivatives_from_rest_to_rest_to_the_last_digits(case: dict[str, Any], order: int) -> None:
-    """Also near their zeros at z = 0, lambda and 1: there f' and f'' are written in z, lambda - z
-    and 1 - z. Elsewhere these laws have no zero."""
-    law, points = law_of(case), case["points"]
-    if law.name not in SHARP or law.task != "R-R":
-        return
-    true = [right_value(point, f"f{order}") for point in points]
-    assert worst_ulps(law(points_of(case))[order], true) <= LIMIT
-
-
-def right_value(point: dict[str, Any], key: str) -> Number:
-    """The limit from the right; `key` itself where there is no border, or at z = 1."""
-    return decimal(
-        point[key] if float(point["z"]) == 1.0 else point.get(f"{key}_right", point[key])
-    )
-
-
-@by_case
-def test_one_sided_values_at_the_borders(case: dict[str, Any]) -> None:
-    """f, f', f'' and f''' of the formulas left and right of each border.
-
-    To SCALED, and what the rounding of the border itself moves: each by the next derivative times
-    2^-52, and f''' by its maximum times pi/2 by the length of the region, of which no region turns
-    by more.
-    """
-    law = law_of(case)
-    sizes = scales(pieces_of(law))
-    for border in case["borders"]:
-        z = np.array([float(border["z"])])
-        for side, place, region in (
-            ("right", 1.0, min(law.regions, key=lambda region: abs(region.start - z[0]))),
-            ("left", 0.0, min(law.regions, key=lambda region: abs(region.end - z[0]))),
-        ):
-            if z[0] == place:
-                continue
-            near, f1, f2, f3 = (value[0] for value in region.values(z))
-            key = "g" if region.from_end else "f"
-            steep = 0.5 * math.pi / (region.end - region.start) * sizes[4]
-            for value, name, unit, size, slope in (
-                (near, key, SCALED[0], sizes[0], sizes[2]),
-                (f1, "f1", SCALED[2], sizes[2], sizes[3]),
-                (f2, f"f2_{side}", SCALED[3], sizes[3], sizes[4]),
-                (f3, f"f3_{side}", SCALED[4], sizes[4], steep),
-            ):
-                limit = unit * size + EPS * slope
-                assert value == pytest.approx(float(border[name]), abs=limit, rel=0), name
-
-
-@by_case
 def test_borders_are_where_the_formula_changes_and_have_all_jumps(case: dict[str, Any]) -> None:
     """All jumps of f'' and f''' are borders; further ones are where the next derivative jumps."""
     law = law_of(case)
@@ -254,25 +189,6 @@ def test_borders_are_where_the_formula_changes_and_have_all_jumps(case: dict[str
         assert min(abs(z - border) for border in law.borders) <= 2.0 * EPS
     for border in law.borders:
         assert min(abs(float(entry["z"]) - border) for entry in inner) <= 2.0 * EPS
-
-
-@by_case
-def test_end_values(case: dict[str, Any]) -> None:
-    law = law_of(case)
-    for end, border, side in (
-        (law.start, case["borders"][0], "right"),
-        (law.end, case["borders"][-1], "left"),
-    ):
-        assert end.velocity == float(border["f1"])
-        assert ulps(end.acceleration, decimal(border[f"f2_{side}"])) <= LIMIT
-        assert ulps(end.jerk, decimal(border[f"f3_{side}"])) <= LIMIT
-
-
-@by_case
-def test_the_acceleration_jumps_where_the_reference_has_it_jump(case: dict[str, Any]) -> None:
-    inner = case["borders"][1:-1]
-    jumps = any(border["f2_left"] != border["f2_right"] for border in inner)
-    assert bool(acceleration_jumps(law_of(case))) == jumps
 
 
 # Against the printed formulas at 100 digits ---------------------------------------------------
@@ -747,12 +663,6 @@ def test_what_is_not_given_is_the_default_of_its_option(name: str, task: str) ->
             assert not np.array_equal(own(z), lower(z)), option.name
 
 
-def test_every_task_has_a_law_that_needs_nothing_but_its_boundary_values() -> None:
-    for task in TASKS:
-        law = make_law("polynomial-5", task)
-        assert law.task == task
-
-
 def test_names_and_aliases() -> None:
     for name, family in FAMILIES.items():
         assert family.name == name
@@ -816,56 +726,6 @@ def test_published_characteristic_values(name: str) -> None:
             assert extreme.value == pytest.approx(published, abs=half, rel=0)
 
 
-SAME = {
-    # R. L. Norton, Cam Design and Manufacturing Handbook: members of the SCCA family
-    "modified-trapezoid": (0.25, 0.25),
-    "modified-sine": (0.25, 0.75),
-    "inclined-sine": (0.5, 0.5),
-    "quadratic-parabola": (0.0, 0.0),
-    "simple-sine": (0.0, 1.0),
-}
-
-
-@pytest.mark.parametrize("name", SAME)
-@pytest.mark.parametrize("inflection", [0.3, 0.5, 0.999])
-def test_named_laws_are_members_of_scca(name: str, inflection: float) -> None:
-    sine, cosine = SAME[name]
-    law = make_law(name, inflection=inflection)
-    other = make_law("scca", inflection=inflection, sine=sine, cosine=cosine, curved=1.0)
-    z = np.linspace(0.0, 1.0, 1025)
-    for one, two in zip(
-        (*law(z), law.complement(z)), (*other(z), other.complement(z)), strict=True
-    ):
-        assert np.max(np.abs(one - two)) <= 2e-14 * np.max(np.abs(one))
-
-
-def test_polynomials_of_rest_are_the_named_ones() -> None:
-    z = np.linspace(0.0, 1.0, 1025)
-    for name, other in (("polynomial-345", "polynomial-5"), ("polynomial-4567", "polynomial-7")):
-        for one, two in zip(make_law(name)(z), make_law(other)(z), strict=True):
-            assert np.max(np.abs(one - two)) <= 2e-14 * np.max(np.abs(one))
-
-
-@by_family
-@few
-@given(data=st.data())
-def test_a_law_made_by_its_end_acceleration_has_it(name: str, data: st.DataObject) -> None:
-    """a0 or a1 in place of lambda, eqs. (127) to (130), (179), (201), (206): what a law has leads
-    back to one that has it too."""
-    task, given = data.draw(family_terms(name))
-    taken = FAMILIES[name].parameters[task]
-    if "inflection" not in given or name == "scca":
-        return
-    law = make_law(name, task, **given)
-    for key, end in (("a0", law.start), ("a1", law.end)):
-        if key not in taken or end.acceleration == 0.0:
-            continue
-        rest = {name_: value for name_, value in given.items() if name_ != "inflection"}
-        again = make_law(name, task, **rest, **{key: end.acceleration})
-        value = again.start if key == "a0" else again.end
-        assert value.acceleration == pytest.approx(end.acceleration, rel=1e-13)
-
-
 # The tests themselves -------------------------------------------------------------------------
 
 
@@ -881,61 +741,6 @@ def spoiled(law: Law, spoil: Callable[[FloatArray, Values], Values]) -> Law:
     return replace(law, regions=tuple(changed(region) for region in law.regions))
 
 
-def case_of(name: str) -> dict[str, Any]:
-    """The case of a law from rest to rest, not shifted."""
-    (case,) = [case for case in CASES if law_terms(case) == (name, "R-R", {})]
-    return case
-
-
-def error_of(case: dict[str, Any], law: Law, key: str) -> float:
-    """Largest error in ulp over the points of the reference."""
-    points = case["points"]
-    z = points_of(case)
-    values = law.complement(z) if key == "g" else law(z)[("f", "f1", "f2").index(key)]
-    return worst_ulps(values, [right_value(point, key) for point in points])
-
-
-def test_the_printed_inclined_sine_fails_at_small_z() -> None:
-    def printed(z: FloatArray, values: Values) -> Values:
-        return np.stack((z - np.sin(2.0 * np.pi * z) / (2.0 * np.pi), *values[1:]))
-
-    law = make_law("inclined-sine")
-    case = case_of("inclined-sine")
-    assert error_of(case, law, "f") <= LIMIT
-    assert error_of(case, spoiled(law, printed), "f") > 1e15
-
-
-def test_one_minus_f_fails_as_complement() -> None:
-    law = make_law("polynomial-345")
-    points = case_of("polynomial-345")["points"]
-    true = [decimal(point["g"]) for point in points]
-    z = points_of(case_of("polynomial-345"))
-    assert worst_ulps(1.0 - law(z)[0], true) > 1e15
-
-
-def test_the_acceleration_by_a_cosine_fails_at_the_inflection() -> None:
-    law = make_law("simple-sine")
-
-    def printed(z: FloatArray, values: Values) -> Values:
-        return np.stack((*values[:2], 0.5 * np.pi**2 * np.cos(np.pi * z), values[3]))
-
-    assert error_of(case_of("simple-sine"), law, "f2") <= LIMIT
-    assert error_of(case_of("simple-sine"), spoiled(law, printed), "f2") > 1e15
-
-
-@pytest.mark.parametrize(("key", "order"), [("f", 0), ("f1", 1), ("f2", 2)])
-def test_an_error_of_20_ulp_is_seen(key: str, order: int) -> None:
-    law = make_law("modified-sine")
-
-    def stretched(_: FloatArray, values: Values) -> Values:
-        changed = values.copy()
-        changed[order] *= 1.0 + 20.0 * EPS
-        return changed
-
-    assert error_of(case_of("modified-sine"), law, key) <= LIMIT
-    assert error_of(case_of("modified-sine"), spoiled(law, stretched), key) > LIMIT
-
-
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_an_error_of_the_last_digits_is_seen(order: int) -> None:
     law = make_law("harmonic-combination", "G-U", inflection=0.3, v0=1.1)
@@ -949,10 +754,3 @@ def test_an_error_of_the_last_digits_is_seen(order: int) -> None:
     for z in (0.05, 0.2, 0.7):
         assert excess(values_at(law, z), true, z) <= 1.0
         assert excess(values_at(spoiled(law, shifted), z), true, z) > 1.0
-
-
-def test_laws_from_rest_to_rest_are_there_ready() -> None:
-    for name, law in LAWS.items():
-        assert law.name == name
-        assert law.task == "R-R"
-        assert law.inflection in (0.5, None)

@@ -8,8 +8,7 @@ import pytest
 from mpmath import mp, mpf
 
 from camgeo.kinematics.laws.pulse import COEFFICIENTS, x_minus_sin
-from tests.motion.oracle import DIGITS, worst_ulps
-from tests.motion.printed import Number
+from tests.motion.exact_laws import DIGITS, Number, worst_ulps
 
 X = np.concatenate((np.logspace(-16, -1, 61), np.linspace(0.1, 0.5 * math.pi, 60)))
 

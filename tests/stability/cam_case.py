@@ -9,6 +9,7 @@ from decimal import Decimal
 from typing import Final
 
 import numpy as np
+from mpmath import mp
 
 from camgeo.cam.cam import Disc, Drive
 from camgeo.geometry.pitch_curve import PitchCurve
@@ -18,7 +19,7 @@ from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.stability.exact_cam import AnyFollower, AnyLinkage, Stage
-from tests.stability.high_precision import Number, multiprecision
+from tests.stability.high_precision import Number
 from tests.stability.measure import Case, Exact, Found
 
 CAMS: Final = "cams"
@@ -193,5 +194,5 @@ def quantities(stage: Stage, phi: Number, parameters: Sequence[Number]) -> tuple
         bend.terms[1],
         1 - jet.roller * bend.terms[0],
         angle,
-        multiprecision().pi / 2 - angle,
+        mp.pi / 2 - angle,
     )

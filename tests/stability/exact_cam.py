@@ -12,6 +12,8 @@ from functools import singledispatch
 from operator import attrgetter
 from typing import Any, Final
 
+from mpmath import mp
+
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.four_bar import FourBar
 from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
@@ -20,8 +22,8 @@ from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
-from tests.stability.high_precision import Number, multiprecision
-from tests.stability.lifts import lift
+from tests.motion.exact_laws import exact_lift
+from tests.stability.high_precision import Number
 from tests.stability.linkage import exact_linkage
 from tests.stability.series import Series, direction, logarithm, root, variable
 
@@ -79,8 +81,7 @@ class Stage:
         start, end, low, high, inflection, *_ = parameters
         span = end - start
         z = variable((phi - start) / span, 1 / span, terms)
-        w = variable((end - phi) / span, -1 / span, terms)
-        up, down = lift(self.law, z, w, inflection)
+        up, down = exact_lift(self.law, "R-R", {"inflection": inflection}, z)
         # From the nearer end, so that a very small lift keeps its digits.
         s: Series = low + (high - low) * up if z.terms[0] <= 0.5 else high - (high - low) * down
         return s
@@ -128,7 +129,7 @@ class CamJet:
     @property
     def tilt(self) -> Series:
         """Angle from the follower's path to the tangent [rad], a term shorter than Z."""
-        path = Series(tuple(multiprecision().conj(term) for term in self.path.terms[:-1]))
+        path = Series(tuple(mp.conj(term) for term in self.path.terms[:-1]))
         return logarithm(self.centre.slope() * path).imag
 
     @property
@@ -137,7 +138,6 @@ class CamJet:
 
         The normals of both are the curve's normal and the rocker, or the normal of the guide.
         """
-        mp = multiprecision()
         turned = self.centre.terms[1] * mp.conj(self.path.terms[0])
         return mp.atan2(abs(mp.im(turned)), abs(mp.re(turned)))
 
@@ -145,16 +145,14 @@ class CamJet:
         """The parallel at `distance` [mm], outward positive; a term shorter than Z."""
         x1, y1 = self.centre.real.slope(), self.centre.imag.slope()
         tangent = self.centre.slope() / root(x1 * x1 + y1 * y1)
-        turn = self.rotation * multiprecision().mpc(0, 1)
+        turn = self.rotation * mp.mpc(0, 1)
         flank: Series = Series(self.centre.terms[:-1]) + tangent * (distance * turn)
         return flank
 
     def parallel(self, distance: Number) -> Number:
         """The point at `distance` [mm] outward of Z."""
         tangent = self.centre.terms[1] / abs(self.centre.terms[1])
-        return (
-            self.centre.terms[0] + distance * self.rotation * multiprecision().mpc(0, 1) * tangent
-        )
+        return self.centre.terms[0] + distance * self.rotation * mp.mpc(0, 1) * tangent
 
 
 def numbers_of(part: AnyFollower | AnyLinkage) -> tuple[float, ...]:
@@ -173,7 +171,6 @@ def _on_guide(
     follower: TranslatingRoller, s: Series, base: Number, offset: Number, guide: Number
 ) -> tuple[Series, Series]:
     """W and the direction of the guide."""
-    mp = multiprecision()
     if abs(offset) > base:
         raise GeometryError("the roller cannot lie on the base circle", key="follower.offset")
     along = mp.expj(guide)
@@ -187,7 +184,6 @@ def _on_rocker(
     follower: OscillatingRoller, s: Series, base: Number, x: Number, y: Number, arm: Number
 ) -> tuple[Series, Series]:
     """W and the direction across the rocker."""
-    mp = multiprecision()
     pivot = mp.mpc(x, y)
     distance = abs(pivot)
     if not abs(distance - arm) < base < distance + arm:

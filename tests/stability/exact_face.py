@@ -12,11 +12,13 @@ from dataclasses import dataclass
 from functools import singledispatch
 from typing import Any
 
+from mpmath import mp
+
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from tests.stability.exact_cam import TERMS, Stage
-from tests.stability.high_precision import Number, multiprecision
+from tests.stability.high_precision import Number
 from tests.stability.series import Series, direction, variable
 
 
@@ -48,7 +50,7 @@ class FaceJet:
         a1, b1, h1 = self.normal.real.slope(), self.normal.imag.slope(), self.distance.slope()
         cross = a * b1 - b * a1
         x, y = (h * b1 - b * h1) / cross, (a * h1 - h * a1) / cross
-        contact: Series = x + y * multiprecision().mpc(0, 1)
+        contact: Series = x + y * mp.mpc(0, 1)
         return contact
 
     @property
@@ -71,7 +73,6 @@ class FaceJet:
     @property
     def pressure_angle(self) -> Number:
         """Acute angle between the face's normal and the way of a rocker's contact [rad]."""
-        mp = multiprecision()
         lever = self.contact.terms[0] - self.origin.terms[0]
         turned = lever * mp.conj(self.normal.terms[0])
         return mp.atan2(abs(mp.re(turned)), abs(mp.im(turned)))
@@ -100,7 +101,6 @@ def _held(follower: Any, *_: Any) -> tuple[Series, Series, Series, Series]:
 def _on_guide(
     follower: TranslatingFlat, s: Series, base: Number, guide: Number
 ) -> tuple[Series, Series, Series, Series]:
-    mp = multiprecision()
     normal = variable(mp.expj(guide), 0, TERMS)
     along = normal / mp.mpc(0, 1)  # to the right
     return normal, base + follower.direction * s, along, variable(mp.mpf(0), 0, TERMS)
@@ -110,7 +110,6 @@ def _on_guide(
 def _on_rocker(
     follower: OscillatingFlat, s: Series, base: Number, x: Number, y: Number, offset: Number
 ) -> tuple[Series, Series, Series, Series]:
-    mp = multiprecision()
     pivot = mp.mpc(x, y)
     if not abs(base - offset) < abs(pivot):
         raise GeometryError("the face cannot lie there", key="follower.base_radius")
@@ -133,5 +132,5 @@ def _dot(a: Series, b: Series) -> Series:
 
 
 def _square_to(x: Series) -> Series:
-    turned: Series = x * multiprecision().mpc(0, 1)
+    turned: Series = x * mp.mpc(0, 1)
     return turned

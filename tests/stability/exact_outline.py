@@ -14,12 +14,14 @@ from functools import cache, singledispatch
 from itertools import pairwise
 from typing import Any, Final
 
+from mpmath import mp
+
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from tests.stability.cam_case import CamSpec
 from tests.stability.exact_cam import AnyFollower, CamJet
-from tests.stability.high_precision import STEPS, Number, multiprecision, newton
+from tests.stability.high_precision import STEPS, Number, newton
 from tests.stability.series import Series, direction, logarithm, root, variable
 
 ENOUGH: Final = 24
@@ -61,7 +63,7 @@ class ExactOutline:
     def jet(self, phi: Number, numbers: Numbers, terms: int) -> CamJet:
         """The cam at the cam angle `phi` [rad] in [0, 2 pi)."""
         up, top, down, last, stroke, *rest = numbers
-        zero = multiprecision().mpf(0)
+        zero = mp.mpf(0)
         stage = self.spec.stage
         if phi < down:
             # In a rest both ends of the move are at the same lift.
@@ -87,7 +89,6 @@ class ExactOutline:
         GeometryError
             If there is no crossing there: the steps do not converge, or converge to x = y.
         """
-        mp = multiprecision()
         x, y = (mp.mpf(guess) for guess in guesses)
         apart = y - x
         for _ in range(STEPS):
@@ -116,7 +117,6 @@ class ExactOutline:
 
             1/2 int Im(conj Z Z') - sigma d int |Z'| + d^2/2 (turn of n) + d/2 [Im(conj Z n)].
         """
-        mp = multiprecision()
         sector = length = turn = mp.mpf(0)
         ends: list[Number] = []
         normal: Number = None
@@ -139,7 +139,6 @@ class ExactOutline:
         self, x: Number, y: Number, numbers: Numbers
     ) -> Iterator[tuple[Number, Number, bool]]:
         """The remaining ranges of moves (True) and rests (False), in order from y to x + 2 pi."""
-        mp = multiprecision()
         joints = (mp.mpf(0), *numbers[:4], 2 * mp.pi)
         pieces = [(a, b, k % 2 == 1) for k, (a, b) in enumerate(pairwise(joints)) if a < b]
         yield from ((max(a, y), b, moves) for a, b, moves in pieces if b > y)
@@ -191,7 +190,6 @@ def _guided(
     guide: Number,
 ) -> Series:
     """The lift on a guide: by Pythagoras."""
-    mp = multiprecision()
     seen = corner * mp.expj(-guide)
     across = seen.imag + offset
     height = seen.real + root(roller**2 - across * across) * (follower.direction * mp.sign(roller))
@@ -210,7 +208,6 @@ def _swung(
     arm: Number,
 ) -> Series:
     """The lift on a rocker: the triangle of pivot, corner and roller centre."""
-    mp = multiprecision()
     pivot = mp.mpc(x, y)
     distance = abs(pivot)
     start = mp.acos((distance**2 + arm**2 - base**2) / (2 * distance * arm))
@@ -232,9 +229,7 @@ def _outward(follower: AnyFollower) -> int:
 
 def _nodes() -> Sequence[tuple[Number, Number]]:
     """Nodes in (-1, 1), ascending, and weights; mpmath caches them."""
-    found: Sequence[tuple[Number, Number]] = sorted(
-        _rule().get_nodes(-1, 1, DEGREE, multiprecision().prec)
-    )
+    found: Sequence[tuple[Number, Number]] = sorted(_rule().get_nodes(-1, 1, DEGREE, mp.prec))
     return found
 
 
@@ -243,4 +238,4 @@ def _rule() -> Any:
     """mpmath's Gauss-Legendre quadrature."""
     from mpmath.calculus.quadrature import GaussLegendre
 
-    return GaussLegendre(multiprecision())
+    return GaussLegendre(mp)

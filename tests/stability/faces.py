@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from mpmath import mp
+
 from camgeo.kinematics.mechanism.face import flat_follower
 from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.stability.cam_case import EVEN, LIFTS, MIDDLE, SHARES, STEEP, WIDE, CamSpec, of_moves
 from tests.stability.exact_face import face_jet
-from tests.stability.high_precision import Number, multiprecision
+from tests.stability.high_precision import Number
 from tests.stability.measure import Case
 from tests.stability.series import Series
 
@@ -63,7 +65,6 @@ def cases_of(spec: CamSpec) -> list[Case]:
         )
 
     def exact(phi: Number, *parameters: Number) -> tuple[Number, ...]:
-        mp = multiprecision()
         jet = face_jet(stage, phi, parameters)
         contact, place, turn, pace = jet.contact, jet.place, jet.turn, jet.pace
         forward = pace if pace.terms[0] > 0 else -pace

@@ -1,13 +1,14 @@
-"""Access to mpmath, which is imported only when a reference is computed."""
+"""Numbers with many digits, and roots of what is computed with them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import cache
 from typing import Any, Final
 
-from camgeo.errors import CamgeoError, GeometryError
+from mpmath import mp
+
+from camgeo.errors import GeometryError
 
 Number = Any
 """A real or complex number of mpmath, which has no type annotations."""
@@ -16,25 +17,6 @@ DIGITS: Final = 80
 """Digits of the references. The textbook formulas lose most of them where a lift begins: f = 1e-48
 of the 4-5-6-7 polynomial at z = 1e-12 leaves 32 digits of 1 - f; a double needs 16, a change by
 half an ulp 16 more."""
-
-
-@cache
-def multiprecision() -> Any:
-    """mpmath's context `mp`.
-
-    Raises
-    ------
-    CamgeoError
-        If mpmath is not installed.
-    """
-    try:
-        from mpmath import mp
-    except ImportError:
-        raise CamgeoError(
-            "the stability suite needs mpmath for its references, and it is not installed;"
-            " `pip install mpmath` brings it"
-        ) from None
-    return mp
 
 
 STEPS: Final = 20
@@ -76,7 +58,7 @@ def newton(
 
     Its error is about the square of that step. GeometryError if the steps do not converge.
     """
-    place, enough = guess, multiprecision().mpf(10) ** -decimals
+    place, enough = guess, mp.mpf(10) ** -decimals
     for _ in range(STEPS):
         value, slope = value_and_slope(place)
         step = value / slope

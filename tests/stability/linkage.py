@@ -6,11 +6,13 @@ from collections.abc import Callable
 from functools import singledispatch
 from typing import Any
 
+from mpmath import mp
+
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.four_bar import FourBar
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
-from tests.stability.high_precision import Number, multiprecision
+from tests.stability.high_precision import Number
 from tests.stability.series import Series, direction, logarithm, root
 
 Transform = Callable[[Series], Series]
@@ -31,7 +33,6 @@ def exact_linkage(linkage: Any, *numbers: Number) -> tuple[Transform, Transform]
 def _(
     linkage: SliderCrank, crank: Number, coupler: Number, deflection: Number
 ) -> tuple[Transform, Transform]:
-    mp = multiprecision()
     lean = crank * mp.sin(deflection)
     start = linkage.slider_side * (coupler - lean if linkage.leans_away else coupler + lean)
     height = crank * mp.cos(deflection)
@@ -65,7 +66,6 @@ def _(
     shaft_y: Number,
     lever_angle: Number,
 ) -> tuple[Transform, Transform]:
-    mp = multiprecision()
     shaft = mp.mpc(shaft_x, shaft_y)
 
     def crank_angle(motion: Series) -> Series:
@@ -95,7 +95,6 @@ def _(
 def _(
     linkage: SliderDrivenCrank, crank: Number, coupler: Number, deflection: Number
 ) -> tuple[Transform, Transform]:
-    mp = multiprecision()
     inner, height = linkage.inner, crank * mp.cos(deflection)
     crank_angle = exact_linkage(inner, crank, coupler, deflection)[1]
 
@@ -126,7 +125,7 @@ def _triangle(crank: Number, coupler: Number, pin: Series) -> Series:
     opposite = (square + (crank**2 - coupler**2)) / (2 * crank * root(square))
     across = 1 - opposite**2
     _check_reach(across, "crank and coupler do not reach the pin")
-    angle: Series = logarithm(opposite + multiprecision().mpc(0, 1) * root(across)).imag
+    angle: Series = logarithm(opposite + mp.mpc(0, 1) * root(across)).imag
     return angle
 
 

@@ -10,10 +10,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from mpmath import mp
 
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from tests.stability.high_precision import DIGITS, Number, multiprecision
+from tests.stability.high_precision import DIGITS, Number
 
 Found = Callable[[FloatArray], tuple[FloatArray | ComplexArray, ...]]
 Exact = Callable[..., tuple[Number, ...]]
@@ -91,7 +92,6 @@ def measure(case: Case) -> tuple[Reading, ...]:
     movement.
     """
     found = _found(case)
-    mp = multiprecision()
     readings: list[Reading] = []
     with mp.workdps(DIGITS):
         for number, place in enumerate(case.places):
@@ -125,7 +125,6 @@ def _changes(
 
     At an end of its range, where one direction admits no mechanism, the other one counts.
     """
-    mp = multiprecision()
     half = mp.mpf(math.ulp(value)) / 2
     for step in (half, -half):
         changed = [*inputs]
@@ -141,7 +140,6 @@ def _changes(
 def _reading(
     case: Case, quantity: str, place: float, found: complex, true: Number, moved: Number
 ) -> Reading:
-    mp = multiprecision()
     size = float(abs(true))
     ulp = mp.mpf(math.ulp(max(size, float(moved))))
     reading = Reading(quantity, case.group, case.name, place, size, math.inf, float(moved / ulp))

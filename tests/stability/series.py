@@ -12,7 +12,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tests.stability.high_precision import Number, multiprecision
+from mpmath import mp
+
+from tests.stability.high_precision import Number
 
 
 # No text of its own: mpmath makes that of what is not a number before it leaves a product to it.
@@ -84,7 +86,6 @@ class Series:
 
 def variable(value: Number, rate: Number, terms: int) -> Series:
     """value + rate t."""
-    mp = multiprecision()
     return Series((value, rate, *(mp.mpf(0),) * (terms - 2)))
 
 
@@ -99,7 +100,7 @@ def polynomial(coefficients: Sequence[Number], x: Series) -> Series:
 def exponential(x: Series) -> Series:
     """exp(x): y' = x' y."""
     a = x.terms
-    y = [multiprecision().exp(a[0])]
+    y = [mp.exp(a[0])]
     for k in range(1, len(a)):
         y.append(sum(i * a[i] * y[k - i] for i in range(1, k + 1)) / k)
     return Series(tuple(y))
@@ -108,7 +109,7 @@ def exponential(x: Series) -> Series:
 def logarithm(x: Series) -> Series:
     """log(x), its main branch at t = 0: x y' = x'."""
     a = x.terms
-    y = [multiprecision().log(a[0])]
+    y = [mp.log(a[0])]
     for k in range(1, len(a)):
         known = sum(i * y[i] * a[k - i] for i in range(1, k))
         y.append((k * a[k] - known) / (k * a[0]))
@@ -118,7 +119,7 @@ def logarithm(x: Series) -> Series:
 def root(x: Series) -> Series:
     """sqrt(x): y y = x."""
     a = x.terms
-    y = [multiprecision().sqrt(a[0])]
+    y = [mp.sqrt(a[0])]
     for k in range(1, len(a)):
         known = sum(y[i] * y[k - i] for i in range(1, k))
         y.append((a[k] - known) / (2 * y[0]))
@@ -127,7 +128,7 @@ def root(x: Series) -> Series:
 
 def direction(angle: Series) -> Series:
     """exp(i angle), complex."""
-    return exponential(angle * multiprecision().mpc(0, 1))
+    return exponential(angle * mp.mpc(0, 1))
 
 
 def sine(angle: Series) -> Series:

@@ -7,12 +7,13 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
+from mpmath import mp
 
 from camgeo.kinematics.mechanism.slotted_lever import SlottedLever
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
 from camgeo.units import TURN
-from tests.stability.high_precision import Number, multiprecision, newton
+from tests.stability.high_precision import Number, newton
 from tests.stability.measure import Case
 from tests.stability.series import Series, direction, logarithm, variable
 
@@ -74,7 +75,7 @@ def _of_lever(name: str) -> Iterator[Case]:
         return (np.array([near[place] for place in theta]),)
 
     def exact_velocity(theta: Number, crank: Number, distance: Number) -> tuple[Number, ...]:
-        at = multiprecision().pi * (theta > 1)
+        at = mp.pi * (theta > 1)
         return (exact_angle(at, crank, distance, 2).terms[1],)
 
     equal = lever.distance == lever.crank
@@ -114,7 +115,6 @@ def exact_angle(theta: Number, crank: Number, distance: Number, terms: int) -> S
     phi = Im log(a - R exp(-i theta)) in the crank's first turn; with every further turn the lever
     loses what it lost over the first: a turn if a < R, half a turn if a = R.
     """
-    mp = multiprecision()
     slot = distance - crank * direction(variable(-theta, -1, terms))
     phi: Series = logarithm(slot).imag
     lost = mp.pi * (1 + mp.sign(crank - distance))

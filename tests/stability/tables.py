@@ -11,11 +11,12 @@ from functools import cache
 from typing import Final
 
 import numpy as np
+from mpmath import mp
 
 from camgeo.kinematics.motion import FREE
 from camgeo.kinematics.splines import clamped_spline, periodic_spline
 from camgeo.numeric.arrays import FloatArray
-from tests.stability.high_precision import Number, multiprecision
+from tests.stability.high_precision import Number
 from tests.stability.measure import Case
 from tests.stability.series import polynomial, variable
 
@@ -75,7 +76,7 @@ def _table(
 
     @cache
     def pieces(numbers: tuple[Number, ...]) -> list[list[Number]]:
-        x = [multiprecision().mpf(0), *numbers[: len(knots)]]
+        x = [mp.mpf(0), *numbers[: len(knots)]]
         y = list(numbers[len(knots) :])
         return exact_spline(x, [*y, y[0]] if periodic else y, periodic=periodic, rest=rest)
 
@@ -98,7 +99,6 @@ def exact_spline(
     If `periodic`, the four derivatives are also continuous from the last point to the first; else
     s' = s'' = 0 at both ends if it is to `rest` there, and s''' = s'''' = 0 if not.
     """
-    mp = multiprecision()
     count = len(x) - 1
     rows, right = mp.matrix(SIZE * count, SIZE * count), mp.matrix(SIZE * count, 1)
     line = 0
