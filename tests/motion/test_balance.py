@@ -104,35 +104,6 @@ def test_laws_without_an_inflection_point_are_refused() -> None:
         equal_accelerations("polynomial-5", "B-B", {})
 
 
-@attack
-@given(
-    inflection=st.one_of(st.floats(1e-6, 1.0 - 1e-6), st.just(0.5)),
-    curved=st.one_of(st.floats(1e-6, 1.0), st.just(1.0)),
-)
-def test_sine_straight_from_its_accelerations(inflection: float, curved: float) -> None:
-    """Eqs. (127), (128) and (130): lambda and c come back from what the law has."""
-    law = make_law("sine-straight", "U-U", inflection=inflection, curved=curved)
-    a0, a1 = law.start.acceleration, law.end.acceleration
-    try:
-        both = make_law("sine-straight", "U-U", a0=a0, a1=a1)
-    except GeometryError:
-        # lambda a0 = pi^2/4 at c = 1, and may round below it.
-        assert curved > 1.0 - 1e-7
-        return
-    assert both.start.acceleration == pytest.approx(a0, rel=1e-9)
-    assert both.end.acceleration == pytest.approx(a1, rel=1e-9)
-    one = make_law("sine-straight", "U-U", a0=a0, curved=curved)
-    assert one.start.acceleration == pytest.approx(a0, rel=1e-13)
-    assert one.parameters["inflection"] == pytest.approx(inflection, rel=1e-12)
-
-
-def test_what_cannot_be_reached_is_reported_with_what_can() -> None:
-    with pytest.raises(GeometryError, match=r"must be below -2\.4674"):
-        make_law("harmonic-combination", "R-U", a1=-2.0)
-    with pytest.raises(GeometryError, match=r"must be below -2\.0239"):
-        make_law("modified-trapezoid", "R-U", a1=-2.0)
-
-
 @pytest.mark.parametrize(
     ("name", "task"),
     [

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -9,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp
 
-from camgeo.errors import GeometryError
 from camgeo.kinematics.laws.law import Law, characteristic
 from tests.laws import LAWS
 from tests.motion.exact_laws import decimal, ulps
@@ -21,17 +19,6 @@ LIMIT = 8.0  # ulp, see test_laws
 
 PARAMS, EXPECTED = hard_case("HC13")
 LAMBDA = float(PARAMS["lambda_"])
-
-
-@pytest.mark.parametrize("inflection", [0.0, 1.0, -0.25, 1.5, math.nan, math.inf])
-@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
-def test_the_inflection_must_lie_inside(law: Law, inflection: float) -> None:
-    assert EXPECTED["lambda_0_or_1"] == "error"
-    message = "strictly between 0 and 1" if math.isfinite(inflection) else "finite number"
-    with pytest.raises(GeometryError, match=message) as caught:
-        shift(law, inflection)
-    assert caught.value.key == "inflection"
-    assert caught.value.value == repr(inflection)
 
 
 SHIFTABLE = tuple(name for name, law in LAWS.items() if law.inflection is not None)
@@ -59,15 +46,6 @@ def test_the_inflection_point_lies_on_the_diagonal_and_has_the_top_speed(
     top = characteristic(law).velocity.value
     assert f1 == pytest.approx(top, rel=LIMIT * EPS)
     assert top == pytest.approx(characteristic(LAWS[name]).velocity.value, rel=LIMIT * EPS)
-
-
-@attack
-@given(law=laws(), data=st.data())
-def test_a_shifted_law_never_turns_back(law: Law, data: st.DataObject) -> None:
-    z = data.draw(places(law))
-    f, f1, _, _ = law(np.array([z]))
-    assert 0.0 <= f[0] <= 1.0
-    assert f1[0] >= 0.0
 
 
 def hc13(z: float) -> tuple[float, float, float, float, float]:

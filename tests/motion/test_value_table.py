@@ -87,29 +87,15 @@ def computed(name: str) -> dict[Place, str]:
     return cells(law_table(make_law(name), Decimal("0.002")).printed())
 
 
-def differences(ours: Cells, printed: Cells, listed: Mapping[Place, Listed]) -> list[str]:
-    """Every way in which the printed table and ours differ other than as the lists say."""
-    found = [f"{place}: in one table only" for place in ours.keys() ^ printed.keys()]
-    found += [f"{place}: listed, but no cell" for place in listed.keys() - printed.keys()]
-    for place in ours.keys() & printed.keys():
-        known = listed.get(place, Listed(printed[place], printed[place]))
-        if place in listed and known.printed == known.rounded:
-            found.append(f"{place}: listed, but no difference")
-        if printed[place] != known.printed:
-            found.append(f"{place}: {printed[place]} printed, {known.printed} listed")
-        if ours[place] != known.rounded:
-            found.append(f"{place}: {ours[place]} computed, {known.rounded} expected")
-    return found
-
-
 # The guideline's tables -----------------------------------------------------------------------
 
 
 @by_table
 def test_the_printed_table_differs_in_the_listed_cells_only(name: str) -> None:
-    ours, printed = computed(name), read_printed(name)
+    printed, listed = read_printed(name), read_lists(name)
     assert len(printed) == 3 * 501
-    assert differences(ours, printed, read_lists(name)) == []
+    assert all(printed[place] == each.printed != each.rounded for place, each in listed.items())
+    assert computed(name) == printed | {place: each.rounded for place, each in listed.items()}
 
 
 def test_the_lists_are_of_these_tables() -> None:
@@ -131,48 +117,6 @@ def test_the_lists_are_of_these_tables() -> None:
         ("modified-sine", ("1.000", "f2")),
     ]
     assert all(read_lists(name)[place] == Listed("-0.0000", "0.0000") for name, place in signed)
-
-
-# The comparison itself ------------------------------------------------------------------------
-
-
-@by_table
-def test_one_changed_cell_of_the_printed_table_is_reported(name: str) -> None:
-    """Any cell, listed or not, by one unit of its last digit."""
-    ours, printed, listed = computed(name), read_printed(name), read_lists(name)
-    for place in (*list(printed)[::97], *list(listed)[::29]):
-        text = printed[place]
-        digit = "5" if text[-1] != "5" else "6"
-        (reported,) = differences(ours, {**printed, place: text[:-1] + digit}, listed)
-        assert str(place) in reported
-        without = {key: value for key, value in printed.items() if key != place}
-        assert any(str(place) in line for line in differences(ours, without, listed))
-
-
-@by_table
-def test_one_missing_row_of_a_list_is_reported(name: str) -> None:
-    ours, printed, listed = computed(name), read_printed(name), read_lists(name)
-    for place in [*listed][:: examples(4, long=1)]:
-        rest = {key: value for key, value in listed.items() if key != place}
-        (reported,) = differences(ours, printed, rest)
-        assert str(place) in reported
-
-
-@by_table
-def test_one_row_too_many_of_a_list_is_reported(name: str) -> None:
-    ours, printed, listed = computed(name), read_printed(name), read_lists(name)
-    place = next(place for place in printed if place not in listed)
-    for row in (Listed(printed[place], printed[place]), Listed(printed[place], "9.9999")):
-        assert differences(ours, printed, {**listed, place: row})
-    assert differences(ours, printed, {**listed, ("0.001", "f"): Listed("0.0", "0.1")})
-
-
-@by_table
-def test_a_law_that_is_a_little_off_is_reported(name: str) -> None:
-    """A wrong inflection point by a hundredth of a per cent is seen in the table."""
-    law = make_law(name, inflection=0.5001)
-    off = cells(law_table(law, Decimal("0.002")).printed())
-    assert differences(off, read_printed(name), read_lists(name))
 
 
 # The table of any law -------------------------------------------------------------------------
@@ -269,8 +213,3 @@ def test_rounding_is_of_the_double_itself() -> None:
         ("0.000", "0.0117188", "0.0312", "0.0001", ),
         ("0.500", "0.0000000", "0.0000", "-0.0938"),
     ]  # fmt: skip
-
-
-def test_the_values_are_read_only() -> None:
-    table = law_table(make_law("modified-sine"), Decimal("0.5"))
-    assert not table.values.flags.writeable

@@ -41,21 +41,6 @@ def test_ascending_is_what_numpy_calls_unique(values: list[float]) -> None:
     assert np.array_equal(ascending(array), np.unique(array))
 
 
-def test_merged_is_ascending_where_nothing_is_near() -> None:
-    assert merged(np.array([3.0, 1.0, 2.0, 1.0])).tolist() == [1.0, 2.0, 3.0]
-    assert merged(np.empty(0)).tolist() == []
-    assert merged(np.array([2.0])).tolist() == [2.0]
-
-
-def test_merged_makes_one_of_what_differs_by_rounding() -> None:
-    ulp = float(np.spacing(TURN))
-    near = np.array([0.0, ulp, 1.0, 1.0 + 4.0 * ulp, 2.0, TURN - 3.0 * ulp, TURN])
-    assert merged(near).tolist() == [0.0, 1.0, 2.0, TURN]
-    # What is farther apart than that is not.
-    apart = np.array([0.0, 1.0, 1.0 + 100.0 * ulp, TURN])
-    assert merged(apart).tolist() == apart.tolist()
-
-
 @given(
     values=st.lists(st.floats(0.0, TURN), min_size=1, max_size=20),
     steps=st.lists(st.integers(-3, 3), min_size=20, max_size=20),
@@ -76,12 +61,6 @@ def test_merged_keeps_both_ends_and_all_that_stand_apart(
     assert np.all(np.min(np.abs(both[:, np.newaxis] - found), axis=1) <= gap)
     # Told again it is the same.
     assert merged(found).tolist() == found.tolist()
-
-
-def test_merged_takes_any_order() -> None:
-    array = np.array([0.0, 1.0, 1.0 + np.spacing(1.0), 3.0, TURN])
-    for shift in range(len(array)):
-        assert merged(np.roll(array, shift)).tolist() == [0.0, 1.0, 3.0, TURN]
 
 
 @given(st.complex_numbers(allow_nan=False))

@@ -1,9 +1,10 @@
-"""Trains of any number of masses, against closed forms, matrix exponentials and an integrator."""
+"""Trains of any number of masses, against closed forms, impedances and matrix exponentials."""
 
 from __future__ import annotations
 
 import math
 from itertools import pairwise
+from typing import Any
 
 import mpmath
 import numpy as np
@@ -11,7 +12,14 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from camgeo.dynamics.oscillator.steady import Base, Response, steady_state
+from camgeo.dynamics.oscillator.steady import (
+    Base,
+    Forcing,
+    ResonanceError,
+    Response,
+    load_of,
+    steady_state,
+)
 from camgeo.dynamics.oscillator.train import EPS, Stage, Train, chain, one_mass
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.units import TURN
@@ -47,63 +55,105 @@ def polynomials(
     return Base(jet, edges)
 
 
-def exact(stages: list[Stage], t: list[float], digits: int = 40) -> FloatArray:
-    """(n, 2, k) x and x' of each mass at `t`, with the matrix exponential of each piece.
-
-    The polynomial of the base is part of the state: p_j = tau^j / j!, p_j' = p_{j-1}.
-    """
-    with mpmath.workdps(digits):
-        count = len(stages)
-        system = mpmath.zeros(2 * count + 6)
-        for i, each in enumerate(stages):
-            system[i, count + i] = 1
-            for j, (k, c) in (
-                (i, (each.stiffness, each.damping)),
-                (i, (each.ground_stiffness, each.ground_damping)),
-            ):
-                system[count + i, j] -= mpmath.mpf(k) / each.mass
-                system[count + i, count + j] -= mpmath.mpf(c) / each.mass
+def matrices(stages: list[Stage]) -> tuple[mpmath.matrix, ...]:
+    """Masses, dampers and springs of M x'' + C x' + K x = what acts on the masses."""
+    count = len(stages)
+    m, c, k = (mpmath.zeros(count) for _ in range(3))
+    for i, each in enumerate(stages):
+        m[i, i] = mpmath.mpf(each.mass)
+        for matrix, own, ground in (
+            (k, each.stiffness, each.ground_stiffness),
+            (c, each.damping, each.ground_damping),
+        ):
+            matrix[i, i] += mpmath.mpf(own) + mpmath.mpf(ground)
             if i > 0:
-                for at, col, sign, m in (
-                    (i, i - 1, 1, each.mass),
-                    (i - 1, i, 1, stages[i - 1].mass),
-                    (i - 1, i - 1, -1, stages[i - 1].mass),
-                ):
-                    system[count + at, col] += sign * mpmath.mpf(each.stiffness) / m
-                    system[count + at, count + col] += sign * mpmath.mpf(each.damping) / m
-        for j in range(1, 6):
-            system[2 * count + j, 2 * count + j - 1] = 1
-        first = stages[0]
-        whole, gained = mpmath.eye(2 * count), mpmath.zeros(2 * count, 1)
+                matrix[i - 1, i - 1] += mpmath.mpf(own)
+                matrix[i, i - 1] -= mpmath.mpf(own)
+                matrix[i - 1, i] -= mpmath.mpf(own)
+    return m, c, k
 
-        def moved(piece: int, span: mpmath.mpf) -> tuple[mpmath.matrix, mpmath.matrix]:
-            """What a state becomes, and what is added to it, `span` behind the start of a piece."""
-            low, high, factors = PIECES[piece]
-            length = mpmath.mpf(high) - mpmath.mpf(low)
-            own = system.copy()
-            rises = [LIFT * f * mpmath.factorial(j) / length**j for j, f in enumerate(factors)]
-            for j, rise in enumerate(rises):
-                own[count, 2 * count + j] += first.stiffness * rise / first.mass
-                if j > 0:
-                    own[count, 2 * count + j - 1] += first.damping * rise / first.mass
-            power = mpmath.expm(own * span)
-            return power[: 2 * count, : 2 * count], power[: 2 * count, 2 * count]
 
-        for i, (low, high, _) in enumerate(PIECES):
-            step, added = moved(i, mpmath.mpf(high) - mpmath.mpf(low))
-            whole, gained = step * whole, step * gained + added
-        state = mpmath.lu_solve(mpmath.eye(2 * count) - whole, gained)
-        found = np.zeros((count, 2, len(t)))
-        for i, (low, high, _) in enumerate(PIECES):
-            for number, place in enumerate(t):
-                if low <= place < high:
-                    step, added = moved(i, mpmath.mpf(place) - mpmath.mpf(low))
-                    values = step * state + added
-                    for row in range(2 * count):
-                        found[row % count, row // count, number] = float(values[row])
-            step, added = moved(i, mpmath.mpf(high) - mpmath.mpf(low))
-            state = step * state + added
-        return found
+Acting = list[tuple[float, float, list[Any]]]
+"""Start and end of a piece, and derivatives, from order 0, of what acts at its start."""
+
+
+def moved_base(first: Stage) -> Acting:
+    """What the moving base does to the first mass."""
+    acting = []
+    for low, high, factors in PIECES:
+        span = mpmath.mpf(high) - mpmath.mpf(low)
+        rises = [LIFT * f * mpmath.factorial(j) / span**j for j, f in enumerate((*factors, 0.0))]
+        acting.append(
+            (low, high, [first.stiffness * y + first.damping * v for y, v in pairwise(rises)])
+        )
+    return acting
+
+
+def exact(stages: list[Stage], mass: int, acting: Acting, t: list[float]) -> FloatArray:
+    """(n, 2, k) x and x' of each mass at `t` in the steady state of what acts on one `mass`, with
+    the matrix exponential of each piece.
+
+    The polynomial that acts is part of the state: p_j = tau^j / j!, p_j' = p_{j-1}.
+    """
+    count = len(stages)
+    m, c, k = matrices(stages)
+    inverse = m**-1
+    system = mpmath.zeros(2 * count + 6)
+    system[:count, count : 2 * count] = mpmath.eye(count)
+    system[count : 2 * count, :count] = -inverse * k
+    system[count : 2 * count, count : 2 * count] = -inverse * c
+    for j in range(1, 6):
+        system[2 * count + j, 2 * count + j - 1] = 1
+
+    def moved(forces: list[Any], span: Any) -> tuple[mpmath.matrix, mpmath.matrix]:
+        """What a state becomes, and what is added to it, `span` behind the start of a piece."""
+        own = system.copy()
+        for j, force in enumerate(forces):
+            own[count + mass, 2 * count + j] = force / m[mass, mass]
+        power = mpmath.expm(own * span)
+        return power[: 2 * count, : 2 * count], power[: 2 * count, 2 * count]
+
+    steps = [moved(forces, mpmath.mpf(high) - mpmath.mpf(low)) for low, high, forces in acting]
+    whole, gained = mpmath.eye(2 * count), mpmath.zeros(2 * count, 1)
+    for step, added in steps:
+        whole, gained = step * whole, step * gained + added
+    state = mpmath.lu_solve(mpmath.eye(2 * count) - whole, gained)
+    found = np.zeros((count, 2, len(t)))
+    for (low, high, forces), (step, added) in zip(acting, steps, strict=True):
+        for number, place in enumerate(t):
+            if low <= place < high:
+                own, more = moved(forces, mpmath.mpf(place) - mpmath.mpf(low))
+                found[:, :, number] = np.array(own * state + more, float).reshape(2, count).T
+        state = step * state + added
+    return found
+
+
+EDGES = np.array([0.0, 0.1, 0.37, 0.55, 1.0])
+VALUES = ((5.0, 5.0), (-30.0, 12.0), (12.0, 0.0), (0.0, 0.0))
+"""The load at the start and the end of each piece, with a line between; it jumps twice."""
+
+
+def load(t: FloatArray) -> FloatArray:
+    place = np.clip(np.searchsorted(EDGES, t, "right") - 1, 0, len(VALUES) - 1)
+    ends = np.array(VALUES)[place]
+    share = (t - EDGES[place]) / np.diff(EDGES)[place]
+    return np.asarray(ends[:, 0] + share * (ends[:, 1] - ends[:, 0]))
+
+
+def at_rest() -> Base:
+    def jet(t: FloatArray, _side: Side) -> FloatArray:
+        return np.zeros((3, len(t)))
+
+    return Base(jet, np.array([0.0, 1.0]))
+
+
+def loaded() -> Acting:
+    """The load on a mass."""
+    acting: Acting = []
+    for (low, high), ends in zip(pairwise(EDGES.tolist()), VALUES, strict=True):
+        first, last = map(mpmath.mpf, ends)
+        acting.append((low, high, [first, (last - first) / (mpmath.mpf(high) - mpmath.mpf(low))]))
+    return acting
 
 
 def states(response: Response, t: FloatArray, side: Side = "right") -> FloatArray:
@@ -124,18 +174,21 @@ def pulls(stages: list[Stage], x: FloatArray, base: FloatArray) -> FloatArray:
     return np.asarray(stiff * (before - x[:, :2])[:, 0] + damp * (before - x[:, :2])[:, 1])
 
 
-def impedance(stages: list[Stage], s: complex) -> tuple[list[complex], list[complex]]:
-    """x_i and the forces of the links while the base moves by exp(s t), with 50 digits."""
+def answers(stages: list[Stage], s: complex, output: int | None) -> tuple[list[complex], ...]:
+    """x_i, and the forces of the links, with 50 digits: while the base moves by exp(s t), or while
+    exp(s t) acts on the mass `output`."""
     with mpmath.workdps(50):
-        s = mpmath.mpc(s)
-        x, force = [mpmath.mpf(1)], [mpmath.mpf(0)]
-        for number in range(len(stages) - 1, -1, -1):
-            each = stages[number]
-            own = (each.mass * s + each.ground_damping) * s + each.ground_stiffness
-            force.append(force[-1] + own * x[-1])
-            x.append(x[-1] + force[-1] / (each.stiffness + each.damping * s))
-        moved = [complex(value / x[-1]) for value in x[-2::-1]]
-        return moved, [complex(value / x[-1]) for value in force[:0:-1]]
+        m, c, k = matrices(stages)
+        z = mpmath.mpc(s)
+        acting = mpmath.zeros(len(stages), 1)
+        base = int(output is None)
+        acting[output or 0] = stages[0].stiffness + stages[0].damping * z if base else 1
+        x = mpmath.lu_solve(m * z * z + c * z + k, acting)
+        links = [
+            complex((each.stiffness + each.damping * z) * (one - other))
+            for each, one, other in zip(stages, [mpmath.mpf(base), *x[:-1]], x, strict=True)
+        ]
+        return [complex(each) for each in x], links
 
 
 def of_reading(
@@ -200,7 +253,7 @@ def test_damping_in_proportion_to_stiffness_damps_each_mode_with_its_frequency(c
 def test_the_modes_add_up_to_the_impedance_of_the_chain(stages: list[Stage], w: float) -> None:
     train = chain(stages)
     s = complex(0.3 * w, w)
-    moved, pushed = impedance(stages, s)
+    moved, pushed = answers(stages, s, None)
     peak = max(1.0, *map(abs, moved))
     # The sum of the modes' magnitudes, each with the rounding told.
     for mass in range(len(stages)):
@@ -248,7 +301,8 @@ def test_it_is_that_of_the_matrix_exponential(count: int) -> None:
     """With 40 digits; what is told of the error is true, of motions and forces."""
     stages = CHAINS[count]
     t = np.array([0.0, 0.05, 0.1, 0.23, 0.47, 0.55, 0.83])
-    wanted = exact(stages, t.tolist())
+    with mpmath.workdps(40):
+        wanted = exact(stages, 0, moved_base(stages[0]), t.tolist())
     response = steady_state(chain(stages), polynomials(), 0.0)
     got = states(response, t)
     base = response.base.jet(t, "right")
@@ -264,40 +318,6 @@ def test_it_is_that_of_the_matrix_exponential(count: int) -> None:
         rounding = 4.0 * EPS * LIFT * stages[mass].stiffness
         off = np.max(np.abs(pushed[mass] - wanted_forces[mass]))
         assert off <= response.error_of(train.force(mass)) + rounding
-
-
-@pytest.mark.parametrize("count", [2, 40, 3, 7])
-def test_it_solves_the_equations_as_an_integrator_does(count: int) -> None:
-    from scipy.integrate import solve_ivp
-
-    rng = np.random.default_rng(count)
-    sizes = rng.uniform(0.5, 2.0, (count, 5)) * [1.0, 4e4, 20.0, 300.0, 2.0]
-    stages = [Stage(*row) for row in sizes.tolist()]
-    base = polynomials()
-    response = steady_state(chain(stages), base, 0.0)
-    m = sizes[:, :1]
-
-    def rate(t: float, z: FloatArray, side: Side) -> FloatArray:
-        x = z.reshape(2, count).T[:, :, np.newaxis]
-        forces = pulls(stages, x, base.jet(np.array([t]), side))
-        net = forces - np.append(forces[1:], [[0.0]], axis=0)
-        net -= sizes[:, 3:4] * x[:, 0] + sizes[:, 4:5] * x[:, 1]
-        return np.concatenate((x[:, 1, 0], (net / m)[:, 0]))
-
-    for low, high in pairwise(base.edges[:3]):
-        begin = states(response, np.array([low]))[:, :2, 0].T.ravel()
-        found = solve_ivp(
-            lambda t, z, middle=0.5 * (low + high): rate(t, z, "right" if t < middle else "left"),
-            (low, high),
-            begin,
-            "DOP853",
-            rtol=1e-11,
-            atol=1e-12,
-        )
-        end = states(response, np.array([high]), "left")[:, :2, 0].T.ravel()
-        off = np.abs(found.y[:, -1] - end)
-        assert np.max(off[:count]) <= 1e-8  # of 20 mm, and what the tolerance adds up to
-        assert np.max(off[count:]) <= 1e-8 * 400.0  # the highest natural frequency
 
 
 @attack
@@ -354,13 +374,17 @@ def test_errors_told_are_true(seed: int) -> None:
         Stage(1e-4 * m, rng.uniform(1e-4, 1.0) * k, rng.uniform(0.0, 0.05)),
     ]
     t = np.array([0.03, 0.31, 0.5, 0.77])
-    wanted = exact(stages, t.tolist())
-    for share in (0.0, 1e-9, 1e-5):
-        response = steady_state(chain(stages), polynomials(), share)
-        got = states(response, t)
+    with mpmath.workdps(40):
+        moved = exact(stages, 0, moved_base(stages[0]), t.tolist())
+        under_load = exact(stages, 1, loaded(), t.tolist())
+    found = [(steady_state(chain(stages), polynomials(), x), moved) for x in (0.0, 1e-9, 1e-5)]
+    by_load = steady_state(chain(stages), at_rest(), 0.0, load_of(load, EDGES, 0.0))
+    for response, wanted in (*found, (by_load, under_load)):
         for mass in range(2):
-            off = np.max(np.abs(got[mass, 0] - wanted[mass, 0]))
-            assert off <= response.error_of(response.train.deflection(mass))
+            told = response.error_of(response.train.deflection(mass))
+            off = np.max(np.abs(states(response, t)[mass, 0] - wanted[mass, 0]))
+            assert off <= told
+            assert told <= 1e-6 * np.max(np.abs(wanted)) or response is not by_load
 
 
 def test_the_amplitude_in_a_rest_is_not_exceeded_at_critical_damping() -> None:
@@ -434,3 +458,112 @@ def test_masses_on_stiff_springs_are_one() -> None:
         off.append(np.max(np.abs(found - one)))
     assert off[0] < 1e-3 * float(np.max(np.abs(one)))
     assert off[0] / off[1] == pytest.approx(100.0, rel=0.1)  # with the inverse of the stiffness
+
+
+# -- under load ----------------------------------------------------------------------------------
+
+
+def summed(train: Train, weights: ComplexArray, s: complex) -> complex:
+    """Re sum z v while the load is exp(s t)."""
+    return complex(
+        0.5 * np.sum(weights / (s - train.rates) + weights.conj() / (s - train.rates.conj()))
+    )
+
+
+@attack
+@given(
+    stages=st.lists(HELD, min_size=1, max_size=5),
+    w=st.floats(-2.0, 3.0).map(lambda p: 10.0**p),
+    data=st.data(),
+)
+def test_the_modes_add_up_to_the_compliance(
+    stages: list[Stage], w: float, data: st.DataObject
+) -> None:
+    """Of motions and forces by a force on any mass."""
+    output = data.draw(st.integers(0, len(stages) - 1))
+    train, s = chain(stages, output), complex(0.3 * w, w)
+    moved, links = answers(stages, s, output)
+    for i in range(len(stages)):
+        for read, wanted in ((train.deflection(i), moved[i]), (train.force(i), links[i])):
+            told = np.abs(read.loaded) * (train.doubt + train.drift) / np.abs(s - train.rates)
+            off = summed(train, np.asarray(read.loaded), s) - wanted
+            assert abs(off) <= 32.0 * EPS * (float(np.sum(told)) + abs(wanted))
+
+
+@pytest.mark.parametrize(("count", "output"), [(1, 0), (2, 1), (3, 2), (3, 0)])
+def test_under_load_it_is_that_of_the_matrix_exponential(count: int, output: int) -> None:
+    """With 40 digits, and the motion of the base besides; what is told of the error is true."""
+    stages = CHAINS[count]
+    train = chain(stages, output)
+    t = np.array([0.0, 0.05, 0.1, 0.23, 0.47, 0.55, 0.83])
+    with mpmath.workdps(40):
+        wanted = exact(stages, output, loaded(), t.tolist())
+    moved = polynomials()
+    both = steady_state(train, moved, 0.0, load_of(load, EDGES, 0.0))
+    alone = steady_state(train, moved, 0.0)
+    for i, each in enumerate(stages):
+        got = both.states_of(i, t, "right") - alone.states_of(i, t, "right")
+        for order, read in enumerate((train.deflection(i), train.velocity(i))):
+            told = both.error_of(read) + alone.error_of(read)
+            assert np.max(np.abs(got[order] - wanted[i, order])) <= told
+        slip = wanted[i] - (wanted[i - 1] if i else 0.0)
+        push = both.forces([i], t, "right")[0] - alone.forces([i], t, "right")[0]
+        told = both.error_of(train.force(i)) + alone.error_of(train.force(i))
+        rounding = 4.0 * EPS * each.stiffness * float(np.max(np.abs(wanted)))
+        off = push + each.stiffness * slip[0] + each.damping * slip[1]
+        assert np.max(np.abs(off)) <= told + rounding
+        assert told <= 1e-11 * max(30.0, each.stiffness * 20.0)
+
+
+def test_the_acceleration_of_the_output_jumps_with_the_load() -> None:
+    """By the jump over its mass; no other mass feels it at once."""
+    stages = CHAINS[3]
+    response = steady_state(chain(stages, 1), polynomials(), 0.0, load_of(load, EDGES, 0.0))
+    at = EDGES[1:2]
+    jumps = [
+        response.states_of(i, at, "right") - response.states_of(i, at, "left") for i in range(3)
+    ]
+    told = response.error_of(response.train.acceleration(1))
+    assert abs(jumps[1][2, 0] + 35.0 / stages[1].mass) <= 2.0 * told
+    others = [jumps[i][2, 0] for i in (0, 2)] + [
+        each[order, 0] for each in jumps for order in (0, 1)
+    ]
+    assert np.max(np.abs(others)) <= 2.0 * told
+
+
+def test_a_constant_load_shortens_the_train_as_springs_in_series_do() -> None:
+    train = chain([Stage(1.0, 300.0, 2.0), Stage(1.0, 150.0, 2.0)])
+    steady = load_of(lambda t: np.full(len(t), -7.0), np.array([0.0, 1.0]), 0.0)
+    response = steady_state(train, at_rest(), 0.0, steady)
+    t = np.linspace(0.0, 1.0, 9)
+    wanted = -7.0 * (1.0 / 300.0 + 1.0 / 150.0)
+    assert response.states(t, "right")[0] == pytest.approx(wanted, rel=1e-12)
+    assert response.at_rest(train.deflection(1), t, "left") == pytest.approx(wanted, rel=1e-12)
+    assert response.forces([0, 1], t, "right") == pytest.approx(np.full((2, 9), 7.0), rel=1e-12)
+    assert response.free_amplitude(t, "right") == pytest.approx(0.0, abs=1e-14)
+
+
+def test_what_a_step_leaves_is_a_vibration_about_the_new_place_of_rest() -> None:
+    """p / k (1 - cos w t) without damping, but for what is left after a turn."""
+    w, damping = 40.0 * TURN, 0.02
+    steps = load_of(lambda t: np.where(t < 0.5, 0.0, 9.0), np.array([0.0, 0.5, 1.0]), 0.0)
+    response = steady_state(one_mass(w, damping), at_rest(), 0.0, steps)
+    left = math.exp(-0.5 * damping * w)
+    amplitude = float(response.free_amplitude(np.array([0.5]), "right")[0])
+    assert amplitude == pytest.approx(9.0 / w**2 / math.sqrt(1.0 - damping**2), rel=2.0 * left)
+
+
+def test_a_load_alone_resonates() -> None:
+    train = one_mass(3.0 * TURN, 0.0)
+
+    def steps(count: int) -> Forcing:
+        edges = np.linspace(0.0, 1.0, 2 * count + 1)
+        return load_of(lambda t: np.sign(np.sin(count * TURN * t)), edges, 0.0)
+
+    with pytest.raises(ResonanceError) as raised:
+        steady_state(train, at_rest(), 0.0, steps(1))
+    assert raised.value.harmonic == 3
+    response = steady_state(train, at_rest(), 0.0, steps(2))  # harmonics 2, 6, 10 ... alone
+    beyond = (1.0 / 5.0 - 1.0 / 9.0) / TURN**2  # at rest it would yield by p / w^2
+    assert abs(response.harmonic(2)) == pytest.approx(2.0 / math.pi * beyond, rel=1e-9)
+    assert response.harmonic(3) == 0.0

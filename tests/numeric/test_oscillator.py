@@ -186,28 +186,6 @@ def test_it_solves_the_equation_of_motion_as_an_integrator_does(
     assert np.max(np.abs(first - last) / [[1.0], [w]]) <= 1e-13
 
 
-def test_a_long_run_from_rest_ends_in_it() -> None:
-    from scipy.integrate import solve_ivp
-
-    base, w, damping, turns = cam(), TURN * 3.3, 0.15, 9
-    response = steady_state(one_mass(w, damping), base, 0.0)
-
-    def rate(t: float, z: FloatArray) -> list[float]:
-        forced = base.jet(np.array([t % 1.0]), "right")[2, 0]
-        return [z[1], -2.0 * damping * w * z[1] - w * w * z[0] - forced]
-
-    z = np.zeros(2)
-    for turn in range(turns):
-        for low, high in zip(base.edges[:-1], base.edges[1:], strict=True):
-            z = solve_ivp(rate, (turn + low, turn + high), z, "DOP853", rtol=1e-10, atol=1e-11).y[
-                :, -1
-            ]
-    end = response.states(np.ones(1), "left")[:2, 0]
-    left = 20.0 * math.exp(-damping * w * turns)  # of the transient: 1e-11
-    assert left < 1e-10
-    assert np.max(np.abs(z - end) / [1.0, w]) <= left + 20.0 * 1e-9
-
-
 def test_stiffness_to_infinity_gives_the_rigid_motion_at_the_second_power() -> None:
     """e = -y''/w^2 + 2 D y'''/w^3 + O(w^-4), where the vibration from the last kink is over."""
     base, damping = cam("cycloidal"), 0.2

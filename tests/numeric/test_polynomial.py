@@ -75,17 +75,6 @@ def test_derivative_and_product(powers: list[float]) -> None:
     assert exactly(square, x) == exactly(powers, x) ** 2
 
 
-@given(roots=st.lists(st.integers(1, 99), min_size=1, max_size=5, unique=True))
-def test_roots_are_found(roots: list[int]) -> None:
-    powers = [1.0]
-    for root in roots:
-        powers = product(powers, [-root / 100.0, 1.0])
-    found = roots_inside(powers, 0.0, 1.0)
-    # Neighbours a hundredth apart: the worst condition of five of them is about 1e8.
-    assert found == pytest.approx(sorted(root / 100.0 for root in roots), abs=1e8 * EPS)
-    assert len(roots_inside(powers, -1.0, 0.0)) == 0
-
-
 @given(powers=coefficients)
 def test_nothing_is_larger_than_the_largest(powers: list[float]) -> None:
     found = largest_magnitude(powers, 0.0, 0.7)
