@@ -23,10 +23,7 @@ from camgeo.kinematics.planning.requests import (
     AUTO,
     CRITERIA,
     TAKE_JERK,
-    Chain,
     Link,
-    MoveRequest,
-    task_of,
 )
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray
@@ -39,91 +36,74 @@ GENTLEST = 1.0 - 1e-9
 """c of a sine-straight combination, which may turn slightly more gently still, by rounding."""
 
 
-def named_law(chain: Chain, number: int, task: str) -> Law:
-    """The law that a move names, for `task`, with what is known of its joints.
+def named_law(link: Link) -> Law:
+    """The law that a move names, for its task, with what is known of its joints.
 
     Raises
     ------
     GeometryError
         With the key of the segment, if there is no such law; it states which value would do.
     """
-    link = chain.links[number]
-    request = link.request
-    assert isinstance(request, MoveRequest)
-    family = find_family(request.law)
+    request, family, task = link.move, find_family(link.law), link.task
     if task not in family.parameters:
         task = family.tasks[0]  # the polynomial of what is given has but one
     with keyed(link):
         given = dict(request.parameters)
-        known = normalised(chain, number)
-        given |= {key: known[key] for key in _needed(chain, number, family.parameters[task], known)}
+        known = normalised(link)
+        given |= {key: known[key] for key in _needed(link, family.parameters[task], known)}
         if request.balance:
             given["inflection"] = balanced(family.name, task, request.balance, given)
         wrong = None
         try:
             law = law_of(family.name, task, given)
         except GeometryError:
-            wrong = _out_of_reach(chain, number, family, task, given)
+            wrong = _out_of_reach(link, family, task, given)
             if wrong is None:
                 raise
     if wrong is not None:
         raise wrong
-    _check_stated(chain, number, law)
+    _check_stated(link, law)
     return law
 
 
-def own_law(chain: Chain, number: int, task: str) -> Law:
+def own_law(link: Link) -> Law:
     """The law that a move names, with the parameters that are not stated chosen for it alone.
 
     The inflection point lies where the accelerations of both parts are equally large, or in the
     middle if there is no such place; a sine-straight combination turns as gently as it can.
     """
-    link = chain.links[number]
-    request = link.request
-    assert isinstance(request, MoveRequest)
-    family = find_family(request.law)
+    family, task = find_family(link.law), link.task
     taken = family.parameters[task]
-    known = normalised(chain, number)
+    known = normalised(link)
     given = {"curved": GENTLEST} if "curved" in taken else {}
     given |= {key: known[key] for key in ("v0", "v1") if key in taken and key in known}
     with keyed(link):
-        given |= {key: value for key, value in request.parameters.items() if key in taken}
+        given |= {key: value for key, value in link.move.parameters.items() if key in taken}
         if "inflection" in taken and "inflection" not in given:
-            given["inflection"] = _balanced(family.name, task, given)
+            try:
+                given["inflection"] = equal_accelerations(family.name, task, given)
+            except GeometryError:
+                given["inflection"] = 0.5
         return law_of(family.name, task, given)
 
 
-def _balanced(name: str, task: str, given: dict[str, float]) -> float:
-
-    try:
-        return equal_accelerations(name, task, given)
-    except GeometryError:
-        return 0.5
-
-
-def normalised(chain: Chain, number: int) -> dict[str, float]:
+def normalised(link: Link) -> dict[str, float]:
     """Known values at both ends, "v0" to "j1", normalised (VDI 2143-1, eqs. (136) to (141))."""
-    link = chain.links[number]
-    return _scaled(chain, number, link.stroke)
+    return _scaled(link, link.stroke)
 
 
-def _scaled(chain: Chain, number: int, unit: float) -> dict[str, float]:
-    link = chain.links[number]
+def _scaled(link: Link, unit: float) -> dict[str, float]:
     found = {}
-    for end, joint in (("0", chain.before(number)), ("1", chain.after(number))):
+    for end, joint in (("0", link.start), ("1", link.end)):
         for key, value in zip("vaj", (*joint.values, joint.jerk), strict=True):
             if value is not None:
                 found[key + end] = value * link.length ** ORDERS[key] / unit
     return found
 
 
-def _needed(
-    chain: Chain, number: int, taken: tuple[str, ...], known: dict[str, float]
-) -> list[str]:
+def _needed(link: Link, taken: tuple[str, ...], known: dict[str, float]) -> list[str]:
     """The boundary values that a law is given, of those it takes."""
-    request = chain.links[number].request
-    assert isinstance(request, MoveRequest)
-    ends = {"0": chain.before(number), "1": chain.after(number)}
+    ends = {"0": link.start, "1": link.end}
     keys = [key for key in taken if key in known]
     accelerations = [key for key in keys if key[0] == "a"]
     accelerations.sort(key=lambda key: "acceleration" not in ends[key[1]].stated)
@@ -131,17 +111,17 @@ def _needed(
         return keys
     # A turn is met by the place of the inflection point (and by c, where there is one).
     free = 2 if "curved" in taken else 1
-    free -= len({"inflection", "curved"} & request.shaped_by)
+    free -= len({"inflection", "curved"} & link.move.shaped_by)
     dropped = accelerations[max(free, 0) :]
     return [key for key in keys if key not in dropped]
 
 
-def _check_stated(chain: Chain, number: int, law: Law) -> None:
+def _check_stated(link: Link, law: Law) -> None:
     """What a designer states is met, or refused: a law that has no freedom left may have another
     value, as the simple sine from rest to rest has.
     """
-    link = chain.links[number]
-    for joint, end in ((chain.before(number), law.start), (chain.after(number), law.end)):
+    text = link.unit.text
+    for joint, end in ((link.start, law.start), (link.end, law.end)):
         for order, name in enumerate(("velocity", "acceleration"), start=1):
             if name not in joint.stated:
                 continue
@@ -150,21 +130,19 @@ def _check_stated(chain: Chain, number: int, law: Law) -> None:
             if abs(found - wanted) > MISSED * max(abs(found), abs(wanted), abs(unit)):
                 raise GeometryError(
                     f"cannot be met by {law.name} for {law.task} of {link.key}, whose {name} there"
-                    f" is {chain.unit.text(found, order)}; polynomial-5 and auto meet any",
+                    f" is {text(found, order)}; polynomial-5 and auto meet any",
                     key=f"{joint.key}.{name}",
-                    value=chain.unit.text(wanted, order),
+                    value=text(wanted, order),
                 )
 
 
-def law_without_stroke(chain: Chain, number: int) -> Law | None:
+def law_without_stroke(link: Link) -> Law | None:
     """The law of a move that ends where it starts, a polynomial whose scale is its own [mm or rad].
 
     None if velocity, acceleration and the stated jerk are 0 at both ends: the move rests.
     """
-    link = chain.links[number]
-    assert isinstance(link.request, MoveRequest)
-    name = "polynomial-5" if link.request.law == AUTO else find_family(link.request.law).name
-    values = _scaled(chain, number, 1.0)
+    name = "polynomial-5" if link.law == AUTO else find_family(link.law).name
+    values = _scaled(link, 1.0)
     if name not in TAKE_JERK:
         values = {key: value for key, value in values.items() if key[0] != "j"}
     if not any(values.values()):
@@ -172,7 +150,7 @@ def law_without_stroke(chain: Chain, number: int) -> Law | None:
     if name == "polynomial-7":
         values = {"j0": 0.0, "j1": 0.0, **values}
     with keyed(link):
-        return law_of_boundary_values(name, task_of(chain, number), values, {}, rise=0.0)
+        return law_of_boundary_values(name, link.task, values, {}, rise=0.0)
 
 
 @contextmanager
@@ -189,7 +167,7 @@ def keyed(link: Link) -> Iterator[None]:
 
 
 def _out_of_reach(
-    chain: Chain, number: int, family: Family, task: str, given: dict[str, float]
+    link: Link, family: Family, task: str, given: dict[str, float]
 ) -> GeometryError | None:
     """The reason why a law cannot have the acceleration a0 or a1 of `given`; None if it can, or
     takes neither.
@@ -215,10 +193,9 @@ def _out_of_reach(
             bound = LEAST / inflection if key == "a0" else -LEAST / (1.0 - inflection)
     if not key or (ends[key] > bound if above else ends[key] < bound):
         return None
-    link = chain.links[number]
-    joint = chain.before(number) if key == "a0" else chain.after(number)
-    physical = link.stroke / link.length**2
-    text = chain.unit.text
+    joint = link.start if key == "a0" else link.end
+    physical = link.unit_acceleration
+    text = link.unit.text
     side = "above" if above == (link.stroke > 0.0) else "below"
     place = "starts" if key == "a0" else "ends"
     message = (

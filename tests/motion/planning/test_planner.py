@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from camgeo.errors import GeometryError
 from camgeo.kinematics.plan import Dwell, Joint, MotionPlan, Move, SplineMove, joints
 from camgeo.kinematics.planning.requests import (
-    FREE,
+    FREE_LAWS,
     MoveRequest,
     PointsRequest,
     Request,
@@ -131,7 +131,7 @@ def joint_rests(requests: Sequence[Request]) -> bool:
     return any(request.span == 0 for request in requests)
 
 
-@given(wishes(FREE))
+@given(wishes(FREE_LAWS))
 @many
 def test_acceleration_is_continuous_between_laws_that_meet_anything(
     requests: list[Request],

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from decimal import Decimal
+from heapq import heappop
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import FAMILIES
 from camgeo.kinematics.motion import TASKS
 from camgeo.kinematics.planning.planner import plan_motion
-from camgeo.kinematics.planning.requests import Chain, Joint, Request, Unit
+from camgeo.kinematics.planning.requests import Request, Unit
 from tests.motion.planning.wishes import laws, move, planned, rest, table, through
 
 
@@ -412,14 +413,14 @@ def test_tasks_of_many_segments_are_settled_in_time_in_proportion(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def looks(count: int) -> int:
-        """How often a plan of so many named laws looks at a joint."""
+        """How often a plan of so many named laws looks at a link."""
         seen = []
 
-        def before(chain: Chain, link: int) -> Joint:
-            seen.append(link)
-            return chain.joints[link]
+        def counted(due: list[int]) -> int:
+            seen.append(due[0])
+            return heappop(due)
 
-        monkeypatch.setattr(Chain, "before", before)
+        monkeypatch.setattr("camgeo.kinematics.planning.planner.heapq.heappop", counted)
         planned(
             *(move(Decimal(360) / count, float(1 - k % 2), "modified-sine") for k in range(count))
         )
