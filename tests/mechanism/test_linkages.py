@@ -22,8 +22,7 @@ from camgeo.units import TURN
 from tests.integrals import cells, integrals
 from tests.long_form import examples
 from tests.mechanism.bounds import assert_bounds_are_close, assert_bounds_hold
-from tests.stability.exact_cam import numbers_of
-from tests.stability.linkage import exact_linkage
+from tests.stability.exact_cam import exact_linkage, numbers_of
 from tests.stability.series import Series
 from tests.strategies import SMOOTH, attack, four_bars, plans, slider_cranks, slider_driven_cranks
 

@@ -19,8 +19,8 @@ from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.stability.exact_cam import AnyFollower, AnyLinkage, Stage
-from tests.stability.high_precision import Number
 from tests.stability.measure import Case, Exact, Found
+from tests.stability.series import Number
 
 CAMS: Final = "cams"
 

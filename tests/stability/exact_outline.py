@@ -21,8 +21,16 @@ from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from tests.stability.cam_case import CamSpec
 from tests.stability.exact_cam import AnyFollower, CamJet
-from tests.stability.high_precision import STEPS, Number, newton
-from tests.stability.series import Series, direction, logarithm, root, variable
+from tests.stability.series import (
+    STEPS,
+    Number,
+    Series,
+    direction,
+    logarithm,
+    newton,
+    root,
+    variable,
+)
 
 ENOUGH: Final = 24
 """A step that vanishes to this many decimals is the last one. Its error is its square over the

@@ -18,8 +18,8 @@ from camgeo.numeric.arrays import FloatArray
 from tests.stability import cams, loops
 from tests.stability.cam_case import CamSpec
 from tests.stability.exact_cam import CamJet
-from tests.stability.high_precision import Number, Roots, newton
 from tests.stability.measure import Case
+from tests.stability.series import Number, Roots, newton
 
 GROUP: Final = "extremes"
 

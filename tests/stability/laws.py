@@ -8,8 +8,8 @@ from camgeo.kinematics.laws import make_law
 from camgeo.numeric.arrays import FloatArray
 from tests.motion.exact_laws import HALVES
 from tests.motion.exact_laws import exact as exact_law
-from tests.stability.high_precision import Number
 from tests.stability.measure import Case
+from tests.stability.series import Number
 
 GROUP: Final = "laws"
 

@@ -14,7 +14,7 @@ from mpmath import mp
 
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from tests.stability.high_precision import DIGITS, Number
+from tests.stability.series import DIGITS, Number
 
 Found = Callable[[FloatArray], tuple[FloatArray | ComplexArray, ...]]
 Exact = Callable[..., tuple[Number, ...]]

@@ -20,8 +20,8 @@ from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.stability.cam_case import STEEP, CamSpec
 from tests.stability.exact_outline import ExactOutline
-from tests.stability.high_precision import Number, Roots
 from tests.stability.measure import Case
+from tests.stability.series import Number, Roots
 
 GROUP: Final = "outlines"
 

@@ -13,9 +13,8 @@ from camgeo.kinematics.mechanism.slotted_lever import SlottedLever
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
 from camgeo.units import TURN
-from tests.stability.high_precision import Number, newton
 from tests.stability.measure import Case
-from tests.stability.series import Series, direction, logarithm, variable
+from tests.stability.series import Number, Series, direction, logarithm, newton, variable
 
 GROUP: Final = "slotted-levers"
 

@@ -16,9 +16,8 @@ from mpmath import mp
 from camgeo.kinematics.motion import FREE
 from camgeo.kinematics.splines import clamped_spline, periodic_spline
 from camgeo.numeric.arrays import FloatArray
-from tests.stability.high_precision import Number
 from tests.stability.measure import Case
-from tests.stability.series import polynomial, variable
+from tests.stability.series import Number, polynomial, variable
 
 GROUP: Final = "tables"
 

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from mpmath import mp
 
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from tests.stability import high_precision
 from tests.stability.measure import Case, Reading, measure
 
 Found = Callable[[FloatArray], FloatArray | ComplexArray]
@@ -57,7 +57,7 @@ def test_where_a_value_passes_zero_the_yardstick_is_what_the_inputs_leave() -> N
 
 
 def _sine(x: Any) -> Any:
-    return high_precision.mp.sin(x)
+    return mp.sin(x)
 
 
 def test_a_vector_is_measured_by_its_length() -> None:
