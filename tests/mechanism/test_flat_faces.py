@@ -6,27 +6,23 @@ import cmath
 import math
 from dataclasses import replace
 
-import mpmath
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
-from scipy.optimize import brentq, minimize_scalar
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.convex import touch
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
-from camgeo.kinematics.plan import MotionPlan
 from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
 from camgeo.units import TURN
 from tests.integrals import cells, integrals
 from tests.laws import LAWS
 from tests.mechanism.flat_faces import convex_curves, flat_curves
-from tests.mechanism.test_followers import backwards
 from tests.reference import plan_of
-from tests.strategies import SMOOTH, attack, cam_angles
+from tests.strategies import SMOOTH, attack
 
 PHI = np.linspace(0.0, TURN, 121)
 
@@ -97,44 +93,6 @@ def test_no_face_cuts_into_a_convex_cam(curve: PitchCurve) -> None:
 
 
 @attack
-@given(curve=convex_curves(), phi=cam_angles())
-def test_the_cam_asks_for_the_lift_that_it_was_made_for(curve: PitchCurve, phi: float) -> None:
-    """Turn the cam and lower the face on it: the lift at which it touches is the motion's.
-
-    How far the cam reaches beyond the face is found by maximising over its points, the lift at
-    which that is nothing by bracketing. A maximum is known to the root of the rounding in its
-    place, and to rounding in its value.
-    """
-    back = np.exp(-1j * curve.rotation * phi)
-    grid = np.linspace(0.0, TURN, 400)
-    sampled = curve.point(grid)
-    demanded = float(curve.motion.jet(np.array([phi]))[0, 0])
-    inward = face_in_cam(curve, np.array([phi]))[1][0]
-
-    def overlap(lift: float) -> float:
-        place, along = (part[0] * back for part in face_line(curve, np.array([lift])))
-        normal = 1j * along
-        normal *= np.sign((np.conj(normal) * inward).real)
-        best = grid[np.argmax((np.conj(normal) * (sampled - place)).real)]
-
-        def below(at: float) -> float:
-            return -float((np.conj(normal) * (curve.point(np.array([at]))[0] - place)).real)
-
-        step = grid[1]
-        found = minimize_scalar(
-            below, bounds=(best - step, best + step), method="bounded", options={"xatol": 1e-9}
-        )
-        return -float(found.fun)
-
-    # How far the face goes where it touches, a unit of lift.
-    lever = abs(float(curve.leverage(np.array([phi]))[0]))
-    assume(lever >= 1.0)
-    reach = 0.05 / lever
-    lift = brentq(overlap, demanded - reach, demanded + reach, xtol=1e-13)
-    assert abs(lift - demanded) * lever <= 1e-9
-
-
-@attack
 @given(curve=flat_curves(SMOOTH))
 def test_each_derivative_is_the_derivative_of_the_one_before(curve: PitchCurve) -> None:
     low, high = cells(curve.borders, 6)
@@ -157,51 +115,6 @@ def test_each_derivative_is_the_derivative_of_the_one_before(curve: PitchCurve) 
     summed = integrals(rates, low, high)
     spare = size(values(PHI, "right")) + size(summed) + size(rates(PHI))
     assert np.all(np.abs(summed - wandered) <= 100.0 * ROUNDING * spare)
-
-
-@pytest.mark.parametrize("rotation", [1, -1])
-@pytest.mark.parametrize("side", [0, 1, -1])
-def test_curvature_against_differences_of_the_point(rotation: int, side: int) -> None:
-    """By mpmath with 40 digits, from the lift's formula: kappa = -sigma Im(conj Z' Z'')/|Z'|^3."""
-    plan = plan_of({"phi_H": [30, 90, 40, 120, 80]}, 0.2 if side else 9.0)
-    follower = (
-        OscillatingFlat(complex(-70.0, 50.0), 35.0, 7.0, side, 1)
-        if side
-        else TranslatingFlat(40.0, 0.4, 1)
-    )
-    curve = PitchCurve(plan, follower, rotation)
-    start, span, stroke = math.radians(30.0), math.radians(90.0), 0.2 if side else 9.0
-    with mpmath.workdps(40):
-
-        def support(phi: mpmath.mpf) -> tuple[mpmath.mpf, mpmath.mpf]:
-            """h and nu."""
-            z = (phi - mpmath.mpf(start)) / mpmath.mpf(span)
-            lift = stroke * (10 * z**3 - 15 * z**4 + 6 * z**5)
-            if isinstance(follower, TranslatingFlat):
-                return follower.base_radius + lift, mpmath.mpf(follower.guide_angle)
-            l1 = mpmath.sqrt(70**2 + 50**2)
-            chi = mpmath.asin((35 - 7) / l1) + lift
-            line = mpmath.atan2(-50, 70)
-            return l1 * mpmath.sin(chi) + 7, line + side * (chi + mpmath.pi / 2)
-
-        def point(phi: mpmath.mpf) -> mpmath.mpc:
-            theta1 = mpmath.diff(lambda x: support(x)[1], phi) - rotation
-            h, nu = support(phi)
-            rate = mpmath.diff(lambda x: support(x)[0], phi)
-            return (h + 1j * rate / theta1) * mpmath.expj(nu - rotation * phi)
-
-        for degrees in (35.0, 60.0, 75.0, 90.0, 110.0):
-            phi = math.radians(degrees)
-            first, second = (
-                mpmath.diff(point, mpmath.mpf(phi), k, h=mpmath.mpf("1e-8")) for k in (1, 2)
-            )
-            expected = -rotation * (mpmath.conj(first) * second).imag / abs(first) ** 3
-            found = curve.curvature(np.array([phi]))[0]
-            assert found == pytest.approx(float(expected), rel=1e-9)
-            step = 1e-5
-            near = curve.curvature(np.array([phi - step, phi + step]))
-            slope = (near[1] - near[0]) / (2.0 * step)
-            assert curve.curvature_slope(np.array([phi]))[0] == pytest.approx(slope, rel=1e-6)
 
 
 @attack
@@ -242,16 +155,6 @@ def test_transmission_angle_by_its_definition(curve: PitchCurve) -> None:
     expected = np.arctan2(np.abs(product.imag), np.abs(product.real))
     limit = 100.0 * ROUNDING * (np.max(np.abs(lever)) + 200.0) / np.abs(lever)
     assert np.all(np.abs(curve.transmission_angle(PHI) - expected) <= limit)
-
-
-@attack
-@given(curve=flat_curves(SMOOTH))
-def test_the_same_cam_turned_the_other_way(curve: PitchCurve) -> None:
-    """Z of -sigma for the plan run backwards is Z of sigma, point for point."""
-    assert isinstance(curve.motion, MotionPlan)
-    other = PitchCurve(backwards(curve.motion), curve.follower, -curve.rotation)
-    here, there = curve.point(PHI), other.point(-PHI)
-    assert np.max(np.abs(here - there)) <= 100.0 * ROUNDING * np.max(np.abs(here))
 
 
 @attack
@@ -297,19 +200,6 @@ def test_bounds_do_all_that_is_asked_of_them(curve: PitchCurve, count: int) -> N
         assert np.all(np.abs(z1 - middle[1] - middle[2] * way) <= 0.5 * third * half**2 + spare)
         off = z - middle[0] - middle[1] * way - 0.5 * middle[2] * way**2
         assert np.all(np.abs(off) <= third * half**3 / 6.0 + spare)
-
-
-def test_a_third_bound_without_its_jump_is_seen() -> None:
-    """The test above can fail: what Z''' would be bounded by does not hold as such."""
-    curve = PitchCurve(plan_of({"phi_H": [30, 90, 40, 120, 80]}, 9.0), TranslatingFlat(40.0), 1)
-    low, high = cells(curve.borders, 4)
-    middle, bounds = curve.jet_and_bounds(low, high)
-    half = 0.5 * (high - low)
-    _, limits = curve.motion.jet_and_bounds(low, high)
-    smooth = bounds[2] - 3.0 * (np.abs(curve.motion.jet(0.5 * (low + high))[3]) + limits[3]) / half
-    change = np.abs(curve.jet(high - 1e-12)[2] - middle[2])
-    assert np.all(change <= bounds[2] * half)
-    assert not np.all(change <= smooth * half)
 
 
 def test_bounds_in_a_rest_are_the_values() -> None:

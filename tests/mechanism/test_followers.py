@@ -156,11 +156,3 @@ def test_speed_bounds_are_not_far_above_the_values(curve: PitchCurve) -> None:
     if isinstance(follower, OscillatingRoller):
         spare = 4.0 * (follower.centre_distance + follower.arm)
     assert np.all(bounds[0] <= 1.1 * values[0] + spare)
-
-
-def test_a_bound_of_half_the_speed_is_seen() -> None:
-    follower = TranslatingRoller(50.0, 5.0)
-    curve = PitchCurve(MotionPlan((Dwell(PLAN_TURN),)), follower, 1)
-    low, high = cells(curve.borders, 4)
-    assert curve.speed_bounds(low, high)[0] == pytest.approx(np.full(4, 50.0))
-    assert not np.all(np.abs(curve.jet(low)[1]) <= 0.5 * curve.speed_bounds(low, high)[0])

@@ -74,6 +74,7 @@ def test_the_rates_are_those_of_the_joints(name: str) -> None:
 
 
 LOCKING: Final[dict[str, tuple[Linkage, float]]] = {
+    "slider": (SliderCrank(100.0, 60.0, 0.0, True, 1, -1, 1), 155.0),
     "lever": (FourBar(70.0, 60.0, 85.0, 110 + 30j, math.radians(120.0), -1, -1), -math.pi / 3.0),
     "crank": (SliderDrivenCrank(SliderCrank(60.0, 160.0, 0.3, False, -1, 1, 1)), 2.6),
     "crank, many turns": (SliderDrivenCrank(SliderCrank(40.0, 110.0, 0.4, True, 1, -1, 1)), -9.0),

@@ -17,6 +17,7 @@ from camgeo.kinematics.plan import MotionPlan, Move
 from camgeo.numeric.arrays import phase
 from camgeo.units import TURN
 from tests.reference import POLYNOMIAL
+from tests.stability.series import Series, direction, variable
 from tests.strategies import attack
 
 PIVOT = complex(-96.0, -72.0)  # 120 mm from the cam axis
@@ -85,8 +86,8 @@ def test_without_direction_the_lift_is_the_rockers_own_angle(arm_side: int) -> N
 
 def test_the_rocker_angle_is_counted_on_the_arms_own_side() -> None:
     lift = np.array([0.0, 0.1])
-    for arm_side, direction, sense in ((1, 1, 1), (-1, 1, 1), (1, -1, -1), (-1, -1, -1)):
-        follower = OscillatingRoller(PIVOT, 80.0, 90.0, 5.0, arm_side, direction)
+    for arm_side, way, sense in ((1, 1, 1), (-1, 1, 1), (1, -1, -1), (-1, -1, -1)):
+        follower = OscillatingRoller(PIVOT, 80.0, 90.0, 5.0, arm_side, way)
         expected = follower.start_angle + sense * lift
         assert follower.rocker_angle(lift) == pytest.approx(expected, rel=1e-15)
 
@@ -118,21 +119,11 @@ def test_a_distant_pivot_costs_no_digits(
     with mp.workdps(60):
         l1, l3 = mp.hypot(rocker.pivot.real, rocker.pivot.imag), mpf(rocker.arm)
         start = mp.acos((l1**2 + l3**2 - mpf(rocker.base_radius) ** 2) / (2 * l1 * l3))
-        chi, chi1, chi2, chi3 = (rocker.swing_sense * mpf(float(each)) for each in jet[:, 0])
-        chi += rocker.arm_side * start
-        tip = l3 * mp.expj(chi)
-        i, turn = mpc(0, 1), rotation * mpc(0, 1)
-        w = tip - l1
-        w1 = i * chi1 * tip
-        w2 = (i * chi2 - chi1**2) * tip
-        w3 = (i * chi3 - 3 * chi1 * chi2 - i * chi1**3) * tip
-        exact = (
-            w,
-            w1 - turn * w,
-            w2 - 2 * turn * w1 - w,
-            w3 - 3 * turn * w2 - 3 * w1 + turn * w,
-        )
-        forward = rotation * exact[1] * mp.expj(-chi)
+        swing = Series(tuple(mpf(float(s)) / mp.factorial(k) for k, s in enumerate(jet[:, 0])))
+        chi = rocker.arm_side * start + rocker.swing_sense * swing
+        centre = (l3 * direction(chi) - l1) * direction(variable(mpf(0), mpf(-rotation), 4))
+        exact = [centre.derivative(order) for order in range(4)]
+        forward = rotation * exact[1] * mp.expj(-chi.terms[0])
         # Sums of a dozen terms, each of at most a few sizes and rounded a few times.
         room = 512 * 2.0**-53 * size
         for own, along, across in zip(exact, found.along[:, 0], found.across[:, 0], strict=True):

@@ -161,21 +161,6 @@ def test_a_coupler_across_the_guide_locks_the_slider() -> None:
     assert np.prod(HANGING.transform(jet)[1]) < 0.0
 
 
-def test_one_that_keeps_clear_of_it_does_not() -> None:
-    assert locked_at(HANGING, there_and_back(150.0)) is None
-    # The other branch passes the pin's stroke with its tip elsewhere.
-    other = SliderCrank(100.0, 60.0, 0.0, True, -1, 1, -1)
-    assert locked_at(other, there_and_back(150.0)) is None
-    assert locked_at(other, there_and_back(155.0)) is not None
-
-
-def test_a_stroke_that_ends_there_is_locked_at_its_end() -> None:
-    found = locked_at(HANGING, there_and_back(ACROSS))
-    assert found is not None
-    # There the stroke is flat: its angle is known to the third root of rounding.
-    assert found[0] == pytest.approx(math.radians(210.0), abs=1e-4)
-
-
 def test_exactly_across_there_is_no_ratio() -> None:
     with pytest.raises(GeometryError, match="square to the guide") as caught:
         HANGING.per_follower(np.array([0.0, ACROSS]))

@@ -26,7 +26,6 @@ from mpmath import mp, mpf
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import ALIASES, FAMILIES, find_family, make_law
 from camgeo.kinematics.laws.law import Law, Region, Values, characteristic
-from camgeo.kinematics.motion import TASKS
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
 from tests.long_form import examples
@@ -40,7 +39,7 @@ from tests.motion.exact_laws import (
     ulps,
     values_of,
 )
-from tests.reference import law_cases, law_of, law_terms
+from tests.reference import law_cases, law_of
 from tests.strategies import FAMILY_TASKS, attack, family_laws, family_terms, inflections, places
 
 EPS = 2.0**-52
@@ -132,12 +131,6 @@ def excess(found: tuple[float, ...], law: Pieces, z: float) -> float:
 
 
 # Against the values of the reference -----------------------------------------------------------
-
-
-def test_the_reference_has_a_law_of_each_task() -> None:
-    assert {case["task"] for case in CASES} <= set(TASKS)
-    assert {law_terms(case)[:2] for case in CASES} <= set(FAMILY_TASKS)
-    assert {task for _, task in FAMILY_TASKS} == set(TASKS)
 
 
 def points_of(case: dict[str, Any]) -> FloatArray:
@@ -460,34 +453,6 @@ def test_the_mirror_image_of_a_law_is_one(name: str, data: st.DataObject) -> Non
 @by_family
 @few
 @given(data=st.data())
-def test_each_value_is_the_integral_of_its_derivative(name: str, data: st.DataObject) -> None:
-    """Over any stretch of a region. Gauss's rule of 24 points on a polynomial, or a function that
-    turns by at most pi, is exact to 1e-30, so only the errors of values and integrand are left."""
-    law = data.draw(family_laws(name))
-    region = data.draw(st.sampled_from(law.regions))
-    ends = sorted(data.draw(st.floats(0.0, 1.0)) for _ in range(2))
-    low, high = (region.start + end * (region.end - region.start) for end in ends)
-    nodes, weights = np.polynomial.legendre.leggauss(24)
-    z = 0.5 * (low + high) + 0.5 * (high - low) * nodes
-    inner = region.values(z)
-    corners = np.array([low, high])
-    outer = region.values(corners)
-    sizes = scales(pieces_of(law))
-    for order in range(3):
-        sign = -1.0 if region.from_end and order == 0 else 1.0
-        integral = 0.5 * (high - low) * float(weights @ inner[order + 1])
-        change = sign * (outer[order][1] - outer[order][0])
-        k = order + 1 if order else 0
-        limit = 2.0 * SCALED[k] * sizes[k] + SCALED[order + 2] * sizes[order + 2] * (high - low)
-        # z itself is rounded: one ulp of 1 moves a value by the derivative times that; and the
-        # weights are, and the sum of 24 is.
-        limit += EPS * sizes[order + 2] * (1.0 + 24.0 * (high - low))
-        assert abs(integral - change) <= limit
-
-
-@by_family
-@few
-@given(data=st.data())
 def test_the_jerk_bound_bounds_f3_in_each_region(name: str, data: st.DataObject) -> None:
     law = data.draw(family_laws(name))
     steps = np.concatenate((np.linspace(0.0, 1.0, 301), np.logspace(-15, -3, 13)))
@@ -512,43 +477,6 @@ def test_regions_fill_the_law_without_gaps(name: str, data: st.DataObject) -> No
     assert list(law.borders) == sorted(law.borders)
     assert all(0.0 < border < 1.0 for border in law.borders)
     assert set(law.borders) <= {region.start for region in law.regions}
-
-
-@by_family
-@few
-@given(data=st.data())
-def test_formulas_agree_at_borders(name: str, data: st.DataObject) -> None:
-    """f, 1 - f, f' and f'' are continuous inside, but for the f'' of the parabola and its kin: it
-    has the jump of its shape. f''' may jump only where the law has a border."""
-    law = data.draw(family_laws(name))
-    true = pieces_of(law)
-    sizes = scales(true)
-    for before, after in zip(law.regions[:-1], law.regions[1:], strict=True):
-        z = np.array([after.start])
-        left, right = both(before, z), both(after, z)
-        with mp.workdps(DIGITS):
-            jumps = [abs(piece.start - mpf(z[0])) <= 2.0 * EPS for piece in true[1:]]
-            expected = 0.0
-            if any(jumps):
-                k = jumps.index(True)
-                border = true[k + 1].start
-                expected = float(values_of(true[k + 1], border)[3] - values_of(true[k], border)[3])
-            if abs(expected) < 1e-30 * (1.0 + sizes[3]):
-                expected = 0.0
-        for k in range(4):
-            # Both formulas hold at z, one of them beyond its border, which is rounded.
-            limit = 2.0 * SCALED[k] * sizes[k] + EPS * sizes[max(k, 1) + 1]
-            assert abs(right[k] - left[k] - (expected if k == 3 else 0.0)) <= limit
-        if after.start not in law.borders:
-            assert abs(right[4] - left[4]) <= 2.0 * SCALED[4] * sizes[4]
-
-
-def both(region: Region, z: FloatArray) -> tuple[float, ...]:
-    """f, 1 - f, f', f'', f''' of one region."""
-    near, f1, f2, f3 = (value[0] for value in region.values(z))
-    far = region.far(z, 1.0 - z)[0]
-    f, g = (far, near) if region.from_end else (near, far)
-    return f, g, f1, f2, f3
 
 
 @by_family

@@ -6,8 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.splines import periodic_spline
@@ -15,7 +13,6 @@ from camgeo.kinematics.tables import TwoColumns, read_lift_table
 from camgeo.numeric.columns import MOST_ROWS
 from camgeo.reading import TABLE
 from camgeo.units import TURN
-from tests.strategies import attack
 
 PLAIN = "0,0\n120,5\n240,2\n360,0\n"
 
@@ -46,24 +43,6 @@ def test_all_ways_of_writing_read_the_same(text: str) -> None:
     assert columns(read_lift_table(text.encode(), "lift.csv")) == EXPECTED
     assert table.unit == ("mm" if "mm" in text else "")
     assert not table.second.flags.writeable
-
-
-@attack
-@given(
-    st.lists(st.floats(-1e6, 1e6), min_size=3, max_size=40),
-    st.sampled_from([(",", "."), (";", "."), (";", ","), ("\t", ","), ("\t", ".")]),
-    st.floats(1.0, 720.0),
-)
-def test_what_was_written_is_read(lifts: list[float], style: tuple[str, str], span: float) -> None:
-    separator, decimal = style
-    angles = np.linspace(0.0, span, len(lifts)).tolist()
-    rows = [
-        separator.join(repr(value).replace(".", decimal) for value in row)
-        for row in zip(angles, lifts, strict=True)
-    ]
-    table = read_lift_table("\n".join(rows), "lift.csv", span)
-    assert columns(table) == (angles, lifts)
-    assert table.first[-1] == span
 
 
 @pytest.mark.parametrize(
@@ -103,11 +82,6 @@ def test_faults_are_reported_with_file_and_line(text: str, line: int, message: s
     assert caught.value.message.startswith(f"lift.csv, line {line}: ")
     assert message in caught.value.message
     assert "allowed" in caught.value.message
-
-
-def test_bytes_that_are_no_text_are_reported_with_their_line() -> None:
-    with pytest.raises(GeometryError, match=r"lift\.csv, line 2: not UTF-8 text"):
-        read_lift_table(b"0,0\n1,\xff\n", "lift.csv")
 
 
 def test_too_much_is_refused() -> None:

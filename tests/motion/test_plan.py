@@ -9,7 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.kinematics.laws.law import Law, Values
 from camgeo.kinematics.motion import Dwell as DwellSpan
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move, joints
 from camgeo.numeric.arrays import FloatArray, Side
@@ -204,40 +203,6 @@ def test_a_zero_dwell_between_moves_leaves_one_break() -> None:
 # Values ---------------------------------------------------------------------------------------
 
 
-def test_values_are_those_of_the_law_stretched() -> None:
-    """VDI 2143-1, eqs. (15) to (18), rise and return."""
-    plan = rise_and_return()
-    for start, span, first, last in ((0.0, 100.0, 0.0, 20.0), (100.0, 120.0, 20.0, 0.0)):
-        z = np.linspace(0.01, 0.99, 99)
-        phi = np.radians(start) + z * np.radians(span)
-        f, f1, f2, f3 = POLYNOMIAL(z)
-        width, stroke = np.radians(span), last - first
-        expected = stroke * np.stack((f, f1 / width, f2 / width**2, f3 / width**3))
-        expected[0] += first
-        # The angles of the mesh are rounded twice.
-        assert np.all(np.abs(plan.jet(phi) - expected) <= rounding(plan, 2.0 * ULP))
-
-
-@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
-def test_both_sides_of_a_joint(law: Law) -> None:
-    """A rest on the left and the start of the move on the right; at its end the other way."""
-    right, span = Decimal(90), math.radians(90.0)
-    plan = MotionPlan((Dwell(right), Move(right, 6.0, law), Dwell(right), Move(right, 0.0, law)))
-    start = law.regions[0].values(np.zeros(1))
-    end = law.regions[-1].values(np.ones(1))
-    sides: tuple[tuple[float, float, Side, Side, Values], ...] = (
-        (span, 0.0, "left", "right", start),
-        (2.0 * span, 6.0, "right", "left", end),
-    )
-    for angle, position, resting, moving, values in sides:
-        rest = plan.jet(np.array([angle]), resting)[:, 0]
-        move = plan.jet(np.array([angle]), moving)[:, 0]
-        assert rest.tolist() == [position, 0.0, 0.0, 0.0]
-        assert move[0] == position
-        expected = [6.0 / span**k * float(values[k][0]) for k in (1, 2, 3)]
-        assert move[1:].tolist() == pytest.approx(expected, rel=8.0 * EPS)
-
-
 def test_the_turn_begins_with_the_last_segment_on_its_left() -> None:
     plan = rise_and_return("120", "240", "0")
     jerk = 20.0 * 60.0
@@ -357,16 +322,6 @@ def test_bounds_close_on_small_cells(plan: MotionPlan, count: int) -> None:
     half = 0.5 * (high - low)
     assert np.all(bounds[2] - values[2] <= half * jerk * (1.0 + 1e-9) + 1e-9)
     assert np.all(bounds[1] - values[1] <= half * (values[2] + half * jerk) * (1.0 + 1e-9) + 1e-9)
-
-
-def test_bounds_that_are_too_small_are_seen() -> None:
-    plan = rise_and_return()
-    low, high = cells(plan, 5)
-    bounds = plan.jet_and_bounds(low, high)[1]
-    for order in range(4):
-        wrong = bounds.copy()
-        wrong[order] *= 0.7  # the loosest of the true bounds has a third to spare somewhere
-        assert overshoot(plan, low, high, wrong) > 1e-3
 
 
 def test_equal_plans_are_equal_whatever_they_were_asked_for() -> None:

@@ -32,15 +32,6 @@ def test_the_disc_is_where_the_rows_say() -> None:
     assert course.time(np.array([2.0 * math.pi])) == pytest.approx([0.6], abs=1e-14)
 
 
-def test_even_rows_are_constant_speed() -> None:
-    rows = [(k / 40.0, 9.0 * k) for k in range(41)]
-    course = read_speed_table(text(rows), "speed.csv")
-    omega, alpha, rate = course.rates(np.linspace(0.0, 6.0, 50))
-    assert omega == pytest.approx(np.full(50, 2.0 * math.pi), rel=1e-12)
-    assert np.max(np.abs(alpha)) < 1e-8
-    assert np.max(np.abs(rate)) < 1e-5
-
-
 @pytest.mark.parametrize(
     ("rows", "message"),
     [

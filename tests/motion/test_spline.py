@@ -625,16 +625,6 @@ def noisy(count: int) -> tuple[FloatArray, FloatArray]:
     return x, 10.0 * np.sin(x) + rng.uniform(-0.01, 0.01, len(x))
 
 
-def test_a_hundred_thousand_noisy_points() -> None:
-    x, y = noisy(examples(20_000, long=100_000))
-    spline = smoothed_ring(x, y, 0.1)
-    grid = np.linspace(0.0, 6.28, 997)
-    left = 0.01 / np.sqrt(3.0) * np.sqrt(2.0 * x[1] / (3.0 * 0.1))
-    found = spline.values(grid)
-    assert np.max(np.abs(found[0] - 10.0 * np.sin(grid))) <= 1e-5 + 5.0 * left
-    assert np.max(np.abs(found[3] + 10.0 * np.cos(grid))) <= 1e-4 + 5.0 * left / 0.1**3
-
-
 def test_the_weight_of_many_noisy_points_is_found() -> None:
     """By tens of splines."""
     x, y = noisy(examples(4_000, long=100_000))

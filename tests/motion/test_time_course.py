@@ -271,21 +271,6 @@ def test_the_torque_is_what_the_kinetic_energy_takes(course: TimeCourse) -> None
     np.testing.assert_allclose(slope, torque, rtol=0.0, atol=1000.0 * 8.0 * EPS * size)
 
 
-@attack
-@given(plans(), speeds)
-def test_over_a_turn_the_torque_of_any_motion_does_no_work(plan: MotionPlan, speed: float) -> None:
-    course = ConstantSpeed(speed)
-    work, size = 0.0, 0.0
-    nodes, weights = np.polynomial.legendre.leggauss(24)
-    for low, high in zip(plan.borders, [*plan.borders[1:], TURN], strict=True):
-        phi = 0.5 * (low + high) + 0.5 * (high - low) * nodes
-        torque = inertia_torque(in_time(plan.jet(phi), course, phi), course.rates(phi)[0])
-        work += 0.5 * (high - low) * float(weights @ torque)
-        size += 0.5 * (high - low) * float(weights @ np.abs(torque))
-    # 24 points integrate a law's region, an arc of a sine or a polynomial, to rounding.
-    assert abs(work) <= 1e-11 * size
-
-
 def test_units_of_the_torque() -> None:
     timed = np.array([[0.0], [2000.0], [3000.0], [0.0]])  # 2 m/s and 3 m/s^2
     omega = np.array([10.0])

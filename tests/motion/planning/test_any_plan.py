@@ -3,109 +3,34 @@
 from __future__ import annotations
 
 import math
-import random
 import re
-from decimal import Decimal
-from typing import Any
 
 import numpy as np
 from hypothesis import assume, given, settings
-from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import FAMILIES, make_law
 from camgeo.kinematics.laws.law import acceleration_jumps, characteristic
 from camgeo.kinematics.plan import Dwell, Joint, MotionPlan, Move, joints
 from camgeo.kinematics.planning.planner import plan_motion
-from camgeo.kinematics.planning.requests import AUTO, CRITERIA, MoveRequest, PointsRequest, Request
+from camgeo.kinematics.planning.requests import AUTO, MoveRequest, Request
 from tests.long_form import examples
+from tests.motion.planning.wishes import POLYNOMIALS, Wishes
 from tests.speed import spending
 from tests.strategies import attack
 
 SECONDS = 12.0
 """Of computing for a plan, see `tests.speed`. The slowest of 20,000 random ones took 3 at most."""
 
-POLYNOMIALS = ("polynomial-5", "polynomial-7", "polynomial")
-
-GROUPS = (
-    (AUTO, *FAMILIES),
-    (AUTO,),
-    (AUTO, *POLYNOMIALS),
-    ("modified-trapezoid", "harmonic-combination", AUTO),
-    ("sine-straight", "simple-sine", "polynomial-5"),
-    ("modified-sine", "straight-line", "harmonic-combination", AUTO),
-)
-"""Laws that are requested together: more requests can be met than if each plan drew from all."""
-
-SHAPED = {
-    "inflection": ("sine-straight", "modified-trapezoid", "harmonic-combination", "simple-sine"),
-    "curved": ("sine-straight", "scca"),
-    "sine": ("scca",),
-}
-"""Laws to which a parameter is given."""
-
 WORDS = r"allowed|must|leave|for which there are|polynomial-5|its parameters|one of them"
 """One of these is in every refusal, to say what would work."""
 
-any_wish = st.integers(0, 2**32).map(lambda seed: wish_of(random.Random(seed)))
-
-
-def wish_of(dice: random.Random) -> list[Request]:
-    """A random turn, drawn from a seed because 50 segments are too many for hypothesis."""
-    count = dice.choice((1, 2, 3, 4, 5, 6, 8, 12, 25, 50))
-    size = dice.choice((1e-9, 1e-3, 1.0, 10.0, 10.0, 10.0, 1e3, 1e6))
-    laws = dice.choice(GROUPS)
-    found: list[Request] = []
-    position = 0.0
-    for number, span in enumerate(spans_of(dice, count)):
-        if dice.random() < 0.1:
-            found.append(Dwell(Decimal(0)))
-        last = number == count - 1
-        if dice.random() < 0.2 and not (last and position):
-            found.append(Dwell(span))
-            continue
-        choices = (0.0, 0.5, 1.0, -0.5, position / size, round(dice.uniform(-1.0, 1.0), 3))
-        to = 0.0 if last else dice.choice(choices) * size
-        found.append(request_of(dice, span, position, to, size, dice.choice(laws)))
-        position = to
-    return found
-
-
-def spans_of(dice: random.Random, count: int) -> list[Decimal]:
-    """Spans of a turn, sometimes with a tiny one."""
-    weights = [dice.choice((1, 2, 3, 5, 8)) for _ in range(count)]
-    found = [Decimal(36000 * weight // sum(weights)) / 100 for weight in weights]
-    if count > 1 and dice.random() < 0.2:
-        found[0] = Decimal(dice.choice(("0.000001", "0.0001", "0.01", "0.5")))
-    found[-1] += 360 - sum(found)
-    dice.shuffle(found)
-    return found
-
-
-def request_of(
-    dice: random.Random, span: Decimal, start: float, to: float, size: float, law: str
-) -> MoveRequest | PointsRequest:
-    """A move, sometimes with stated values."""
-    length = math.radians(float(span))
-    also: dict[str, Any] = {}
-    for order, name in enumerate(("velocity", "acceleration"), start=1):
-        if dice.random() < 0.03:
-            also[name] = dice.choice((0.0, dice.uniform(-9.0, 9.0) * size / length**order))
-    if dice.random() < 0.05:
-        points = np.array([dice.uniform(-1.0, 1.0), dice.uniform(-1.0, 1.0)]) * size
-        return PointsRequest(span, to, np.array([0.3, 0.6]), points, **also)
-    if to == start and dice.random() < 0.9:
-        law = dice.choice((AUTO, "polynomial-5", "polynomial-7", "modified-sine"))
-    if law in ("polynomial-7", "polynomial") and dice.random() < 0.2:
-        also["jerk"] = dice.uniform(-9.0, 9.0) * size / length**3
-    parameters = {
-        name: round(dice.uniform(0.05, 0.95 if name != "sine" else 0.25), 3)
-        for name, families in SHAPED.items()
-        if law in families and dice.random() < 0.1
-    }
-    if law == AUTO and dice.random() < 0.4:
-        also["optimise"] = {dice.choice(CRITERIA): 1.0}
-    return MoveRequest(span, to, law, parameters, **also)
+ANY = Wishes(
+    counts=(1, 2, 3, 4, 5, 6, 8, 12, 25, 50),
+    sizes=(1e-9, 1e-3, 1.0, 10.0, 10.0, 10.0, 1e3, 1e6),
+    stated=0.03,
+    data=0.08,
+)
 
 
 def accepted(wish: list[Request]) -> MotionPlan:
@@ -161,7 +86,7 @@ def decides(request: Request) -> bool:
     return request.law in ("double-harmonic", "simple-sine") or bool(request.shaped_by)
 
 
-@given(any_wish)
+@given(ANY.drawn())
 @settings(attack, max_examples=examples(16, long=2000))
 def test_any_plan(wish: list[Request]) -> None:
     """One test of all invariants, because planning takes longer than examining the plan."""

@@ -15,7 +15,6 @@ from hypothesis import strategies as st
 from camgeo.errors import GeometryError
 from camgeo.kinematics.plan import Dwell, Joint, MotionPlan, Move, SplineMove, joints
 from camgeo.kinematics.planning.requests import (
-    FREE_LAWS,
     MoveRequest,
     PointsRequest,
     Request,
@@ -24,7 +23,7 @@ from camgeo.kinematics.planning.requests import (
 from camgeo.numeric.arrays import FloatArray
 from tests.laws import LAWS
 from tests.long_form import examples
-from tests.motion.planning.wishes import move, planned, rest, straight, through, wishes
+from tests.motion.planning.wishes import Wishes, move, planned, rest, through
 from tests.strategies import attack
 
 SHARES = np.array([0.003, 0.11, 0.23, 0.47, 0.53, 0.77, 0.89, 0.997])
@@ -94,74 +93,10 @@ def assert_same(
             assert np.max(np.abs(one[order] - other[order])) <= SAME * size
 
 
-def met(requests: Sequence[Request], joint: int) -> tuple[Request, Request]:
-    """The requests before and after a joint."""
-    return moving(requests)[joint - 1], moving(requests)[joint]
-
-
 # What holds at the joints ----------------------------------------------------------------------
 
 
-@given(wishes())
-@many
-def test_all_is_finite_and_refusals_name_their_segment(requests: list[Request]) -> None:
-    plan = accepted(requests)
-    assert all(np.all(np.isfinite(jet)) for jet in samples(plan))
-    found = joints(plan)
-    assert len(found) == len(moving(requests))
-    assert all(np.all(np.isfinite([joint.left, joint.right])) for joint in found)
-
-
-@given(wishes())
-@many
-def test_position_and_velocity_are_continuous(requests: list[Request]) -> None:
-    """But where a straight line meets a rest or another straight line: there is a shock."""
-    for number, joint in enumerate(joints(accepted(requests))):
-        before, after = met(requests, joint=number)
-        stops = [
-            straight(each)
-            and (isinstance(other, Dwell) or straight(other) or joint_rests(requests))
-            for each, other in ((before, after), (after, before))
-        ]
-        assert joint.order >= (0 if any(stops) else 1)
-
-
-def joint_rests(requests: Sequence[Request]) -> bool:
-    """Whether a moment of rest may lie at a joint."""
-    return any(request.span == 0 for request in requests)
-
-
-@given(wishes(FREE_LAWS))
-@many
-def test_acceleration_is_continuous_between_laws_that_meet_anything(
-    requests: list[Request],
-) -> None:
-    assert all(joint.order >= 2 for joint in joints(accepted(requests)))
-
-
-@given(wishes(stated=True, data=False))
-@many
-def test_stated_values_are_met(requests: list[Request]) -> None:
-    plan = accepted(requests)
-    jets = samples(plan)
-    for number, joint in enumerate(joints(plan)):
-        before, after = met(requests, joint=number)
-        if not isinstance(before, MoveRequest):
-            continue
-        for order, stated in ((1, before.velocity), (2, before.acceleration)):
-            if stated is None:
-                continue
-            size = np.max([np.max(np.abs(jet[order])) for jet in (jets[number - 1], jets[number])])
-            # From degrees to radians and from the unit span back: ten roundings.
-            angle = np.array([joint.cam_angle])
-            left = plan.jet(angle, "left")[order, 0]
-            assert abs(left - stated) <= 1e-12 * (abs(stated) + size)
-            if not straight(after) and not joint_rests(requests):
-                right = plan.jet(angle)[order, 0]
-                assert abs(right - stated) <= 1e-12 * (abs(stated) + size)
-
-
-@given(wishes(("polynomial-5",), data=False, rests=False, stated=False))
+@given(Wishes(("polynomial-5",), data=0.0, rests=False, stated=0.0).drawn())
 @many
 def test_free_joints_have_four_continuous_derivatives(requests: list[Request]) -> None:
     """s''' as `joints` finds it, s'''' from the quintics: where a turn that is not requested is not
@@ -192,7 +127,7 @@ def fourth_at_ends(plan: MotionPlan, number: int) -> tuple[float, float]:
     return (middle - 0.5 * bend) / length, (middle + 0.5 * bend) / length
 
 
-@given(wishes())
+@given(Wishes().drawn())
 @many
 def test_the_plan_is_its_laws_scaled(requests: list[Request]) -> None:
     plan = accepted(requests)
@@ -234,6 +169,7 @@ def changed(request: Request, positions_by: Callable[[float], float], factor: fl
                 to=positions_by(request.to),
                 velocity=times(request.velocity),
                 acceleration=times(request.acceleration),
+                jerk=times(request.jerk),
             )
         case PointsRequest():
             return replace(
@@ -257,7 +193,7 @@ def changed(request: Request, positions_by: Callable[[float], float], factor: fl
     return request
 
 
-@given(wishes(), st.sampled_from([-1.0, 3.0, 1e-7, -1e5]))
+@given(Wishes().drawn(), st.sampled_from([-1.0, 3.0, 1e-7, -1e5]))
 @many
 def test_a_scaled_or_mirrored_wish_gives_the_scaled_or_mirrored_motion(
     requests: list[Request], factor: float
@@ -290,7 +226,7 @@ def extreme(plan: MotionPlan) -> bool:
     )
 
 
-@given(wishes(UNIQUE), st.integers(0, 20))
+@given(Wishes(UNIQUE).drawn(), st.integers(0, 20))
 @many
 def test_where_the_turn_begins_does_not_matter(requests: list[Request], first: int) -> None:
     assume(not neighbouring_tables(requests))
@@ -337,7 +273,7 @@ def reversed_wish(requests: Sequence[Request]) -> list[Request]:
     return found
 
 
-@given(wishes(UNIQUE, stated=False))
+@given(Wishes(UNIQUE, stated=0.0).drawn())
 @many
 def test_backwards(requests: list[Request]) -> None:
     assume(not neighbouring_tables(requests))
@@ -350,7 +286,7 @@ def test_backwards(requests: list[Request]) -> None:
     assert_same(samples(plan), jets, requests)
 
 
-@given(wishes(), st.sampled_from([1e-6, 1e6]))
+@given(Wishes().drawn(), st.sampled_from([1e-6, 1e6]))
 @attack
 def test_tiny_and_huge_strokes(requests: list[Request], size: float) -> None:
     requests = [changed(each, lambda x: size / 20.0 * x, size / 20.0) for each in requests]

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
+import random
 from collections.abc import Sequence
+from dataclasses import dataclass
 from decimal import Decimal
-from functools import cache
+from typing import Any
 
 import numpy as np
 from hypothesis import strategies as st
 
-from camgeo.kinematics.motion import Boundary
+from camgeo.kinematics.laws import FAMILIES
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move, SplineMove
 from camgeo.kinematics.planning.planner import plan_motion
 from camgeo.kinematics.planning.requests import (
+    AUTO,
     CRITERIA,
     MoveRequest,
     PointsRequest,
@@ -21,21 +24,6 @@ from camgeo.kinematics.planning.requests import (
     TableRequest,
 )
 from camgeo.numeric.arrays import FloatArray
-from tests.strategies import among
-
-LAWS_TO_ASK = (
-    "auto",
-    "polynomial-5",
-    "polynomial-7",
-    "polynomial",
-    "harmonic-combination",
-    "modified-trapezoid",
-    "sine-straight",
-    "simple-sine",
-    "modified-sine",
-    "straight-line",
-)
-"""Families of every kind: free, of one parameter, of two, for some tasks only."""
 
 
 def rest(span: float | str | Decimal) -> Dwell:
@@ -62,11 +50,6 @@ def table(
     """A table of evenly spaced rows."""
     rows = np.asarray(lifts, dtype=np.float64)
     return TableRequest(Decimal(span), np.linspace(0.0, 1.0, len(rows)), rows, smoothing)
-
-
-def straight(request: Request) -> bool:
-    """Whether a request is a straight line."""
-    return isinstance(request, MoveRequest) and request.law == "straight-line"
 
 
 def planned(*requests: Request) -> MotionPlan:
@@ -101,103 +84,108 @@ def move_of(plan: MotionPlan, number: int) -> Move:
 
 # Drawn at random ------------------------------------------------------------------------------
 
+POLYNOMIALS = ("polynomial-5", "polynomial-7", "polynomial")
 
-@st.composite
-def spans(draw: st.DrawFn, count: int) -> list[Decimal]:
-    """Spans of a turn in tenths of a degree, sometimes one of a few thousandths."""
-    weights = [draw(st.integers(1, 40)) for _ in range(count)]
-    free = 3600 - 50 * count
-    found = [Decimal(50 + free * weight // sum(weights)) / 10 for weight in weights]
-    if count > 1 and draw(st.integers(0, 5)) == 0:
-        found[0] = Decimal(draw(among(("0.001", "0.02", "1"))))
+GROUPS = (
+    (AUTO, *FAMILIES),
+    (AUTO,),
+    (AUTO, *POLYNOMIALS),
+    ("modified-trapezoid", "harmonic-combination", AUTO),
+    ("sine-straight", "simple-sine", "polynomial-5"),
+    ("modified-sine", "straight-line", "harmonic-combination", AUTO),
+)
+"""Laws that are requested together: more requests can be met than if each plan drew from all."""
+
+SHAPED = {
+    "inflection": ("sine-straight", "modified-trapezoid", "harmonic-combination", "simple-sine"),
+    "curved": ("sine-straight", "scca"),
+    "sine": ("scca",),
+}
+"""Laws to which a parameter is given."""
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """Which turns are drawn.
+
+    Attributes
+    ----------
+    laws : to choose from; empty for one of `GROUPS`.
+    counts : numbers of segments.
+    sizes : of the positions.
+    stated : how often a velocity or an acceleration is.
+    data : how often a move is by points or a table.
+    rests : whether there are any.
+    """
+
+    laws: tuple[str, ...] = ()
+    counts: tuple[int, ...] = (1, 2, 3, 4, 5, 6, 7, 8)
+    sizes: tuple[float, ...] = (20.0,)
+    stated: float = 0.1
+    data: float = 0.2
+    rests: bool = True
+
+    def drawn(self) -> st.SearchStrategy[list[Request]]:
+        """From a seed, because 50 segments are too many for hypothesis."""
+        return st.integers(0, 2**32).map(lambda seed: self.turn(random.Random(seed)))
+
+    def turn(self, dice: random.Random) -> list[Request]:
+        """The requests of a random turn."""
+        size = dice.choice(self.sizes)
+        laws = self.laws or dice.choice(GROUPS)
+        found: list[Request] = []
+        position = 0.0
+        lengths = spans_of(dice, dice.choice(self.counts))
+        for number, span in enumerate(lengths):
+            if self.rests and dice.random() < 0.1:
+                found.append(Dwell(Decimal(0)))
+            last = number == len(lengths) - 1
+            if self.rests and dice.random() < 0.2 and not (last and position):
+                found.append(Dwell(span))
+                continue
+            choices = (0.0, 0.5, 1.0, -0.5, position / size, round(dice.uniform(-1.0, 1.0), 3))
+            to = 0.0 if last else dice.choice(choices) * size
+            found.append(self.request(dice, span, position, to, size, dice.choice(laws)))
+            position = to
+        return found
+
+    def request(
+        self, dice: random.Random, span: Decimal, start: float, to: float, size: float, law: str
+    ) -> Request:
+        """A move by a law or by data, sometimes with stated values."""
+        length = math.radians(float(span))
+        also: dict[str, Any] = {}
+        for order, name in enumerate(("velocity", "acceleration"), start=1):
+            if dice.random() < self.stated:
+                also[name] = dice.choice((0.0, dice.uniform(-9.0, 9.0) * size / length**order))
+        if dice.random() < self.data:
+            rows = dice.randint(1, 6)
+            shares = np.linspace(0.0, 1.0, rows + 2)
+            inner = [dice.uniform(-1.0, 1.0) * size for _ in range(rows)]
+            if dice.random() < 0.5:
+                return PointsRequest(span, to, shares[1:-1], np.array(inner), **also)
+            smoothing = dice.choice((None, 0.02 * size))
+            return TableRequest(span, shares, np.array([start, *inner, to]), smoothing)
+        if not self.laws and to == start and dice.random() < 0.9:
+            law = dice.choice((AUTO, "polynomial-5", "polynomial-7", "modified-sine"))
+        if law in ("polynomial-7", "polynomial") and dice.random() < 2.0 * self.stated:
+            also["jerk"] = dice.uniform(-9.0, 9.0) * size / length**3
+        parameters = {
+            name: round(dice.uniform(0.05, 0.95 if name != "sine" else 0.25), 3)
+            for name, families in SHAPED.items()
+            if law in families and dice.random() < 0.1
+        }
+        if law == AUTO and dice.random() < 0.4:
+            also["optimise"] = {dice.choice(CRITERIA): 1.0}
+        return MoveRequest(span, to, law, parameters, **also)
+
+
+def spans_of(dice: random.Random, count: int) -> list[Decimal]:
+    """Spans of a turn, sometimes with a tiny one."""
+    weights = [dice.choice((1, 2, 3, 5, 8)) for _ in range(count)]
+    found = [Decimal(36000 * weight // sum(weights)) / 100 for weight in weights]
+    if count > 1 and dice.random() < 0.2:
+        found[0] = Decimal(dice.choice(("0.000001", "0.0001", "0.01", "0.5")))
     found[-1] += 360 - sum(found)
+    dice.shuffle(found)
     return found
-
-
-@cache
-def positions(size: float) -> st.SearchStrategy[float]:
-    """A position, often one that comes up again, so that moves return and go nowhere."""
-    return st.one_of(
-        st.sampled_from([0.0, 0.5, 1.0, -0.5]), st.floats(-1.0, 1.0).map(lambda x: round(x, 3))
-    ).map(lambda share: share * size)
-
-
-@st.composite
-def wishes(
-    draw: st.DrawFn,
-    laws: tuple[str, ...] = LAWS_TO_ASK,
-    *,
-    size: float = 20.0,
-    stated: bool = True,
-    data: bool = True,
-    rests: bool = True,
-) -> list[Request]:
-    """Requests for one turn, 1 to 8 of them."""
-    count = draw(st.integers(1, 8))
-    lengths = draw(spans(count))
-    kinds = ("move",) * 5 + ("rest",) * 2 * rests + ("points", "table") * data
-    found: list[Request] = []
-    position = 0.0
-    for number, span in enumerate(lengths):
-        kind = draw(among(kinds))
-        last = number == count - 1
-        if last and kind == "rest" and position != 0.0:
-            kind = "move"
-        if rests and draw(st.integers(0, 9)) == 0:
-            found.append(Dwell(Decimal(0)))
-        if kind == "rest":
-            found.append(Dwell(span))
-            continue
-        to = 0.0 if last else draw(positions(size))
-        found.append(draw(_wish(kind, span, position, to, laws, size, stated)))
-        position = to
-    return found
-
-
-@st.composite
-def _wish(
-    draw: st.DrawFn,
-    kind: str,
-    span: Decimal,
-    start: float,
-    to: float,
-    laws: tuple[str, ...],
-    size: float,
-    stated: bool,
-) -> Request:
-    length = math.radians(float(span))
-    velocity, acceleration = draw(_stated(length, size)) if stated else (None, None)
-    if kind == "move":
-        law = draw(among(laws))
-        optimise = {}
-        if law == "auto" and draw(st.booleans()):
-            optimise = {draw(among(CRITERIA)): 1.0}
-        return MoveRequest(
-            span, to, law, velocity=velocity, acceleration=acceleration, optimise=optimise
-        )
-    rows = draw(st.integers(1, 6))
-    inner = np.array([draw(positions(size)) for _ in range(rows)])
-    shares = np.linspace(0.0, 1.0, rows + 2)
-    if kind == "points":
-        given: dict[int, Boundary] = {}
-        if stated and draw(st.booleans()):
-            given[0] = draw(_stated(length, size))
-        return PointsRequest(span, to, shares[1:-1], inner, given, velocity, acceleration)
-    smoothing = draw(among((None, 0.02 * size)))
-    return TableRequest(span, shares, np.concatenate(([start], inner, [to])), smoothing)
-
-
-@cache
-def _shares() -> st.SearchStrategy[float | None]:
-    some = st.floats(-5.0, 5.0).map(lambda x: round(x, 2))
-    return st.one_of(st.none(), st.none(), st.none(), st.just(0.0), some)
-
-
-@st.composite
-def _stated(draw: st.DrawFn, length: float, size: float) -> tuple[float | None, float | None]:
-    """Velocity and acceleration of the size that such a move has; mostly none."""
-    velocity, acceleration = draw(_shares()), draw(_shares())
-    return (
-        None if velocity is None else velocity * size / length,
-        None if acceleration is None else acceleration * size / length**2,
-    )
