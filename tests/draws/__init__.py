@@ -2,6 +2,6 @@
 
     python -m tests.draws.NAME [--count N] [--seed HEX] [--rows FILE]
 
-Each prints the seed, the number of cases and one line for each miss, and ends with 1 if there is
-one. A few cases of each, with a fixed seed, are among the tests.
+Each prints a line for each miss, then the seed and the number of cases, and ends with 1 if there
+is a miss. A few cases of each, with a fixed seed, are among the tests.
 """

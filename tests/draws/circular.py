@@ -10,7 +10,6 @@ Prints what the dearest build has taken, apart from starting Python: CPU time, a
 
 from __future__ import annotations
 
-import argparse
 import cmath
 import json
 import math
@@ -19,8 +18,9 @@ import re
 import sys
 import tempfile
 import zipfile
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from argparse import Namespace
+from collections.abc import Iterator
+from dataclasses import astuple, dataclass
 from pathlib import Path
 from random import Random
 from typing import Any, Final
@@ -29,7 +29,8 @@ import numpy as np
 from ezdxf.entities.lwpolyline import LWPolyline
 from ezdxf.filemanagement import readfile
 
-from tests.seeds import add_commit_seed
+from tests.draws.run import Case as Row
+from tests.draws.run import parser_of, run_cases
 
 KINDS: Final = (
     "eccentric", "translating-flat", "oscillating-flat", "translating-roller", "oscillating-roller",
@@ -269,17 +270,13 @@ def _drawn(case: Case, file: Path, within: float) -> Iterator[str]:
     arcs: list[tuple[complex, float]] = []
     corners: list[complex] = []
     for item in readfile(file).modelspace():
+        parts: Iterator[Any] = iter((item,))
         if isinstance(item, LWPolyline):
-            rows = [(complex(x, y), bulge) for x, y, bulge in item.get_points("xyb")]
-            for (start, bulge), (end, _) in zip(rows, rows[1:] + rows[:1], strict=True):
-                corners.append(start)
-                if bulge:
-                    middle, arm = 0.5 * (start + end), 0.5 * (end - start)
-                    centre = middle + 1j * arm * (1.0 - bulge * bulge) / (2.0 * bulge)
-                    arcs.append((centre, abs(start - centre)))
-        elif item.dxftype() in ("ARC", "CIRCLE"):
-            middle = item.dxf.center
-            arcs.append((complex(middle.x, middle.y), float(item.dxf.radius)))
+            corners += [complex(x, y) for x, y in item.get_points("xy")]
+            parts = item.virtual_entities()
+        for part in parts:
+            if part.dxftype() in ("ARC", "CIRCLE"):
+                arcs.append((complex(part.dxf.center.x, part.dxf.center.y), part.dxf.radius))
     if case.entity == "polyline":
         if case.has_rim:
             return
@@ -296,15 +293,10 @@ def _drawn(case: Case, file: Path, within: float) -> Iterator[str]:
         yield f"{len(own)} arcs of radius {case.radius} about {case.centre}, of {len(arcs)}"
 
 
-def main(words: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=100)
-    parser.add_argument("--rows", type=Path, help="file for a line for each case and format")
-    add_commit_seed(parser)
-    asked = parser.parse_args(words)
+def builds(asked: Namespace) -> Iterator[Row]:
+    """Each format of each disc; the dearest builds are printed at the end."""
     rng = Random(asked.seed)
-    rows, bad, builds = [], 0, 0
-    dearest = {name: Cost(0.0, 0.0) for name in PLANE + FACETED + SHOP}
+    dearest = dict.fromkeys(PLANE + FACETED + SHOP, Cost(0.0, 0.0))
     with tempfile.TemporaryDirectory() as folder:
         for name in dearest:  # the imports of all writers
             write(case_of(Random(3), 0), name, Path(folder) / name)
@@ -314,25 +306,13 @@ def main(words: Sequence[str] | None = None) -> int:
                 place = Path(folder) / f"{number}-{name}"
                 place.mkdir()
                 said, cost = built(case, name, place)
-                faults = [said] if said else [*misses(case, name, place)]
-                builds += 1
-                bad += bool(faults)
-                most = dearest[name]
-                dearest[name] = Cost(max(most.seconds, cost.seconds), max(most.memory, cost.memory))
+                dearest[name] = Cost(*map(max, astuple(dearest[name]), astuple(cost)))
                 row = f"{number} {case.kind} {case.entity} {name} {case.tolerance:.3g} mm"
                 row += f" r {case.radius:.6g} {cost.seconds:.3f} s {cost.memory:.0f} MB"
-                rows.append(row)
-                for fault in faults:
-                    print(f"{row}: {fault}")
-    if asked.rows:
-        asked.rows.write_text("\n".join(rows) + "\n")
+                yield row, [said] if said else [*misses(case, name, place)]
     for name, cost in dearest.items():
-        told = f"{name}: at most {cost.seconds:.2f} s, {cost.memory:.0f} MB"
-        print(told)
-    told = f"{asked.count} discs, {builds} builds, {bad} misses"
-    print(f"seed {asked.seed:x}: {told}")
-    return int(bad > 0)
+        sys.stdout.write(f"{name}: at most {cost.seconds:.2f} s, {cost.memory:.0f} MB\n")
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_cases(parser_of(__doc__, 100), builds))

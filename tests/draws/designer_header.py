@@ -12,12 +12,12 @@ it. An effect that is switched on must be computed, or the change be refused wit
 
 from __future__ import annotations
 
-import argparse
 import io
 import json
 import random
 import re
 import sys
+from argparse import Namespace
 from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
@@ -29,10 +29,10 @@ from camgeo.app.cli.main import main as command
 from camgeo.app.designing.children import Job
 from camgeo.app.designing.faults import verdict_of
 from camgeo.app.designing.work import run
+from tests.draws.run import Case, parser_of, run_cases
 from tests.judges.browsing import driven
 from tests.judges.designer_page import serving, shown
 from tests.judges.designer_scenes import workshop
-from tests.seeds import add_commit_seed
 
 CODES: Final = {"ok": 0, "warning": 0, "broken": 1, "no-disc": 1, "invalid": 2}
 """Exit codes of `camgeo check` by the severity of the header; any other is no verdict."""
@@ -57,15 +57,12 @@ LONG: Final = 36000.0
 
 
 @dataclass(frozen=True)
-class Case:
+class Judged:
     """A scene, and what is wrong with its header; empty if nothing is."""
 
     name: str
     severity: str
     miss: str
-
-    def __str__(self) -> str:
-        return f"{self.name}: {self.severity}" + (f", MISS: {self.miss}" if self.miss else "")
 
 
 def done(kind: str, text: str = "", file: Path = Path("cam.toml"), **arguments: Any) -> Any:
@@ -117,7 +114,7 @@ def painting(folder: Path) -> Generator[Painted]:
         yield painted
 
 
-def case(name: str, text: str, file: Path, painted: Painted | None = None) -> Case:
+def case(name: str, text: str, file: Path, painted: Painted | None = None) -> Judged:
     """Judge a text by both doors, and as it is painted."""
     found = header(text, file)
     severity = found["severity"]
@@ -130,7 +127,7 @@ def case(name: str, text: str, file: Path, painted: Painted | None = None) -> Ca
         miss = "faults, and not invalid"
     if painted and (colour := painted(text)) != severity:
         miss = f"painted as {colour}"
-    return Case(name, severity, miss or misplaced(found["faults"], text))
+    return Judged(name, severity, miss or misplaced(found["faults"], text))
 
 
 def misplaced(faults: list[dict[str, Any]], text: str) -> str:
@@ -146,13 +143,15 @@ def misplaced(faults: list[dict[str, Any]], text: str) -> str:
     return ""
 
 
-def switched(name: str, text: str, effect: str, file: Path, painted: Painted | None = None) -> Case:
+def switched(
+    name: str, text: str, effect: str, file: Path, painted: Painted | None = None
+) -> Judged:
     """Switch an effect on: it is computed, or the change is refused with a sentence."""
     changed = done("change", text, file, effect={"name": effect, "on": True})
     if "refused" in changed:
-        return Case(name, "refused", "" if changed["refused"] else "without a reason")
+        return Judged(name, "refused", "" if changed["refused"] else "without a reason")
     found = case(name, changed["text"], file, painted)
-    return Case(name, found.severity, found.miss or ("faults" * (found.severity == "invalid")))
+    return Judged(name, found.severity, found.miss or ("faults" * (found.severity == "invalid")))
 
 
 def edit(draw: random.Random, curves: Mapping[str, Any]) -> dict[str, Any]:
@@ -192,7 +191,7 @@ def value(draw: random.Random, field: Mapping[str, Any]) -> Any:
 
 def cases(
     count: int, seed: int, scenes: Path, more: tuple[Path, ...] = (), painted: Painted | None = None
-) -> Iterator[Case]:
+) -> Iterator[Judged]:
     """All of them; `scenes` holds those of `fixtures`, and the files that they name."""
     names = sorted(path.name for path in scenes.glob("*.toml"))
     file = scenes / "drawn.toml"
@@ -208,7 +207,7 @@ def cases(
 
 def edits(
     count: int, draw: random.Random, paths: list[Path], file: Path, painted: Painted | None = None
-) -> Iterator[Case]:
+) -> Iterator[Judged]:
     """Random edits of these scenes, of which a few are made one after the other."""
     for number in range(count):
         path = draw.choice(paths)
@@ -219,30 +218,18 @@ def edits(
         yield case(f"{number} {path.name} {json.dumps(asked)}", text, file, painted)
 
 
-def main() -> int:
-    """Draw, print, and end with 1 if a header is wrong."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--browser", action="store_true")
-    parser.add_argument("--count", type=int, default=100)
-    parser.add_argument("--rows", type=Path)
-    parser.add_argument("scenes", type=Path, nargs="*")
-    add_commit_seed(parser)
-    given = parser.parse_args()
-    rows, misses = [], 0
+def judged(asked: Namespace) -> Iterator[Case]:
+    """All of them, each with its severity."""
     with ExitStack() as stack:
         scenes = Path(stack.enter_context(TemporaryDirectory()), "scenes")
         workshop(scenes)
-        painted = stack.enter_context(painting(scenes)) if given.browser else None
-        for each in cases(given.count, given.seed, scenes, tuple(given.scenes), painted):
-            rows.append(str(each))
-            misses += bool(each.miss)
-            if each.miss:
-                sys.stdout.write(f"{each}\n")
-    if given.rows:
-        given.rows.write_text("\n".join(rows) + "\n", "utf-8")
-    sys.stdout.write(f"seed {given.seed:08x}, {len(rows)} cases, {misses} misses\n")
-    return int(misses > 0)
+        painted = stack.enter_context(painting(scenes)) if asked.browser else None
+        for each in cases(asked.count, asked.seed, scenes, tuple(asked.scenes), painted):
+            yield f"{each.name}: {each.severity}", [each.miss] if each.miss else []
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    parser = parser_of(__doc__, 100)
+    parser.add_argument("--browser", action="store_true")
+    parser.add_argument("scenes", type=Path, nargs="*")
+    sys.exit(run_cases(parser, judged))

@@ -8,9 +8,9 @@ and notebooks. They are opened for all scenes with effects in `fixtures`, and fo
 
 from __future__ import annotations
 
-import argparse
 import re
 import sys
+from argparse import Namespace
 from collections.abc import Iterator, Mapping
 from html import unescape
 from pathlib import Path
@@ -28,8 +28,8 @@ from camgeo.errors import CamgeoError, EffectError, GeometryError, SceneError
 from camgeo.scene.scene import parse_scene
 from camgeo.studies.sweep.rows import asked_of, hyphened, read
 from camgeo_export.notebook.display import display
+from tests.draws.run import Case, parser_of, run_cases
 from tests.effects.test_random_scenes import scene_of
-from tests.seeds import add_commit_seed
 
 FIXTURES: Final = Path(__file__).parents[2] / "fixtures"
 
@@ -209,33 +209,17 @@ def _swept(design: Design, document: Mapping[str, Any]) -> Iterator[str]:
             yield f"sweep: {name} {answer!r}, not {value!r}"
 
 
-def main() -> int:
-    """Prints the seed, the number of cases and the misses."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--count", type=int, default=100, help="of random scenes")
-    parser.add_argument("--rows", type=Path, help="file for a line of each case")
-    add_commit_seed(parser)
-    call = parser.parse_args()
-    rng = Random(call.seed)
-    cases = [(str(path), path.read_text("utf-8"), True) for path in scenes_with_effects()]
-    fixed = len(cases)
-    cases += [(*random_scene(rng), False) for _ in range(call.count)]
-    misses: list[str] = []
-    rows: list[str] = []
-    for number, (file, scene, page) in enumerate(cases):
-        name = Path(file).stem if number < fixed else f"random {number - fixed}"
+def opened(asked: Namespace) -> Iterator[Case]:
+    """The scenes of the fixtures, and as many random ones as are asked for."""
+    rng = Random(asked.seed)
+    cases = [(path.stem, str(path), path.read_text("utf-8")) for path in scenes_with_effects()]
+    cases += [(f"random {number}", *random_scene(rng)) for number in range(asked.count)]
+    for name, file, scene in cases:
         try:
-            wrong = list(contradictions(file, scene, page=page))
+            yield name, [*contradictions(file, scene, page=not name.startswith("random "))]
         except CamgeoError as error:
-            wrong = [f"{type(error).__name__}: {error}"]
-        misses += [f"{name}: {each}" for each in wrong]
-        rows.append(f"{name}\t{len(wrong)}")
-    if call.rows is not None:
-        call.rows.write_text("\n".join(rows) + "\n", "utf-8")
-    head = f"seed {call.seed:x}: {len(cases)} scenes, {len(misses)} misses"
-    sys.stdout.write("\n".join([head, *misses, ""]))
-    return 1 if misses else 0
+            yield name, [f"{type(error).__name__}: {error}"]
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_cases(parser_of(__doc__, 100), opened))

@@ -8,11 +8,11 @@ nothing that the grid breaks may be ok. For `check`, for `sweep` and for the siz
 
 from __future__ import annotations
 
-import argparse
 import math
 import random
 import sys
 import tempfile
+from argparse import Namespace
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,7 +27,7 @@ from camgeo.errors import CamgeoError
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.studies.sweep.family import Family, Listed, Variable
 from camgeo.studies.sweep.sweep import sweep
-from tests.seeds import add_commit_seed
+from tests.draws.run import Case, parser_of, run_cases
 
 CLOSE: Final = 1e-9
 STEP: Final = 0.002
@@ -341,32 +341,17 @@ def cases(seed: int, tables: int, plans: int) -> Iterator[tuple[str, Any, str | 
             yield f"plan {number} {kind}", plan(source, kind), None
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--tables", type=int, default=200)
-    parser.add_argument("--plans", type=int, default=300)
-    parser.add_argument("--rows", type=Path, help="file for a line for each case")
-    add_commit_seed(parser)
-    asked = parser.parse_args()
-    lines, bad, none = [], 0, 0
-    for number, (name, values, rows) in enumerate(cases(asked.seed, asked.tables, asked.plans)):
+def judged(asked: Namespace) -> Iterator[Case]:
+    """Two fifths of the cases are tables; those without a cam are told as such."""
+    tables = 2 * asked.count // 5
+    for number, case in enumerate(cases(asked.seed, tables, asked.count - tables)):
+        name, values, rows = case
         with tempfile.TemporaryDirectory() as folder:
             try:
-                found = misses_of(values, rows, Path(folder), sizes=number % SIZED == 0)
+                yield name, misses_of(values, rows, Path(folder), sizes=number % SIZED == 0)
             except CamgeoError as error:
-                none += 1
-                lines.append(f"{name}: no cam: {error}")
-                continue
-        lines.append(f"{name}: {'; '.join(found) or 'as told'}")
-        bad += bool(found)
-        for each in found:
-            print(f"{name}: {each}", flush=True)
-    if asked.rows:
-        asked.rows.write_text("\n".join(lines) + "\n")
-    told = f"{len(lines)} cases, {none} without a cam, {bad} misses"
-    print(f"seed {asked.seed:x}: {told}")
-    return int(bad > 0)
+                yield f"{name}: no cam: {error}", []
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_cases(parser_of(__doc__, 500), judged))

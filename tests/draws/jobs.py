@@ -10,12 +10,12 @@ into the part, and what is left on it; `camgeo check` and `camgeo lint` must say
 
 from __future__ import annotations
 
-import argparse
 import math
 import random
 import re
 import sys
 import tempfile
+from argparse import Namespace
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any, Final
 from unittest.mock import patch
 
+import numpy as np
 import shapely
 
 import camgeo
@@ -30,7 +31,7 @@ from camgeo.app.answers.check import check
 from camgeo.app.answers.lint import lint
 from camgeo.design.milled import MilledDisc
 from camgeo.errors import CamgeoError
-from tests.seeds import add_commit_seed
+from tests.draws.run import Case, parser_of, run_cases
 
 ALLOWED: Final = 0.02
 """[mm] by which cutter and part may overlap, or miss each other, without a word."""
@@ -50,6 +51,11 @@ SMALL: Final = 1.0
 Area = Any
 
 
+def disc(diameter: float, x: float = 0.0, y: float = 0.0) -> Area:
+    """A circle's area; nothing of no diameter."""
+    return shapely.buffer(shapely.Point(x, y), 0.5 * diameter, quad_segs=256)
+
+
 # The job -----------------------------------------------------------------------------------------
 
 
@@ -65,10 +71,9 @@ class Clamp:
 
     @property
     def area(self) -> Area:
-        half = 0.5 * self.size
+        half, (x, y) = 0.5 * self.size, self.place
         if self.round:
-            return shapely.buffer(shapely.Point(self.place), half, quad_segs=32)
-        x, y = self.place
+            return disc(self.size, x, y)
         return shapely.box(x - half, y - half, x + half, y + half)
 
     @property
@@ -116,55 +121,31 @@ class Job:
     amount: tuple[float, float]
     victim: float
 
-    def lift(self, degrees: float) -> float:
-        """By cycloids, closed form."""
-        rise, high, fall, _ = self.spans
-
-        def share(x: float) -> float:
-            return x - math.sin(2.0 * math.pi * x) / (2.0 * math.pi)
-
-        if degrees < rise:
-            return self.stroke * share(degrees / rise)
-        if degrees < rise + high:
-            return self.stroke
-        if degrees < rise + high + fall:
-            return self.stroke * (1.0 - share((degrees - rise - high) / fall))
-        return 0.0
-
     @property
     def outline(self) -> Area:
-        """The flank: the roller's centre path, seen from the cam, less the roller."""
-        start = math.sqrt(self.base**2 - self.offset**2)
-        points = []
-        for k in range(3600):
-            angle = 0.1 * k
-            place = complex(self.offset, start + self.lift(angle))
-            turned = place * complex(
-                math.cos(math.radians(angle)), -self.rotation * math.sin(math.radians(angle))
-            )
-            points.append((turned.real, turned.imag))
-        return shapely.buffer(shapely.Polygon(points), -self.roller, quad_segs=64)
+        """The flank: the roller's centre path, seen from the cam, less the roller; moves are
+        cycloids, of which a return is a rise in the mirror.
+        """
+        rise, high, fall, _ = self.spans
+        degrees = np.arange(3600) / 10.0
+        ends = np.cumsum((0, rise, high, fall))
+        share = np.interp(degrees, ends, (0.0, 1.0, 1.0, 0.0))
+        lift = self.stroke * (share - np.sin(2.0 * np.pi * share) / (2.0 * np.pi))
+        places = self.offset + 1j * (math.sqrt(self.base**2 - self.offset**2) + lift)
+        places *= np.exp(-1j * self.rotation * np.radians(degrees))
+        ring = shapely.Polygon(np.column_stack((places.real, places.imag)))
+        return shapely.buffer(ring, -self.roller, quad_segs=64)
 
     @property
     def part(self) -> Area:
-        found = self.outline
-        if self.bore:
-            found = found - shapely.buffer(shapely.Point(0.0, 0.0), 0.5 * self.bore, quad_segs=256)
-        return found
+        return self.outline - disc(self.bore)
 
     @property
     def blank(self) -> Area:
         x, y = self.centre
-        found: Area
-        if self.diameter:
-            found = shapely.buffer(shapely.Point(x, y), 0.5 * self.diameter, quad_segs=256)
-        else:
-            wide, high = self.size
-            found = shapely.box(x - wide / 2, y - high / 2, x + wide / 2, y + high / 2)
-        if self.blank_bore:
-            hole = shapely.buffer(shapely.Point(0.0, 0.0), 0.5 * self.blank_bore, quad_segs=256)
-            found = found - hole
-        return found
+        wide, high = self.size
+        box = shapely.box(x - wide / 2, y - high / 2, x + wide / 2, y + high / 2)
+        return (disc(self.diameter, x, y) if self.diameter else box) - disc(self.blank_bore)
 
     @property
     def joined(self) -> float:
@@ -720,37 +701,20 @@ def misses(job: Job) -> tuple[Told, list[str]] | None:
     return ours, found
 
 
-def main() -> int:
-    """Draw jobs; 1 if camgeo and the sweep differ on one."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=60)
-    parser.add_argument("--rows", type=Path, help="file with a line for each job")
-    add_commit_seed(parser)
-    given = parser.parse_args()
-    source = random.Random(given.seed)
-    sys.stdout.write(f"seed {given.seed:08x}\n")
-    rows, wrong, done, totals = [], 0, 0, [0, 0, 0]
-    while done < given.count:
+def compared(asked: Namespace) -> Iterator[Case]:
+    """As many jobs as are asked for, with what a sweep has found and where camgeo differs."""
+    source, done = random.Random(asked.seed), 0
+    while done < asked.count:
         job = drawn(source)
-        compared = misses(job)
-        if compared is None:
+        result = misses(job)
+        if result is None:
             continue
-        ours, found = compared
         done += 1
-        sizes = (sum(map(len, ours.loose.values())), len(ours.gouges), int(ours.rest > UNSURE))
-        totals = [total + size for total, size in zip(totals, sizes, strict=True)]
-        rows.append(f"{done}\t{job.kind}\t{job.change or 'as written'}\t{'; '.join(found)}")
-        if found:
-            wrong += 1
-            sys.stdout.write(f"{done}: {'; '.join(found)}\n{job}\n")
-    if given.rows:
-        given.rows.write_text("\n".join(rows) + "\n")
-    pieces, gouges, rests = totals
-    sys.stdout.write(
-        f"{done} jobs, {pieces} loose pieces, {gouges} gouges, {rests} rests: {wrong} missed\n"
-    )
-    return int(bool(wrong))
+        ours, found = result
+        sizes = f"{sum(map(len, ours.loose.values()))} loose, {len(ours.gouges)} gouges"
+        what = f"{done} {job.kind}, {job.change or 'as written'}: {sizes}, rest {ours.rest:.3f} mm"
+        yield f"{what} {job}" if found else what, found
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_cases(parser_of(__doc__, 60), compared))

@@ -11,21 +11,19 @@ is read, no more is compared. A control that is not there is named, and left out
 
 from __future__ import annotations
 
-import argparse
 import math
 import sys
-from collections import Counter
-from collections.abc import Callable, Sequence
+from argparse import Namespace
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from pathlib import Path
 from random import Random
 from typing import Final
 
 from camgeo.milling.machine import load
 from camgeo_export.interpreter.run import Run, run_bytes
+from tests.draws.run import Case, parser_of, run_cases
 from tests.judges import grbl, rs274
 from tests.judges.paths import Leg, difference
-from tests.seeds import add_commit_seed
 
 REFUSED: Final = frozenset(
     {
@@ -321,7 +319,7 @@ def of_grbl(text: str) -> Verdict:
 
 CONTROLS: Final[dict[str, tuple[Callable[[], str], Callable[[str], Verdict]]]] = {
     "linuxcnc": (rs274.absent, of_linuxcnc),
-    "grbl": (grbl.absent, of_grbl),
+    "grbl": (grbl.PARSER.absent, of_grbl),
 }
 """By profile: why a control is not there, and what it makes of a program."""
 
@@ -363,37 +361,22 @@ def compared(text: str, control: str) -> tuple[str, str]:
     return (f"path: {apart:.3g} mm or mm/min apart" if apart > NEAR[control] else ""), became
 
 
-def main() -> int:
-    """Prints the seed, the number of cases and the misses, of each control that is there."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--count", type=int, default=1000, help="of programs for each control")
-    parser.add_argument("--control", choices=CONTROLS, help="only this one")
-    parser.add_argument("--rows", type=Path, help="a file for the programs that miss")
-    add_commit_seed(parser)
-    call = parser.parse_args()
-    rows: list[str] = []
+def judged(asked: Namespace) -> Iterator[Case]:
+    """The programs for each control that is there; a miss has the program."""
     for control, (absent, _) in CONTROLS.items():
-        if call.control not in (None, control):
+        if asked.control not in (None, control):
             continue
         if reason := absent():
             sys.stdout.write(f"{control} left out: {reason}\n")
             continue
-        rng, misses, counts = Random(call.seed), [], Counter[str]()
-        for number in range(call.count):
+        rng = Random(asked.seed)
+        for number in range(asked.count):
             text = program(Random(rng.getrandbits(64)), control)
             found, became = compared(text, control)
-            counts[became] += 1
-            if found:
-                misses.append(f"{control} {number}: {found}")
-                rows += [misses[-1], text]
-        kinds = ", ".join(f"{count} {became}" for became, count in sorted(counts.items()))
-        head = f"seed {call.seed:08x}, {control}: {call.count} programs, {len(misses)} misses"
-        head += f" ({kinds})"
-        sys.stdout.write("\n".join([head, *misses, ""]))
-    if call.rows is not None:
-        call.rows.write_text("\n".join(rows), encoding="utf-8")
-    return 1 if rows else 0
+            yield f"{control} {number}, {became}", [f"{found}\n{text}"] if found else []
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    parser = parser_of(__doc__, 1000)
+    parser.add_argument("--control", choices=CONTROLS, help="only this one")
+    sys.exit(run_cases(parser, judged))

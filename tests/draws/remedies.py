@@ -2,33 +2,33 @@
 
     python -m tests.draws.remedies [--count N] [--seed HEX] [--rows FILE]
 
-The model is independent: laws, roller centre, curvature and transmission angle are computed here,
-in the fixed frame, on a grid of cam angles of each move. A remedy of a size is right if the fault
-is there just short of its limit, if what is written cures and breaks no limit unsaid, and if none
-of the values nearer to the present one, of which 400 are tried, keeps the closed limits; where none
-is offered, if no value of the whole range does. A value at which something else leaves no disc, as
-a pitch curve that crosses itself, cures nothing. What the grid takes for a better value is decided
-by the exact check.
+The model is independent: laws are computed here, roller centre, curvature and transmission angle by
+`tests.draws.extremes`, in the fixed frame, on a grid of cam angles of each move. A remedy of a size
+is right if the fault is there just short of its limit, if what is written cures and breaks no limit
+unsaid, and if none of the values nearer to the present one, of which 400 are tried, keeps the
+closed limits; where none is offered, if no value of the whole range does. A value at which
+something else leaves no disc, as a pitch curve that crosses itself, cures nothing. What the grid
+takes for a better value is decided by the exact check.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
 import math
 import random
 import sys
+from argparse import Namespace
 from collections.abc import Callable, Iterator
 from copy import deepcopy
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 import camgeo
-from tests.seeds import add_commit_seed
+from tests.draws.extremes import centres, quantities
+from tests.draws.run import Case, parser_of, run_cases
 
 Values = dict[str, Any]
 Floats = NDArray[np.float64]
@@ -108,44 +108,28 @@ def margins(values: Values, fault: str, segment: int | None = None) -> float:
     follower = values["follower"]
     every = [s for number, s in courses(values) if segment in (None, number)]
     s, s1, s2 = np.concatenate(every, axis=1)
-    sense = 1.0 if values["cam"]["rotation"] == "ccw" else -1.0
-    base = follower["base_radius"]
+    jet, base = np.stack((s, s1, s2, np.zeros_like(s))), follower["base_radius"]
     if follower["kind"] == "translating-flat":
         return float(np.min(base + s + s2) / base)
     roller, contact = follower["roller_radius"], follower["contact"]
     if contact != "outer" and roller >= base:
         return -1.0
     if follower["kind"] == "translating-roller":
-        e = follower["offset"]
-        if abs(e) >= base:
+        if abs(follower["offset"]) >= base:
             return -1.0
-        w = e + 1j * (math.sqrt(base**2 - e**2) + s)
-        w1, w2, way = 1j * s1, 1j * s2, np.full_like(s, 1j, dtype=complex)
     else:
-        pivot, arm = complex(*follower["pivot"]), follower["arm"]
-        apart = abs(pivot)
+        apart, arm = abs(complex(*follower["pivot"])), follower["arm"]
         if not abs(arm - apart) < base < arm + apart:
             return -1.0
-        side = 1.0 if follower["arm_side"] == "ccw" else -1.0
-        start = math.acos((apart**2 + arm**2 - base**2) / (2.0 * apart * arm))
-        tip = arm * np.exp(1j * (np.angle(-pivot) + side * (start + s)))
-        w, w1, way = pivot + tip, 1j * side * s1 * tip, 1j * side * tip / arm
-        w2 = 1j * side * s2 * tip - s1**2 * tip
-    z1, z2 = w1 - 1j * sense * w, w2 - 2j * sense * w1 - w
-    speed = np.abs(z1)
-    if np.min(speed) < 1e-9 * base:
+    if np.min(np.abs(centres(values, jet)[0])) < 1e-9 * base:
         return -1.0
+    found = quantities(values, jet)
     if fault == "transmission angle":
-        normal = 1j * z1 / speed
-        sine = np.abs((np.conj(normal) * way).real)
-        return float(np.min(np.arcsin(np.minimum(sine, 1.0)))) - math.radians(
-            values["limits"]["transmission_angle"]
-        )
-    kappa = -sense * (np.conj(z1) * z2).imag / speed**3
-    ratio = values["limits"]["radius_ratio"] if fault == "radius ratio" else 1.0
-    half = roller / ratio
-    inner, outer = np.min(1.0 - half * kappa), np.min(1.0 + half * kappa)
-    return float({"inner": inner, "outer": outer, "groove": min(inner, outer)}[contact])
+        least = np.min(found["transmission-angle"]) - values["limits"]["transmission_angle"]
+        return math.radians(float(least))
+    half = roller / (values["limits"]["radius_ratio"] if fault == "radius ratio" else 1.0)
+    inner, outer = (float(np.min(1.0 - side * half * found["kappa"])) for side in (1.0, -1.0))
+    return {"inner": inner, "outer": outer, "groove": min(inner, outer)}[contact]
 
 
 # Scenes -------------------------------------------------------------------------------------------
@@ -429,31 +413,11 @@ def cases(seed: int) -> Iterator[Values]:
             yield values
 
 
-def say(line: str) -> None:
-    sys.stdout.write(f"{line}\n")
-    sys.stdout.flush()
-
-
-def main() -> int:
-    """Draw, compare and print."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--count", type=int, default=60)
-    parser.add_argument("--rows", type=Path)
-    add_commit_seed(parser)
-    arguments = parser.parse_args()
-    rows: list[Values] = []
-    misses = 0
-    for number, values in zip(range(arguments.count), cases(arguments.seed), strict=False):
-        wrong = list(complaints(values))
-        misses += len(wrong)
-        rows.append({"number": number, "scene": text_of(values), "wrong": wrong})
-        for each in wrong:
-            say(f"case {number}: {each}")
-    say(f"seed {arguments.seed:x}, {arguments.count} cases, {misses} misses")
-    if arguments.rows is not None:
-        arguments.rows.write_text("\n".join(map(json.dumps, rows)) + "\n", encoding="utf-8")
-    return 1 if misses else 0
+def compared_cases(asked: Namespace) -> Iterator[Case]:
+    """As many as are asked for, each with what is wrong with its remedies."""
+    for number, values in zip(range(asked.count), cases(asked.seed), strict=False):
+        yield f"{number} {json.dumps(text_of(values))}", [*complaints(values)]
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_cases(parser_of(__doc__, 60), compared_cases))

@@ -11,10 +11,10 @@ the file is not known as a store any more.
 
 from __future__ import annotations
 
-import argparse
 import shutil
 import sqlite3
 import struct
+import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, closing, nullcontext
@@ -28,7 +28,7 @@ from camgeo.errors import CamgeoError
 from camgeo.studies.sweep.family import Family, Point
 from camgeo.studies.sweep.rows import Chunks, Row, Work, asked_of
 from camgeo.studies.sweep.sweep import Existing, Heading, Store, sweep
-from tests.seeds import add_commit_seed
+from tests.draws.run import Case, parser_of, run_cases
 from tests.sweep.families import SETZHUB, family
 
 ASK: Final = ("largest-acceleration", "laws")
@@ -320,8 +320,8 @@ def miss(path: Path, stores: Stores, *, is_alone: bool) -> str:
     return ""
 
 
-def misses(count: int, seed: int) -> Iterator[tuple[int, str, str]]:
-    """The number of each case, what was damaged, and its miss."""
+def misses(count: int, seed: int) -> Iterator[Case]:
+    """Each case: its number and what was damaged, and its miss."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         stores = Stores(folder)
@@ -334,26 +334,11 @@ def misses(count: int, seed: int) -> Iterator[tuple[int, str, str]]:
                 if Path(f"{kind}{end}").exists():
                     shutil.copy(f"{kind}{end}", f"{path}{end}")
             damage = DAMAGES[rng.integers(len(DAMAGES))]
-            what = f"{kind.name}, {damage.__name__}: {damage(rng, path, stores)}"
+            what = f"{number}: {kind.name}, {damage.__name__}: {damage(rng, path, stores)!r}"
             is_alone = not any(Path(f"{path}{end}").exists() for end in BESIDE)
-            yield number, what, miss(path, stores, is_alone=is_alone)
-
-
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=300)
-    parser.add_argument("--rows", type=Path)
-    add_commit_seed(parser)
-    wanted = parser.parse_args()
-    rows = list(misses(wanted.count, wanted.seed))
-    found = [f"{number}: {what}: {miss}" for number, what, miss in rows if miss]
-    if wanted.rows is not None:
-        lines = (f"{number}\t{what!r}\t{miss}\n" for number, what, miss in rows)
-        wanted.rows.write_text("".join(lines), "utf-8")
-    told = [f"seed {wanted.seed:08x}, {len(rows)} cases, {len(found)} misses", *found]
-    print(*told, sep="\n")
-    return 1 if found else 0
+            missed = miss(path, stores, is_alone=is_alone)
+            yield what, [missed] if missed else []
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    sys.exit(run_cases(parser_of(__doc__, 300), lambda asked: misses(asked.count, asked.seed)))

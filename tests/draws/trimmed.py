@@ -9,7 +9,7 @@ if the roller covers it nowhere, or the face passes it everywhere: here it is pu
 
 from __future__ import annotations
 
-import argparse
+import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,7 +19,7 @@ import numpy as np
 
 import camgeo
 from camgeo.errors import CamgeoError
-from tests.seeds import add_commit_seed
+from tests.draws.run import Case, parser_of, run_cases
 
 TURN: Final = 2.0 * np.pi
 
@@ -122,27 +122,13 @@ def miss(path: Path, roller: float | None, offset: float, sense: int) -> str:
     return f"kept but covered at {np.degrees(at[kept][0]):.6f} deg" if np.any(kept) else ""
 
 
-def misses(count: int, seed: int) -> Iterator[tuple[int, str]]:
-    """The number of each case and its miss."""
+def misses(count: int, seed: int) -> Iterator[Case]:
+    """Each case and its miss."""
     for number in range(count):
         with tempfile.TemporaryDirectory() as folder:
-            yield number, miss(*drawn(np.random.default_rng([seed, number]), Path(folder)))
-
-
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=300)
-    parser.add_argument("--rows", type=Path)
-    add_commit_seed(parser)
-    wanted = parser.parse_args()
-    rows = list(misses(wanted.count, wanted.seed))
-    found = [f"{number}: {what}" for number, what in rows if what]
-    if wanted.rows is not None:
-        wanted.rows.write_text("".join(f"{number}\t{what}\n" for number, what in rows), "utf-8")
-    told = [f"seed {wanted.seed:08x}, {len(rows)} cases, {len(found)} misses", *found]
-    print(*told, sep="\n")
-    return 1 if found else 0
+            missed = miss(*drawn(np.random.default_rng([seed, number]), Path(folder)))
+        yield f"{number}", [missed] if missed else []
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    sys.exit(run_cases(parser_of(__doc__, 300), lambda asked: misses(asked.count, asked.seed)))

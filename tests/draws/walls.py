@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import argparse
 import cmath
 import math
 import random
 import sys
-from pathlib import Path
+from collections.abc import Iterator
 from typing import Any, Final
 
 import numpy as np
@@ -16,7 +15,7 @@ import tomlkit
 
 import camgeo
 from camgeo.design.judged_part import findings_on
-from tests.seeds import add_commit_seed
+from tests.draws.run import Case, parser_of, run_cases
 
 OFF: Final = 2e-6
 """Of walls [mm]: a chord of 0.01 degree leaves a flank of radius 70 by 3e-7, and the wall is known
@@ -157,43 +156,29 @@ def distance(one: Shape, other: Shape) -> float:
     return float(shapely.distance(a, b)) - around - radius
 
 
-def misses(seed: int, count: int) -> tuple[int, list[str]]:
-    """Parts that were compared, of `count` possible ones, and what differs."""
-    source, compared, found = random.Random(seed), 0, []
+def misses(count: int, seed: int) -> Iterator[Case]:
+    """Parts that have a smallest wall, and what differs."""
+    source, compared = random.Random(seed), 0
     while compared < count:
         values = drawn(source)
         try:
-            findings = {
-                each.name: each for each in findings_on(camgeo.loads(tomlkit.dumps(values)).disc)
-            }
+            findings = findings_on(camgeo.loads(tomlkit.dumps(values)).disc)
         except camgeo.CamgeoError:
             continue
-        if "smallest-wall" not in findings:
+        told = next((each for each in findings if each.name == "smallest-wall"), None)
+        if told is None:
             continue
         compared += 1
-        told, right = findings["smallest-wall"], walls(values)
+        right = walls(values)
         least = min(right.values())
         names = [pair for pair, wall in right.items() if wall <= least + OFF]
+        found = []
         if told.value is None or abs(told.value - least) > OFF:
-            found.append(f"{values}: {told.value} told, {least} right")
+            found.append(f"{told.value} told, {least} right")
         elif not any(all(name in told.sentence for name in pair) for pair in names):
-            found.append(f"{values}: {told.sentence!r}, between {names} right")
-    return compared, found
-
-
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=100)
-    add_commit_seed(parser)
-    parser.add_argument("--rows", type=Path, help="a file for the misses, one a line")
-    arguments = parser.parse_args()
-    compared, found = misses(arguments.seed, arguments.count)
-    lines = "".join(f"{line}\n" for line in found)
-    sys.stdout.write(f"seed {arguments.seed:08x}: {compared} parts, {len(found)} misses\n{lines}")
-    if arguments.rows is not None:
-        arguments.rows.write_text(lines, encoding="utf-8")
-    return 1 if found else 0
+            found.append(f"{told.sentence!r}, between {names} right")
+        yield f"{values}", found
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    sys.exit(run_cases(parser_of(__doc__, 100), lambda asked: misses(asked.count, asked.seed)))
