@@ -16,15 +16,14 @@ from camgeo.app.designing.children import Job, Refused
 from camgeo.scene.toml import template
 from tests.designer.served import Served, computing, served
 from tests.judges import axe
-from tests.judges.chromium import NAMES, SLOW, VARIABLE, missing
-from tests.judges.programs_of_others import found
+from tests.judges.chromium import CHROMIUM, SLOW
 from tests.waiting import PATIENCE
 
 pytest.importorskip("playwright", reason="needs playwright: pip install playwright")
 
 from playwright.sync_api import Browser, ConsoleMessage, Page, sync_playwright
 
-pytestmark = pytest.mark.skipif(bool(missing()), reason=missing() or "is there")
+pytestmark = pytest.mark.skipif(bool(CHROMIUM.absent()), reason=CHROMIUM.absent() or "is there")
 
 ROOT: Final = Path(__file__).parents[2]
 SETZHUB: Final = ROOT / "fixtures" / "scenes" / "setzhub.toml"
@@ -65,7 +64,7 @@ HIDDEN: Final = """() => new Promise((done) => setTimeout(() => {
 def browser() -> Iterator[Browser]:
     with sync_playwright() as playwright:
         program = playwright.chromium.launch(
-            executable_path=found(VARIABLE, *NAMES),
+            executable_path=CHROMIUM.path,
             args=["--no-sandbox", "--enable-unsafe-swiftshader"],
             timeout=1e3 * PATIENCE,
         )

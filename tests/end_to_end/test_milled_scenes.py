@@ -133,7 +133,7 @@ Runs = Callable[[str], tuple[list[Any], Any]]
 
 JUDGES: Final[dict[str, tuple[str, Runs]]] = {
     "linuxcnc": (rs274.absent(), rs274.run),
-    "grbl": (grbl.absent(), grbl.run),
+    "grbl": (grbl.PARSER.absent(), grbl.run),
 }
 """Why a judge is absent, and what runs a program."""
 

@@ -19,8 +19,7 @@ from camgeo.app.designing.recent import Recent
 from camgeo_export.browser.bundles import bundle
 from tests.hostile_scene import ALL_AT_ONCE, HOSTILE
 from tests.judges import axe
-from tests.judges.chromium import NAMES, VARIABLE, missing
-from tests.judges.programs_of_others import found
+from tests.judges.chromium import CHROMIUM
 from tests.long_form import LONG
 from tests.waiting import PATIENCE
 
@@ -28,7 +27,7 @@ pytest.importorskip("playwright", reason="needs playwright: pip install playwrig
 
 from playwright.sync_api import Browser, Dialog, Page, sync_playwright
 
-pytestmark = pytest.mark.skipif(bool(missing()), reason=missing() or "is there")
+pytestmark = pytest.mark.skipif(bool(CHROMIUM.absent()), reason=CHROMIUM.absent() or "is there")
 
 ROOT: Final = Path(__file__).parents[2]
 NOTEBOOK: Final = """async ([data, script]) => {
@@ -62,7 +61,7 @@ FREE: Final = ("title", "sentence", "name", "low", "high", "text", "label", "not
 def browser() -> Iterator[Browser]:
     with sync_playwright() as playwright:
         program = playwright.chromium.launch(
-            executable_path=found(VARIABLE, *NAMES), args=["--no-sandbox"], timeout=1e3 * PATIENCE
+            executable_path=CHROMIUM.path, args=["--no-sandbox"], timeout=1e3 * PATIENCE
         )
         yield program
         program.close()

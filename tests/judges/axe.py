@@ -9,8 +9,7 @@ from tempfile import TemporaryDirectory
 from typing import Final
 
 from tests.judges.browsing import Visit
-from tests.judges.node import BROWSER, NPM
-from tests.judges.programs_of_others import absent, found, run
+from tests.judges.node import BROWSER, INSTALL, NPM
 
 FILE: Final = Path("node_modules", "axe-core", "axe.min.js")
 
@@ -28,9 +27,9 @@ def kept() -> bool:
 
 def missing() -> str:
     """Why it cannot judge here; empty if it can."""
-    if kept() or not absent(*NPM):
+    if kept() or not NPM.absent():
         return ""
-    return f"no axe-core in {BROWSER.name}/node_modules (npm ci), and {absent(*NPM)}"
+    return f"no axe-core in {BROWSER.name}/node_modules (npm ci), and {NPM.absent()}"
 
 
 @cache
@@ -41,7 +40,7 @@ def script() -> str:
     with TemporaryDirectory() as name:
         for each in ("package.json", "package-lock.json", ".npmrc"):
             shutil.copy(BROWSER / each, name)
-        run([found(*NPM), "ci", "--ignore-scripts", "--no-audit", "--no-fund"], Path(name))
+        NPM.run(INSTALL, Path(name))
         return Path(name, FILE).read_text("utf-8")
 
 

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from tests.judges import chromium
-from tests.judges.programs_of_others import Refusal, found
+from tests.judges.programs_of_others import Refusal
 from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def missing() -> str:
     """Why it cannot be driven here; empty if it can."""
     if not find_spec("playwright"):
         return "Python has no module playwright, pip install playwright"
-    return chromium.missing()
+    return chromium.CHROMIUM.absent()
 
 
 @contextmanager
@@ -61,7 +61,7 @@ def launched(kind: BrowserType, most: float) -> Generator[Browser]:
     from playwright.sync_api import Error  # where there is no playwright, too
 
     browser = kind.launch(
-        executable_path=found(chromium.VARIABLE, *chromium.NAMES),
+        executable_path=chromium.CHROMIUM.path,
         args=list(OPTIONS),
         timeout=1e3 * PATIENCE,
     )

@@ -12,10 +12,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final
 
-from tests.judges.programs_of_others import Refusal, absent, found, run
+from tests.judges.programs_of_others import Program, Refusal
 
-VARIABLE: Final = "CAMGEO_CHROMIUM"
-NAMES: Final = ("chromium", "chromium-browser", "google-chrome")
+CHROMIUM: Final = Program("CAMGEO_CHROMIUM", "chromium", "chromium-browser", "google-chrome")
 
 WIDTH, HEIGHT = 1000, 1400
 """Of its window [CSS px]: an upright sheet of paper."""
@@ -114,11 +113,6 @@ OF_REPORTS: Final[dict[str, Callable[[dict[str, Any]], bool]]] = {
 """What may be wrong with what the probe of reports has measured."""
 
 
-def missing() -> str:
-    """Why it cannot judge here; empty if it can."""
-    return absent(VARIABLE, *NAMES)
-
-
 def judge(page: Path) -> None:
     """Refusal if it finds fault with a setup sheet."""
     text = page.read_text("utf-8")
@@ -154,10 +148,11 @@ def measured(name: str, text: str) -> tuple[dict[str, Any], str]:
     with TemporaryDirectory() as folder:
         copy = Path(folder, "page.html")
         copy.write_text(text, "utf-8")
-        call = [found(VARIABLE, *NAMES), "--headless", "--no-sandbox", "--disable-gpu"]
+        call = ["--headless", "--no-sandbox", "--disable-gpu"]
         call += ["--enable-unsafe-swiftshader"]  # WebGL without a graphics card
         call += [f"--user-data-dir={folder}/profile", "--enable-logging=stderr", "--dump-dom"]
-        said = run([*call, f"--window-size={WIDTH},{HEIGHT}", copy.as_uri()], Path(folder))
+        call += [f"--window-size={WIDTH},{HEIGHT}", copy.as_uri()]
+        said = CHROMIUM.run(call, Path(folder))
     match = re.search(r'data-camgeo="([^"]*)"', said)
     if match is None:
         raise Refusal(f"{name} is not shown: {said[-300:].strip()}")

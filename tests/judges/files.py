@@ -24,6 +24,7 @@ from camgeo_export.step.writer import WRITER as STEP
 from camgeo_export.stl import WRITER as STL
 from camgeo_export.threemf.writer import WRITER as THREEMF
 from tests.judges.programs import FIXTURES, PAIRS, TOLERANCE, scene_of
+from tests.judges.programs_of_others import Refusal
 
 WRITERS: Final[dict[str, Writer]] = {"dxf": DXF, "stl": STL, "3mf": THREEMF, "step": STEP}
 
@@ -48,6 +49,17 @@ class Given:
     near: float = 1e-4
     faces: int = 0
     part: Part | None = None
+
+    def compare(self, volume: float, faces: int = 0, near: float = 0.0) -> float:
+        """The relative difference of another volume; Refusal if it is larger than `near`, by
+        default that of the file, or if there are other `faces`.
+        """
+        if faces != self.faces:
+            raise Refusal(f"{self.path.name} has {faces} faces, not {self.faces}")
+        apart = abs(volume / self.volume - 1.0)
+        if apart > (near or self.near):
+            raise Refusal(f"{self.path.name}: its volume is {volume:g}, not {self.volume:g} mm^3")
+        return apart
 
 
 EXACT: Final = 1e-12

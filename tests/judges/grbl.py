@@ -9,29 +9,18 @@ place in XYZ of the plane's first axis, `axis_0` of mc_arc; without it the plane
 from __future__ import annotations
 
 import math
-import os
 import subprocess
-from pathlib import Path
 from typing import Final
 
 from tests.judges.paths import Leg
+from tests.judges.programs_of_others import Program
 
-VARIABLE: Final = "CAMGEO_GRBL"
-
-
-def absent() -> str:
-    """Why it cannot judge here; empty if it can."""
-    named = os.environ.get(VARIABLE, "")
-    if not named:
-        return f"{VARIABLE} names no build of Grbl's parser"
-    return "" if Path(named).is_file() else f"{named} is not there"
+PARSER: Final = Program("CAMGEO_GRBL", what="build of Grbl's parser")
 
 
 def run(text: str) -> tuple[list[Leg], list[str]]:
     """The moves of a program, and the errors."""
-    done = subprocess.run(
-        [os.environ[VARIABLE]], input=text.encode(), capture_output=True, check=True
-    )
+    done = subprocess.run([PARSER.path], input=text.encode(), capture_output=True, check=True)
     legs: list[Leg] = []
     errors: list[str] = []
     for line in done.stdout.decode().splitlines():

@@ -9,11 +9,9 @@ st_prep_buffer (grbl/stepper.c) makes of its entry, exit and nominal speed.
 
 from __future__ import annotations
 
-import os
 import subprocess
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -24,9 +22,9 @@ from camgeo.milling.machine import load
 from camgeo.milling.machining_time import blocks_of
 from camgeo.milling.moves import Point
 from camgeo.numeric.arrays import FloatArray
-from tests.judges.programs_of_others import Refusal
+from tests.judges.programs_of_others import Program, Refusal
 
-VARIABLE: Final = "CAMGEO_GRBL_PLANNER"
+PLANNER: Final = Program("CAMGEO_GRBL_PLANNER", what="build of Grbl's planner")
 
 MACHINE: Final = Dynamics(500.0, 8000.0, look_ahead=14, junction_deviation=0.02)
 """Grbl's buffer has 16 places, of which 15 are used: one block runs, 14 are planned. The other
@@ -51,14 +49,6 @@ class Times:
     places: float
 
 
-def absent() -> str:
-    """Why it cannot judge here; empty if it can."""
-    named = os.environ.get(VARIABLE, "")
-    if not named:
-        return f"{VARIABLE} names no build of Grbl's planner"
-    return "" if Path(named).is_file() else f"{named} is not there"
-
-
 def planned(blocks: Blocks, start: Point) -> FloatArray:
     """Seconds of each block by Grbl's planner."""
     lines = [f"{MACHINE.acceleration} {MACHINE.rapid_feed} {MACHINE.junction_deviation}"]
@@ -68,7 +58,7 @@ def planned(blocks: Blocks, start: Point) -> FloatArray:
     for end, feed in zip(ends.tolist(), feeds.tolist(), strict=True):
         lines.append(" ".join(map(repr, (*end, feed))))
     done = subprocess.run(
-        [os.environ[VARIABLE]], input="\n".join(lines), text=True, capture_output=True, check=True
+        [PLANNER.path], input="\n".join(lines), text=True, capture_output=True, check=True
     )
     return np.array([float(line) for line in done.stdout.split()])
 

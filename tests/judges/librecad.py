@@ -12,10 +12,9 @@ from tempfile import TemporaryDirectory
 from typing import Final
 
 from tests.judges.files import Given
-from tests.judges.programs_of_others import Refusal, absent, found, run
+from tests.judges.programs_of_others import Program, Refusal
 
-VARIABLE: Final = "CAMGEO_LIBRECAD"
-NAMES: Final = ("librecad",)
+LIBRECAD: Final = Program("CAMGEO_LIBRECAD", "librecad")
 
 POINT: Final = 25.4 / 72.0
 """Of a PDF [mm]."""
@@ -24,16 +23,11 @@ NEAR: Final = 0.1
 """What a size may differ by [mm]: ends are rounded to dots of 0.02 mm, arcs are drawn as chords."""
 
 
-def missing() -> str:
-    """Why it cannot judge here; empty if it can."""
-    return absent(VARIABLE, *NAMES)
-
-
 def judge(given: Given) -> float:
     """The largest difference of width and height [mm]; Refusal if it is too large."""
     with TemporaryDirectory() as name:
-        call = [found(VARIABLE, *NAMES), "dxf2pdf", "-c", "-s", "1", "-t", name, str(given.path)]
-        said = run(call, Path(name))
+        words = ["dxf2pdf", "-c", "-s", "1", "-t", name, str(given.path)]
+        said = LIBRECAD.run(words, Path(name))
         paper = Path(name, f"{given.path.stem}.pdf")
         if not paper.is_file():
             raise Refusal(f"{given.path.name} is not drawn: {said[-300:].strip()}")

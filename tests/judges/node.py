@@ -7,17 +7,19 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final
 
-from tests.judges.programs_of_others import Refusal, absent, found, run
+from tests.judges.programs_of_others import Program, Refusal
 
-NODE: Final = ("CAMGEO_NODE", "node")
-NPM: Final = ("CAMGEO_NPM", "npm")
+NODE: Final = Program("CAMGEO_NODE", "node")
+NPM: Final = Program("CAMGEO_NPM", "npm")
+
+INSTALL: Final = ["ci", "--ignore-scripts", "--no-audit", "--no-fund"]
 
 BROWSER: Final = Path(__file__).parents[2] / "export" / "camgeo_export" / "browser"
 
 
 def missing() -> str:
     """Why it cannot judge here; empty if it can."""
-    return absent(*NODE) or absent(*NPM)
+    return NODE.absent() or NPM.absent()
 
 
 def differing(kept: Path, made: Path) -> list[str]:
@@ -31,10 +33,9 @@ def judge(sources: Path = BROWSER) -> int:
     with TemporaryDirectory() as name:
         copy = Path(name, "browser")
         shutil.copytree(sources, copy, ignore=shutil.ignore_patterns("node_modules", "bundle"))
-        npm, node = found(*NPM), found(*NODE)
-        run([npm, "ci", "--ignore-scripts", "--no-audit", "--no-fund"], copy)
-        run([npm, "run", "check"], copy)
-        run([node, "build.mjs"], copy)
+        NPM.run(INSTALL, copy)
+        NPM.run(["run", "check"], copy)
+        NODE.run(["build.mjs"], copy)
         wrong = differing(sources / "bundle", copy / "bundle")
         if wrong:
             raise Refusal(f"{', '.join(wrong)}: not what the sources give, npm run build")

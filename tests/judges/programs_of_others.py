@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import os
+import re
 import shutil
 import signal
 import subprocess
 import tempfile
 from pathlib import Path
+from typing import Any
 
 from tests.waiting import PATIENCE
 
@@ -16,23 +19,52 @@ class Refusal(AssertionError):
     """What a program of others says against a file."""
 
 
-def found(variable: str, *names: str) -> str:
-    """The program that `variable` names, or else the first of `names` on the path; empty if none.
+class Program:
+    """A program of others, found by a variable, or else by name on the path.
 
     A variable that names something else finds nothing: it is not passed over.
+
+    Attributes
+    ----------
+    variable : of the environment.
+    names : on the path, of which the first that is there is taken.
+    what : the variable should name; for programs that are on no path.
     """
-    named = os.environ.get(variable, "")
-    if named:
-        return shutil.which(named) or ""
-    return next((path for name in names if (path := shutil.which(name))), "")
+
+    def __init__(self, variable: str, *names: str, what: str = "") -> None:
+        self.variable, self.names, self.what = variable, names, what
+
+    @property
+    def path(self) -> str:
+        """Where it is; empty if it is not there."""
+        named = os.environ.get(self.variable, "")
+        names = (named,) if named else self.names
+        return next((path for name in names if (path := shutil.which(name))), "")
+
+    def absent(self) -> str:
+        """Why it is not there; empty if it is."""
+        if self.path:
+            return ""
+        if named := os.environ.get(self.variable, ""):
+            return f"{named} is not there"
+        if self.what:
+            return f"{self.variable} names no {self.what}"
+        return f"neither {self.variable} nor {self.names[0]} is there"
+
+    def run(self, words: list[str], folder: Path, **more: str) -> str:
+        """What it prints, see `run`."""
+        return run([self.path, *words], folder, **more)
 
 
-def absent(variable: str, *names: str) -> str:
-    """Why there is no such program; empty if there is one."""
-    if found(variable, *names):
-        return ""
-    named = os.environ.get(variable, "")
-    return f"{named} is not there" if named else f"neither {variable} nor {names[0]} is there"
+def answer(said: str, file: Path) -> dict[str, Any]:
+    """What a script has printed of a file behind "camgeo: "; Refusal if it has not, or an error."""
+    lines = re.findall(r"^camgeo: (.*)$", said, re.MULTILINE)
+    if not lines:
+        raise Refusal(f"{file.name} is not read: {said[-300:].strip()}")
+    told: dict[str, Any] = json.loads(lines[-1])
+    if "error" in told:
+        raise Refusal(f"{file.name}: {told['error']}")
+    return told
 
 
 def run(call: list[str], folder: Path, **more: str) -> str:
@@ -41,7 +73,7 @@ def run(call: list[str], folder: Path, **more: str) -> str:
     Refusal if it fails, or does not end.
     """
     with tempfile.TemporaryDirectory() as home:
-        places = dict.fromkeys(("HOME", "XDG_RUNTIME_DIR", "XDG_CONFIG_HOME", "FREECAD_USER_HOME"))
+        places = ("HOME", "XDG_RUNTIME_DIR", "XDG_CONFIG_HOME", "FREECAD_USER_HOME")
         environment = {
             "PATH": os.environ["PATH"],
             "LC_ALL": "C.UTF-8",

@@ -13,10 +13,9 @@ from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.part import Layer
 from tests.judges.files import Given
 from tests.judges.programs import TOLERANCE
-from tests.judges.programs_of_others import Refusal, absent, found, run
+from tests.judges.programs_of_others import Program, Refusal
 
-VARIABLE: Final = "CAMGEO_PRUSA_SLICER"
-NAMES: Final = ("prusa-slicer", "PrusaSlicer")
+SLICER: Final = Program("CAMGEO_PRUSA_SLICER", "prusa-slicer", "PrusaSlicer")
 
 REPAIRS: Final = (
     "open_edges", "facets_reversed", "backwards_edges", "degenerate_facets", "facets_removed",
@@ -24,28 +23,17 @@ REPAIRS: Final = (
 )  # fmt: skip
 """What it says if it had to mend a body."""
 
-NEAR: Final = 1e-4
-"""Relative difference of volumes: those of STL files are sums of single precision."""
-
-
-def missing() -> str:
-    """Why it cannot judge here; empty if it can."""
-    return absent(VARIABLE, *NAMES)
-
 
 def judge(given: Given) -> float:
     """The relative difference of the volume; Refusal if it finds fault."""
-    said = run([found(VARIABLE, *NAMES), "--info", str(given.path)], given.path.parent)
+    said = SLICER.run(["--info", str(given.path)], given.path.parent)
     values = dict(re.findall(r"^(\w+) = +(\S+)$", said, re.MULTILINE))
     if values.get("manifold") != "yes" or values.get("number_of_parts") != "1":
         raise Refusal(f"{given.path.name} is not one closed body: {said[-300:].strip()}")
     mended = [each for each in REPAIRS if int(values.get(each, 0))]
     if mended:
         raise Refusal(f"{given.path.name}: {', '.join(mended)}")
-    apart = abs(float(values["volume"]) / given.volume - 1.0)
-    if apart > NEAR:
-        raise Refusal(f"{given.path.name}: its volume is {values['volume']}, not {given.volume:g}")
-    return apart
+    return given.compare(float(values["volume"]))
 
 
 WIDTH: Final = 1.0
@@ -84,8 +72,8 @@ def slice_(given: Given) -> float:
     """How far perimeters are from where they should be [mm]; Refusal if it finds fault."""
     target = given.path.with_name(f"{given.path.name}.gcode")
     options = [each for key, value in OPTIONS.items() for each in _option(key, value)]
-    call = [found(VARIABLE, *NAMES), "--export-gcode", *options, "--output", str(target)]
-    said = run([*call, str(given.path)], given.path.parent)
+    words = ["--export-gcode", *options, "--output", str(target), str(given.path)]
+    said = SLICER.run(words, given.path.parent)
     if told := [line for line in said.splitlines() if SAID.search(line)]:
         raise Refusal(f"{given.path.name}: {told[0]}")
     assert given.part is not None

@@ -13,11 +13,11 @@ import shapely
 
 from camgeo.numeric.arrays import FloatArray
 from camgeo.pictures.model import Axis, Figure, Line, Panel, Style, figure_data, over
-from tests.judges import chromium
+from tests.judges.chromium import CHROMIUM
 from tests.judges.chromium_viewer import shown
 from tests.judges.files import reports
 
-pytestmark = pytest.mark.skipif(bool(chromium.missing()), reason=chromium.missing() or "is there")
+pytestmark = pytest.mark.skipif(bool(CHROMIUM.absent()), reason=CHROMIUM.absent() or "is there")
 
 SIDE = 10.0
 """Of a figure [inch]; its panel, of side 1, fills it."""

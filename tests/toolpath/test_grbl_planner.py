@@ -17,9 +17,9 @@ from camgeo.milling.machine import load
 from camgeo.milling.machining_time import blocks_of
 from camgeo.milling.moves import Feed, Move, Point, Rapid
 from camgeo.numeric.arrays import FloatArray
-from tests.judges.grbl_planner import FLOAT, MACHINE, absent, planned, times_of
+from tests.judges.grbl_planner import FLOAT, MACHINE, PLANNER, planned, times_of
 
-planner = pytest.mark.skipif(bool(absent()), reason=absent() or "is there")
+planner = pytest.mark.skipif(bool(PLANNER.absent()), reason=PLANNER.absent() or "is there")
 
 PLACES = 2e-6
 """[s] Grbl's places, too, are floats of 24 bits: at 100 mm lengths are off by 8e-6 mm, and the time
