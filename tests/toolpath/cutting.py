@@ -6,14 +6,19 @@ outline of the blank and with the edges of what earlier places have swept, which
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
+import shapely
 
 from camgeo.geometry.contour.contour import Contour, distances, winding_number
-from camgeo.milling.moves import ArcFeed, Feed, Move, Rapid
+from camgeo.milling.moves import ArcFeed, Move, Rapid, Stop
 from camgeo.milling.track import Track
 from camgeo.numeric.arrays import ComplexArray, FloatArray
+from tests.toolpath.plane.tracks import dense
 
 BEHIND = 1e-4
 """The last stretch [mm] of the path that does not count as swept: the cutter's own circle lies on
@@ -112,29 +117,75 @@ def _crossings(
     return ahead + turn, ahead - turn
 
 
+@dataclass(frozen=True)
+class Step:
+    """A feed move: from `start` to `end` in the plane [mm], heights of the tip before and after it
+    [mm], centre and sweep [rad] of its arc, 0 of a line, and its feed [mm/min].
+    """
+
+    start: complex
+    end: complex
+    high: float
+    low: float
+    centre: complex
+    sweep: float
+    feed: float
+
+    @property
+    def radius(self) -> float:
+        """Of its arc [mm]."""
+        return abs(self.start - self.centre)
+
+    @property
+    def way(self) -> float:
+        """Length in the plane [mm]."""
+        return self.radius * abs(self.sweep) if self.sweep else abs(self.end - self.start)
+
+
+def steps_of(moves: Iterable[Move | Stop]) -> list[Step]:
+    """The feed moves of a program, by a small interpreter of its own."""
+    found: list[Step] = []
+    x = y = z = math.nan
+    for move in moves:
+        if isinstance(move, Stop):
+            continue
+        start, end, high = complex(x, y), complex(*move.end[:2]), z
+        x, y, z = move.end
+        if isinstance(move, Rapid):
+            continue
+        centre, sweep = 0j, 0.0
+        if isinstance(move, ArcFeed):
+            centre, sense = complex(*move.centre), 1.0 if move.ccw else -1.0
+            turned = sense * float(np.angle((end - centre) / (start - centre)))
+            sweep = sense * (turned if turned > -EDGE else turned + 2.0 * math.pi)
+        found.append(Step(start, end, high, z, centre, sweep, move.feed))
+    return found
+
+
 def levels(moves: list[Move], below: float) -> dict[float, Track]:
     """The cuts at each even height under `below` [mm], each in one chain, by height."""
-    found: dict[float, list[tuple[complex, complex, float, complex]]] = {}
-    at: tuple[float, float, float] | None = None
-    for move in moves:
-        if at is not None and not isinstance(move, Rapid) and at[2] == move.end[2] < below:
-            start, end = complex(*at[:2]), complex(*move.end[:2])
-            sweep, centre = 0.0, 0j
-            if isinstance(move, ArcFeed):
-                centre = complex(*move.centre)
-                turned = float(np.angle((end - centre) / (start - centre)))
-                sweep = turned % (2 * np.pi) if move.ccw else -((-turned) % (2 * np.pi))
-            found.setdefault(at[2], []).append((start, end, sweep, centre))
-        at = move.end
-    return {z: _chain(pieces) for z, pieces in found.items()}
+    found: dict[float, list[Step]] = {}
+    for step in steps_of(moves):
+        if step.high == step.low < below:
+            found.setdefault(step.low, []).append(step)
+    return {z: _chain(steps) for z, steps in found.items()}
 
 
-def _chain(pieces: list[tuple[complex, complex, float, complex]]) -> Track:
-    starts, ends, sweeps, centres = zip(*pieces, strict=True)
-    assert all(abs(a - b) < 1e-9 for a, b in zip(starts[1:], ends[:-1], strict=True))
-    return Track(np.array([*starts, ends[-1]]), np.array(sweeps), np.array(centres))
+def _chain(steps: list[Step]) -> Track:
+    assert all(abs(a.end - b.start) < 1e-9 for a, b in pairwise(steps))
+    vertices = [*(step.start for step in steps), steps[-1].end]
+    sweeps, centres = ([getattr(step, key) for step in steps] for key in ("sweep", "centre"))
+    return Track(np.array(vertices), np.array(sweeps), np.array(centres))
 
 
-def feeds_of(moves: list[Move]) -> FloatArray:
-    """The feeds of all cuts [mm/min]."""
-    return np.array([each.feed for each in moves if isinstance(each, Feed | ArcFeed)])
+def engagements(track: Track, stock: Contour, radius: float, count: int, first: float = 0.05,
+                last: float = 0.05) -> FloatArray:  # fmt: skip
+    """(n,) `engagement` at places evenly along a track, but for its `first` and `last` [mm]."""
+    places = np.linspace(first, track.length - last, count)
+    return np.array([engagement(track, stock, radius, each) for each in places])
+
+
+def swept(track: Track, radius: float) -> shapely.Geometry:
+    """What a cutter passes over, by dense points."""
+    points = dense(track, 30)
+    return shapely.LineString(np.column_stack((points.real, points.imag))).buffer(radius)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from typing import Any
 
 from camgeo.cam.cam import Contact
@@ -18,7 +20,7 @@ from camgeo.milling.planned import Sequence, sequence_of
 from camgeo.milling.tool import Tool
 from camgeo.part.assembly import build_part
 from camgeo.part.part import Part
-from camgeo.part.spec import PartSpec
+from camgeo.part.spec import Holes, Hub, Mark, PartSpec
 from tests.contour.cams import dwell, move
 
 ROLLER = 8.0
@@ -34,6 +36,8 @@ THICKNESS, BORE, RIM = 10.0, 25.0, 150.0
 SPEC = PartSpec(thickness=THICKNESS, bore=BORE, rim=RIM, groove_depth=6.0)
 
 HEIGHTS = Heights(20.0, 12.0)
+
+Operations = tuple[OperationSpec, ...]
 
 FIXTURE = Holding(kind="fixture", through=0.5)
 
@@ -66,7 +70,7 @@ def sequence(
     *tools: Tool,
     stock: Stock | None = None,
     holding: Holding | None = FIXTURE,
-    operations: tuple[OperationSpec, ...] = (),
+    operations: Operations = (),
     spec: PartSpec = SPEC,
     heights: Heights = HEIGHTS,
     pitch: PitchCurve = PITCH,
@@ -75,6 +79,31 @@ def sequence(
         tools=tools or (tool(12.0),), stock=stock or Stock(), holding=holding, operations=operations
     )
     return sequence_of(part(contact, spec, pitch), milling, heights)
+
+
+def operation(kind: str, boundary: str = "", tool: int = 1, **own: Any) -> OperationSpec:
+    return OperationSpec(kind=kind, tool=tool, boundary=boundary, **own)
+
+
+MILL = tool(12.0)
+DRILL = tool(20.0, 2, kind="drill", tip_angle=2.0, stepdown=5.0)
+POINTED = tool(10.0, 3, kind="chamfer-mill", tip_angle=0.5 * math.pi)
+SLOTTER = tool(2.0 * ROLLER, 4)
+SHARP = tool(4.0, 5, kind="chamfer-mill", tip_angle=0.52)
+BLUNT = tool(40.0, 6, kind="chamfer-mill", tip_angle=2.9)
+
+TOOLS = (MILL, DRILL, POINTED, SLOTTER, SHARP, BLUNT)
+"""Of stated operations, by their numbers."""
+
+ENGRAVER = tool(2.0, 3, stepdown=0.3, stepover=None)
+
+HUBBED = replace(
+    SPEC,
+    hub=Hub(40.0, 6.0),
+    mark=Mark(26.0, 2.0, 0.5, 5.0, angle=1.0),
+    bolt_circle=Holes(3, 52.0, 4.0),
+)
+"""A disc of 10 mm below a hub of 6 mm, its base circle 32 mm in radius."""
 
 
 def named(found: Sequence) -> dict[str, Cut]:

@@ -6,7 +6,10 @@ import math
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour
@@ -74,6 +77,15 @@ def test_operations_begin_above_the_part_and_have_names_of_their_own() -> None:
     with pytest.raises(GeometryError, match="to 5") as caught:
         Heights(5.0, 6.0)
     assert caught.value.key == "output.gcode.retract_height"
+
+
+@given(st.floats(0.01, 60.0), st.floats(0.1, 80.0))
+def test_passes_are_equal_and_no_more_than_needed(depth: float, stepdown: float) -> None:
+    found = passes(1.0, 1.0 - depth, stepdown)
+    assert found[-1] == 1.0 - depth
+    assert -np.diff((1.0, *found)) == pytest.approx(depth / len(found))
+    assert depth / len(found) <= stepdown * (1.0 + 1e-9)
+    assert len(found) == 1 or depth / (len(found) - 1) > stepdown
 
 
 def test_no_more_passes_than_sense() -> None:

@@ -21,19 +21,10 @@ from camgeo.milling.moves import Feed, Stop
 from camgeo.milling.plan import plan_toolpath
 from camgeo.milling.strategies import STRATEGIES
 from camgeo.part.spec import Counterbore, DShaft, Holes, Hub, Mark, PartSpec
-from tests.toolpath.milled import HEIGHTS, SPEC, named, part, sequence, tool
-
-HUBBED = replace(
-    SPEC,
-    hub=Hub(40.0, 6.0),
-    mark=Mark(26.0, 2.0, 0.5, 5.0, angle=1.0),
-    bolt_circle=Holes(3, 52.0, 4.0),
-)
-"""A disc of 10 mm below a hub of 6 mm, its base circle 32 mm in radius."""
+from tests.toolpath.milled import ENGRAVER, HEIGHTS, HUBBED, SPEC, named, part, sequence, tool
 
 MILL = tool(12.0, flute_length=20.0, stick_out=30.0, stepdown=8.0, stepover=5.0)
 DRILL = tool(4.0, 2, kind="drill", tip_angle=2.0, stepdown=None, stepover=None)
-ENGRAVER = tool(2.0, 3, stepdown=0.3, stepover=None)
 TOOLS = (MILL, DRILL, ENGRAVER)
 
 ROUND = Stock(shape="round", diameter=150.0)
@@ -253,14 +244,6 @@ def test_a_shank_that_meets_the_hub_is_told() -> None:
     assert {each.name for each in _wrong(_milled(text))} == {"shank"}
 
 
-def test_a_hub_on_the_lower_face_is_not_for_this_side() -> None:
-    for side in ("lower", "both"):
-        spec = replace(HUBBED, hub=Hub(40.0, 6.0, side))
-        with pytest.raises(GeometryError, match="milled from there") as caught:
-            sequence(Contact.INNER, *TOOLS, spec=spec)
-        assert caught.value.key == "part.hub.side"
-
-
 def test_holes_beside_a_lower_hub_are_drilled_from_above() -> None:
     """Down to where the second side takes away what lies below the disc."""
     text = SCENE.replace("height = 6 }", 'height = 6, side = "both" }')
@@ -283,26 +266,6 @@ def test_a_groove_below_a_hub() -> None:
     assert list(cuts)[:4] == ["rough hub", "hub", "rough bore", "bore"]
     assert {cut.top for name, cut in cuts.items() if "flank" in name} == {-5.0}
     assert {cut.bottom for name, cut in cuts.items() if "flank" in name} == {-11.0}
-
-
-@pytest.mark.parametrize(
-    ("operation", "key", "message"),
-    [
-        (OperationSpec(kind="engrave", tool=1), "tool", "not as wide as the mark"),
-        (OperationSpec(kind="engrave", tool=3, boundary="hub"), "boundary", "is no mark"),
-        (OperationSpec(kind="drill", tool=2, boundary="mark"), "boundary", "it is no hole"),
-        (OperationSpec(kind="drill", tool=2, boundary="hole"), "boundary", "no such wall"),
-        (
-            OperationSpec(kind="rough", tool=1, boundary="hub", strategy="ramp"),
-            "strategy",
-            "all of that is cleared",
-        ),
-    ],
-)
-def test_operations_that_cannot_be(operation: OperationSpec, key: str, message: str) -> None:
-    with pytest.raises(GeometryError, match=message) as caught:
-        sequence(Contact.INNER, *TOOLS, spec=HUBBED, operations=(operation,))
-    assert caught.value.key == f"operation[1].{key}"
 
 
 def test_one_hole_of_several_is_drilled_alone() -> None:

@@ -7,22 +7,27 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
-from camgeo.geometry.contour.contour import Contour, Effort
+import numpy as np
+
+from camgeo.geometry.contour.contour import Contour, Effort, distances
 from camgeo.geometry.outline.path import whole
 from camgeo.milling.cut import AreaCut, ContourCut, Cut
-from camgeo.milling.machining_time import arc_sweep
-from camgeo.milling.moves import ArcFeed, Heights, Move, Rapid
+from camgeo.milling.moves import Heights, Move, Rapid
 from camgeo.milling.strategies import STRATEGIES
 from camgeo.milling.tool import Tool
+from camgeo.milling.track import Track
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary
 from tests.contour.cams import dwell, move, translating
+from tests.toolpath.cutting import steps_of
 
 HEIGHTS = Heights(clearance=12.0, retract=3.0)
 
+RAMP = math.radians(2.5)
+
 TOOL = Tool(
     number=1, diameter=10.0, spindle_speed=3000.0, feed=600.0, plunge_feed=80.0, stepdown=5.0,
-    stepover=2.0, ramp_angle=math.radians(2.5),
+    stepover=2.0, ramp_angle=RAMP,
 )  # fmt: skip
 
 TOLERANCE = 0.001
@@ -61,41 +66,46 @@ def made(cut: Cut) -> list[Move]:
     return STRATEGIES[cut.strategy](cut, HEIGHTS, TOLERANCE, effort)
 
 
-def require_sound(moves: list[Move], tool: Tool = TOOL) -> None:
-    """Traverses, arcs and feeds."""
+def require_sound(moves: list[Move], tool: Tool = TOOL, rapids: int = 0) -> None:
+    """Traverses, arcs and feeds; if stated, as many traverses: over the place, down, and up."""
+    assert not rapids or sum(isinstance(move, Rapid) for move in moves) == rapids
     assert isinstance(moves[0], Rapid)
     assert isinstance(moves[-1], Rapid)
     assert moves[0].end[2] == moves[-1].end[2] == HEIGHTS.clearance
     for before, after in pairwise(moves):
-        at, end = complex(*before.end[:2]), complex(*after.end[:2])
-        drop = before.end[2] - after.end[2]
         if isinstance(after, Rapid):
-            assert (at == end) != (drop == 0.0)
-            assert at == end or before.end[2] == HEIGHTS.clearance
+            across = before.end[:2] != after.end[:2]
+            assert across != (before.end[2] != after.end[2])
+            assert not across or before.end[2] == HEIGHTS.clearance
             assert after.end[2] >= HEIGHTS.retract
-            continue
-        way = abs(end - at)
-        assert way > 1e-6 or drop > 0.0
-        if isinstance(after, ArcFeed):
-            centre = complex(*after.centre)
-            assert abs(abs(at - centre) - abs(end - centre)) < 1e-8
-            way = abs(at - centre) * abs(arc_sweep(at - centre, end - centre, ccw=after.ccw))
-            assert way <= math.pi * abs(at - centre) * (1.0 + 1e-9)
-        length = math.hypot(way, drop)
-        assert 0.0 < after.feed <= tool.feed * (1.0 + 1e-12)
-        assert after.feed * drop / length <= tool.plunge_feed * (1.0 + 1e-9)
+    for step in steps_of(moves):
+        drop = step.high - step.low
+        assert step.way > 1e-6 or drop > 0.0
+        if step.sweep:
+            assert abs(step.radius - abs(step.end - step.centre)) < 1e-8
+            assert abs(step.sweep) <= math.pi * (1.0 + 1e-9)
+        assert 0.0 < step.feed <= tool.feed * (1.0 + 1e-12)
+        assert step.feed * drop <= tool.plunge_feed * math.hypot(step.way, drop) * (1.0 + 1e-9)
+
+
+def require_allowance(track: Track, cut: AreaCut, most: float, *walls: Boundary) -> None:
+    """A path keeps the allowance of walls, by default those of its cut, and leaves no more than
+    `most` [mm] beside it. Chords within 1e-3 mm of the walls count.
+    """
+    for wall in walls or cut.walls:
+        ring = wall.polyline(1e-3, "fast").contour.vertices
+        left = distances(ring, track) - cut.tool.radius - cut.allowance
+        assert np.min(left) >= -2e-3
+        assert np.max(left) <= most
 
 
 def descents(moves: list[Move]) -> list[tuple[float, float]]:
     """(way in the plane, drop) [mm] of the moves that go down by feed."""
-    found = []
-    for before, after in pairwise(moves):
-        drop = before.end[2] - after.end[2]
-        if not isinstance(after, Rapid) and drop > 0.0:
-            at, end = complex(*before.end[:2]), complex(*after.end[:2])
-            way = abs(end - at)
-            if isinstance(after, ArcFeed):
-                centre = complex(*after.centre)
-                way = abs(at - centre) * abs(arc_sweep(at - centre, end - centre, ccw=after.ccw))
-            found.append((way, drop))
-    return found
+    return [(step.way, step.high - step.low) for step in steps_of(moves) if step.high > step.low]
+
+
+def steepest(moves: list[Move]) -> float:
+    """The largest slope of the ramps down, no more than the tool may run."""
+    slope = max(drop / way for way, drop in descents(moves) if way > 0.0)
+    assert slope <= math.tan(RAMP) * (1.0 + 1e-9)
+    return slope

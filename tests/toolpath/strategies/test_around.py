@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -14,11 +13,11 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import distances
 from camgeo.milling.cut import ContourCut, slack_of
 from camgeo.milling.holding import Clamp, Tabs
-from camgeo.milling.moves import ArcFeed, Feed, Rapid
+from camgeo.milling.moves import ArcFeed, Feed
 from camgeo.milling.tool import ToolError
 from camgeo.numeric.arrays import FloatArray
 from tests.measuring import DensePath
-from tests.toolpath.cutting import levels
+from tests.toolpath.cutting import levels, steps_of
 from tests.toolpath.plane.tracks import dense
 from tests.toolpath.strategies.sound import (
     DISC,
@@ -29,10 +28,8 @@ from tests.toolpath.strategies.sound import (
     made,
     require_sound,
     round_hole,
+    steepest,
 )
-
-SAGITTA = 2e-3
-"""Of the chords of the disc's dense points."""
 
 FINISH = ContourCut(
     name="outline",
@@ -49,6 +46,10 @@ FINISH = ContourCut(
 
 SLOT = replace(FINISH, name="rough", strategy="slot", depths=(-3.0, -6.0, -8.0), springs=0)
 
+RING = DISC.polyline(1e-4).contour.vertices
+
+WALL = DensePath(RING)
+
 TABS = Tabs(count=3, width=4.0, height=1.5)
 
 
@@ -57,11 +58,10 @@ TABS = Tabs(count=3, width=4.0, height=1.5)
 def test_a_finish_runs_at_full_depth_with_spring_rounds(room: float, climb: bool) -> None:
     cut = replace(FINISH, room=room, climb=climb)
     moves = made(cut)
-    require_sound(moves)
+    require_sound(moves, rapids=3)
     track = levels(moves, 0.0)[-8.0]
-    ring = DISC.polyline(1e-4).contour.vertices
     points = dense(track, 12)
-    apart = DensePath(ring).distances(points)
+    apart = WALL.distances(points)
     assert np.min(apart) >= TOOL.radius - TOLERANCE - 1e-4
     on = np.abs(apart - TOOL.radius) <= TOLERANCE + 1e-4
     assert np.mean(on) > 0.9
@@ -69,35 +69,31 @@ def test_a_finish_runs_at_full_depth_with_spring_rounds(room: float, climb: bool
     # Three rounds, and leads; the second and the third take nothing off.
     once = cut.centre.arcs(TOLERANCE).contour.length
     assert 3.0 * once < track.length < 3.0 * once + 4.0 * max(room, TOOL.radius)
-    assert sum(isinstance(move, Rapid) for move in moves) == 3
     area = 0.5 * np.sum((np.conj(points[:-1]) * points[1:]).imag)
     assert (area < 0.0) == climb
 
 
 def test_the_feed_at_the_contact_is_held() -> None:
     """Slowed inside hollow arcs, and unchanged around the outside."""
-    moves = made(FINISH)
-    for before, move in pairwise(moves):
-        if isinstance(move, ArcFeed) and move.end[2] == before.end[2]:
-            radius = abs(complex(*move.end[:2]) - complex(*move.centre))
-            slower = radius / (radius + TOOL.radius) if move.ccw else 1.0
-            assert move.feed == pytest.approx(TOOL.feed * slower)
-    assert any(isinstance(move, ArcFeed) and move.feed < 0.95 * TOOL.feed for move in moves)
+    arcs = [step for step in steps_of(made(FINISH)) if step.sweep and step.high == step.low]
+    for step in arcs:
+        slower = step.radius / (step.radius + TOOL.radius) if step.sweep > 0.0 else 1.0
+        assert step.feed == pytest.approx(TOOL.feed * slower)
+    assert min(step.feed for step in arcs) < 0.95 * TOOL.feed
 
 
 def test_a_finish_comes_down_beside_what_is_left_on_the_wall() -> None:
     """Beside a clamp only smaller leads fit, which end in that, unless the cutter may plunge."""
-    ring = DISC.polyline(1e-4).contour.vertices
 
     def off(cut: ContourCut) -> FloatArray:
         moves = made(cut)
         ends = np.array([complex(*moves[k].end[:2]) for k in (0, -1)])
-        found: FloatArray = DensePath(ring).distances(ends) - TOOL.radius
+        found: FloatArray = WALL.distances(ends) - TOOL.radius
         return found
 
     cut = replace(FINISH, tabs=TABS, room=0.6, rest=0.5)
     assert off(cut) == pytest.approx(cut.room, abs=TOLERANCE + 1e-4)
-    edge = float(np.max(ring.real)) + 2.0 * TOOL.radius + 0.45
+    edge = float(np.max(RING.real)) + 2.0 * TOOL.radius + 0.45
     clamp = Clamp(place=complex(edge + 2.0, 0.0), length=4.0, width=80.0, height=6.0)
     beside = replace(cut, obstacles=(clamp.obstacle,))
     with pytest.raises(GeometryError, match="no room for a tangential lead-in"):
@@ -109,21 +105,16 @@ def test_a_finish_comes_down_beside_what_is_left_on_the_wall() -> None:
 def test_depths_of_a_finish_stay_down() -> None:
     cut = replace(FINISH, depths=(-4.0, -8.0), springs=0)
     moves = made(cut)
-    require_sound(moves)
-    assert sum(isinstance(move, Rapid) for move in moves) == 3
-    found = levels(moves, 0.0)
-    assert tuple(found) == cut.depths
+    require_sound(moves, rapids=3)
+    assert tuple(levels(moves, 0.0)) == cut.depths
     assert all(way == 0.0 for way, _ in descents(moves))
 
 
 def test_leads_of_compensation_begin_and_end_with_lines() -> None:
     moves = made(replace(FINISH, compensation="wear"))
-    flat = [move for move in moves if move.end[2] == -8.0]
-    assert isinstance(flat[0], Feed)  # straight down
-    assert isinstance(flat[1], Feed)
-    assert isinstance(flat[2], ArcFeed)
-    assert isinstance(flat[-1], Feed)
-    assert isinstance(flat[-2], ArcFeed)
+    flat = [type(move) for move in moves if move.end[2] == -8.0]
+    assert flat[:3] == [Feed, Feed, ArcFeed]  # the first straight down
+    assert flat[-2:] == [ArcFeed, Feed]
 
 
 def test_a_roughing_leaves_its_allowance_in_few_arcs() -> None:
@@ -133,8 +124,7 @@ def test_a_roughing_leaves_its_allowance_in_few_arcs() -> None:
     cut = replace(SLOT, centre=centre, allowance=allowance, slack=slack)
     moves = made(cut)
     require_sound(moves)
-    ring = DISC.polyline(1e-4).contour.vertices
-    left = DensePath(ring).distances(dense(levels(moves, 0.0)[-8.0], 12)) - TOOL.radius
+    left = WALL.distances(dense(levels(moves, 0.0)[-8.0], 12)) - TOOL.radius
     assert np.min(left) >= allowance - 1e-4
     assert TOLERANCE < np.ptp(left) <= 2.0 * slack + 1e-4
     assert len(moves) < 0.8 * len(made(replace(cut, slack=0.0)))
@@ -142,12 +132,10 @@ def test_a_roughing_leaves_its_allowance_in_few_arcs() -> None:
 
 def test_a_slot_comes_down_along_itself() -> None:
     moves = made(SLOT)
-    require_sound(moves)
-    assert sum(isinstance(move, Rapid) for move in moves) == 3
+    require_sound(moves, rapids=3)
     down = descents(moves)
     assert down[0] == (0.0, HEIGHTS.retract)  # to the upper face, in air
-    steep = [drop / way for way, drop in down[1:]]
-    assert max(steep) <= math.tan(math.radians(2.5)) * (1.0 + 1e-9)
+    assert steepest(moves) > 0.0
     assert sum(drop for _, drop in down[1:]) == pytest.approx(8.0)
     # One full round at the bottom, and none deeper than a pass.
     found = levels(moves, 0.0)
@@ -163,8 +151,7 @@ def test_steep_descents_take_more_rounds() -> None:
     small = replace(SLOT, centre=round_hole(8.0).offset(5.0), left="", right="bore")
     moves = made(small)
     require_sound(moves)
-    steep = [drop / way for way, drop in descents(moves)[1:]]
-    assert max(steep) <= math.tan(math.radians(2.5)) * (1.0 + 1e-9)
+    assert steepest(moves) > 0.0
     with pytest.raises(GeometryError, match="is too flat for it; at least"):
         made(replace(small, tool=replace(TOOL, ramp_angle=1e-5)))
 
@@ -184,19 +171,12 @@ def test_tabs_are_left(cut: ContourCut) -> None:
     top = cut.bottom + TABS.height
     assert min(move.end[2] for move in moves) == cut.bottom
     # Where the last round is lifted: three stretches at the top of the tabs.
-    last = next(k for k, move in enumerate(moves) if move.end[2] == cut.bottom)
-    raised: list[float] = []
-    before = moves[last]
-    for move in moves[last + 1 :]:
-        if isinstance(move, Rapid):
-            break
-        if before.end[2] == move.end[2] == pytest.approx(top):
-            at, end = complex(*before.end[:2]), complex(*move.end[:2])
-            raised.append(abs(end - at))
-        before = move
-    assert sum(raised) == pytest.approx(3.0 * (TABS.width + TOOL.diameter), rel=0.02)
-    down = [drop / way for way, drop in descents(moves) if way > 0.0]
-    assert max(down) <= math.tan(math.radians(2.5)) * (1.0 + 1e-9)
+    steps = steps_of(moves)
+    last = next(k for k, step in enumerate(steps) if step.low == cut.bottom)
+    raised = [step for step in steps[last:] if step.high == step.low == pytest.approx(top)]
+    along = sum(abs(step.end - step.start) for step in raised)
+    assert along == pytest.approx(3.0 * (TABS.width + TOOL.diameter), rel=0.02)
+    assert steepest(moves) > 0.0
 
 
 def test_a_finish_leaves_the_tabs_of_the_roughing() -> None:
@@ -204,13 +184,13 @@ def test_a_finish_leaves_the_tabs_of_the_roughing() -> None:
     finish = replace(FINISH, springs=0, room=0.4, tabs=TABS)
     middles = []
     for cut in (rough, finish):
-        top, moves = cut.bottom + TABS.height, made(cut)
+        top = cut.bottom + TABS.height
         tabs: list[list[complex]] = []
-        for before, after in pairwise(moves):
-            if before.end[2] == after.end[2] == pytest.approx(top):
-                if not tabs or tabs[-1][-1] != complex(*before.end[:2]):
-                    tabs.append([complex(*before.end[:2])])
-                tabs[-1].append(complex(*after.end[:2]))
+        for step in steps_of(made(cut)):
+            if step.high == step.low == pytest.approx(top):
+                if not tabs or tabs[-1][-1] != step.start:
+                    tabs.append([step.start])
+                tabs[-1].append(step.end)
         assert len(tabs) >= TABS.count
         middles.append(np.array([0.5 * (tab[0] + tab[-1]) for tab in tabs[-TABS.count :]]))
     # Parallels 0.4 mm apart, whose lengths between two normals differ by that times their angle.

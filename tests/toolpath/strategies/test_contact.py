@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.milling.cut import AreaCut, ContourCut, Cut
-from camgeo.milling.moves import ArcFeed
 from tests.long_form import examples
+from tests.toolpath.cutting import steps_of
 from tests.toolpath.strategies import test_around, test_inside, test_others, test_outside
 from tests.toolpath.strategies.sound import TOOL, cleared, made, require_sound, round_hole
 
@@ -37,15 +36,14 @@ def slowest(cut: Cut) -> float:
     moves = made(cut)
     require_sound(moves, cut.tool)
     found = cut.tool.feed
-    for before, move in pairwise(moves):
-        if not isinstance(move, ArcFeed) or move.end[2] < before.end[2]:
+    for step in steps_of(moves):
+        if not step.sweep or step.low < step.high:
             continue
-        arm = abs(complex(*move.end[:2]) - complex(*move.centre))
-        outside = move.ccw == cut.climb
+        arm, outside = step.radius, (step.sweep > 0.0) == cut.climb
         at_contact = abs(arm + cut.contact_radius) if outside else abs(arm - cut.contact_radius)
         if outside or arm > cut.contact_radius:
-            assert move.feed * at_contact / arm <= cut.tool.feed * (1.0 + 1e-9)
-        found = min(found, move.feed)
+            assert step.feed * at_contact / arm <= cut.tool.feed * (1.0 + 1e-9)
+        found = min(found, step.feed)
     return found
 
 

@@ -4,27 +4,28 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
-import shapely
 
 from camgeo.errors import FileError, GeometryError
-from camgeo.geometry.contour.contour import Contour, distances
+from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.outline.path import whole
 from camgeo.milling.cut import AreaCut, PointCut
 from camgeo.milling.moves import Feed, Rapid
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary
 from tests.contour.cams import dwell, move, translating
-from tests.toolpath.cutting import engagement, levels
-from tests.toolpath.plane.tracks import dense
+from tests.measuring import polygon
+from tests.toolpath.cutting import engagements, levels, swept
 from tests.toolpath.strategies.sound import (
     HEIGHTS,
     TOLERANCE,
     TOOL,
     cleared,
     made,
+    require_allowance,
     require_sound,
     round_blank,
     round_hole,
@@ -54,56 +55,42 @@ GROOVE = cleared("rough", *FLANKS, name="rough groove", tool=TOOL, depths=(-3.0,
 def test_a_face_is_cut_all_over(blank: Boundary) -> None:
     cut = replace(FACE, stock=blank)
     moves = made(cut)
-    require_sound(moves)
-    assert sum(isinstance(move, Rapid) for move in moves) == 3
+    require_sound(moves, rapids=3)
     found = levels(moves, cut.top)
     assert tuple(found) == cut.depths
     contour = blank.arcs(TOLERANCE).contour
-    ring = contour.points(1e-3)
-    whole_face = shapely.Polygon(np.column_stack((ring.real, ring.imag)))
+    whole_face = polygon(contour.points(1e-3))
     for track in found.values():
-        points = dense(track, 25)
-        swept = shapely.LineString(np.column_stack((points.real, points.imag))).buffer(TOOL.radius)
-        assert whole_face.difference(swept).area < 1e-6
-        places = np.linspace(0.05, track.length - 0.05, 40)
-        most = max(engagement(track, contour, TOOL.radius, each) for each in places)
+        assert whole_face.difference(swept(track, TOOL.radius)).area < 1e-6
+        most = np.max(engagements(track, contour, TOOL.radius, 40))
         assert most <= math.acos(1.0 - 6.0 / TOOL.radius) + 1e-6
-
-
-def test_a_face_of_an_unknown_blank_is_refused() -> None:
-    with pytest.raises(GeometryError, match="outline of the blank"):
-        made(replace(GROOVE, walls=FLANKS[:1]))
 
 
 @pytest.mark.parametrize("diameter", [8.0, 10.0, 15.0])
 def test_a_groove_is_cleared_to_the_allowance(diameter: float) -> None:
+    """Both depths are ways without a break."""
     cut = replace(GROOVE, tool=replace(TOOL, diameter=diameter, stepover=2.0))
     moves = made(cut)
-    require_sound(moves)
-    assert sum(isinstance(move, Rapid) for move in moves) == 3
+    require_sound(moves, rapids=3)
     found = levels(moves, cut.top)
     assert set(found) == set(cut.depths)
-    # Both depths are ways without a break, and keep the allowance from both flanks.
     for track in found.values():
-        for flank in FLANKS:
-            ring = flank.polyline(1e-3, "fast").contour.vertices
-            apart = distances(ring, track)
-            assert np.min(apart) >= cut.tool.radius + cut.allowance - 2e-3
-            assert np.max(apart) <= cut.tool.radius + cut.allowance + 0.1
+        require_allowance(track, cut, 0.1)
 
 
-def test_a_cutter_wider_than_the_groove_is_refused() -> None:
-    with pytest.raises(GeometryError, match="narrower than the groove of 16 mm") as caught:
-        made(replace(GROOVE, tool=replace(TOOL, diameter=15.8)))
-    assert caught.value.key == "tool"
-
-
-def test_rounds_without_number_are_refused() -> None:
-    """As turns of a spiral are."""
-    thin = replace(GROOVE, tool=replace(TOOL, stepover=1e-6), stepover=1e-6)
-    with pytest.raises(GeometryError, match="more than 500 rounds on each side") as caught:
-        made(thin)
-    assert caught.value.key == "tool.stepover"
+@pytest.mark.parametrize(
+    ("changes", "message", "key"),
+    [
+        ({"walls": FLANKS[:1]}, "outline of the blank", "stock"),
+        ({"tool": replace(TOOL, diameter=15.8)}, "narrower than the groove of 16 mm", "tool"),
+        ({"stepover": 1e-6}, "more than 500 rounds on each side", "tool.stepover"),  # as spirals
+        ({"walls": (*FLANKS, round_hole(5.0))}, "at most one wall", "part"),
+    ],
+)
+def test_what_cannot_be_cleared(changes: dict[str, Any], message: str, key: str) -> None:
+    with pytest.raises(GeometryError, match=message) as caught:
+        made(replace(GROOVE, **changes))
+    assert caught.value.key == key
 
 
 def test_moves_end_where_no_program_can_be_read(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -112,11 +99,6 @@ def test_moves_end_where_no_program_can_be_read(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr("camgeo.milling.strategies.walk.PROGRAM_LINES", count // 2)
     with pytest.raises(FileError, match="the limit for a program that is read"):
         made(GROOVE)
-
-
-def test_areas_of_other_walls_are_refused() -> None:
-    with pytest.raises(GeometryError, match="at most one wall"):
-        made(replace(GROOVE, walls=(*FLANKS, round_hole(5.0))))
 
 
 def test_holes_are_drilled_in_pecks() -> None:

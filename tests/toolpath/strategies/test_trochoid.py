@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,15 +15,13 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, distances
 from camgeo.geometry.outline.path import whole
 from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.milling.cut import AreaCut
-from camgeo.milling.moves import ArcFeed, Rapid
 from camgeo.milling.strategies.trochoid import NARROWEST, ahead, engaged
 from camgeo.milling.track import Track, chained
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import Boundary
 from tests.contour.cams import curves
 from tests.long_form import examples
-from tests.toolpath.cutting import engagement, levels
+from tests.toolpath.cutting import engagement, engagements, levels, steps_of
 from tests.toolpath.strategies.sound import (
     DISC,
     LIMIT,
@@ -30,7 +29,9 @@ from tests.toolpath.strategies.sound import (
     cleared,
     descents,
     made,
+    require_allowance,
     require_sound,
+    steepest,
 )
 from tests.toolpath.strategies.test_inside import RING
 
@@ -40,37 +41,27 @@ FULL = Contour.circle(300.0)
 CUT = cleared("trochoid", DISC, slot=16.0)
 
 
-def engagements(track: Track, size: float, count: int) -> list[float]:
-    """[rad] at places behind the first round of the helix."""
-    places = np.linspace(2.0 * math.pi * size + 0.1, track.length - 0.05, count)
-    return [engagement(track, FULL, TOOL.radius, each) for each in places]
-
-
 @pytest.mark.parametrize(("wall", "climb"), [(DISC, True), (RING, False)])
 def test_engagement_keeps_its_limit(wall: Boundary, climb: bool) -> None:
     """By crossings of the cutter with all that it has swept, independent of the spacing."""
     moves = made(replace(CUT, walls=(wall,), climb=climb))
     require_sound(moves)
-    track = levels(moves, 0.0)[-8.0]
-    found = engagements(track, 3.0, 15)
-    assert 0.5 * LIMIT < max(found) <= LIMIT
+    # Behind the first round of the helix.
+    found = engagements(levels(moves, 0.0)[-8.0], FULL, TOOL.radius, 15, 6.0 * math.pi + 0.1)
+    assert 0.5 * LIMIT < np.max(found) <= LIMIT
 
 
 def test_one_entry_by_a_helix_and_no_retract() -> None:
     moves = made(CUT)
-    assert sum(isinstance(move, Rapid) for move in moves) == 3
-    down = descents(moves)[1:]
-    assert sum(drop for _, drop in down) == pytest.approx(8.0)
-    assert max(drop / way for way, drop in down) <= math.tan(math.radians(2.5)) * (1.0 + 1e-9)
+    require_sound(moves, rapids=3)
+    assert sum(drop for _, drop in descents(moves)[1:]) == pytest.approx(8.0)
+    assert steepest(moves) > 0.0
 
 
 def test_the_slot_is_swept_up_to_the_allowance() -> None:
     """No core, no cusps along the wall, and no wider than it says."""
     (track,) = levels(made(replace(CUT, depths=(-4.0,))), 0.0).values()
-    ring = DISC.polyline(1e-3, "fast").contour.vertices
-    apart = distances(ring, track)
-    assert np.min(apart) >= TOOL.radius + CUT.allowance - 2e-3
-    assert np.max(apart) <= TOOL.radius + CUT.allowance + 0.05
+    require_allowance(track, CUT, 0.05)
     for off in np.linspace(CUT.allowance + 0.1, CUT.allowance + CUT.slot - 0.6, 9):
         beside = DISC.offset(float(off)).arcs(0.01, "fast").contour.points(0.05)
         assert np.max(distances(beside, track)) <= TOOL.radius
@@ -80,13 +71,10 @@ def test_the_slot_is_swept_up_to_the_allowance() -> None:
 
 
 def test_the_contact_runs_at_the_feed_and_the_way_back_faster() -> None:
-    moves = made(CUT)
     inner = {
-        round(move.feed * (radius + TOOL.radius) / radius, 6)
-        for move in moves
-        if isinstance(move, ArcFeed) and move.ccw and move.end[2] == CUT.bottom
-        for radius in [abs(complex(*move.end[:2]) - complex(*move.centre))]
-        if radius < 3.0
+        round(step.feed * (step.radius + TOOL.radius) / step.radius, 6)
+        for step in steps_of(made(CUT))
+        if step.sweep > 0.0 and step.low == CUT.bottom and step.radius < 3.0
     }
     assert min(inner) == pytest.approx(TOOL.feed)
     assert all(each == pytest.approx(TOOL.feed) or each > 2.0 * TOOL.feed for each in inner)
@@ -118,21 +106,20 @@ def test_any_disc(curve: WorkingCurve, diameter: float, share: float) -> None:
         assume(False)  # no disc, or none for such a cutter
     require_sound(moves, tool)
     (track,) = levels(moves, 0.0).values()
-    ring = wall.polyline(1e-3, "fast").contour.vertices
-    apart = distances(ring, track)
-    assert np.min(apart) >= tool.radius + cut.allowance - 2e-3
-    assert np.max(apart) <= tool.radius + cut.allowance + 0.06
-    first = 2.0 * math.pi * 0.5 * (slot - diameter)
-    for place in np.linspace(first + 0.1, track.length - 0.05, 5):
-        assert engagement(track, FULL, tool.radius, place) <= math.radians(70.0)
+    require_allowance(track, cut, 0.06)
+    first = math.pi * (slot - diameter) + 0.1
+    assert np.max(engagements(track, FULL, tool.radius, 5, first)) <= math.radians(70.0)
 
 
-def test_what_leaves_no_room_is_refused() -> None:
-    def refused(cut: AreaCut) -> str | None:
-        with pytest.raises(GeometryError) as caught:
-            made(cut)
-        return caught.value.key
-
-    assert refused(replace(CUT, slot=TOOL.diameter * (1.0 + 0.5 * NARROWEST))) == "tool"
-    assert refused(replace(CUT, tool=replace(TOOL, engagement=0.01))) == "tool.engagement"
-    assert refused(replace(CUT, tool=replace(TOOL, diameter=40.0))) == "tool"
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [
+        ({"slot": TOOL.diameter * (1.0 + 0.5 * NARROWEST)}, "tool"),
+        ({"tool": replace(TOOL, engagement=0.01)}, "tool.engagement"),
+        ({"tool": replace(TOOL, diameter=40.0)}, "tool"),
+    ],
+)
+def test_what_leaves_no_room_is_refused(changes: dict[str, Any], key: str) -> None:
+    with pytest.raises(GeometryError) as caught:
+        made(replace(CUT, **changes))
+    assert caught.value.key == key

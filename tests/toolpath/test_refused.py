@@ -1,0 +1,176 @@
+"""Sequences of cuts that are refused: the key that is at fault, and what is allowed.
+
+`tests.toolpath.wrongs` has scenes of which some are refused, and whole sentences.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, Final
+
+import pytest
+
+from camgeo.cam.cam import Contact
+from camgeo.errors import GeometryError
+from camgeo.milling.guard import LARGEST
+from camgeo.milling.holding import Clamp, Holding, Tabs
+from camgeo.milling.milling import Stock
+from camgeo.milling.moves import Heights
+from camgeo.part.spec import Hub, PartSpec
+from tests.toolpath.milled import (
+    BORE,
+    DRILL,
+    ENGRAVER,
+    HOOKED,
+    HUBBED,
+    MILL,
+    SPEC,
+    THICKNESS,
+    TOOLS,
+    Operations,
+    operation,
+    sequence,
+    tool,
+)
+
+INNER, OUTER, GROOVE = Contact.INNER, Contact.OUTER, Contact.GROOVE
+
+WASHER: Final = Clamp(
+    place=0j, length=30.0, width=30.0, height=8.0, round=True, since="rough outline"
+)
+
+HUB_TOOLS: Final = (MILL, replace(DRILL, diameter=4.0), ENGRAVER)
+
+PLATE: Final = {"length": 170.0, "width": 170.0}
+
+ROUND: Final = Stock(shape="round", diameter=170.0, top=1.0)
+
+DRILLED: Final = {"stock": Stock(bore=BORE)}
+
+
+def clamped(kind: str, *clamps: Clamp) -> dict[str, Any]:
+    return {"holding": Holding(kind=kind, through=0.5, clamps=clamps)}
+
+
+def clamp(place: complex, length: float, width: float, **own: Any) -> Clamp:
+    return Clamp(place=place, length=length, width=width, height=8.0, **own)
+
+
+PLANNED: Final[list[tuple[Contact, dict[str, Any], str, str]]] = [
+    # tools
+    *((GROOVE, {"tools": (tool(each),), **DRILLED}, "from 8 to 16 mm", "tool")
+      for each in (2.0, 7.9, 16.1)),
+    *((INNER, {"tools": (tool(each),)}, "smaller than the bore, 25 mm", "tool.diameter")
+      for each in (25.0, 30.0)),
+    (INNER, {"tools": (tool(12.0, flute_length=10.0),)},
+     "tool 1: its cutting edges, 10 mm, are shorter than", "tool.flute_length"),
+    (INNER, {"tools": (tool(12.0, stepdown=None),)}, "tool 1 states no stepdown", "tool.stepdown"),
+    (INNER, {"tools": (tool(6.0, stepover=None),)}, "none is invented", "tool.stepover"),
+    (INNER, {"tools": (tool(2.1 * LARGEST),)}, "must be at most 200000 mm", "tool.diameter"),
+    # blank
+    (INNER, {"stock": Stock(top=1.0)}, "outline of a blank that is to be faced", "stock.length"),
+    (INNER, {"stock": Stock(**PLATE, bore=BORE + 1e-3)}, "at most the bore of the part, 25 mm",
+     "stock.bore"),
+    # A part out of a plate is no smaller than one from the round, whatever is cut around it.
+    *((INNER, {"stock": stock}, "the blank is too small", "stock") for stock in (
+        Stock(shape="round", diameter=130.0, centre=20.0), Stock(length=200.0, width=90.0),
+        Stock(length=130.0, width=200.0, centre=20.0 + 3.0j))),
+    (GROOVE, {"stock": Stock(length=2.0 * LARGEST, width=170.0, bore=BORE)},
+     r"the blank reaches 1e\+05 mm .* for up to 100000", "stock"),
+    (INNER, {"stock": Stock(shape="round", diameter=160.0, top=5.0), "heights": Heights(20.0, 4.0)},
+     "above the blank, 5 mm", "output.gcode.retract_height"),
+    # part
+    (INNER, {"spec": PartSpec(bore=25.0)}, "thickness", "part.thickness"),
+    *((INNER, {"spec": replace(HUBBED, hub=Hub(40.0, 6.0, side))}, "milled from there",
+       "part.hub.side") for side in ("lower", "both")),
+    # holding
+    *((contact, {"holding": None}, "goes through, and what it cuts free drops", "holding")
+      for contact in (INNER, OUTER, GROOVE)),
+    (INNER, clamped("screws", replace(WASHER, since="")),
+     r"rough bore .*runs into the screw at 0, 0 mm", "holding"),
+    (INNER, clamped("clamps", clamp(100.0 + 0j, 20.0, 20.0)),
+     "free while nothing that is set stands on it", "holding"),
+    (INNER, clamped("clamps", clamp(50.0j, 20.0, 60.0)),
+     "rough outline with tool 1 runs into the clamp", "holding"),
+    (INNER, {**clamped("screws", WASHER), "heights": Heights.of(8.0)},
+     "above the screw at 0, 0 mm, 8 mm high", "output.gcode.clearance_height"),
+    (INNER, clamped("clamps", clamp(0j, 30.0, 30.0, until="outlin")),
+     'no such operation; there are "rough bore"', "holding.clamp.until"),
+    (INNER, {"holding": Holding(kind="onion-skin", skin=THICKNESS)},
+     "must be less than the thickness", "holding.thickness"),
+    (INNER, {"holding": Holding(kind="tabs", through=0.5, tabs=Tabs(4, 6.0, THICKNESS))},
+     "must be less than the thickness", "holding.height"),
+]  # fmt: skip
+"""Contact, what is given beside it, what is said, and the key; of planned sequences."""
+
+TWICE: Final[Operations] = (operation("rough", "outline"), operation("rough", "outline"))
+
+SPIRAL: Final = operation("rough", "outline", strategy="spiral")
+
+HOOK: Final = {"stock": Stock(shape="round", diameter=290.0), "pitch": HOOKED,
+               "tools": (tool(4.0),)}  # fmt: skip
+
+HUB: Final = {"spec": HUBBED, "tools": HUB_TOOLS}
+
+BLANK: Final = {"stock": ROUND}
+
+TABBED: Final = Holding(kind="tabs", through=0.3, tabs=Tabs(3, 5.0, 1.5))
+
+STATED: Final[list[tuple[Contact, Operations, dict[str, Any], str, str]]] = [
+    # walls
+    (INNER, (operation("finish", "outlin"),), BLANK, 'no such wall; it has "outline", "bore"',
+     "boundary"),
+    (INNER, (operation("engrave", tool=3, boundary="hub"),), HUB, "is no mark", "boundary"),
+    (INNER, (operation("drill", "mark", 2),), HUB, "it is no hole", "boundary"),
+    (INNER, (operation("drill", "hole", 2),), HUB, "no such wall", "boundary"),
+    # tools
+    (INNER, (operation("drill"),), BLANK, 'needs a tool of kind "drill", not "end-mill"', "tool"),
+    (INNER, (operation("rough", "outline", 2),), BLANK, 'needs a tool of kind "end-mill"', "tool"),
+    (INNER, (operation("engrave"),), HUB, "not as wide as the mark", "tool"),
+    (GROOVE, (operation("slot"),), BLANK, "not as wide as the groove, 16 mm", "tool"),
+    # allowances
+    (GROOVE, (operation("rough", "outer flank", allowance=4.0),), BLANK,
+     "less than 4 mm with tool 1: more would cut into the flank across the groove", "allowance"),
+    (INNER, (operation("bore", allowance=7.0),), BLANK,
+     r"less than 6\.5 mm with tool 1: its smallest concave radius is 12\.5 mm", "allowance"),
+    # chamfers
+    (INNER, (operation("chamfer", "outline", 3, size=4.9),), {}, "does not cover 4.9 mm", "tool"),
+    (GROOVE, (operation("chamfer", "outer flank", 5, size=1.5),), {},
+     "point, 6.203 mm deep, reaches the floor at Z -6", "tool"),
+    (GROOVE, (operation("chamfer", "inner flank", 6, size=14.0),), {}, "comes to the outer flank",
+     "size"),
+    (INNER, (operation("chamfer", "bore", 3, size=0.5),), BLANK, "to be faced before", "kind"),
+    # strategies
+    (INNER, (operation("rough", "hub", strategy="ramp"),), HUB, "all of that is cleared",
+     "strategy"),
+    (INNER, (SPIRAL,), {}, "whose outline is stated", "strategy"),
+    (INNER, (SPIRAL,), HOOK, "rays from the cam axis", "strategy"),
+    (INNER, (operation("rough", "outline", strategy="trochoidal"),), {"holding": TABBED},
+     "leaves no tabs", "strategy"),
+    # others
+    (INNER, (operation("face"),), {}, "nothing to face", "kind"),
+    (INNER, TWICE, {}, "its own name", "name"),
+]  # fmt: skip
+"""Contact, operations, what is given beside them, what is said, and the key of the last one."""
+
+
+@pytest.mark.parametrize(("contact", "given", "message", "key"), PLANNED)
+def test_a_planned_sequence_is_refused(
+    contact: Contact, given: dict[str, Any], message: str, key: str
+) -> None:
+    tools = given.get("tools", ())
+    own = {name: each for name, each in given.items() if name != "tools"}
+    with pytest.raises(GeometryError, match=message) as caught:
+        sequence(contact, *tools, **{"spec": SPEC, **own})
+    assert caught.value.key == key
+
+
+@pytest.mark.parametrize(("contact", "operations", "given", "message", "key"), STATED)
+def test_an_operation_is_refused(
+    contact: Contact, operations: Operations, given: dict[str, Any], message: str, key: str
+) -> None:
+    tools = given.get("tools", TOOLS)
+    own = {name: each for name, each in given.items() if name != "tools"}
+    with pytest.raises(GeometryError, match=message) as caught:
+        sequence(contact, *tools, **own, operations=operations)
+    assert caught.value.key == f"operation[{len(operations)}].{key}"
