@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from functools import cache
 from typing import Final
 
 import pytest
@@ -11,20 +10,26 @@ import pytest
 from camgeo.design.design import Design
 from camgeo.design.product import Product
 from camgeo.design.verify import Check, Reading
-from camgeo.errors import FileError, SceneError
+from camgeo.errors import FileError
 from camgeo.milling.machine import load, names
-from camgeo.scene.scene import parse_scene
 from camgeo_export.gcode.measure import bench_of
 from camgeo_export.gcode.moves import CutterMove
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import Run, run
 from camgeo_export.verify.gcode import VERIFIER
-from tests.interpreter.test_stated_milling import CAM, TABBED
+from tests.interpreter.stated import (
+    CAM,
+    TABBED,
+    TOLERANCE,
+    failing,
+    product_of,
+    require_clean,
+    written,
+)
+from tests.interpreter.test_stated_milling import OPERATIONS
 from tests.judges import rs274
 from tests.judges.paths import difference
 from tests.long_form import LONG
-
-TOLERANCE: Final = 0.02
 
 HAVE: Final = tuple(name for name in names() if load(name).compensation is not None)
 
@@ -45,24 +50,16 @@ NOMINAL: Final = {"linuxcnc": "G41 D4", "heidenhain": "DR-0.19685", "sinumerik":
 FINISHES: Final = {"wear": ("bore", "outline"), "control": ("outline",)}
 
 
-@cache
-def product(mode: str, machine: str = "linuxcnc", unit: str = "mm") -> Product:
-    text = f'{CAM}machine = "{machine}"\ncompensation = "{mode}"\n{HELD[mode]}'
-    if unit == "inch":
-        text += '[units]\nlength = "inch"\n'
-        text = re.sub(
-            r"^(base_radius|roller_radius|to|thickness|bore|diameter|flute_length|feed|plunge_feed"
-            r"|stepdown|stepover|clearance_height|retract_height|through|width|height) = ([\d.]+)$",
-            lambda found: f"{found[1]} = {float(found[2]) / 25.4:.7f}",
-            text,
-            flags=re.MULTILINE,
-        )
-    return Design(parse_scene(text)).discs[0]
+def scene(mode: str, machine: str = "linuxcnc") -> str:
+    return f'{CAM}machine = "{machine}"\ncompensation = "{mode}"\n{HELD[mode]}'
 
 
-@cache
+def product(mode: str, machine: str = "linuxcnc") -> Product:
+    return product_of(scene(mode, machine))
+
+
 def program(mode: str, machine: str = "linuxcnc") -> str:
-    return WRITER.write(product(mode, machine), TOLERANCE).data.decode()
+    return written(scene(mode, machine)).decode()
 
 
 def checks(mode: str, machine: str, text: str) -> list[Check]:
@@ -70,19 +67,25 @@ def checks(mode: str, machine: str, text: str) -> list[Check]:
     return list(VERIFIER.checks(product(mode, machine), text.encode(), reading, TOLERANCE))
 
 
+LENGTHS: Final = re.compile(
+    r"^(base_radius|roller_radius|to|thickness|bore|diameter|flute_length|feed|plunge_feed|stepdown"
+    r"|stepover|clearance_height|retract_height|through|width|height) = ([\d.]+)$",
+    re.MULTILINE,
+)
+
+
 @pytest.mark.parametrize("machine", NOMINAL if LONG else ["sinumerik"])
 def test_programs_in_inches(machine: str) -> None:
-    disc = product("wear", machine, "inch")
-    text = WRITER.write(disc, TOLERANCE).data.decode()
-    assert WRITER.measure(disc, text.encode()) <= TOLERANCE
-    reading = Reading("a.nc")
-    found = VERIFIER.checks(disc, text.encode(), reading, TOLERANCE)
-    assert [check for check in found if check.ok is False] == []
-    assert NOMINAL[machine] in text
+    text = LENGTHS.sub(
+        lambda found: f"{found[1]} = {float(found[2]) / 25.4:.7f}", scene("wear", machine)
+    )
+    text += '[units]\nlength = "inch"\n'
+    require_clean(product_of(text), written(text))
+    assert NOMINAL[machine] in written(text).decode()
 
 
 def bad(mode: str, machine: str, text: str) -> list[str]:
-    return [check.name for check in checks(mode, machine, text) if check.ok is False]
+    return [check.name for check in failing(product(mode, machine), text.encode())]
 
 
 def compensated(found: Run) -> list[CutterMove]:
@@ -98,11 +101,8 @@ def compensated(found: Run) -> list[CutterMove]:
     ],
 )
 def test_programs_are_clean_verify_and_measure(machine: str, mode: str) -> None:
-    text, profile, disc = program(mode, machine), load(machine), product(mode, machine)
-    found = run(text, profile, bench_of(disc, profile))
-    assert found.findings == ()
-    assert WRITER.measure(disc, text.encode()) <= TOLERANCE
-    assert bad(mode, machine, text) == []
+    text = program(mode, machine)
+    found = require_clean(product(mode, machine), text.encode())
     told = [check.of for check in checks(mode, machine, text) if check.name == "compensation"]
     assert tuple(told) == FINISHES[mode] == tuple({m.operation: 0 for m in compensated(found)})
 
@@ -230,92 +230,8 @@ def test_what_is_told_of_the_wear_holds_and_not_much_more() -> None:
     assert bad("wear", "linuxcnc", thrice)[0] == "compensation"
 
 
-@pytest.mark.parametrize(
-    ("mode", "changes", "fault"),
-    [
-        ("wear", {"machine": "grbl"}, 'compensation = "wear": must be one of "computed" for Grbl'),
-        ("worn", {}, 'compensation = "worn": must be one of "computed", "wear", "control"'),
-    ],
-)
-def test_wrong_values_are_refused_with_their_key(
-    mode: str, changes: dict[str, str], fault: str
-) -> None:
-    machine = changes.get("machine", "linuxcnc")
-    with pytest.raises(SceneError) as caught:
-        parse_scene(f'{CAM}machine = "{machine}"\ncompensation = "{mode}"\n{TABBED}')
-    assert [str(each) for each in caught.value.faults if fault in str(each)], str(caught.value)
-
-
-OPERATIONS: Final = """[[operation]]
-kind = "rough"
-boundary = "outline"
-tool = 4
-allowance = 0.3
-[[operation]]
-kind = "finish"
-boundary = "outline"
-tool = 4
-"""
-
-
-def of_operations(operations: str, machine: str = "linuxcnc", default: str = "") -> Product:
-    text = f'{CAM}machine = "{machine}"\n{default}{CHUCKED}{operations}'
-    return Design(parse_scene(text)).discs[0]
-
-
 def test_an_operation_says_its_own() -> None:
-    cuts = of_operations(f'{OPERATIONS}compensation = "wear"\n').milled.contour_cuts
-    assert [(cut.name, cut.compensation) for cut in cuts] == [("outline", "wear")]
-    default = 'compensation = "wear"\n'
-    own = f'{OPERATIONS}compensation = "computed"\n'
-    cuts = of_operations(own, default=default).milled.contour_cuts
-    assert [cut.compensation for cut in cuts] == ["computed"]
-
-
-@pytest.mark.parametrize(
-    ("operations", "fault"),
-    [
-        (
-            OPERATIONS.replace("allowance = 0.3", 'compensation = "wear"'),
-            'operation[1].compensation = "wear": belongs to kind "finish"',
-        ),
-        (f'{OPERATIONS}compensation = "worn"\n', "operation[2].compensation"),
-    ],
-)
-def test_an_operation_that_cannot_have_it_is_refused(operations: str, fault: str) -> None:
-    with pytest.raises(SceneError) as caught:
-        of_operations(operations)
-    assert fault in str(caught.value)
-
-
-def test_a_machine_without_it_refuses_it_in_an_operation() -> None:
-    with pytest.raises(SceneError) as caught:
-        of_operations(f'{OPERATIONS}compensation = "control"\n', "grbl")
-    assert 'operation[2].compensation = "control": must be one of "computed" for Grbl' in str(
-        caught.value
-    )
-
-
-def test_a_finish_in_full_material_cannot_be_compensated() -> None:
-    finish = OPERATIONS[OPERATIONS.index('[[operation]]\nkind = "finish"') :]
-    found = of_operations(f'{finish}compensation = "wear"\n')
-    with pytest.raises(SceneError, match="needs a wall that is roughed") as caught:
-        WRITER.write(found, TOLERANCE)
-    assert caught.value.faults[0].key == "operation[1].compensation"
-
-
-def test_one_offset_cannot_hold_wear_and_radius() -> None:
-    second = OPERATIONS[OPERATIONS.index('[[operation]]\nkind = "finish"') :]
-    found = of_operations(
-        f'{OPERATIONS}compensation = "wear"\n{second}name = "again"\ncompensation = "control"\n'
-    )
-    with pytest.raises(SceneError, match="its offset cannot hold both"):
-        WRITER.write(found, TOLERANCE)
-
-
-def test_where_leads_have_no_room_for_the_radius_control_is_refused() -> None:
-    text = f'{CAM}compensation = "control"\n{TABBED}'
-    found = Design(parse_scene(text)).discs[0]
-    with pytest.raises(SceneError, match='"wear" needs less') as caught:
-        WRITER.write(found, TOLERANCE)
-    assert caught.value.faults[0].key == "output.gcode.compensation"
+    for own, default, said in (("wear", "", ["wear"]), ("computed", "wear", ["computed"])):
+        keys = f'compensation = "{default}"\n' if default else ""
+        cuts = product_of(f'{CAM}{keys}{CHUCKED}{OPERATIONS}compensation = "{own}"\n')
+        assert [cut.compensation for cut in cuts.milled.contour_cuts] == said

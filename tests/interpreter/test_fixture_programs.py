@@ -15,13 +15,12 @@ from typing import Final
 import pytest
 
 from camgeo.design.product import Product
-from camgeo.design.verify import Reading
 from camgeo.errors import ToleranceError
 from camgeo.milling.machine import load, names
 from camgeo_export.gcode.measure import bench_of
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import Run, run_bytes
-from camgeo_export.verify.gcode import VERIFIER
+from tests.interpreter.stated import failing
 from tests.judges.programs import (
     FIXTURES,
     JOBS,
@@ -84,8 +83,7 @@ def test_programs_are_clean_and_verify(
         assert lifted(found) <= {cut.name for cut in product.milled.cuts if cut.strategy == "drill"}
         if not (LONG or machine == VERIFIED):  # to measure the path takes half a second
             continue
-        checks = VERIFIER.checks(product, data, Reading("a.nc"), kept)
-        assert [check for check in checks if check.ok is False] == []
+        assert failing(product, data, kept) == []
 
 
 def test_the_long_form_has_every_fixture_scene() -> None:

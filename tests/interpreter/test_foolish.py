@@ -258,10 +258,6 @@ def test_a_program_in_the_other_dialect_is_found_once(machine: str, other: str) 
         assert not any("conversational" in each.what for each in found.findings)
 
 
-def test_there_are_enough() -> None:
-    assert len(LINUXCNC + OTHERS) >= 40
-
-
 @pytest.mark.parametrize("machine", ["linuxcnc", "mach3", "fanuc", "haas"])
 def test_percent_may_stand_around_a_program(machine: str) -> None:
     text = GOOD[machine].strip("%\n")

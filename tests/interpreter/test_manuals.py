@@ -224,57 +224,37 @@ def test_fanuc_begins_compensation_with_a_line() -> None:
 
 
 @pytest.mark.parametrize(
-    ("machine", "text", "length", "found"),
+    ("machine", "unit", "word", "value", "found"),
     [
-        ("fanuc", "G21\nG1 X1000 F100.", 1.0, True),
-        ("fanuc", "G21\nG1 X1000.0 F100.", 1000.0, False),
-    ],
-)
-def test_a_coordinate_without_a_point(machine: str, text: str, length: float, found: bool) -> None:
-    """Fanuc B-63682EN/01, page 54, and SINUMERIK ISO Milling 04.07, page 1-13: X1000 is 1 mm."""
-    ran = run(f"G17 G90 G94 G0 X0. Y0. Z0.\n{text}\n", load(machine))
-    assert ran.moves[-1].end.real == pytest.approx(length, abs=1e-12)
-    assert found == ("decimal-point" in {each.rule for each in ran.findings})
-
-
-@pytest.mark.parametrize(
-    ("machine", "unit", "text", "feed", "found"),
-    [
+        # Fanuc B-63682EN/01, page 54, and SINUMERIK ISO Milling 04.07, page 1-13: X1000 is 1 mm.
+        ("fanuc", "G21", "X1000", 1.0, True),
+        ("fanuc", "G21", "X1000.0", 1000.0, False),
+        # Haas, "Help with the decimal points", F12; SINUMERIK ISO Milling 04.07, page 1-13, F.
         ("haas", "G20", "F12", 0.0012 * INCH, True),
         ("haas", "G20", "F12.", 12 * INCH, False),
         ("haas", "G21", "F12", 0.012, True),
         ("fanuc", "G20", "F12", 0.12 * INCH, True),
         ("fanuc", "G21", "F12", 12.0, False),
         ("mach3", "G21", "F12", 12.0, False),
+        # Haas 96-8000, June 1999, page 164; SINUMERIK ISO Milling 04.07, page 3-67, of P.
+        ("haas", "G21", "P2000", 2.0, False),
+        ("haas", "G21", "P2.", 2.0, False),
+        ("haas", "G21", "P1.5", 1.5, False),
+        ("fanuc", "G21", "P2000", 2.0, False),
+        ("fanuc", "G21", "P2.", 0.002, True),
     ],
 )
-def test_a_feed_without_a_point(
-    machine: str, unit: str, text: str, feed: float, found: bool
+def test_a_number_with_and_without_a_point(
+    machine: str, unit: str, word: str, value: float, found: bool
 ) -> None:
-    """Haas, "Help with the decimal points", F12; SINUMERIK ISO Milling 04.07, page 1-13, F."""
-    ran = run(f"G17 {unit} G90 G94 G0 X0. Y0. Z0.\nG1 X1. {text}\n", load(machine))
-    assert ran.moves[-1].feed == pytest.approx(feed, rel=1e-12)
-    assert found == ("decimal-point" in {each.rule for each in ran.findings})
-
-
-@pytest.mark.parametrize(
-    ("machine", "text", "seconds", "found"),
-    [
-        ("haas", "P2000", 2.0, False),
-        ("haas", "P2.", 2.0, False),
-        ("haas", "P1.5", 1.5, False),
-        ("fanuc", "P2000", 2.0, False),
-        ("fanuc", "P2.", 0.002, True),
-    ],
-)
-def test_a_dwell_with_and_without_a_point(
-    machine: str, text: str, seconds: float, found: bool
-) -> None:
-    """Haas 96-8000, June 1999, page 164; SINUMERIK ISO Milling 04.07, page 3-67, of P."""
-    ran = run(f"G21 G90 G94\nG4 {text}\n", load(machine))
-    (dwell,) = (each for each in ran.events if each.kind == "dwell")
-    assert dwell.seconds == pytest.approx(seconds)
-    assert found == bool({"number", "dwell"} & {each.rule for each in ran.findings})
+    """Coordinates, feeds and dwells [s]."""
+    block = {"X": f"G1 {word} F100.", "F": f"G1 X1. {word}", "P": f"G4 {word}"}[word[0]]
+    ran = run(f"G17 {unit} G90 G94 G0 X0. Y0. Z0.\n{block}\n", load(machine))
+    dwells = [each.seconds for each in ran.events if each.kind == "dwell"]
+    read = {"X": ran.moves[-1].end.real, "F": ran.moves[-1].feed, "P": sum(dwells)}[word[0]]
+    assert read == pytest.approx(value, rel=1e-12)
+    rules = {"number", "dwell"} if dwells else {"decimal-point"}
+    assert found == bool(rules & {each.rule for each in ran.findings})
 
 
 def test_an_end_beside_the_arc_is_found() -> None:

@@ -3,91 +3,27 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 from typing import Final
 
 import pytest
 
-import camgeo
-from camgeo.design.design import Design
-from camgeo.design.product import Product
 from camgeo.design.verify import Reading
+from camgeo.errors import SceneError
 from camgeo.milling.machine import load
+from camgeo.scene.scene import parse_scene
 from camgeo_export.gcode.measure import bench_of
-from camgeo_export.gcode.writer import WRITER
-from camgeo_export.interpreter.run import run_bytes
 from camgeo_export.verify.gcode import VERIFIER
+from tests.interpreter.stated import (
+    CAM,
+    SCREWED,
+    SKINNED,
+    TABBED,
+    TOLERANCE,
+    product_of,
+    require_clean,
+    written,
+)
 from tests.long_form import LONG
-
-TOLERANCE: Final = 0.02
-
-CAM: Final = """camgeo = 1
-name = "stated"
-[cam]
-rotation = "cw"
-[follower]
-kind = "translating-roller"
-base_radius = 25
-roller_radius = 8
-[[motion]]
-law = "polynomial-345"
-span = 180
-to = 8
-[[motion]]
-law = "polynomial-345"
-span = 180
-to = 0
-[part]
-thickness = 6
-bore = 18
-[[tool]]
-number = 4
-diameter = 10
-flute_length = 12
-spindle_speed = 3000
-feed = 500
-plunge_feed = 150
-stepdown = 3
-stepover = 3
-ramp_angle = 3
-coolant = "flood"
-[output]
-formats = ["gcode"]
-[output.gcode]
-clearance_height = 15
-retract_height = 3
-"""
-
-SCREWED: Final = """[stock]
-shape = "round"
-diameter = 70
-top = 1
-bottom = 0
-[holding]
-kind = "screws"
-through = 0.5
-[[holding.screw]]
-place = [0, 0]
-head_diameter = 24
-height = 8
-since = "rough outline"
-"""
-
-TABBED: Final = """[holding]
-kind = "tabs"
-through = 0.3
-count = 3
-width = 5
-height = 1.5
-"""
-
-SKINNED: Final = """[stock]
-length = 80
-width = 70
-[holding]
-kind = "onion-skin"
-thickness = 0.2
-"""
 
 MACHINES: Final = ("linuxcnc", "haas", "heidenhain")
 
@@ -96,10 +32,8 @@ CHAMFERING: Final = ("linuxcnc", "fanuc", "heidenhain")
 HELD: Final = {"screws": SCREWED, "tabs": TABBED, "onion-skin": SKINNED}
 
 
-def product_of(folder: Path, held: str, machine: str) -> Product:
-    path = folder / "scene.toml"
-    path.write_text(f'{CAM}machine = "{machine}"\n{HELD[held]}', "utf-8")
-    return Design(camgeo.load(path).scene).discs[0]
+def held_by(held: str, machine: str) -> str:
+    return f'{CAM}machine = "{machine}"\n{HELD[held]}'
 
 
 @pytest.mark.parametrize(
@@ -110,22 +44,18 @@ def product_of(folder: Path, held: str, machine: str) -> Product:
         for machine in (MACHINES if LONG else MACHINES[k : k + 1])
     ],
 )
-def test_programs_are_clean_and_verify(held: str, machine: str, tmp_path: Path) -> None:
-    product, profile = product_of(tmp_path, held, machine), load(machine)
-    data = WRITER.write(product, TOLERANCE).data
-    bench = bench_of(product, profile)
-    found = run_bytes(data, profile, bench)
-    assert found.findings == ()
+def test_programs_are_clean_and_verify(held: str, machine: str) -> None:
+    text = held_by(held, machine)
+    product = product_of(text)
+    found = require_clean(product, written(text))
     assert {move.coolant for move in found.moves if move.kind != "rapid"} == {"flood"}
-    assert WRITER.measure(product, data) <= TOLERANCE
-    checks = VERIFIER.checks(product, data, Reading("a.nc"), TOLERANCE)
-    assert [check for check in checks if check.ok is False] == []
+    bench = bench_of(product, load(machine))
     assert bench.stock_top == (1.0 if held == "screws" else 0.0)
 
 
-def test_from_a_halt_the_cutter_comes_back_above_its_first_point(tmp_path: Path) -> None:
+def test_from_a_halt_the_cutter_comes_back_above_its_first_point() -> None:
     """The operator may have moved it: no cut goes down before X and Y are said again."""
-    text = WRITER.write(product_of(tmp_path, "screws", "linuxcnc"), TOLERANCE).data.decode()
+    text = written(held_by("screws", "linuxcnc")).decode()
     (halt,) = re.finditer(r"^M0$", text, re.MULTILINE)
     after = [line for line in text[halt.end() :].splitlines() if line.startswith("G0")]
     assert re.fullmatch(r"G0 Z15\.0+", after[0])
@@ -134,8 +64,8 @@ def test_from_a_halt_the_cutter_comes_back_above_its_first_point(tmp_path: Path)
 
 
 @pytest.mark.parametrize("machine", ["linuxcnc", "haas", "sinumerik"])
-def test_the_operator_comes_before_anything_is_switched_on(machine: str, tmp_path: Path) -> None:
-    text = WRITER.write(product_of(tmp_path, "screws", machine), TOLERANCE).data.decode()
+def test_the_operator_comes_before_anything_is_switched_on(machine: str) -> None:
+    text = written(held_by("screws", machine)).decode()
     _, _, operation = text.lower().partition("operation rough outline")
     before, halt, after = operation.partition("m0\n")
     assert halt
@@ -190,25 +120,15 @@ def chamfered(name: str) -> str:
     ("strategy", "machine"),
     [("trochoidal", "linuxcnc"), ("trochoidal", "heidenhain"), ("spiral", "fanuc")],
 )
-def test_strategies_of_roughing_are_clean_and_verify(
-    strategy: str, machine: str, tmp_path: Path
-) -> None:
+def test_strategies_of_roughing_are_clean_and_verify(strategy: str, machine: str) -> None:
     own = f'strategy = "{strategy}"\nstepdown = 7\nfeed = 1500'
-    operations = [
-        f'kind = "rough"\ntool = 4\nboundary = "outline"\nallowance = 0.2\n{own}',
-        'kind = "finish"\ntool = 4\nboundary = "outline"',
-    ]
-    tables = "".join(f"[[operation]]\n{each}\n" for each in operations)
-    path = tmp_path / "scene.toml"
+    rough = f'kind = "rough"\ntool = 4\nboundary = "outline"\nallowance = 0.2\n{own}'
+    finish = 'kind = "finish"\ntool = 4\nboundary = "outline"'
     bored = SKINNED.replace("width = 70", "width = 70\nbore = 18")
-    text = CAM.replace("[output]", f"{bored}{tables}[output]", 1)
-    path.write_text(f'{text}machine = "{machine}"\n', "utf-8")
-    product, profile = Design(camgeo.load(path).scene).discs[0], load(machine)
-    data = WRITER.write(product, TOLERANCE).data
-    assert run_bytes(data, profile, bench_of(product, profile)).findings == ()
-    reading = Reading("a.nc")
-    checks = VERIFIER.checks(product, data, reading, TOLERANCE)
-    assert [check for check in checks if check.ok is False] == []
+    tables = f"{bored}[[operation]]\n{rough}\n[[operation]]\n{finish}\n[output]"
+    text = f'{CAM.replace("[output]", tables, 1)}machine = "{machine}"\n'
+    data = written(text)
+    require_clean(product_of(text), data)
 
 
 @pytest.mark.parametrize(
@@ -219,15 +139,46 @@ def test_strategies_of_roughing_are_clean_and_verify(
         for machine in (CHAMFERING if LONG else CHAMFERING[k % 3 : k % 3 + 1])
     ],
 )
-def test_chamfers_are_clean_and_verify(name: str, machine: str, tmp_path: Path) -> None:
-    path = tmp_path / "scene.toml"
-    path.write_text(f'{chamfered(name)}machine = "{machine}"\n', "utf-8")
-    product, profile = Design(camgeo.load(path).scene).discs[0], load(machine)
-    data = WRITER.write(product, TOLERANCE).data
-    found = run_bytes(data, profile, bench_of(product, profile))
-    assert found.findings == ()
+def test_chamfers_are_clean_and_verify(name: str, machine: str) -> None:
+    text = f'{chamfered(name)}machine = "{machine}"\n'
+    product, data = product_of(text), written(text)
+    require_clean(product, data)
     checks = VERIFIER.checks(product, data, Reading("a.nc"), TOLERANCE)
-    assert [check for check in checks if check.ok is False] == []
-    measured = [check.of for check in checks if check.name == "deviation"]
-    for wall in EDGED[name][1]:
-        assert any(of.startswith(f"chamfer {wall}") for of in measured)
+    measured = " ".join(check.of for check in checks if check.name == "deviation")
+    assert [wall for wall in EDGED[name][1] if f"chamfer {wall}" not in measured] == []
+
+
+OPERATIONS: Final = """[[operation]]
+kind = "rough"
+boundary = "outline"
+tool = 4
+allowance = 0.3
+[[operation]]
+kind = "finish"
+boundary = "outline"
+tool = 4
+"""
+
+WRONG: Final = (
+    (f'machine = "grbl"\ncompensation = "wear"\n{TABBED}',
+     'output.gcode.compensation = "wear": must be one of "computed" for Grbl'),
+    (f'compensation = "worn"\n{TABBED}',
+     'compensation = "worn": must be one of "computed", "wear", "control"'),
+    (TABBED + OPERATIONS.replace("allowance = 0.3", 'compensation = "wear"'),
+     'operation[1].compensation = "wear": belongs to kind "finish"'),
+    (f'{TABBED}{OPERATIONS}compensation = "worn"\n', "operation[2].compensation"),
+    (f'machine = "grbl"\n{TABBED}{OPERATIONS}compensation = "control"\n',
+     'operation[2].compensation = "control": must be one of "computed" for Grbl'),
+    (f'zero = "left"\n{TABBED}',
+     'output.gcode.zero = "left": must be one of "axis", "front-left"'),
+    (f'zero_height = "top"\n{TABBED}',
+     'output.gcode.zero_height = "top": must be one of "part-top"'),
+)  # fmt: skip
+"""What stands in a scene, and its fault."""
+
+
+@pytest.mark.parametrize(("tables", "fault"), WRONG)
+def test_wrong_values_are_refused_with_their_key(tables: str, fault: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        parse_scene(f"{CAM}{tables}")
+    assert [str(each) for each in caught.value.faults if fault in str(each)], str(caught.value)

@@ -10,7 +10,6 @@ from dataclasses import replace
 import pytest
 
 from camgeo.design.linting import Bench
-from camgeo.design.verify import Reading
 from camgeo.milling.machine import load, names
 from camgeo.milling.milling import GcodeSpec
 from camgeo.units import LengthUnit
@@ -18,8 +17,7 @@ from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import run, run_bytes
 from camgeo_export.verify.gcode import VERIFIER
 from tests.export.stub_product import TOOL, StubProduct
-
-TOLERANCE = 0.02
+from tests.interpreter.stated import TOLERANCE, failing
 
 OTHER = replace(TOOL, number=7, diameter=4.0)
 
@@ -43,8 +41,7 @@ def test_programs_are_clean_and_verify(machine: str, unit: LengthUnit) -> None:
     origin = VERIFIER.origin(data)
     assert origin.version
     assert origin.tolerance is not None
-    checks = VERIFIER.checks(product, data, Reading("a.nc"), origin.tolerance)
-    assert [check for check in checks if check.ok is False] == []
+    assert failing(product, data, origin.tolerance) == []
     assert WRITER.measure(product, data) <= origin.tolerance
 
 
@@ -73,6 +70,4 @@ def test_what_is_said_at_a_stop_is_for_the_operator(machine: str) -> None:
     place = next(k for k, line in enumerate(lines) if "operation outline" in line.lower())
     off, on = profile.spindle.off[0], profile.spindle.clockwise[0].format(speed="3000")
     halted = [*lines[:place], off, note, *profile.program.stop, on, *lines[place:]]
-    found = "\n".join(halted).encode()
-    checks = VERIFIER.checks(product, found, Reading("a.nc"), TOLERANCE)
-    assert [check for check in checks if check.ok is False] == []
+    assert failing(product, "\n".join(halted).encode()) == []

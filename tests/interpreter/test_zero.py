@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import cmath
 import math
-from functools import cache
 from typing import Final
 
 import pytest
@@ -12,20 +11,22 @@ import pytest
 from camgeo.app.answers.answer import text as rendered
 from camgeo.app.answers.setup import setup_sheet
 from camgeo.design.design import Design
-from camgeo.design.product import Product
-from camgeo.design.verify import Reading
-from camgeo.errors import SceneError
 from camgeo.milling.machine import load, names
 from camgeo.milling.milling import CORNERS, HEIGHTS
 from camgeo.scene.scene import parse_scene
 from camgeo_export.gcode.measure import bench_of
 from camgeo_export.gcode.writer import WRITER
-from camgeo_export.interpreter.run import Run, run
+from camgeo_export.interpreter.run import Run, run_bytes
 from camgeo_export.verify.gcode import VERIFIER
-from tests.interpreter.test_stated_milling import CAM
+from tests.interpreter.stated import (
+    CAM,
+    TOLERANCE,
+    failing,
+    product_of,
+    require_clean,
+    written,
+)
 from tests.long_form import LONG
-
-TOLERANCE: Final = 0.02
 
 PLATE: Final = """[stock]
 length = 80
@@ -69,18 +70,12 @@ COMBINED: Final = [
 ]
 
 
-@cache
-def product(machine: str = "linuxcnc", zero: str = "axis", height: str = "part-top") -> Product:
-    keys = f'machine = "{machine}"\nzero = "{zero}"\nzero_height = "{height}"\n'
-    return Design(parse_scene(f"{COARSE}{keys}{PLATE}")).discs[0]
+def scene(machine: str = "linuxcnc", zero: str = "axis", height: str = "part-top") -> str:
+    return f'{COARSE}machine = "{machine}"\nzero = "{zero}"\nzero_height = "{height}"\n{PLATE}'
 
 
-def written(disc: Product) -> str:
-    return WRITER.write(disc, TOLERANCE).data.decode()
-
-
-def read(disc: Product, machine: str) -> Run:
-    return run(written(disc), load(machine), bench_of(disc, load(machine)))
+def read(text: str, machine: str) -> Run:
+    return run_bytes(written(text), load(machine), bench_of(product_of(text), load(machine)))
 
 
 def test_all_corners_and_faces_are_where_they_say() -> None:
@@ -88,7 +83,7 @@ def test_all_corners_and_faces_are_where_they_say() -> None:
     assert set(LEVELS) == set(HEIGHTS)
     for name, place in PLACES.items():
         for height, z in LEVELS.items():
-            zero = product(zero=name, height=height).milled.zero
+            zero = product_of(scene(zero=name, height=height)).milled.zero
             assert (zero.place, zero.z) == (place, z)
             assert zero.of(place) == 0j
 
@@ -101,20 +96,15 @@ def test_all_corners_and_faces_are_where_they_say() -> None:
     ],
 )
 def test_programs_are_clean_and_verify(machine: str, zero: str, height: str) -> None:
-    disc = product(machine, zero, height)
-    text = written(disc)
-    found = run(text, load(machine), bench_of(disc, load(machine)))
-    assert found.findings == ()
-    assert WRITER.measure(disc, text.encode()) <= TOLERANCE
-    checks = VERIFIER.checks(disc, text.encode(), Reading("a.nc"), TOLERANCE)
-    assert [check for check in checks if check.ok is False] == []
+    text = scene(machine, zero, height)
+    require_clean(product_of(text), written(text))
 
 
 @pytest.mark.parametrize("machine", ["linuxcnc", "heidenhain"])
 def test_the_path_is_that_of_the_axis_moved(machine: str) -> None:
     """To rounding: both are printed with four decimals."""
-    own = read(product(machine), machine)
-    moved = read(product(machine, "front-left", "blank-top"), machine)
+    own = read(scene(machine), machine)
+    moved = read(scene(machine, "front-left", "blank-top"), machine)
     place, z = PLACES["front-left"], LEVELS["blank-top"]
     pairs = list(zip(own.moves, moved.moves, strict=True))
     assert len(pairs) > 50
@@ -128,17 +118,16 @@ def test_the_path_is_that_of_the_axis_moved(machine: str) -> None:
 
 
 def test_a_program_for_another_zero_does_not_verify() -> None:
-    reading = Reading("a.ngc")
-    own = product(zero="front-left")
-    for other in (product(zero="front-right"), product(zero="front-left", height="blank-top")):
-        checks = VERIFIER.checks(own, written(other).encode(), reading, TOLERANCE)
-        assert [check.name for check in checks if check.ok is False]
+    own = product_of(scene(zero="front-left"))
+    for other in (scene(zero="front-right"), scene(zero="front-left", height="blank-top")):
+        assert failing(own, written(other))
 
 
 def test_program_sheet_and_certificate_say_where_it_is() -> None:
-    disc = product(zero="front-left", height="blank-top")
+    text = scene(zero="front-left", height="blank-top")
+    disc = product_of(text)
     sentence = "X 0, Y 0 on the front left corner of the blank, Z 0 on the upper face of the blank"
-    notes = " ".join(run(written(disc), load("linuxcnc")).comments)
+    notes = " ".join(run_bytes(written(text), load("linuxcnc")).comments)
     assert f"unit mm, {sentence}" in notes
     assert "cam axis at X 37 Y 37, upper face of the finished disc at Z -1" in notes
     assert "operation bore depths -7.3000" in notes
@@ -153,53 +142,37 @@ def test_program_sheet_and_certificate_say_where_it_is() -> None:
 
 def test_the_blank_is_named_and_drawn_by_the_control() -> None:
     """In the program's coordinates; a blank whose outline is not known has no box."""
-    lines = written(product("heidenhain", "front-left", "blank-top")).splitlines()
+    lines = written(scene("heidenhain", "front-left", "blank-top")).decode().splitlines()
     assert lines[1:3] == [
         "1 BLK FORM 0.1 Z X+0.0000 Y+0.0000 Z-9.0000",
         "2 BLK FORM 0.2 X+80.0000 Y+70.0000 Z+0.0000",
     ]
     for machine in names() if LONG else ("linuxcnc", "heidenhain", "grbl", "fanuc"):
-        notes = " ".join(run(written(product(machine)), load(machine)).comments).lower()
+        notes = " ".join(run_bytes(written(scene(machine)), load(machine)).comments).lower()
         said = "plate, 80 x 70 mm, 9 mm high, its upper face at z 1"
         assert f"blank: {said}" in notes.replace("_", ":")
     text = f'{CAM}machine = "heidenhain"\n[holding]\nkind = "fixture"\nthrough = 0.3\n'
-    unknown = written(Design(parse_scene(text)).discs[0])
+    unknown = written(text).decode()
     assert "BLK FORM" not in unknown
     assert "blank: plate of unstated size, 6 mm high" in unknown
 
 
 def test_on_the_axis_and_the_finished_face_nothing_is_said_that_was_not() -> None:
-    notes = run(written(product()), load("linuxcnc")).comments
+    notes = run_bytes(written(scene()), load("linuxcnc")).comments
     assert "unit mm, Z 0 on the upper face, origin on the cam axis" in notes
     assert not any("cam axis at" in note for note in notes)
 
 
-@pytest.mark.parametrize(
-    ("keys", "stock", "fault"),
-    [
-        ('zero = "left"', PLATE, 'zero = "left": must be one of "axis", "front-left"'),
-        ('zero_height = "top"', PLATE, 'zero_height = "top": must be one of "part-top"'),
-    ],
-)
-def test_wrong_values_are_refused_with_their_key(keys: str, stock: str, fault: str) -> None:
-    held = "" if "holding" in stock else '[holding]\nkind = "fixture"\nthrough = 0.3\n'
-    with pytest.raises(SceneError) as caught:
-        parse_scene(f"{CAM}{keys}\n{stock}{held}")
-    assert f"output.gcode.{fault}" in str(caught.value)
-
-
-@pytest.mark.parametrize("stock", ["", '[stock]\nshape = "round"\ndiameter = 80\n'])
-def test_a_corner_needs_a_blank_that_has_it(stock: str) -> None:
+def test_a_corner_needs_a_blank_that_has_it() -> None:
+    """Of a round one `tests.toolpath.wrongs` says so."""
     held = '[holding]\nkind = "fixture"\nthrough = 0.3\n'
-    scene = parse_scene(f'{CAM}zero = "front-left"\n{stock}{held}')
-    (fault,) = scene.lacking([WRITER.format])
+    (fault,) = parse_scene(f'{CAM}zero = "front-left"\n{held}').lacking([WRITER.format])
     needed = '[stock] length and width of a plate, for output.gcode.zero = "front-left"'
     assert needed in fault.message
 
 
 def test_a_program_is_run_in_the_blank_of_the_scene_from_its_zero() -> None:
-    disc, machine = product(zero="front-left", height="blank-top"), load("linuxcnc")
-    text = written(disc).encode()
-    assert VERIFIER.worked(disc, text, machine) == ()
-    other = product(zero="front-right", height="blank-top")
-    assert VERIFIER.worked(other, text, machine)
+    machine = load("linuxcnc")
+    own, other = (scene(zero=zero, height="blank-top") for zero in ("front-left", "front-right"))
+    assert VERIFIER.worked(product_of(own), written(own), machine) == ()
+    assert VERIFIER.worked(product_of(other), written(own), machine)

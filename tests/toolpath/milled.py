@@ -97,6 +97,13 @@ TOOLS = (MILL, DRILL, POINTED, SLOTTER, SHARP, BLUNT)
 
 ENGRAVER = tool(2.0, 3, stepdown=0.3, stepover=None)
 
+HUB_TOOLS = (
+    tool(12.0, flute_length=20.0, stick_out=30.0, stepdown=8.0, stepover=5.0),
+    tool(4.0, 2, kind="drill", tip_angle=2.0, stepdown=None, stepover=None),
+    ENGRAVER,
+)
+"""Mill, drill and engraver of what is `HUBBED`."""
+
 HUBBED = replace(
     SPEC,
     hub=Hub(40.0, 6.0),

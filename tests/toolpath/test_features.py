@@ -13,21 +13,13 @@ from camgeo.cam.cam import Contact
 from camgeo.check.finding import Finding
 from camgeo.design.milled import MilledDisc
 from camgeo.errors import GeometryError, SceneError
-from camgeo.milling.cut import AreaCut, LineCut, PointCut
+from camgeo.milling.cut import AreaCut, LineCut
 from camgeo.milling.judged import left_out
 from camgeo.milling.machine import load
-from camgeo.milling.milling import OperationSpec, Stock
 from camgeo.milling.moves import Feed, Stop
 from camgeo.milling.plan import plan_toolpath
 from camgeo.milling.strategies import STRATEGIES
-from camgeo.part.spec import Counterbore, DShaft, Holes, Hub, Mark, PartSpec
-from tests.toolpath.milled import ENGRAVER, HEIGHTS, HUBBED, SPEC, named, part, sequence, tool
-
-MILL = tool(12.0, flute_length=20.0, stick_out=30.0, stepdown=8.0, stepover=5.0)
-DRILL = tool(4.0, 2, kind="drill", tip_angle=2.0, stepdown=None, stepover=None)
-TOOLS = (MILL, DRILL, ENGRAVER)
-
-ROUND = Stock(shape="round", diameter=150.0)
+from tests.toolpath.milled import ENGRAVER, HEIGHTS, HUB_TOOLS, HUBBED, named, sequence
 
 SCENE = """
 camgeo = 1
@@ -133,22 +125,6 @@ def _wrong(milled: MilledDisc) -> list[Finding]:
     return [each for each in found if each.severity == "broken"]
 
 
-@pytest.mark.parametrize("stock", [Stock(), ROUND])
-def test_a_hub_is_laid_free_first_and_what_lies_lower_begins_at_the_face(stock: Stock) -> None:
-    found = named(sequence(Contact.INNER, *TOOLS, stock=stock, spec=HUBBED))
-    assert list(found) == [
-        "rough hub", "hub", "rough bore", "bore", "engrave mark",
-        "drill bolt hole 1, bolt hole 2, bolt hole 3", "rough outline", "outline",
-    ]  # fmt: skip
-    tops = [cut.top for cut in found.values()]
-    assert tops == [0.0, 0.0, 0.0, 0.0, -6.0, -6.0, -6.0, -6.0]
-    assert [cut.bottom for cut in found.values()][:2] == [-6.0, -6.0]
-    assert found["engrave mark"].bottom == -6.5
-    assert found["outline"].bottom == -16.5
-    assert isinstance(found["rough hub"], AreaCut)
-    assert found["rough hub"].strategy == ("moat" if stock.outline is None else "rough")
-
-
 @pytest.mark.parametrize("text", [SCENE, SCENE + ROUND_BLANK, SCENE + STATED])
 def test_the_simulation_leaves_the_part(text: str) -> None:
     milled = _milled(text)
@@ -169,18 +145,6 @@ def test_a_deeper_hub_is_missed_by_the_simulation() -> None:
     assert "gouge" in names
 
 
-def test_what_no_tool_makes_is_left_out_and_told() -> None:
-    found = sequence(Contact.INNER, MILL, spec=HUBBED)
-    told = {each.name: each.sentence for each in found.findings}
-    assert told["mark-left-out"] == "mark: left out, no flat end mill of 2 mm fits it"
-    assert told["holes-left-out"].endswith(
-        "bolt hole 3: left out, no drill of 4 mm reaches through"
-    )
-    left = ("bolt hole 1", "bolt hole 2", "bolt hole 3", "mark")
-    assert left_out(part(Contact.INNER, HUBBED), found.cuts) == left
-    assert {each.severity for each in found.findings} == {"ok"}
-
-
 def test_what_is_left_out_is_not_judged() -> None:
     """By a planned sequence, and by one that is stated, which is told."""
     lines = SCENE.split("[[tool]]\nnumber = 2")
@@ -192,28 +156,10 @@ def test_what_is_left_out_is_not_judged() -> None:
     assert (told.severity, told.sentence) == ("warning", "no operation makes mark")
 
 
-def test_a_bore_that_is_not_round_is_left_out() -> None:
-    spec = replace(SPEC, d_shaft=DShaft(22.0))
-    found = sequence(Contact.INNER, MILL, spec=spec)
-    assert "bore-left-out" in {each.name for each in found.findings}
-    assert left_out(part(Contact.INNER, spec), found.cuts) == ("bore",)
-
-
-def test_a_dot_is_plunged_by_a_tool_that_may() -> None:
-    spec = replace(SPEC, mark=Mark(26.0, 2.0, 0.5))
-    cut = named(sequence(Contact.INNER, MILL, replace(ENGRAVER, plunges=True), spec=spec))
-    dot = cut["engrave mark"]
-    assert isinstance(dot, PointCut)
-    assert (dot.points, dot.depths, dot.produced) == ((26.0 + 0j,), (-0.5,), ("mark",))
-    assert dot.sinking == ENGRAVER.plunge_feed
-    found = sequence(Contact.INNER, MILL, ENGRAVER, spec=spec)
-    assert "mark-left-out" in {each.name for each in found.findings}
-
-
 @pytest.mark.parametrize("plunges", [True, False])
 def test_a_slot_is_engraved_to_and_fro(plunges: bool) -> None:
     engraver = replace(ENGRAVER, plunges=plunges)
-    cut = named(sequence(Contact.INNER, MILL, engraver, spec=HUBBED))["engrave mark"]
+    cut = named(sequence(Contact.INNER, HUB_TOOLS[0], engraver, spec=HUBBED))["engrave mark"]
     assert isinstance(cut, LineCut)
     assert abs(cut.end - cut.start) == pytest.approx(3.0)
     moves = plan_toolpath((cut,), HEIGHTS, load("linuxcnc").arcs, 0.01).operations[0].moves
@@ -259,24 +205,8 @@ def test_holes_beside_a_lower_hub_are_drilled_from_above() -> None:
     assert _wrong(milled) == _wrong(second) == []
 
 
-def test_a_groove_below_a_hub() -> None:
-    spec = PartSpec(thickness=10.0, bore=25.0, rim=150.0, groove_depth=6.0, hub=Hub(40.0, 5.0))
-    found = sequence(Contact.GROOVE, MILL, spec=spec)
-    cuts = named(found)
-    assert list(cuts)[:4] == ["rough hub", "hub", "rough bore", "bore"]
-    assert {cut.top for name, cut in cuts.items() if "flank" in name} == {-5.0}
-    assert {cut.bottom for name, cut in cuts.items() if "flank" in name} == {-11.0}
-
-
-def test_one_hole_of_several_is_drilled_alone() -> None:
-    operation = OperationSpec(kind="drill", tool=2, boundary="bolt hole 2")
-    (cut,) = sequence(Contact.INNER, *TOOLS, spec=HUBBED, operations=(operation,)).cuts
-    assert isinstance(cut, PointCut)
-    assert (cut.name, cut.produced, cut.top) == ("drill bolt hole 2", ("bolt hole 2",), 0.0)
-
-
 def test_a_moat_lies_between_a_boss_and_a_wall() -> None:
-    cut = named(sequence(Contact.INNER, *TOOLS, spec=HUBBED))["rough hub"]
+    cut = named(sequence(Contact.INNER, *HUB_TOOLS, spec=HUBBED))["rough hub"]
     assert isinstance(cut, AreaCut)
     with pytest.raises(GeometryError, match="around a boss"):
         STRATEGIES["moat"](replace(cut, walls=cut.walls[::-1]), HEIGHTS, 0.01, "fast")
@@ -287,26 +217,6 @@ def test_the_scene_names_the_wrong_key() -> None:
     with pytest.raises(SceneError, match=r"part\.hub\.side") as caught:
         _ = _milled(text).sequence
     assert "from there: state [second_side]" in str(caught.value)
-
-
-@pytest.mark.parametrize("made", [True, False])
-def test_counterbores_are_plunged_and_holes_drilled_from_their_face(made: bool) -> None:
-    """Where no tool makes counterbores, a drill does not begin on their floors all the same."""
-    bolts = Holes(3, 52.0, 4.0, counterbore=Counterbore(6.0, 2.0))
-    flat = (tool(6.0, 4, plunges=True),) if made else ()
-    spec = replace(HUBBED, mark=None, bolt_circle=bolts)
-    found = sequence(Contact.INNER, *TOOLS, *flat, stock=ROUND, spec=spec)
-    cuts = named(found)
-    drilled = cuts["drill bolt hole 1, bolt hole 2, bolt hole 3"]
-    assert drilled.top == -6.0
-    names = [f"engrave counterbore {number}" for number in (1, 2, 3)]
-    if made:
-        assert [cuts[name].bottom for name in names] == [-8.0] * 3
-        assert left_out(part(Contact.INNER, spec), found.cuts) == ()
-    else:
-        assert not cuts.keys() & set(names)
-        told = {each.name: each.sentence for each in found.findings}
-        assert "no flat end mill of 6 mm" in told["counterbore 1-left-out"]
 
 
 def test_the_simulation_leaves_counterbores() -> None:

@@ -10,13 +10,12 @@ import pytest
 
 import camgeo
 from camgeo.cam.cam import Contact
-from camgeo.milling.course import course_of
 from camgeo.milling.holding import Clamp, Holding, Tabs
 from camgeo.milling.judged import runs_of, setup_of
 from camgeo.milling.machine import load
 from camgeo.milling.milling import MillingSpec, OperationSpec, Stock
 from camgeo.milling.moves import Stop, Toolpath
-from camgeo.milling.plan import Cutting, plan_toolpath
+from camgeo.milling.plan import plan_toolpath
 from camgeo.milling.simulation import Simulation, simulate
 from camgeo.milling.stages import Setup
 from camgeo.part.part import Part
@@ -85,19 +84,6 @@ def test_what_is_joined_below_is_no_rest() -> None:
     # What is to be faced off is left.
     (rest,) = simulate(thick, runs_of(toolpath)).of("rest")
     assert rest.place[2] == 0.0
-
-
-def test_a_second_time_the_same_way_is_air() -> None:
-    toolpath, part, _ = program("setzhub")
-    outline = toolpath.operations[-1]
-    plate = started(toolpath, part, Stock(), None).blank
-    found = Cutting(course_of(outline.moves), outline.tool.radius, plate).engagement(10.0)
-    assert found.peak > 0.5 * math.pi  # without the roughing before it
-    twice = (*outline.moves, *outline.moves)
-    second = range(len(outline.moves), len(twice))
-    again = Cutting(course_of(twice), outline.tool.radius, plate).engagement(20.0, second)
-    assert again.peak == 0.0
-    assert again.air_share == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("boundary", ["outline", "bore"])

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
 from typing import Any
@@ -17,10 +16,11 @@ import numpy as np
 import pytest
 
 from camgeo.milling.cut import ContourCut, PointCut
-from camgeo.milling.moves import ArcFeed, Operation, Rapid, Stop
+from camgeo.milling.moves import Operation, Rapid
 from camgeo.milling.tool import CHAMFER_MILL, DRILL
 from camgeo.part.part import Part, Wall
 from tests.kept import compare_documents
+from tests.toolpath.cutting import Step, steps_of
 from tests.toolpath.programs import NAMES, TOLERANCE, document, milled, toolpath
 
 RAMP = math.radians(3.0)
@@ -36,47 +36,10 @@ def test_all_that_is_said_of_a_program_is_as_kept(name: str) -> None:
     compare_documents(f"toolpath/programs/{name}", document(name))
 
 
-@dataclass(frozen=True)
-class Step:
-    """A feed move of an operation: from `start` to `end`, heights of the tip, and its arc."""
-
-    operation: Operation
-    start: complex
-    end: complex
-    high: float
-    low: float
-    centre: complex
-    sweep: float
-    feed: float
-
-    @property
-    def way(self) -> float:
-        """Length in the plane [mm]."""
-        if self.sweep:
-            return abs(self.start - self.centre) * abs(self.sweep)
-        return abs(self.end - self.start)
-
-
 @cache
-def steps(name: str) -> tuple[Step, ...]:
-    """The feed moves of a program, by a small interpreter of its own."""
-    found = []
-    for operation in toolpath(name).operations:
-        at = (math.nan, math.nan, math.nan)
-        for move in operation.moves:
-            if isinstance(move, Stop):
-                continue
-            start, end = complex(*at[:2]), complex(*move.end[:2])
-            if not isinstance(move, Rapid):
-                centre, sweep = 0j, 0.0
-                if isinstance(move, ArcFeed):
-                    centre = complex(*move.centre)
-                    turn = np.angle((end - centre) / (start - centre)) * (1 if move.ccw else -1)
-                    sweep = float(turn % (2.0 * math.pi)) * (1 if move.ccw else -1)
-                found.append(Step(operation, start, end, at[2], move.end[2], centre, sweep,
-                                  move.feed))  # fmt: skip
-            at = move.end
-    return tuple(found)
+def steps(name: str) -> list[tuple[Operation, list[Step]]]:
+    """The feed moves of the operations of a program."""
+    return [(each, steps_of(each.moves)) for each in toolpath(name).operations]
 
 
 def radii_at(operation: Operation, over: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
@@ -109,8 +72,7 @@ def gone(
     all as low, or perhaps, by any that get there.
     """
     found = np.zeros(len(places), dtype=bool)
-    for operation in toolpath(name).operations:
-        own = [each for each in steps(name) if each.operation is operation]
+    for operation, own in steps(name):
         start, end, centre = (np.array([getattr(each, key) for each in own])
                               for key in ("start", "end", "centre"))  # fmt: skip
         sweep, way = (np.array([getattr(each, key) for each in own]) for key in ("sweep", "way"))
@@ -188,9 +150,8 @@ def test_how_a_program_runs(name: str) -> None:
         assert at is not None
         assert at[2] == heights.clearance
     steepest = 0.0
-    for each in steps(name):
-        cut, tool = each.operation.cut, each.operation.tool
-        drop = each.high - each.low
+    for operation, each in ((operation, step) for operation, own in steps(name) for step in own):
+        cut, tool, drop = operation.cut, operation.tool, each.high - each.low
         assert 0.0 < each.feed <= tool.feed * (1.0 + 1e-9)
         assert each.low >= cut.bottom - 1e-9
         if drop > 1e-9 and not isinstance(cut, PointCut):
@@ -206,23 +167,19 @@ def test_how_a_program_runs(name: str) -> None:
 def test_the_contact_runs_at_the_feed(name: str) -> None:
     """On level rounds along walls: the side of the wall by places of it, not by a rule."""
     part = {wall.boundary.name: wall.boundary for wall in milled(name).part.walls}
-    for each in steps(name):
-        cut = each.operation.cut
-        if not isinstance(cut, ContourCut) or each.high != each.low or not each.way:
+    for operation, own in steps(name):
+        cut = operation.cut
+        # Neither between two walls, nor along an edge.
+        if not isinstance(cut, ContourCut) or cut.left or not cut.right:
             continue
-        if cut.left or not cut.right:  # between two walls, or along an edge
-            continue
-        radius = abs(each.start - each.centre)
-        slow = each.feed < cut.tool.feed * (1.0 - 1e-9)
-        if not each.sweep:
-            assert not slow
-            continue
-        around = (each.sweep > 0.0) == cut.climb
-        share = radius / (radius + cut.contact_radius) if around else 1.0
-        assert each.feed == pytest.approx(cut.tool.feed * share, rel=1e-9)
         wall = part[cut.right].arcs(TOLERANCE, "fast").contour.points(TOLERANCE)
-        middle = each.centre + (each.start - each.centre) * np.exp(0.5j * each.sweep)
-        near = wall[int(np.argmin(np.abs(wall - middle)))]
-        if abs(abs(near - middle) - cut.tool.radius) < 3.0 * TOLERANCE and radius > 1.0:
-            outside = abs(near - each.centre) > radius
-            assert outside == around
+        for each in (step for step in own if step.high == step.low and step.way):
+            radius = each.radius if each.sweep else math.inf
+            around = (each.sweep > 0.0) == cut.climb and radius < math.inf
+            share = radius / (radius + cut.contact_radius) if around else 1.0
+            assert each.feed == pytest.approx(cut.tool.feed * share, rel=1e-9)
+            middle = each.centre + (each.start - each.centre) * np.exp(0.5j * each.sweep)
+            near = wall[int(np.argmin(np.abs(wall - middle)))]
+            off = abs(abs(near - middle) - cut.tool.radius)
+            if each.sweep and off < 3.0 * TOLERANCE and radius > 1.0:
+                assert (abs(near - each.centre) > radius) == around

@@ -19,11 +19,9 @@ from camgeo.milling.moves import Heights
 from camgeo.part.spec import Hub, PartSpec
 from tests.toolpath.milled import (
     BORE,
-    DRILL,
-    ENGRAVER,
     HOOKED,
+    HUB_TOOLS,
     HUBBED,
-    MILL,
     SPEC,
     THICKNESS,
     TOOLS,
@@ -38,8 +36,6 @@ INNER, OUTER, GROOVE = Contact.INNER, Contact.OUTER, Contact.GROOVE
 WASHER: Final = Clamp(
     place=0j, length=30.0, width=30.0, height=8.0, round=True, since="rough outline"
 )
-
-HUB_TOOLS: Final = (MILL, replace(DRILL, diameter=4.0), ENGRAVER)
 
 PLATE: Final = {"length": 170.0, "width": 170.0}
 

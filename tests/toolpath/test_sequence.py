@@ -1,72 +1,228 @@
-"""The planned sequence: what is cut, in which order, with which tool, and what is refused."""
+"""The planned sequence: what is cut, in which order, with which tool, and what is left out.
+
+`test_refused.py` has what is refused.
+"""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from typing import Any, Final
 
 import pytest
 
 from camgeo.cam.cam import Contact
-from camgeo.milling.cut import AreaCut, ContourCut, PointCut
+from camgeo.milling.cut import AreaCut, ContourCut, Cut, PointCut
+from camgeo.milling.judged import left_out
 from camgeo.milling.milling import OperationSpec, Stock
 from camgeo.part.boundaries import ExactBoundary
-from camgeo.part.spec import Keyway
+from camgeo.part.spec import Counterbore, DShaft, Holes, Hub, Keyway, Mark, PartSpec
 from tests.toolpath.milled import (
     BORE,
-    FIXTURE,
+    ENGRAVER,
     HOOKED,
-    RIM,
+    HUB_TOOLS,
+    HUBBED,
     ROLLER,
     SPEC,
-    THICKNESS,
     named,
+    part,
     sequence,
     tool,
 )
 
 INNER, OUTER, GROOVE = Contact.INNER, Contact.OUTER, Contact.GROOVE
 
-BOTTOM = -THICKNESS - FIXTURE.through
+
+@dataclass(frozen=True)
+class Plan:
+    """What is given, the cuts that are planned, the holes, marks and bores that nothing makes, and
+    findings by their names, with words of them.
+    """
+
+    contact: Contact
+    given: dict[str, Any]
+    cuts: str
+    left: tuple[str, ...] = ()
+    told: dict[str, str] = field(default_factory=dict)
 
 
-@pytest.mark.parametrize(
-    ("contact", "expected"),
-    [
-        (INNER, ["rough bore", "bore", "rough outline", "outline"]),
-        (OUTER, ["rough outline", "outline"]),
-        (
-            GROOVE,
-            [
-                "rough bore", "bore", "rough outer flank", "rough inner flank", "outer flank",
-                "inner flank",
-            ],
-        ),
-    ],
-)  # fmt: skip
-def test_the_blank_stays_whole_as_long_as_possible(contact: Contact, expected: list[str]) -> None:
-    found = named(sequence(contact))
-    assert list(found) == expected
-    for name, cut in found.items():
-        rough = name.startswith("rough ")
+def line_of(cut: Cut) -> str:
+    return f"{cut.name}: tool {cut.tool.number}, {cut.strategy}, {cut.top:g} to {cut.bottom:.6g}"
+
+
+BORED: Final = """rough bore: tool 1, slot, 0 to -10.5
+    bore: tool 1, profile, 0 to -10.5
+    """
+
+OUTLINE: Final = """rough outline: tool 1, slot, 0 to -10.5
+    outline: tool 1, profile, 0 to -10.5"""
+
+HUB: Final = """rough hub: tool 1, moat, 0 to -6
+    hub: tool 1, profile, 0 to -6
+    rough bore: tool 1, slot, 0 to -16.5
+    bore: tool 1, profile, 0 to -16.5
+    """
+
+MARK: Final = "engrave mark: tool 3, engrave, -6 to -6.5\n"
+
+DRILLED: Final = """drill bolt hole 1, bolt hole 2, bolt hole 3: tool 2, drill, -6 to -17.7842
+    """
+
+LOW_OUTLINE: Final = """rough outline: tool 1, slot, -6 to -16.5
+    outline: tool 1, profile, -6 to -16.5"""
+
+FLANKS: Final = """rough outer flank: tool 1, slot, 0 to -6
+    rough inner flank: tool 1, slot, 0 to -6
+    outer flank: tool 1, profile, 0 to -6
+    inner flank: tool 1, profile, 0 to -6"""
+
+ROUND: Final = {"stock": Stock(shape="round", diameter=150.0)}
+
+HOLES: Final = ("bolt hole 1", "bolt hole 2", "bolt hole 3")
+
+SUNK: Final = replace(
+    HUBBED, mark=None, bolt_circle=Holes(3, 52.0, 4.0, counterbore=Counterbore(6.0, 2.0))
+)
+
+DOTTED: Final = replace(SPEC, mark=Mark(26.0, 2.0, 0.5))
+
+GROOVED: Final = PartSpec(
+    thickness=10.0, bore=25.0, rim=150.0, groove_depth=6.0, hub=Hub(40.0, 5.0)
+)
+
+
+def on_round(cuts: str) -> str:
+    """All around is cleared, not along a slot or within a moat."""
+    cuts = cuts.replace("rough outline: tool 1, slot", "rough outline: tool 1, rough")
+    return cuts.replace("moat", "rough")
+
+
+PLANS: Final = {
+    # The blank stays whole as long as possible.
+    "a disc": Plan(INNER, {}, BORED + OUTLINE),
+    "a ring": Plan(OUTER, {}, OUTLINE, (), {"rim-left-out": "that of the blank"}),
+    "a groove": Plan(GROOVE, {}, BORED + FLANKS, (), {"rim-left-out": "that of the blank"}),
+    "a round blank": Plan(
+        INNER, {"stock": Stock(shape="round", diameter=160.0, top=1.5)},
+        "face: tool 1, face, 1.5 to 0\n" + BORED + on_round(OUTLINE),
+    ),
+    "a bore that is there": Plan(
+        INNER, {"stock": Stock(bore=BORE), "spec": replace(SPEC, keyway=Keyway(8.0, 3.3))}, OUTLINE,
+        (), {"bore-left-out": "25 mm; it is not milled; the keyway is left to be broached"},
+    ),
+    # The full diameter goes through, the point of 118 degrees beyond.
+    "a drill of the bore": Plan(
+        INNER,
+        {"tools": (tool(12.0), tool(BORE, 2, kind="drill", tip_angle=2.0, flute_length=60.0,
+                                    stepdown=5.0))},
+        "bore: tool 2, drill, 0 to -18.5262\n" + OUTLINE,
+    ),
+    # The first tool that fits: a smaller one where the first does not go in, or is too short.
+    "a wide tool": Plan(
+        INNER, {"tools": (tool(30.0), tool(12.0, 2))}, BORED.replace("tool 1", "tool 2") + OUTLINE
+    ),
+    "a short tool": Plan(
+        INNER, {"tools": (tool(12.0, flute_length=10.0), tool(10.0, 2, flute_length=10.5))},
+        (BORED.replace("slot", "bore") + OUTLINE).replace("tool 1", "tool 2"),
+    ),
+    "a groove in one round": Plan(
+        GROOVE, {"tools": (tool(2.0 * ROLLER),), "stock": Stock(bore=BORE)},
+        "groove: tool 1, slot, 0 to -6", (), {"bore-left-out": "the blank has it"},
+    ),
+    "a rim of the blank": Plan(OUTER, ROUND, OUTLINE, (), {"rim-left-out": "that of the blank"}),
+    "a rim out of a plate": Plan(
+        OUTER, {"stock": Stock(length=170.0, width=170.0)},
+        OUTLINE.replace("outline", "rim") + "\n" + OUTLINE,
+    ),
+    # What stands on the disc is laid free first, and what lies lower begins at the face.
+    "a hub": Plan(
+        INNER, {"tools": HUB_TOOLS, "spec": HUBBED}, HUB + MARK + DRILLED + LOW_OUTLINE
+    ),
+    "a hub, from a round blank": Plan(
+        INNER, {"tools": HUB_TOOLS, "spec": HUBBED, **ROUND},
+        on_round(HUB + MARK + DRILLED + LOW_OUTLINE),
+    ),
+    "a hub, with one tool": Plan(
+        INNER, {"tools": HUB_TOOLS[:1], "spec": HUBBED}, HUB + LOW_OUTLINE, (*HOLES, "mark"),
+        {"mark-left-out": "mark: left out, no flat end mill of 2 mm fits it",
+         "holes-left-out": "bolt hole 3: left out, no drill of 4 mm reaches through"},
+    ),
+    "a hub on a groove": Plan(
+        GROOVE, {"tools": HUB_TOOLS[:1], "spec": GROOVED},
+        HUB.replace("-6", "-5").replace("-16.5", "-15.5")
+        + FLANKS.replace("-6", "-11").replace(" 0 to", " -5 to"),
+    ),
+    # Where no tool makes counterbores, a drill does not begin on their floors all the same.
+    "counterbores": Plan(
+        INNER, {"tools": (*HUB_TOOLS, tool(6.0, 4, plunges=True)), "spec": SUNK, **ROUND},
+        on_round(HUB + "\n".join(f"engrave counterbore {number}: tool 4, drill, -6 to -8"
+                                 for number in (1, 2, 3)) + "\n" + DRILLED + LOW_OUTLINE),
+    ),
+    "counterbores that no tool makes": Plan(
+        INNER, {"tools": HUB_TOOLS, "spec": SUNK, **ROUND}, on_round(HUB + DRILLED + LOW_OUTLINE),
+        ("counterbore 1", "counterbore 2", "counterbore 3"),
+        {"counterbore 1-left-out": "no flat end mill of 6 mm"},
+    ),
+    "a dot": Plan(
+        INNER, {"tools": (HUB_TOOLS[0], replace(ENGRAVER, plunges=True)), "spec": DOTTED},
+        BORED + "engrave mark: tool 3, drill, 0 to -0.5\n" + OUTLINE,
+    ),
+    "a dot that no tool plunges": Plan(
+        INNER, {"tools": (HUB_TOOLS[0], ENGRAVER), "spec": DOTTED}, BORED + OUTLINE, ("mark",),
+        {"mark-left-out": "no flat end mill"},
+    ),
+    "a bore that is not round": Plan(
+        INNER, {"tools": HUB_TOOLS[:1], "spec": replace(SPEC, d_shaft=DShaft(22.0))}, OUTLINE,
+        ("bore",), {"bore-left-out": "not round"},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", PLANS)
+def test_what_is_cut_and_what_is_left_out(name: str) -> None:
+    plan = PLANS[name]
+    given = {"spec": SPEC, **plan.given}
+    found = sequence(plan.contact, *given.pop("tools", ()), **given)
+    assert [line_of(cut) for cut in found.cuts] == [each.strip() for each in plan.cuts.splitlines()]
+    assert left_out(part(plan.contact, given["spec"]), found.cuts) == plan.left
+    said = {each.name: each.sentence for each in found.findings}
+    assert {key for key, words in plan.told.items() if words not in said[key]} == set()
+    for cut in found.cuts:
+        rough = cut.name.startswith("rough ")
         assert (cut.allowance > 0.0) == rough
-        assert (len(cut.depths) > 1) == rough
-        assert cut.bottom == (-6.0 if "flank" in name else BOTTOM)
-        assert isinstance(cut, ContourCut)
-        assert cut.springs == (0 if rough else 1)
-        assert cut.cleared == (not rough)
         assert cut.climb
-        for above, below in pairwise((cut.top, *cut.depths)):
-            assert rough is False or above - below <= 3.0 * (1.0 + 1e-12)
+        if isinstance(cut, ContourCut) and cut.name != "groove":
+            assert (cut.springs, cut.cleared) == ((0, False) if rough else (1, True))
+        for above, below in pairwise((cut.top, *cut.depths)) if rough else ():
+            assert above - below <= (cut.tool.stepdown or 0.0) * (1.0 + 1e-12)
+
+
+def test_cuts_of_holes_and_edges_of_the_blank() -> None:
+    """Their places, and what they produce."""
+    plan = PLANS["a dot"]
+    dot = named(sequence(INNER, *plan.given["tools"], spec=DOTTED))["engrave mark"]
+    assert isinstance(dot, PointCut)
+    assert (dot.points, dot.depths, dot.produced) == ((26.0 + 0j,), (-0.5,), ("mark",))
+    assert dot.sinking == ENGRAVER.plunge_feed
+    bore = named(sequence(INNER, *PLANS["a drill of the bore"].given["tools"]))["bore"]
+    assert isinstance(bore, PointCut)
+    assert bore.points == (0j,)
+    one = OperationSpec(kind="drill", tool=2, boundary="bolt hole 2")
+    (cut,) = sequence(INNER, *HUB_TOOLS, spec=HUBBED, operations=(one,)).cuts
+    assert (cut.name, cut.produced, cut.top) == ("drill bolt hole 2", ("bolt hole 2",), 0.0)
+    slot = named(sequence(GROOVE, tool(2.0 * ROLLER), stock=Stock(bore=BORE)))["groove"]
+    assert isinstance(slot, ContourCut)
+    assert (slot.right, slot.left) == ("outer flank", "inner flank")
+    keyed = named(sequence(INNER, spec=replace(SPEC, keyway=Keyway(8.0, 3.3))))["bore"]
+    assert keyed.note == "the keyway is left to be broached"
 
 
 def test_a_round_blank_is_cleared_and_faced() -> None:
-    stock = Stock(shape="round", diameter=160.0, top=1.5)
-    found = named(sequence(INNER, stock=stock))
-    assert list(found) == ["face", "rough bore", "bore", "rough outline", "outline"]
+    found = named(sequence(INNER, **PLANS["a round blank"].given))
     face, rough, finish = found["face"], found["rough outline"], found["outline"]
     assert isinstance(face, AreaCut)
-    assert (face.top, face.bottom, face.walls) == (1.5, 0.0, ())
+    assert face.walls == ()
     assert isinstance(rough, AreaCut)
     assert isinstance(rough.stock, ExactBoundary)
     assert rough.stock.round_radius == 80.0
@@ -108,52 +264,3 @@ def test_no_core_is_left_in_a_bore(diameter: float) -> None:
     assert isinstance(rough, AreaCut) == (core > 2.0 * rough.allowance)
     drilled = named(sequence(INNER, tool(diameter), stock=Stock(bore=core + 0.1)))["rough bore"]
     assert isinstance(drilled, ContourCut)
-
-
-def test_a_bore_that_is_there_is_left_alone() -> None:
-    spec = replace(SPEC, keyway=Keyway(8.0, 3.3))
-    found = sequence(INNER, stock=Stock(bore=BORE), spec=spec)
-    assert list(named(found)) == ["rough outline", "outline"]
-    (told,) = (each for each in found.findings if each.name == "bore-left-out")
-    assert "25 mm; it is not milled; the keyway is left to be broached" in told.sentence
-    milled = named(sequence(INNER, spec=spec))
-    assert milled["bore"].note == "the keyway is left to be broached"
-
-
-def test_a_drill_of_the_bore_drills_it() -> None:
-    drill = tool(BORE, 2, kind="drill", tip_angle=2.0, flute_length=60.0, stepdown=5.0)
-    found = named(sequence(INNER, tool(12.0), drill))
-    bore = found["bore"]
-    assert isinstance(bore, PointCut)
-    assert bore.points == (0j,)
-    # The full diameter goes through, the point beyond.
-    assert bore.bottom == BOTTOM - drill.tip_length
-    assert [cut.tool.number for cut in found.values()] == [2, 1, 1]
-
-
-def test_the_first_tool_that_fits_is_used() -> None:
-    """One for the wide outline, a smaller one where the first does not go in."""
-    found = named(sequence(INNER, tool(30.0), tool(12.0, 2), stock=Stock()))
-    assert {name: cut.tool.number for name, cut in found.items()} == {
-        "rough bore": 2, "bore": 2, "rough outline": 1, "outline": 1,
-    }  # fmt: skip
-    short = tool(12.0, flute_length=10.0)
-    found = named(sequence(INNER, short, tool(10.0, 2, flute_length=10.5)))
-    assert {cut.tool.number for cut in found.values()} == {2}
-
-
-def test_grooves() -> None:
-    wide = named(sequence(GROOVE, tool(2.0 * ROLLER), stock=Stock(bore=BORE)))
-    slot = wide["groove"]
-    assert isinstance(slot, ContourCut)
-    assert (slot.right, slot.left) == ("outer flank", "inner flank")
-
-
-def test_the_rim_is_that_of_the_blank_or_cut_out_of_it() -> None:
-    for stock in (Stock(), Stock(shape="round", diameter=RIM)):
-        found = sequence(OUTER, stock=stock)
-        assert "rough rim" not in named(found)
-        assert any(each.name == "rim-left-out" for each in found.findings)
-    square = named(sequence(OUTER, stock=Stock(length=170.0, width=170.0)))
-    assert list(square) == ["rough rim", "rim", "rough outline", "outline"]
-    assert isinstance(square["rough rim"], ContourCut)
