@@ -25,9 +25,9 @@ from camgeo.check.flank import (
     check_transmission_angle,
     check_undercut,
 )
-from camgeo.check.machine import check_linkage
+from camgeo.check.machine import DEAD_CENTRE, check_linkage
 from camgeo.design.value_table import cam_angles
-from camgeo.errors import GeometryError, SceneError
+from camgeo.errors import GeometryError, SceneError, UndercutError
 from camgeo.geometry.outline.crossings import find_crossings
 from camgeo.geometry.outline.outline import real_outline
 from camgeo.geometry.pieces import curvature_extremes
@@ -39,7 +39,7 @@ from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.mechanism.slotted_lever import SlottedLever
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
-from camgeo.kinematics.plan import Dwell, MotionPlan, Move
+from camgeo.kinematics.plan import MotionPlan, Move
 from camgeo.numeric.extremes import roots_on_grid
 from camgeo.scene.scene import load_scene
 from camgeo.units import TURN
@@ -59,7 +59,10 @@ from tests.reference import (
 
 SCENES = Path(__file__).parents[1] / "fixtures" / "scenes"
 
+
 exactly = pytest.approx
+
+
 REL = 1e-12
 
 
@@ -185,7 +188,9 @@ def test_hc05_dead_centre_at_the_start() -> None:
 
     # "report dead centre": as a finding, and as an error where psi'' has no value.
     (finding,) = (f for f in check_linkage(motion) if f.name == "dead-centre")
-    assert finding.severity == "no-disc"
+    assert (finding.severity, finding.unit, finding.limit) == ("no-disc", "mm", DEAD_CENTRE * 100.0)
+    assert finding.value == exactly(0.0, abs=1e-13)
+    assert "at stroke 0 mm" in finding.sentence
     with pytest.raises(GeometryError, match="dead centre"):
         motion.jet(angles(90.0))
 
@@ -369,6 +374,8 @@ def test_hc15_offset_equal_to_the_base_radius() -> None:
     assert mu == exactly(float(at["mu"]), rel=REL)
     assert 1.0 / curve.curvature(angles(80))[0] == exactly(float(at["rho"]), rel=REL)
     assert curve.point(angles(80))[0] == exactly(number(at["Z"]), rel=REL)
+    found = check_transmission_angle(curve, math.radians(60.0))
+    assert (found.value, found.severity) == (expected["mu_at_0"], "broken")
     with pytest.raises(GeometryError, match="offset must not exceed"):
         replace(curve.follower, offset=math.nextafter(50.0, 51.0))
 
@@ -403,6 +410,8 @@ def test_hc17_roller_larger_than_the_base_circle() -> None:
     assert all(finding.severity == "no-disc" for finding in found)
     ranges = [finding.cam_range for finding in found]
     assert any(span is not None and span[0] > span[1] for span in ranges), "past cam angle 0"
+    with pytest.raises(UndercutError, match="over the cam axis"):
+        real_outline(inner)
     # "with r_R = r_G the whole rest maps to the point A_0"
     rest = WorkingCurve(curve, -50.0).point(angles(0, 10, 29, 300))
     assert np.abs(rest) == exactly(0.0, abs=50.0 * 1e-15)
@@ -426,13 +435,20 @@ def test_hc18_real_cusp_of_the_pitch_curve() -> None:
     assert abs(before) == exactly(float(expected["abs_Z1_1e_minus_6_deg_before"]), rel=1e-7)
     # "no division by |B'|; working curves undefined at this angle"
     inner = WorkingCurve(curve, -5.0)
-    for undefined in (curve.curvature, curve.transmission_angle, inner.point):
-        with pytest.raises(GeometryError, match="stands still"):
+    for undefined in (
+        curve.curvature, curve.transmission_angle, curve.pressure_angle, curve.curvature_slope,
+        curve.leverage, inner.point,
+    ):  # fmt: skip
+        assert np.all(np.isfinite(undefined(angles(100.0))))
+        with pytest.raises(GeometryError, match="stands still in the turning cam"):
             undefined(phi)
     (finding,) = check_standstill(curve)
-    assert finding.severity == "no-disc"
+    assert (finding.name, finding.severity) == ("standstill", "no-disc")
     assert finding.cam_angle == exactly(phi[0], abs=1e-6)
     assert "rocker lies on the line of centres" in finding.sentence
+    # psi_t reaches -0.1 or 0.1 degrees where it stood still: 100 mm of it are 0.17 mm a rad.
+    for start in (5.9, 6.1):
+        assert check_standstill(pitch_curve_of(params | {"psi_G_deg": start})) == ()
 
 
 def test_hc19_the_common_normal_passes_through_the_pivot() -> None:
@@ -499,14 +515,19 @@ def test_hc21a_roller_exactly_at_the_limit() -> None:
     assert math.degrees(finding.cam_angle or 0.0) == exactly(float(expected["phi_deg"]), abs=1e-6)
 
 
-@pytest.mark.parametrize(("case", "within"), [("HC21b", 1e-6), ("HC21c", 1e-8)])
-def test_hc21b_and_hc21c_cusps_of_a_roller_above_the_limit(case: str, within: float) -> None:
+@pytest.mark.parametrize(
+    ("case", "within", "above"), [("HC21b", 1e-6, 1e-6), ("HC21c", 1e-8, 0.05)]
+)
+def test_hc21b_and_hc21c_cusps_of_a_roller_above_the_limit(
+    case: str, within: float, above: float
+) -> None:
     params, expected = hard_case(case)
     curve = pitch_curve_of(params)
     flank = inner_of(curve)
     # "must be reported as undercut although any plotted step may look smooth"
     (finding,) = check_undercut(flank, "inner", curvature_extremes(curve))
     assert (finding.name, finding.severity) == ("undercut-inner", "no-disc")
+    assert finding.value == exactly(-above, rel=1e-6)
     assert finding.cam_range is not None
     found = np.array(finding.cam_range)
     first, second = float(expected["cusp1_phi_deg"]), float(expected["cusp2_phi_deg"])
@@ -531,9 +552,11 @@ def test_hc21c_the_swallow_tail_crosses_itself() -> None:
     assert math.degrees(crossing.second) == exactly(second, abs=within)
     assert crossing.point == exactly(number(expected["crossing_point"]), rel=REL)
     # "inner curve between the two crossing angles must be trimmed"
-    ((start, end),) = real_outline(flank).dropped
-    assert math.degrees(start) == exactly(first, abs=within)
-    assert math.degrees(end) == exactly(second, abs=within)
+    outline = real_outline(flank)
+    assert np.degrees(outline.dropped) == exactly(np.array([[first, second]]), abs=within)
+    (corner,) = outline.path.pivots
+    assert corner.centre == exactly(crossing.point, rel=REL)
+    assert outline.lobes == ()
 
 
 def crossings_of_the_lobe(case: str) -> None:
@@ -558,7 +581,10 @@ def crossings_of_the_lobe(case: str) -> None:
         assert math.degrees(crossing.second) == exactly(other, abs=within)
         assert crossing.point == exactly(complex(point), rel=REL)
     # "reject by global test": the neck is cut through where it is left first, and a lobe falls.
-    cut, lobe = check_outline(real_outline(flank), "inner", [], "no-disc")
+    outline = real_outline(flank)
+    tips = [path.pivots[0].centre for path in (outline.path, *outline.lobes)]
+    assert tips == exactly([point for _, _, point in wanted], rel=REL)
+    cut, lobe = check_outline(outline, "inner", [], "no-disc")
     assert (cut.name, cut.severity) == ("global-undercut-inner", "no-disc")
     assert cut.cam_range is not None
     assert np.degrees(cut.cam_range) == exactly(np.array(wanted[0][:2]), abs=1e-9)
@@ -685,6 +711,10 @@ def test_hc27_the_rocker_passes_the_line_of_centres() -> None:
     found = check_transmission_angle(curve, math.radians(45.0))
     assert found.severity == "broken"
     assert found.value == exactly(expected["mu"], abs=1e-12)
+    assert found.cam_angle is not None
+    # The way down and the way back pass it in the middle, on either stroke.
+    nearest = min(abs(math.degrees(found.cam_angle) - each) for each in (expected["phi_deg"], 225))
+    assert nearest < 1e-9
     # "changes from F to P at this point": outward before it, inward behind it.
     around = phi + np.radians(np.array([-1.0, 1.0]))
     z, z1 = curve.jet(around)[:2]
@@ -708,15 +738,6 @@ def test_hc28_conditioning_of_the_half_angle_formula() -> None:
     # `branch` "erster" or "zweiter" is the sign of D, in the case as in the thesis's form.
     d = linkage.branch * math.sqrt(a * a + b * b - c * c)
     assert b + d == exactly(float(expected["B_plus_D"]), rel=1e-11)
-
-
-def test_dwell_of_zero_length_needs_no_special_case() -> None:
-    """A plan with rests of zero length anywhere is the plan without them."""
-    zero = Dwell(Decimal(0))
-    rise, back = Move(Decimal(180), 5.0, POLYNOMIAL), Move(Decimal(180), 0.0, POLYNOMIAL)
-    plain, padded = MotionPlan((rise, back)), MotionPlan((zero, rise, zero, zero, back, zero))
-    phi = np.linspace(0.0, 2.0 * math.pi, 361)
-    assert np.array_equal(plain.jet(phi), padded.jet(phi))
 
 
 # No case, and no value of one, is left out ------------------------------------------------------
