@@ -22,7 +22,7 @@ SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
 
 @cache
 def with_arm() -> CamSize:
-    """A sizing with another arm; which one is best is a matter of `tests.check.test_sizing_arm`."""
+    """A sizing with another arm; which one is best is a matter of `tests.check.test_sizing`."""
     return size(Design(load_scene(SETZHUB)), arms=(40.0, 40.0))
 
 

@@ -1,32 +1,42 @@
-"""The prescribed motion, what stands between it and the follower, and its course in time."""
+"""The prescribed motion, what stands between it and the follower, and its course in time; many
+drives, or discs, evaluated at once."""
 
 from __future__ import annotations
 
 import math
 import pickle
+from dataclasses import replace
 from decimal import Decimal
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from camgeo.cam.cam import Drive, smooth_angles
+from camgeo.cam.cam import Cam, Disc, Drive, discs_together, drives_together, smooth_angles
 from camgeo.design.design import Design
 from camgeo.errors import GeometryError
+from camgeo.geometry.pitch_curve import BLOCK
 from camgeo.kinematics.laws import make_law
 from camgeo.kinematics.mechanism.four_bar import FourBar
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.kinematics.time_course import ConstantSpeed, SpeedCurve
-from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.arrays import FloatArray, Quantity, Side
 from camgeo.scene.scene import load_scene
 from camgeo.units import TURN, LiftUnit
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
+
 SINE = make_law("modified-sine")
+
+
 STRAIGHT = make_law("straight-line")
+
 
 PLAN = MotionPlan(
     (
@@ -37,8 +47,13 @@ PLAN = MotionPlan(
     )
 )
 
+
 SLIDER = SliderCrank(100.0, 160.0, math.radians(15.0), True, 1, 1, 1)
+
+
 LEVER = FourBar(70.0, 120.0, 85.0, 110 + 30j, 2.1, -1, -1)
+
+
 CRANK = SliderDrivenCrank(SLIDER)
 
 
@@ -201,3 +216,71 @@ def test_the_far_angle_may_lie_inside_a_move_through_points() -> None:
     assert drive.far_angle == pytest.approx(dense[np.argmax(lifts)], abs=5e-4)
     at = abs(drive.plan.jet(np.array([drive.far_angle]))[0, 0])
     assert at >= np.max(lifts) * (1.0 - 1e-15)
+
+
+THERE_AND_BACK = MotionPlan((Move(Decimal(150), 20.0, SINE), Move(Decimal(210), 0.0, SINE)))
+
+
+LINKAGE = SliderCrank(100.0, 160.0, math.radians(15.0), True, 1, 1, 1)
+
+
+COUPLERS = (160.0, 170.0, 155.0, 181.0, 164.0)
+
+
+def drives() -> list[Drive]:
+    return [Drive(THERE_AND_BACK, replace(LINKAGE, coupler=each), speed=5.0) for each in COUPLERS]
+
+
+def linked() -> list[Disc]:
+    rocker = OscillatingRoller(-70.0 - 50.0j, 80.0, 60.0, 6.0, 1, None)
+    return [
+        Cam(drive, replace(rocker, base_radius=60.0 + number)).disc
+        for number, drive in enumerate(drives())
+    ]
+
+
+def guided() -> list[Disc]:
+    followers = [TranslatingRoller(50.0 + each, 6.0, 0.5 * each) for each in range(5)]
+    return [Cam(Drive(THERE_AND_BACK), each).disc for each in followers]
+
+
+def lift(drive: Drive) -> Quantity:
+    return lambda phi, side: drive.motion.jet(phi, side)
+
+
+def curvature(disc: Disc) -> Quantity:
+    return disc.pitch_curve.curvature
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize("count", [1, 2, 5])
+@pytest.mark.parametrize("length", [1, 37, 3 * BLOCK // 4])
+@pytest.mark.parametrize(
+    ("made", "joined", "quantity"),
+    [
+        (drives, drives_together, lift),
+        (guided, discs_together, curvature),
+        (linked, discs_together, curvature),
+    ],
+)
+def test_each_has_its_own_values(
+    made: Any, joined: Any, quantity: Any, count: int, side: Side, length: int
+) -> None:
+    together = joined(made()[:count])
+    assert together.count == count
+    phi = np.sort(np.concatenate((np.linspace(0.1, 6.2, length), THERE_AND_BACK.breaks)))[-length:]
+    which = np.arange(len(phi)) % count
+    alone = [quantity(each)(phi, side) for each in made()[:count]]
+    assert np.array_equal(together.everywhere(quantity, phi, side), np.stack(alone, axis=-2))
+    own = np.stack([alone[number][..., place] for place, number in enumerate(which)], axis=-1)
+    assert np.array_equal(together.at(quantity, phi, side, which), own)
+    assert len({each.tobytes() for each in alone}) == count
+
+
+def test_those_that_are_put_together_stay_as_they_are() -> None:
+    some, others = drives(), linked()
+    joined = list(drives_together(some).blocks(7))
+    assert [times for _, times in joined] == [5]
+    assert joined[0][0].ledger is not some[0].ledger
+    assert joined[0][0].motion is not some[0].motion
+    assert next(iter(discs_together(others).blocks(7)))[0].ledger is not others[0].ledger

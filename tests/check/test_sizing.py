@@ -1,0 +1,606 @@
+"""The smallest base circle of a roller cam: its conditions, the search, and what cannot be met."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from decimal import Decimal
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import camgeo
+from camgeo.app.answers.size import Side
+from camgeo.check.flank import transmission_angle_extremes
+from camgeo.check.judge import disc_findings, transmission_angle_limit
+from camgeo.check.sizing import bends
+from camgeo.check.sizing.bends import (
+    GAP,
+    Conditions,
+    conditions,
+    excluded,
+    nearest_cells,
+    samples_of,
+    within,
+)
+from camgeo.check.sizing.rounding import (
+    exponent_of,
+    rounded,
+    size_with_arm,
+    sound,
+    upward,
+    with_arm,
+)
+from camgeo.check.sizing.smallest import (
+    active_conditions,
+    flocke,
+    flocke_limits,
+    nearest_point,
+    rate,
+    ratio_map,
+    row_limits,
+    size,
+    size_for_face,
+)
+from camgeo.check.sizing.task import TOUCHING, Task, covered, face_task_of, pairs_of, task_of
+from camgeo.errors import GeometryError
+from camgeo.geometry.pieces import curvature_extremes
+from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
+from camgeo.numeric.arrays import BoolArray, FloatArray, phase
+from camgeo.units import TURN
+from tests.cams import cam_of
+from tests.laws import LAWS
+from tests.reference import POLYNOMIAL
+
+SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
+
+
+EASY = ["plate_translating", "setzhub", "ring", "querhub", "straight_moves"]
+
+
+BENT = ["schnitt", "groove", "vorschub"]
+"""Where the transmission angle alone decides, and where the curvature does too."""
+
+
+def required(name: str) -> tuple[Task, float, float]:
+    design = camgeo.load(SCENES / f"{name}.toml")
+    limits = design.scene.limits
+    angle = transmission_angle_limit(design.cam, limits)
+    return task_of(design.cam), angle, limits.radius_ratio
+
+
+def agrees(task: Task) -> None:
+    """The terms give transmission angle, curvature and the present design again."""
+    curve = task.cam.disc.pitch_curve
+    phi = np.linspace(0.0, 6.2, 500)
+    terms = task.terms(phi)
+    u, v = terms.across_and_along(task.present)
+    np.testing.assert_allclose(
+        np.arctan2(u, np.abs(v)), curve.transmission_angle(phi), rtol=0.0, atol=1e-13
+    )
+    np.testing.assert_allclose(
+        terms.curvature(task.present), curve.curvature(phi), rtol=0.0, atol=1e-13
+    )
+    again = task.follower_at(task.present)
+    np.testing.assert_allclose(
+        PitchCurve(task.motion, again, task.cam.rotation).point(phi),
+        curve.point(phi),
+        rtol=0.0,
+        atol=1e-11,
+    )
+
+
+@pytest.mark.parametrize(
+    ("kind", "side", "direction", "rotation"),
+    list(itertools.product(("guide", "rocker"), (1, -1), (1, -1), (1, -1))),
+)
+def test_every_arrangement_has_the_terms_of_its_pitch_curve(
+    kind: str, side: int, direction: int, rotation: int
+) -> None:
+    stroke = 12.0 if kind == "guide" else 0.3
+    follower: TranslatingRoller | OscillatingRoller
+    if kind == "guide":
+        follower = TranslatingRoller(50.0, 6.0, 9.0 * side, 1.1, direction)
+    else:
+        follower = OscillatingRoller(70.0 - 40.0j, 75.0, 48.0, 6.0, side, direction)
+    plan = MotionPlan(
+        (
+            Dwell(Decimal(40)),
+            Move(Decimal(100), stroke, POLYNOMIAL),
+            Move(Decimal(120), 0.0, POLYNOMIAL),
+            Dwell(Decimal(100)),
+        )
+    )
+    agrees(task_of(cam_of(plan, follower, rotation)))
+
+
+@pytest.mark.parametrize("tangent", [1.7, -0.8])
+def test_slack_is_extreme_where_it_says(tangent: float) -> None:
+    task = required("setzhub")[0]
+    found = task.slack(task.present, tangent)
+    u, v = task.terms(np.linspace(0.0, 2.0 * math.pi, 20_001)).across_and_along(task.present)
+    dense = u - tangent * v
+    assert found.smallest()[0] == pytest.approx(np.min(dense), abs=1e-5)
+    assert found.smallest()[0] <= np.min(dense)
+    assert found.largest()[0] >= np.max(dense)
+
+
+def _brute_map(
+    task: Task, tangent: float, columns: FloatArray, rows: FloatArray, angles: int
+) -> BoolArray:
+    """(rows, columns) whether mu >= atan(`tangent`) at so many cam angles with P there."""
+    terms = task.terms(np.linspace(0.0, 2.0 * np.pi, angles, endpoint=False))
+    out = np.empty((len(rows), len(columns)), dtype=np.bool_)
+    for number, row in enumerate(rows):
+        u, v = terms.across_and_along((columns + 1j * row)[:, np.newaxis])
+        out[number] = np.all((u > 0.0) & (u >= tangent * np.abs(v)), axis=1)
+    return out
+
+
+@pytest.mark.parametrize("name", ["plate_translating", "setzhub", "schnitt"])
+def test_the_map_is_that_of_brute_force(name: str) -> None:
+    task, angle, _ = required(name)
+    tangent = math.tan(angle)
+    found = size(task, angle, 1.0)
+    assert found.for_angle is not None
+    place, radius = found.for_angle.place, found.for_angle.base_radius
+    columns = place.real + radius * np.linspace(-2.0, 2.0, 200)
+    rows = place.imag + radius * np.linspace(-3.0, 1.5, 200)
+    low, high = row_limits(task, tangent, rows)
+    exact = (columns >= low[:, np.newaxis]) & (columns <= high[:, np.newaxis])
+    brute = _brute_map(task, tangent, columns, rows, 1440)
+    assert 0.1 < np.mean(exact) < 0.9
+    # Brute force misses what lies between its angles, so it can only be too generous.
+    assert not np.any(exact & ~brute)
+    for row, column in zip(*np.nonzero(exact != brute), strict=True):
+        curve = task.pitch_curve_at(complex(columns[column], rows[row]))
+        smallest = transmission_angle_extremes(curve).smallest()[0]
+        assert angle - 1e-4 < smallest < angle
+    assert np.sum(exact != brute) < 10
+
+
+def test_row_ends_are_at_the_limit() -> None:
+    for name in ("plate_translating", "setzhub"):
+        task, angle, _ = required(name)
+        tangent = math.tan(angle)
+        place = task.present
+        rows = place.imag * np.array([1.0, 1.3, 1.9])
+        low, high = row_limits(task, tangent, rows)
+        assert np.all(low < high)
+        for ends in (low, high):
+            for x, y in zip(ends, rows, strict=True):
+                curve = task.pitch_curve_at(complex(x, y))
+                smallest = transmission_angle_extremes(curve).smallest()[0]
+                assert smallest == pytest.approx(angle, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", [*EASY, *BENT])
+def test_flockes_region_lies_in_the_exact_one(name: str) -> None:
+    task, angle, _ = required(name)
+    tangent = math.tan(angle)
+    rows = task.present.imag * np.linspace(0.3, 3.0, 40)
+    low, high = row_limits(task, tangent, rows)
+    inner_low, inner_high = flocke_limits(flocke(task, tangent), rows)
+    met = inner_low <= inner_high
+    assert np.any(met)
+    assert np.all(low[met] <= inner_low[met] + 1e-9)
+    assert np.all(high[met] >= inner_high[met] - 1e-9)
+
+
+def test_ratio_map_is_that_of_the_curvature() -> None:
+    task, _, _ = required("schnitt")
+    place = task.present
+    ((value,),) = ratio_map(task, np.array([place.real]), np.array([place.imag]), 3.0)
+    exact = curvature_extremes(task.pitch_curve_at(place)).largest()[0]
+    assert value == pytest.approx(task.follower.roller_radius * exact, rel=1e-2)
+
+
+def test_nearest_point_of_half_planes() -> None:
+    one = np.array([1.0 + 0j, 1j])
+    assert nearest_point(one, np.array([2.0, 3.0]), 0j) == pytest.approx(2.0 + 3.0j)
+    assert nearest_point(one, np.array([2.0, -1.0]), 0j) == pytest.approx(2.0)
+    assert nearest_point(one, np.array([-2.0, -1.0]), 0j) == 0j
+    assert nearest_point(np.array([1.0 + 0j, -1.0 + 0j]), np.array([1.0, 0.0]), 0j) is None
+
+
+def asked(name: str) -> tuple[Task, Conditions, float]:
+    """Conditions of a scene at the first cam angles, and the answer's base radius [mm]."""
+    task, angle, ratio = required(name)
+    answer = size(task, angle, ratio).answer
+    assert answer is not None
+    return task, conditions(task, math.tan(angle), ratio, samples_of(task)), answer.base_radius
+
+
+@pytest.mark.parametrize("name", BENT)
+def test_what_is_excluded_has_no_place_and_what_is_within_has_all(name: str) -> None:
+    task, now, radius = asked(name)
+    now = replace(now, tangent=0.0)  # the curvature decides most
+    rng = np.random.default_rng(8)
+    count = 1000
+    middle = task.start + radius * rng.uniform(0.1, 1.4, count) * np.exp(
+        1j * rng.uniform(-math.pi, 0.0, count)
+    )
+    half = np.abs(middle - task.start) * rng.uniform(0.02, 0.5, count)
+    out = excluded(now, middle, half)
+    assert 0.1 < np.mean(out) < 1.0
+    for place, reach, gone in zip(middle, half, out, strict=True):
+        inside = place + reach * rng.uniform(0.0, 1.0, 60) ** 0.1 * np.exp(
+            1j * rng.uniform(0.0, 2.0 * math.pi, 60)
+        )
+        met = now.met(inside)
+        assert not (gone and np.any(met))
+        # Fewer cam angles, the same verdict on every place of the neighbourhood.
+        assert np.array_equal(within(now, np.array([place]), float(reach)).met(inside), met)
+
+
+@pytest.mark.parametrize("name", BENT)
+def test_the_bound_is_sharp(name: str) -> None:
+    """No place is nearer than the bound, and the answer, for more angles, is not much farther."""
+    task, now, radius = asked(name)
+    least = 0.2 * radius
+    found = nearest_cells(now, task.start, least, 10.0 * radius)
+    assert found.starts
+    assert found.bound <= radius
+    assert found.bound == pytest.approx(min(start[1] for start in found.starts), rel=5.0 * GAP)
+    theta = np.linspace(-math.pi, 0.0, 720)
+    for share in (0.5, 0.9, 0.99, 0.9999):
+        assert not np.any(now.met(task.start + share * found.bound * np.exp(1j * theta)))
+
+
+def test_where_there_is_none_all_are_excluded() -> None:
+    task, now, radius = asked("schnitt")
+    found = nearest_cells(now, task.start, 0.3 * radius, 0.9 * radius)
+    assert found.starts == ()
+    assert found.bound == math.inf
+
+
+FOUND = Path(__file__).parents[2] / "fixtures" / "found" / "size_global_undercut.toml"
+
+
+ANGLE, RATIO = math.radians(8.0), 0.7
+
+
+LOCAL = complex(-5.57106515722, -14.69360434080)
+"""The place with the smallest base circle, r_R/0.7, if only curvature matters."""
+
+
+def lobe() -> Task:
+    return task_of(camgeo.load(FOUND).cam)
+
+
+@pytest.mark.parametrize("name", [*EASY, *BENT])
+def test_a_pair_is_the_distance_of_roller_and_flank(name: str) -> None:
+    task, _, _ = required(name)
+    rng = np.random.default_rng(5)
+    first, second = rng.uniform(0.0, TURN, (2, 200))
+    for side in task.sides:
+        disc = side.cam_at(side.present).disc
+        for _, flank in disc.flanks:
+            gap, _ = pairs_of(side, first, second, flank.distance).gap(np.array([side.present]))
+            apart = np.abs(flank.point(first) - disc.pitch_curve.point(second))
+            np.testing.assert_allclose(gap[0], apart - abs(flank.distance), rtol=0.0, atol=1e-11)
+
+
+@pytest.mark.parametrize("name", BENT)
+def test_a_pair_changes_no_faster_than_its_bound(name: str) -> None:
+    task, _, _ = required(name)
+    rng = np.random.default_rng(6)
+    first, second = rng.uniform(0.0, TURN, (2, 300))
+    pairs = pairs_of(task, first, second, task.cam.distances[0])
+    for half in (0.01, 1.0, 20.0):
+        gap, pace = pairs.gap(np.array([task.present]))
+        bound = pairs.change(np.array([[half]]), pace)
+        moves = half * np.exp(1j * rng.uniform(0.0, TURN, 50)) * rng.uniform(0.0, 1.0, 50)
+        others, _ = pairs.gap(task.present + moves)
+        assert np.all(np.abs(others - gap) <= bound + 1e-12)
+
+
+def test_what_is_cut_off_is_found_at_its_deepest() -> None:
+    task = lobe()
+    found = covered(task, LOCAL)
+    gap = found.gap(np.array([LOCAL]))[0][0]
+    assert len(gap) > 1
+    assert gap[0] == np.min(gap)
+    # No point of the flank lies deeper in any roller, to within the width of the grid.
+    disc = task.cam_at(LOCAL).disc
+    around = np.linspace(0.0, TURN, 1500)
+    flank, rollers = disc.inner_curve.point(around), disc.pitch_curve.point(around)
+    dense = np.abs(flank[:, np.newaxis] - rollers) - disc.flank_distance
+    assert gap[0] == pytest.approx(np.min(dense), abs=1e-2)
+    assert gap[0] <= np.min(dense) + 1e-9
+
+
+@pytest.mark.parametrize("name", ["plate_translating", "groove", "straight_moves"])
+def test_nothing_is_found_where_nothing_is_cut_off(name: str) -> None:
+    """Corners of the pitch curve, which every size has, do not count either."""
+    task, _, _ = required(name)
+    assert len(covered(task, task.present).first) == 0
+
+
+def test_the_smallest_cam_is_not_cut_off() -> None:
+    """15.7143 mm would keep r_R/r_K but lose 116.9 of 120 mm of the lift; 17.4184 mm are needed."""
+    task, limits = lobe(), camgeo.load(FOUND).scene.limits
+    lost = {each.name: each for each in disc_findings(task.cam_at(LOCAL), limits)}
+    assert lost["lost-stroke-inner"].value == pytest.approx(116.9, abs=0.1)
+    found = size(task, ANGLE, RATIO)
+    assert found.answer is not None
+    # The motion is its own mirror image, so the axis lies below the guide.
+    assert found.answer.place.real == pytest.approx(0.0, abs=0.01)
+    assert found.answer.base_radius == pytest.approx(17.418378, abs=1e-6)
+    assert [each.name for each in found.active] == ["global-undercut"]
+    assert found.none_below == pytest.approx(found.answer.base_radius, rel=2e-3)
+    assert not found.exact
+    # Without offset, touching sides follow from the pitch curve alone: its shortest chord that is
+    # normal to it at both ends is as long as the roller is wide.
+    below = -1j * found.answer.base_radius
+    deep = covered(task, below * (1.0 - 1e-4))
+    curve = task.pitch_curve_at(below)
+    chord = abs(complex(np.diff(curve.point(np.array([deep.first[0], deep.second[0]])))[0]))
+    assert chord == pytest.approx(2.0 * 11.0, abs=2e-3)
+    for share in (1.0 - 1e-6, 0.95):
+        for turn in (0.0, 0.02, -0.4):
+            place = below * share * np.exp(1j * turn)
+            assert not sound(task.cam_at(complex(place)), ANGLE, RATIO)
+    assert sound(task.cam_at(below * (1.0 + 10.0 * TOUCHING)), ANGLE, RATIO)
+
+
+@pytest.mark.parametrize("name", [*EASY, *BENT])
+def test_the_answer_keeps_its_requirement_and_no_smaller_one_does(name: str) -> None:
+    task, angle, ratio = required(name)
+    found = size(task, angle, ratio)
+    assert found.answer is not None
+    best = found.answer.place
+    assert found.answer.transmission_angle.value >= angle - 1e-9
+    assert found.answer.radius_ratio.value <= ratio + 1e-9
+    assert {each.name for each in found.active} == (
+        {"transmission-angle"} if name in EASY else {"transmission-angle", "radius-ratio"}
+    )
+    radius, start = found.answer.base_radius, task.start
+    direction = np.angle(best - start)
+    for shrink in (1e-7, 1e-5, 1e-3, 3e-2):
+        # Both free parameters: a smaller base circle, and everywhere on it.
+        turns = np.concatenate(([0.0], np.geomspace(1e-8, 1.0, 11)))
+        for turn in (*turns, *-turns):
+            theta = direction + turn
+            if not -math.pi < theta < 0.0:
+                continue
+            place = start + radius * (1.0 - shrink) * np.exp(1j * theta)
+            rating = rate(task, complex(place))
+            assert (
+                rating is None
+                or rating.transmission_angle.value < angle
+                or rating.radius_ratio.value > ratio
+            ), (shrink, turn)
+
+
+@pytest.mark.parametrize("rotation", [1, -1])
+@pytest.mark.parametrize(("law", "roller"), [("polynomial-345", 15.0), ("modified-sine", 40.0)])
+def test_a_roller_that_comes_to_the_axis_decides(law: str, roller: float, rotation: int) -> None:
+    """A follower that is let in by 20 mm and turns there at once: nothing but that distance, and
+    the transmission angle elsewhere, keeps the cam from being smaller."""
+    half, angle = Decimal(180), math.radians(20.0)
+    plan = MotionPlan((Move(half, 20.0, LAWS[law]), Move(half, 0.0, LAWS[law])))
+    task = task_of(cam_of(plan, TranslatingRoller(100.0, roller, direction=-1), rotation))
+    found = size(task, angle, 1.0)
+    assert found.answer is not None
+    dense = np.linspace(0.0, TURN, 721)
+
+    def margins(place: complex) -> tuple[float, float, float]:
+        curve = task.pitch_curve_at(place)
+        return (
+            float(np.min(np.abs(curve.point(dense)))) / roller - 1.0,
+            1.0 - roller * float(np.max(curve.curvature(dense))),
+            float(np.min(curve.transmission_angle(dense))) - angle,
+        )
+
+    best, radius = found.answer.place, found.answer.base_radius
+    assert min(margins(best)) >= -1e-9
+    assert margins(best)[0] <= 1e-8
+    over = {each.name: each.cam_angle for each in found.active}
+    assert over["roller-over-axis"] == pytest.approx(math.pi, abs=1e-6)
+    assert "transmission-angle" in over
+    for shrink in (1e-5, 1e-3, 0.03):
+        for theta in np.angle(best) + np.linspace(-0.6, 0.6, 61):
+            place = radius * (1.0 - shrink) * np.exp(1j * theta)
+            assert place.imag > -20.0 or min(margins(complex(place))) < 0.0
+
+
+def test_an_angle_that_no_place_keeps() -> None:
+    """Setzhub's rocker swings by 23.866 degrees: mu <= 90 - psi_H/2 (mechanisms, section 5)."""
+    task, _, ratio = required("setzhub")
+    lift = task.motion.jet(np.radians([200.0]))[0]
+    bound = 0.5 * math.pi - 0.5 * abs(float(lift[0]))
+    found = size(task, bound + 1e-3, ratio)
+    assert found.answer is None
+    assert found.for_angle is None
+    assert found.nearest_angle == pytest.approx(bound, abs=1e-5)
+    assert found.nearest_angle is not None
+    nearest = size(task, found.nearest_angle - 1e-3, 1.0)
+    assert nearest.for_angle is not None
+
+
+def test_however_large_the_roller_a_large_cam_takes_it() -> None:
+    """Far out the pitch curve is a circle: r_G is about r_R/ratio there."""
+    for name in ("vorschub", "groove"):
+        task, angle, _ = required(name)
+        roller = task.follower.roller_radius
+        found = size(task, angle, 1e-3)
+        assert found.answer is not None
+        assert found.answer.radius_ratio.value <= 1e-3 * (1.0 + 1e-9)
+        assert found.answer.base_radius == pytest.approx(roller / 1e-3, rel=0.1)
+    huge = task_of(task.cam.sized(roller_radius=500.0))
+    answer = size(huge, angle, 0.7).answer
+    assert answer is not None
+    assert {each.name for each in active_conditions(huge, answer, angle, 0.7)} == {
+        "transmission-angle",
+        "radius-ratio",
+    }
+
+
+def test_a_ratio_that_no_place_keeps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Only where large cams are excluded, see above."""
+    monkeypatch.setattr(bends, "REACH", 1.5)
+    monkeypatch.setattr(bends, "ROOM", 0.0)
+    task, angle, _ = required("vorschub")
+    found = size(task, angle, 1e-3)
+    assert found.answer is None
+    assert found.for_angle is not None
+    assert found.none_below == math.inf
+    assert found.reach == pytest.approx(1.5 * found.for_angle.base_radius)
+    assert found.nearest_ratio is not None
+    assert found.nearest_ratio > 1e-3
+    reported = Side(task, found, "mm").infeasible
+    assert reported is not None
+    assert (
+        "there is no place without undercut and with r_R/r_K at most 0.001 up to a base" in reported
+    )
+    assert f"the smallest ratio found is about {found.nearest_ratio:.3g}" in reported
+
+
+@pytest.mark.parametrize(
+    ("for_face", "angle", "other", "key"),
+    [
+        (False, 0.0, 0.7, "transmission_angle"),
+        (False, math.pi / 2.0, 0.7, "transmission_angle"),
+        (False, math.nan, 0.7, "transmission_angle"),
+        (False, 1.0, 0.0, "radius_ratio"),
+        (False, 1.0, 1.1, "radius_ratio"),
+        (True, 0.0, 0.0, "transmission_angle"),
+        (True, 1.0, -1.0, "radius_of_curvature"),
+        (True, 1.0, math.inf, "radius_of_curvature"),
+        (True, 1.0, math.nan, "radius_of_curvature"),
+    ],
+)
+def test_a_wrong_requirement_is_refused(
+    for_face: bool, angle: float, other: float, key: str
+) -> None:
+    roller, face = required("setzhub")[0], face_task_of(camgeo.load(SCENES / "tappet.toml").cam)
+    search: Callable[..., object] = (
+        partial(size_for_face, face) if for_face else partial(size, roller)
+    )
+    with pytest.raises(GeometryError) as caught:
+        search(angle, other)
+    assert caught.value.key == key
+
+
+def test_for_the_angle_alone_all_scales_and_the_shortest_arm_is_best() -> None:
+    task, angle, _ = required("setzhub")
+    small = task_of(task.cam.sized(roller_radius=1e-3))
+    found = [size(with_arm(small, arm), angle, 1.0).answer for arm in (30.0, 60.0)]
+    assert found[0] is not None
+    assert found[1] is not None
+    assert found[1].place == pytest.approx(2.0 * found[0].place, rel=1e-11)
+    sized, sizing = size_with_arm(small, angle, 1.0, 30.0, 60.0)
+    assert isinstance(sized.follower, OscillatingRoller)
+    assert sized.follower.arm == 30.0
+    assert sizing.answer == found[0]
+
+
+@pytest.mark.parametrize("contact", ["inner", "outer"])
+def test_no_other_arm_of_the_range_is_better(contact: str) -> None:
+    task, angle, ratio = required("schnitt")
+    task = task_of(replace(task.cam, contact=contact))  # type: ignore[arg-type]  # the name of a contact
+    low, high = 12.0, 60.0
+    sized, sizing = size_with_arm(task, angle, ratio, low, high)
+    assert isinstance(sized.follower, OscillatingRoller)
+    assert low <= sized.follower.arm <= high
+    assert sizing.answer is not None
+    assert sizing.answer.transmission_angle.value >= angle - 1e-9
+    assert sizing.answer.radius_ratio.value <= ratio + 1e-9
+    for arm in (low, 40.0, *(sized.follower.arm * np.array([0.97, 1.03]))):
+        if low <= arm <= high:
+            other = size(with_arm(task, float(arm)), angle, ratio).answer
+            assert other is not None
+            # The best arm inside the range is found to 1e-3 of itself.
+            assert other.base_radius >= sizing.answer.base_radius * (1.0 - 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("name", "low", "high", "key"),
+    [
+        ("plate_translating", 30.0, 60.0, "follower.kind"),
+        ("setzhub", 60.0, 30.0, "arm"),
+        ("setzhub", 5.0, 30.0, "arm"),
+        ("setzhub", 30.0, float("inf"), "arm"),
+        ("setzhub", float("nan"), 30.0, "arm"),
+    ],
+)
+def test_what_is_no_range_is_refused(name: str, low: float, high: float, key: str) -> None:
+    task, angle, ratio = required(name)
+    with pytest.raises(GeometryError) as caught:
+        size_with_arm(task, angle, ratio, low, high)
+    assert caught.value.key == key
+
+
+@pytest.mark.parametrize(
+    ("length", "unit", "exponent"),
+    [
+        (44.5059, 1.0, -4),
+        (1.0, 1.0, -4),
+        (9999.0, 1.0, -4),
+        (0.5, 1.0, -5),
+        (2.5e-6, 1.0, -10),
+        (1.2e4, 1.0, -3),
+        (3.7e8, 1.0, 1),
+        (23.5, 25.4, -5),
+    ],
+)
+def test_the_last_decimal(length: float, unit: float, exponent: int) -> None:
+    """0.1 um from 1 mm to 10 m, otherwise a fraction of the length; one digit more in inches."""
+    assert exponent_of(length, unit) == exponent
+
+
+@given(st.floats(1e-9, 1e12), st.sampled_from((1.0, 25.4)))
+def test_a_length_is_rounded_up_by_less_than_its_last_decimal(length: float, unit: float) -> None:
+    exponent = exponent_of(length, unit)
+    found = upward(length, exponent, unit)
+    last = Decimal(1).scaleb(exponent)
+    assert found % last == 0
+    exact = Decimal(length / unit)
+    assert exact * (1 - Decimal("1.1e-11")) <= found < exact + last
+    assert float(last) * unit <= 2.55e-4 * length
+
+
+def test_a_limit_that_has_so_many_decimals_is_kept() -> None:
+    """14 mm / 0.7 is 20 mm, though not in binary."""
+    assert upward(14.0 / 0.7, -4, 1.0) == 20
+    assert upward(20.0 * (1.0 + 1e-13), -4, 1.0) == 20
+    assert upward(20.0 * (1.0 + 1e-10), -4, 1.0) == Decimal("20.0001")
+
+
+@pytest.mark.parametrize("name", ["setzhub", "schnitt", "groove", "ring", "plate_translating"])
+def test_what_is_written_keeps_the_limits_in_as_few_decimals_as_it_can(name: str) -> None:
+    task, angle, ratio = required(name)
+    found = size(task, angle, ratio)
+    assert found.answer is not None
+    assert found.examined is not None
+    made = rounded(task, found.answer.place, found.examined, angle, ratio, 1.0)
+    assert made is not None
+    assert sound(made.cam, angle, ratio)
+    base = made.lengths["base_radius"]
+    assert isinstance(base, float)
+    assert repr(base) == repr(round(base, 4))
+    assert found.answer.base_radius <= base < found.answer.base_radius + 1e-4
+    assert all(
+        each == round(each, 6)
+        for value in made.lengths.values()
+        for each in (value if isinstance(value, list) else [value])
+    )
+    # With a base radius one digit smaller, no place on that circle keeps both.
+    theta = phase(found.answer.place - task.start)
+    for turn in (0.0, 1e-6, -1e-6, 1e-4, -1e-4):
+        way = theta + turn
+        place = task.start + (base - 1e-4) * complex(math.cos(way), math.sin(way))
+        rating = rate(task, place)
+        assert rating is None or (
+            rating.transmission_angle.value < angle or rating.radius_ratio.value > ratio
+        )
