@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from decimal import Decimal
 from functools import cache
 from pathlib import Path
@@ -21,7 +20,7 @@ from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray
 from tests.laws import LAWS
 from tests.long_form import LONG
-from tests.measuring import DensePath, Outline
+from tests.measuring import Outline
 from tests.reference import shift
 
 TURN = 2.0 * np.pi
@@ -113,32 +112,3 @@ def polyline(vertices: ComplexArray) -> Contour:
 def outline(contour: Contour) -> Outline:
     """The contour as the tests' own measure takes it."""
     return Outline(contour.vertices, contour.ends, contour.sweeps, contour.centres)
-
-
-@dataclass(frozen=True)
-class Dense:
-    """A curve by dense points, for distances in both directions."""
-
-    points: ComplexArray
-    path: DensePath
-
-    @classmethod
-    def of(cls, curve: WorkingCurve) -> Dense:
-        points = dense(curve)
-        return cls(points, DensePath(points))
-
-    def measured(self, contour: Contour, points: int = 20_000) -> float:
-        """Largest distance found by dense sampling in both directions.
-
-        At most the true one, but for the chords' sagitta of `DensePath`: h^2 kappa/8 = 2e-6 mm for
-        h = 4e-3 mm, kappa = 1/mm.
-        """
-        there = outline(contour).distances(self.points[:: max(1, DENSE // points)])
-        back = self.path.distances(outline(contour).dense(points))
-        return max(float(np.max(there)), float(np.max(back)))
-
-
-@cache
-def dense_flank(name: tuple[str, int]) -> Dense:
-    """A fixture flank by dense points."""
-    return Dense.of(flank(*name))

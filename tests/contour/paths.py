@@ -1,4 +1,4 @@
-"""Trimmed outlines made by hand for the tests: of the hard cases, and of cams with shocks.
+"""Outlines for the tests, trimmed ones made by hand: of the hard cases, and of cams with shocks.
 
 Crossing points come from the reference, or from Newton's method here; nothing of the stage that
 finds them is used.
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
 
@@ -21,7 +22,7 @@ from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray, Side
-from tests.contour.cams import TURN, dwell, move, outline, translating
+from tests.contour.cams import FLANKS, TURN, dwell, flank, move, outline, translating
 from tests.measuring import DensePath
 from tests.reference import hard_case, plan_of
 
@@ -140,6 +141,13 @@ PATHS: dict[str, Callable[[], Path]] = {
     "cusp": cusp,
 }
 
+FLANK_PATHS: dict[str, Callable[[], Path]] = {
+    scene: lambda name=(scene, side): whole(flank(*name)) for scene, side in FLANKS
+}
+
+OUTLINES = {**PATHS, **FLANK_PATHS}
+"""Trimmed outlines, and whole flanks of fixture scenes by the name of the scene."""
+
 
 def dense_path(path: Path, count: int = 60_000) -> ComplexArray:
     """Points of the whole path, spaced evenly to a factor of two along each element."""
@@ -161,12 +169,30 @@ def dense_path(path: Path, count: int = 60_000) -> ComplexArray:
     return kept
 
 
-def measured(path: Path, contour: Contour, points: int = 8_000) -> float:
-    """Largest distance found by dense sampling in both directions, see `Dense.measured`."""
-    exact = dense_path(path)
-    there = outline(contour).distances(exact[:: max(1, len(exact) // points)])
-    back = DensePath(exact).distances(outline(contour).dense(points))
-    return max(float(np.max(there)), float(np.max(back)))
+@dataclass(frozen=True)
+class Dense:
+    """A path by dense points, for distances in both directions."""
+
+    points: ComplexArray
+    path: DensePath
+
+    @classmethod
+    def of(cls, path: Path) -> Dense:
+        points = dense_path(path)
+        return cls(points, DensePath(points))
+
+    def measured(self, contour: Contour, points: int = 8_000) -> float:
+        """Largest distance found by dense sampling in both directions, at most the true one but for
+        `SAGITTA`."""
+        there = outline(contour).distances(self.points[:: max(1, len(self.points) // points)])
+        back = self.path.distances(outline(contour).dense(points))
+        return max(float(np.max(there)), float(np.max(back)))
+
+
+@cache
+def dense_of(name: str) -> Dense:
+    """One of `OUTLINES` by dense points."""
+    return Dense.of(OUTLINES[name]())
 
 
 def area(path: Path) -> float:

@@ -1,8 +1,7 @@
-"""Outlines that are circles: one arc in every form, and an end to the proof of those nearly so.
+"""Outlines that are circles: one arc in every form.
 
 Under a flat face square to its guide s = e (1 - cos phi) makes an eccentric disc: the face at the
-distance r + e - e cos phi is the tangent of a circle of radius r + e about a point e behind.
-"""
+distance r + e - e cos phi is the tangent of a circle of radius r + e about a point e behind."""
 
 from __future__ import annotations
 
@@ -27,8 +26,10 @@ from camgeo.kinematics.laws import make_law
 from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
+from tests.contour.cams import dwell, translating
 
 FOUND = Path(__file__).parents[2] / "fixtures" / "found"
+
 
 ROUNDING = 2.0**-52 * 100.0
 """Rounding of points and centres, as a fraction of the size: sums of a few dozen products."""
@@ -70,6 +71,14 @@ def test_every_form_of_it_is_one_circle(tolerance: float, direction: int, rotati
         assert proof.deviation(path, fit.contour.reversed()) <= charged
 
 
+def test_a_cam_that_rests_all_turn_is_one_circle() -> None:
+    path = whole(WorkingCurve(translating(dwell(360)).pitch, -8.0))
+    for fit in (fit_arcs(path, 1e-9), fewest_arcs(path, 1e-9), fewest_cubics(path, 1e-9)):
+        assert len(fit.contour) == 1
+        assert fit.contour.area == pytest.approx(np.pi * 32.0**2, rel=1e-15)
+        assert fit.deviation < 1e-11
+
+
 def test_a_quarter_of_a_law_is_one_arc() -> None:
     """Its first quarter turn is a circle, the rest is not; it begins beside a rest."""
     law = make_law("simple-sine", "R-R", inflection=0.4)
@@ -83,38 +92,6 @@ def test_a_quarter_of_a_law_is_one_arc() -> None:
     assert np.count_nonzero(own) == 1
     assert abs(fit.contour.sweeps[own][0]) == pytest.approx(0.5 * np.pi, rel=ROUNDING)
     assert np.count_nonzero(np.abs(fit.contour.radii - 40.0) <= 40.0 * ROUNDING) == 1
-
-
-@pytest.mark.parametrize(("off", "tolerance"), [("1e-6", 1e-2), ("1e-6", 1e-6), ("1e-3", 1e-4)])
-def test_the_proof_of_a_near_circle_ends(
-    off: str, tolerance: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Spans that miss half a turn by a little: the distance is nearly 0, and no cell shows that."""
-    most = 0
-    plain = proof._Cells.halved
-
-    def counted(cells: proof._Cells, which: np.ndarray) -> proof._Cells:
-        nonlocal most
-        made = plain(cells, which)
-        most = max(most, len(made.low))
-        return made
-
-    monkeypatch.setattr(proof._Cells, "halved", counted)
-    path = eccentric(12.0, 3.0, str(Decimal(180) + Decimal(off)))
-    fit = fewest_arcs(path, tolerance)
-    assert len(fit.contour) <= 8
-    assert fit.deviation <= tolerance
-    assert proof.deviation(path, fit.contour) <= max(fit.deviation, proof.ENOUGH)
-    assert most <= proof.MAX_CELLS
-
-
-def test_at_the_cap_the_bound_is_wider_and_still_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    path = eccentric(12.0, 3.0, "180.001")
-    contour = fewest_arcs(path, 1e-2).contour
-    sharp = proof.deviation(path, contour)
-    monkeypatch.setattr(proof, "MAX_CELLS", 500)
-    capped = proof.deviation(path, contour)
-    assert sharp < capped <= 1e-2
 
 
 @pytest.mark.parametrize("left", [1e-3, 1e-6, 1e-9])

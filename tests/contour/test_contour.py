@@ -1,4 +1,5 @@
-"""A contour's own measures, compared with figures computed by hand and with dense polygons."""
+"""Contours of lines and arcs, compared with figures computed by hand and with dense polygons: their
+measures, places on their pieces, parts of them, chords, and distances."""
 
 from __future__ import annotations
 
@@ -9,11 +10,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.geometry.contour.contour import Contour, winding_number
+from camgeo.geometry.contour.contour import (
+    Contour,
+    Pieces,
+    distances,
+    least_distance,
+    winding_number,
+)
 from camgeo.geometry.contour.spline import Arc, SplineContour
-from camgeo.numeric.arrays import ComplexArray
+from camgeo.milling.track import Track, chained
+from camgeo.numeric.arrays import ComplexArray, taken
 from tests.contour.cams import outline, polyline
 from tests.measuring import polygon
+from tests.toolpath.plane.tracks import any_track, scattered, through
+from tests.toolpath.plane.tracks import dense as places_on
 
 
 @st.composite
@@ -115,3 +125,144 @@ def test_the_area_beside_flat_arcs(bulge: float) -> None:
     arcs = zip(flat.vertices, flat.ends, flat.sweeps, flat.centres, strict=True)
     spline = SplineContour(tuple(Arc(*(each.item() for each in arc)) for arc in arcs))
     assert spline.area == pytest.approx(flat.area, rel=1e-15)
+
+
+SEEDS = range(10)
+
+
+def any_pieces(seed: int) -> Pieces:
+    """Lines, arcs up to half a turn, and one of nearly a whole turn."""
+    track = any_track(np.random.default_rng(seed), 8)
+    return chained((track, Track.arc(track.end, track.end + 2.0, -6.0))).pieces
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_places_follow_the_length(seed: int) -> None:
+    """Equal shares of the length are equally far apart, and the ends are those stated."""
+    pieces = any_pieces(seed)
+    count = 2001
+    places = np.array(
+        [pieces.at(np.full(len(pieces), share)) for share in np.linspace(0, 1, count)]
+    )
+    assert np.all(places[0] == pieces.starts)
+    assert np.all(places[-1] == pieces.ends)
+    steps = np.abs(np.diff(places, axis=0))
+    # A chord of the angle t is shorter than its arc by the share t^2 / 24.
+    assert np.max(np.abs(steps * (count - 1) / pieces.lengths - 1.0)) < 1e-6
+    ways = np.diff(places, axis=0) / steps
+    for k in (0, 700, 1999):
+        middle = pieces.at(np.full(len(pieces), (k + 0.5) / (count - 1)))
+        assert np.abs(pieces.tangents(middle) - ways[k]) == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_part_is_the_same_curve(seed: int) -> None:
+    pieces, rng = any_pieces(seed), np.random.default_rng(seed)
+    first, last = np.sort(rng.uniform(0.0, 1.0, (2, len(pieces))), axis=0)
+    part = pieces.between(first, last)
+    assert part.lengths == pytest.approx((last - first) * pieces.lengths)
+    inner = rng.uniform(0.0, 1.0, len(pieces))
+    same = pieces.at(first + inner * (last - first))
+    assert np.abs(part.at(inner) - same) == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_halves_turn_by_half_a_turn_at_most(seed: int) -> None:
+    pieces = any_pieces(seed)
+    index, first, last = pieces.halves()
+    assert np.bincount(index).tolist() == [1] * (len(pieces) - 1) + [2]
+    parts = taken(pieces, index).between(first, last)
+    assert np.max(np.abs(parts.sweeps)) <= np.pi
+    joined = index[1:] == index[:-1]
+    assert np.all(parts.starts[1:][joined] == parts.ends[:-1][joined])
+
+
+@pytest.mark.parametrize("sagitta", [1.0, 1e-3, 1e-7])
+@pytest.mark.parametrize("seed", SEEDS)
+def test_chords_keep_the_sagitta(seed: int, sagitta: float) -> None:
+    pieces = any_pieces(seed)
+    index, ends = pieces.chords(sagitta)
+    first = np.diff(index, prepend=-1) > 0
+    starts = np.where(first, pieces.starts[index], np.roll(ends, 1))
+    assert np.all(ends[np.append(first[1:], True)] == pieces.ends)
+    radii, half = pieces.radii[index], 0.5 * np.abs(ends - starts)
+    off = radii - np.sqrt(np.maximum(radii**2 - half**2, 0.0))
+    assert np.max(off) <= sagitta * (1.0 + 1e-9) + 1e-14
+    assert np.all(np.bincount(index)[pieces.sweeps == 0.0] == 1)
+
+
+def test_a_huge_arc_has_finitely_many_chords() -> None:
+    huge = Track.arc(1e9 + 0j, 0j, 0.5 * np.pi).pieces
+    assert len(huge.chords(1e-12)[0]) <= 500_000
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_distances_against_dense_places(seed: int) -> None:
+    pieces, rng = any_pieces(seed), np.random.default_rng(seed)
+    shares = np.linspace(0.0, 1.0, 2001)
+    for place in scattered(rng, 20, 15.0):
+        dense = np.array([pieces.at(np.full(len(pieces), share)) for share in shares[::20]])
+        sampled = np.min(np.abs(dense - place), axis=0)
+        exact = pieces.apart(np.full(len(pieces), place))
+        assert np.all(exact <= sampled + 1e-12)
+        assert np.all(exact >= sampled - pieces.lengths / 200.0 - 1e-12)
+
+
+def test_contours_are_cut_into_half_turns() -> None:
+    slotted = Contour(np.array([3.0 + 0j, 5.0, 3.0j]), np.array([0.0, 0.0, 1.5 * np.pi]),
+                      np.array([0j, 0j, 0j]))  # fmt: skip
+    pieces = Pieces.around([slotted, Contour.circle(9.0)])
+    assert len(pieces) == 6
+    assert np.max(pieces.sweeps) <= np.pi
+    assert np.sum(pieces.lengths) == pytest.approx(slotted.length + 18.0 * np.pi)
+    assert len(Pieces.around([])) == 0
+
+
+EACH = 400
+"""Points on a piece of at most 60 mm: none is farther than 0.075 mm from one of them."""
+
+
+APART = 0.08
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_points(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    track = any_track(rng)
+    points = scattered(rng, 30, 15.0)
+    found = distances(points, track)
+    near = np.min(np.abs(points[:, None] - places_on(track, EACH)), axis=1)
+    assert np.all(found <= near + 1e-12)
+    assert np.all(near - found <= APART)
+    assert np.max(distances(places_on(track, 20), track)) < 1e-12
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_chains(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    one, other = any_track(rng, 3, 4.0), any_track(rng, 2, 4.0)
+    moved = Track(other.vertices + 9.0, other.sweeps, other.centres + 9.0)
+    for each in (other, moved):
+        found = least_distance(one, each)
+        near = np.min(np.abs(places_on(one, EACH)[:, None] - places_on(each, EACH)))
+        assert found <= near + 1e-12
+        assert near - found <= APART
+        assert least_distance(each, one) == pytest.approx(found, abs=1e-12)
+
+
+def test_crossing_pieces_have_no_distance() -> None:
+    line = Track.line(-5 - 0.1j, 5 + 0.2j)
+    arc = through(np.array([-1 + 0j, 1 + 0j]), np.array([-3.0]))
+    flat = Track.line(-4 + 0.5j, 4 + 0.5j)
+    for one, other in ((line, Track.line(1 - 3j, 1 + 3j)), (line, arc), (arc, flat)):
+        assert least_distance(one, other) == 0.0
+    assert least_distance(arc, Track.arc(0.5 + 0j, 0.5 + 5j, 3.0)) == 0.0
+
+
+def test_nested_circles() -> None:
+    """The common normal of two arcs, on the same side of both centres."""
+    outer, inner = Track.arc(-10 + 0j, 0j, 3.0), Track.arc(-5 - 2j, -2 - 2j, -2.9)
+    gap = 10.0 - abs(-2 - 2j) - 3.0
+    turned = Track(outer.vertices * 1j, outer.sweeps, outer.centres * 1j)
+    assert least_distance(turned, inner) == pytest.approx(least_distance(inner, turned))
+    assert least_distance(outer, inner) >= gap - 1e-12

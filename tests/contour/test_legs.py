@@ -1,8 +1,9 @@
-"""Legs of a path: their smooth pieces, and the derivatives that the proof takes from an arc."""
+"""What all fits share: legs of a path, joints, numbers of pieces, and what decides between them."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -10,11 +11,35 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.geometry.contour.legs import StretchLeg, TurnLeg, legs_of
+from camgeo.errors import ToleranceError, UndercutError
+from camgeo.geometry.contour.least_pieces import (
+    forced_pieces,
+    least_arcs,
+    least_chords,
+    least_cubics,
+)
+from camgeo.geometry.contour.legs import (
+    APART,
+    STEP,
+    Bends,
+    StretchLeg,
+    TurnLeg,
+    above,
+    clearly_less,
+    in_steps,
+    joints_apart,
+    ladder,
+    least_counts,
+    legs_of,
+    require_regular,
+)
+from camgeo.geometry.contour.proof import proved
 from camgeo.geometry.outline.path import Path, Pivot, Stretch, whole
-from camgeo.geometry.pieces import smooth_pieces
-from tests.contour.cams import TURN, dwell, move, translating
-from tests.contour.paths import cut_off_lobe, shocks
+from camgeo.geometry.pieces import Piece, smooth_pieces
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.numeric.arrays import FloatArray
+from tests.contour.cams import TURN, dwell, flank, move, translating
+from tests.contour.paths import break_count, cut_off_lobe, hard_curve, shocks
 from tests.strategies import attack
 
 CAM = translating(dwell(60), move(120, 15.0), dwell(60), move(120, 0.0))
@@ -106,3 +131,206 @@ def test_arc_as_a_leg(radius: float, size: float, back: bool, share: float) -> N
     assert pace == pytest.approx(np.abs(jet[1]), rel=1e-12)
     assert np.all(bounds >= np.abs(jet[1]) * (1.0 - 1e-12))
     assert leg.length == pytest.approx(radius * size, rel=1e-12)
+
+
+CUSP = math.radians(78.9790897521664912236687251744)
+
+
+def test_a_cusp_in_one_point_is_regular_and_beyond_is_not() -> None:
+    """The samples' own middle falls on the cusp of HC21a."""
+    piece = Piece(CUSP - 0.1, CUSP + 0.1)
+    curve = hard_curve("HC21a")
+    assert abs(curve.regularity(np.array([CUSP]))[0]) < 1e-13
+    require_regular(curve, piece)
+    with pytest.raises(UndercutError, match=r"between cam angles 73\.2495 and 84\.7087 degrees"):
+        require_regular(WorkingCurve(curve.pitch, curve.distance * (1.0 + 1e-11)), piece)
+
+
+@pytest.mark.parametrize(("roller", "regular"), [(39.999, True), (40.0, False), (40.001, False)])
+def test_dwell_needs_a_radius(roller: float, regular: bool) -> None:
+    pitch = translating(dwell(180), move(100, 1.0), move(80, 0.0)).pitch
+    curve, piece = WorkingCurve(pitch, -roller), Piece(0.0, math.pi, 0j)
+    if regular:
+        require_regular(curve, piece)
+        return
+    with pytest.raises(UndercutError):
+        require_regular(curve, piece)
+
+
+def test_joints_near_a_cusp_are_kept_apart() -> None:
+    curve = hard_curve("HC21a")
+    near = np.geomspace(1e-7, 0.05, 200)
+    joints = np.concatenate((CUSP - near[::-1], [CUSP], CUSP + near))
+    points = curve.point(joints)
+    least = APART * np.max(np.abs(points))
+    assert np.min(np.abs(np.diff(points))) < 1e-3 * least
+    kept = joints_apart(curve, joints)
+    assert (kept[0], kept[-1]) == (joints[0], joints[-1])
+    assert np.all(np.isin(kept, joints))
+    assert np.min(np.abs(np.diff(curve.point(kept)))) >= least
+    # Those that are far enough from each other all stay.
+    assert len(kept) >= np.count_nonzero(np.abs(np.diff(points)) >= least)
+
+
+def test_joints_of_a_regular_curve_all_stay() -> None:
+    curve = translating(dwell(60), move(120, 15.0), dwell(60), move(120, 0.0))
+    joints = np.linspace(1.1, 3.1, 100_000)
+    assert joints_apart(curve, joints) is joints
+
+
+def test_refined_bends_are_linear_and_no_speed_is_negative() -> None:
+    """At the end of a steep move the speed grows more than threefold from cell to cell."""
+    steep, even = np.array([1e-3, 1e2, 1e4]), np.array([-1.0, 0.0, 1.0])
+    fine = Bends(steep, even, even, even).refined()
+    assert np.min(fine.speed) >= 0.0
+    # Eight cells for one: in the outer half cells the straight line is carried on.
+    np.testing.assert_allclose(fine.slope, (np.arange(24) - 11.5) / 8.0, atol=1e-15)
+
+
+SIZES = st.floats(1e-12, 1e3)
+
+
+@given(SIZES, st.integers(-9, 9))
+def test_of_equal_deviations_neither_is_less(size: float, units: int) -> None:
+    """Equal except for `units` of 1e-11."""
+    other = np.array([size * (1.0 + 1e-11 * units)])
+    assert not clearly_less(other, np.array([size]))[0]
+    assert not clearly_less(np.array([size]), other)[0]
+
+
+@given(SIZES)
+def test_less_by_a_tenth_of_a_step_is_less(size: float) -> None:
+    best = np.array([size, np.inf, size])
+    found = np.array([size * (1.0 - 0.1 * STEP), size, np.nan])
+    assert clearly_less(found, best).tolist() == [True, True, False]
+
+
+@given(st.integers(-9_000, 9_000), st.floats(-0.499, 0.499))
+def test_steps(number: int, part: float) -> None:
+    """Numbers go to the nearest multiple of a step, which zero is too."""
+    assert in_steps(np.array([(number + part) * STEP]))[0] == number * STEP
+
+
+MOST = 2_000_000
+
+
+def _least(step: float, needed: float, tried: list[int]) -> list[int]:
+    """The least count within 0.5 mm, by those `tried`, of a curve that needs that many `needed`
+    parts for it and has a step of `step` mm."""
+
+    def make(wanted: Sequence[tuple[int, int]]) -> list[tuple[int, float]]:
+        tried.extend(count for _, count in wanted)
+        return [(count, max(step, 0.5 * (needed / count) ** 2)) for _, count in wanted]
+
+    return least_counts(make, np.array([3.0]), 0.5, 0.01, order=2.0, most=MOST)
+
+
+@pytest.mark.parametrize("step", [0.6, 2.0])
+def test_a_step_of_the_curve_is_not_divided_further(step: float) -> None:
+    tried: list[int] = []
+    with pytest.raises(ToleranceError) as caught:
+        _least(step, 1_000.0, tried)
+    assert caught.value.reached == pytest.approx(step)
+    assert max(tried) < 20_000 < MOST
+
+
+@pytest.mark.parametrize("needed", [10.0, 3_000.0, 1.5e6])
+def test_counts_that_help_are_tried_on(needed: float) -> None:
+    (count,) = _least(0.0, needed, [])
+    assert needed <= count <= 1.02 * needed + 2.0
+
+
+def test_a_lower_aim_that_does_not_help_is_the_last() -> None:
+    aims: list[float] = []
+
+    def fit(aim: float) -> float:
+        aims.append(aim)
+        return aim
+
+    with pytest.raises(ToleranceError) as caught:
+        proved(fit, lambda aim: 5.0 + 0.1 * aim, 1.0, 1.0)
+    assert len(aims) == 2
+    assert caught.value.reached == pytest.approx(5.0, rel=0.05)
+
+
+def test_an_aim_out_of_reach_is_told_by_the_proof_before() -> None:
+    def fit(aim: float) -> float:
+        if aim < 0.5:
+            raise ToleranceError("no count will do", 1.0, 0.3)
+        return aim
+
+    with pytest.raises(ToleranceError) as caught:
+        proved(fit, lambda _: 4.0, 1.0, 1.0)
+    assert caught.value.reached == 4.0
+    with pytest.raises(ToleranceError, match="no count will do"):
+        proved(fit, lambda _: 4.0, 0.1, 1.0)
+
+
+EPS = 1e-3
+
+
+POINTS = 1000
+"""Points a smooth piece for differences, steps h of some 0.1 mm: the rounding of a double at 50 mm,
+7e-15 mm, enters the fourth difference by 7e-15/h^4 = 1e-10/mm^3, a hundred thousandth of kappa^3;
+the error of the differences is (h/50)^2."""
+
+
+def test_a_disc_without_a_move_needs_its_one_arc() -> None:
+    path = whole(translating(dwell(360), base=40.0, roller=8.0))
+    assert least_arcs(path, EPS) == 0.0
+    # Two-sided chords of a circle: 2 pi sqrt(r / (16 eps)) by the small sagitta that is meant.
+    assert least_chords(path, EPS) == pytest.approx(2.0 * math.pi * math.sqrt(32.0 / 16.0 / EPS))
+    assert least_cubics(path, EPS) == 0.0
+    assert forced_pieces(path) == 1
+    assert break_count(path) == 1
+
+
+def test_dwells_and_joints_are_counted() -> None:
+    path = whole(translating(dwell(100), move(80, 10.0), dwell(20), move(160, 0.0)))
+    assert forced_pieces(path) == 2
+    assert break_count(path) == 4
+
+
+def _whole(values: FloatArray, steps: FloatArray, lengths: FloatArray) -> float:
+    """Integral over a whole piece, of which the `steps` leave out a little at both ends."""
+    share = np.sum(lengths) * POINTS / len(lengths) / np.sum(steps)
+    return float(np.sum(values * steps) * share)
+
+
+@pytest.mark.parametrize("name", [("setzhub", -1), ("groove", 1), ("plate_translating", -1)])
+def test_integrals_agree_with_points_of_the_flank(name: tuple[str, int]) -> None:
+    """Curvature by the turn of chords, and its differences, on dense points of each piece."""
+    curve = flank(*name)
+    chords = arcs = cubics = 0.0
+    for piece in smooth_pieces(curve):
+        points = curve.point(np.linspace(piece.start, piece.end, POINTS + 1)[:-1])
+        chord = np.diff(points)
+        length = np.abs(chord)
+        step = 0.5 * (length[1:] + length[:-1])
+        kappa = np.angle(chord[1:] / chord[:-1]) / step
+        slope = np.diff(kappa) / length[1:-1]
+        fourth = np.diff(slope) / step[1:-1] - kappa[1:-1] ** 3
+        chords += 0.25 * _whole(np.sqrt(np.abs(kappa) / EPS), step, length)
+        if not piece.dwell:
+            arcs += 0.2002 * _whole(np.cbrt(np.abs(slope) / EPS), length[1:-1], length)
+            cubics += 0.18996 * _whole((np.abs(fourth) / EPS) ** 0.25, step[1:-1], length)
+    path = whole(curve)
+    # Each sum takes a point or three of 1,000 at the ends of each piece for as large as its mean.
+    assert least_chords(path, EPS) == pytest.approx(chords, rel=2e-3)
+    assert least_arcs(path, EPS) == pytest.approx(arcs, rel=3e-3)
+    assert least_cubics(path, EPS) == pytest.approx(cubics, rel=5e-3)
+
+
+def test_the_powers_of_the_tolerance() -> None:
+    path = whole(flank("setzhub", -1))
+    for limit, power in ((least_chords, 1 / 2), (least_arcs, 1 / 3), (least_cubics, 1 / 4)):
+        assert limit(path, 1e-6) == pytest.approx(limit(path, 1e-3) * 1000.0**power)
+
+
+def test_ladder_is_the_same_from_everywhere() -> None:
+    rungs = [1]
+    while rungs[-1] < 100_000:
+        rungs.append(above(rungs[-1]))
+    for value in (0.0, 1.0, 1.5, 57.2, 200.0, 201.0, 70_000.5):
+        assert ladder(value) == next(rung for rung in rungs if rung >= value)
+    assert max(b / a for a, b in pairwise(rungs[200:])) <= 1.0101

@@ -1,0 +1,596 @@
+"""Splines and contours of them, their fits by cubics, and lines and arcs in their place.
+
+Compared with scipy, with dense points, and with the fewest possible cubics."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from scipy.interpolate import BSpline, make_interp_spline
+
+from camgeo.errors import GeometryError
+from camgeo.geometry.contour import cubics
+from camgeo.geometry.contour.cubic_proof import (
+    approximating_arcs,
+    fitted_deviation,
+    parts_of,
+    spline_deviation,
+)
+from camgeo.geometry.contour.cubics import fewest_cubics, fit_spline
+from camgeo.geometry.contour.least_pieces import forced_pieces, least_cubics
+from camgeo.geometry.contour.legs import legs_of
+from camgeo.geometry.contour.spline import (
+    Arc,
+    CubicSpline,
+    SplineContour,
+    SplineFit,
+    at,
+    beziers_of_spline,
+    cut,
+    highest,
+)
+from camgeo.geometry.outline.path import Path, whole
+from camgeo.geometry.pieces import smooth_pieces
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.numeric.arrays import ComplexArray, FloatArray
+from tests.contour.cams import FLANKS, TURN, curves, dwell, flank, move, outline
+from tests.contour.cams import translating as cam
+from tests.contour.paths import PATHS, SAGITTA, break_count, dense_path
+from tests.long_form import examples
+from tests.measuring import DensePath
+
+EACH = 60
+"""Points a cubic."""
+
+
+def curve_of(spline: CubicSpline) -> BSpline:
+    """The same as scipy's."""
+    return BSpline(spline.knots, spline.controls, 3)
+
+
+def parameters(spline: CubicSpline, each: int = EACH) -> FloatArray:
+    """Dense parameters, the ends of all spans among them."""
+    places = np.unique(spline.knots)
+    part = np.arange(each) / each
+    inner = (places[:-1, None] + np.diff(places)[:, None] * part).ravel()
+    return np.append(inner, places[-1])
+
+
+def points_of(strand: CubicSpline | Arc, each: int = EACH) -> ComplexArray:
+    """Dense points, both ends included."""
+    if isinstance(strand, CubicSpline):
+        found: ComplexArray = curve_of(strand)(parameters(strand, each))
+        return found
+    part = np.linspace(0.0, 1.0, min(20 * each, 40_000))
+    if strand.sweep:
+        turned = np.exp(1j * strand.sweep * part)
+        return np.asarray(strand.centre + (strand.start - strand.centre) * turned)
+    return np.asarray(strand.start + (strand.end - strand.start) * part)
+
+
+def dense(contour: SplineContour, each: int = EACH) -> ComplexArray:
+    """Dense points of the whole contour."""
+    return np.concatenate([points_of(strand, each)[:-1] for strand in contour.strands])
+
+
+def tangents(strand: CubicSpline | Arc) -> tuple[complex, complex]:
+    """Unit tangents at both ends."""
+    if isinstance(strand, CubicSpline):
+        slope = curve_of(strand).derivative()
+        first, last = complex(slope(strand.knots[0])), complex(slope(strand.knots[-1]))
+    elif strand.sweep:
+        sense = 1j * np.sign(strand.sweep)
+        first, last = (sense * (end - strand.centre) for end in (strand.start, strand.end))
+    else:
+        first = last = strand.end - strand.start
+    return first / abs(first), last / abs(last)
+
+
+T = np.linspace(0.0, 1.0, 7)
+
+
+many = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+
+
+@st.composite
+def splines(draw: st.DrawFn) -> tuple[int, FloatArray, ComplexArray]:
+    """Degree, knots and control points of any spline: not clamped, double knots, spans of 0."""
+    degree = draw(st.integers(1, 3))
+    count = draw(st.integers(degree + 1, 9))
+    steps = [draw(st.sampled_from((0.0, 0.5, 1.0, 3.0))) for _ in range(count + degree)]
+    knots = np.concatenate(([-1.0], -1.0 + np.cumsum(steps)))
+    multiple = [int(np.count_nonzero(knots == knot)) for knot in knots]
+    # A knot of a higher multiplicity tears the curve apart.
+    inner = knots[1:-1]
+    if max(multiple) > degree + 1 or any(np.count_nonzero(inner == k) > degree for k in inner):
+        knots = np.arange(count + degree + 1.0)
+    place = st.floats(-100.0, 100.0)
+    controls = np.array([complex(draw(place), draw(place)) for _ in range(count)])
+    return degree, knots, controls
+
+
+def blob(bumps: int, depth: float) -> SplineContour:
+    """A closed C2 curve with bumps as one spline, with a corner at its start."""
+    angles = np.linspace(0.0, 2.0 * np.pi, 40)
+    points = 50.0 * np.exp(1j * angles) * (1.0 + depth * np.cos(bumps * angles))
+    points[-1] = points[0]
+    found = make_interp_spline(angles, points, k=3)
+    return SplineContour((CubicSpline(found.t, found.c),))
+
+
+def slot() -> SplineContour:
+    """Two lines, a half circle, and a spline for the other half; counter-clockwise."""
+    controls = np.array([-10.0 + 5.0j, -16.0 + 5.0j, -16.0 - 5.0j, -10.0 - 5.0j])
+    knots = np.array([0.0, 0.0, 0.0, 0.0, 2.0, 2.0, 2.0, 2.0])
+    return SplineContour(
+        (
+            Arc(-10.0 - 5.0j, 10.0 - 5.0j, 0.0, 0j),
+            Arc(10.0 - 5.0j, 10.0 + 5.0j, math.pi, 10.0 + 0j),
+            Arc(10.0 + 5.0j, -10.0 + 5.0j, 0.0, 0j),
+            CubicSpline(knots, controls),
+        )
+    )
+
+
+@many
+@given(splines())
+def test_pieces_are_those_of_scipy(spline: tuple[int, FloatArray, ComplexArray]) -> None:
+    degree, knots, controls = spline
+    spans = [k for k in range(degree, len(controls)) if knots[k + 1] > knots[k]]
+    if not spans:
+        with pytest.raises(GeometryError, match="without a span"):
+            beziers_of_spline(degree, knots, controls)
+        return
+    exact = BSpline(knots, controls, degree)
+    inside = np.linspace(0.05, 0.95, 7)
+    wanted = np.stack([exact(knots[k] + (knots[k + 1] - knots[k]) * inside) for k in spans])
+    pieces = beziers_of_spline(degree, knots, controls)
+    # 3 levels of convex sums, and those of scipy: many 20 ulp of the largest control point.
+    assert np.max(np.abs(at(pieces, inside) - wanted)) < 2e-12
+    whole = CubicSpline.of(degree, knots, controls)
+    assert len(whole) == len(spans)
+    assert np.max(np.abs(whole.beziers - pieces)) < 2e-12
+    assert abs(whole.start - pieces[0, 0]) + abs(whole.end - pieces[-1, 3]) < 2e-12
+
+
+@many
+@given(splines(), st.integers(1, 5))
+def test_parts_are_the_piece(spline: tuple[int, FloatArray, ComplexArray], count: int) -> None:
+    degree, knots, controls = spline
+    try:
+        pieces = beziers_of_spline(degree, knots, controls)
+    except GeometryError:
+        return
+    parts = cut(pieces, np.full(len(pieces), count))
+    for k in range(count):
+        wanted = at(pieces, (k + T) / count)
+        assert np.max(np.abs(at(parts[k::count], T) - wanted)) < 2e-12
+    # Neighbours share their ends to the last bit, and the outer ends are those of the piece.
+    starts, ends = parts[:, 0].reshape(-1, count), parts[:, 3].reshape(-1, count)
+    assert np.array_equal(starts[:, 0], pieces[:, 0])
+    assert np.array_equal(ends[:, -1], pieces[:, 3])
+    assert np.max(np.abs(starts[:, 1:] - ends[:, :-1]), initial=0.0) < 1e-13
+
+
+def test_clamped_cubics_keep_their_knots() -> None:
+    spline = slot().splines[0]
+    assert np.array_equal(CubicSpline.of(3, spline.knots, spline.controls).knots, spline.knots)
+
+
+@pytest.mark.parametrize(
+    ("degree", "knots", "message"),
+    [
+        (4, 10, "degree 4; degrees 1 to 3"),
+        (3, 8, "5 control points and 8 knots"),
+        (3, 0, "do not ascend"),
+    ],
+)
+def test_what_is_no_spline_is_refused(degree: int, knots: int, message: str) -> None:
+    places = np.arange(float(knots)) if knots else np.array([0, 0, 0, 0, 2, 1, 3, 3, 3.0])
+    with pytest.raises(GeometryError, match=message):
+        beziers_of_spline(degree, places, np.arange(5).astype(np.complex128))
+
+
+@pytest.mark.parametrize("contour", [blob(3, 0.2), blob(5, 0.05), slot()], ids=str)
+def test_area_and_length(contour: SplineContour) -> None:
+    points = dense(contour, 4000)
+    chords = np.roll(points, -1) - points
+    area = 0.5 * float(np.sum((np.conj(points) * chords).imag))
+    # Chords h of an arc of radius r lose h^2/(24 r^2) of its length and h^2/6r of area a length:
+    # h < 5e-3 mm, r > 1 mm.
+    assert contour.area == pytest.approx(area, rel=1e-6)
+    assert contour.length == pytest.approx(float(np.sum(np.abs(chords))), rel=2e-6)
+
+
+def test_area_of_a_parabola_is_exact() -> None:
+    """y = 1 - x^2 over [-1, 1] as a spline of degree 2, and the line below it."""
+    bow = CubicSpline.of(2, np.array([0.0, 0, 0, 1, 1, 1]), np.array([1.0, 2j, -1.0]))
+    contour = SplineContour((Arc(-1.0 + 0j, 1.0 + 0j, 0.0, 0j), bow))
+    assert contour.area == pytest.approx(4.0 / 3.0, rel=1e-15)
+    exact = math.sqrt(5.0) + 0.5 * math.asinh(2.0)
+    assert bow.length == pytest.approx(exact, rel=1e-12)
+
+
+def test_turned_round() -> None:
+    contour = slot()
+    back = contour.reversed()
+    assert back.area == pytest.approx(-contour.area, rel=1e-14)
+    assert back.length == pytest.approx(contour.length, rel=1e-14)
+    assert len(back) == len(contour) == 4
+    for strand, other in zip(contour.strands, back.strands[::-1], strict=True):
+        gap = np.abs(points_of(strand) - points_of(other)[::-1])
+        assert np.max(gap) < 1e-13
+    assert back.counter_clockwise().area > 0.0
+    assert contour.counter_clockwise() is contour
+    assert np.max(np.abs(dense(contour))) <= contour.reach
+
+
+def test_arcs_between_other_ends() -> None:
+    arc = Arc(10.0 + 0j, 10j, 0.5 * math.pi, 0j)
+    moved = arc.between(10.0 + 1e-3j, 10j)
+    assert moved.sweep == arc.sweep
+    assert abs(moved.start - moved.centre) == pytest.approx(abs(moved.end - moved.centre))
+    assert abs(arc.between(arc.start, arc.end).centre) < 1e-14
+
+
+@pytest.mark.parametrize("sweep", [5.5, -5.5, 3.0, 2.0 * math.pi])
+def test_split_arcs_are_the_same_in_equal_parts(sweep: float) -> None:
+    centre, start = 3.0 + 1.0j, 3.5 + 2.0j
+    end = centre + (start - centre) * cmath.exp(1j * sweep)
+    arc = Arc(start, end, sweep, centre)
+    parts = SplineContour((arc, Arc(end, start, 0.0, 0j))).split(math.pi).strands
+    arcs, line = parts[:-1], parts[-1]
+    assert len(arcs) == (2 if abs(sweep) > math.pi else 1)
+    assert line == Arc(end, start, 0.0, 0j)
+    assert (arcs[0].start, arcs[-1].end) == (start, end)
+    assert sum(part.length for part in arcs) == pytest.approx(arc.length, rel=1e-15)
+    for part in arcs:
+        assert isinstance(part, Arc)
+        assert abs(part.sweep) <= math.pi
+        assert abs(part.end - centre) == pytest.approx(arc.radius, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    "knots", [(1.0, 2.5, 3.0, 4.0), (3.0,), (3.0, 3.0, 5.0), (2.0, 3.0, 3.0, 3.0)]
+)
+def test_a_spline_divided_at_a_knot_is_the_same(knots: tuple[float, ...]) -> None:
+    random = np.random.default_rng(1)
+    controls = random.normal(size=len(knots) + 4) + 1j * random.normal(size=len(knots) + 4)
+    spline = CubicSpline(np.array([0.0] * 4 + list(knots) + [6.0] * 4), controls)
+    one, other = spline.divided(3.0)
+    both = np.concatenate((one.beziers, other.beziers))
+    assert np.max(np.abs(both - spline.beziers)) <= 1e-15 * len(controls)
+    assert (one.start, one.end, other.end) == (spline.start, other.start, spline.end)
+    assert (one.knots[-4:] == 3.0).all()
+    assert (other.knots[:4] == 3.0).all()
+
+
+several = settings(
+    max_examples=examples(7, long=12), deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)
+
+
+def both_ways(contour: SplineContour, tolerance: float) -> tuple[float, float]:
+    """Largest distance found, both ways, and the bound."""
+    fine = approximating_arcs(contour, tolerance)
+    arcs, bound = fine.contour, fine.apart
+    found = outline(arcs)
+    cubics = sum(len(spline) for spline in contour.splines)
+    there = float(np.max(found.distances(dense(contour, 4000 // cubics))))
+    back = float(np.max(DensePath(dense(contour, 80_000 // cubics)).distances(found.dense(8000))))
+    return max(there, back), bound
+
+
+@pytest.mark.parametrize("tolerance", [1e-1, 1e-3, 1e-5])
+@pytest.mark.parametrize("contour", [blob(3, 0.2), blob(8, 0.1), slot()], ids=["3", "8", "slot"])
+def test_bound_holds_and_is_sharp(contour: SplineContour, tolerance: float) -> None:
+    found, bound = both_ways(contour, tolerance)
+    # Chords of the dense points are 6e-3 mm long, and bend by 1/4 mm at most: sagitta 1e-6 mm.
+    assert found <= bound + 1.2e-6
+    assert bound <= tolerance * (1.0 + 1e-6)
+    # The coefficients over quarters exceed the cubic error's peaks by a tenth at most.
+    assert bound <= 1.12 * found + 1.2e-6
+
+
+@several
+@given(st.lists(st.floats(0.6, 1.4), min_size=6, max_size=12), st.sampled_from([0.2, 1e-3]))
+def test_any_closed_spline(radii: list[float], tolerance: float) -> None:
+    angles = np.linspace(0.0, 2.0 * np.pi, len(radii) + 1)
+    points = 40.0 * np.array([*radii, radii[0]]) * np.exp(1j * angles)
+    points[-1] = points[0]
+    found = make_interp_spline(angles, points, k=3)
+    contour = SplineContour((CubicSpline(found.t, found.c),))
+    measured, bound = both_ways(contour, tolerance)
+    assert measured <= bound + 2e-6
+    assert bound <= tolerance * (1.0 + 1e-6)
+
+
+def test_number_of_arcs_follows_the_law() -> None:
+    """Three points an arc: the error is sqrt(3)/216 of the third difference, tolerance^(-1/3)."""
+    contour = blob(3, 0.2)
+    few, many = (len(approximating_arcs(contour, tolerance).contour) for tolerance in (1e-3, 1e-6))
+    # Whole arcs a cubic: of 37 cubics each may have one too many.
+    assert many == pytest.approx(10.0 * few, abs=10.0 * 37)
+    assert many > 5 * few
+
+
+def test_arcs_stay_and_lines_are_lines() -> None:
+    arcs = approximating_arcs(slot(), 1e-4).contour
+    assert np.count_nonzero(arcs.sweeps == np.pi) == 1
+    assert arcs.area == pytest.approx(slot().area, abs=1e-4 * slot().length)
+    straight = CubicSpline(
+        np.array([0.0, 0, 0, 0, 1, 1, 1, 1]), np.array([0, 1, 2, 3], dtype=complex)
+    )
+    half = Arc(3.0 + 0j, 0j, np.pi, 1.5 + 0j)
+    fine = approximating_arcs(SplineContour((straight, half)), 1e-9)
+    contour, bound = fine.contour, fine.apart
+    assert contour.sweeps.tolist() == [0.0, np.pi]
+    assert bound < 1e-13
+
+
+def test_a_spline_that_turns_back_is_refused() -> None:
+    """Out and back on one line: no arc approximates it."""
+    knots = np.array([0.0, 0, 0, 0, 1, 1, 1, 1])
+    back = CubicSpline(knots, np.array([0.0, 9.0, 5.0, 0.0], dtype=complex))
+    with pytest.raises(GeometryError, match="turns back"):
+        approximating_arcs(SplineContour((back,)), 1e-3)
+
+
+Fitter = Callable[[Path, float], SplineFit]
+
+
+FITTERS: tuple[Fitter, ...] = (fit_spline, fewest_cubics)
+
+
+some = settings(
+    max_examples=examples(4, long=6),
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
+)
+
+
+@cache
+def fitted(fitter: Fitter, name: tuple[str, int], tolerance: float) -> SplineFit:
+    """The fit of a fixture flank, made once for all tests that use it."""
+    return fitter(whole(flank(*name)), tolerance)
+
+
+def _measured(path: Path, contour: SplineContour) -> float:
+    """Largest distance found by dense sampling in both directions."""
+    exact, found = dense_path(path, 40_000), dense(contour, 2000 if len(contour) < 40 else 500)
+    there = DensePath(found).distances(exact[::7])
+    back = DensePath(exact).distances(found[::11])
+    return max(float(np.max(there)), float(np.max(back)))
+
+
+def _check_fit(path: Path, fit: SplineFit, tolerance: float) -> None:
+    assert fit.tolerance == tolerance
+    assert fit.deviation <= tolerance
+    assert fit.contour.area > 0.0
+    found = _measured(path, fit.contour)
+    assert found <= fit.deviation + SAGITTA
+    # 1 % for the cells of the proof, 1.5 % for its arcs, and once more these, as they may lie
+    # farther off than the spline where it is farthest; 1 % for what lies between dense points.
+    assert fit.deviation <= 1.05 * found + SAGITTA
+
+
+def _check_smooth(contour: SplineContour, corners: int) -> None:
+    """C2 inside by simple knots; tangent at all joints except for the corners."""
+    turns = []
+    for strand, after in zip(
+        contour.strands, (*contour.strands[1:], contour.strands[0]), strict=True
+    ):
+        assert strand.end == after.start
+        turns.append(abs(np.angle(tangents(after)[0] / tangents(strand)[1])))
+        if isinstance(strand, CubicSpline):
+            inner = strand.knots[4:-4]
+            assert np.all(np.diff(strand.knots[3:-3]) > 0.0)
+            assert np.all(strand.knots[:4] == 0.0)
+            assert np.all(strand.knots[-4:] == strand.knots[-1])
+            bend = curve_of(strand).derivative(2)
+            nearby = 1e-9 * strand.knots[-1]
+            jump = np.abs(bend(inner + nearby) - bend(inner - nearby))
+            # The third derivative, constant in each span, times the way across the knot.
+            middles = 0.5 * (strand.knots[3:-4] + strand.knots[4:-3])
+            steepest = np.max(np.abs(curve_of(strand).derivative(3)(middles)))
+            assert np.all(jump <= 2.0 * nearby * steepest + 1e-12)
+    # A leg of a spline is 1e-3 mm long at least, its ends rounded to 1e-13 mm.
+    assert sum(turn > 1e-9 for turn in turns) <= corners
+
+
+@pytest.mark.parametrize(("fitter", "tolerance"), [(fit_spline, 0.02), (fewest_cubics, 0.001)])
+@pytest.mark.parametrize("name", FLANKS, ids=str)
+def test_fixture_flanks(name: tuple[str, int], tolerance: float, fitter: Fitter) -> None:
+    path = whole(flank(*name))
+    fit = fitted(fitter, name, tolerance)
+    _check_fit(path, fit, tolerance)
+    _check_smooth(fit.contour, 0)
+
+
+@some
+@given(curves(), st.sampled_from([0.03, 0.002]), st.sampled_from(FITTERS))
+def test_any_cam(curve: WorkingCurve, tolerance: float, fitter: Fitter) -> None:
+    fit = fitter(whole(curve), tolerance)
+    _check_fit(whole(curve), fit, tolerance)
+    _check_smooth(fit.contour, 0)
+
+
+@pytest.mark.parametrize("name", PATHS)
+def test_corners_turns_and_cusps(name: str) -> None:
+    path = PATHS[name]()
+    fit = fewest_cubics(path, 1e-3)
+    _check_fit(path, fit, 1e-3)
+    _check_smooth(fit.contour, len(path.pivots))
+
+
+@pytest.mark.parametrize("fitter", FITTERS)
+@pytest.mark.parametrize("tolerance", [1e-5, 1e-7])
+def test_fine_tolerances_are_proved(tolerance: float, fitter: Fitter) -> None:
+    """Finer than dense chords can show: perpendiculars at samples of the fit's own parameter."""
+    curve = flank("plate_translating", -1)
+    fit = fitter(whole(curve), tolerance)
+    assert 0.5 * tolerance < fit.deviation <= tolerance
+    places = dense(fit.contour, 30)[::3]
+    angle = np.linspace(0.0, TURN, 100_001)
+    near = DensePath(curve.point(angle[:-1])).distances(places)
+    # h = 3.2e-3 mm, kappa < 0.1/mm: the chords' sagitta.
+    assert float(np.max(near)) <= fit.deviation + 1.3e-7
+
+
+@pytest.mark.parametrize("name", FLANKS, ids=str)
+def test_counts_are_near_the_limit_and_never_grow(name: tuple[str, int]) -> None:
+    path = whole(flank(*name))
+    forced, breaks = forced_pieces(path), break_count(path)
+    before = 0
+    for tolerance in (1e-1, 1e-2, 1e-3, 1e-4, 1e-6):
+        few = len(fitted(fewest_cubics, name, tolerance).contour) - forced
+        quick = len(fitted(fit_spline, name, tolerance).contour) - forced
+        limit = least_cubics(path, tolerance)
+        assert few <= 1.10 * limit + 3 * breaks
+        assert quick <= 1.50 * limit + 3 * breaks
+        assert few >= before
+        before = few
+
+
+@some
+@given(curves())
+def test_counts_of_any_cam_are_near_the_limit(curve: WorkingCurve) -> None:
+    path = whole(curve)
+    forced, breaks = forced_pieces(path), break_count(path)
+    before = 0
+    for tolerance in (1e-2, 1e-4, 1e-6):
+        few = len(fewest_cubics(path, tolerance).contour) - forced
+        assert few <= 1.10 * least_cubics(path, tolerance) + 3 * breaks
+        assert few >= before
+        before = few
+
+
+@pytest.mark.parametrize("name", [("setzhub", -1), ("groove", 1)], ids=str)
+def test_the_first_proof_holds(name: tuple[str, int], monkeypatch: pytest.MonkeyPatch) -> None:
+    """A second one would aim lower, and the counts would grow where the tolerance is loosened."""
+    path = whole(flank(*name))
+    proofs: list[tuple[float, float]] = []
+
+    def counted(*args: Any) -> float:
+        bound = fitted_deviation(*args)
+        proofs.append((args[-1], bound))
+        return bound
+
+    monkeypatch.setattr(cubics, "fitted_deviation", counted)
+    before = 0
+    tolerances = np.geomspace(1e-1, 1e-8, 22)
+    for tolerance in tolerances:
+        proofs.clear()
+        fit = fewest_cubics(path, float(tolerance))
+        assert len(proofs) == 1
+        error, bound = proofs[0]
+        # The search takes errors from the peaks of parabolas: at most a hundredth too large.
+        assert error <= 1.01 * bound
+        assert bound == fit.deviation
+        assert len(fit.contour) >= before
+        before = len(fit.contour)
+
+
+@some
+@given(curves(), st.sampled_from([1e-2, 1e-5]), st.sampled_from(FITTERS))
+def test_proof_agrees_with_that_of_a_foreign_contour(
+    curve: WorkingCurve, tolerance: float, fitter: Fitter
+) -> None:
+    """Other arcs, other places and other cells: each bound exceeds the distance by some 1 %."""
+    fit = fitter(whole(curve), tolerance)
+    again = spline_deviation(whole(curve), fit.contour)
+    assert again == pytest.approx(fit.deviation, rel=0.04, abs=1e-12)
+
+
+def test_nearly_flat_arcs_become_lines() -> None:
+    """The circle of a nearly flat arc is so large that its rounding alone exceeds the tolerance."""
+    tolerance = 1e-9
+    fit = fewest_cubics(whole(flank("setzhub", -1)), 1e-7)
+    fine = approximating_arcs(fit.contour, tolerance)
+    arcs, bound = fine.contour, fine.apart
+    assert np.any(arcs.sweeps == 0.0)
+    assert np.max(arcs.radii) * 2.0**-52 <= tolerance / 64.0
+    assert bound <= 1.1 * tolerance
+
+
+def test_points_between_cells_are_those_of_the_curve() -> None:
+    """Hermite's cubics are off by h^4/384 of the fourth derivative over the arc length, and their
+    slopes by the largest slope of t^2 (1 - t)^2/24, 1/124, of h^3 times it.
+
+    A tenth more, as the difficulty is that of means over cells.
+    """
+    curve = flank("plate_translating", -1)
+    pieces = [piece for piece in smooth_pieces(curve) if not piece.dwell]
+    legs = legs_of(whole(curve))
+    courses = [part.course for part in parts_of(legs, 1e-3)]
+    course = next(each for each in courses if each is not None)
+    for number, piece in enumerate(pieces):
+        ends = course.s[number]
+        s = (ends[:-1, None] + np.diff(ends)[:, None] * np.array([0.25, 0.5, 0.75])).ravel()
+        which = np.full(len(s), number)
+        at, along = course.near(which, s)
+        angles = course.angles(which, s)
+        assert piece.start < angles[0] < angles[-1] < piece.end
+        points, tangents, _ = curve.traced(angles)
+        step, fourth = np.max(np.diff(ends)), np.max(course.density[number]) ** 4
+        off, turned = np.conj(tangents) * (at - points), np.conj(tangents) * along
+        # Points are rounded to some 1e-14 mm, the cell is a tenth of a mm.
+        assert np.max(np.abs(off.imag)) <= 1.1 * step**4 / 384.0 * fourth + 1e-13
+        assert np.max(np.abs(turned.imag)) <= 1.1 * step**3 / 124.0 * fourth + 1e-12
+
+
+@pytest.mark.parametrize("rotation", [1, -1])
+@pytest.mark.parametrize("fitter", FITTERS)
+def test_a_dwell_is_one_arc_about_the_axis(fitter: Fitter, rotation: int) -> None:
+    curve = cam(dwell(250), move(60, 10.0), move(50, 0.0), rotation=rotation)
+    arcs = fitter(whole(curve), 0.001).contour.arcs
+    assert [arc.centre for arc in arcs] == [0j]
+    assert math.degrees(arcs[0].sweep) == pytest.approx(250.0, rel=1e-15)
+    assert len(smooth_pieces(curve)) == 3
+
+
+def test_the_bound_finds_a_moved_control_point() -> None:
+    """A point of a span follows a control point by 2/3 where that weighs most."""
+    path = whole(flank("setzhub", -1))
+    fit = fewest_cubics(path, 1e-4)
+    strands = list(fit.contour.strands)
+    place = next(k for k, strand in enumerate(strands) if isinstance(strand, CubicSpline))
+    spline = strands[place]
+    assert isinstance(spline, CubicSpline)
+    for k in (2, len(spline.controls) // 2, len(spline.controls) - 3):
+        controls = spline.controls.copy()
+        along = controls[k + 1] - controls[k - 1]
+        controls[k] += 1e-2j * along / abs(along)
+        strands[place] = CubicSpline(spline.knots, controls)
+        moved = SplineContour(tuple(strands))
+        bound = spline_deviation(path, moved)
+        assert 0.5e-2 < bound < 0.9e-2
+        assert bound == pytest.approx(_measured(path, moved), rel=0.03)
+
+
+def test_a_contour_run_clockwise_and_begun_elsewhere_has_the_same_bound() -> None:
+    path = whole(flank("plate_translating", -1))
+    fit = fit_spline(path, 1e-3)
+    strands = fit.contour.reversed().strands
+    turned = SplineContour((*strands[2:], *strands[:2]))
+    assert spline_deviation(path, turned) == pytest.approx(fit.deviation, rel=0.03)
+
+
+@given(st.lists(st.floats(-10.0, 10.0), min_size=4, max_size=4))
+def test_highest_of_a_cubic(parts: list[float]) -> None:
+    start, end, slope, end_slope = (np.array([part]) for part in parts)
+    t = np.linspace(0.0, 1.0, 2001)[1:-1]
+    square, cube = 3 * (end - start) - 2 * slope - end_slope, slope + end_slope - 2 * (end - start)
+    values = np.abs(start + t * (slope + t * (square + t * cube)))
+    found = highest(start, end, slope, end_slope)[0]
+    largest = max(float(np.max(values)), abs(parts[0]), abs(parts[1]))
+    # Samples 5e-4 apart miss (5e-4)^2/16 of a second derivative of 400 at most.
+    assert max(found, abs(parts[0]), abs(parts[1])) == pytest.approx(largest, abs=1e-5)
