@@ -1,39 +1,56 @@
-"""The real outline: what is kept is clear of every roller, what is dropped is not."""
+"""The real outline: what is kept is clear of every roller, what is dropped is not; the outermost of
+pieces over a turn; knife edges, whose flank is the pitch curve."""
 
 from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from decimal import Decimal
 
 import numpy as np
 import pytest
-import shapely
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from camgeo.errors import GeometryError, UndercutError
+import camgeo
+from camgeo.check.flank import check_standstill
+from camgeo.design.design import Design
+from camgeo.errors import GeometryError, SceneError, UndercutError
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.exact import chords_of
+from camgeo.geometry.outline import outline
 from camgeo.geometry.outline.clearance import stays_on_one_side
 from camgeo.geometry.outline.crossings import Node, crosses_itself, find_crossings
 from camgeo.geometry.outline.cusps import backward_ranges
 from camgeo.geometry.outline.envelope import KINK, Envelope, envelope_of
 from camgeo.geometry.outline.outline import Outline, _unsettled, real_outline
 from camgeo.geometry.outline.path import Path, Pivot, Stretch, area
+from camgeo.geometry.outline.replay import replay_contour, replay_outline
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import FloatArray, IntArray, ascending
+from camgeo.scene.scene import parse_scene
 from camgeo.units import TURN
+from tests.contour.cams import SCENES, dwell
 from tests.laws import LAWS
 from tests.long_form import examples
 from tests.measuring import polygon
 from tests.outline.clearing import corners, dense, distances
-from tests.reference import hard_case, inner_of, number, pitch_curve_of, plan_of
-from tests.strategies import attack, near_dead_pitch_curves, pitch_curves, signs, wild_pitch_curves
+from tests.reference import hard_case, inner_of, pitch_curve_of, plan_of
+from tests.strategies import (
+    BENT,
+    attack,
+    linked_pitch_curves,
+    near_dead_pitch_curves,
+    pitch_curves,
+    signs,
+    wild_pitch_curves,
+    with_roller,
+)
 
 ROUNDING = 2.0**-52 * 64.0
 """Of a distance between points that are sums of a few lengths, as a share of the largest."""
@@ -58,8 +75,18 @@ def flank_of(pitch: PitchCurve, side: int) -> WorkingCurve:
     return WorkingCurve(pitch, side * pitch.follower.roller_radius)
 
 
+@st.composite
+def mechanisms(draw: st.DrawFn) -> PitchCurve:
+    """Any mechanism, with a roller that may be far too large."""
+    curve = draw(st.one_of(wild_pitch_curves(), pitch_curves(BENT), linked_pitch_curves(BENT)))
+    if draw(st.booleans()):
+        radius = draw(st.one_of(st.just(0.0), st.floats(1e-12, 0.9))) * curve.follower.base_radius
+        return with_roller(curve, radius)
+    return curve
+
+
 @attack
-@given(wild_pitch_curves(), signs())
+@given(mechanisms(), signs())
 def test_no_roller_reaches_what_is_kept(pitch: PitchCurve, side: int) -> None:
     outline = outline_of(flank_of(pitch, side))
     if outline is None:
@@ -203,21 +230,6 @@ def _end(element: Stretch | Pivot) -> complex:
 
 
 @attack
-@given(wild_pitch_curves())
-def test_the_disc_never_exceeds_the_region_of_the_working_curve(pitch: PitchCurve) -> None:
-    flank = flank_of(pitch, -1)
-    outline = outline_of(flank)
-    if outline is None or any(abs(p.distance) > 0.0 for p in outline.path.pivots):
-        return  # the turn about a kink is no part of the working curve
-    points = flank.point(np.linspace(0.0, TURN, 4001)[:-1])
-    ring = shapely.LinearRing(np.column_stack((points.real, points.imag)))
-    faces = shapely.polygonize([shapely.node(ring)])
-    region = sum(face.area for face in faces.geoms)
-    # Chords of 4000 points lie at most h^2 kappa / 8 off, here less than 1e-3 of the area.
-    assert abs(area(outline.path)) <= region * (1.0 + 1e-3)
-
-
-@attack
 @given(pitch_curves(), signs())
 def test_a_mild_cam_is_left_whole(pitch: PitchCurve, side: int) -> None:
     flank = flank_of(pitch, side)
@@ -241,42 +253,26 @@ def test_the_first_crossing_tells_whether_there_are_any(pitch: PitchCurve, side:
 
 
 @attack
-@given(wild_pitch_curves(), signs(), st.floats(-3.0, 3.0))
-def test_turning_the_scene_turns_the_outline(pitch: PitchCurve, side: int, angle: float) -> None:
-    follower = pitch.follower
-    turned: TranslatingRoller | OscillatingRoller
-    if isinstance(follower, TranslatingRoller):
-        turned = replace(follower, guide_angle=follower.guide_angle + angle)
-    else:
-        assert isinstance(follower, OscillatingRoller)
-        turned = replace(follower, pivot=follower.pivot * cmath.exp(1j * angle))
-    other = PitchCurve(pitch.motion, turned, pitch.rotation)
-    one, two = outline_of(flank_of(pitch, side)), outline_of(flank_of(other, side))
-    _same(one, two, lambda z: z * cmath.exp(1j * angle), 1.0, size_of(pitch))
-
-
-@attack
-@given(wild_pitch_curves(), signs())
-def test_mirroring_the_scene_mirrors_the_outline(pitch: PitchCurve, side: int) -> None:
-    follower = pitch.follower
-    mirrored: TranslatingRoller | OscillatingRoller
-    if isinstance(follower, TranslatingRoller):
-        mirrored = replace(follower, guide_angle=-follower.guide_angle, offset=-follower.offset)
-    else:
-        assert isinstance(follower, OscillatingRoller)
-        mirrored = replace(follower, pivot=follower.pivot.conjugate(), arm_side=-follower.arm_side)
-    other = PitchCurve(pitch.motion, mirrored, -pitch.rotation)
-    one, two = outline_of(flank_of(pitch, side)), outline_of(flank_of(other, side))
-    _same(one, two, lambda z: z.conjugate(), -1.0, size_of(pitch))
-
-
-def _same(
-    one: Outline | None,
-    two: Outline | None,
-    image: Callable[[complex], complex],
-    sense: float,
-    size: float,
+@given(wild_pitch_curves(), signs(), st.none() | st.floats(-3.0, 3.0))
+def test_turning_or_mirroring_the_scene_does_so_to_the_outline(
+    pitch: PitchCurve, side: int, angle: float | None
 ) -> None:
+    """It is turned by an angle, or mirrored at the x-axis if there is none."""
+    follower, sense = pitch.follower, -1 if angle is None else 1
+
+    def image(place: complex) -> complex:
+        return place.conjugate() if angle is None else place * cmath.exp(1j * angle)
+
+    changed: TranslatingRoller | OscillatingRoller
+    if isinstance(follower, TranslatingRoller):
+        guide = sense * follower.guide_angle + (angle or 0.0)
+        changed = replace(follower, guide_angle=guide, offset=sense * follower.offset)
+    else:
+        assert isinstance(follower, OscillatingRoller)
+        pivot, arm_side = image(follower.pivot), sense * follower.arm_side
+        changed = replace(follower, pivot=pivot, arm_side=arm_side)
+    other = PitchCurve(pitch.motion, changed, sense * pitch.rotation)
+    one, two = outline_of(flank_of(pitch, side)), outline_of(flank_of(other, side))
     assert (one is None) == (two is None)
     if one is None or two is None:
         return
@@ -284,7 +280,7 @@ def _same(
     assert len(one.lobes) == len(two.lobes)
     for first, second in zip(corners(one.path), corners(two.path), strict=True):
         # The more the branches differ, the better the crossing is known.
-        known = ROUNDING * size / abs(math.sin(first.sweep))
+        known = ROUNDING * size_of(pitch) / abs(math.sin(first.sweep))
         assert abs(image(first.centre) - second.centre) <= 16.0 * known
         assert second.sweep == pytest.approx(sense * first.sweep, abs=1e-6)
     assert area(two.path) == pytest.approx(sense * area(one.path), rel=1e-9)
@@ -311,21 +307,6 @@ def test_a_crossing_of_more_than_rounding_is_found_however_small() -> None:
         assert width == pytest.approx(predicted, rel=0.05 + 2.0 * predicted)
 
 
-def test_lobe_of_hc22_is_cut_off() -> None:
-    params, expected = hard_case("HC22")
-    outline = real_outline(inner_of(pitch_curve_of({"kappa": 1, **params})))
-    (corner,) = corners(outline.path)
-    direction = cmath.exp(1j * math.radians(float(expected["lobe_axis_angle_deg"])))
-    radial = float(expected["radial_position_mm"][0])
-    assert corner.centre == pytest.approx(radial * direction, rel=1e-12)
-    (lobe,) = outline.lobes
-    (tip,) = corners(lobe)
-    assert tip.centre == pytest.approx(
-        float(expected["radial_position_mm"][1]) * direction, rel=1e-12
-    )
-    assert abs(area(lobe)) > 2000.0
-
-
 def test_a_neck_that_all_but_closes_is_found_open_or_closed() -> None:
     """Half the width of HC22's neck is the roller radius at which its lobe is cut off."""
     params, _ = hard_case("HC22")
@@ -342,23 +323,6 @@ def test_a_neck_that_all_but_closes_is_found_open_or_closed() -> None:
                 assert end - start == pytest.approx(
                     math.radians(73.608617661), abs=4.0 * math.sqrt(share)
                 )
-
-
-def test_swallow_tail_of_hc21c_is_cut_off() -> None:
-    params, expected = hard_case("HC21c")
-    outline = real_outline(inner_of(pitch_curve_of({"kappa": 1, **params})))
-    (corner,) = corners(outline.path)
-    assert corner.centre == pytest.approx(number(expected["crossing_point"]), rel=1e-13)
-    assert outline.lobes == ()
-    ((start, end),) = outline.dropped
-    assert math.degrees(start) == pytest.approx(float(expected["crossing_phi1_deg"]), abs=1e-10)
-    assert math.degrees(end) == pytest.approx(float(expected["crossing_phi2_deg"]), abs=1e-10)
-
-
-def test_a_roller_over_the_axis_leaves_nothing() -> None:
-    params, _ = hard_case("HC17")
-    with pytest.raises(UndercutError, match="over the cam axis"):
-        real_outline(inner_of(pitch_curve_of({"kappa": 1, **params})))
 
 
 def test_a_pitch_curve_that_crosses_itself_is_refused() -> None:
@@ -460,3 +424,151 @@ def test_what_is_not_decided_has_a_place() -> None:
     about = (Node(0.9, 1.3, 0j), Node(0.2, 6.1, 0j))
     assert _unsettled(envelope, backward, about) == f"at cam angle {math.degrees(3.1):.6f} deg"
     assert _unsettled(envelope, backward[:2], about) == f"at cam angle {math.degrees(0.9):.6f} deg"
+
+
+ranges = st.lists(
+    st.tuples(st.integers(0, 359), st.integers(1, 359)), min_size=1, max_size=8, unique=True
+)
+"""Starts and widths [deg] of the ranges of pieces, each higher than the one before."""
+
+
+def outermost(low: FloatArray, width: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Borders and the piece from each on; piece k has the height k."""
+    high = (low + width) % TURN
+    nodes = ascending(np.concatenate((low, high)))
+    cells = outline.Cells.between(nodes)
+    first = np.searchsorted(nodes, low)
+    count = np.remainder(np.searchsorted(nodes, high) - first, len(nodes))
+    cell, piece = outline.covered(cells, first, count, "pieces lie")
+    kept = outline.seen(cell, piece.astype(float), piece.astype(float))
+    borders, parent, held = outline.outermost(
+        cells, (cell[kept], piece[kept]), np.empty(0), lambda which, _: which.astype(float)
+    )
+    assert np.array_equal(parent, np.arange(len(nodes)))
+    return outline.changes(borders, held)
+
+
+@given(ranges)
+def test_the_highest_piece_at_every_angle(degrees: list[tuple[int, int]]) -> None:
+    low, width = np.radians(np.array(degrees, dtype=np.float64)).T
+    borders, held = outermost(low, width)
+    between = np.radians(np.arange(360.0) + 0.5)
+    covers = (between - low[:, None]) % TURN < width[:, None]
+    highest = [int(np.flatnonzero(each)[-1]) if each.any() else outline.NONE for each in covers.T]
+    for turn in (-TURN, 0.0, TURN):
+        assert outline.piece_at(borders, held, between + turn, "right").tolist() == highest
+    before = outline.piece_at(borders, held, borders, "left")
+    assert np.array_equal(before, np.roll(held, 1))
+
+
+def test_all_pairs_in_one_cell() -> None:
+    cell = np.array([0, 0, 0, 2, 3, 3])
+    found = {pair for one, other in outline.together(cell) for pair in zip(one, other, strict=True)}
+    assert found == {(0, 1), (1, 2), (0, 2), (4, 5)}
+
+
+def test_too_many_layers(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three pieces over three of six cells each: nine pairs, as many as may be, and no more."""
+    low, width = np.array([0.0, 0.1, 0.2]), np.array([6.0, 6.0, 6.0])
+    monkeypatch.setattr(outline, "MOST_PAIRS", 9)
+    assert outermost(low, width)[1].tolist() == [0, 1, 2, outline.NONE]
+    monkeypatch.setattr(outline, "MOST_PAIRS", 8)
+    with pytest.raises(GeometryError, match="its pieces lie in 2 layers; smooth it first"):
+        outermost(low, width)
+
+
+SCENE = SCENES / "knife_edge.toml"
+
+
+@attack
+@given(curve=wild_pitch_curves(), side=signs())
+def test_nothing_is_cut_off_whatever_the_motion(curve: PitchCurve, side: int) -> None:
+    """1 + 0 kappa never vanishes; with shocks the corners stand where the velocity jumps."""
+    edge = with_roller(curve, 0.0)
+    assume(not check_standstill(edge))
+    outline = real_outline(WorkingCurve(edge, math.copysign(0.0, side)))
+    assert not outline.is_trimmed
+    assert outline.lobes == ()
+    assert all(each.distance == 0.0 for each in outline.path.pivots)
+    replay = replay_outline(edge, outline.path)
+    assert replay.press == side
+    assert replay.largest_error.value == 0.0
+    assert len(replay.drops) == 0
+
+
+@attack
+@given(curve=pitch_curves(), side=signs())
+def test_inner_and_outer_flank_are_the_pitch_curve(curve: PitchCurve, side: int) -> None:
+    phi = np.linspace(0.0, TURN, 61)
+    flank = WorkingCurve(curve, math.copysign(0.0, side))
+    assert np.array_equal(flank.point(phi), curve.point(phi))
+    assert np.all(flank.regularity(phi) == 1.0)
+
+
+def test_on_a_polygon_the_edge_rides_along_its_sides() -> None:
+    """The height of the polygon's side over the angle, exactly; no arcs about its vertices."""
+    follower = TranslatingRoller(40.0, 0.0)
+    curve = PitchCurve(MotionPlan((dwell(360),)), follower, 1)
+    polygon = chords_of(Contour.circle(40.0), 0.5).contour
+    replay = replay_contour(curve, polygon, "inner")
+    ends = polygon.vertices
+    half = 0.5 * abs(ends[1] - ends[0])
+    apothem = math.sqrt(abs(ends[0]) ** 2 - half**2)
+    width = 2.0 * math.asin(half / abs(ends[0]))
+    around = np.angle(1j * np.exp(-1j * replay.phi) / ends[0]) % width
+    height = apothem / np.cos(around - 0.5 * width)
+    # The lift is a difference of lengths of 40 mm, the angles are rounded to some ulp of a turn.
+    assert np.max(np.abs(replay.actual[0] + 40.0 - height)) < 1e-12
+    assert len(replay.shocks) == len(ends)
+    inside = replay_contour(curve, polygon, "outer")
+    assert np.max(np.abs(inside.actual[0] - replay.actual[0])) < 1e-12
+
+
+def with_motion(motion: str) -> Design:
+    text = SCENE.read_text("utf-8")
+    first, last = text.index("[[motion]]"), text.index("[limits]")
+    return Design(parse_scene(text[:first] + motion + text[last:]))
+
+
+CONCAVE = """[[motion]]
+dwell = 100
+[[motion]]
+law = "straight-line"
+span = 130
+to = 10
+[[motion]]
+law = "modified-sine"
+span = 130
+to = 0
+"""
+
+
+def test_a_concave_corner_is_drawn_and_no_cutter_makes_it() -> None:
+    """Where the edge sets out from rest with a jump."""
+    design = with_motion(CONCAVE)
+    assert design.judgement.has_outline
+    fit = design.disc.drawn.part.boundaries[0].arcs(1e-3)
+    assert fit.deviation <= 1e-3
+    corner = complex(design.cam.disc.pitch_curve.point(np.array([math.radians(100.0)]))[0])
+    assert np.min(np.abs(fit.contour.vertices - corner)) <= 1e-12
+    with pytest.raises(SceneError, match="a concave part of it") as caught:
+        design.disc.milled.toolpath(1e-3)
+    assert [fault.key for fault in caught.value.faults] == ["tool[1]"]
+
+
+def test_the_check_states_that_any_curvature_fits() -> None:
+    design = camgeo.load(SCENE)
+    (found,) = (f for f in design.findings if f.name == "radius-ratio-inner")
+    assert (found.severity, found.value) == ("ok", 0.0)
+    assert "knife edge" in found.sentence
+    assert design.judgement.cures == ()
+    assert design.disc.pictured.cut_off == ()
+
+
+@pytest.mark.parametrize(("base", "offset"), [("30", "3"), ("10", "0"), ("3", "0")])
+def test_a_sharp_corner_has_an_outline(base: str, offset: str) -> None:
+    """However far it turns about the corner: 23, 37 and 47 degrees."""
+    text = SCENE.read_text("utf-8").replace("base_radius = 30", f"base_radius = {base}")
+    design = Design(parse_scene(text.replace("offset = 3", f"offset = {offset}"), str(SCENE)))
+    assert {each.severity for each in design.findings} <= {"ok", "warning", "broken"}
+    assert len(design.cam.disc.inner_outline.path.pivots) == 1

@@ -18,8 +18,9 @@ from camgeo.numeric.arrays import FloatArray
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.mass import disc_moments, largest_diameter, section_area, solid
 from camgeo.part.part import Layer, Part
+from tests.contour.cams import polyline
 from tests.effects.scenes import design
-from tests.outline.test_moments import eccentric, polygon
+from tests.outline.test_path import eccentric
 
 SCENES = ("plate_translating", "groove", "ring", "cut_lobe", "conjugate_lever", "flat_rocker")
 
@@ -115,7 +116,7 @@ def test_second_moments_of_a_segment_are_those_of_its_circle_less_the_rest(
 
 
 def test_second_moments_of_a_rectangle() -> None:
-    found = seconds(polygon([1.0 + 2.0j, 4.0 + 2.0j, 4.0 + 7.0j, 1.0 + 7.0j]))
+    found = seconds(polyline(np.array([1.0 + 2.0j, 4.0 + 2.0j, 4.0 + 7.0j, 1.0 + 7.0j])))
     xx, yy = (64.0 - 1.0) / 3.0 * 5.0, (343.0 - 8.0) / 3.0 * 3.0
     assert found.polar == pytest.approx(xx + yy, rel=1e-14)
     xy = 0.25 * (16.0 - 1.0) * (49.0 - 4.0)

@@ -1,4 +1,5 @@
-"""Moments of areas: closed forms, invariants, and polygons of the same curves."""
+"""Moments and radii of paths and contours: closed forms, invariants, dense points of the same
+curves; and whether paths go round the cam axis."""
 
 from __future__ import annotations
 
@@ -12,17 +13,22 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import camgeo
 from camgeo.design.design import Design
 from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.outline.crossings import find_crossings
+from camgeo.geometry.outline.outline import real_outline
 from camgeo.geometry.outline.path import (
     ROUNDING,
     Moments,
     Path,
     Pivot,
     area,
+    encloses_axis,
     path_moments,
     path_second_moments,
     piece_second_moments,
+    radii,
     total,
     whole,
 )
@@ -30,9 +36,13 @@ from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.motion import Dwell, Jet
+from camgeo.kinematics.plan import MotionPlan
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.scene.scene import parse_scene
+from tests.contour.cams import SCENES, dwell, move, polyline
+from tests.contour.paths import PATHS, dense_path, hard_curve
 from tests.effects.scenes import design
+from tests.outline.clearing import dense
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,11 +158,6 @@ def test_a_polygon_within_a_tolerance_has_moments_within_what_it_allows(scene: s
         assert abs(arcs.first - found.first) <= room * largest
 
 
-def polygon(vertices: list[complex]) -> Contour:
-    zero = np.zeros(len(vertices))
-    return Contour(np.array(vertices), zero, zero.astype(np.complex128))
-
-
 def test_arcs_about_pivots_are_in_closed_form() -> None:
     """Four quarter turns at the corners of a square: a rounded square, moved off the origin."""
     corners = [3.0 + 1.0j, 1.0 + 1.0j, 1.0 - 1.0j, 3.0 - 1.0j]
@@ -160,7 +165,7 @@ def test_arcs_about_pivots_are_in_closed_form() -> None:
         Pivot(corner, 0.5, 1j**k, 0.5 * math.pi, 0.0, 0.0) for k, corner in enumerate(corners)
     ]
     # straight sides between them do not occur in a path: their part by hand
-    of_octagon = polygon([p for each in pivots for p in (each.start, each.end)]).moments
+    of_octagon = polyline(np.array([p for each in pivots for p in (each.start, each.end)])).moments
     arcs = path_moments(Path(tuple(pivots)), 1e-12)
     # arcs alone: triangles from the origin to the chords, and segments
     triangles = total(
@@ -276,3 +281,83 @@ def test_second_moments_of_lines_and_arcs_are_those_of_fine_triangles() -> None:
         square = np.sum(signed / 12.0 * (a * a + b * b + c * c + (a + b + c) ** 2))
         assert found.polar == pytest.approx(float(polar), rel=1e-7)
         assert found.square == pytest.approx(complex(square), rel=1e-7)
+
+
+def scene_paths() -> dict[str, Path]:
+    """Outlines of guides and rockers, with pieces that are cut off, and parallels outside them."""
+    found: dict[str, Path] = {}
+    for scene in ("schnitt", "cut_lobe", "straight_moves", "points", "crank_slider"):
+        path = camgeo.load(SCENES / f"{scene}.toml").cam.disc.outline("inner").path
+        found |= {scene: path, f"{scene} by 3 mm": path.offset(3.0)}
+    return found
+
+
+@pytest.mark.parametrize("path", [*PATHS.values(), *scene_paths().values()],
+                         ids=[*PATHS, *scene_paths()])  # fmt: skip
+def test_no_point_is_nearer_or_farther(path: Path) -> None:
+    made = path() if callable(path) else path
+    found, points = radii(made), np.abs(dense_path(made, 20_000))
+    # Dense points are 0.02 mm apart: of a bend of 10 mm at an extreme 5e-6 mm are left out.
+    assert found.lowest.value == pytest.approx(float(np.min(points)), abs=2e-5)
+    assert found.highest.value == pytest.approx(float(np.max(points)), abs=2e-5)
+    assert found.lowest.value <= np.min(points) + 1e-9
+    assert found.highest.value >= np.max(points) - 1e-9
+    assert encloses_axis(made)
+    for end in (found.lowest, found.highest):
+        assert 0.0 <= end.place < 2.0 * math.pi
+
+
+@pytest.mark.parametrize("centre", [0j, 30.0 - 12.0j, 3.0 + 1.0j, 9.999j, 10.001j])
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_a_ring_of_arcs(centre: complex, sense: float) -> None:
+    """Three arcs of a circle of 10 mm: round the axis if that is nearer to its centre, however near
+    it is to the circle.
+    """
+    sweeps = sense * np.array([1.0, 2.5, 2.0 * math.pi - 3.5])
+    starts = 0.4 + np.concatenate(([0.0], np.cumsum(sweeps)[:-1]))
+    path = Path(
+        tuple(
+            Pivot(centre, 10.0, cmath.exp(1j * float(start)), float(sweep), 0.0, 0.0)
+            for start, sweep in zip(starts, sweeps, strict=True)
+        )
+    )
+    found = radii(path)
+    away = abs(centre)
+    assert found.lowest.value == pytest.approx(abs(10.0 - away), abs=1e-12)
+    assert found.highest.value == pytest.approx(10.0 + away, abs=1e-12)
+    assert encloses_axis(path) == (away < 10.0)
+
+
+def test_an_arc_that_does_not_reach_the_line_through_its_centre_is_extreme_at_its_ends() -> None:
+    for start, sweep in ((0.3, 1.0), (2.0, -0.9), (-2.0, 1.2)):
+        arc = Pivot(20.0 + 0j, 5.0, cmath.exp(1j * start), sweep, 0.0, 0.0)
+        ends = sorted((abs(arc.start), abs(arc.end)))
+        found = radii(Path((arc,)))
+        assert [found.lowest.value, found.highest.value] == pytest.approx(ends, abs=1e-12)
+
+
+def test_a_lobe_that_falls_away_does_not_go_round_the_axis() -> None:
+    outline = real_outline(hard_curve("HC22"))
+    assert encloses_axis(outline.path)
+    (lobe,) = outline.lobes
+    assert not encloses_axis(lobe)
+    points = np.abs(dense(lobe, 4001))
+    assert radii(lobe).highest.value == pytest.approx(float(np.max(points)), abs=1e-3)
+
+
+def test_a_flank_that_lies_on_itself_is_not_decided() -> None:
+    """Rests at 40 and 60 mm half a turn apart: 50 mm inside of both lies the same arc of 10 mm."""
+    plan = MotionPlan((dwell(60), move(120, 20.0), dwell(60), move(120, 0.0)))
+    pitch = PitchCurve(plan, TranslatingRoller(40.0, 5.0), 1)
+    with pytest.raises(camgeo.CamgeoError, match=r"lie on each other|too close to be separated"):
+        find_crossings(WorkingCurve(pitch, -50.0))
+    found = find_crossings(WorkingCurve(pitch, -49.0))
+    assert found
+    for crossing in found:
+        ends = WorkingCurve(pitch, -49.0).point(np.array([crossing.first, crossing.second]))
+        assert np.max(np.abs(ends - crossing.point)) <= 1e-10
+
+
+def test_a_parallel_that_runs_back_all_round_does_not_cross_itself() -> None:
+    pitch = PitchCurve(MotionPlan((dwell(360),)), TranslatingRoller(10.0, 5.0), 1)
+    assert find_crossings(WorkingCurve(pitch, -12.0)) == ()
