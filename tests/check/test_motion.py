@@ -1,3 +1,5 @@
+"""Findings on the motion: laws, shocks, jerks, overshoot, tables, points, and physical extremes."""
+
 from __future__ import annotations
 
 import math
@@ -91,7 +93,6 @@ def test_jerks_inside_a_law_are_reported_one_by_one(law: str, jumps: dict[int, f
 
 
 def test_angles_are_stated_in_degrees() -> None:
-    plan = plan_motion([move(180, math.radians(10.0), "straight-line"), move(180, 0.0, "auto")])
     requests: list[Request] = [
         Dwell(Decimal(90)),
         move(90, math.radians(10.0), "straight-line"),

@@ -55,7 +55,7 @@ from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
-from camgeo.numeric.arrays import BoolArray, FloatArray, phase
+from camgeo.numeric.arrays import phase
 from camgeo.units import TURN
 from tests.cams import cam_of
 from tests.laws import LAWS
@@ -132,40 +132,6 @@ def test_slack_is_extreme_where_it_says(tangent: float) -> None:
     assert found.smallest()[0] == pytest.approx(np.min(dense), abs=1e-5)
     assert found.smallest()[0] <= np.min(dense)
     assert found.largest()[0] >= np.max(dense)
-
-
-def _brute_map(
-    task: Task, tangent: float, columns: FloatArray, rows: FloatArray, angles: int
-) -> BoolArray:
-    """(rows, columns) whether mu >= atan(`tangent`) at so many cam angles with P there."""
-    terms = task.terms(np.linspace(0.0, 2.0 * np.pi, angles, endpoint=False))
-    out = np.empty((len(rows), len(columns)), dtype=np.bool_)
-    for number, row in enumerate(rows):
-        u, v = terms.across_and_along((columns + 1j * row)[:, np.newaxis])
-        out[number] = np.all((u > 0.0) & (u >= tangent * np.abs(v)), axis=1)
-    return out
-
-
-@pytest.mark.parametrize("name", ["plate_translating", "setzhub", "schnitt"])
-def test_the_map_is_that_of_brute_force(name: str) -> None:
-    task, angle, _ = required(name)
-    tangent = math.tan(angle)
-    found = size(task, angle, 1.0)
-    assert found.for_angle is not None
-    place, radius = found.for_angle.place, found.for_angle.base_radius
-    columns = place.real + radius * np.linspace(-2.0, 2.0, 200)
-    rows = place.imag + radius * np.linspace(-3.0, 1.5, 200)
-    low, high = row_limits(task, tangent, rows)
-    exact = (columns >= low[:, np.newaxis]) & (columns <= high[:, np.newaxis])
-    brute = _brute_map(task, tangent, columns, rows, 1440)
-    assert 0.1 < np.mean(exact) < 0.9
-    # Brute force misses what lies between its angles, so it can only be too generous.
-    assert not np.any(exact & ~brute)
-    for row, column in zip(*np.nonzero(exact != brute), strict=True):
-        curve = task.pitch_curve_at(complex(columns[column], rows[row]))
-        smallest = transmission_angle_extremes(curve).smallest()[0]
-        assert angle - 1e-4 < smallest < angle
-    assert np.sum(exact != brute) < 10
 
 
 def test_row_ends_are_at_the_limit() -> None:

@@ -16,14 +16,8 @@ from camgeo.errors import ToleranceError
 from camgeo.geometry.contour import fewest_chords as ladder_module
 from camgeo.geometry.contour.arcs import OUTERMOST, tangent_turns
 from camgeo.geometry.contour.fewest_arcs import (
-    PROBES,
-    Arcs,
-    ArcSystem,
-    JointedCurve,
-    Layout,
     Strands,
     arc_splines,
-    evened,
 )
 from camgeo.geometry.contour.fewest_chords import (
     Evened,
@@ -37,7 +31,7 @@ from camgeo.geometry.contour.legs import bends_of
 from camgeo.geometry.pieces import smooth_pieces
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
-from tests.contour.cams import FLANKS, TURN, curves, dwell, flank, translating
+from tests.contour.cams import FLANKS, TURN, dwell, flank, translating
 from tests.long_form import examples
 
 
@@ -45,62 +39,6 @@ def _strands(name: tuple[str, int]) -> Strands:
     curve = flank(*name)
     pieces = [piece for piece in smooth_pieces(curve) if not piece.dwell]
     return Strands.of(curve, pieces, bends_of(curve, pieces))
-
-
-@given(st.lists(st.integers(1, 6), min_size=1, max_size=5), st.integers(0, 2**32 - 1))
-def test_banded_equations_are_those_of_the_whole_matrix(counts: list[int], seed: int) -> None:
-    """Against numpy's least squares of all equations, spelt out by the definition."""
-    layout = Layout.of(np.array(counts))
-    random = np.random.default_rng(seed)
-    arcs, joints = len(layout.left), len(layout.left) + len(counts)
-    basis = random.normal(size=(arcs, 4, 6))
-    square, pull = basis @ basis.transpose(0, 2, 1), random.normal(size=(arcs, 4))
-    bond, gap = random.normal(size=(arcs, 4)), random.normal(size=arcs)
-    free = np.ones(joints, dtype=np.bool_)
-    free[layout.first] = free[layout.last] = False
-    found = ArcSystem.of(layout).solved(square, pull, bond, gap, free)
-    assert np.all(found[~free] == 0.0)
-
-    whole, right = np.zeros((2 * joints + arcs,) * 2), np.zeros(2 * joints + arcs)
-    for arc, joint in enumerate(layout.left):
-        own = np.arange(2 * joint, 2 * joint + 4)
-        whole[np.ix_(own, own)] += square[arc]
-        right[own] += pull[arc]
-        whole[own, 2 * joints + arc] = whole[2 * joints + arc, own] = bond[arc]
-        right[2 * joints + arc] = gap[arc]
-    bound = free[layout.left] | free[layout.left + 1]
-    keep = np.concatenate((np.repeat(free, 2), bound))
-    expected = np.linalg.solve(whole[np.ix_(keep, keep)], right[keep])
-    scale = 1.0 + np.max(np.abs(expected), initial=0.0)
-    condition = np.linalg.cond(whole[np.ix_(keep, keep)]) if np.any(keep) else 1.0
-    unknowns = expected[: 2 * np.count_nonzero(free)]
-    assert np.max(np.abs(found[free].ravel() - unknowns), initial=0.0) <= 1e-14 * condition * scale
-
-
-@settings(max_examples=30)
-@given(st.lists(st.integers(1, 9), min_size=1, max_size=4), st.integers(0, 2**32 - 1))
-def test_joints_stay_where_arcs_deviate_alike_and_close_in_where_they_do_not(
-    counts: list[int], seed: int
-) -> None:
-    layout = Layout.of(np.array(counts))
-    random = np.random.default_rng(seed)
-    steps = random.uniform(0.1, 1.0, len(layout.left))
-    places = np.zeros(len(layout.left) + len(counts))
-    places[layout.left + 1] = steps
-    places = np.cumsum(places)
-    places += np.repeat(np.arange(len(counts)), np.array(counts) + 1)
-    same = evened(layout, places, np.zeros(len(layout.left)))
-    assert same == pytest.approx(places, rel=1e-13)
-    worst = random.integers(len(layout.left))
-    shrink = np.zeros(len(layout.left))
-    shrink[worst] = 0.5
-    moved = evened(layout, places, shrink)
-    ends = np.concatenate((layout.first, layout.last))
-    assert np.all(moved[ends] == places[ends])
-    assert np.all(np.diff(moved) > 0.0)
-    if counts[layout.spline[worst]] > 1:
-        left = layout.left[worst]
-        assert moved[left + 1] - moved[left] < steps[worst]
 
 
 @pytest.mark.parametrize("name", FLANKS, ids=str)
@@ -131,61 +69,6 @@ def test_deviation_is_near_its_limit(name: tuple[str, int]) -> None:
             assert count - 1.3 - 0.02 * count <= arcs <= count
 
 
-def test_arcs_deviate_alike() -> None:
-    strands = _strands(("plate_translating", -1))
-    pieces, counts = np.array([0]), np.array([20])
-    (spline,) = arc_splines(strands, pieces, counts)
-    found = []
-    for k, half in enumerate(spline.halves):
-        phi = np.linspace(spline.angles[k], spline.angles[k + 1], 200)[1:-1]
-        chord = spline.vertices[k + 1] - spline.vertices[k]
-        centre = spline.vertices[k] + 0.5 * chord * (1.0 + 1j / np.tan(half))
-        radius = abs(spline.vertices[k] - centre)
-        found.append(np.max(np.abs(np.abs(strands.curve.point(phi) - centre) - radius)))
-    # Fourteen rounds leave a hundredth or two; the first arcs at the ends, one bulge each, more.
-    assert max(found) <= spline.deviation * 1.002
-    assert min(found[2:-2]) >= 0.95 * max(found)
-
-
-@pytest.mark.parametrize("count", [2, 6, 30])
-def test_one_step_is_least_squares(count: int) -> None:
-    """No slight change of the joints that keeps the arcs tangent lowers the sum of squares."""
-    strands = _strands(("setzhub", -1))
-    layout, pieces = Layout.of(np.array([count])), np.array([0])
-    system = ArcSystem.of(layout)
-    places = strands.difficulty.joints(layout, pieces)
-    jointed = JointedCurve.of(strands, layout, pieces, places, PROBES)
-    off = np.zeros((count + 1, 2))
-    for _ in range(6):
-        off = off + jointed.step(system, off)
-    squares = np.sum(Arcs.of(jointed, off).errors(jointed.samples)[0] ** 2)
-    assert np.max(np.abs(Arcs.of(jointed, off).miss)) <= 1e-13
-    random = np.random.default_rng(3)
-    for _ in range(20):
-        change = random.normal(size=off.shape) * np.array([1.0, 0.1]) * 0.05 * np.max(np.abs(off))
-        change[[0, -1]] = 0.0
-        other = _tangent(jointed, off + change)
-        assert np.max(np.abs(Arcs.of(jointed, other).miss)) <= 1e-13
-        # The derivatives of the errors are those of flat arcs, so the least is missed a little.
-        assert np.sum(Arcs.of(jointed, other).errors(jointed.samples)[0] ** 2) >= 0.99 * squares
-
-
-def _tangent(jointed: JointedCurve, off: np.ndarray) -> np.ndarray:
-    """The offsets and turns near `off` with G1 arcs, by Newton's method with least changes."""
-    for _ in range(12):
-        miss = Arcs.of(jointed, off).miss
-        columns = []
-        for joint in range(1, len(off) - 1):
-            for part in (0, 1):
-                step = np.zeros_like(off)
-                step[joint, part] = 1e-6
-                columns.append((Arcs.of(jointed, off + step).miss - miss) / 1e-6)
-        change = np.linalg.lstsq(np.array(columns).T, -miss, rcond=None)[0]
-        off = off.copy()
-        off[1:-1] += change.reshape(-1, 2)
-    return off
-
-
 def test_a_circle_that_is_no_dwell_is_one_arc() -> None:
     """A rest taken for a move: constant curvature."""
     curve = translating(dwell(100), dwell(260))
@@ -213,29 +96,6 @@ def _turned(places: FloatArray) -> tuple[FloatArray, FloatArray]:
         late = np.maximum(places - 0.5, 0.0)
         rows.append(slopes[0] * places + 0.5 * b * places**2 + 0.5 * (c - b) * late**2)
     return rows[0], rows[1]
-
-
-def _plain(places: FloatArray) -> FloatArray:
-    """Distance, to the left, of a curve with kappa' = 1 from the biarc with its tangents."""
-    half = places**3 / 6.0 - places**2 / 12.0
-    other = (1.0 - places) ** 3 / 6.0 - (1.0 - places) ** 2 / 12.0
-    return np.where(places < 0.5, half, -other)
-
-
-def test_even_slope_of_curvature_gives_the_best_arcs() -> None:
-    count, length, slope = 60, 0.3, 2e-3
-    apart = -slope * length**3 * np.tile(_plain(PLACES), (count, 1))
-    turns = tangent_turns(apart, np.full(count, length), np.array([count - 1]))
-    assert turns[0, 0] == turns[1, -1] == 0.0
-    assert np.array_equal(turns[0, 1:], turns[1, :-1])
-    # What the ends change falls to a third from joint to joint.
-    inner = turns[:, 30]
-    assert inner == pytest.approx(-slope * (0.5 * length) ** 2 / 12.0, rel=1e-12)
-    dense = np.linspace(0.0, 1.0, 20_001)
-    first, second = _turned(dense)
-    left = slope * length**3 * _plain(dense) - length * (inner[0] * first + inner[1] * second)
-    assert np.max(np.abs(left)) == pytest.approx(ARC * slope * (0.5 * length) ** 3, rel=1e-6)
-    assert math.isclose(ARC ** (1.0 / 3.0), 0.2002, rel_tol=1e-3)
 
 
 @given(
@@ -336,18 +196,6 @@ def test_layouts_that_do_not_help_are_few(monkeypatch: pytest.MonkeyPatch) -> No
         Ladder.of(stretched(flank("vorschub", -1))).fewest(1e-3, SHARE, MANY)
     assert 1 < len(laid) < ladder_module.LAYOUTS
     assert sum(laid[:-1]) <= 1_000
-
-
-@some
-@given(curves(), st.floats(1e-5, 1.0), st.floats(1.0, 10.0))
-def test_found_deviations_hold_and_counts_do_not_grow(
-    curve: WorkingCurve, most: float, looser: float
-) -> None:
-    ladder = Ladder.of(stretched(curve))
-    chords, found = ladder.fewest(most, SHARE, MANY)
-    assert SHARE * float(np.max(chords.worst)) <= found <= most
-    fewer, _ = ladder.fewest(looser * most, SHARE, MANY)
-    assert len(fewer.worst) <= len(chords.worst)
 
 
 @pytest.mark.parametrize("length", [1e-3, 5.0, 1e4])

@@ -21,12 +21,10 @@ from camgeo.geometry.contour import cubics
 from camgeo.geometry.contour.cubic_proof import (
     approximating_arcs,
     fitted_deviation,
-    parts_of,
     spline_deviation,
 )
 from camgeo.geometry.contour.cubics import fewest_cubics, fit_spline
 from camgeo.geometry.contour.least_pieces import forced_pieces, least_cubics
-from camgeo.geometry.contour.legs import legs_of
 from camgeo.geometry.contour.spline import (
     Arc,
     CubicSpline,
@@ -519,32 +517,6 @@ def test_nearly_flat_arcs_become_lines() -> None:
     assert np.any(arcs.sweeps == 0.0)
     assert np.max(arcs.radii) * 2.0**-52 <= tolerance / 64.0
     assert bound <= 1.1 * tolerance
-
-
-def test_points_between_cells_are_those_of_the_curve() -> None:
-    """Hermite's cubics are off by h^4/384 of the fourth derivative over the arc length, and their
-    slopes by the largest slope of t^2 (1 - t)^2/24, 1/124, of h^3 times it.
-
-    A tenth more, as the difficulty is that of means over cells.
-    """
-    curve = flank("plate_translating", -1)
-    pieces = [piece for piece in smooth_pieces(curve) if not piece.dwell]
-    legs = legs_of(whole(curve))
-    courses = [part.course for part in parts_of(legs, 1e-3)]
-    course = next(each for each in courses if each is not None)
-    for number, piece in enumerate(pieces):
-        ends = course.s[number]
-        s = (ends[:-1, None] + np.diff(ends)[:, None] * np.array([0.25, 0.5, 0.75])).ravel()
-        which = np.full(len(s), number)
-        at, along = course.near(which, s)
-        angles = course.angles(which, s)
-        assert piece.start < angles[0] < angles[-1] < piece.end
-        points, tangents, _ = curve.traced(angles)
-        step, fourth = np.max(np.diff(ends)), np.max(course.density[number]) ** 4
-        off, turned = np.conj(tangents) * (at - points), np.conj(tangents) * along
-        # Points are rounded to some 1e-14 mm, the cell is a tenth of a mm.
-        assert np.max(np.abs(off.imag)) <= 1.1 * step**4 / 384.0 * fourth + 1e-13
-        assert np.max(np.abs(turned.imag)) <= 1.1 * step**3 / 124.0 * fourth + 1e-12
 
 
 @pytest.mark.parametrize("rotation", [1, -1])

@@ -91,29 +91,6 @@ def test_boxes_of_halves_are_a_quarter_as_wide(pitch: PitchCurve, side: int) -> 
         assert np.all(half[known] <= 0.3 * coarse.across[known] + 1e-12)
 
 
-def test_a_box_that_is_too_small_is_seen() -> None:
-    """The check above can fail: half the box does not hold the cell."""
-    from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
-    from tests.reference import plan_of
-
-    plan = plan_of({"phi_H": [30, 60, 40, 80, 150]}, 20.0)
-    envelope = Envelope(WorkingCurve(PitchCurve(plan, TranslatingRoller(25.0, 8.0), 1), -8.0))
-    cells = cells_of(envelope, 8)
-    ends = envelope.samples(cells.low + 1e-9).points
-    local = (ends - cells.middle) * np.conj(cells.tangent)
-    with pytest.raises(AssertionError):
-        assert np.all(np.abs(local.real) <= 0.5 * cells.along)
-
-
-def test_cells_without_end_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    envelope = envelope_of(pitch_curve_of(hard_case("HC18")[0]), 1)
-    cells = cells_of(envelope, 4)
-    monkeypatch.setattr("camgeo.geometry.outline.envelope.MOST", len(cells) - 1)
-    monkeypatch.setattr("camgeo.geometry.outline.envelope.MORE", 0)
-    with pytest.raises(GeometryError, match="more tightly than can be resolved"):
-        halved(envelope, cells)
-
-
 def test_no_cells_have_no_halves() -> None:
     envelope = envelope_of(pitch_curve_of(hard_case("HC18")[0]), 1)
     cells = cells_of(envelope, 4)

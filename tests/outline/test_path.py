@@ -20,7 +20,6 @@ from camgeo.geometry.outline.crossings import find_crossings
 from camgeo.geometry.outline.outline import real_outline
 from camgeo.geometry.outline.path import (
     ROUNDING,
-    Moments,
     Path,
     Pivot,
     area,
@@ -29,7 +28,6 @@ from camgeo.geometry.outline.path import (
     path_second_moments,
     piece_second_moments,
     radii,
-    total,
     whole,
 )
 from camgeo.geometry.pitch_curve import PitchCurve
@@ -39,7 +37,7 @@ from camgeo.kinematics.motion import Dwell, Jet
 from camgeo.kinematics.plan import MotionPlan
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.scene.scene import parse_scene
-from tests.contour.cams import SCENES, dwell, move, polyline
+from tests.contour.cams import SCENES, dwell, move
 from tests.contour.paths import PATHS, dense_path, hard_curve
 from tests.effects.scenes import design
 from tests.outline.clearing import dense
@@ -131,7 +129,16 @@ limits = { undercut = "trim" }
 
 
 @pytest.mark.parametrize(
-    "scene", ["plate_translating", "groove", "cut_lobe", "swallow_tail", "trimmed_ring", "steep"]
+    "scene",
+    [
+        "plate_translating",
+        "groove",
+        "cut_lobe",
+        "swallow_tail",
+        "trimmed_ring",
+        "straight_moves",
+        "steep",
+    ],
 )
 def test_a_polygon_within_a_tolerance_has_moments_within_what_it_allows(scene: str) -> None:
     """Two outlines within t of each other enclose areas that differ by length * t at most, and
@@ -156,32 +163,6 @@ def test_a_polygon_within_a_tolerance_has_moments_within_what_it_allows(scene: s
         assert abs(centre * chords.area - found.first) <= room * largest
         arcs = boundary.arcs(tolerance, "fast").contour.moments.counter_clockwise()
         assert abs(arcs.first - found.first) <= room * largest
-
-
-def test_arcs_about_pivots_are_in_closed_form() -> None:
-    """Four quarter turns at the corners of a square: a rounded square, moved off the origin."""
-    corners = [3.0 + 1.0j, 1.0 + 1.0j, 1.0 - 1.0j, 3.0 - 1.0j]
-    pivots = [
-        Pivot(corner, 0.5, 1j**k, 0.5 * math.pi, 0.0, 0.0) for k, corner in enumerate(corners)
-    ]
-    # straight sides between them do not occur in a path: their part by hand
-    of_octagon = polyline(np.array([p for each in pivots for p in (each.start, each.end)])).moments
-    arcs = path_moments(Path(tuple(pivots)), 1e-12)
-    # arcs alone: triangles from the origin to the chords, and segments
-    triangles = total(
-        Moments(
-            0.5 * (p.start.conjugate() * p.end).imag,
-            0.5 * (p.start.conjugate() * p.end).imag * (p.start + p.end) / 3.0,
-            0.0,
-            0.0,
-        )
-        for p in pivots
-    )
-    whole_area = 4.0 + 4.0 * 2.0 * 0.5 + math.pi * 0.25
-    found = of_octagon.area + arcs.area - triangles.area
-    assert found == pytest.approx(whole_area, rel=1e-14)
-    moment = of_octagon.first + arcs.first - triangles.first
-    assert moment == pytest.approx(2.0 * whole_area, rel=1e-14)
 
 
 def test_a_half_disc_has_its_centroid_at_four_thirds_of_the_radius_over_pi() -> None:

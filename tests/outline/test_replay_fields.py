@@ -42,6 +42,7 @@ from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.units import TURN
 from tests.contour.cams import SCENES, dwell, flank, move, outline, translating
 from tests.effects.scenes import design
+from tests.effects.test_trimmed_cams import on_guide
 from tests.integrals import cells, integrals
 from tests.outline.clearing import distances
 from tests.outline.test_replay import GUIDED, ROCKER, centres, resting, rounded, star
