@@ -918,42 +918,6 @@ def test_hc05_dead_centres_at_the_start(crank: float, coupler: float) -> None:
             assert abs(found_theta - theta) <= within
 
 
-@pytest.mark.parametrize(("crank", "coupler"), [(40.0, 60.0), (25.0, 80.0), (3e-3, 7e-3)])
-def test_hc05_dead_centres_at_full_stroke(crank: float, coupler: float) -> None:
-    """The slider comes to rest where crank and coupler are in one line."""
-    linkage = SliderCrank(crank, coupler, math.radians(20.0), False, 1, 1, 1)
-    reach = max(linkage.dead_strokes)
-    motion = linkage_motion(linkage, reach)
-    assert any(f.name == "dead-centre" and f.severity == "no-disc" for f in check_linkage(motion))
-    dwell = np.radians([161.0, 180.0, 199.0])
-    assert np.all(np.isfinite(motion.jet(dwell)))
-    assert np.all(motion.jet(dwell)[1:] == 0.0)
-    for place in (160.0, 200.0):  # at the joints: a value or the error, never NaN
-        sides: tuple[Side, ...] = ("left", "right")
-        for side in sides:
-            joint = partial(motion.jet, np.radians([place]), side)
-            finite_or_refused(joint, "dead centre")
-    assert np.all(np.isfinite(motion.jet(np.radians(np.linspace(61.0, 159.0, 50)))))
-
-
-@pytest.mark.parametrize("crank", [40.0, 55.5])
-def test_hc05_dead_centres_in_the_middle_of_the_stroke(crank: float) -> None:
-    """The pin passes over the shaft at the height l_4 - l_sk: folded, at full speed."""
-    height = crank * math.cos(math.radians(30.0))
-    coupler = crank + height
-    linkage = SliderCrank(crank, coupler, math.radians(30.0), False, 1, -1, 1)
-    middle = linkage.start_position
-    assert linkage.guide_height == pytest.approx(coupler - crank, rel=4.0 * EPS)
-    motion = linkage_motion(linkage, 2.0 * middle)  # closes except for rounding
-    (fatal,) = (f for f in check_linkage(motion) if f.name == "dead-centre")
-    assert fatal.severity == "no-disc"
-    assert_finite([fatal])
-    for place in (110.0, 250.0):  # the middle of rise and return
-        for offset in (0.0, 1e-12, -1e-9, 1e-6, -1e-3):
-            near = np.radians([place]) + offset
-            finite_or_refused(partial(motion.jet, near), "dead centre")
-
-
 @pytest.mark.parametrize("gap", [1e-1, 1e-4, 1e-7, 1e-10])
 def test_hc07_linkages_that_just_fail_to_close(gap: float) -> None:
     linkage = SliderCrank(40.0, 60.0, math.radians(20.0), False, 1, 1, 1)

@@ -10,14 +10,12 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from itertools import pairwise
 
 import numpy as np
 
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.legs import TurnLeg, legs_of
 from camgeo.geometry.outline.path import Path, Pivot, Stretch, whole
-from camgeo.geometry.pieces import smooth_pieces
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
@@ -29,8 +27,6 @@ from tests.reference import hard_case, plan_of
 SAGITTA = 3e-6
 """Of the dense chords by which is measured [mm], see `DensePath`: h < 5e-3 mm and kappa < 1/mm, at
 other places shorter chords."""
-
-NODES, WEIGHTS = np.polynomial.legendre.leggauss(64)
 
 
 def at(curve: WorkingCurve, angle: float, side: Side = "right") -> tuple[complex, complex]:
@@ -141,9 +137,11 @@ PATHS: dict[str, Callable[[], Path]] = {
     "cusp": cusp,
 }
 
+
 FLANK_PATHS: dict[str, Callable[[], Path]] = {
     scene: lambda name=(scene, side): whole(flank(*name)) for scene, side in FLANKS
 }
+
 
 OUTLINES = {**PATHS, **FLANK_PATHS}
 """Trimmed outlines, and whole flanks of fixture scenes by the name of the scene."""
@@ -193,28 +191,6 @@ class Dense:
 def dense_of(name: str) -> Dense:
     """One of `OUTLINES` by dense points."""
     return Dense.of(OUTLINES[name]())
-
-
-def area(path: Path) -> float:
-    """Signed area [mm^2] by Green's theorem and Gauss's quadrature on eighths of smooth pieces."""
-    total = 0.0
-    for element in path.elements:
-        if isinstance(element, Stretch):
-            cuts = [element.start, element.end]
-            for piece in smooth_pieces(element.curve):
-                for turn in (-TURN, 0.0, TURN):
-                    part = np.linspace(piece.start, piece.end, 9) + turn
-                    cuts += [t for t in part if element.start < t < element.end]
-            cuts.sort()
-            for low, high in pairwise(cuts):
-                t = 0.5 * (low + high) + 0.5 * (high - low) * NODES
-                speed = element.curve.tangent(t) * element.curve.pace(t)
-                moment = (np.conj(element.curve.point(t)) * speed).imag
-                total += 0.25 * (high - low) * float(WEIGHTS @ moment)
-        else:
-            step = (element.centre.conjugate() * (element.end - element.start)).imag
-            total += 0.5 * (step + element.distance**2 * element.sweep)
-    return total
 
 
 def break_count(path: Path) -> int:

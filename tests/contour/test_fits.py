@@ -30,7 +30,7 @@ from camgeo.geometry.contour.fewest_arcs import Strands, fewest_arcs
 from camgeo.geometry.contour.fewest_chords import fewest_chords
 from camgeo.geometry.contour.least_pieces import forced_pieces, least_arcs, least_chords
 from camgeo.geometry.contour.proof import deviation
-from camgeo.geometry.outline.path import Path, Pivot, Stretch, whole
+from camgeo.geometry.outline.path import Path, Pivot, Stretch, area, whole
 from camgeo.geometry.pieces import smooth_pieces
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
@@ -47,7 +47,6 @@ from tests.contour.paths import (
     PATHS,
     SAGITTA,
     Dense,
-    area,
     break_count,
     corner,
     cut_off_lobe,

@@ -85,19 +85,20 @@ def mechanisms(draw: st.DrawFn) -> PitchCurve:
     return curve
 
 
+def check_reached(pitch: PitchCurve, outline: Outline, rounding: float) -> None:
+    """No roller reaches what is kept, and each point of the outline is touched by one."""
+    radius = pitch.follower.roller_radius
+    for path in (outline.path, *outline.lobes):
+        assert np.min(distances(pitch, dense(path, 24))) >= radius - rounding
+    assert np.max(distances(pitch, dense(outline.path, 5))) <= radius + rounding
+
+
 @attack
 @given(mechanisms(), signs())
 def test_no_roller_reaches_what_is_kept(pitch: PitchCurve, side: int) -> None:
     outline = outline_of(flank_of(pitch, side))
-    if outline is None:
-        return
-    radius = pitch.follower.roller_radius
-    for path in (outline.path, *outline.lobes):
-        away = distances(pitch, dense(path, 24))
-        assert np.min(away) >= radius - ROUNDING * size_of(pitch)
-    # And it is the boundary of what the rollers reach: each point is touched by one.
-    away = distances(pitch, dense(outline.path, 5))
-    assert np.max(away) <= radius + ROUNDING * size_of(pitch)
+    if outline is not None:
+        check_reached(pitch, outline, ROUNDING * size_of(pitch))
 
 
 @pytest.mark.parametrize(
@@ -130,11 +131,7 @@ def test_undercut_that_meets_a_turn_about_a_corner(
     pitch = PitchCurve(plan, TranslatingRoller(base, roller), rotation)
     flank = flank_of(pitch, -1)
     outline = real_outline(flank)
-    rounding = ROUNDING * size_of(pitch)
-    for path in (outline.path, *outline.lobes):
-        away = distances(pitch, dense(path, 40))
-        assert np.min(away) >= roller - rounding
-        assert np.max(away) <= roller + rounding
+    check_reached(pitch, outline, ROUNDING * size_of(pitch))
     assert outline.dropped
     envelope = envelope_of(flank)
     ranges = backward_ranges(envelope)
@@ -159,12 +156,8 @@ def test_nor_does_one_next_to_a_dead_centre(pitch: PitchCurve, side: int) -> Non
         if "crosses itself" not in error.message:
             raise
         return
-    if outline is None:
-        return
-    radius, rounding = pitch.follower.roller_radius, 1e3 * ROUNDING * size_of(pitch)
-    for path in (outline.path, *outline.lobes):
-        assert np.min(distances(pitch, dense(path, 24))) >= radius - rounding
-    assert np.max(distances(pitch, dense(outline.path, 5))) <= radius + rounding
+    if outline is not None:
+        check_reached(pitch, outline, 1e3 * ROUNDING * size_of(pitch))
 
 
 @attack

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.geometry.contour.contour import Contour, winding_number
-from camgeo.geometry.outline.path import Path, Pivot, whole
+from camgeo.geometry.outline.path import Path, Pivot, area, whole
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
@@ -31,7 +31,7 @@ from camgeo.part.boundaries import (
 from camgeo.part.part import Layer, Part
 from camgeo.part.spec import Keyway, PartSpec
 from tests.contour.cams import dwell, flank, move, outline
-from tests.contour.paths import area, cut_off_lobe, swallow_tail
+from tests.contour.paths import cut_off_lobe, swallow_tail
 from tests.end_to_end.features import bore
 
 ROLLER = 8.0
