@@ -23,8 +23,7 @@ from camgeo.design.product import Product
 from camgeo.design.value_table import Table, TabulatedCam
 from camgeo.dynamics.effects.effect import Column
 from camgeo.geometry.contour.contour import Contour, Effort, Fit
-from camgeo.geometry.contour.spline import Arc, SplineContour, SplineFit
-from camgeo.geometry.outline.path import Moments, SecondMoments
+from camgeo.geometry.contour.spline import SplineContour
 from camgeo.kinematics import plan
 from camgeo.kinematics.laws import make_law
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
@@ -41,9 +40,8 @@ from camgeo.milling.moves import (
     Toolpath,
     centre_feed,
 )
-from camgeo.milling.plan import Engaged, divided
+from camgeo.milling.plan import divided
 from camgeo.milling.planned import Sequence
-from camgeo.milling.stages import Flaw
 from camgeo.milling.tool import Tool
 from camgeo.milling.zero import OF_THE_PART, Zero
 from camgeo.part.boundaries import ExactBoundary
@@ -54,7 +52,7 @@ from camgeo.scene.formats.dxf import DxfSpec
 from camgeo.scene.formats.format import Options, Values
 from camgeo.scene.formats.step import StepSpec
 from camgeo.scene.scene import Scene
-from camgeo.scene.values import ValidValues, document
+from camgeo.scene.values import ValidValues, document_of
 from camgeo.units import MM_PER, LengthUnit
 
 SPEND = 0.99
@@ -85,19 +83,26 @@ def off_circle(contour: Contour, radius: float, centre: complex) -> float:
     return float(abs(abs(points - centre) - radius).max())
 
 
-@dataclass(frozen=True, slots=True)
-class CircleBoundary:
-    name: str
-    hole: bool
-    radius: float
-    centre: complex = 0j
+class CircleBoundary(ExactBoundary):
+    """A circle, followed no better than the tolerance asks for."""
+
+    def __init__(self, name: str, hole: bool, radius: float, centre: complex = 0j) -> None:
+        super().__init__(name, hole, Contour.circle(radius, centre))
+
+    @property
+    def radius(self) -> float:
+        return self.round_radius
+
+    @property
+    def centre(self) -> complex:
+        return complex(self.exact.centres[0])
 
     def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         contour = bulged(self.radius, self.centre, tolerance)
         return Fit(contour, SPEND * tolerance, tolerance)
 
     def beside(self, tolerance: float) -> Fit:
-        return self.exact.beside(tolerance)
+        return super().arcs(tolerance)
 
     def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         sagitta = SPEND * tolerance
@@ -105,44 +110,16 @@ class CircleBoundary:
         points = self.centre + self.radius * np.exp(2j * math.pi * np.arange(count) / count)
         return Fit(Contour(points, np.zeros(count), np.zeros_like(points)), sagitta, tolerance)
 
-    def sampled(self, tolerance: float) -> Contour:
-        return self.polyline(tolerance).contour
-
-    def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
-        ends = (self.centre + self.radius, self.centre - self.radius)
-        halves = (Arc(a, b, math.pi, self.centre) for a, b in (ends, ends[::-1]))
-        return SplineFit(SplineContour(tuple(halves)), 0.0, tolerance)
-
     def deviation(self, contour: Contour | SplineContour) -> float:
         assert isinstance(contour, Contour)
         return off_circle(contour, self.radius, self.centre)
 
-    @property
-    def exact(self) -> ExactBoundary:
-        return ExactBoundary(self.name, self.hole, Contour.circle(self.radius, self.centre))
-
-    def moments(self, tolerance: float) -> Moments:
-        return self.exact.moments(tolerance)
-
-    def second_moments(self, tolerance: float) -> SecondMoments:
-        return self.exact.second_moments(tolerance)
-
-    def farthest(self) -> tuple[float, float | None]:
-        return self.exact.farthest()
-
-    def nearest(self) -> float:
-        return self.exact.nearest()
-
     def offset(self, distance: float) -> CircleBoundary:
-        return replace(self, radius=self.radius + (-distance if self.hole else distance))
-
-    @property
-    def corner_radius(self) -> None:
-        return None
+        return self.inset(-distance, self.name)
 
     def inset(self, distance: float, name: str) -> CircleBoundary:
         radius = self.radius + (distance if self.hole else -distance)
-        return replace(self, name=name, radius=radius)
+        return CircleBoundary(name, self.hole, radius, self.centre)
 
 
 def there_and_back(stroke: float) -> plan.MotionPlan:
@@ -165,6 +142,10 @@ TOOL = Tool(
     number=1, diameter=6.0, spindle_speed=3000.0, feed=300.0, plunge_feed=100.0, plunges=True
 )
 
+SECOND_TOOL = replace(
+    TOOL, number=2, diameter=8.0, spindle_speed=2500.0, feed=250.0, plunge_feed=80.0
+)
+
 CAM = Cam(
     Drive(there_and_back(10.0)), TranslatingRoller(base_radius=35.0, roller_radius=8.0), rotation=-1
 )
@@ -173,7 +154,9 @@ CAM = Cam(
 
 @dataclass(frozen=True)
 class StubProduct(Product):
-    """An eccentric disc; with `groove`, a groove of eccentric flanks in a round blank."""
+    """An eccentric disc; with `groove`, a groove of eccentric flanks in a round blank; or a `given`
+    part and nothing else.
+    """
 
     scene: Scene = NO_SCENE
     cam: Cam = CAM
@@ -185,11 +168,17 @@ class StubProduct(Product):
     unit: LengthUnit = "mm"
     effort: Effort = "fewest"
     groove: bool = False
+    given: Part | None = None
     dxf: DxfSpec = field(default_factory=DxfSpec)
     step: StepSpec = field(default_factory=StepSpec)
     gcode: GcodeSpec = field(default_factory=GcodeSpec)
     tool: Tool = TOOL
     thickness: float | None = 8.0
+    zero: Zero = OF_THE_PART
+    told: tuple[str, ...] = ()
+    whole: None = None
+    first: None = None
+    second: None = None
     scale: float = 1.0
     scene_hash: str = "0123456789abcdef" * 4
     version: str = "0.0.test"
@@ -208,17 +197,14 @@ class StubProduct(Product):
 
     @property
     def values(self) -> Values:
-        keys = [
-            "follower.kind = 'plate'",
-            (
-                f"tool = [{{ diameter = {self.tool.diameter}, spindle_speed = 1, feed = 1,"
-                " plunge_feed = 1, stepdown = 1 }]"
-            ),
-            "holding = { kind = 'fixture', through = 0 }",
-        ]
-        keys += [f"part.thickness = {self.thickness}"] if self.thickness else []
-        text = "\n".join(keys)
-        return ValidValues(document(text.encode()))
+        numbers = {"spindle_speed": 1, "feed": 1, "plunge_feed": 1, "stepdown": 1}
+        given = {
+            "follower": {"kind": "plate"},
+            "tool": [{"diameter": self.tool.diameter, **numbers}],
+            "holding": {"kind": "fixture", "through": 0},
+            "part": {"thickness": self.thickness} if self.thickness else {},
+        }
+        return ValidValues(document_of(given))
 
     @property
     def drawn(self) -> DrawnDisc:
@@ -267,6 +253,8 @@ class StubProduct(Product):
 
     @property
     def part(self) -> Part:
+        if self.given is not None:
+            return self.given
         inner = self.pitch_radius - self.roller_radius
         outer = self.pitch_radius + self.roller_radius
         bore = CircleBoundary("bore", True, 10.0 * self.scale)
@@ -296,12 +284,7 @@ class StubProduct(Product):
 
     @property
     def cuts(self) -> tuple[ContourCut, ...]:
-        bore, outline = self.tools
-        radius = self.pitch_radius - self.roller_radius
-        made = (
-            (CircleBoundary("bore", True, 10.0 * self.scale), bore),
-            (CircleBoundary("outline", False, radius, self.centre), outline),
-        )
+        outline, bore = replace(self, groove=False).part.boundaries
         return tuple(
             ContourCut(
                 name=each.name,
@@ -314,7 +297,7 @@ class StubProduct(Product):
                 room=1.0,
                 cleared=True,
             )
-            for each, tool in made
+            for each, tool in zip((bore, outline), self.tools, strict=True)
         )
 
     @property
@@ -326,38 +309,14 @@ class StubProduct(Product):
         return Sequence(self.cuts, ())
 
     @property
-    def zero(self) -> Zero:
-        return OF_THE_PART
-
-    @property
-    def told(self) -> tuple[str, ...]:
-        return ()
-
-    @property
-    def whole(self) -> None:
-        return None
-
-    @property
-    def first(self) -> None:
-        return None
-
-    @property
-    def second(self) -> None:
-        return None
-
-    @property
     def programs(self) -> tuple[Product, ...]:
         return (cast("Product", self),)
 
-    def flaws(self, toolpath: Toolpath, tolerance: float) -> tuple[Flaw, ...]:
+    def flaws(self, *_: object) -> tuple[()]:
+        """None; nor is anything roughed or hit."""
         return ()
 
-    def engaged(self, toolpath: Toolpath) -> tuple[Engaged, ...]:
-        """No roughing."""
-        return ()
-
-    def safe(self, toolpath: Toolpath, tolerance: float) -> tuple[Finding, ...]:
-        return ()
+    engaged = safe = flaws
 
     def toolpath(self, tolerance: float) -> Toolpath:
         largest = machine.load(self.gcode.machine).arcs.largest_turn
@@ -371,15 +330,10 @@ class StubProduct(Product):
             operations.append(Operation(cut, tuple(divided(moves, largest))))
         return Toolpath(Heights.of(self.gcode.safe_height), tuple(operations))
 
-    @property
-    def value_table(self) -> Table:
-        return self.table()
-
     def stated(self) -> Table:
         return self.table()
 
-    def written(self) -> Table:
-        return self.table()
+    written = stated
 
     def table(self) -> Table:
         phi = np.linspace(0.0, 2.0 * math.pi, 73)

@@ -6,23 +6,30 @@ import io
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import ezdxf
 import numpy as np
 import pytest
+from ezdxf.document import Drawing
+from ezdxf.filemanagement import read as parsed
 from ezdxf.path import make_path
 
 import camgeo
 from camgeo.errors import FileError
 from camgeo.geometry.contour.contour import Contour
-from camgeo.geometry.contour.spline import Arc
+from camgeo.geometry.contour.cubic_proof import spline_deviation
+from camgeo.geometry.contour.spline import Arc, SplineContour
+from camgeo.geometry.outline.path import whole
 from camgeo.numeric.arrays import FloatArray
+from camgeo.part.boundaries import CurveBoundary
+from camgeo.part.part import WRITTEN_SHARE, Layer, Part
 from camgeo.scene.formats.dxf import DxfSpec
 from camgeo.units import MM_PER, LengthUnit
-from camgeo_export.dxf.reader import drawing_of
+from camgeo_export.dxf.reader import READER, drawing_of
 from camgeo_export.dxf.writer import WRITER
-from tests.export.stub_product import StubProduct
+from tests.contour.cams import flank
+from tests.export.stub_product import CircleBoundary, StubProduct
+from tests.export.verified import read_back
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
@@ -37,39 +44,26 @@ PRODUCTS = {
 }
 
 
-@pytest.fixture(params=list(PRODUCTS.values()), ids=list(PRODUCTS))
-def product(request: pytest.FixtureRequest) -> StubProduct:
-    found: StubProduct = request.param
-    return found
-
-
-@pytest.mark.parametrize("tolerance", [0.05, 1e-3])
-def test_read_back_is_within_the_tolerance(product: StubProduct, tolerance: float) -> None:
-    written = WRITER.write(product, tolerance)
-    assert 0.5 * tolerance < WRITER.measure(product, written.data) <= tolerance
-
-
-def test_numbers_keep_the_finest_tolerance() -> None:
-    product = StubProduct()
-    assert WRITER.measure(product, WRITER.write(product, 1e-7).data) <= 1e-7
-
-
-def test_the_same_bytes_each_time(product: StubProduct) -> None:
-    assert WRITER.write(product, 0.01).data == WRITER.write(product, 0.01).data
-
-
 def test_ezdxf_setting_is_put_back() -> None:
     before = ezdxf.options.write_fixed_meta_data_for_testing  # type: ignore[attr-defined]  # ezdxf does not export it explicitly
     WRITER.write(StubProduct(), 0.01)
     assert ezdxf.options.write_fixed_meta_data_for_testing == before  # type: ignore[attr-defined]  # ezdxf does not export it explicitly
 
 
-def test_ezdxf_finds_nothing_to_mend(product: StubProduct) -> None:
-    text = WRITER.write(product, 0.01).data.decode()
-    document = ezdxf.read(io.StringIO(text))  # type: ignore[attr-defined]  # ezdxf does not export it explicitly
+def opened(data: bytes) -> Drawing:
+    """By ezdxf, which finds nothing to mend."""
+    document = parsed(io.StringIO(data.decode()))
     audit = document.audit()
     assert not audit.errors
     assert not audit.fixes
+    return document
+
+
+@pytest.mark.parametrize("product", PRODUCTS.values(), ids=PRODUCTS)
+def test_ezdxf_finds_nothing_to_mend(product: StubProduct) -> None:
+    document = opened(WRITER.write(product, 0.01).data)
+    layers = {each.dxf.layer for each in document.modelspace()}
+    assert (layers == {"CUT"}) == (not product.dxf.auxiliary)
 
 
 def test_entities_layers_and_units() -> None:
@@ -89,8 +83,7 @@ def test_entities_layers_and_units() -> None:
     assert (drawing.value("$INSUNITS"), drawing.value("$MEASUREMENT")) == ("4", "1")
     inch = drawing_of(WRITER.write(replace(product, unit="inch"), 0.01).data)
     assert (inch.value("$INSUNITS"), inch.value("$MEASUREMENT")) == ("1", "0")
-    document = ezdxf.read(io.StringIO(data.decode()))  # type: ignore[attr-defined]  # ezdxf does not export it explicitly
-    assert dict(document.header.custom_vars) == {
+    assert dict(opened(data).header.custom_vars) == {
         "camgeo": product.version,
         "scene": product.scene_hash,
         "tolerance mm": "0.01",
@@ -126,29 +119,6 @@ def test_single_lines_and_arcs_are_those_of_the_polylines() -> None:
         assert one.area == pytest.approx(other.area, rel=1e-12)
 
 
-def test_without_auxiliary_geometry_only_the_cut_is_drawn() -> None:
-    drawing = drawing_of(WRITER.write(PRODUCTS["cut only"], 0.01).data)
-    assert {item.layer for item in drawing.items} == {"CUT"}
-
-
-def test_areas_are_those_of_the_part() -> None:
-    outline, bore = drawing_of(WRITER.write(StubProduct(), 1e-5).data).contours("CUT")
-    assert outline.area == pytest.approx(math.pi * 32.0**2, rel=1e-6)
-    assert bore.area == pytest.approx(math.pi * 10.0**2, rel=1e-6)
-
-
-def test_no_arc_exceeds_half_a_turn() -> None:
-    for contour in drawing_of(WRITER.write(StubProduct(), 0.01).data).contours("CUT"):
-        assert isinstance(contour, Contour)
-        assert abs(contour.sweeps).max() <= math.pi
-
-
-def test_chain_gives_back_a_contour() -> None:
-    contour = Contour.circle(3.0, 1.0 + 2.0j).split(1.0)
-    again = Contour.through(contour.vertices, contour.sweeps)
-    np.testing.assert_allclose(again.centres, contour.centres, atol=1e-14)
-
-
 @pytest.mark.parametrize("sweep", [5e-324, 1e-300, 1e-160, -1e-17])
 def test_an_arc_that_is_straight_except_for_rounding_is_a_line(sweep: float) -> None:
     """Its centre would lie where doubles have no squares, or no digits."""
@@ -179,11 +149,10 @@ def test_the_drawing_is_seen_when_it_is_opened(
     box = np.array([-side, lowest, side, max(27.0, 35.0 * auxiliary)]) * scale / mm
     slack = 1e-3 * scale
     data = WRITER.write(product, 1e-4 * scale).data
-    document = ezdxf.read(io.StringIO(data.decode()))  # type: ignore[attr-defined]  # ezdxf does not export it explicitly
-    check_view(document, box, slack)
+    check_view(opened(data), box, slack)
 
 
-def check_view(document: Any, box: FloatArray, slack: float) -> None:
+def check_view(document: Drawing, box: FloatArray, slack: float) -> None:
     """Assert that `document` shows the box (4,) of a drawing, with a margin."""
 
     def pair(low: str, high: str) -> FloatArray:
@@ -207,8 +176,7 @@ def test_the_view_of_a_real_disc(entity: str) -> None:
     """Curves that reach their extremes inside a piece, compared with points on all of them."""
     scene = SCENES / "setzhub.toml"
     text = f'{scene.read_text("utf-8")}\n[output.dxf]\nentity = "{entity}"\nauxiliary = false\n'
-    data = WRITER.write(camgeo.loads(text).disc, 0.01).data
-    document = ezdxf.read(io.StringIO(data.decode()))  # type: ignore[attr-defined]  # ezdxf does not export it explicitly
+    document = opened(WRITER.write(camgeo.loads(text).disc, 0.01).data)
     courses = [make_path(each) for each in document.modelspace()]
     points = np.array([(p.x, p.y) for each in courses for p in each.flattening(1e-4)])
     box = np.concatenate((points.min(axis=0), points.max(axis=0)))
@@ -219,26 +187,14 @@ def test_the_view_of_a_real_disc(entity: str) -> None:
 # A measurement that accepts a wrong file is worth nothing: break the file and see it found.
 
 
-def test_a_moved_vertex_is_measured() -> None:
-    product = StubProduct()
-    data = WRITER.write(product, 0.01).data
-    vertex = b"\n 10\n32.0\n"
-    assert data.count(vertex) == 1
-    moved = data.replace(vertex, b"\n 10\n32.5\n")
-    assert WRITER.measure(product, moved) > 0.1
-
-
-def test_a_reversed_bulge_is_measured() -> None:
-    product = StubProduct()
-    data = WRITER.write(product, 0.01).data
-    head, entities = data.split(b"ENTITIES")
-    turned = entities.replace(b"\n 42\n0.", b"\n 42\n-0.", 1)
-    assert WRITER.measure(product, head + b"ENTITIES" + turned) > 0.1
-
-
-def test_a_foreign_scale_is_measured() -> None:
-    data = WRITER.write(StubProduct(scale=1.001), 0.01).data
-    assert WRITER.measure(StubProduct(), data) > 0.03
+@pytest.mark.parametrize(
+    ("old", "new"), [(b"\n 10\n32.0\n", b"\n 10\n32.5\n"), (b"\n 42\n0.", b"\n 42\n-0.")]
+)
+def test_a_moved_vertex_and_a_reversed_bulge_are_measured(old: bytes, new: bytes) -> None:
+    head, mark, entities = WRITER.write(StubProduct(), 0.01).data.partition(b"ENTITIES")
+    assert old in entities
+    changed = head + mark + entities.replace(old, new, 1)
+    assert WRITER.measure(StubProduct(), changed) > 0.1
 
 
 @pytest.mark.parametrize(
@@ -267,3 +223,142 @@ def test_a_broken_drawing_is_refused(old: bytes, new: bytes, message: str) -> No
 def test_a_missing_boundary_is_refused() -> None:
     with pytest.raises(FileError, match="has no layer 'BLIND_3'"):
         WRITER.measure(StubProduct(groove=True), WRITER.write(StubProduct(), 0.01).data)
+
+
+# Splines ------------------------------------------------------------------------------------------
+
+
+TOLERANCE = 1e-3
+
+
+FLANK = whole(flank("plate_translating", -1))
+
+FLANKED = StubProduct(
+    given=Part((Layer(-8.0, 0.0, (CurveBoundary("outline", False, FLANK),
+                                  CircleBoundary("bore", True, 10.0))),)),
+    dxf=DxfSpec("spline", auxiliary=False),
+)  # fmt: skip
+"""A real flank with dwells and a round bore, drawn by splines."""
+
+SPLINES = {
+    "mm": FLANKED,
+    "inch": replace(FLANKED, unit="inch"),
+    "fast": replace(FLANKED, effort="fast"),
+}
+
+splines = pytest.mark.parametrize("product", SPLINES.values(), ids=SPLINES)
+
+
+@pytest.mark.parametrize("tolerance", [0.05, 1e-3, 1e-6])
+@splines
+def test_splines_are_read_back(product: StubProduct, tolerance: float) -> None:
+    data = read_back(WRITER, product, tolerance, least=0.2).data
+    assert WRITER.write(product, tolerance).data == data
+
+
+@splines
+def test_ezdxf_reads_the_same_curves(product: StubProduct) -> None:
+    data = WRITER.write(product, TOLERANCE).data
+    entities = opened(data).modelspace().query("SPLINE")
+    ours = next(
+        curve for curve in drawing_of(data).contours("CUT") if isinstance(curve, SplineContour)
+    )
+    assert len(entities) == len(ours.splines) == 5
+    for entity, spline in zip(entities, ours.splines, strict=True):
+        assert (entity.dxf.degree, entity.dxf.flags) == (3, 8)
+        assert not entity.weights
+        assert not entity.fit_points
+        scale = 25.4 if product.unit == "inch" else 1.0
+        points = np.array(entity.control_points) @ np.array([1.0, 1j, 0.0]) * scale
+        np.testing.assert_allclose(points, spline.controls, rtol=0.0, atol=1e-12)
+        np.testing.assert_array_equal(np.array(entity.knots), spline.knots)
+
+
+def test_facts_state_what_is_drawn() -> None:
+    written = WRITER.write(FLANKED, TOLERANCE)
+    outline = FLANKED.part.boundaries[0].spline(WRITTEN_SHARE * TOLERANCE).contour
+    assert written.facts == {
+        "boundaries": 2,
+        "splines": 5,
+        "cubics": sum(len(spline) for spline in outline.splines),
+        "arcs": 4,
+        "lines": 0,
+    }
+    kinds = [(item.layer, item.kind) for item in drawing_of(written.data).items]
+    # Two dwells and the two halves of the bore.
+    assert sorted(kinds) == sorted([("CUT", "SPLINE")] * 5 + [("CUT", "ARC")] * 4)
+
+
+def test_the_foreign_reader_takes_our_drawings() -> None:
+    data = WRITER.write(FLANKED, TOLERANCE).data
+    outline, bore = drawing_of(data).contours(None)
+    assert isinstance(outline, SplineContour)
+    assert isinstance(bore, Contour)
+    assert spline_deviation(FLANK, outline) <= TOLERANCE
+    assert math.sqrt(bore.area / math.pi) == pytest.approx(10.0, abs=TOLERANCE)
+    found = READER.read(data, "a.dxf", layer=None, unit=None, gap=1e-9)
+    same, _ = found.contours
+    assert isinstance(same, SplineContour)
+    assert found.notes == ()
+    for ours, theirs in zip(outline.splines, same.splines, strict=True):
+        assert np.array_equal(ours.knots, theirs.knots)
+        assert np.array_equal(ours.controls, theirs.controls)
+
+
+def around(data: bytes, kind: bytes) -> tuple[bytes, bytes, bytes]:
+    """What is before the first such entity, the entity, and what is after it."""
+    start = data.index(b"\n  0\n" + kind + b"\n", data.index(b"ENTITIES")) + 1
+    end = data.index(b"\n  0\n", start) + 1
+    return data[:start], data[start:end], data[end:]
+
+
+def _changed(data: bytes, kind: bytes, code: bytes, which: int, by: float) -> bytes:
+    """The file with the value of a group code of the first such entity changed."""
+    before, entity, after = around(data, kind)
+    lines = entity.split(b"\n")
+    places = [k for k in range(0, len(lines) - 1, 2) if lines[k].strip() == code]
+    lines[places[which] + 1] = repr(float(lines[places[which] + 1]) + by).encode()
+    return before + b"\n".join(lines) + after
+
+
+@pytest.mark.parametrize(("code", "which"), [(b"10", 3), (b"20", 4), (b"40", 5)])
+def test_a_moved_control_point_or_knot_is_measured(code: bytes, which: int) -> None:
+    data = WRITER.write(FLANKED, 1e-4).data
+    moved = _changed(data, b"SPLINE", code, which, 0.01 if code != b"40" else 0.2)
+    assert WRITER.measure(FLANKED, moved) > 1.5e-4
+
+
+@pytest.mark.parametrize(
+    ("kind", "code", "which"), [(b"SPLINE", b"10", 0), (b"ARC", b"40", 0), (b"ARC", b"51", 0)]
+)
+def test_ends_that_do_not_meet_are_refused(kind: bytes, code: bytes, which: int) -> None:
+    data = WRITER.write(FLANKED, TOLERANCE).data
+    with pytest.raises(FileError, match="has a loose end at"):
+        WRITER.measure(FLANKED, _changed(data, kind, code, which, 1e-6))
+
+
+@pytest.mark.parametrize("kind", [b"SPLINE", b"ARC"])
+def test_a_missing_strand_is_refused(kind: bytes) -> None:
+    before, _, after = around(WRITER.write(FLANKED, TOLERANCE).data, kind)
+    with pytest.raises(FileError, match="has a loose end at"):
+        WRITER.measure(FLANKED, before + after)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (b"\n 71\n3\n", b"\n 71\n2\n", "control points and .* knots"),
+        (b"\n 71\n3\n", b"\n 71\n5\n", "its 13 knots do not ascend, or do not match"),
+        (b"\n 72\n", b"\n 75\n", ""),
+        (b"\nSPLINE\n", b"\nELLIPSE\n", "ELLIPSE on layer CUT is not part of the drawing"),
+    ],
+)
+def test_a_broken_spline_is_refused(old: bytes, new: bytes, message: str) -> None:
+    before, entity, after = around(WRITER.write(FLANKED, TOLERANCE).data, b"SPLINE")
+    assert old in entity
+    broken = before + entity.replace(old, new) + after
+    if not message:  # a count that is not stated is no fault
+        assert WRITER.measure(FLANKED, broken) <= TOLERANCE
+        return
+    with pytest.raises(FileError, match=message):
+        WRITER.measure(FLANKED, broken)

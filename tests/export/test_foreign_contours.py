@@ -1,34 +1,45 @@
-"""Readers of foreign contours: what ezdxf draws and what a table of vertices holds."""
+"""Contours of other programs: what ezdxf draws, a table of vertices holds, or an SVG shows."""
 
 from __future__ import annotations
 
 import io
+import json
 import math
+import random
+import subprocess
+import sys
 from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
 
-import ezdxf
 import numpy as np
 import pytest
+from ezdxf.filemanagement import new
 from ezdxf.layouts.layout import Modelspace
 
 from camgeo.errors import FileError
 from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.foreign import Outlines, by_arcs
+from camgeo.geometry.contour.spline import CubicSpline, SplineContour
+from camgeo.numeric.arrays import ComplexArray
+from camgeo.reading import PLACED
 from camgeo.studies.inspection import read_points
 from camgeo.units import LengthUnit
 from camgeo_export.contour_csv import READER as CSV
-from camgeo_export.dxf.reader import READER as DXF
-from camgeo_export.dxf.writer import WRITER
+from camgeo_export.dxf.items import NEAR, Curve
+from camgeo_export.dxf.reader import READER, drawing_of
 from camgeo_export.svg_reader import READER as SVG
-from tests.export.stub_product import StubProduct
-
-Drawing = Callable[[Modelspace], object]
+from tests.measuring import Outline
 
 GAP = 1e-3
 
+Draw = Callable[[Modelspace], object]
 
-def drawn(draw: Drawing, version: str = "R2010", units: int = 4) -> bytes:
+
+def drawn(draw: Draw, version: str = "R2010", units: int = 4) -> bytes:
     """A drawing as another program writes it."""
-    document = ezdxf.new(version, units=units)  # type: ignore[attr-defined]  # ezdxf does not export it explicitly
+    document = new(version, units=units)
     draw(document.modelspace())
     stream = io.StringIO()
     document.write(stream)
@@ -38,16 +49,10 @@ def drawn(draw: Drawing, version: str = "R2010", units: int = 4) -> bytes:
 def read_dxf(
     data: bytes, layer: str | None = None, unit: LengthUnit | None = None, gap: float = GAP
 ) -> tuple[Contour, ...]:
-    found = DXF.read(data, "a.dxf", layer=layer, unit=unit, gap=gap).contours
+    found = READER.read(data, "a.dxf", layer=layer, unit=unit, gap=gap).contours
     plain = tuple(each for each in found if isinstance(each, Contour))
     assert len(plain) == len(found)
     return plain
-
-
-def read_csv(text: str, unit: LengthUnit | None = None, layer: str | None = None) -> Contour:
-    (contour,) = CSV.read(text.encode(), "a.csv", layer=layer, unit=unit, gap=GAP).contours
-    assert isinstance(contour, Contour)
-    return contour
 
 
 def stadium(space: Modelspace) -> None:
@@ -113,16 +118,6 @@ def test_polylines_with_bulges(kind: str, closed: bool) -> None:
     assert len(contour) == 4
 
 
-def test_mirrored_entities() -> None:
-    def draw(space: Modelspace) -> None:
-        down = {"extrusion": (0.0, 0.0, -1.0)}
-        space.add_lwpolyline(BULGED, format="xyb", close=True, dxfattribs=down)
-
-    (contour,) = read_dxf(drawn(draw))
-    assert contour.area == pytest.approx(bulged_area(), rel=1e-12)
-    assert float(np.max(contour.vertices.real)) == 0.0
-
-
 def test_the_largest_first_and_layers() -> None:
     def draw(space: Modelspace) -> None:
         space.add_circle((0.0, 0.0), 3.0)
@@ -134,15 +129,6 @@ def test_the_largest_first_and_layers() -> None:
     assert len(read_dxf(drawn(draw), layer="FRAME")) == 2
     with pytest.raises(FileError, match=r"has no layer 'CUTS'; there are 0, FRAME"):
         read_dxf(drawn(draw), layer="CUTS")
-
-
-def test_our_own_drawings() -> None:
-    """Only layer CUT of them: outline and bore."""
-    product = StubProduct()
-    found = read_dxf(WRITER.write(product, 1e-3).data)
-    assert [math.sqrt(each.area / math.pi) for each in found] == pytest.approx(
-        [32.0, 10.0], abs=2e-3
-    )
 
 
 def test_gaps_up_to_the_limit_are_closed() -> None:
@@ -179,13 +165,356 @@ def test_what_is_no_dxf(data: bytes, message: str) -> None:
         read_dxf(data)
 
 
-def test_numbers_that_are_none() -> None:
-    broken = drawn(stadium).replace(b"\n-10.0\n", b"\nnan\n", 1)
-    with pytest.raises(FileError, match=r"line \d+: 'nan' is not a finite number"):
-        read_dxf(broken)
+# Splines ------------------------------------------------------------------------------------------
 
 
-# CSV --------------------------------------------------------------------------------------------
+def read_curves(data: bytes, gap: float = 1e-9) -> tuple[Curve, ...]:
+    return drawing_of(data, "a.dxf").contours(None, gap)
+
+
+def half_round(space: Modelspace, degree: int = 3) -> None:
+    """A line, and a spline over it from (10, 0) to (-10, 0)."""
+    space.add_line((-10.0, 0.0), (10.0, 0.0))
+    space.add_open_spline(BOW, degree=degree)
+
+
+BOW = [(10.0, 0.0), (10.0, 10.0), (-10.0, 10.0), (-10.0, 0.0)]
+
+BOW_AREA = 120.0
+"""y = 30 t (1 - t) and dx = -120 t (1 - t) dt: 3600 times the integral of t^2 (1 - t)^2, 1/30."""
+
+
+def test_clamped_and_of_lower_degree() -> None:
+    (cubic,) = read_curves(drawn(half_round))
+    assert cubic.area == pytest.approx(BOW_AREA, rel=1e-14)
+    assert isinstance(cubic, SplineContour)
+    assert [type(strand) for strand in cubic.splines] == [CubicSpline]
+    (square,) = read_curves(drawn(lambda space: half_round(space, degree=2)))
+    (corners,) = read_curves(drawn(lambda space: half_round(space, degree=1)))
+    assert corners.area == pytest.approx(200.0, rel=1e-14)
+    assert BOW_AREA < square.area < 200.0
+
+
+def test_closed_splines_that_are_not_clamped() -> None:
+    ring = [(40.0 * math.cos(k), 40.0 * math.sin(k)) for k in np.arange(15) * math.pi / 6.0]
+    knots = np.arange(19.0)
+    (contour,) = read_curves(
+        drawn(lambda space: space.add_open_spline(ring, degree=3, knots=knots.tolist()))
+    )
+    assert isinstance(contour, SplineContour)
+    assert len(contour) == 12
+    # Uniform cubics through 12 points of a circle of 40 mm: of the radius (2 + cos 30 deg)/3 * 40
+    # at knots, and rounder than 1e-3 of it.
+    radius = 40.0 * (2.0 + math.cos(math.pi / 6.0)) / 3.0
+    assert contour.area == pytest.approx(math.pi * radius**2, rel=2e-3)
+    assert contour.length == pytest.approx(2.0 * math.pi * radius, rel=1e-3)
+
+
+def test_gaps_are_closed_at_the_arcs_and_lines() -> None:
+    def draw(space: Modelspace) -> None:
+        space.add_line((-10.0, 0.01), (10.0, 0.0))
+        space.add_open_spline(BOW, degree=3)
+
+    (contour,) = read_curves(drawn(draw), gap=0.02)
+    assert contour.area == pytest.approx(BOW_AREA, rel=1e-14)
+    with pytest.raises(FileError, match="has a loose end at"):
+        read_curves(drawn(draw))
+
+
+@pytest.mark.parametrize(
+    ("draw", "message"),
+    [
+        (
+            lambda space: space.add_open_spline(BOW * 3, degree=11),
+            "SPLINE is of degree 11, not of 1 to 10",
+        ),
+        (
+            lambda space: space.add_rational_spline(BOW, [1, 0, 2, 1], degree=3),
+            "SPLINE is of degree 3, .* or has weights that are not above 0",
+        ),
+        (
+            lambda space: space.add_open_spline([(0, 0, 0), (1, 1, 0), (2, 1, 3), (3, 0, 0)]),
+            "SPLINE does not lie in the plane",
+        ),
+        (
+            lambda space: space.add_circle((0, 0), 5.0, dxfattribs={"extrusion": (0, 0.6, 0.8)}),
+            "CIRCLE does not lie in the plane",
+        ),
+    ],
+)
+def test_splines_that_are_refused(draw: Draw, message: str) -> None:
+    with pytest.raises(FileError, match=rf"a.dxf, line \d+: {message}"):
+        read_curves(drawn(draw))
+
+
+def test_equal_weights_are_no_weights() -> None:
+    def draw(space: Modelspace) -> None:
+        space.add_line((-10.0, 0.0), (10.0, 0.0))
+        space.add_rational_spline(BOW, [2.0, 2.0, 2.0, 2.0], degree=3)
+
+    (contour,) = read_curves(drawn(draw))
+    assert contour.area == pytest.approx(BOW_AREA, rel=1e-14)
+
+
+def test_lines_and_arcs_read_as_before() -> None:
+    (contour,) = read_curves(drawn(stadium))
+    assert isinstance(contour, Contour)
+    (same,) = READER.read(drawn(stadium), "a.dxf", layer=None, unit=None, gap=1e-9).contours
+    assert isinstance(same, Contour)
+    assert np.array_equal(contour.vertices, same.vertices)
+
+
+# Curves that camgeo has no exact form for, and what is wrong in a drawing -------------------------
+
+
+def along(contour: Contour | SplineContour) -> ComplexArray:
+    """Points on all pieces."""
+    plain = by_arcs(contour, 1e-9) if isinstance(contour, SplineContour) else contour
+    shares = np.linspace(0.0, 1.0, 9)[:, None]
+    arcs = plain.centres + (plain.vertices - plain.centres) * np.exp(1j * plain.sweeps * shares)
+    lines = plain.vertices + (plain.ends - plain.vertices) * shares
+    return np.where(plain.sweeps != 0.0, arcs, lines).ravel()
+
+
+ALONG = np.linspace(0.0, 1.0, 100)
+
+
+def read_drawn(draw: Draw) -> Outlines:
+    return READER.read(drawn(draw), "a.dxf", layer=None, unit=None, gap=1e-3)
+
+
+@pytest.mark.parametrize("ratio", [0.99, 0.5, 0.02])
+def test_an_ellipse_is_followed_within_what_is_told(ratio: float) -> None:
+    """Distances to first order: x^2/a^2 + y^2/b^2 - 1 over the size of its gradient."""
+    a, turn, centre = 60.0, np.exp(0.3j), 7.0 - 5.0j
+
+    def draw(space: Modelspace) -> None:
+        major = a * turn
+        space.add_ellipse((centre.real, centre.imag), (major.real, major.imag), ratio)
+
+    found = read_drawn(draw)
+    (contour,) = found.contours
+    assert isinstance(contour, SplineContour)
+    z = (along(contour) - centre) / turn / a
+    value = z.real**2 + (z.imag / ratio) ** 2 - 1.0
+    slope = 2.0 * np.hypot(z.real, z.imag / ratio**2)
+    off = a * np.max(np.abs(value) / slope)
+    assert 1e-3 * NEAR < off <= NEAR + 2e-9
+    assert contour.area == pytest.approx(math.pi * a * a * ratio, rel=1e-8)
+    assert found.notes == ("a.dxf: 1 ELLIPSE followed by cubics within 1e-07 mm",)
+
+
+@pytest.mark.parametrize("degree", [2, 3, 5])
+@pytest.mark.parametrize("seed", range(3))
+def test_rational_splines_are_followed_within_what_is_told(degree: int, seed: int) -> None:
+    """Points of them by ezdxf are as near to what is read, seen at their nearest."""
+    make = random.Random(f"{degree} {seed}")
+    count = 3 * degree
+    ring = [
+        (make.uniform(20, 40) * math.cos(t), make.uniform(20, 40) * math.sin(t))
+        for t in np.arange(count) * 2.0 * math.pi / count
+    ]
+    weights = [make.uniform(0.5, 3.0) for _ in range(count + 1)]
+
+    def draw(space: Modelspace) -> None:
+        space.add_rational_spline([*ring, ring[0]], weights, degree=degree)
+
+    found = read_drawn(draw)
+    (contour,) = found.contours
+    assert found.followed == NEAR
+    document = new()
+    draw(document.modelspace())
+    curve = document.modelspace()[0].construction_tool()
+    exact = np.array([complex(each.x, each.y) for each in curve.points(ALONG * curve.max_t)])
+    assert isinstance(contour, SplineContour)
+    plain = by_arcs(contour, 1e-9)
+    outline = Outline.through(plain.vertices, plain.sweeps)
+    assert np.max(outline.distances(exact)) <= NEAR + 1e-8
+
+
+def test_what_lies_on_what_is_told_for_lines_of_any_drawing() -> None:
+    """Random polygons with random lines: what touches a corner, ends loosely or divides is left."""
+    for seed in range(20):
+        make = random.Random(seed)
+        count = make.randint(3, 12)
+        corners = [
+            (make.uniform(30, 60) * math.cos(t), make.uniform(30, 60) * math.sin(t))
+            for t in np.sort([make.uniform(0, 2 * math.pi) for _ in range(count)]).tolist()
+        ]
+        sides = list(pairwise([*corners, corners[0]]))
+        extra = []
+        for _ in range(make.randint(0, 5)):
+            corner = make.choice(corners)
+            away = (make.uniform(70, 99), make.uniform(70, 99))
+            extra.append((corner, away))
+        doubles = [side[::-1] for side in sides if make.random() < 0.3]
+        every = sides + extra + doubles
+        make.shuffle(every)
+
+        def draw(space: Modelspace, every: Any = every) -> None:
+            for start, end in every:
+                space.add_line(start, end)
+
+        found = read_drawn(draw)
+        (contour,) = found.contours
+        area = 0.5 * sum(a[0] * b[1] - a[1] * b[0] for a, b in sides)
+        assert contour.area == pytest.approx(abs(area), rel=1e-12)
+        told = sum(int(note.split(": ")[1].split()[0]) for note in found.notes)
+        assert told == len(extra) + len(doubles)
+
+
+def test_blocks_without_end_are_refused() -> None:
+    def itself(space: Modelspace) -> None:
+        inner = space.doc.blocks.new("A")
+        inner.add_circle((0, 0), 1.0)
+        inner.add_blockref("a", (5, 0))
+        space.add_blockref("A", (0, 0))
+
+    found = read_drawn(itself)
+    assert len(found.contours) == 1
+    assert "inserts a block into itself" in found.notes[0]
+
+    def many(space: Modelspace) -> None:
+        for k in range(6):
+            block = space.doc.blocks.new(f"B{k}")
+            for x in range(10):
+                block.add_blockref(f"B{k + 1}", (x, 0))
+        space.doc.blocks.new("B6")
+        space.add_blockref("B0", (0, 0))
+
+    with pytest.raises(FileError, match=rf"in blocks; at most {PLACED:,} are allowed"):
+        read_drawn(many)
+
+
+@pytest.mark.parametrize(
+    ("draw", "message"),
+    [
+        (lambda space: None, "no contour found; supported: LINE, ARC"),
+        (lambda space: space.add_text("A"), "no contour found; not read: 1 TEXT"),
+        (
+            lambda space: space.add_circle((0, 0), 5.0, dxfattribs={"layer": "DEFPOINTS"}),
+            "no contour found; 1 entity not read that the drawing does not show",
+        ),
+        (lambda space: space.add_line((0, 0), (1, 0)), r"LINE has a loose end at \(0, 0\) mm"),
+        (lambda space: space.add_mesh() and None, "no contour found"),
+    ],
+)
+def test_a_drawing_without_a_contour_is_refused_with_the_reason(draw: Draw, message: str) -> None:
+    with pytest.raises(FileError, match=message):
+        read_drawn(draw)
+
+
+def test_a_line_end_is_any() -> None:
+    data = drawn(lambda space: space.add_circle((1, 2), 3.0))
+    for end in (b"\r\n", b"\r"):
+        found = READER.read(
+            b"\xef\xbb\xbf" + data.replace(b"\n", end), "a.dxf", layer=None, unit=None, gap=0.0
+        )
+        assert found.contours[0].area == pytest.approx(9.0 * math.pi, rel=1e-12)
+
+
+def test_the_centre_of_the_bore_is_found_among_others() -> None:
+    """That of a bore with a keyway, as one of arcs and lines; not that of a bolt hole."""
+    middle = 100.0 + 50.0j
+
+    def draw(space: Modelspace) -> None:
+        space.add_circle((90, 50), 40.0)
+        for x in (70, 130):
+            space.add_circle((x, 50), 3.0)
+        half = math.asin(0.3)
+        points = [(middle + 10.0 * np.exp(1j * t)) for t in (half, -half)]
+        bulge = math.tan(0.25 * (2.0 * math.pi - 2.0 * half))
+        corners = [(points[0].real, points[0].imag, bulge), (points[1].real, points[1].imag, 0.0),
+                   (112.0, points[1].imag, 0.0), (112.0, points[0].imag, 0.0)]  # fmt: skip
+        space.add_lwpolyline(corners, format="xyb", close=True)
+
+    found = read_drawn(draw)
+    outline = found.contours[0]
+    assert not isinstance(outline, SplineContour)
+    assert found.off_axis(outline) == "its bore is about (100, 50) mm: --origin 100 50"
+    moved = found.about(middle)
+    assert moved.contours[1].area == pytest.approx(found.contours[1].area, rel=1e-12)
+    outline = moved.contours[0]
+    assert not isinstance(outline, SplineContour)
+    assert moved.off_axis(outline) == ""
+
+
+# Many entities ------------------------------------------------------------------------------------
+
+
+HEADER = "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n"
+
+MOST = 20.0
+"""Bytes of memory for a byte of the file."""
+
+CHILD = """
+import json, sys
+from pathlib import Path
+import scipy.sparse.csgraph, scipy.spatial
+from camgeo_export.dxf.reader import READER
+def peak():
+    rows = Path("/proc/self/status").read_text().splitlines()
+    return 1024.0 * float(next(row for row in rows if row.startswith("VmHWM")).split()[1])
+data = Path(sys.argv[1]).read_bytes()
+before = peak() - len(data)
+read = READER.read(data, "a.dxf", layer=None, unit=None, gap=1e-3)
+print(json.dumps([(peak() - before) / len(data), len(read.contours[0]), len(read.notes)]))
+"""
+
+
+def line(x: float, y: float, u: float, v: float) -> str:
+    ends = f"10\n{x:.9f}\n20\n{y:.9f}\n30\n0.0\n11\n{u:.9f}\n21\n{v:.9f}\n31\n0.0\n"
+    return f"0\nLINE\n8\nCONTOUR\n62\n7\n{ends}"
+
+
+def many_lines(count: int) -> str:
+    """A circle of `count` lines, and as many that are loose."""
+    turn = 2.0 * math.pi / count
+    places = [(100.0 * math.cos(turn * k), 100.0 * math.sin(turn * k)) for k in range(count)]
+    round_lines = [line(*places[k - 1], *places[k]) for k in range(count)]
+    loose = [line(k, 200.0 + k % 7, k + 0.5, 200.0) for k in range(count)]
+    return "".join((HEADER, *round_lines, *loose, "0\nENDSEC\n0\nEOF\n"))
+
+
+def test_progress_and_the_line_of_an_error() -> None:
+    text = many_lines(5_000)
+    steps: list[str] = []
+    read = READER.read(
+        text.encode(), "a.dxf", layer=None, unit=None, gap=0.0, progress=steps.append
+    )
+    (circle,) = read.contours
+    assert len(circle) == 5_000
+    assert "5,000 pieces left out" in read.notes[0]
+    assert steps[0] == "a.dxf, 0 % read"
+    assert any(step == "a.dxf, 0 entities taken" for step in steps)
+    place = text.rindex("\n21\n200.0")
+    broken = text[:place] + "\n21\n200,0" + text[place + len("\n21\n200.0") :]
+    number = text[: place + 4].count("\n") + 1
+    with pytest.raises(FileError, match=rf"a.dxf, line {number}: '200,0.*' is not a finite number"):
+        READER.read(broken.encode(), "a.dxf", layer=None, unit=None, gap=0.0)
+
+
+@pytest.mark.long  # of 100 MB and a million entities
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="states no peak of memory")
+def test_memory_is_in_proportion_to_the_file(tmp_path: Path) -> None:
+    file = tmp_path / "large.dxf"
+    file.write_text(many_lines(500_000))
+    assert file.stat().st_size > 80_000_000
+    done = subprocess.run(
+        [sys.executable, "-c", CHILD, str(file)], capture_output=True, text=True, check=True
+    )
+    share, pieces, notes = json.loads(done.stdout)
+    assert share <= MOST
+    assert (pieces, notes) == (500_000, 1)
+
+
+# Tables and SVG -----------------------------------------------------------------------------------
+
+
+def read_csv(text: str, unit: LengthUnit | None = None, layer: str | None = None) -> Contour:
+    (contour,) = CSV.read(text.encode(), "a.csv", layer=layer, unit=unit, gap=GAP).contours
+    assert isinstance(contour, Contour)
+    return contour
 
 
 @pytest.mark.parametrize("head", ["x,y,bulge\n", "# by hand\n\nX, Y, Bulge\n", "\ufeffx,y,bulge\n"])
@@ -206,22 +535,22 @@ SEPARATORS = {";": ",", "\t": ",", " ": ",", "  ": ".", ", ": "."}
 
 
 @pytest.mark.parametrize("separator", SEPARATORS)
-@pytest.mark.parametrize("head", ["", "x y", "x [inch] y [inch]", "y x z", "z [mm] y (in) x (in)"])
-def test_csv_and_measured_points_are_one_table(separator: str, head: str) -> None:
+@pytest.mark.parametrize(
+    "titles",
+    [[], ["x", "y"], ["x [inch]", "y [inch]"], ["y", "x", "z"], ["z [mm]", "y (in)", "x (in)"]],
+)
+def test_csv_and_measured_points_are_one_table(separator: str, titles: list[str]) -> None:
     """The same points by both readers, however they are written; z is of no interest."""
     corners = [
         (3.0 * math.cos(k) + 0.125, 2.0 * math.sin(k) - 0.25) for k in np.arange(16) * math.pi / 8.0
     ]
-    names = [each[0] for each in head.replace(" [", "[").replace(" (", "(").split()] or ["x", "y"]
-    names = ["x", "y"] if not head else names
-    titles = [each.replace("[", " [").replace("(", " (") for each in
-              head.replace(" [", "[").replace(" (", "(").split()]  # fmt: skip
+    names = [each[0] for each in titles] or ["x", "y"]
     rows = [{"x": x, "y": y, "z": -1.5} for x, y in corners]
-    lines = [separator.join(titles)] if head else []
+    lines = [separator.join(titles)] if titles else []
     mark = SEPARATORS[separator]
     lines += [separator.join(repr(row[name]).replace(".", mark) for name in names) for row in rows]
     text = "\r\n".join(lines)
-    scale = 25.4 if "in" in head else 1.0
+    scale = 25.4 if "in" in "".join(titles) else 1.0
     expected = np.array([complex(x, y) for x, y in corners]) * scale
     assert np.array_equal(read_points(text, "a.csv").points, expected)
     assert np.array_equal(read_csv(text).vertices, expected)
@@ -274,7 +603,7 @@ def test_groups_of_an_svg_are_layers() -> None:
         found = SVG.read(data, "a.svg", layer=layer, unit=None, gap=GAP)
         return [each.area for each in found.contours]
 
-    expected = [STADIUM, 4.0 * math.pi, math.pi]
+    expected = [(200.0 + 25.0 * math.pi), 4.0 * math.pi, math.pi]
     assert areas(svg(GROUPS)) == pytest.approx(expected, rel=1e-12)
     assert areas(svg(GROUPS), "NOTES") == pytest.approx([361.0 * math.pi], rel=1e-12)
     assert len(areas(svg(GROUPS.replace("CUT", "cut")))) == 4

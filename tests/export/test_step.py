@@ -1,72 +1,76 @@
-"""STEP: one closed shell for parts of any layers, and each fault in it is found."""
+"""STEP: one closed shell for parts of any layers, by a reader of the tests; each fault is found."""
 
 from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.ndimage import label
 
+from camgeo.cam.cam import Contact
 from camgeo.design.product import Product
 from camgeo.design.verify import Check, Reading
 from camgeo.errors import FileError, GeometryError, ToleranceError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.spline import CubicSpline, SplineContour
+from camgeo.numeric.arrays import FloatArray
+from camgeo.part.assembly import bore_boundary
 from camgeo.part.boundaries import ExactBoundary
-from camgeo.part.part import Layer, Part
+from camgeo.part.mass import solid
+from camgeo.part.part import Bevel, Layer, Part
+from camgeo.part.spec import (
+    Chamfer,
+    Chamfers,
+    Counterbore,
+    DShaft,
+    Holes,
+    Hub,
+    Keyway,
+    Mark,
+    PartSpec,
+)
 from camgeo.scene.formats.step import StepSpec
-from camgeo_export.part21.solid import Extrusion, Model, Solid, solid_of
+from camgeo_export.part21.solid import Model, Solid, solid_of
 from camgeo_export.part21.text import exchange_of
 from camgeo_export.step import writer
 from camgeo_export.step.writer import WRITER
-from camgeo_export.verify.step import VERIFIER, bounds_of, is_flat, shell_checks, volume_of
+from camgeo_export.verify.step import bounds_of, is_flat, shell_checks, volume_of
+from tests.export.exchange import CLOSE, Exchange, Ref, Surface
 from tests.export.stub_product import PIECES, CircleBoundary, StubProduct
-from tests.export.test_dxf_spline import PRODUCTS
-from tests.export.test_solids import BORE, PARTS, POCKETS, RIM, VOLUMES, PartProduct
-from tests.export.verified import TOLERANCE, faults
+from tests.export.test_dxf import SPLINES
+from tests.export.test_solids import BODIES, BORE, POCKETS, RIM
+from tests.export.verified import TOLERANCE, VERIFIERS, read_back
 from tests.long_form import examples
-
-both = pytest.mark.parametrize("groove", [False, True], ids=["disc", "groove"])
+from tests.measuring import Outline
+from tests.part.parts import made
 
 
 def read(data: bytes) -> Solid:
     return solid_of(Model.of(exchange_of(data)))
 
 
-@both
-@pytest.mark.parametrize("unit", ["mm", "inch"])
-def test_read_back_is_within_the_tolerance(groove: bool, unit: str) -> None:
-    product = StubProduct(groove=groove, unit="inch" if unit == "inch" else "mm")
-    written = WRITER.write(product, TOLERANCE)
-    assert 0.5 * TOLERANCE < WRITER.measure(product, written.data) <= TOLERANCE
-    assert written.data == WRITER.write(product, TOLERANCE).data
-    assert faults(VERIFIER, product, written.data) == []
-    solid = read(written.data)
-    assert solid.unit == (25.4 if unit == "inch" else 1.0)
-    assert solid.uncertainty == pytest.approx(1e-7, rel=1e-12)
-    assert len(solid.faces) == (2 + 2 * PIECES if not groove else 4 + 4 * PIECES)
-    volume = volume_of(bounds_of(solid))
-    assert volume == pytest.approx(written.facts["volume_mm3"], rel=1e-12)
-    assert volume == pytest.approx(VOLUMES[groove], rel=TOLERANCE / 5.0)
+def test_a_spline_that_is_closed_is_divided() -> None:
+    """A shell has no edge that ends where it begins."""
+    knots = np.array([0.0] * 4 + [1.0, 2.0, 3.0] + [4.0] * 4)
+    controls = np.array([30, 30 + 20j, 40j, -50, -40j, 30 - 20j, 30], dtype=complex)
+    contour = SplineContour((CubicSpline(knots, controls),))
+    strands = writer._open(contour)
+    assert len(strands) == 2
+    assert SplineContour(strands).area == pytest.approx(contour.area, rel=1e-15)
 
 
-@pytest.mark.parametrize("name", ["mm", "inch"])
-def test_walls_may_be_splines(name: str) -> None:
-    """A real flank with dwells and a round bore: the same strands as in the drawing."""
-    product = replace(PRODUCTS[name], step=StepSpec("spline"))
-    written = WRITER.write(product, TOLERANCE)
-    assert 0.5 * TOLERANCE < WRITER.measure(product, written.data) <= TOLERANCE
+def test_walls_of_splines_are_counted_and_bound_field_by_field() -> None:
+    product = replace(SPLINES["mm"], step=StepSpec("spline"))
+    written = read_back(WRITER, product)
     drawn = product.part.boundaries[0].spline(0.98 * TOLERANCE).contour
     assert written.facts["splines"] == len(drawn.splines)
-    solid = read(written.data)
-    walls = [face for face in solid.faces if not is_flat(face)]
-    assert sum(isinstance(face.surface, Extrusion) for face in walls) == len(drawn.splines)
-    volume = volume_of(bounds_of(solid))
-    assert volume == pytest.approx(written.facts["volume_mm3"], rel=1e-12)
     text = written.data.decode()
     for kind, fields in (
         ("B_SPLINE_CURVE_WITH_KNOTS", (".UNSPECIFIED.", ".F.")),
@@ -81,29 +85,18 @@ def test_walls_may_be_splines(name: str) -> None:
                     WRITER.measure(product, changed.encode())
 
 
-def test_a_spline_that_is_closed_is_divided() -> None:
-    """A shell has no edge that ends where it begins."""
-    knots = np.array([0.0] * 4 + [1.0, 2.0, 3.0] + [4.0] * 4)
-    controls = np.array([30, 30 + 20j, 40j, -50, -40j, 30 - 20j, 30], dtype=complex)
-    contour = SplineContour((CubicSpline(knots, controls),))
-    strands = writer._open(contour)
-    assert len(strands) == 2
-    assert SplineContour(strands).area == pytest.approx(contour.area, rel=1e-15)
-
-
-@pytest.mark.parametrize("name", PARTS)
+@pytest.mark.parametrize("name", BODIES)
 def test_layers_of_any_kind_make_one_solid(name: str) -> None:
     """The faces of each level with the holes in them, islands and floors that look down."""
-    part = Part(PARTS[name])
-    product = PartProduct(given=part)
-    written = WRITER.write(product, TOLERANCE)
-    assert 0.5 * TOLERANCE < WRITER.measure(product, written.data) <= TOLERANCE
+    part = BODIES[name]
+    written = read_back(WRITER, StubProduct(given=part))
     solid = read(written.data)
     assert all(check.ok for check in shell_checks(solid, 1e-7))
     flat = [face for face in solid.faces if is_flat(face)]
     assert len(solid.faces) - len(flat) == PIECES * len(part.walls)
-    loops = sum(len(face.loops) for face in flat)
-    assert loops == sum(len(level.boundaries) for level in part.levels)
+    assert sum(len(face.loops) for face in flat) == sum(
+        len(each.boundaries) for each in part.levels
+    )
     layers = sum(
         (-1.0 if each.hole else 1.0)
         * abs(each.arcs(0.98 * TOLERANCE).contour.area)
@@ -112,10 +105,11 @@ def test_layers_of_any_kind_make_one_solid(name: str) -> None:
         for each in layer.boundaries
     )
     assert volume_of(bounds_of(solid)) == pytest.approx(layers, rel=1e-12)
+    assert written.facts["volume_mm3"] == pytest.approx(layers, rel=1e-12)
 
 
 def test_an_island_has_a_face_of_its_own() -> None:
-    solid = read(WRITER.write(PartProduct(given=Part(PARTS["pockets round an island"])), 0.01).data)
+    solid = read(WRITER.write(StubProduct(given=BODIES["pockets round an island"]), 0.01).data)
     loops = sorted(
         (face.name, len(face.loops), len(face.loops[0])) for face in solid.faces if is_flat(face)
     )
@@ -133,7 +127,7 @@ def test_an_island_has_a_face_of_its_own() -> None:
 def test_a_closed_cavity_is_refused() -> None:
     layers = [Layer(-10.0, -8.0, (RIM, BORE)), Layer(-2.0, 0.0, (RIM, BORE))]
     hollow = Layer(-8.0, -2.0, (RIM, BORE, POCKETS[0]), "cavity")
-    product = PartProduct(given=Part((layers[0], hollow, layers[1])))
+    product = StubProduct(given=Part((layers[0], hollow, layers[1])))
     with pytest.raises(GeometryError, match="one body without closed cavities"):
         WRITER.write(product, TOLERANCE)
 
@@ -144,55 +138,13 @@ ISLANDS = tuple(
     CircleBoundary(f"island {k}", False, 2.0, pocket.centre) for k, pocket in enumerate(POCKETS)
 )
 
-Slice = tuple[str, ...]
-"""What is at the place of each pocket in a layer."""
-
-
-def _regions(kind: str) -> dict[str, bool]:
-    """Whether the middle and the ring at a pocket are solid."""
-    return {"middle": kind != OPEN, "ring": kind == SOLID}
-
-
-def _pieces(slices: list[Slice], *, solid: bool) -> int:
-    """Into how many pieces the material falls, or all that is none, the outside included."""
-    cells = {
-        (layer, place, part)
-        for layer, kinds in enumerate(slices)
-        for place, kind in enumerate(kinds)
-        for part, is_solid in _regions(kind).items()
-        if is_solid == solid
-    }
-    rest = {(layer, -1, "plate") for layer in range(len(slices))}
-    outside = {(-1, 0, "outside")}
-    cells |= rest if solid else outside
-    found = 0
-    while cells:
-        left = [cells.pop()]
-        found += 1
-        while left:
-            layer, place, part = left.pop()
-            near = {each for each in cells if _touch((layer, place, part), each, len(slices))}
-            cells -= near
-            left += near
-    return found
-
-
-def _touch(one: tuple[int, int, str], other: tuple[int, int, str], layers: int) -> bool:
-    """Whether two regions of the same kind have an area in common."""
-    if "outside" in (one[2], other[2]):
-        cell = other if one[2] == "outside" else one
-        return cell[0] in (0, layers - 1)
-    if "plate" in (one[2], other[2]):
-        cell = other if one[2] == "plate" else one
-        return cell[2] == "plate" or (one[0] == other[0] and cell[2] == "ring")
-    if one[1] != other[1]:
-        return False
-    return one[0] == other[0] or (abs(one[0] - other[0]) == 1 and one[2] == other[2])
+ACROSS = {SOLID: [1, 1], OPEN: [0, 0], RINGED: [1, 0]}
+"""Whether the middle of a pocket is solid, and the ring around it."""
 
 
 @given(st.lists(st.tuples(*[st.sampled_from((SOLID, OPEN, RINGED))] * 2), min_size=1, max_size=4))
 @settings(max_examples=examples(12, long=300), deadline=None)
-def test_random_layers_are_one_solid_or_are_refused(slices: list[Slice]) -> None:
+def test_random_layers_are_one_solid_or_are_refused(slices: list[tuple[str, str]]) -> None:
     """Refused if the material falls apart, or holds a cavity; else closed and of its volume."""
     layers = []
     for number, kinds in enumerate(slices):
@@ -201,8 +153,11 @@ def test_random_layers_are_one_solid_or_are_refused(slices: list[Slice]) -> None
             boundaries += [POCKETS[place]] if kind != SOLID else []
             boundaries += [ISLANDS[place]] if kind == RINGED else []
         layers.append(Layer(2.0 * number, 2.0 * number + 2.0, tuple(boundaries), f"{number}"))
-    product = PartProduct(given=Part(tuple(layers)))
-    if _pieces(slices, solid=True) > 1 or _pieces(slices, solid=False) > 1:
+    product = StubProduct(given=Part(tuple(layers)))
+    # From the middle of one pocket to that of the other; what is outside goes round behind a wall.
+    section = np.array([[*ACROSS[one], 1, *ACROSS[other][::-1]] for one, other in slices])
+    walled = np.pad(section, ((0, 0), (0, 1)), constant_values=1)
+    if any(label(each)[1] > 1 for each in (section, 1 - np.pad(walled, ((1, 1), (0, 1))))):
         with pytest.raises(GeometryError, match="one body without closed cavities"):
             WRITER.write(product, 0.1)
         return
@@ -211,18 +166,6 @@ def test_random_layers_are_one_solid_or_are_refused(slices: list[Slice]) -> None
     areas = {SOLID: 0.0, OPEN: 25.0, RINGED: 25.0 - 4.0}
     volume = 2.0 * math.pi * sum(1600.0 - sum(areas[kind] for kind in kinds) for kinds in slices)
     assert volume_of(bounds_of(read(written.data))) == pytest.approx(volume, rel=0.01)
-
-
-def test_a_scene_without_thickness_is_refused() -> None:
-    assert "part.thickness" in WRITER.format.needs
-    product = StubProduct(thickness=None)
-    with pytest.raises(GeometryError, match=r"part\.thickness"):
-        WRITER.write(product, TOLERANCE)
-    data = WRITER.write(StubProduct(), TOLERANCE).data
-    with pytest.raises(FileError, match=r"part\.thickness"):
-        WRITER.measure(product, data)
-    checks = VERIFIER.checks(product, data, Reading("file"), TOLERANCE)
-    assert [check.name for check in checks if check.ok is False] == ["body"]
 
 
 def test_names_are_those_of_the_part_in_any_script() -> None:
@@ -243,7 +186,7 @@ def test_what_is_almost_straight_is_a_line_or_refused(monkeypatch: pytest.Monkey
         corners = np.array([50.0 + 50.0j, -50.0 + 50.0j, -50.0 - 50.0j, 50.0 - 50.0j])
         sweeps = np.array([8.0 * sagitta / 100.0, 0.0, 0.0, 0.0])
         outline = ExactBoundary("outline", hole=False, exact=Contour.through(corners, sweeps))
-        return PartProduct(given=Part((Layer(-5.0, 0.0, (outline,)),)))
+        return StubProduct(given=Part((Layer(-5.0, 0.0, (outline,)),)))
 
     written = WRITER.write(product(1.25e-7), 1e-3)
     assert written.facts["cylinders"] == 0
@@ -270,8 +213,8 @@ def test_the_file_of_a_cad_program_is_read_wherever_it_lies_along_z() -> None:
 
     text = re.sub(r"CARTESIAN_POINT\('',\(([^)]*)\)\)", higher, text)
     data = text.encode()
-    assert not VERIFIER.origin(data).version
-    checks = VERIFIER.checks(StubProduct(), data, Reading("file"), TOLERANCE)
+    assert not VERIFIERS["step"].origin(data).version
+    checks = VERIFIERS["step"].checks(StubProduct(), data, Reading("file"), TOLERANCE)
     assert [check.name for check in checks if check.ok is False] == []
 
 
@@ -344,9 +287,9 @@ def _changed(field: str) -> str:
 def _measured(text: str) -> list[Check]:
     """What fails of a file by its shape alone."""
     data = text.encode()
-    if damage := VERIFIER.origin(data).damage:
+    if damage := VERIFIERS["step"].origin(data).damage:
         return [Check("file", ok=False, note=damage)]
-    checks = VERIFIER.checks(PRODUCT, data, Reading("file"), TOLERANCE)
+    checks = VERIFIERS["step"].checks(PRODUCT, data, Reading("file"), TOLERANCE)
     return [check for check in checks if check.ok is False]
 
 
@@ -385,18 +328,239 @@ def test_a_shell_inside_out_is_found() -> None:
     assert (fault.name, fault.note) == ("outwards", "the shell is turned inside out")
 
 
-def test_another_height_is_measured() -> None:
+def test_another_height_or_no_groove() -> None:
     data = WRITER.write(StubProduct(thickness=8.5), TOLERANCE).data
     assert WRITER.measure(StubProduct(), data) == pytest.approx(0.5)
-
-
-def test_a_groove_that_is_not_there_is_refused() -> None:
     data = WRITER.write(StubProduct(), TOLERANCE).data.replace(b"'outline'", b"'rim'")
     with pytest.raises(FileError, match="flat faces at 2 heights, expected 3"):
         WRITER.measure(StubProduct(groove=True), data)
 
 
-def test_a_turn_of_the_cam_changes_each_boundary() -> None:
-    """The oracle itself: what is 1% larger is off by that."""
-    measured = WRITER.measure(StubProduct(), WRITER.write(StubProduct(scale=1.01), 0.01).data)
-    assert measured == pytest.approx(0.01 * math.hypot(32.0, 5.0), rel=0.2)
+# By the reader of the tests: every entity, every face, and the whole body -------------------------
+
+
+CHORDS = 1e-3
+"""Share of a volume by which meshes of points on its edges may be off."""
+
+
+def edged(boundary: ExactBoundary, width: float, *ends: float) -> list[Bevel]:
+    """Chamfers at the height 0, and below."""
+    edge = boundary.inset(width, f"chamfer of the {boundary.name}")
+    return [Bevel(boundary, edge, width, width, z, upper=z == 0.0) for z in ends]
+
+
+def of(outline: ExactBoundary, hole: ExactBoundary) -> Part:
+    """A plate of 8 mm: the outline with two chamfers, the hole with an upper one."""
+    bevels = (*edged(outline, 0.5, 0.0, -8.0), *edged(hole, 1.0, 0.0))
+    return Part((Layer(-8.0, 0.0, (outline, hole)),), bevels)
+
+
+ROUND = ExactBoundary("outline", False, Contour.circle(30.0, -5j))
+
+SQUARE = ExactBoundary("outline", False, Contour.polygon(40.0 * np.exp(1j * (0.3 + np.pi / 2
+                       * np.arange(4)))))  # fmt: skip
+
+WINDOW = ExactBoundary("window", True, Contour.polygon(
+    np.array([-6 - 4j, 9 - 5j, 8 + 6j, -5 + 3j])))  # fmt: skip
+
+BENDS = Contour.through(np.array([-30 - 20j, 30 - 20j, 30 + 20j, -30 + 20j]),
+                        np.array([0.0, math.pi, 0.0, math.pi]))  # fmt: skip
+"""A slot of 60 mm by 40 mm with round ends."""
+
+FULL = PartSpec(
+    thickness=10.0, bore=16.0, keyway=Keyway(5.0, 2.3, 0.4), rim=140.0, groove_depth=4.0,
+    hub=Hub(28.0, 6.0, "both"), mark=Mark(66.5, 2.0, 0.6, 5.0, 0.9),
+    bolt_circle=Holes(3, 46.0, 4.0, 0.2, Counterbore(7.0, 3.0)),
+    chamfers=Chamfers(outline=Chamfer(0.5), rim=Chamfer(0.7), bore=Chamfer(0.4, "upper"),
+                      hub=Chamfer(0.3), bolt_circle=Chamfer(0.25)),
+)  # fmt: skip
+
+PARTS: dict[str, Part] = {
+    "circle and keyway": of(ROUND, bore_boundary(16.0, Keyway(5.0, 2.3, 0.7))),
+    "circle and flat": of(ROUND, bore_boundary(16.0, None, DShaft(13.0, -1.0))),
+    "straight edges": of(SQUARE, WINDOW),
+    "lines and arcs that are tangent": of(
+        ExactBoundary("outline", False, BENDS), ExactBoundary("bore", True, Contour.circle(8.0))
+    ),
+    "all features": made(Contact.GROOVE, FULL),
+    "a ring": made(Contact.OUTER, replace(FULL, hub=None, mark=None, bolt_circle=None,
+                                          chamfers=Chamfers(outline=Chamfer(0.5, "lower")))),
+}  # fmt: skip
+
+
+@cache
+def product(name: str, unit: str = "mm") -> StubProduct:
+    return StubProduct(given=PARTS[name], effort="fast", unit="inch" if unit == "inch" else "mm")
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_each_file_is_the_whole_part(name: str) -> None:
+    part, unit = PARTS[name], "inch" if "flat" in name or "straight" in name else "mm"
+    written = read_back(WRITER, product(name, unit), least=0.0)
+    file = Exchange(written.data)
+    assert file.unit == (25.4 if unit == "inch" else 1.0)
+    check_body(file, part, dict(written.facts))
+    bottom = part.layers[0].z0
+    walls = {each.name: each for each in part.boundaries}
+    edges = {each.edge.name: each for each in part.bevels}
+    levels = {(each.name, each.z - bottom) for each in part.levels}
+    fits = {name: each.arcs(1e-4, "fast").contour for name, each in walls.items()}
+    drawn = {name: Outline.through(each.vertices, each.sweeps) for name, each in fits.items()}
+    flat, names = set(), Counter[str]()
+    for face in file.faces:
+        points = np.concatenate(face.loops)
+        places = points[:, 0] + 1j * points[:, 1]
+        if face.name in walls:
+            own = [each for each in part.bands
+                   if each.is_upright and each.wall.name == face.name]  # fmt: skip
+            assert (np.min(points[:, 2]), np.max(points[:, 2])) in [
+                pytest.approx((each.z0 - bottom, each.z1 - bottom), abs=1e-9) for each in own
+            ]
+            assert face.surface.kind in ("PLANE", "CYLINDRICAL_SURFACE")
+            assert np.max(drawn[face.name].distances(places)) <= TOLERANCE + 1e-4
+            names[face.name] += 1
+        elif face.name in edges:
+            bevel = edges[face.name]
+            ends = [each.z - bottom for each in part.bevels if each.edge.name == face.name]
+            check_chamfer(face.surface, points, drawn[bevel.boundary.name], bevel, ends)
+            names[face.name] += 1
+        else:
+            height = float(points[0, 2])
+            assert np.max(np.abs(points[:, 2] - height)) <= CLOSE
+            (level,) = (each for each in levels if abs(each[1] - height) <= 1e-9)
+            assert face.name == level[0]
+            assert face.surface.kind == "PLANE"
+            flat.add(level)
+    assert flat == levels
+    assert set(names) == {*walls, *edges}
+
+
+def check_body(file: Exchange, part: Part, facts: dict[str, object]) -> None:
+    """Closed, in one piece, of the volume, centre and inertia of the part, and as it is counted."""
+    mesh, exact = file.mesh, solid(part)
+    assert mesh.is_watertight
+    assert mesh.is_winding_consistent
+    assert mesh.body_count == 1
+    assert mesh.volume == pytest.approx(exact.volume, rel=CHORDS)
+    assert facts["volume_mm3"] == pytest.approx(exact.volume, rel=CHORDS)
+    size = float(np.max(np.abs(mesh.vertices)))
+    centre = exact.centre - [0.0, 0.0, part.layers[0].z0]
+    assert np.max(np.abs(mesh.center_mass - centre)) <= CHORDS * size
+    room = 2.0 * CHORDS * exact.volume * size**2
+    assert np.max(np.abs(mesh.moment_inertia - exact.inertia)) <= room
+    kinds = Counter(each.surface.kind for each in file.faces)
+    counted = {"faces": len(file.faces), "planes": kinds["PLANE"],
+               "cylinders": kinds["CYLINDRICAL_SURFACE"], "cones": kinds["CONICAL_SURFACE"],
+               "splines": kinds["SURFACE_OF_LINEAR_EXTRUSION"]}  # fmt: skip
+    for name, count in counted.items():
+        assert facts.get(name, 0) == count
+    assert list(facts)[-1] == "volume_mm3"
+
+
+def check_chamfer(
+    surface: Surface, points: FloatArray, wall: Outline, bevel: Bevel, heights: list[float]
+) -> None:
+    """Of 45 degrees: its points are as far within the wall as above its foot, or at a corner that
+    is mitred, where both faces go on until they meet, farther.
+    """
+    leaning = abs(surface.axis[2]) if surface.kind == "PLANE" else math.cos(surface.angle)
+    assert surface.kind in ("PLANE", "CONICAL_SURFACE")
+    assert leaning == pytest.approx(math.sqrt(0.5), rel=1e-9)
+    (z,) = (each for each in heights if np.min(np.abs(points[:, 2] - each)) <= 1e-9)
+    foot = z - bevel.height if z > np.mean(points[:, 2]) else z + bevel.height
+    up = np.abs(points[:, 2] - foot)
+    assert np.max(up) == pytest.approx(bevel.height, abs=1e-9)
+    within = wall.distances(points[:, 0] + 1j * points[:, 1])
+    assert np.min(within - up) >= -TOLERANCE - 1e-4
+    assert np.max(within[up < 1e-9]) <= TOLERANCE + 1e-4
+
+
+@pytest.mark.parametrize("unit", ["mm", "inch"])
+def test_walls_of_splines_are_the_whole_part(unit: str) -> None:
+    given = replace(SPLINES[unit], step=StepSpec("spline"))
+    written = read_back(WRITER, given)
+    file = Exchange(written.data)
+    check_body(file, given.part, dict(written.facts))
+    assert "SURFACE_OF_LINEAR_EXTRUSION" in {each.surface.kind for each in file.faces}
+
+
+def test_the_frame_says_what_and_by_whom() -> None:
+    given = replace(StubProduct(name="Nocken 'A'"), unit="inch")
+    file = Exchange(WRITER.write(given, TOLERANCE).data)
+    description, name, schema = file.header
+    assert (description.kind, description.values) == ("FILE_DESCRIPTION", [
+        ["camgeo 0.0.test", f"scene {given.scene_hash}", "tolerance 0.01 mm"], "2;1",
+    ])  # fmt: skip
+    assert (name.kind, name.values) == ("FILE_NAME", [
+        "Nocken 'A'.step", "1970-01-01T00:00:00", [""], [""], "camgeo 0.0.test", "camgeo", "",
+    ])  # fmt: skip
+    protocol = "AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF { 1 0 10303 442 1 1 4 }"
+    assert (schema.kind, schema.values) == ("FILE_SCHEMA", [[protocol]])
+    shape, representation = file.one_of("SHAPE_DEFINITION_REPRESENTATION").values
+    assert file.at(representation, "ADVANCED_BREP_SHAPE_REPRESENTATION") is file.representation
+    assert file.representation.values[0] == "Nocken 'A'"
+    assert file.at(file.representation.values[1][1], "MANIFOLD_SOLID_BREP").values[0] == given.name
+    definition = file.at(shape, "PRODUCT_DEFINITION_SHAPE").values[2]
+    _, _, version, stage = file.at(definition, "PRODUCT_DEFINITION").values
+    own = file.at(version, "PRODUCT_DEFINITION_FORMATION").values[2]
+    number, called, _, (discipline,) = file.at(own, "PRODUCT").values
+    assert (number, called) == (given.name, given.name)
+    context = file.at(discipline, "PRODUCT_CONTEXT").values[1]
+    assert file.at(stage, "PRODUCT_DEFINITION_CONTEXT").values == ["part definition", context,
+                                                                   "design"]  # fmt: skip
+    assert file.one_of("APPLICATION_PROTOCOL_DEFINITION").values == [
+        "international standard", "ap242_managed_model_based_3d_engineering", 2014, context,
+    ]  # fmt: skip
+    assert file.one_of("PRODUCT_RELATED_PRODUCT_CATEGORY").values == ["part", "", [own]]
+    whole = file.representation.values[2]
+    assert file.at(whole, "GEOMETRIC_REPRESENTATION_CONTEXT").values == [3]
+    assert file.at(whole, "REPRESENTATION_CONTEXT").values == ["", "3D"]
+    ((uncertain,),) = file.at(whole, "GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT").values
+    size, unit, *said = file.at(uncertain, "UNCERTAINTY_MEASURE_WITH_UNIT").values
+    assert said == ["distance_accuracy_value", "ends and edges meet within it"]
+    assert size.kind == "LENGTH_MEASURE"
+    assert size.values[0] * file.millimetres(unit) == pytest.approx(1e-7, rel=1e-12)
+
+
+def test_nothing_is_left_that_nothing_refers_to() -> None:
+    """But for the roots of the file; and directions along the axes are there once."""
+    file = Exchange(WRITER.write(product("circle and keyway"), TOLERANCE).data)
+    used: set[int] = set()
+
+    def visit(value: object) -> None:
+        if isinstance(value, Ref):
+            used.add(value)
+        elif isinstance(value, list):
+            for each in value:
+                visit(each)
+
+    for own in file.entities.values():
+        for each in own:
+            visit(each.values)
+    roots = {own[0].kind for number, own in file.entities.items() if number not in used}
+    assert roots == {
+        "APPLICATION_PROTOCOL_DEFINITION", "PRODUCT_RELATED_PRODUCT_CATEGORY",
+        "SHAPE_DEFINITION_REPRESENTATION",
+    }  # fmt: skip
+    along = Counter(str(each.values[1]) for each in file.all_of("DIRECTION"))
+    assert along["[0.0, 0.0, 1.0]"] == 1
+
+
+@pytest.mark.parametrize(
+    ("pattern", "new"),
+    [
+        (rb"(=EDGE_CURVE\(.*),\.T\.", rb"\1,.F."),
+        (rb"(=ORIENTED_EDGE\(.*),\.T\.", rb"\1,.F."),
+        (rb"(=ADVANCED_FACE\(.*),\.T\.", rb"\1,.F."),
+        (rb"(=CYLINDRICAL_SURFACE\(.*,)", rb"\g<1>1"),
+        (rb"(=CONICAL_SURFACE\(.*,)", rb"\g<1>1"),
+        (rb"(=CARTESIAN_POINT\('',\([^)]*)", rb"\g<1>1"),
+    ],
+)
+def test_a_fault_is_seen(pattern: bytes, new: bytes) -> None:
+    """Without it, none of this is a proof: senses, normals, radii, places."""
+    whole = WRITER.write(product("circle and flat"), TOLERANCE).data
+    data, count = re.subn(pattern, new, whole, count=1)
+    assert count
+    with pytest.raises((AssertionError, ValueError)):
+        _ = Exchange(data).faces

@@ -1,44 +1,393 @@
-"""Every writer is a `Writer`, and its file stands for itself."""
+"""What holds for the files of all writers: they are read back, name the part, and keep limits."""
 
 from __future__ import annotations
 
-import pytest
+import io
+import xml.etree.ElementTree as ET
+from collections.abc import Callable
+from dataclasses import astuple, replace
+from pathlib import Path
+from typing import Any
 
+import ezdxf.filemanagement
+import lib3mf  # type: ignore[import-untyped]  # has no types
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import given
+from hypothesis import strategies as st
+
+import camgeo
+from camgeo import reading
+from camgeo.app.cli.main import main
+from camgeo.cam.cam import Contact
+from camgeo.design.product import Product, title_of
 from camgeo.design.writing import Writer
+from camgeo.errors import FileError, SceneError
+from camgeo.milling import plan
+from camgeo.milling.strategies import walk
+from camgeo.part.mass import solid
+from camgeo.part.spec import Engraving, PartSpec, text_of
+from camgeo.scene.formats.drawing import DrawingSpec
+from camgeo.scene.formats.dxf import ENTITIES, DxfSpec, Entity
+from camgeo.scene.formats.step import StepSpec
+from camgeo.units import LengthUnit
+from camgeo_export import svg as svg_writer
+from camgeo_export import svg_reader
+from camgeo_export.dxf import reader as dxf_reader
+from camgeo_export.dxf import writer as dxf_writer
 from camgeo_export.dxf.writer import WRITER as DXF
+from camgeo_export.gcode import writer as gcode_writer
+from camgeo_export.gcode.comments import ascii_of, stated
 from camgeo_export.gcode.writer import WRITER as GCODE
-from camgeo_export.picture import PNG, SVG
+from camgeo_export.part21 import text as step_text
+from camgeo_export.part21.solid import Extrusion, Model, solid_of
+from camgeo_export.part21.text import exchange_of
+from camgeo_export.solid import prism
+from camgeo_export.step import writer as step_writer
 from camgeo_export.step.writer import WRITER as STEP
 from camgeo_export.stl import WRITER as STL
+from camgeo_export.svg import WRITER as SVG
 from camgeo_export.table import WRITER as CSV
+from camgeo_export.threemf.parts import parts_of
+from camgeo_export.threemf.writer import MODEL_PATH
 from camgeo_export.threemf.writer import WRITER as THREEMF
-from tests.export.stub_product import StubProduct
+from tests.export.stub_product import PIECES, StubProduct, StubScene
+from tests.export.verified import TOLERANCE, measured, read_back
+from tests.part.parts import made
 
-WRITERS: dict[str, Writer] = {
-    ".dxf": DXF,
-    ".ngc": GCODE,
-    ".stl": STL,
-    ".3mf": THREEMF,
-    ".step": STEP,
-    ".csv": CSV,
-    ".svg": SVG,
-    ".png": PNG,
+UNITS: tuple[LengthUnit, ...] = ("mm", "inch")
+
+DISC, GROOVE = StubProduct(), StubProduct(groove=True)
+
+DRAWN = {
+    "disc": DISC,
+    "inch": StubProduct(unit="inch"),
+    "groove": GROOVE,
+    "polyline": StubProduct(dxf=DxfSpec("polyline")),
+    "large": StubProduct(scale=1e4),
 }
 
+TEXTS = (Engraving("Ø8", 5.0, 0.3, 22.0), Engraving("0", 4.0, 0.5, 20.0, 3.0))
 
-@pytest.mark.parametrize("suffix", WRITERS)
-def test_suffix_and_content(suffix: str) -> None:
-    writer = WRITERS[suffix]
-    written = writer.write(StubProduct(), 0.01)
-    assert writer.format.suffix == suffix
-    assert written.data
+ENGRAVED = made(Contact.INNER, PartSpec(thickness=8.0, bore=20.0, engraving=TEXTS))
+
+READ_BACK: dict[str, tuple[Writer, Product, tuple[float, ...]]] = {
+    **{f"dxf, {name}": (DXF, each, (0.05, 1e-3)) for name, each in DRAWN.items()},
+    "dxf, single": (DXF, replace(GROOVE, dxf=DxfSpec("lines-and-arcs")), (0.05, 1e-3)),
+    "dxf, cut only": (DXF, StubProduct(dxf=DxfSpec(auxiliary=False)), (0.05, 1e-3, 1e-7)),
+    **{f"svg, {name}": (SVG, each, (0.05, 1e-3)) for name, each in DRAWN.items()},
+    "svg, finest": (SVG, DISC, (1e-7,)),
+    **{f"gcode, {unit}": (GCODE, StubProduct(unit=unit), (0.05, 0.01, 1e-3, 1e-6))
+       for unit in UNITS},
+    **{f"{writer.format.name}, {name}": (writer, replace(each, unit="inch"), (0.05, 1e-3))
+       for writer in (STL, THREEMF) for name, each in (("disc", DISC), ("groove", GROOVE))},
+    "3mf, finest": (THREEMF, DISC, (1e-5,)),
+    **{f"step, {name}, {unit}": (STEP, replace(each, unit=unit), (TOLERANCE,))
+       for name, each in (("disc", DISC), ("groove", GROOVE)) for unit in UNITS},
+    **{f"{writer.format.name}, engraved": (writer, StubProduct(given=ENGRAVED, unit="inch"),
+       (TOLERANCE,)) for writer in (DXF, SVG, STL, THREEMF, STEP)},
+}  # fmt: skip
+"""Writers and products, and tolerances [mm]."""
+
+
+@pytest.mark.parametrize(
+    ("name", "tolerance"), [(name, each) for name, row in READ_BACK.items() for each in row[2]]
+)
+def test_what_is_written_is_read_back_and_the_same_each_time(name: str, tolerance: float) -> None:
+    writer, product, _ = READ_BACK[name]
+    written = read_back(writer, product, tolerance)
+    assert writer.write(product, tolerance).data == written.data
+
+
+@pytest.mark.parametrize("writer", [DXF, SVG, GCODE, STL, THREEMF, STEP, CSV])
+def test_the_file_of_another_design_is_measured_as_wrong(writer: Writer) -> None:
+    """What is 1% larger is off by that, 32 mm from a middle that is 5 mm off the cam axis."""
+    written = writer.write(StubProduct(scale=1.01), TOLERANCE)
+    assert 0.3 < measured(writer, DISC, written.data) < 0.7
     assert all(isinstance(value, int | float | str) for value in written.facts.values())
 
 
-@pytest.mark.parametrize("suffix", [".dxf", ".ngc", ".stl", ".3mf", ".step", ".csv"])
-def test_another_design_s_file_is_measured_as_wrong(suffix: str) -> None:
-    writer = WRITERS[suffix]
-    data = writer.write(StubProduct(scale=1.01), 0.01).data
-    measured = writer.measure(StubProduct(), data)
-    assert measured is not None
-    assert measured > 0.05
+# Engraved parts -----------------------------------------------------------------------------------
+
+
+def test_a_solid_is_closed_and_lacks_the_letters() -> None:
+    part = ENGRAVED
+    data = STL.write(StubProduct(given=part), 1e-3).data
+    mesh = trimesh.load_mesh(io.BytesIO(data), file_type="stl")
+    assert mesh.is_volume
+    assert mesh.body_count == 1
+    length = sum(each.polyline(0.01).contour.length for each in part.boundaries)
+    assert mesh.volume == pytest.approx(solid(part).volume, abs=1e-3 * 8.0 * length)
+
+
+@pytest.mark.parametrize("entity", ENTITIES)
+def test_letters_are_on_layers_of_their_depth(entity: Entity) -> None:
+    """A laser would cut through what is on layer CUT."""
+    product = StubProduct(given=ENGRAVED, dxf=DxfSpec(entity))
+    data = read_back(DXF, product).data
+    space = ezdxf.filemanagement.read(io.StringIO(data.decode("utf-8"))).modelspace()
+    assert {"CUT", "BLIND_0.3", "BLIND_0.5"} <= {each.dxf.layer for each in space}
+    if entity in ("arcs", "polyline"):
+        letters = [each for each in ENGRAVED.boundaries if text_of(each.name)]
+        blind = [each for each in space if each.dxf.layer.startswith("BLIND")]
+        assert len(blind) == len(letters)
+
+
+def test_walls_of_letters_are_splines_where_step_files_have_splines() -> None:
+    product = StubProduct(given=ENGRAVED, step=StepSpec("spline"))
+    data = read_back(STEP, product).data
+    curved = sum(
+        len(each.spline(TOLERANCE).contour.splines)
+        for each in ENGRAVED.boundaries
+        if text_of(each.name)
+    )
+    found = solid_of(Model.of(exchange_of(data)))
+    assert sum(isinstance(each.surface, Extrusion) for each in found.faces) >= curved
+
+
+# What a part is called, in the characters that each format can hold -------------------------------
+
+
+TITLE = "Nockenhebel für Ø8"
+
+LEVER = """
+camgeo = 1
+name = "lever"
+cam = { rotation = "ccw" }
+follower = { kind = "translating-roller", base_radius = 50, roller_radius = 10 }
+motion = [{ dwell = 360 }]
+part = { thickness = 12, bore = 25 }
+"""
+
+
+def titled(title: str) -> Product:
+    return camgeo.loads(f'{LEVER}drawing.title = "{title}"\n').disc
+
+
+def called(title: str) -> StubProduct:
+    scene: Any = StubScene(DrawingSpec(title=title))
+    return StubProduct(scene=scene)
+
+
+def of_dxf(data: bytes) -> str:
+    document = ezdxf.filemanagement.read(io.StringIO(data.decode()))
+    return dict(document.header.custom_vars)["title"]
+
+
+def of_svg(data: bytes) -> str:
+    return ET.fromstring(data).findtext("{http://www.w3.org/2000/svg}title") or ""
+
+
+def of_3mf(data: bytes) -> str:
+    """Of the one body, by lib3mf, and in the XML of the package."""
+    model = lib3mf.get_wrapper().CreateModel()
+    model.QueryReader("3mf").ReadFromBuffer(data)
+    objects = model.GetMeshObjects()
+    assert objects.MoveNext()
+    assert TITLE in parts_of(data)[MODEL_PATH].decode("utf-8")
+    name: str = objects.GetCurrentMeshObject().GetName()
+    return name
+
+
+def of_step(data: bytes) -> str:
+    """ISO 10303-21, 6.4.3.3: characters beyond ASCII in the form of UTF-16."""
+    text = data.decode("ascii")
+    name = text.partition("PRODUCT('")[2].partition("'")[0]
+    head, *coded = name.split("\\X2\\")
+    for part in coded:
+        digits, _, rest = part.partition("\\X0\\")
+        head += bytes.fromhex(digits).decode("utf-16-be") + rest
+    return head
+
+
+@pytest.mark.parametrize(
+    ("writer", "read"), [(DXF, of_dxf), (SVG, of_svg), (THREEMF, of_3mf), (STEP, of_step)]
+)
+def test_the_title_comes_through(writer: Writer, read: Callable[[bytes], str]) -> None:
+    product = titled(TITLE)
+    assert (product.name, title_of(product)) == ("lever", TITLE)
+    assert read(read_back(writer, product, least=0.0).data) == TITLE
+
+
+@pytest.mark.parametrize("writer", [DXF, SVG, STEP, CSV])
+def test_without_a_title_files_have_the_name(writer: Any) -> None:
+    """To the last byte those of a drawing whose title is the name; but the hash is another."""
+    plain, named = camgeo.loads(LEVER).disc, titled("lever")
+    assert title_of(plain) == "lever"
+    data = [writer.write(each, TOLERANCE).data.replace(each.scene_hash.encode(), b"")
+            for each in (plain, named)]  # fmt: skip
+    assert data[0] == data[1]
+
+
+def test_a_program_spells_it_in_ascii() -> None:
+    data = GCODE.write(called("Nockenhebel für Ø8 (links)"), TOLERANCE).data
+    assert "(title Nockenhebel fuer dia. 8 [links])" in data.decode("ascii").splitlines()
+
+
+def test_a_title_states_nothing_of_a_program() -> None:
+    """Whatever it says: what the comments state comes first."""
+    plain = GCODE.write(StubProduct(), TOLERANCE).data.decode()
+    spoof = "scene abcdef, camgeo 9.9, tolerance 5 mm"
+    told = GCODE.write(called(spoof), TOLERANCE).data.decode()
+    notes = [
+        [line.strip("()") for line in text.splitlines() if line.startswith("(")]
+        for text in (plain, told)
+    ]
+    assert astuple(stated(notes[0])) == astuple(stated(notes[1]))
+
+
+def test_the_table_is_utf8_and_its_own_headings_are_ascii() -> None:
+    assert CSV.write(titled(TITLE), TOLERANCE).data.decode("utf-8").isascii()
+
+
+@pytest.mark.parametrize(("text", "plain"), [
+    ("Größe ±0,02 µm × 90°", "Groesse +-0,02 um x 90 deg"), ("came à galet", "came a galet"),
+    ("Kurvenscheibe Å – ⌀8", "Kurvenscheibe Aa - dia. 8"), ("カム", "??"), ("u\u0308", "ue"),
+])  # fmt: skip
+def test_how_characters_are_spelled(text: str, plain: str) -> None:
+    assert ascii_of(text) == plain
+
+
+@given(st.text())
+def test_everything_is_spelled_in_ascii(text: str) -> None:
+    found = ascii_of(text)
+    assert found.isascii()
+    if text.isascii():
+        assert found == text
+
+
+def test_no_title_has_characters_that_xml_cannot_hold() -> None:
+    for title in ("a\ufffe", "a\uffff", "a\tb"):
+        with pytest.raises(SceneError, match=r"drawing\.title"):
+            camgeo.Scene({**camgeo.loads(LEVER).scene.values, "drawing": {"title": title}})
+
+
+def test_a_return_disc_is_told_apart() -> None:
+    from tests.effects.scenes import SCENES
+
+    text = (SCENES / "conjugate_lever.toml").read_text("utf-8")
+    design = camgeo.loads(f'{text}\n[drawing]\ntitle = "{TITLE}"\n')
+    assert [title_of(disc) for disc in design.discs] == [TITLE, f"{TITLE} (return)"]
+
+
+# What would not be read back is not written -------------------------------------------------------
+
+
+SCENE = Path(__file__).parents[2] / "fixtures" / "scenes" / "setzhub.toml"
+
+
+@pytest.mark.parametrize(
+    ("name", "module", "limit", "message"),
+    [
+        ("stl", prism, "FACETS", "stl: the body would have at least "),
+        ("3mf", prism, "FACETS", "3mf: the body would have at least "),
+        ("step", step_writer, "INSTANCES", "step: the solid would have walls of "),
+        ("dxf", dxf_writer, "DRAWING_LINES", "dxf: the drawing would have "),
+        ("gcode", plan, "PROGRAM_LINES", "gcode: the program would have more than 200,000 lines"),
+        ("gcode", walk, "PROGRAM_LINES", "gcode: the program would have more than 200,000 lines"),
+        ("gcode", gcode_writer, "PROGRAM_LINES", "gcode: the program would have more than 200,000"),
+    ],
+)
+def test_a_file_that_would_not_be_read_is_refused_before_anything_is_written(
+    name: str,
+    module: object,
+    limit: str,
+    message: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr(module, limit, 1 if module is gcode_writer else 20)
+    assert main(["build", str(SCENE), "-o", str(tmp_path / "out"), "--only", name]) == 2
+    said = capsys.readouterr().err
+    assert message in said
+    assert "a larger tolerance" in said
+    assert not (tmp_path / "out").exists()
+
+
+def test_walls_within_the_limit_may_have_faces_beyond_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(prism, "FACETS", 100)
+    mesh = prism._Mesh()
+    mesh.points = [np.zeros((3, 3))]
+    mesh.faces = [np.zeros((101, 3), dtype=np.intp)]
+    with pytest.raises(FileError, match="would have 101 facets; at most 100"):
+        mesh.close()
+
+
+def test_the_largest_body_is_within_all_other_limits() -> None:
+    """A closed surface has half as many vertices as facets, and two more for each of its parts."""
+    vertices, digits = reading.FACETS // 2 + 100, 24
+    elements = reading.FACETS + vertices + 100
+    assert elements <= reading.ELEMENTS
+    assert 3 * elements <= reading.ATTRIBUTES
+    vertex = len('<vertex x="" y="" z="" />') + 3 * digits
+    facet = len('<triangle v1="" v2="" v3="" />') + 3 * len(str(vertices))
+    model = vertices * vertex + reading.FACETS * facet
+    assert model <= reading.UNPACKED
+    assert reading.STL.size >= 84 + 50 * reading.FACETS
+
+
+def test_the_largest_solid_is_within_all_other_limits() -> None:
+    """Of a cam with thousands of pieces, an entity takes 52 bytes, and 5 commas and brackets."""
+    data = STEP.write(StubProduct(), 0.01).data
+    entities = data.count(b"\n#")
+    assert reading.STEP.size >= 1.2 * len(data) / entities * reading.INSTANCES
+    marks = data.count(b",") + data.count(b"(")
+    assert 1.05 * marks / entities * reading.INSTANCES <= reading.PARAMETERS
+
+
+COARSE = 0.05
+
+FACETS = int(STL.write(DISC, COARSE).facts["triangles"])
+
+
+def squares(count: int) -> bytes:
+    """An SVG of so many contours of four lines."""
+    body = "".join(f'<path d="M{9 * k} 0h5v5h-5z"/>' for k in range(count))
+    head = 'xmlns="http://www.w3.org/2000/svg" width="9mm" height="9mm" viewBox="0 0 9 9"'
+    return f"<svg {head}>{body}</svg>".encode()
+
+
+STEPPED = STEP.write(DISC, COARSE).data
+
+
+def read_step() -> None:
+    exchange_of(STEPPED)
+
+
+def read_drawing() -> None:
+    dxf_reader.drawing_of(DXF.write(DISC, COARSE).data).contours("CUT")
+
+
+LIMITS: dict[str, tuple[object, str, int, Callable[[], object], str]] = {
+    # Outline, bore and pitch curve, of four lines of text for each piece.
+    "dxf": (dxf_writer, "DRAWING_LINES", 4 * 3 * PIECES,
+            lambda: DXF.write(DISC, COARSE), "36 pieces of at least 4 lines"),
+    "contours of a dxf": (dxf_reader, "CONTOURS", 2, read_drawing, "2 closed contours"),
+    "svg": (svg_writer, "SVG_PIECES", 2 * PIECES,
+            lambda: SVG.write(DISC, COARSE), "would have 24 pieces"),
+    "contours of an svg": (svg_reader, "CONTOURS", 5, lambda: svg_reader.drawing_of(squares(5)),
+                           "5 closed contours"),
+    "pieces of an svg": (svg_reader, "SVG_PIECES", 20, lambda: svg_reader.drawing_of(squares(5)),
+                         "20 lines and arcs"),
+    "entities of a step": (step_text, "INSTANCES", STEPPED.count(b"\n#"), read_step,
+                           "more entities"),
+    "marks of a step": (step_text, "PARAMETERS", STEPPED.count(b",") + STEPPED.count(b"("),
+                        read_step, "commas and brackets"),
+    "header of a step": (step_text, "RECORDS", 3, read_step, "more than 2 records"),
+    "lists of a step": (step_text, "NESTED", 2, read_step, "nested more than 1 deep"),
+    "step": (step_writer, "INSTANCES", 20 * 2 * PIECES,
+             lambda: STEP.write(DISC, COARSE), "walls of 24 pieces"),
+    "stl": (prism, "FACETS", FACETS, lambda: STL.write(DISC, COARSE), f"{FACETS:,} facets"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", LIMITS)
+def test_as_much_as_a_limit_allows_and_no_more(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    module, limit, most, make, message = LIMITS[name]
+    monkeypatch.setattr(module, limit, most)
+    make()
+    monkeypatch.setattr(module, limit, most - 1)
+    with pytest.raises(FileError, match=message):
+        make()

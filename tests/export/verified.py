@@ -3,13 +3,24 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Final
 
 from camgeo.design.product import Product
 from camgeo.design.verify import Check, Reading, Verifier, failed, first_difference
-from camgeo.design.writing import find_writer
+from camgeo.design.writing import Writer, Written, find_writer
+from camgeo_export.verify.dxf import VERIFIER as DXF
+from camgeo_export.verify.gcode import VERIFIER as GCODE
+from camgeo_export.verify.step import VERIFIER as STEP
+from camgeo_export.verify.stl import VERIFIER as STL
+from camgeo_export.verify.svg import VERIFIER as SVG
+from camgeo_export.verify.threemf import VERIFIER as THREEMF
 
 TOLERANCE = 0.01
 """Of all these files [mm]."""
+
+VERIFIERS: Final[dict[str, Verifier]] = {
+    each.format: each for each in (DXF, GCODE, STEP, STL, SVG, THREEMF)
+}
 
 Checks = dict[tuple[str, str], Check]
 """By name, and by what the check is of."""
@@ -34,23 +45,42 @@ class Held:
 
 
 @cache
-def written(name: str, held: Held) -> bytes:
+def written(name: str, held: Held, tolerance: float) -> bytes:
     """What camgeo writes of a product in a format."""
-    return find_writer(name).write(held.product, TOLERANCE).data
+    return find_writer(name).write(held.product, tolerance).data
 
 
-def faults(verifier: Verifier, product: Product, data: bytes) -> list[Check]:
+def faults(
+    verifier: Verifier, product: Product, data: bytes, tolerance: float = TOLERANCE
+) -> list[Check]:
     """The checks that fail on a file that should be one of ours, those of its origin included."""
     origin = verifier.origin(data)
     if origin.damage:
         return [failed("file", origin.damage)]
     checks = [
         Check("scene", value=origin.scene, ok=product.scene_hash.startswith(origin.scene or "-")),
-        Check("tolerance", value=origin.tolerance, ok=origin.tolerance in (None, TOLERANCE)),
-        *verifier.checks(product, data, Reading("file"), TOLERANCE),
+        Check("tolerance", value=origin.tolerance, ok=origin.tolerance in (None, tolerance)),
+        *verifier.checks(product, data, Reading("file"), tolerance),
     ]
     if origin.version == product.version:
-        own = written(origin.format or verifier.format, Held(product))
+        own = written(origin.format or verifier.format, Held(product), tolerance)
         if difference := first_difference(verifier, data, own):
             checks.insert(0, failed("written again", difference.sentence))
     return [check for check in checks if check.ok is False]
+
+
+def measured(writer: Writer, product: Product, data: bytes) -> float:
+    """The deviation of a file that is measured [mm]."""
+    deviation = writer.measure(product, data)
+    assert deviation is not None
+    return deviation
+
+
+def read_back(
+    writer: Writer, product: Product, tolerance: float = TOLERANCE, least: float = 0.5
+) -> Written:
+    """What is written: within the tolerance, of which it uses some, and without a fault."""
+    found = writer.write(product, tolerance)
+    assert least * tolerance <= measured(writer, product, found.data) <= tolerance
+    assert faults(VERIFIERS[writer.format.name], product, found.data, tolerance) == []
+    return found

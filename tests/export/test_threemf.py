@@ -1,33 +1,43 @@
-"""3MF packages read by the XML of the standard library and trimesh: all that is in them."""
+"""3MF packages read by the XML of the standard library, trimesh and lib3mf: all that is in them."""
 
 from __future__ import annotations
 
+import contextlib
 import io
 import math
 import re
 import zipfile
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 from xml.etree import ElementTree as ET
 
+import lib3mf  # type: ignore[import-untyped]  # has no types
 import numpy as np
 import pytest
 import trimesh
 
 import camgeo
+from camgeo.design.drawn import COMPENSATED
 from camgeo.design.plate import plate_of
 from camgeo.design.product import Product
+from camgeo.design.verify import Reading
+from camgeo.design.writing import Writer, make_files
 from camgeo.errors import FileError
 from camgeo.part.mass import solid
 from camgeo.part.part import Part
+from camgeo_export.dxf.writer import WRITER as DXF
+from camgeo_export.step.writer import WRITER as STEP
 from camgeo_export.stl import WRITER as STL
 from camgeo_export.threemf import parts
 from camgeo_export.threemf.parts import check_bodies, packed, parts_of
 from camgeo_export.threemf.writer import WRITER
+from camgeo_export.verify.threemf import VERIFIER
 from tests.contour.cams import SCENES
-from tests.export.test_solids import PARTS, PartProduct
-
-TOLERANCE = 0.01
+from tests.export.stub_product import StubProduct
+from tests.export.test_solids import BODIES
+from tests.export.verified import TOLERANCE, VERIFIERS, checked, faults, measured, read_back
+from tests.packages import repacked
 
 CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
 
@@ -44,9 +54,29 @@ PLATE: dict[str, Any] = {
 }
 
 
-def discs(values: dict[str, Any]) -> tuple[Product, ...]:
+def with_values(values: dict[str, Any]) -> tuple[Product, ...]:
     scene = camgeo.load(SCENES / "conjugate_carriage.toml").scene
     return camgeo.Design(scene.with_values(values)).discs
+
+
+@cache
+def plated() -> tuple[tuple[Product, ...], bytes]:
+    """The discs, and what is written of the first."""
+    discs = with_values(PLATE)
+    return discs, WRITER.write(discs[0], TOLERANCE).data
+
+
+def require_strict(data: bytes, bodies: int) -> None:
+    """That lib3mf warns of nothing, and takes all bodies as closed."""
+    model = lib3mf.get_wrapper().CreateModel()
+    reader = model.QueryReader("3mf")
+    reader.SetStrictModeActive(True)
+    reader.ReadFromBuffer(data)
+    assert reader.GetWarningCount() == 0
+    meshes = model.GetMeshObjects()
+    assert meshes.Count() == bodies
+    while meshes.MoveNext():
+        assert meshes.GetCurrentMeshObject().IsManifoldAndOriented()
 
 
 def unpacked(data: bytes) -> dict[str, ET.Element]:
@@ -89,8 +119,8 @@ def check_body(mesh: trimesh.Trimesh, part: Part) -> None:
 
 @pytest.mark.parametrize("plate", [True, False], ids=["plate", "disc"])
 def test_all_that_is_in_a_package(plate: bool) -> None:
-    disc = discs(PLATE if plate else {})[0]
-    written = WRITER.write(disc, TOLERANCE)
+    disc = with_values(PLATE if plate else {})[0]
+    written = read_back(WRITER, disc)
     found = unpacked(written.data)
     assert list(found) == ["[Content_Types].xml", "_rels/.rels", "3D/3dmodel.model"]
     types, relations, model = found.values()
@@ -138,6 +168,7 @@ def test_all_that_is_in_a_package(plate: bool) -> None:
         ]
         assert [each.attrib for each in items] == [{"objectid": "1"}]
     bodies = [each.part for each in pieces] if plate else [disc.drawn.part]
+    require_strict(written.data, len(bodies))
     meshes = list(map(mesh_of, objects))
     for mesh, part in zip(meshes, bodies, strict=True):
         check_body(mesh, part)
@@ -149,14 +180,17 @@ def test_all_that_is_in_a_package(plate: bool) -> None:
     assert facts == disc.drawn.printed.facts
 
 
-@pytest.mark.parametrize("name", PARTS)
+@pytest.mark.parametrize("name", BODIES)
 def test_an_stl_has_the_same_body(name: str) -> None:
     """Facet by facet, to single precision; normals are those of the facets."""
-    product = PartProduct(given=Part(PARTS[name]))
-    element = unpacked(WRITER.write(product, TOLERANCE).data)["3D/3dmodel.model"]
+    product = StubProduct(given=BODIES[name])
+    data = read_back(WRITER, product).data
+    require_strict(data, 1)
+    element = unpacked(data)["3D/3dmodel.model"]
     (body,) = element.findall(f"{CORE}resources/{CORE}object")
     mesh = mesh_of(body)
-    data = STL.write(product, TOLERANCE).data
+    data = read_back(STL, product).data
+    assert data.startswith(b"camgeo 0.0.test unit mm scene 0123456789abcdef eccentric")
     count = int.from_bytes(data[80:84], "little")
     facets = np.frombuffer(data[84:], np.dtype([("n", "<f4", 3), ("c", "<f4", (3, 3)),
                                                 ("a", "<u2")]))  # fmt: skip
@@ -279,8 +313,8 @@ def test_all_copies_of_a_body_count(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_the_ratio_of_small_parts_does_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
     data = package({"a": b"x" * 5_000}, zipfile.ZIP_DEFLATED)
-    size = len(zlib_of(data))
-    ratio = 5_000 / size
+    with zipfile.ZipFile(io.BytesIO(data)) as file:
+        ratio = 5_000 / file.infolist()[0].compress_size
     monkeypatch.setattr(parts, "SMALL", 4_999)
     for allowed, fits in ((math.ceil(ratio), True), (math.ceil(ratio) - 1, False)):
         monkeypatch.setattr(parts, "RATIO", allowed)
@@ -291,11 +325,6 @@ def test_the_ratio_of_small_parts_does_not_matter(monkeypatch: pytest.MonkeyPatc
             parts_of(data)
     monkeypatch.setattr(parts, "SMALL", 5_000)
     assert len(parts_of(data)["a"]) == 5_000
-
-
-def zlib_of(data: bytes) -> bytes:
-    with zipfile.ZipFile(io.BytesIO(data)) as file:
-        return b"x" * file.infolist()[0].compress_size
 
 
 @pytest.mark.parametrize(
@@ -322,3 +351,162 @@ def test_bodies_may_be_spread_over_several_models() -> None:
     check_bodies(both)
     with pytest.raises(FileError, match="builds the object '7'"):
         check_bodies(model(items=item))
+
+
+# Several bodies on one plate ----------------------------------------------------------------------
+
+
+def test_one_file_has_all() -> None:
+    discs, written = plated()
+    files, _ = make_files(discs, ("3mf",), TOLERANCE)
+    assert sorted(files) == ["certificate.json", "conjugate_carriage.3mf"]
+    assert files["conjugate_carriage.3mf"] == written  # the same bytes again
+    checks = checked(VERIFIER, discs[0], written, Reading("file"))
+    for piece in plate_of(discs[0]):
+        volume = checks["volume", piece.name]
+        assert volume.expected == pytest.approx(solid(piece.part).volume, rel=1e-9)
+
+
+def _swapped(text: str, one: str, other: str) -> str:
+    return text.replace(one, "\0").replace(other, one).replace("\0", other)
+
+
+MUTATIONS: dict[str, Callable[[str], str]] = {
+    "a name": lambda text: text.replace('name="roller" pid', 'name="router" pid'),
+    "a colour": lambda text: text.replace("#E0A030", "#E0A031"),
+    "the colours of two": lambda text: _swapped(text, 'pindex="0"', 'pindex="1"'),
+    "a place": lambda text: text.replace("0 0 0 1 ", "0 0 0 1 1", 1),
+    "a scale": lambda text: text.replace('transform="1 ', 'transform="1.001 ', 1),
+    "the bodies of two": lambda text: _swapped(text, 'objectid="2"', 'objectid="3"'),
+    "a body lost": lambda text: text[: text.rindex("<item")] + "</build></model>",
+    "a vertex": lambda text: text.replace('vertex x="', 'vertex x="1', 1),
+    "a body twice": lambda text: text.replace('objectid="5"', 'objectid="4"'),
+}
+
+
+@pytest.mark.parametrize("kind", MUTATIONS)
+def test_what_is_changed_is_found(kind: str) -> None:
+    (disc, _), written = plated()
+    change = MUTATIONS[kind]
+    data = repacked(written, lambda path, text: change(text) if "model" in path else text)
+    assert data != written
+    assert faults(VERIFIER, disc, data)
+    if "colour" not in kind:
+        with contextlib.suppress(FileError):
+            assert measured(WRITER, disc, data) > TOLERANCE
+
+
+def test_another_plate_is_another_file() -> None:
+    _, written = plated()
+    fewer = {**PLATE, "output.3mf.plate": PLATE["output.3mf.plate"][:3]}
+    for values in (fewer, {}):
+        disc, _ = with_values(values)
+        with pytest.raises(FileError, match="other objects"):
+            WRITER.measure(disc, written)
+        assert faults(VERIFIER, disc, written)
+
+
+def test_a_pair_in_one_piece_has_one_plate() -> None:
+    values = {"part.pair": {"gap": 8, "spacer": 40}, "output.3mf.plate": ["cam", "roller"]}
+    discs = with_values(values)
+    files, (report,) = make_files(discs, ("3mf",), 0.1)
+    assert report.name == "conjugate_carriage-pair.3mf"
+    assert discs[0].pair is not None
+    assert faults(VERIFIER, discs[0].pair, files[report.name], 0.1) == []
+
+
+def test_without_a_plate_each_disc_has_a_file_of_its_own() -> None:
+    apart, (together, _) = with_values({}), plated()
+    assert [WRITER.pieces(each) for each in apart] == [(each,) for each in apart]
+    assert [WRITER.pieces(each) for each in together] == [(together[0],), ()]
+
+
+# Bodies compensated for printing ------------------------------------------------------------------
+
+
+both = pytest.mark.parametrize("writer", [STL, WRITER], ids=["stl", "3mf"])
+
+HUBBED = {
+    "part.bore": 20,
+    "part.keyway": {"width": 6, "depth": 2.8},
+    "part.hub": {"diameter": 30, "height": 6, "side": "both"},
+}
+
+COMPENSATION: dict[str, Any] = {
+    "print.bore_clearance": 0.2,
+    "print.key_clearance": 0.1,
+    "print.elephant_foot": {"inset": 0.2, "height": 0.4, "steps": 2},
+    "print.shrinkage": {"xy": 0.5, "z": 0.3},
+}
+
+
+@cache
+def compensated(*keys: str) -> Product:
+    """The disc with some of the compensations."""
+    design = camgeo.load(SCENES / "plate_translating.toml")
+    scene = design.scene.with_values({**HUBBED, **{key: COMPENSATION[key] for key in keys}})
+    return camgeo.Design(scene).disc
+
+
+WHOLE = tuple(COMPENSATION)
+
+
+@both
+def test_a_compensated_body_is_what_it_should_be(writer: Writer) -> None:
+    """Of the volume of the exact compensated part, and verified as such."""
+    disc = compensated(*WHOLE)
+    written = read_back(writer, disc)
+    exact = solid(disc.drawn.printed.target).volume
+    assert exact != pytest.approx(solid(disc.drawn.part).volume, rel=1e-3)
+    assert written.facts["volume_mm3"] == pytest.approx(exact, rel=1e-3)
+    assert written.facts["bore_clearance_mm"] == 0.2
+    assert "switch off the slicer's own" in str(written.facts["compensation"])
+    (finding,) = written.findings
+    assert (finding.name, finding.severity) == (COMPENSATED, "warning")
+    assert "switch off the slicer's own: elephant foot" in finding.sentence
+    assert "bore 0.2 mm larger in diameter, 0.1 mm per side" in finding.sentence
+    checks = checked(VERIFIERS[writer.format.name], disc, written.data, Reading("file"))
+    assert checks["compensation", ""].value == disc.drawn.printed.text
+    assert checks["volume", ""].expected == pytest.approx(exact, rel=1e-9)
+
+
+@both
+@pytest.mark.parametrize("lost", WHOLE)
+def test_a_body_without_one_of_them_is_another(writer: Writer, lost: str) -> None:
+    """Each compensation is far above the tolerance: without it, the file is not the one."""
+    data = writer.write(compensated(*(key for key in WHOLE if key != lost)), TOLERANCE).data
+    disc = compensated(*WHOLE)
+    if lost == "print.elephant_foot":  # there are fewer flat faces
+        with pytest.raises(FileError, match="flat faces at"):
+            writer.measure(disc, data)
+    else:
+        assert measured(writer, disc, data) > 3.0 * TOLERANCE
+    reading = Reading("file")
+    checks = checked(VERIFIERS[writer.format.name], disc, data, reading).values()
+    assert any(each.ok is False for each in checks)
+
+
+@both
+def test_without_compensation_nothing_is_said(writer: Writer) -> None:
+    disc = compensated()
+    written = writer.write(disc, TOLERANCE)
+    assert list(written.facts) == ["triangles", "volume_mm3"]
+    assert written.findings == ()
+    assert disc.drawn.printed.target is disc.drawn.part
+    checks = checked(VERIFIERS[writer.format.name], disc, written.data, Reading("file"))
+    assert ("compensation", "") not in checks
+
+
+def test_other_files_show_the_part_itself() -> None:
+    for writer in (DXF, STEP):
+        plain, own = compensated(), compensated(*WHOLE)
+        assert writer.measure(plain, writer.write(own, TOLERANCE).data) <= TOLERANCE
+
+
+def test_a_part_without_room_is_refused_with_the_key() -> None:
+    design = camgeo.load(SCENES / "plate_translating.toml")
+    for key, value in (("bore_clearance", 60.0), ("elephant_foot", {"inset": 60, "height": 0.2})):
+        scene = design.scene.with_values({"part.bore": 20, f"print.{key}": value})
+        with pytest.raises(camgeo.GeometryError) as caught:
+            camgeo.Design(scene).disc.drawn.printed.target  # noqa: B018  # it is computed now
+        assert caught.value.key.startswith(f"print.{key}")

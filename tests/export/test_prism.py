@@ -1,19 +1,23 @@
-"""Triangles of a face: those of a polygon with holes, whether it was divided or not."""
+"""Parts of bodies: triangles of faces, how near polygons come, and which contour is which."""
 
 from __future__ import annotations
 
+import cmath
 import math
 from fractions import Fraction
 
 import manifold3d
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
+from camgeo.geometry.contour.contour import Contour
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
+from camgeo_export.reading import paired
 from camgeo_export.solid import prism
-from camgeo_export.solid.prism import PIECE, triangulated
+from camgeo_export.solid.prism import PIECE, of_polygons, triangulated
 
 SIZE = 10.0
 """Largest radius of the rings that are drawn [mm]."""
@@ -136,3 +140,75 @@ def test_a_face_without_a_proved_diagonal_stays_whole(monkeypatch: pytest.Monkey
     rings = [toothed(60, 40.0, 3), toothed(30, 8.0, 0)[::-1]]
     monkeypatch.setattr(prism, "_clear", lambda *_: False)
     np.testing.assert_array_equal(triangulated(rings, 20), triangulated(rings))
+
+
+# How near polygons come: the verdict of shapely ---------------------------------------------------
+
+
+def circle(radius: float, count: int) -> ComplexArray:
+    return np.asarray(radius * np.exp(2j * math.pi * np.arange(count) / count))
+
+
+def line(ring: ComplexArray) -> shapely.LinearRing:
+    return shapely.LinearRing(np.column_stack((ring.real, ring.imag)))
+
+
+@given(st.floats(4.5, 5.5), st.integers(3, 40), st.integers(3, 40), st.floats(1e-3, 2.0))
+def test_nearest_is_the_distance_if_within_the_tolerance(
+    radius: float, one: int, other: int, tolerance: float
+) -> None:
+    rings = {"one": circle(5.0, one), "other": 0.3 + circle(radius, other)}
+    found = of_polygons(rings, tolerance)("one", "other")
+    distance = shapely.distance(line(rings["one"]), line(rings["other"]))
+    if distance > tolerance:
+        assert found is None
+    else:
+        assert found is not None
+        assert found[0] == distance
+        # The place is on the one of both, within the rounding of 5 mm.
+        assert line(rings["one"]).distance(shapely.Point(found[1].real, found[1].imag)) < 1e-14
+
+
+# Which contour of a file is which boundary: by size, and by place where sizes are equal -----------
+
+
+HOLES = [Contour.circle(3.0, 30.0 * cmath.exp(2j * math.pi * k / 6.0)) for k in range(6)]
+
+NESTED = [Contour.circle(radius) for radius in (60.0, 49.0, 48.0, 12.0)]
+
+
+def polygon(contour: Contour) -> Contour:
+    points = contour.points(0.03)
+    return Contour(points, np.zeros(len(points)), np.zeros_like(points))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_each_contour_is_found_in_any_order(seed: int) -> None:
+    wanted = [*NESTED, *HOLES]
+    order = np.random.default_rng(seed).permutation(len(wanted)).tolist()
+    contours = [wanted[k] if k % 2 else wanted[k].reversed() for k in order]
+    found = paired(contours, [polygon(each) for each in wanted])
+    assert [order.index(k) for k in range(len(wanted))] == [
+        next(i for i, each in enumerate(contours) if each is match) for match in found
+    ]
+
+
+def test_a_hole_that_was_moved_stays_that_hole() -> None:
+    """The others keep theirs, so that one deviation is reported and not two."""
+    moved = [Contour.circle(3.0, 31.0 + 0j), *HOLES[1:]]
+    assert paired(moved, [polygon(each) for each in HOLES]) == moved
+
+
+def test_small_contours_are_told_apart_by_their_places() -> None:
+    """Their areas are no better known than a tolerance for the whole drawing allows, so their order
+    is another one in the file.
+    """
+    sizes = [0.30 + 0.004 * k for k in range(12)]
+    wanted = [Contour.circle(size, 20.0 * cmath.exp(0.3j * k)) for k, size in enumerate(sizes)]
+    off = [0.009 if k % 2 else -0.009 for k in range(12)]
+    contours = [
+        Contour.circle(size + more, 20.0 * cmath.exp(0.3j * k))
+        for k, (size, more) in enumerate(zip(sizes, off, strict=True))
+    ]
+    big = Contour.circle(50.0)
+    assert paired([big, *contours[::-1]], [*wanted, big]) == [*contours, big]
