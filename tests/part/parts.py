@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import fields, replace
 from typing import Final
 
+import pytest
 from hypothesis import strategies as st
 
 from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError
+from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.outline.path import whole
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import MotionPlan
 from camgeo.part.assembly import build_part
+from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Part
 from camgeo.part.spec import (
     SIDES,
@@ -46,6 +51,26 @@ FLANKS: Final = {
 
 INNER, OUTER = whole(WorkingCurve(PITCH, -ROLLER)), whole(WorkingCurve(PITCH, ROLLER))
 
+DISC: Final = PartSpec(thickness=10.0, bore=20.0, rim=140.0, groove_depth=4.0)
+
+
+@contextmanager
+def refused(key: str, message: str = "") -> Iterator[None]:
+    """What is done within raises a GeometryError of this key, with this message."""
+    with pytest.raises(GeometryError, match=message) as caught:
+        yield
+    assert caught.value.key == key
+
+
+def circle(name: str, radius: float, centre: complex = 0j, *, hole: bool = False) -> ExactBoundary:
+    """A round boundary."""
+    return ExactBoundary(name, hole, Contour.circle(radius, centre))
+
+
+def walls_of(part: Part) -> list[tuple[str, float, float]]:
+    """Names of the walls, from where they reach and to where."""
+    return [(wall.boundary.name, wall.z0, wall.z1) for wall in part.walls]
+
 
 def made(contact: Contact, spec: PartSpec) -> Part:
     """The part with these flanks."""
@@ -65,12 +90,8 @@ def made_or_refused(contact: Contact, spec: PartSpec) -> Part | None:
 _angles = st.floats(-2.0 * math.pi, 2.0 * math.pi)
 
 
-def _share(low: float, high: float) -> st.SearchStrategy[float]:
-    return st.floats(low, high)
-
-
 def _holes() -> st.SearchStrategy[Holes]:
-    return st.builds(Holes, st.integers(1, 8), _share(20.0, 130.0), _share(1.0, 9.0), _angles)
+    return st.builds(Holes, st.integers(1, 8), st.floats(20.0, 130.0), st.floats(1.0, 9.0), _angles)
 
 
 @st.composite
@@ -78,43 +99,44 @@ def _bolts(draw: st.DrawFn) -> Holes:
     holes = draw(_holes())
     if not draw(st.booleans()):
         return holes
-    wide = holes.hole * draw(_share(1.05, 2.5))
-    return replace(holes, counterbore=Counterbore(wide, draw(_share(0.2, 8.0))))
+    wide = holes.hole * draw(st.floats(1.05, 2.5))
+    return replace(holes, counterbore=Counterbore(wide, draw(st.floats(0.2, 8.0))))
 
 
 @st.composite
 def chamfers(draw: st.DrawFn) -> Chamfers:
     """Of edges that a part may have or not."""
-    some = st.none() | st.builds(Chamfer, _share(0.2, 6.0), st.sampled_from(SIDES))
+    some = st.none() | st.builds(Chamfer, st.floats(0.2, 6.0), st.sampled_from(SIDES))
     return Chamfers(**{field.name: draw(some) for field in fields(Chamfers)})
 
 
 @st.composite
 def specs(draw: st.DrawFn) -> PartSpec:
     """Specifications of parts, most of them possible."""
-    bore = draw(st.none() | _share(5.0, 40.0))
+    bore = draw(st.none() | st.floats(5.0, 40.0))
     keyway = None
     if bore is not None and draw(st.booleans()):
-        keyway = Keyway(draw(_share(0.1, 0.6)) * bore, draw(_share(0.5, 4.0)), draw(_angles))
+        keyway = Keyway(draw(st.floats(0.1, 0.6)) * bore, draw(st.floats(0.5, 4.0)), draw(_angles))
     flat = None
     if bore is not None and keyway is None and draw(st.booleans()):
-        flat = DShaft(draw(_share(0.51, 0.99)) * bore, draw(_angles))
+        flat = DShaft(draw(st.floats(0.51, 0.99)) * bore, draw(_angles))
     bolts, light = draw(st.none() | _bolts()), draw(st.none() | _holes())
     hub = None
     if draw(st.booleans()):
-        diameter = (bore or 10.0) + draw(_share(1.0, 30.0))
-        hub = Hub(diameter, draw(_share(0.5, 20.0)), draw(st.sampled_from(SIDES)))
+        diameter = (bore or 10.0) + draw(st.floats(1.0, 30.0))
+        hub = Hub(diameter, draw(st.floats(0.5, 20.0)), draw(st.sampled_from(SIDES)))
     mark = None
     if draw(st.booleans()):
-        width = draw(_share(0.5, 3.0))
-        length = draw(st.none() | _share(1.1 * width, 8.0))
-        mark = Mark(draw(_share(10.0, 68.0)), width, draw(_share(0.2, 4.9)), length, draw(_angles))
+        width = draw(st.floats(0.5, 3.0))
+        length = draw(st.none() | st.floats(1.1 * width, 8.0))
+        radius, depth = draw(st.floats(10.0, 68.0)), draw(st.floats(0.2, 4.9))
+        mark = Mark(radius, width, depth, length, draw(_angles))
     return PartSpec(
-        thickness=draw(_share(5.0, 20.0)),
+        thickness=draw(st.floats(5.0, 20.0)),
         bore=bore,
         keyway=keyway,
-        rim=draw(_share(127.0, 150.0)),
-        groove_depth=draw(_share(0.5, 4.9)),
+        rim=draw(st.floats(127.0, 150.0)),
+        groove_depth=draw(st.floats(0.5, 4.9)),
         hub=hub,
         mark=mark,
         d_shaft=flat,
@@ -132,7 +154,7 @@ def tight_specs(draw: st.DrawFn) -> PartSpec:
     """Specifications of parts whose features nearly touch each other or a flank, or do."""
     gap = st.sampled_from(GAPS).map(lambda each: 2.0 * each)
     bore = draw(st.sampled_from([12.0, 20.0]))
-    hub = bore + draw(gap | _share(0.01, 20.0))
+    hub = bore + draw(gap | st.floats(0.01, 20.0))
     hole = draw(st.sampled_from([0.05, 1.0, 4.0]))
     count = draw(st.sampled_from([1, 2, 7, 30]))
     neighbours = (hole + draw(gap)) / math.sin(math.pi / max(count, 2))

@@ -4,15 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from camgeo.geometry.contour.contour import Contour
-from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Edge, Layer, Part, edges_of
 from camgeo_export.reading import layer_name, of_the_part
 from tests.effects.scenes import design
-
-
-def circle(name: str, radius: float, centre: complex = 0j, *, hole: bool = False) -> ExactBoundary:
-    return ExactBoundary(name, hole, Contour.circle(radius, centre))
+from tests.part.parts import circle
 
 
 def test_edges_of_hubs_pockets_and_holes() -> None:

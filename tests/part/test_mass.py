@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -21,12 +20,9 @@ from camgeo.part.part import Layer, Part
 from tests.contour.cams import polyline
 from tests.effects.scenes import design
 from tests.outline.test_path import eccentric
+from tests.part.parts import circle
 
 SCENES = ("plate_translating", "groove", "ring", "cut_lobe", "conjugate_lever", "flat_rocker")
-
-
-def circle(name: str, radius: float, centre: complex = 0j, *, hole: bool = False) -> ExactBoundary:
-    return ExactBoundary(name, hole, Contour.circle(radius, centre))
 
 
 @pytest.mark.parametrize("rotation", [1, -1])
@@ -157,18 +153,6 @@ def test_the_body_of_the_writers_has_the_same_mass_properties(scene: str) -> Non
         assert abs(off) <= 1e-8 * largest
 
 
-@pytest.mark.parametrize("scene", SCENES)
-def test_no_point_of_a_flank_is_farther_than_the_farthest(scene: str) -> None:
-    for part in discs(scene):
-        for each in part.boundaries:
-            if isinstance(each, CurveBoundary):
-                radius, angle = each.farthest()
-                assert angle is not None
-                assert 0.0 <= angle < 2.0 * math.pi
-                vertices = each.arcs(1e-3, "fast").contour.points(1e-5)
-                assert -1e-3 <= radius - float(np.max(np.abs(vertices))) <= 1.1e-3
-
-
 @pytest.mark.parametrize(("distance", "sweep", "expected"), [
     (8.0, 2.0, 38.0), (8.0, 0.5, None), (-8.0, -2.0, 38.0), (0.0, 1.0, 30.0),
 ])  # fmt: skip
@@ -188,15 +172,3 @@ def test_a_part_without_heights_has_no_body() -> None:
     part = Part((Layer(0.0, 0.0, (circle("outline", 40.0),)),))
     with pytest.raises(GeometryError, match="thickness"):
         solid(part)
-
-
-def test_turned_upside_down_and_moved_it_stays_the_same_body() -> None:
-    (part,) = discs("groove")
-    moved = Part(tuple(replace(each, z0=7.0 - each.z1, z1=7.0 - each.z0)
-                       for each in reversed(part.layers)))  # fmt: skip
-    one, other = solid(part), solid(moved)
-    assert other.volume == pytest.approx(one.volume, rel=1e-14)
-    assert other.centre[2] == pytest.approx(7.0 - one.centre[2], rel=1e-13)
-    mirror = np.diag([1.0, 1.0, -1.0])
-    room = 1e-12 * one.volume * 110.0**2
-    assert np.allclose(other.inertia, mirror @ one.inertia @ mirror, rtol=0.0, atol=room)

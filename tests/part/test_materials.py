@@ -12,26 +12,20 @@ from camgeo.scene.schema import schema
 HARDNESS = {"steel": 180, "steel-tempered": 300, "cast-iron": 200, "cast-iron-ductile": 220}
 """Of the rows whose limit follows from it by ISO 6336-5, sigma_Hlim = A x + B, quality MQ."""
 
-by_name = pytest.mark.parametrize("name", MATERIALS)
 
-
-@by_name
-def test_a_material_is_found_by_its_name_and_has_a_source(name: str) -> None:
+@pytest.mark.parametrize("name", MATERIALS)
+def test_a_material_has_a_source_and_is_one_that_there_can_be(name: str) -> None:
+    """Positive definite elasticity; no lighter than water, no heavier than lead; a limit below the
+    static one of the best bearing steel, 4000 MPa (ISO 76, line contact). A scene can name it."""
     material = find_material(name)
     assert material.name == name
     assert material.title
     assert material.source
-
-
-@by_name
-def test_a_material_is_one_that_there_can_be(name: str) -> None:
-    """Positive definite elasticity; no lighter than water, no heavier than lead; a limit below the
-    static one of the best bearing steel, 4000 MPa (ISO 76, line contact)."""
-    material = find_material(name)
     assert material.modulus > 0.0
     assert 0.0 < material.poisson < 0.5
     assert 1e-9 < material.density < 11.3e-9
     assert material.pressure is None or 0.0 < material.pressure < 4000.0
+    assert re.search(schema()["$defs"]["material"]["pattern"], name)
 
 
 @pytest.mark.parametrize(("name", "hardness"), HARDNESS.items())
@@ -70,12 +64,6 @@ def test_a_name_like_no_other_is_refused_with_all_there_are() -> None:
         find_material("qqqq")
     assert "did you mean" not in caught.value.message
     assert all(name in caught.value.message for name in MATERIALS)
-
-
-@by_name
-def test_a_scene_can_name_it(name: str) -> None:
-    pattern = schema()["$defs"]["material"]["pattern"]
-    assert re.search(pattern, name)
 
 
 def test_the_table_cannot_be_changed() -> None:

@@ -6,20 +6,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.geometry.contour.contour import Contour
-from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Layer, Part
+from tests.part.parts import circle
 
-NAMES = ("rim", "bore", "flank", "hub")
-
-
-def circle(name: str, radius: float) -> ExactBoundary:
-    return ExactBoundary(name, hole=name == "bore", exact=Contour.circle(radius))
-
-
-BOUNDARIES = tuple(
-    circle(name, radius) for name, radius in zip(NAMES, (50, 5, 30, 12), strict=True)
-)
+BOUNDARIES = (
+    circle("rim", 50.0), circle("bore", 5.0, hole=True), circle("flank", 30.0), circle("hub", 12.0),
+)  # fmt: skip
 
 
 @st.composite

@@ -17,11 +17,9 @@ from camgeo.geometry.contour.contour import Contour
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.nozzle import RADIUS, STROKE, WALL, findings_of, sunk
 from camgeo.part.part import Layer, Part
-from camgeo.part.spec import Engraving, Holes, Mark, PartSpec
+from camgeo.part.spec import Engraving, Holes, Mark
 from tests.contour.cams import SCENES
-from tests.part.parts import made
-
-DISC = PartSpec(thickness=10.0, bore=20.0, rim=140.0, groove_depth=4.0)
+from tests.part.parts import DISC, made
 
 
 def _found(part: Part, nozzle: float) -> dict[str, Finding]:

@@ -14,8 +14,6 @@ from camgeo.design.product import Product
 from camgeo.pictures.sheet.front import chains_of
 from camgeo.pictures.sheet.marks import Chain
 from camgeo.pictures.sheet.shape import Edge, Shape, shape_of
-from camgeo.pictures.sheet.sheet import measured, sheets_of
-from camgeo_export.drawing.writer import WRITER, with_pair
 
 PAIR = Path(__file__).parents[2] / "fixtures" / "pairs" / "conjugate_pair.toml"
 
@@ -80,31 +78,3 @@ def test_hub_and_spacer_are_hidden_as_a_whole() -> None:
         (chain,) = chains_of(shape, edge_of(shape, name))
         assert chain.closed
         assert chain.layer == "HIDDEN"
-
-
-@pytest.mark.long  # tests/sheet/test_kept.py has its sheet
-def test_the_whole_has_a_sheet_after_those_of_its_discs() -> None:
-    """Without the curves of either disc; at a scale of its own, as it is the wider one."""
-    pair = pair_with()
-    design = camgeo.Design(pair.scene.with_values({"drawing.scale": "1:1", "drawing.step": 20}))
-    main, other = design.discs
-    assert main.pair is not None
-    assert [with_pair(each) for each in (main, other)] == [(main, main.pair), (other,)]
-    (sheet,) = sheets_of(main.pair, TOLERANCE)
-    assert sheet.scale <= 1.0
-    layers = {getattr(mark, "layer", "") for view in sheet.views for mark in view.marks}
-    assert {"OUTLINE", "HIDDEN"} <= layers
-    assert not {"PITCH_CURVE", "BASE_CIRCLE"} & layers
-    points = [
-        each.contour.points(1e-4) for each in shape_of(pair_with().drawn.part, 1e-4, "fast").edges
-    ]
-    wide = np.ptp(np.concatenate(points).real)
-    found = [each.measure for each in measured(sheet) if each.prefix == "("]
-    assert min(abs(each - wide) for each in found) < 0.01  # of both outlines
-
-
-@pytest.mark.long  # tests/export/test_drawing.py reads sheets back
-def test_it_is_read_back_within_the_tolerance() -> None:
-    written = WRITER.write(pair_with(), TOLERANCE)
-    deviation = WRITER.measure(pair_with(), written.data)
-    assert 0.0 < deviation <= TOLERANCE
