@@ -17,7 +17,7 @@ from camgeo.errors import CamgeoError, SceneError
 from camgeo.scene.scene import parse_scene
 from camgeo.scene.values import document, edited
 from tests.designing.scenes import CHOSEN, FILES, FIXTURES, design, name_of
-from tests.scene.test_scene import leaves
+from tests.scene.scenes import leaves
 
 SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
 TEXT = SETZHUB.read_text("utf-8")

@@ -10,6 +10,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+import shapely
 from ezdxf.bbox import extents
 from ezdxf.document import Drawing
 from ezdxf.entities.dimension import Dimension
@@ -21,7 +22,7 @@ from camgeo.design.product import Product, disc_of
 from camgeo.design.verify import Reading
 from camgeo.errors import FileError
 from camgeo.part.spec import text_of
-from camgeo.pictures.sheet.marks import Diameter, Distance
+from camgeo.pictures.sheet.marks import Diameter, Distance, line
 from camgeo.pictures.sheet.placing import number_of
 from camgeo.pictures.sheet.sheet import measured, sheets_of
 from camgeo.scene.scene import load_scene, parse_scene
@@ -34,8 +35,9 @@ from tests.sheet.sheets import (
     HUBBED,
     TOLERANCE,
     edited,
-    enters,
+    line_of,
     part,
+    polygons,
     products,
     room,
     sheets,
@@ -316,11 +318,10 @@ def test_texts_are_where_they_were_placed_and_clear_of_all_dimensions(
         block = dimension.get_geometry_block()
         assert block is not None
         for each in block.query("LINE"):
-            ends = [
-                origin + sheet.scale * complex(p.x, p.y) for p in (each.dxf.start, each.dxf.end)
-            ]
-            pieces = np.array([ends[0]]), np.array([ends[1]]), np.zeros(1)
-            assert [own.text for own in texts if enters(pieces, own)] == []
+            ends = (complex(p.x, p.y) for p in (each.dxf.start, each.dxf.end))
+            way = line_of(line(*ends, each.dxf.layer), origin, sheet.scale)
+            crossing = shapely.intersects(polygons(texts), way)
+            assert [own.text for own, across in zip(texts, crossing, strict=True) if across] == []
 
 
 def test_files_of_a_pair_are_verified() -> None:

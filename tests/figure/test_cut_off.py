@@ -17,7 +17,6 @@ from camgeo.design.design import Design
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.pictures import cam, disc
 from camgeo.units import TURN
-from camgeo_export.plots import render
 from tests.export.stub_product import StubProduct
 from tests.figure import drawing
 from tests.measuring import DensePath, polygon
@@ -109,25 +108,6 @@ def test_none_of_a_tail_is_farther_from_the_pitch_curve_than_the_roller(scene: s
         assert np.min(away) < -1e-4
 
 
-@pytest.mark.long  # test_figures.py keeps such a figure, test_kept.py a refused one
-@pytest.mark.parametrize("scene", TRIMMED)
-def test_the_disc_is_drawn_with_what_is_cut_off(scene: str) -> None:
-    design = camgeo.load(SCENES / f"{scene}.toml")
-    axes = drawn(design.disc)
-    assert {"edges of the disc", "cut off", "corner"} <= labels(axes)
-    lines = dashed(axes)
-    assert len(lines) == CORNERS[scene]
-    for line, each in zip(lines, design.disc.pictured.cut_off, strict=True):
-        assert np.array_equal(line, each.course)
-    # The fill is the real disc: its area is that of the part, to the chords of the picture.
-    bodies = [patch for patch in axes.patches if patch.get_facecolor()[:3] != (1.0, 1.0, 1.0)]
-    rings = [np.asarray(ring) for ring in bodies[0].get_path().to_polygons()]
-    area = abs(sum(shapely.Polygon(ring).area * (-1) ** k for k, ring in enumerate(rings)))
-    boundaries = design.disc.drawn.part.boundaries
-    exact = sum((-1) ** k * each.arcs(1e-3).contour.area for k, each in enumerate(boundaries))
-    assert area == pytest.approx(exact, rel=1e-3)
-
-
 @pytest.mark.parametrize("scene", TRIMMED)
 @pytest.mark.parametrize("limit", ["trim", "refuse"])
 def test_what_is_small_is_enlarged_where_nothing_else_is(
@@ -209,13 +189,6 @@ def test_a_whole_disc_has_no_such_entries() -> None:
         "base circle",
         "roller at φ = 0",
     }
-
-
-@pytest.mark.long  # tests/figure/test_motion.py does it for one figure
-def test_the_same_bytes_each_time() -> None:
-    """As SVG; that one figure gives the same bytes in all kinds, `tests.figure.test_motion` has."""
-    first, second = (camgeo.load(SCENES / "swallow_tail.toml") for _ in range(2))
-    assert render(cam.figure(first.disc), ".svg") == render(cam.figure(second.disc), ".svg")
 
 
 @attack

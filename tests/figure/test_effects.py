@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,8 +15,6 @@ from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.pictures import effects
 from camgeo.pictures.model import LIMIT
 from camgeo.units import TURN
-from camgeo_export.plots import render
-from tests.effects.scenes import design
 from tests.export.stub_product import StubProduct
 from tests.figure import drawing
 
@@ -146,25 +144,3 @@ def test_lengths_are_in_the_unit_of_the_scene() -> None:
 def test_without_columns_it_says_so() -> None:
     [axes] = drawn(StubProduct()).axes
     assert "no effect" in axes.texts[0].get_text()
-
-
-@dataclass(frozen=True, slots=True)
-class _Named:
-    scene: str
-    table: str
-
-
-@pytest.mark.long  # tests/figure/test_figures.py keeps its data
-@pytest.mark.parametrize(
-    "case",
-    [
-        _Named("plate_translating", "[effects.balance]\ndensity = 7850\n"),
-        _Named("setzhub", "[effects.kinematics]\n[effects.balance]\ndensity = 7850\n"),
-    ],
-    ids=lambda case: case.scene,
-)
-def test_a_scene_is_drawn_the_same_each_time(case: _Named) -> None:
-    made = design(case.scene, case.table)
-    one, other = (render(effects.figure(made.disc), ".png") for _ in range(2))
-    assert one == other
-    assert one.startswith(b"\x89PNG")

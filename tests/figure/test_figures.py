@@ -195,28 +195,6 @@ def test_figures_are_as_kept() -> None:
     kept.compare("figure/figures.txt", ((case, kept.marks(figure_of(case))) for case in CASES))
 
 
-def test_the_text_in_each_picture() -> None:
-    """The picture shows its subject: names and words that must be in it."""
-    wanted = {
-        "inspection": {"allowed", "deviation [mm]", "lift error [mm]", "measured"},
-        "laws": {"f′ f″", "law", "modified-sine"},
-        "replay": {"actual", "demanded", "ripple"},
-        "size": {"by Flocke", "exact", "present design"},
-        "slotted-lever": {"time t [s]", "lever angle φ", "rad/s² at"},
-        "stability": {"limit, ratio 4", "curvature", "lift"},
-        "accuracy": {"tolerance [mm]", "bytes", "advice"},
-        "motion of scenes/setzhub": {"motion plan", "ψ‴", "dwell", "max"},
-        "cam of scenes/swallow_tail": {"times as large", "cut off", "pitch curve"},
-        "mechanism of scenes/setzhub": {"cam angle 0°"},
-        "curvature of scenes/setzhub": {"cusp of a flank", "pitch curve"},
-        "transmission-angle of scenes/setzhub": {"limit ", "transmission angle μ"},
-        "effects of effects/conjugate_lever": {"limit, ", "[N]"},
-    }
-    for case, words in wanted.items():
-        reported = "\n".join(part for part in parts(figure_of(case)) if isinstance(part, str))
-        assert [word for word in words if word not in reported] == [], case
-
-
 def test_no_builder_loads_what_draws() -> None:
     modules = [name.replace("-", "_") for name in OF_DATA if name != "stability"]
     modules += [builder.partition(":")[0] for builder in plots.OWN.values()]

@@ -8,7 +8,6 @@ from typing import TypeVar
 import numpy as np
 import pytest
 
-import camgeo
 from camgeo.design.design import Design
 from camgeo.errors import SceneError
 from camgeo.pictures.effects import spectrum_figure
@@ -59,19 +58,6 @@ def test_the_train_of_the_scene_is_marked_at_the_natural_periods_of_each_move() 
     frequency = design.scene.effects["vibration"]["natural_frequency"] / (2.0 * np.pi)
     assert rule.at == pytest.approx(110.0 / 360.0 / (240.0 / 60.0) * frequency, rel=1e-9)
     assert f"{frequency:.4g} Hz" in rule.label
-
-
-@pytest.mark.long  # tests/effects/test_found_speed.py has the time course
-def test_at_the_found_speed_each_move_has_its_own_duration() -> None:
-    design = camgeo.load(PRESS)
-    rules = [each for each in marks(design, Rule) if each.axis == "x"]
-    frequency = design.scene.effects["vibration"]["natural_frequency"] / (2.0 * np.pi)
-    course = design.effects.course(SPECTRUM)
-    assert course is not None
-    times = course.time(np.radians([40.0, 150.0, 200.0, 310.0]))
-    assert [each.at for each in rules] == pytest.approx(
-        [(times[1] - times[0]) * frequency, (times[3] - times[2]) * frequency], rel=1e-9
-    )
 
 
 def test_a_scene_without_the_effect_has_no_such_picture() -> None:

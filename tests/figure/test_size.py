@@ -14,7 +14,6 @@ from camgeo.check.sizing.smallest import Sizing, size
 from camgeo.check.sizing.task import Task, task_of
 from camgeo.pictures.model import Circle, Field, Line, Panel
 from camgeo.pictures.size import figure, seen, window
-from camgeo_export.plots import render
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
@@ -96,9 +95,3 @@ def test_a_picture_of_what_cannot_be_met() -> None:
     marked = lines_of(panel_of(task, sizing))
     assert "present design" in marked
     assert "smallest" not in marked
-
-
-def test_same_input_same_bytes() -> None:
-    task, sizing = sized("schnitt")
-    drawn, again = (render(figure("a", [(task, sizing)]), ".svg") for _ in range(2))
-    assert drawn == again

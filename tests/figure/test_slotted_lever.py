@@ -13,7 +13,6 @@ from camgeo.kinematics.mechanism.slotted_lever import DrivenLever, SlottedLever
 from camgeo.numeric.arrays import FloatArray
 from camgeo.pictures.slotted_lever import PANELS, crank_angles, figure
 from camgeo.units import RPM
-from camgeo_export.plots import render
 from tests.figure import drawing
 
 LEVERS = {
@@ -111,10 +110,3 @@ def test_the_crank_angles_are_dense_where_the_acceleration_peaks() -> None:
     assert np.all(np.diff(theta) > 0.0)
     peak = driven.lever.largest_acceleration.place
     assert np.count_nonzero((theta > 0.1 * peak) & (theta < 10.0 * peak)) > 100
-
-
-@pytest.mark.long  # tests/figure/test_motion.py does it for one figure
-def test_the_same_bytes_each_time() -> None:
-    """As SVG; that one figure gives the same bytes in all kinds, `tests.figure.test_motion` has."""
-    drawn, again = (render(figure(driven_by("exercise")), ".svg") for _ in range(2))
-    assert drawn == again

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from camgeo.design.design import Design
 from camgeo.numeric.arrays import FloatArray
 from camgeo.pictures import motion
-from camgeo.pictures import motion as diagrams
 from camgeo.pictures.mechanism import CHORDS, animation
 from camgeo.pictures.model import Area, Figure, Line
 from camgeo.pictures.thinned import CURVE, PAPER, READ, SEEN, few_of, thinned, thinned_turn
@@ -30,9 +29,8 @@ def design(name: str) -> Design:
 
 
 def figures(of: Design) -> list[Figure]:
-    scene = of.scene
-    found = [motion.of_drive(of.name, scene.unit, of.drive, scene.lift_unit)]
-    return [*found, diagrams.curvature(of.disc), diagrams.transmission_angle(of.disc)]
+    first = motion.of_drive(of.name, of.scene.unit, of.drive, of.scene.lift_unit)
+    return [first, motion.curvature(of.disc), motion.transmission_angle(of.disc)]
 
 
 def scales(figure: Figure) -> list[tuple[float, float]]:

@@ -149,7 +149,7 @@ def test_bolts_go_in_from_above_and_texts_can_be_read() -> None:
         ({}, 63.99, "spacer", r"31\.995 mm .* of the main disc comes as near as 32 mm at cam"),
         ({"bolt_circle": Holes(2, 36.0, 3.0)}, 36.0, "spacer", "clear of the bolt hole 1"),
         ({"keyway": Keyway(6.0, 9.0)}, 36.0, "spacer", "clear of the bore, which it touches"),
-        ({"bore": None, "bolt_circle": Holes(1, 4.0, 20.0)}, 6.0, "spacer", "lies around the spacer"),
+        ({"bore": None, "bolt_circle": Holes(1, 4.0, 20.0)}, 6.0, "spacer", "around the spacer"),
         ({"mark": Mark(14.0, 2.0, 0.5)}, 36.0, "spacer", "the mark ends under the spacer"),
         ({"mark": Mark(18.0, 2.0, 0.5)}, 36.0, "spacer", "clear of the mark, which it touches"),
         ({"mark": Mark(35.0, 6.0, 0.5, angle=1.2)}, 36.0, "mark", "main disc: the mark must lie"),

@@ -3,7 +3,13 @@
 from __future__ import annotations
 
 import pathlib
+from collections.abc import Iterator, Mapping
+from typing import Any
 
+import pytest
+
+from camgeo.errors import SceneError
+from camgeo.scene.keys import KeyPath, spelled
 from camgeo.scene.scene import Scene, parse_scene
 
 FIXTURES = pathlib.Path(__file__).parents[2] / "fixtures" / "scenes"
@@ -159,3 +165,27 @@ def spoilt(scene: str, *changes: tuple[str, str]) -> str:
 def loaded(scene: str, *changes: tuple[str, str]) -> Scene:
     """The scene, changed and loaded."""
     return parse_scene(spoilt(scene, *changes))
+
+
+def refusal_of(text: str, file: str = "", folder: pathlib.Path | None = None) -> SceneError:
+    """What a text that is no valid scene is refused with."""
+    with pytest.raises(SceneError) as caught:
+        parse_scene(text, file, folder=folder)
+    return caught.value
+
+
+def values_in(tree: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
+    """Every value of a tree with its path, tables and lists as well as single ones."""
+    for step, value in tree.items() if isinstance(tree, Mapping) else enumerate(tree):
+        yield (*path, step), value
+        if isinstance(value, Mapping | list | tuple):
+            yield from values_in(value, (*path, step))
+
+
+def leaves(tree: Any) -> dict[str, Any]:
+    """Single values by their keys as messages spell them."""
+    return {
+        spelled(path): value
+        for path, value in values_in(tree)
+        if not isinstance(value, Mapping | list | tuple)
+    }

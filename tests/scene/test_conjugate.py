@@ -18,7 +18,7 @@ from camgeo.units import TURN
 from tests.effects.scenes import only_for
 from tests.findings import effect_findings
 from tests.pairs import lever_of
-from tests.scene.scenes import FIXTURES, spoilt
+from tests.scene.scenes import FIXTURES, refusal_of, spoilt
 
 LEVER = (FIXTURES / "conjugate_lever.toml").read_text()
 CARRIAGE = (FIXTURES / "conjugate_carriage.toml").read_text()
@@ -65,9 +65,7 @@ FAULTS: list[tuple[str, list[tuple[str, str]], str]] = [
 
 
 def faults_of(text: str) -> str:
-    with pytest.raises(SceneError) as caught:
-        parse_scene(text)
-    return str(caught.value)
+    return str(refusal_of(text))
 
 
 @pytest.mark.parametrize(("text", "changes", "expected"), FAULTS, ids=range(len(FAULTS)))

@@ -18,7 +18,7 @@ from camgeo.scene.scene import Scene, load_scene, parse_scene
 from camgeo.scene.schema import Node, resolved
 from camgeo.scene.values import SCALES
 from tests.effects.fakes import fake
-from tests.scene.scenes import PLATE, ROCKER
+from tests.scene.scenes import PLATE, ROCKER, refusal_of
 
 LAST_LINE = len(PLATE.splitlines())
 
@@ -63,18 +63,12 @@ def fakes(monkeypatch: pytest.MonkeyPatch) -> dict[str, Effect]:
 Fakes = dict[str, Effect]
 
 
-def with_effects(text: str, scene: str = PLATE) -> str:
-    return f"{scene}{text}"
-
-
 def table(name: str, text: str, scene: str = PLATE) -> Mapping[str, Any]:
-    return parse_scene(with_effects(f"[effects.{name}]\n{text}\n", scene)).effects[name]
+    return parse_scene(f"{scene}[effects.{name}]\n{text}\n").effects[name]
 
 
 def faults(text: str, scene: str = PLATE) -> tuple[Fault, ...]:
-    with pytest.raises(SceneError) as caught:
-        parse_scene(with_effects(text, scene))
-    return caught.value.faults
+    return refusal_of(f"{scene}{text}").faults
 
 
 def numbers() -> list[tuple[str, str, Node]]:
@@ -176,7 +170,7 @@ def test_a_file_is_read_with_its_hash(fakes: Fakes, tmp_path: Path, ending: str)
     data = f"0,1{ending}360,1{ending}".encode()
     (tmp_path / "load.csv").write_bytes(data)
     scene = tmp_path / "scene.toml"
-    scene.write_text(with_effects('[effects.load]\nfile = "load.csv"\n'), "utf-8")
+    scene.write_text(PLATE + '[effects.load]\nfile = "load.csv"\n', "utf-8")
     loaded: Scene = load_scene(scene)
     assert loaded.effects["load"] == {"file": DataFile("load.csv", data)}
     assert [name for name, _ in loaded.files] == ["load.csv"]
@@ -184,24 +178,24 @@ def test_a_file_is_read_with_its_hash(fakes: Fakes, tmp_path: Path, ending: str)
 
 def test_a_file_that_is_not_there_is_reported(fakes: Fakes, tmp_path: Path) -> None:
     scene = tmp_path / "scene.toml"
-    scene.write_text(with_effects('[effects.load]\nfile = "load.csv"\n'), "utf-8")
+    scene.write_text(PLATE + '[effects.load]\nfile = "load.csv"\n', "utf-8")
     with pytest.raises(SceneError, match=r'effects\.load\.file = "load\.csv": cannot be read'):
         load_scene(scene)
-    scene.write_text(with_effects('[effects.load]\nfile = "../load.csv"\n'), "utf-8")
+    scene.write_text(PLATE + '[effects.load]\nfile = "../load.csv"\n', "utf-8")
     with pytest.raises(SceneError, match="must not leave the folder"):
         load_scene(scene)
 
 
 def test_the_order_is_the_scene_s(fakes: Fakes) -> None:
     text = "[effects.spring]\n[effects.balance]\n[effects.inertia]\n[effects.contact-force]\n"
-    found = parse_scene(with_effects(text)).effects
+    found = parse_scene(PLATE + text).effects
     assert list(found) == ["spring", "balance", "inertia", "contact-force"]
     assert all(found[name] == {} for name in found)
 
 
 def test_without_effects_there_are_none() -> None:
     assert parse_scene(PLATE).effects == {}
-    assert parse_scene(with_effects("[effects]\n")).effects == {}
+    assert parse_scene(PLATE + "[effects]\n").effects == {}
 
 
 # What is missing ----------------------------------------------------------------------------------
@@ -244,7 +238,7 @@ def test_a_missing_key_is_reported_with_the_line_of_the_table(fakes: Fakes) -> N
     assert fault.key == "effects.kinematics"
     assert fault.message == "needs one of [cam] speed, [cam] speed_curve"
     assert fault.line == len(ROCKER.splitlines()) + 1
-    assert parse_scene(with_effects("[effects.kinematics]\n")).effects == {"kinematics": {}}
+    assert parse_scene(PLATE + "[effects.kinematics]\n").effects == {"kinematics": {}}
 
 
 def test_a_missing_table_is_reported(fakes: Fakes) -> None:
@@ -253,7 +247,7 @@ def test_a_missing_table_is_reported(fakes: Fakes) -> None:
     (fault,) = faults("[effects.gravity]\n")
     assert fault.message == "needs [effects.inertia]"
     text = "[effects.gravity]\n[effects.inertia]\n"
-    assert set(parse_scene(with_effects(text)).effects) == {"gravity", "inertia"}
+    assert set(parse_scene(PLATE + text).effects) == {"gravity", "inertia"}
 
 
 def test_one_of_several_tables_is_enough(fakes: Fakes) -> None:
@@ -262,7 +256,7 @@ def test_one_of_several_tables_is_enough(fakes: Fakes) -> None:
     (fault,) = faults("[effects.contact-force]\n")
     assert fault.message == "needs one of [effects.inertia], [effects.load], [effects.spring]"
     text = "[effects.contact-force]\n[effects.load]\nconstant = 1\n"
-    assert "contact-force" in parse_scene(with_effects(text)).effects
+    assert "contact-force" in parse_scene(PLATE + text).effects
 
 
 def test_what_a_needed_effect_lacks_is_reported_for_the_named_one(fakes: Fakes) -> None:
@@ -292,7 +286,7 @@ def test_a_ring_ends_the_search(fakes: Fakes) -> None:
     """The graph refuses it when one of them is asked for."""
     fakes["load"] = declared("load", needs=("spring",))
     fakes["spring"] = declared("spring", needs=("load",))
-    assert set(parse_scene(with_effects("[effects.load]\n")).effects) == {"load"}
+    assert set(parse_scene(PLATE + "[effects.load]\n").effects) == {"load"}
 
 
 def test_all_faults_are_reported_at_once(fakes: Fakes) -> None:

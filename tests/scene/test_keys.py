@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator
-from typing import Any
 
 import pytest
 
-from camgeo.scene.keys import KeyPath, key_lines, line_of, spelled
-from tests.scene.scenes import FIXTURES, GROOVE, LINKED, PLATE, ROCKER
+from camgeo.scene.keys import key_lines, line_of, spelled
+from tests.scene.scenes import FIXTURES, GROOVE, LINKED, PLATE, ROCKER, values_in
 
 TRICKY = '''
 # [not.a.table]
@@ -102,19 +100,8 @@ SCENES = [PLATE, ROCKER, LINKED, GROOVE, *(f.read_text() for f in sorted(FIXTURE
 def test_every_key_has_its_line(text: str) -> None:
     lines = key_lines(text)
     rows = text.splitlines()
-    for path in _paths(tomllib.loads(text)):
-        line = line_of(path, lines)
-        assert line is not None
-        names = [step for step in path if isinstance(step, str)]
-        assert names[-1] in rows[line - 1]
-
-
-def _paths(tree: dict[str, Any], path: KeyPath = ()) -> Iterator[KeyPath]:
-    for key, value in tree.items():
-        yield (*path, key)
-        if isinstance(value, dict):
-            yield from _paths(value, (*path, key))
-        elif isinstance(value, list):
-            for index, item in enumerate(value):
-                if isinstance(item, dict):
-                    yield from _paths(item, (*path, key, index))
+    for path, _ in values_in(tomllib.loads(text)):
+        if isinstance(path[-1], str):
+            line = line_of(path, lines)
+            assert line is not None
+            assert path[-1] in rows[line - 1]

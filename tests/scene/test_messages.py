@@ -13,7 +13,7 @@ from camgeo.errors import SceneError
 from camgeo.scene.formats.format import find_format
 from camgeo.scene.formats.gcode import FORMAT
 from camgeo.scene.scene import parse_scene
-from tests.scene.scenes import GROOVE, LINKED, PLATE, ROCKER, spoilt
+from tests.scene.scenes import GROOVE, LINKED, PLATE, ROCKER, refusal_of, spoilt
 
 Change = tuple[str, str]
 
@@ -242,10 +242,9 @@ FAULTS: list[tuple[str, list[Change], str]] = [
 @pytest.mark.parametrize(("scene", "changes", "message"), FAULTS, ids=[f[2] for f in FAULTS])
 def test_fault_is_reported(scene: str, changes: list[Change], message: str) -> None:
     text = spoilt(scene, *changes)
-    with pytest.raises(SceneError) as caught:
-        parse_scene(text, "scene.toml")
-    assert str(caught.value).startswith("scene.toml: ")
-    assert any(re.search(message, str(fault)) for fault in caught.value.faults), str(caught.value)
+    caught = refusal_of(text, "scene.toml")
+    assert str(caught).startswith("scene.toml: ")
+    assert any(re.search(message, str(fault)) for fault in caught.faults), str(caught)
 
 
 @pytest.mark.parametrize(
@@ -271,9 +270,7 @@ def test_what_a_format_lacks_is_no_fault_of_the_scene(
 def test_every_reported_line_is_that_of_the_key() -> None:
     for scene, changes, _ in FAULTS:
         text = spoilt(scene, *changes)
-        with pytest.raises(SceneError) as caught:
-            parse_scene(text)
-        for fault in caught.value.faults:
+        for fault in refusal_of(text).faults:
             if fault.line is None:
                 continue
             line = text.splitlines()[fault.line - 1]

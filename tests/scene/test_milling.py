@@ -16,7 +16,7 @@ from camgeo.milling.holding import Clamp, Tabs
 from camgeo.milling.tool import Tool
 from camgeo.scene.formats.format import find_format
 from camgeo.scene.scene import Scene, load_scene, parse_scene
-from tests.scene.scenes import PLATE, spoilt
+from tests.scene.scenes import PLATE, refusal_of, spoilt
 
 HEAD = PLATE[: PLATE.index("[[tool]]")]
 TOOL = PLATE[PLATE.index("[[tool]]") : PLATE.index("[holding]")]
@@ -24,9 +24,7 @@ HOLDING = PLATE[PLATE.index("[holding]") :]
 
 
 def faults(*tables: str) -> list[str]:
-    with pytest.raises(SceneError) as caught:
-        parse_scene(HEAD + "".join(tables))
-    return [str(fault) for fault in caught.value.faults]
+    return [str(fault) for fault in refusal_of(HEAD + "".join(tables)).faults]
 
 
 def tool(*changes: tuple[str, str]) -> str:
@@ -286,6 +284,5 @@ def test_a_library_that_cannot_be_read_is_one_fault(tmp_path: Path) -> None:
     """Its tools are not told to be missing, too."""
     stated = HEAD.replace('machine = "linuxcnc"', 'tools = "none.toml"')
     operation = '[[operation]]\nkind = "rough"\nboundary = "outline"\ntool = 3\n'
-    with pytest.raises(SceneError) as caught:
-        parse_scene(stated + HOLDING + operation, str(tmp_path / "s.toml"))
-    assert [fault.key for fault in caught.value.faults] == ["output.gcode.tools"]
+    (fault,) = refusal_of(stated + HOLDING + operation, str(tmp_path / "s.toml")).faults
+    assert fault.key == "output.gcode.tools"

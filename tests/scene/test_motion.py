@@ -14,6 +14,7 @@ import pytest
 from camgeo.errors import SceneError
 from camgeo.kinematics.plan import MotionPlan, Move, SplineMove
 from camgeo.scene.scene import load_scene, parse_scene
+from tests.scene.scenes import refusal_of
 
 HEAD = """camgeo = 1
 name = "motion"
@@ -39,9 +40,7 @@ def plan_of(motion: str, head: str = HEAD) -> MotionPlan:
 
 
 def faults_of(motion: str, head: str = HEAD, file: str = "") -> list[str]:
-    with pytest.raises(SceneError) as caught:
-        parse_scene(head + motion, file)
-    return [str(fault) for fault in caught.value.faults]
+    return [str(fault) for fault in refusal_of(head + motion, file).faults]
 
 
 def law_of(plan: MotionPlan, number: int) -> Move:

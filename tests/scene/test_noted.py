@@ -19,6 +19,7 @@ from camgeo.scene.keys import spelled
 from camgeo.scene.scene import Scene, load_scene
 from camgeo.scene.values import Reads, changes, document_of_tree, edited, unchanged
 from tests.long_form import examples
+from tests.scene.scenes import values_in
 
 ROOT: Final = Path(__file__).parents[2]
 
@@ -33,17 +34,6 @@ ODD: Final = (0, -1, 1, 2.5, 1e9, "inner", "groove", "mm", "inch", "no such word
 
 LATER: Final = {"source", "stated"}
 """Attributes that hold the values themselves."""
-
-
-def paths_in(tree: Any, path: tuple[str | int, ...] = ()) -> list[tuple[str | int, ...]]:
-    """Of all values, single ones and others."""
-    items = tree.items() if isinstance(tree, dict) else enumerate(tree)
-    found = []
-    for step, value in items:
-        found.append((*path, step))
-        if isinstance(value, dict | list):
-            found += paths_in(value, (*path, step))
-    return found
 
 
 def shown(value: Any) -> str:
@@ -81,9 +71,7 @@ def test_a_chain_of_edits_makes_the_scene_of_its_values(path: Path) -> None:
     rng = random.Random(path.stem)
     scene = load_scene(path)
     for _ in range(examples(12, long=60)):
-        places = paths_in(scene.stated.scene.exact)
-        place = rng.choice(places)
-        old = scene.stated.scene.at(place)
+        place, old = rng.choice(list(values_in(scene.stated.scene.exact)))
         number = isinstance(old, int | Decimal) and not isinstance(old, bool)
         near = [float(old) * 1.01, float(old) * 0.999] if number else []
         edits = {spelled(place): rng.choice([*near, *near, *ODD])}

@@ -15,13 +15,12 @@ from hypothesis import strategies as st
 
 import camgeo
 from camgeo.app.cli.main import main
-from camgeo.design.design import Design
 from camgeo.errors import SceneError
 from camgeo.scene.ocv import FIELDS, RANGES, SIZE, import_project, project_numbers, scene_name
 from camgeo.scene.scene import parse_scene
 from camgeo.scene.schema import schema
 from camgeo.scene.whole_schema import whole_schema
-from tests.reference import THESIS_CAMS, pitch_curve_of, reference, thesis_params
+from tests.reference import THESIS_CAMS, reference
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
 
@@ -69,17 +68,6 @@ def test_a_project_is_the_scene_that_was_made_from_its_table(name: str) -> None:
     assert made.contact == written.contact
     phi = np.linspace(0.0, 2.0 * math.pi, 721)
     assert np.array_equal(made.plan.jet(phi), written.plan.jet(phi))
-
-
-@pytest.mark.parametrize("name", THESIS_CAMS)
-def test_its_cam_is_the_one_of_the_reference(name: str) -> None:
-    design = Design(parse_scene(import_project((PROJECTS / f"{name}.ocv").read_bytes(), name)))
-    curve = pitch_curve_of(thesis_params(THESIS_CAMS[name], -1))
-    phi = np.linspace(0.0, 2.0 * math.pi, 361)
-    points = curve.point(phi)
-    assert np.array_equal(
-        design.disc.pictured.curve("pitch", phi), np.column_stack((points.real, points.imag))
-    )
 
 
 def test_the_text_names_its_source_and_every_number_of_it() -> None:

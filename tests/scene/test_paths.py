@@ -2,26 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
-
 import pytest
 
 from camgeo.errors import SceneError
-from camgeo.scene.keys import KeyPath, spelled
+from camgeo.scene.keys import spelled
 from camgeo.scene.scene import load_scene
 from camgeo.scene.values import value_path
 from tests.answers.documents import FIXTURES
-
-
-def leaves(tree: Any, path: KeyPath = ()) -> Iterator[KeyPath]:
-    """The paths of all single values of a tree."""
-    if isinstance(tree, dict | list):
-        items = tree.items() if isinstance(tree, dict) else enumerate(tree)
-        for step, item in items:
-            yield from leaves(item, (*path, step))
-    else:
-        yield path
+from tests.scene.scenes import values_in
 
 
 @pytest.mark.parametrize(
@@ -29,7 +17,9 @@ def leaves(tree: Any, path: KeyPath = ()) -> Iterator[KeyPath]:
 )
 def test_every_value_of_a_scene_has_a_path(name: str) -> None:
     tree = load_scene(FIXTURES / f"{name}.toml").stated.scene.exact
-    for path in leaves(tree):
+    for path, value in values_in(tree):
+        if isinstance(value, dict | list):
+            continue
         assert value_path(tree, spelled(path)) == path
         dotted = ".".join(str(step + 1) if isinstance(step, int) else step for step in path)
         assert value_path(tree, dotted) == path

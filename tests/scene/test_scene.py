@@ -7,7 +7,7 @@ import dataclasses
 import pathlib
 import pickle
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from decimal import Decimal
 from typing import Any
 
@@ -20,7 +20,17 @@ from camgeo import record
 from camgeo.errors import SceneError, VersionError
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.scene.scene import Scene, load_scene, parse_scene
-from tests.scene.scenes import FIXTURES, GROOVE, LINKED, PLATE, ROCKER, loaded
+from tests.scene.scenes import (
+    FIXTURES,
+    GROOVE,
+    LINKED,
+    PLATE,
+    ROCKER,
+    leaves,
+    loaded,
+    refusal_of,
+    spoilt,
+)
 from tests.scene.test_messages import FAULTS
 
 FILES = sorted(FIXTURES.glob("*.toml"))
@@ -60,18 +70,15 @@ def test_numbers_of_all_kinds() -> None:
 def test_faults_are_those_of_the_text(
     text: str, changes: list[tuple[str, str]], message: str
 ) -> None:
-    for old, new in changes:
-        text = text.replace(old, new)
-    folder = pathlib.Path()
+    text, folder = spoilt(text, *changes), pathlib.Path()
     try:
         values = tomllib.loads(text, parse_float=Decimal)
     except tomllib.TOMLDecodeError:
         return
-    with pytest.raises(SceneError) as of_text:
-        parse_scene(text, folder=folder)
     with pytest.raises(SceneError) as of_values:
         Scene(values, folder=folder)
-    reported = {dataclasses.replace(fault, line=None) for fault in of_text.value.faults}
+    of_text = refusal_of(text, folder=folder)
+    reported = {dataclasses.replace(fault, line=None) for fault in of_text.faults}
     assert set(of_values.value.faults) == reported
 
 
@@ -251,17 +258,6 @@ def test_faults_of_an_edit_name_the_key(edits: dict[str, Any], key: str, message
     (fault,) = caught.value.faults
     assert fault.key == key
     assert message in fault.message
-
-
-def leaves(values: Any, key: str = "") -> dict[str, Any]:
-    """Single values by their keys as messages spell them."""
-    if isinstance(values, Mapping):
-        parts = {f"{key}.{name}".lstrip("."): item for name, item in values.items()}
-    elif isinstance(values, tuple):
-        parts = {f"{key}[{number}]": item for number, item in enumerate(values, 1)}
-    else:
-        return {key: values}
-    return {k: v for name, item in parts.items() for k, v in leaves(item, name).items()}
 
 
 @settings(max_examples=60, deadline=None)

@@ -16,10 +16,9 @@ from camgeo.errors import SceneError
 from camgeo.scene import toml
 from camgeo.scene.scene import Scene, load_scene, parse_scene
 from camgeo.scene.toml import TEMPLATES, written_into
-from camgeo.scene.values import edited, read_only
+from camgeo.scene.values import edited
 from tests.long_form import examples
-from tests.scene.scenes import FIXTURES, PLATE
-from tests.scene.test_scene import leaves
+from tests.scene.scenes import FIXTURES, PLATE, leaves
 
 EFFECTS = FIXTURES.parent / "effects"
 FILES = sorted([*FIXTURES.glob("*.toml"), *EFFECTS.glob("*.toml"), *TEMPLATES.glob("*.toml")])
@@ -57,7 +56,7 @@ def test_numbers_are_written_in_their_lines_as_tomlkit_writes_them(
 ) -> None:
     text = file.read_text("utf-8")
     tree = tomllib.loads(text, parse_float=Decimal)
-    found = [key for key, value in leaves(read_only(tree)).items() if toml._is_number(value)]
+    found = [key for key, value in leaves(tree).items() if toml._is_number(value)]
     values = [Decimal("-0.250"), 7, Decimal("1E+2"), Decimal(4)]
     after = edited(tree, dict(zip(found[::3], values, strict=False)))
     quick = toml._with_numbers(text, tree, after)
@@ -79,7 +78,7 @@ def test_numbers_are_written_in_their_lines_as_tomlkit_writes_them(
 )
 def test_numbers_that_stand_in_one_line_with_their_key(text: str, there: bool) -> None:
     tree = tomllib.loads(text, parse_float=Decimal)
-    after = edited(tree, {key: Decimal("8.0") for key in leaves(read_only(tree)) if key != "s"})
+    after = edited(tree, {key: Decimal("8.0") for key in leaves(tree) if key != "s"})
     found = toml._with_numbers(text, tree, after)
     assert (found is not None) is there
     if found is not None:
