@@ -19,6 +19,9 @@ ROOT = Path(__file__).resolve().parents[1]
 
 PAGES = sorted((*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("fixtures/**/*.md")))
 
+READ = [page for page in PAGES if page.parent in (ROOT, ROOT / "docs") or "fixtures" in page.parts]
+"""Without the texts that other pages are made of."""
+
 
 def test_the_page_of_the_scene_file_is_made_from_the_schema() -> None:
     written = (ROOT / "docs" / "scene.md").read_text(encoding="utf-8")
@@ -73,6 +76,29 @@ def test_gaps_of_a_page_are_found() -> None:
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
 def test_no_table_and_no_section_is_empty(page: Path) -> None:
     assert list(gaps(page.read_text(encoding="utf-8"))) == []
+
+
+@pytest.mark.parametrize("page", READ, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_links_of_a_page_lead_to_files_and_headings(page: Path) -> None:
+    for link in re.findall(r"\]\((?!https?:)([^)\s]+)\)", page.read_text(encoding="utf-8")):
+        name, _, anchor = link.partition("#")
+        target = page.parent / name if name else page
+        assert target.is_file(), link
+        if anchor:
+            heads = re.findall(r"^#+ (.+)$", target.read_text(encoding="utf-8"), re.MULTILINE)
+            slugs = {re.sub(r"[^\w -]", "", head).lower().replace(" ", "-") for head in heads}
+            assert anchor in slugs, link
+
+
+def test_every_picture_is_one_and_stands_on_a_page() -> None:
+    pictures = {path for path in (ROOT / "docs" / "images").rglob("*") if path.is_file()}
+    shown = {
+        page.parent / name
+        for page in READ
+        for name in re.findall(r"\]\(([^)\s]+\.(?:svg|png))\)", page.read_text(encoding="utf-8"))
+    }
+    assert pictures == shown
+    assert all(path.read_bytes().startswith((b"<?xml", b"\x89PNG")) for path in pictures)
 
 
 def test_effects_that_a_pair_cannot_have_are_listed_from_the_rules() -> None:

@@ -103,11 +103,3 @@ def test_the_constants_are_those_of_the_limits() -> None:
     assert CUBIC == 1.0 / 768.0
     reported = [float(text) for text in re.findall(r"\| ([\d.]+) times", PAGE)]
     assert reported == [round(10.0 ** (1.0 / ORDER[form]), 2) for form in FORMS]
-
-
-def test_the_page_has_its_pictures() -> None:
-    names = re.findall(r"\(images/(accuracy-\S+)\)", PAGE)
-    drawn = [f"accuracy-{name}.svg" for name in sorted(maker().PICTURED)]
-    assert names == ["accuracy-speed.svg", *drawn]
-    for name in names:
-        assert (DOCS / "images" / name).read_bytes().startswith(b"<?xml")

@@ -2,27 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from tests.pages import page_maker
 from tests.reference import THESIS_CAMS, reference
 
-DOCS = Path(__file__).resolve().parents[1] / "docs"
-
 PAGE = page_maker("opticurv_page")
 
 PUBLISHED = {"schnitt": 6.7, "setzhub": 5.1, "vorschub": 1.3}
 """Largest error of the working curves [mm] as the reference collection has it (section 8)."""
-
-
-# Compared by `.ci/full`; below is what a reader would miss.
-@pytest.mark.long
-def test_the_page_is_made_by_its_script() -> None:
-    written = (DOCS / "opticurv.md").read_text(encoding="utf-8")
-    assert PAGE.page() == written, "run python docs/opticurv_page.py"
 
 
 @pytest.mark.parametrize("name", THESIS_CAMS)

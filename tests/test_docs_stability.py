@@ -58,11 +58,6 @@ def test_a_quick_run_stays_within_the_figures_of_the_page(quantity: str) -> None
     assert max(reading.ratio for reading in found) <= ratio <= LIMIT
 
 
-def test_the_page_has_its_picture() -> None:
-    (name,) = re.findall(r"\(images/(\S+)\)", PAGE)
-    assert (DOCS / "images" / name).read_bytes().startswith(b"\x89PNG")
-
-
 def test_every_group_has_its_row() -> None:
     assert re.findall(r"^\*\*(.+)\*\*: ", PAGE, flags=re.MULTILINE)[-len(GROUPS) :] == list(GROUPS)
 
