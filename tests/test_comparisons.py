@@ -12,23 +12,14 @@ import dataclasses
 import importlib
 import pkgutil
 import re
-import sys
-from collections.abc import Callable, Iterator, Mapping
-from pathlib import Path
+from collections.abc import Iterator
 from typing import Any, Final
 
-import numpy as np
 import pytest
 
 import camgeo
 import camgeo_export
-from camgeo.app.cli.main import main
-from tests.test_architecture import ROOT
 from tests.test_house import modules
-
-SCENES: Final = ROOT / "fixtures" / "scenes"
-
-FORMATS: Final = "dxf,gcode,stl,3mf,step,csv"
 
 HOLDS_ARRAYS: Final = re.compile(r"Array\b|\bndarray\b")
 
@@ -99,24 +90,6 @@ def test_a_class_whose_comparison_is_doubtful_is_found(
 # -- what is compared ------------------------------------------------------------------------------
 
 
-def incomparable(value: Any) -> bool:
-    """Whether a value holds a NaN or an array where == would compare it."""
-    if isinstance(value, np.ndarray):
-        return True
-    if isinstance(value, float | complex):
-        return value != value
-    if isinstance(value, tuple | list | set | frozenset):
-        return any(map(incomparable, value))
-    if isinstance(value, Mapping):
-        return any(map(incomparable, value.values()))
-    if not dataclasses.is_dataclass(value) or isinstance(value, type):
-        return False
-    if type(value).__eq__ is object.__eq__:
-        return False
-    names = (each.name for each in dataclasses.fields(value) if each.compare)
-    return any(incomparable(getattr(value, name, None)) for name in names)
-
-
 def data_classes() -> Iterator[type[Any]]:
     """All of camgeo and its writers."""
     for package in (camgeo, camgeo_export):
@@ -132,40 +105,6 @@ def data_classes() -> Iterator[type[Any]]:
                     yield value
 
 
-@pytest.fixture
-def compared(monkeypatch: pytest.MonkeyPatch) -> tuple[set[str], set[str]]:
-    """Classes that were compared or hashed, and those among them whose answer is doubtful."""
-    found: tuple[set[str], set[str]] = set(), set()
-
-    def watched(kind: type[Any], original: Callable[..., Any]) -> Callable[..., Any]:
-        def watching(*values: Any) -> Any:
-            found[0].add(kind.__qualname__)
-            if any(map(incomparable, values)):
-                place = sys._getframe(1)
-                found[1].add(f"{kind.__qualname__}: {place.f_code.co_filename}:{place.f_lineno}")
-            return original(*values)
-
-        return watching
-
-    for kind in data_classes():
-        for name in ("__eq__", "__hash__"):
-            if (original := vars(kind).get(name)) is not None:
-                monkeypatch.setattr(kind, name, watched(kind, original))
-    return found
-
-
-def test_what_is_built_and_verified_rests_on_no_doubtful_comparison(
-    compared: tuple[set[str], set[str]], tmp_path: Path
-) -> None:
-    every, doubts = compared
-    path, out = str(SCENES / "setzhub.toml"), str(tmp_path)
-    assert main(["check", path]) == 0
-    assert main(["build", path, "-o", out, "--tolerance", "0.01", "--only", FORMATS]) == 0
-    assert main(["verify", out, "--scene", path]) == 0
-    assert len(every) > 3
-    assert doubts == set()
-
-
 def test_no_class_compared_by_identity_inherits_another_comparison() -> None:
     """It would compare the fields of the class above alone."""
     found = [
@@ -176,13 +115,3 @@ def test_no_class_compared_by_identity_inherits_another_comparison() -> None:
         and any(dataclasses.is_dataclass(each) and "__eq__" in vars(each) for each in kind.__mro__)
     ]
     assert found == []
-
-
-def test_a_doubtful_comparison_is_seen(compared: tuple[set[str], set[str]]) -> None:
-    from camgeo.numeric.quadrature import Integral
-
-    assert Integral(1.0, 0.0, 1.0) == Integral(1.0, 0.0, 1.0)
-    assert compared[1] == set()
-    lost = Integral(float("nan"), 0.0, 1.0)
-    assert lost != Integral(1.0, 0.0, 1.0)
-    assert len(compared[1]) == 1

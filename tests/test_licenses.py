@@ -108,31 +108,21 @@ def faults(packages: Iterable[Distribution], notices: str) -> list[str]:
     return found
 
 
-def test_nothing_required_is_under_the_gpl_and_the_notices_are_complete() -> None:
-    packages = required("camgeo")
-    assert {"numpy", "shapely", "pillow", "tzdata"} <= packages.keys()
+@pytest.mark.parametrize(
+    ("extra", "known"),
+    [
+        ("", {"numpy", "shapely", "pillow", "tzdata"}),
+        ("[design]", {"starlette", "uvicorn", "websockets", "anyio"}),
+        ("[notebook]", {"anywidget", "ipywidgets", "ipython", "traitlets"}),
+        ("[cluster]", {"dask", "distributed", "tornado", "cloudpickle"}),
+    ],
+)
+def test_nothing_required_is_under_the_gpl_and_the_notices_are_complete(
+    extra: str, known: set[str]
+) -> None:
+    packages = required(f"camgeo{extra}")
+    assert known <= packages.keys()
     assert not {"pytest", "lib3mf"} & packages.keys()
-    del packages["camgeo"]
-    assert faults(packages.values(), NOTICES) == []
-
-
-def test_neither_is_anything_that_the_designer_needs() -> None:
-    packages = required("camgeo[design]")
-    assert {"starlette", "uvicorn", "websockets", "anyio"} <= packages.keys()
-    del packages["camgeo"]
-    assert faults(packages.values(), NOTICES) == []
-
-
-def test_neither_is_anything_that_notebooks_need() -> None:
-    packages = required("camgeo[notebook]")
-    assert {"anywidget", "ipywidgets", "ipython", "traitlets"} <= packages.keys()
-    del packages["camgeo"]
-    assert faults(packages.values(), NOTICES) == []
-
-
-def test_neither_is_anything_that_a_cluster_needs() -> None:
-    packages = required("camgeo[cluster]")
-    assert {"dask", "distributed", "tornado", "cloudpickle"} <= packages.keys()
     del packages["camgeo"]
     assert faults(packages.values(), NOTICES) == []
 

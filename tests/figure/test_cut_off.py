@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ import camgeo
 from camgeo.design.design import Design
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.pictures import cam, disc
+from camgeo.scene.scene import load_scene
 from camgeo.units import TURN
 from tests.export.stub_product import StubProduct
 from tests.figure import drawing
@@ -28,19 +30,10 @@ SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 CORNERS = {"swallow_tail": 1, "cut_lobe": 1, "trimmed_ring": 2, "straight_moves": 2}
 TRIMMED = sorted(CORNERS)
 
-ROLLER = "roller_radius = 14.8433436274128362400435660963"
-"""Of the scene with a swallow tail."""
 
-
-def altered(folder: Path, scene: str, *changes: tuple[str, str]) -> Design:
-    """The design of a scene in whose text the `changes` are made."""
-    text = (SCENES / f"{scene}.toml").read_text()
-    for old, new in changes:
-        assert text.count(old) == 1
-        text = text.replace(old, new)
-    file = folder / "altered.toml"
-    file.write_text(text)
-    return camgeo.load(file)
+def edited(scene: str, **edits: Any) -> Design:
+    """The design of a scene with other values."""
+    return Design(load_scene(SCENES / f"{scene}.toml").with_values(edits))
 
 
 def drawn(design: Any) -> Axes:
@@ -110,10 +103,8 @@ def test_none_of_a_tail_is_farther_from_the_pitch_curve_than_the_roller(scene: s
 
 @pytest.mark.parametrize("scene", TRIMMED)
 @pytest.mark.parametrize("limit", ["trim", "refuse"])
-def test_what_is_small_is_enlarged_where_nothing_else_is(
-    scene: str, limit: str, tmp_path: Path
-) -> None:
-    design = altered(tmp_path, scene, ('undercut = "trim"', f'undercut = "{limit}"'))
+def test_what_is_small_is_enlarged_where_nothing_else_is(scene: str, limit: str) -> None:
+    design = edited(scene, **{"limits.undercut": limit})
     axes = drawn(design.disc)
     small = inset(axes)
     if scene == "cut_lobe":
@@ -145,8 +136,8 @@ def test_what_is_small_is_enlarged_where_nothing_else_is(
 
 
 @pytest.mark.parametrize("scene", TRIMMED)
-def test_a_refused_cam_shows_what_would_be_cut_off(scene: str, tmp_path: Path) -> None:
-    design = altered(tmp_path, scene, ('undercut = "trim"', 'undercut = "refuse"'))
+def test_a_refused_cam_shows_what_would_be_cut_off(scene: str) -> None:
+    design = edited(scene, **{"limits.undercut": "refuse"})
     axes = drawn(design.disc)
     assert {"flanks", "would be cut off", "corner"} <= labels(axes)
     assert "edges of the disc" not in labels(axes)
@@ -159,25 +150,20 @@ def test_a_refused_cam_shows_what_would_be_cut_off(scene: str, tmp_path: Path) -
     [("26", "undercut"), ("14.1365177403931773714700629489", "cusp")],
     ids=["over-the-axis", "cusp"],
 )
-def test_undercut_of_which_nothing_can_be_cut_off(radius: str, label: str, tmp_path: Path) -> None:
+def test_undercut_of_which_nothing_can_be_cut_off(radius: str, label: str) -> None:
     """A roller larger than the base circle leaves no disc; a cusp has no loop."""
-    design = altered(
-        tmp_path,
-        "swallow_tail",
-        ('undercut = "trim"', 'undercut = "refuse"'),
-        (ROLLER, f"roller_radius = {radius}"),
-    )
+    edits = {"limits.undercut": "refuse", "follower.roller_radius": Decimal(radius)}
+    design = edited("swallow_tail", **edits)
     assert design.disc.pictured.cut_off == ()
     axes = drawn(design.disc)
     assert label in labels(axes)
     assert inset(axes) is None
 
 
-def test_a_tail_below_all_digits_is_only_marked(tmp_path: Path) -> None:
+def test_a_tail_below_all_digits_is_only_marked() -> None:
     """HC21b: 1.5e-8 mm wide."""
-    radius = "14.136531876910917764647434419"
-    design = altered(tmp_path, "swallow_tail", (ROLLER, f"roller_radius = {radius}"))
-    axes = drawn(design.disc)
+    radius = Decimal("14.136531876910917764647434419")
+    axes = drawn(edited("swallow_tail", **{"follower.roller_radius": radius}).disc)
     assert "corner" in labels(axes)
     assert inset(axes) is None
 

@@ -29,17 +29,21 @@ from typing import Any, Final
 from camgeo.app.cli.main import main as cli
 from camgeo.design import writing
 from camgeo.design.writing import STAGING, settle, write_set
-from tests.kill.sets import MEMORY, Files, everything, is_safe, is_whole, put, stub_set
+from tests.kill.sets import (
+    BEFORE,
+    FURTHER,
+    MEMORY,
+    WRITTEN,
+    Files,
+    everything,
+    is_safe,
+    is_whole,
+    put,
+)
 from tests.kill.signals import BUILD, SCENE, SIGNALS, Fault, forked, require, stopped, usual_signals
 from tests.kill.stops import Steps, stepping
 from tests.long_form import LONG, examples
 from tests.waiting import PATIENCE
-
-BEFORE: Final = stub_set(1, ("a.dxf", "b.ngc", "old.csv"))
-
-WRITTEN: Final = stub_set(2, ("a.dxf", "b.ngc", "c.stl"))
-
-FURTHER: Final = stub_set(3, ("a.dxf", "c.stl"))
 
 BUILT: Final = SIGNALS if LONG else (signal.SIGKILL, signal.SIGTERM)
 """Signals that stop a build: all but the first are handled alike."""

@@ -29,6 +29,13 @@ def stub_set(seed: int, names: tuple[str, ...], size: int = 500) -> Files:
     return files | {CERTIFICATE: json.dumps(document).encode()}
 
 
+BEFORE: Final = stub_set(1, ("a.dxf", "b.ngc", "old.csv"))
+
+WRITTEN: Final = stub_set(2, ("a.dxf", "b.ngc", "c.stl"))
+
+FURTHER: Final = stub_set(3, ("a.dxf", "c.stl"))
+
+
 def put(folder: Path, files: Files) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for name, data in files.items():

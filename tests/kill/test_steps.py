@@ -16,12 +16,18 @@ import pytest
 from camgeo.app.cli.main import Stopped
 from camgeo.design.writing import settle, write_set
 from camgeo.errors import OutputError
-from tests.kill.sets import MEMORY, Files, everything, is_safe, is_whole, put, stub_set
+from tests.kill.sets import (
+    BEFORE,
+    FURTHER,
+    MEMORY,
+    WRITTEN,
+    Files,
+    everything,
+    is_safe,
+    is_whole,
+    put,
+)
 from tests.kill.stops import Killed, Steps, full_after, stepping
-
-BEFORE = stub_set(1, ("a.dxf", "b.ngc", "old.csv"))
-WRITTEN = stub_set(2, ("a.dxf", "b.ngc", "c.stl"))
-FURTHER = stub_set(3, ("a.dxf", "c.stl"))
 
 VERIFICATION = "verification.json"
 

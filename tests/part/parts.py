@@ -9,6 +9,7 @@ from dataclasses import fields, replace
 from typing import Final
 
 import pytest
+import shapely
 from hypothesis import strategies as st
 
 from camgeo.cam.cam import Contact
@@ -21,7 +22,7 @@ from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import MotionPlan
 from camgeo.part.assembly import build_part
 from camgeo.part.boundaries import ExactBoundary
-from camgeo.part.part import Part
+from camgeo.part.part import Boundary, Part
 from camgeo.part.spec import (
     SIDES,
     Chamfer,
@@ -35,6 +36,7 @@ from camgeo.part.spec import (
     PartSpec,
 )
 from tests.contour.cams import dwell, move
+from tests.measuring import polygon
 
 ROLLER: Final = 8.0
 
@@ -55,7 +57,7 @@ DISC: Final = PartSpec(thickness=10.0, bore=20.0, rim=140.0, groove_depth=4.0)
 
 
 @contextmanager
-def refused(key: str, message: str = "") -> Iterator[None]:
+def refused(key: str, message: str = ".") -> Iterator[None]:
     """What is done within raises a GeometryError of this key, with this message."""
     with pytest.raises(GeometryError, match=message) as caught:
         yield
@@ -70,6 +72,11 @@ def circle(name: str, radius: float, centre: complex = 0j, *, hole: bool = False
 def walls_of(part: Part) -> list[tuple[str, float, float]]:
     """Names of the walls, from where they reach and to where."""
     return [(wall.boundary.name, wall.z0, wall.z1) for wall in part.walls]
+
+
+def polygon_of(boundary: Boundary, tolerance: float = 1e-3) -> shapely.Polygon:
+    """What a boundary encloses, within twice the tolerance [mm]."""
+    return polygon(boundary.arcs(tolerance, "fast").contour.points(tolerance))
 
 
 def made(contact: Contact, spec: PartSpec) -> Part:

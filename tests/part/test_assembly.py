@@ -13,12 +13,20 @@ from hypothesis import strategies as st
 
 from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError
-from camgeo.geometry.contour.contour import Contour, winding_number
+from camgeo.geometry.contour.contour import winding_number
 from camgeo.part.assembly import flattened, mark_outline
 from camgeo.part.mass import solid
-from camgeo.part.part import Boundary
 from camgeo.part.spec import Counterbore, DShaft, Holes, Hub, Keyway, Mark, PartSpec, SetScrew
-from tests.part.parts import DISC, FLANKS, made, made_or_refused, refused, specs, walls_of
+from tests.part.parts import (
+    DISC,
+    FLANKS,
+    made,
+    made_or_refused,
+    polygon_of,
+    refused,
+    specs,
+    walls_of,
+)
 from tests.strategies import attack
 
 
@@ -226,7 +234,7 @@ def test_random_parts(contact: Contact, spec: PartSpec) -> None:
     if part is None:
         return
     for layer in part.layers:
-        areas = [_area(each) for each in layer.boundaries]
+        areas = [polygon_of(each) for each in layer.boundaries]
         for k, one in enumerate(areas):
             for other in areas[:k]:
                 assert not shapely.intersects(one.exterior, other.exterior)
@@ -237,16 +245,10 @@ def test_random_parts(contact: Contact, spec: PartSpec) -> None:
     above = [layer for layer in part.layers if part.outermost not in layer.boundaries]
     for hub in above:
         # Nothing that is sunk in the face lies below.
-        covered = _area(hub.boundaries[0])
+        covered = polygon_of(hub.boundaries[0])
         for boundary in part.boundaries:
             if boundary.hole and boundary not in hub.boundaries:
-                assert hub.z0 < 0.0 or not covered.intersects(_area(boundary).exterior)
-
-
-def _area(boundary: Boundary) -> shapely.Polygon:
-    contour: Contour = boundary.arcs(1e-3, "fast").contour
-    points = contour.points(1e-3)
-    return shapely.Polygon(np.column_stack((points.real, points.imag)))
+                assert hub.z0 < 0.0 or not covered.intersects(polygon_of(boundary).exterior)
 
 
 BOLTS = Holes(3, 46.0, 4.0, counterbore=Counterbore(6.0, 4.0))

@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from itertools import combinations
 
-import numpy as np
 import pytest
-import shapely
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -15,10 +13,10 @@ from camgeo.cam.cam import Contact
 from camgeo.geometry.contour.contour import Fit
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.mass import SHARE, TOLERANCES, surely_thick, thinnest, thinnest_of_each
-from camgeo.part.part import Boundary, Part
+from camgeo.part.part import Part
 from camgeo.part.spec import Holes, Hub, Keyway, PartSpec
 from tests.draws.walls import misses
-from tests.part.parts import FLANKS, made, made_or_refused, specs
+from tests.part.parts import FLANKS, made, made_or_refused, polygon_of, specs
 from tests.strategies import attack
 
 CIRCLE = math.pi / 2.0
@@ -135,7 +133,7 @@ def test_walls_of_random_scenes_are_those_of_shapely() -> None:
 def _walls(part: Part) -> list[tuple[float, float]]:
     """Distances of polygons [mm], and the usual ones."""
     found = []
-    areas = {each.name: _area(each) for each in part.boundaries}
+    areas = {each.name: polygon_of(each, 1e-2) for each in part.boundaries}
     for layer in part.layers:
         for one, other in combinations(layer.boundaries, 2):
             a, b = areas[one.name], areas[other.name]
@@ -151,8 +149,3 @@ def _walls(part: Part) -> list[tuple[float, float]]:
             ]
             found.append((a.exterior.distance(b.exterior), SHARE * max(sizes, default=0.0)))
     return found
-
-
-def _area(boundary: Boundary) -> shapely.Polygon:
-    points = boundary.arcs(1e-2, "fast").contour.points(5e-3)
-    return shapely.Polygon(np.column_stack((points.real, points.imag)))

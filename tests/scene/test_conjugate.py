@@ -104,14 +104,16 @@ def test_effects_of_one_disc_are_refused(name: str) -> None:
 
 
 def test_lengths_are_in_the_unit_of_the_scene() -> None:
-    inch = '[units]\nlength = "inch"\n\n[limits]\nclosing_error = 1\n[cam]'
-    text = CARRIAGE.replace("[cam]", inch)
-    text = text.replace("base_radius = 58", "base_radius = 2").replace("offset = 6", "offset = 0.5")
-    text = text.replace("spacing = 135", "spacing = 5").replace("offset = -5", "offset = -0.25")
-    text = text.replace("roller_radius = 12", "roller_radius = 0.5")
-    text = text.replace("roller_radius = 10", "roller_radius = 0.25").replace("to = 18", "to = 0.5")
-    text = text.replace("bore = 25", "bore = 1").replace("diameter = 12", "diameter = 0.5")
-    scene = parse_scene(text)
+    scene = parse_scene(
+        spoilt(
+            CARRIAGE, ("[cam]", '[units]\nlength = "inch"\n[limits]\nclosing_error = 1\n[cam]'),
+            ("base_radius = 58", "base_radius = 2"), ("\noffset = 6", "\noffset = 0.5"),
+            ("spacing = 135", "spacing = 5"), ("offset = -5", "offset = -0.25"),
+            ("roller_radius = 12", "roller_radius = 0.5"),
+            ("roller_radius = 10", "roller_radius = 0.25"), ("to = 18", "to = 0.5"),
+            ("bore = 25", "bore = 1"), ("diameter = 12", "diameter = 0.5"),
+        )
+    )  # fmt: skip
     returning = scene.returning
     assert isinstance(returning, TranslatingRoller)
     assert returning.roller_radius == pytest.approx(6.35, rel=1e-15)

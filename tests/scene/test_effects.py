@@ -232,31 +232,27 @@ def test_what_parse_refuses_is_reported_with_key_and_line(
 SPEED = ("cam.speed", "cam.speed_curve")
 
 
-def test_a_missing_key_is_reported_with_the_line_of_the_table(fakes: Fakes) -> None:
-    fakes["kinematics"] = declared("kinematics", keys=(SPEED,))
-    (fault,) = faults("[effects.kinematics]\n", ROCKER)
-    assert fault.key == "effects.kinematics"
-    assert fault.message == "needs one of [cam] speed, [cam] speed_curve"
-    assert fault.line == len(ROCKER.splitlines()) + 1
-    assert parse_scene(PLATE + "[effects.kinematics]\n").effects == {"kinematics": {}}
-
-
-def test_a_missing_table_is_reported(fakes: Fakes) -> None:
-    keys = (("effects.inertia",),)
-    fakes["gravity"] = declared("gravity", keys=keys)
-    (fault,) = faults("[effects.gravity]\n")
-    assert fault.message == "needs [effects.inertia]"
-    text = "[effects.gravity]\n[effects.inertia]\n"
-    assert set(parse_scene(PLATE + text).effects) == {"gravity", "inertia"}
-
-
-def test_one_of_several_tables_is_enough(fakes: Fakes) -> None:
-    keys = (("effects.inertia", "effects.load", "effects.spring"),)
-    fakes["contact-force"] = declared("contact-force", keys=keys)
-    (fault,) = faults("[effects.contact-force]\n")
-    assert fault.message == "needs one of [effects.inertia], [effects.load], [effects.spring]"
-    text = "[effects.contact-force]\n[effects.load]\nconstant = 1\n"
-    assert "contact-force" in parse_scene(PLATE + text).effects
+@pytest.mark.parametrize(
+    ("name", "keys", "message", "enough"),
+    [
+        ("kinematics", SPEED, "needs one of [cam] speed, [cam] speed_curve", ""),
+        ("gravity", ("effects.inertia",), "needs [effects.inertia]", "[effects.inertia]"),
+        (
+            "contact-force",
+            ("effects.inertia", "effects.load", "effects.spring"),
+            "needs one of [effects.inertia], [effects.load], [effects.spring]",
+            "[effects.load]\nconstant = 1",
+        ),
+    ],
+)
+def test_what_is_missing_is_reported_with_the_line_of_the_table(
+    fakes: Fakes, name: str, keys: tuple[str, ...], message: str, enough: str
+) -> None:
+    fakes[name] = declared(name, keys=(keys,))
+    (fault,) = faults(f"[effects.{name}]\n", ROCKER)
+    line = len(ROCKER.splitlines()) + 1
+    assert (fault.key, fault.message, fault.line) == (f"effects.{name}", message, line)
+    assert name in parse_scene(f"{PLATE}[effects.{name}]\n{enough}\n").effects
 
 
 def test_what_a_needed_effect_lacks_is_reported_for_the_named_one(fakes: Fakes) -> None:

@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
-from camgeo.design.design import Design
 from camgeo.geometry.contour.contour import Contour
 from camgeo.part.assembly import bore_boundary
 from camgeo.part.bevels import bevelled as part_with
 from camgeo.part.part import Layer, Part
 from camgeo.part.spec import Chamfer, Chamfers, Keyway
 from camgeo.pictures.sheet.bevels import bevelled, corners_of, edges_above
-from camgeo.pictures.sheet.marks import Chain, Distance, Hatched, Label, Mark
+from camgeo.pictures.sheet.marks import Hatched, Mark
 from camgeo.pictures.sheet.section import hatching, section
 from camgeo.pictures.sheet.shape import Shape, shape_of
-from camgeo.pictures.sheet.sheet import sheets_of
-from camgeo.scene.scene import parse_scene
-from tests.sheet.sheets import HUBBED, edited, overlaps, text_boxes
 from tests.sheet.test_section import BORE, HUB, OUTLINE, lines
 
 CHAMFERS = Chamfers(outline=Chamfer(1.0), bore=Chamfer(0.5, "upper"), hub=Chamfer(2.0))
@@ -68,30 +62,6 @@ def test_hatching_stays_in_a_face_without_corners() -> None:
     for ends in found:
         for end in ends:
             assert np.all(((end - polygon) * np.conj(sides)).imag >= -1e-9)
-
-
-def test_a_sheet_of_a_part_with_chamfers() -> None:
-    text = HUBBED.replace("keyway = { width = 5, depth = 2.3, angle = 90 }\n", "")
-    table = """chamfers = { outline = { width = 0.5, edges = "upper" }, bore = { width = 1 } }
-hub ="""
-    scene = parse_scene(text.replace("hub =", table))
-    (sheet,) = sheets_of(Design(scene.with_values(edited({}))).disc, 0.01)
-    assert overlaps(text_boxes(sheet)) == []
-    texts = " ".join(mark.text for mark in sheet.marks if isinstance(mark, Label))
-    assert "Chamfers of 45°: flanks 0.5 on the upper side; bore 1." in texts
-    above = [
-        m for m in sheet.views[0].marks if isinstance(m, Chain) and m.layer == "EDGES" and m.closed
-    ]
-    assert len(above) == 2  # of the outline, and of the bore on the upper hub
-    reach = sorted(float(np.max(np.abs(each.vertices))) for each in above)
-    assert reach[0] == pytest.approx(9.0)
-    corners = [
-        each.sharp for each in corners_of(shape_of(Design(scene).disc.drawn.part, 0.01, "fast"))
-    ]
-    points = [point for mark in sheet.views[1].marks if isinstance(mark, Distance)
-              for point in (mark.first, mark.second)]  # fmt: skip
-    assert points
-    assert not any(math.isclose(abs(a - b), 0.0, abs_tol=0.1) for a in points for b in corners)
 
 
 def test_mitres_join_the_corners_of_a_keyway() -> None:
