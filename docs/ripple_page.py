@@ -13,8 +13,7 @@ from typing import Final
 import camgeo
 from camgeo.design.design import Design
 from camgeo.geometry.contour.contour import Form
-from camgeo.pictures import spectrum
-from camgeo.pictures.benefit import figure
+from camgeo.pictures.accuracy import benefit_figure, spectrum_figure
 from camgeo.studies.accuracy.benefit import OCTAVES, BenefitRow, benefit_rows
 from camgeo.studies.accuracy.contours import FORMS, ORDER
 from camgeo.units import RPM
@@ -247,13 +246,13 @@ def listed(words: list[str]) -> str:
 
 def draw(rows: Sequence[BenefitRow]) -> bytes:
     """The picture."""
-    return render(figure(rows, title="setzhub: what accuracy buys"), ".svg")
+    return render(benefit_figure(rows, title="setzhub: what accuracy buys"), ".svg")
 
 
 def draw_spectrum(rows: Sequence[BenefitRow]) -> bytes:
     """The picture of the harmonics."""
     title = f"setzhub at {SPEEDS[-1]:g} rev/min: ripple in each octave"
-    return render(spectrum.figure(at_highest_speed(rows), title=title), ".svg")
+    return render(spectrum_figure(at_highest_speed(rows), title=title), ".svg")
 
 
 if __name__ == "__main__":

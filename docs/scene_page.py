@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from camgeo.scene.whole_schema import whole_schema
+from camgeo.scene.schema import whole_schema
 
 PAGE = Path(__file__).with_name("scene.md")
 SCHEMA = PAGE.with_suffix(".schema.json")

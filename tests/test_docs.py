@@ -12,7 +12,7 @@ import pytest
 
 from camgeo.app.cli.main import parser
 from camgeo.scene.scene import parse_scene
-from camgeo.scene.whole_schema import whole_schema
+from camgeo.scene.schema import whole_schema
 from tests.pages import page_maker
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -54,7 +54,7 @@ def test_rows_measured_again_are_those_of_the_page() -> None:
 
 @pytest.mark.long  # the long form alone has the rows
 def test_the_picture_is_drawn_from_the_rows() -> None:
-    drawn = maker().figure(measured(), title="setzhub")
+    drawn = maker().benefit_figure(measured(), title="setzhub")
     assert [panel.y.label for panel in drawn.panels] == [
         "acceleration is off [mm/s²]",
         "contact force is off [N]",
@@ -76,6 +76,6 @@ def test_harmonics_measured_again_are_those_of_the_page() -> None:
 
 @pytest.mark.long  # the long form alone has the rows
 def test_the_spectrum_has_a_line_for_each_tolerance() -> None:
-    drawn = maker().spectrum.figure(maker().at_highest_speed(measured()), title="setzhub")
+    drawn = maker().spectrum_figure(maker().at_highest_speed(measured()), title="setzhub")
     assert [len(panel.marks) for panel in drawn.panels] == [2] * len(FORMS)
     assert drawn.to_data()

@@ -615,8 +615,6 @@ class Chamfers:
 
 DIN_6885_1: Final = "DIN 6885-1"
 
-STANDARDS: Final = (DIN_6885_1,)
-
 
 class Row(NamedTuple):
     """A row of the table.

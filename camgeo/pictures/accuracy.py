@@ -2,7 +2,8 @@
 
 At a speed of the cam the first panel has both for the form of the drawing: what accuracy costs
 rises, what is off falls. The knee is marked in all panels, with its reason in words above them. The
-last ones, with axes of their own, are the spectrum of what is off, and the effects.
+last ones, with axes of their own, are the spectrum of what is off, and the effects. What is off has
+figures of its own, too: at several speeds, and by octaves of the cam's frequency.
 
 All axes are logarithmic, with the tolerance falling to the right, where costs are higher. Forms
 differ by marker and dash, fast fits have hollow markers, so that a print in grey can be read.
@@ -14,6 +15,7 @@ import math
 import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import cycle
 from typing import TYPE_CHECKING, Final
 
 from camgeo.geometry.contour.contour import Form
@@ -186,8 +188,6 @@ def figure(
             panel = replace(panel, marks=marks, title=title, title_gap=gap)
         panels.append(panel)
     if spectrum:
-        from camgeo.pictures.spectrum import panel as octaves  # a survey without a speed needs none
-
         frame = _frame(BOTTOM + (HEIGHT + OWN_GAP) * effects, height)
         moves = length if unit == "mm" else unit
         label = f"{form}: off, by octaves [{moves}/s²]"
@@ -201,9 +201,9 @@ def figure(
     return Figure((WIDTH, height), tuple(panels))
 
 
-def _frame(bottom: float, height: float) -> Frame:
+def _frame(bottom: float, height: float, high: float = HEIGHT) -> Frame:
     """That of a panel whose lower edge is `bottom` inches above that of the figure of `height`."""
-    return box(LEFT / WIDTH, bottom / height, 1.0 - (LEFT + RIGHT) / WIDTH, HEIGHT / height)
+    return box(LEFT / WIDTH, bottom / height, 1.0 - (LEFT + RIGHT) / WIDTH, high / height)
 
 
 def _panel(bottom: float, height: float, x: Axis, label: str, lines: list[Line]) -> Panel:
@@ -415,3 +415,154 @@ def _fit_seconds(row: ContourRow) -> float | None:
 
 def _ripple_percent(row: ContourRow) -> float | None:
     return None if row.ripple is None else 100.0 * row.ripple
+
+
+# What is off, alone -------------------------------------------------------------------------------
+
+
+LOW: Final = 2.6
+"""Height of its panels [inch]."""
+
+DASHES: Final[tuple[tuple[float, ...], ...]] = ((), (4.0, 2.0), (1.0, 1.5))
+"""Of the speeds in ascending order, repeated if there are more."""
+
+LIFTS_OFF: Final = "lifts off at [rev/min]"
+
+TOLERANCE_COLOURS: Final = ("#08306b", "#2171b5", "#6baed6", "#8c5aa8", "#c27c0e", "#7a7a7a")
+"""Of the tolerances, the loosest first; repeated with other markers if there are more."""
+
+TOLERANCE_MARKERS: Final = "os^vDP"
+
+DECADES: Final = 1e7
+"""Factor from the top of a panel to its lower end: what is further down moves nothing."""
+
+HARMONIC: Final = "harmonic of the cam's speed"
+
+
+def benefit_figure(rows: Sequence[BenefitRow], *, title: str, unit: LiftUnit = "mm") -> Figure:
+    """One panel each for acceleration and force at all speeds, and for the speed of lift-off.
+
+    The output moves in `unit`. Panels without values, as of forces in a scene that has none, are
+    left out.
+    """
+    speeds = sorted({row.speed for row in rows})
+    drawn: list[tuple[str, list[Line]]] = [
+        (
+            f"acceleration is off [{unit}/s²]",
+            _each(rows, speeds, lambda row: row.acceleration),
+        ),
+        ("contact force is off [N]", _each(rows, speeds, lambda row: row.force)),
+        (LIFTS_OFF, _each(rows, speeds[:1], _lift_off)),
+    ]
+    drawn = [(label, lines) for label, lines in drawn if lines]
+    exact = {row.exact_lift_off for row in rows} - {None, math.inf}
+    height, frames = _low_frames(len(drawn))
+    panels = []
+    for number, ((label, lines), frame) in enumerate(zip(drawn, frames, strict=True)):
+        last = number == len(drawn) - 1
+        rules = [Rule("y", each / RPM, ADVICE) for each in exact if each and label == LIFTS_OFF]
+        tolerances = [row.tolerance for row in rows]
+        low, high = log_limits(heights(lines))
+        named = entries(lines)
+        panels.append(
+            Panel(
+                frame,
+                _tolerances(tolerances, "tolerance [mm]", numbered=last),
+                Axis((low, max(high, *(1.2 * each.at for each in rules), 0.0)), label, log=True),
+                (*lines, *rules),
+                title="" if number else title,
+                legend=Legend(named, "upper left", (1.02, 1.0), size=7.5, gap=0.0),
+            )
+        )
+    return Figure((WIDTH, height), tuple(panels))
+
+
+def _each(
+    rows: Sequence[BenefitRow], speeds: Sequence[float], value: Callable[[BenefitRow], float | None]
+) -> list[Line]:
+    lines = []
+    for form in FORMS:
+        for number, speed in enumerate(speeds):
+            found = [
+                (row.tolerance, shown)
+                for row in rows
+                if (row.form, row.speed) == (form, speed)
+                and (shown := value(row)) is not None
+                and 0.0 < shown < math.inf
+            ]
+            if not found:
+                continue
+            colour = COLOURS[form]
+            style = Style(
+                colour, 0.8, DASHES[number % len(DASHES)], MARKERS[form], 4.0, colour, colour
+            )
+            at = f", {speed / RPM:g} rev/min" if len(speeds) > 1 else ""
+            lines.append(Line(over(*zip(*found, strict=True)), style, f"{form}{at}"))
+    return lines
+
+
+def _lift_off(row: BenefitRow) -> float | None:
+    return None if row.lift_off is None else row.lift_off / RPM
+
+
+def spectrum_figure(rows: Sequence[BenefitRow], *, title: str, unit: LiftUnit = "mm") -> Figure:
+    """One panel for each form of the contour of `rows`, which are of one speed of the cam.
+
+    The output moves in `unit`.
+    """
+    forms = [form for form in FORMS if any(row.form == form and row.octaves for row in rows)]
+    height, frames = _low_frames(len(forms))
+    panels = []
+    for number, (form, frame) in enumerate(zip(forms, frames, strict=True)):
+        own = [row for row in rows if row.form == form]
+        head, last = "" if number else title, number == len(forms) - 1
+        panels.append(octaves(own, frame, f"{form} [{unit}/s²]", title=head, numbered=last))
+    return Figure((WIDTH, height), tuple(panels))
+
+
+def octaves(
+    rows: Sequence[BenefitRow],
+    frame: Frame,
+    label: str,
+    *,
+    title: str = "",
+    numbered: bool = True,
+    length: LengthUnit = "mm",
+) -> Panel:
+    """The effective values of the octaves, each drawn at the first of its harmonics.
+
+    `rows` are of one form of the contour at one speed, with tolerances in the unit `length`.
+    """
+    lines = []
+    for row, colour, marker in zip(rows, cycle(TOLERANCE_COLOURS), cycle(TOLERANCE_MARKERS)):
+        found = [(2.0**octave, value) for octave, value in enumerate(row.octaves) if value > 0.0]
+        if found:
+            style = Style(colour, 1.2, marker=marker, size=4.0)
+            lines.append(
+                Line(over(*zip(*found, strict=True)), style, f"{row.tolerance:.6g} {length}")
+            )
+    low, high = log_limits(heights(lines))
+    count = max((len(row.octaves) for row in rows), default=1)
+    ticks = tuple(2.0**octave for octave in range(count))
+    return Panel(
+        frame,
+        Axis(
+            (0.8, 1.25 * ticks[-1]),
+            HARMONIC if numbered else "",
+            log=True,
+            ticks=ticks,
+            names=tuple(f"{tick:g}" for tick in ticks),
+            numbered=numbered,
+        ),
+        Axis((max(low, high / DECADES), high), label, log=True),
+        tuple(lines),
+        title=title,
+        legend=Legend(entries(lines), "upper left", (1.02, 1.0), size=7.5, gap=0.0),
+    )
+
+
+def _low_frames(count: int) -> tuple[float, list[Frame]]:
+    """The height [inch] of a figure of so many panels below each other, and their frames."""
+    height = TOP + BOTTOM + count * LOW + (count - 1) * GAP
+    bottoms = (BOTTOM + (count - 1 - number) * (LOW + GAP) for number in range(count))
+    return height, [_frame(bottom, height, LOW) for bottom in bottoms]

@@ -24,15 +24,19 @@ x-values : values to suggest where the schema has only a pattern.
 
 from __future__ import annotations
 
+import copy
 import functools
 import json
 import pathlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from jsonschema_rs import Draft202012Validator
 
+from camgeo.dynamics.effects import registry
+from camgeo.dynamics.effects.effect import Effect
+from camgeo.dynamics.effects.rules import Only
 from camgeo.errors import CamgeoError
 from camgeo.kinematics.laws import ALIASES, FAMILIES, OPTIONS
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
@@ -41,7 +45,6 @@ from camgeo.kinematics.planning.requests import AUTO
 from camgeo.scene.formats.format import FORMATS, NO_FORMATS, find_format, foreign_names
 
 if TYPE_CHECKING:
-    from camgeo.dynamics.effects.effect import Effect
     from camgeo.scene.formats.format import Format
 
 
@@ -217,8 +220,6 @@ def library_schema() -> Composed:
 def _effects(named: Any) -> Named[Effect]:
     if not isinstance(named, dict) or not named:
         return ()
-    from camgeo.dynamics.effects import registry  # few scenes name an effect
-
     known = registry.EFFECTS
     if not named.keys() <= set(known):
         known = registry.effect_names()
@@ -238,7 +239,7 @@ def _formats(output: Any) -> Named[Format[Any]]:
 
 @functools.lru_cache(maxsize=64)
 def _composed(effects: Named[Effect], formats: Named[Format[Any]], *, mills: bool) -> Composed:
-    root = with_tables(
+    root = _with_tables(
         {name: effect.schema if effect else {} for name, effect in effects},
         {name: form.schema if form else {} for name, form in formats},
         milling_tables() if mills else {},
@@ -250,7 +251,7 @@ def _composed(effects: Named[Effect], formats: Named[Format[Any]], *, mills: boo
     )
 
 
-def with_tables(effects: Tables, formats: Tables, milling: Tables) -> Node:
+def _with_tables(effects: Tables, formats: Tables, milling: Tables) -> Node:
     """Return the schema with these tables; what it shares must not be changed."""
     top = schema()["properties"]
     own = {**top[EFFECTS_KEY], "properties": {name: dict(table) for name, table in effects.items()}}
@@ -275,6 +276,51 @@ def schema_of_all(values: Mapping[str, Any]) -> Node:
     listed = table.get("formats")
     words = [*FORMATS, *(listed if isinstance(listed, list) else ())]
     return schema_for({**values, OUTPUT: {**table, "formats": words}}).root
+
+
+def whole_schema(names: Iterable[str] = registry.EFFECTS) -> Node:
+    """Return the schema as an editor or a page of documentation uses it, a copy of its own.
+
+    It has the tables of the effects `names`, of all formats and of milling. Where effects do not
+    apply is stated in their descriptions, and in those of the keys of [follower] with which they do
+    not: both follow from the effects' own rules.
+    """
+    effects = [registry.find_effect(name) for name in names]
+    formats = {name: find_format(name).schema for name in FORMATS}
+    named = {each.name: each.schema for each in effects}
+    root: Node = copy.deepcopy(_with_tables(named, formats, milling_tables()))
+    for effect in effects:
+        table = root["properties"]["effects"]["properties"][effect.name]
+        for rule in _bounds(effect):
+            for node in [table["properties"][key] for key in rule.keys] or [table]:
+                node["description"] = (
+                    f"{node.get('description', '')} {rule.kind.description}".lstrip()
+                )
+    for node in _nodes(root):
+        if "x-barring" in node:
+            node["description"] += f" Not with {', '.join(_barred(effects, node['x-barring']))}."
+    return root
+
+
+def _bounds(effect: Effect) -> Iterator[Only]:
+    return (rule for rule in effect.rules if isinstance(rule, Only))
+
+
+def _barred(effects: Iterable[Effect], key: str) -> Iterator[str]:
+    """The effects, or keys of theirs, that do not apply together with the `key` of [follower]."""
+    for effect in effects:
+        for rule in _bounds(effect):
+            if rule.kind.barring == key:
+                yield f"[effects.{effect.name}] {' and '.join(rule.keys)}".rstrip()
+
+
+def _nodes(root: Any) -> Iterator[Node]:
+    """All objects of the schema."""
+    if isinstance(root, dict):
+        yield root
+    inside = root.values() if isinstance(root, dict) else root if isinstance(root, list) else ()
+    for inner in inside:
+        yield from _nodes(inner)
 
 
 def definition(name: str) -> Node:

@@ -29,8 +29,7 @@ from camgeo.dynamics.effects.rules import FLATS, ONE_DISC, ONE_ROLLER, ROLLERS
 from camgeo.errors import EffectError, Fault, GeometryError, SceneError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.scene import parse_scene
-from camgeo.scene.schema import schema
-from camgeo.scene.whole_schema import whole_schema
+from camgeo.scene.schema import schema, whole_schema
 from camgeo.units import TURN
 from tests.effects.scenes import SCENES, only_for
 from tests.long_form import examples

@@ -205,7 +205,7 @@ def test_its_columns_are_in_the_table(said: dict[str, tuple[int, str]]) -> None:
 def test_editors_know_it(home: Path) -> None:
     code = (
         "from camgeo.dynamics.effects.registry import effect_names\n"
-        "from camgeo.scene.whole_schema import whole_schema\n"
+        "from camgeo.scene.schema import whole_schema\n"
         "import json; print(json.dumps(whole_schema(effect_names())))"
     )
     done = subprocess.run(

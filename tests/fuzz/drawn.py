@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from random import Random
 from typing import Any, Final
 
-from camgeo.scene.schema import Node, keys_of, resolved
-from camgeo.scene.whole_schema import whole_schema
+from camgeo.scene.schema import Node, keys_of, resolved, whole_schema
 from tests.effects.test_random_scenes import USUAL
 
 WHOLE: Final = whole_schema()

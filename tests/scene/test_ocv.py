@@ -18,8 +18,7 @@ from camgeo.app.cli.main import main
 from camgeo.errors import SceneError
 from camgeo.scene.ocv import FIELDS, RANGES, SIZE, import_project, project_numbers, scene_name
 from camgeo.scene.scene import parse_scene
-from camgeo.scene.schema import schema
-from camgeo.scene.whole_schema import whole_schema
+from camgeo.scene.schema import schema, whole_schema
 from tests.reference import THESIS_CAMS, reference
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"

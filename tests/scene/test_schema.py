@@ -16,8 +16,7 @@ from camgeo.record import allowed
 from camgeo.scene.formats.csv import CsvSpec
 from camgeo.scene.formats.dxf import DxfSpec
 from camgeo.scene.formats.format import OutputSpec
-from camgeo.scene.schema import Node, definition, resolved, schema
-from camgeo.scene.whole_schema import whole_schema
+from camgeo.scene.schema import Node, definition, resolved, schema, whole_schema
 
 
 def test_schema_is_valid() -> None:

@@ -10,10 +10,9 @@ from camgeo.part.assembly import bore_boundary
 from camgeo.part.bevels import bevelled as part_with
 from camgeo.part.part import Layer, Part
 from camgeo.part.spec import Chamfer, Chamfers, Keyway
-from camgeo.pictures.sheet.bevels import bevelled, corners_of, edges_above
 from camgeo.pictures.sheet.marks import Hatched, Mark
 from camgeo.pictures.sheet.section import hatching, section
-from camgeo.pictures.sheet.shape import Shape, shape_of
+from camgeo.pictures.sheet.shape import Shape, bevelled, corners_of, edges_above, shape_of
 from tests.sheet.test_section import BORE, HUB, OUTLINE, lines
 
 CHAMFERS = Chamfers(outline=Chamfer(1.0), bore=Chamfer(0.5, "upper"), hub=Chamfer(2.0))

@@ -82,13 +82,10 @@ def dashed(
     """A closed contour in dashes and dots, with a whole number of patterns around it."""
     total = float(np.cumsum(contour.lengths)[-1])
     count = max(1, round(total * scale / sum(pattern)))
-    stretch = total / (count * sum(pattern))
-    place = -0.5 * pattern[0] * stretch
-    for number in range(count * len(pattern)):
-        size = pattern[number % len(pattern)] * stretch
-        if number % 2 == 0:
-            yield cut_out(contour, place % total, size, layer)
-        place += size
+    share = total / (count * sum(pattern))
+    ends = _dashes(pattern, count * len(pattern), share, -0.5 * pattern[0] * share)
+    for place, size in ends:
+        yield cut_out(contour, place % total, size, layer)
 
 
 def dashed_stretch(mark: Chain, scale: float, pattern: Sequence[float]) -> Iterator[Chain]:
@@ -105,29 +102,31 @@ def dashed_stretch(mark: Chain, scale: float, pattern: Sequence[float]) -> Itera
         yield mark
         return
     share = length / (count * sum(pattern) + pattern[0])
-    place = 0.0
-    for number in range(count * len(pattern) + 1):
-        size = pattern[number % len(pattern)] * share
-        if number % 2 == 0:
-            yield cut_out(contour, place, min(size, length - place), mark.layer)
-        place += size
+    for place, size in _dashes(pattern, count * len(pattern) + 1, share):
+        yield cut_out(contour, place, min(size, length - place), mark.layer)
 
 
 def _dashed_line(mark: Chain, scale: float, pattern: Sequence[float]) -> Iterator[Chain]:
     """A straight line that begins and ends with a dash; a short one is one dash."""
     start, end = (complex(each) for each in mark.vertices)
-    length = abs(end - start) * scale
-    count = round((length - pattern[0]) / sum(pattern))
+    count = round((abs(end - start) * scale - pattern[0]) / sum(pattern))
     if count < 1:
         yield mark
         return
     share = 1.0 / (count * sum(pattern) + pattern[0])
-    place = 0.0
-    for number in range(count * len(pattern) + 1):
+    for place, size in _dashes(pattern, count * len(pattern) + 1, share):
+        way = end - start
+        yield line(start + place * way, start + (place + size) * way, mark.layer)
+
+
+def _dashes(
+    pattern: Sequence[float], pieces: int, share: float, place: float = 0.0
+) -> Iterator[tuple[float, float]]:
+    """Where each dash begins and how long it is, of so many dashes and gaps in turn."""
+    for number in range(pieces):
         size = pattern[number % len(pattern)] * share
         if number % 2 == 0:
-            way = end - start
-            yield line(start + place * way, start + (place + size) * way, mark.layer)
+            yield place, size
         place += size
 
 
@@ -148,8 +147,6 @@ NEAR: Final = 1e-4
 
 FINE: Final = 1e-7
 """Of the length of an edge, to which the ends of its stretches are found."""
-
-Covered = Callable[[complex], bool]
 
 
 def chains_of(shape: Shape, edge: Edge) -> list[Chain]:

@@ -20,7 +20,6 @@ from typing import Final
 import numpy as np
 
 from camgeo.numeric.arrays import ComplexArray, phase
-from camgeo.pictures.sheet.bevels import NEAR, corners_of
 from camgeo.pictures.sheet.front import SMALL_BEYOND
 from camgeo.pictures.sheet.marks import (
     DIAMETER,
@@ -42,7 +41,16 @@ from camgeo.pictures.sheet.placing import (
     placed,
     shelf_of,
 )
-from camgeo.pictures.sheet.shape import COARSE, Edge, Shape, corners, crossings, extreme
+from camgeo.pictures.sheet.shape import (
+    COARSE,
+    NEAR,
+    Edge,
+    Shape,
+    corners_of,
+    crossings,
+    extreme,
+    kinks,
+)
 from camgeo.scene.formats.drawing import DrawingSpec
 from camgeo.units import LengthUnit
 
@@ -65,7 +73,7 @@ def section(shape: Shape) -> list[Mark]:
     """The cut part: across is the height over its lowest face, up is y of the front view [mm]."""
     size, layers = shape.size, shape.part.layers
     rings = [[c.points(COARSE * size) for c in shape.contours(layer)] for layer in layers]
-    sharp = [np.concatenate([corners(c) for c in shape.contours(layer)]) for layer in layers]
+    sharp = [np.concatenate([kinks(c) for c in shape.contours(layer)]) for layer in layers]
     places = _places(rings, sharp, size)
     middles = [0.5 * (low + high) for low, high in pairwise(places)]
     seen = [[_first(own, y) for y in middles] for own in rings]

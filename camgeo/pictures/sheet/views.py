@@ -14,8 +14,6 @@ from camgeo.geometry.contour.contour import Contour
 from camgeo.part.part import WRITTEN_SHARE
 from camgeo.pictures.sheet import front
 from camgeo.pictures.sheet import section as dimensions
-from camgeo.pictures.sheet import section as section_dimensions
-from camgeo.pictures.sheet.bevels import bevelled, edges_above
 from camgeo.pictures.sheet.marks import (
     CELL,
     Label,
@@ -32,7 +30,7 @@ from camgeo.pictures.sheet.marks import (
 )
 from camgeo.pictures.sheet.placing import AXES, CLEAR, Options, cleared, ink_of, settled
 from camgeo.pictures.sheet.section import Bench, section
-from camgeo.pictures.sheet.shape import Shape, extreme, shape_of
+from camgeo.pictures.sheet.shape import Shape, bevelled, edges_above, extreme, shape_of
 from camgeo.scene.formats.drawing import DrawingSpec
 from camgeo.units import MM_PER, LengthUnit
 
@@ -267,9 +265,9 @@ def section_view(drawn: Drawn, scale: float, product: Product, spec: DrawingSpec
     far = front.BEYOND / scale
     fixed: list[Mark] = [line(complex(-far), complex(thick + far), "CENTRE")]
     fixed += bevelled(drawn.cut, shape)
-    fixed += section_dimensions.hole_centres(shape, scale)
-    requests = [*section_dimensions.heights(shape, drawn.cut, drawn.box, bench),
-                *section_dimensions.diameters(dimensions.turned(shape), thick, bench)]  # fmt: skip
+    fixed += dimensions.hole_centres(shape, scale)
+    requests = [*dimensions.heights(shape, drawn.cut, drawn.box, bench),
+                *dimensions.diameters(dimensions.turned(shape), thick, bench)]  # fmt: skip
     marks = settled(requests, fixed, scale, unit)
     top = ink_of(marks, scale, unit).extent[1].imag
     title = complex(0.5 * thick, max(top + 4.0, drawn.box[1].imag * scale + TITLE) / scale)
