@@ -15,7 +15,6 @@ from camgeo.geometry.outline.path import Flank
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.part.part import Part
 from camgeo.pictures import disc
-from camgeo.pictures import disc as cut_off
 from camgeo.pictures.model import (
     AUXILIARY,
     LEFT,
@@ -92,7 +91,7 @@ def figure(product: Product, size: Size = SIZE) -> Figure:
     circle = base * np.exp(1j * cam_angles())
     marks.append(Line(plane(circle), BASE_STYLE))
     if found:
-        marks += cut_off.cut_off_marks(found, scale)
+        marks += disc.cut_off_marks(found, scale)
     roller, radius = complex(pitch[0]), _size(product) * scale
     if rolls:
         follower, end = _follower(product, sketch, roller, radius, scale)
@@ -118,7 +117,7 @@ def figure(product: Product, size: Size = SIZE) -> Figure:
                 return flanks_near(product, found, middle, width)
             return disc.near(part, middle, width)
 
-        insets, x = cut_off.enlarged(x, y, found, drawn, breadth, scale, window)
+        insets, x = disc.enlarged(x, y, found, drawn, breadth, scale, window)
     frame = grid(size, (LEFT, RIGHT, TOP, BOTTOM))[0]
     panel = Panel(
         frame,
@@ -168,7 +167,7 @@ def _legend(
         edges, marked = Entry("flanks", FLANK), flank_names(product, found)
     else:
         edges = Entry("edges of the disc", disc.EDGE)
-        marked = cut_off.cut_off_names("cut off") if found else []
+        marked = disc.cut_off_names("cut off") if found else []
     if product.others:
         edges = Entry("edges of the main disc", edges.style)
         marked = [Entry("return disc and its roller", RETURN_STYLE), *marked]
@@ -183,7 +182,7 @@ def _legend(
     return Legend(tuple(drawn), "upper center", (0.5, -BELOW / height), 4, gap=0.0)
 
 
-def _height(size: Size, frame: Frame, x: cut_off.Limits, y: cut_off.Limits) -> float:
+def _height(size: Size, frame: Frame, x: disc.Limits, y: disc.Limits) -> float:
     """Height [inch] of axes in `frame` whose units are equally long in both directions."""
     left, bottom, right, top = frame
     return min((top - bottom) * size[1], (right - left) * size[0] * (y[1] - y[0]) / (x[1] - x[0]))
@@ -237,7 +236,7 @@ def _held(sketch: FollowerSketch, contact: complex, end: complex) -> list[Mark]:
     return marks
 
 
-def _limits(drawn: list[ComplexArray]) -> tuple[cut_off.Limits, cut_off.Limits]:
+def _limits(drawn: list[ComplexArray]) -> tuple[disc.Limits, disc.Limits]:
     """Limits of x and y around all that is drawn."""
     points = np.concatenate(drawn)
     reach = 0.06 * max(float(np.ptp(points.real)), float(np.ptp(points.imag)))

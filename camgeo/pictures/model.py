@@ -7,7 +7,7 @@ only chooses how to write a number at a tick, and where a legend covers least.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache, lru_cache
 from typing import Any, Final, Literal
@@ -467,35 +467,6 @@ def box(left: float, bottom: float, width: float, height: float) -> Frame:
     return left, bottom, left + width, bottom + height
 
 
-class Strips:
-    """Frames from the top of a figure downwards, between two margins [inch]."""
-
-    def __init__(self, size: Size, left: float, right: float) -> None:
-        self.width, self.height = size
-        self.left = left
-        self.across = self.width - left - right
-        self.left_over = self.height
-
-    def skip(self, height: float) -> None:
-        """Leave `height` [inch] free."""
-        self.left_over -= height
-
-    def frame(self, height: float) -> Frame:
-        """The next frame, `height` [inch] high."""
-        self.left_over -= height
-        return box(
-            self.left / self.width,
-            self.left_over / self.height,
-            self.across / self.width,
-            height / self.height,
-        )
-
-    def words(self, height: float, marks: list[Mark]) -> Panel:
-        """A strip without axes, over one turn in degrees, of height 1."""
-        x, y = Axis((0.0, 360.0)), Axis((0.0, 1.0))
-        return Panel(self.frame(height), x, y, tuple(marks), bare=True)
-
-
 def heights(lines: Iterable[Line]) -> list[FloatArray]:
     """The vertical coordinates of all points of `lines`."""
     return [line.points[:, 1] for line in lines]
@@ -508,18 +479,6 @@ def _steps(length: float, count: int, gap: float) -> list[tuple[float, float]]:
     part = part * count / count  # keeps the last digits, on which names inside the files depend
     edges = np.cumsum([0.0, part, *[between, part] * (count - 1)])
     return [(float(a), float(b)) for a, b in edges.reshape(-1, 2)]
-
-
-def rooms(width: float, heights: Sequence[float]) -> list[Size]:
-    """The space for each of several rows of one page: their `heights` [inch] up to rounding.
-
-    Rounded as matplotlib does when it divides a page of 100 dots per inch: names inside SVG files
-    depend on the last digits of where panels are.
-    """
-    count, total = len(heights), sum(heights)
-    down = np.cumsum([0.0, *(high * (1.0 / count * count / total) for high in heights)])
-    edges = (1.0 - down) * (total * 100.0)
-    return [(width, float(high)) for high in (edges[:-1] - edges[1:]) / 100.0]
 
 
 def limits(
@@ -561,23 +520,6 @@ def log_limits(drawn: Iterable[ArrayLike]) -> tuple[float, float]:
     first, last = np.log10([low, high])
     free = MARGIN * (last - first)
     return float(10.0 ** (first - free)), float(10.0 ** (last + free))
-
-
-def round_ticks(
-    limits: tuple[float, float], steps: Sequence[float], parts: int
-) -> tuple[float, ...]:
-    """Multiples within `limits` of the smallest step that divides them into at most `parts`.
-
-    Parameters
-    ----------
-    steps : from 1 to 10 in ascending order; a step is one of them times a power of ten.
-    """
-    low, high = limits
-    least = (high - low) / parts
-    power = 10.0 ** math.floor(math.log10(least))
-    step = next(each * power for each in steps if each * power >= least)
-    first, last = math.ceil(low / step), math.floor(high / step)
-    return tuple(number * step for number in range(first, last + 1))
 
 
 def _values(drawn: Iterable[ArrayLike]) -> FloatArray:
@@ -640,16 +582,6 @@ def diagram_angles(joints: tuple[float, ...]) -> FloatArray:
 def turn_axis(*, label: str = "cam angle φ [°]", numbered: bool = True) -> Axis:
     """The axis of one turn in degrees, with its label if it has numbers."""
     return Axis((0.0, 360.0), label if numbered else "", ticks=EVERY_30, numbered=numbered)
-
-
-def diagram(
-    size: Size, title: str, y: Axis, marks: list[Mark], joints: tuple[float, ...]
-) -> Figure:
-    """A figure of one panel over the cam angle, with a legend and its `joints` [rad]."""
-    legend = Legend(entries(marks))
-    everything = (*marks, *joint_marks(joints))
-    panel = Panel(grid(size, MARGINS)[0], turn_axis(), y, everything, title, legend=legend)
-    return Figure(size, (panel,))
 
 
 def joint_marks(joints: tuple[float, ...]) -> list[Mark]:

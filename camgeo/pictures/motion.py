@@ -27,29 +27,72 @@ from camgeo.pictures.model import (
     LIMIT,
     LIMIT_STYLE,
     LINE,
+    MARGINS,
     RIGHT,
     ZERO,
     Axis,
     Box,
     Entry,
     Figure,
+    Frame,
     Legend,
     Line,
     Mark,
     Panel,
     Rule,
     Size,
-    Strips,
     Style,
     Text,
-    diagram,
+    box,
     diagram_angles,
+    entries,
+    grid,
     joint_marks,
     limits,
     over,
     turn_axis,
 )
 from camgeo.units import MM_PER, RPM, TURN, LengthUnit, LiftUnit
+
+
+class Strips:
+    """Frames from the top of a figure downwards, between two margins [inch]."""
+
+    def __init__(self, size: Size, left: float, right: float) -> None:
+        self.width, self.height = size
+        self.left = left
+        self.across = self.width - left - right
+        self.left_over = self.height
+
+    def skip(self, height: float) -> None:
+        """Leave `height` [inch] free."""
+        self.left_over -= height
+
+    def frame(self, height: float) -> Frame:
+        """The next frame, `height` [inch] high."""
+        self.left_over -= height
+        return box(
+            self.left / self.width,
+            self.left_over / self.height,
+            self.across / self.width,
+            height / self.height,
+        )
+
+    def words(self, height: float, marks: list[Mark]) -> Panel:
+        """A strip without axes, over one turn in degrees, of height 1."""
+        x, y = Axis((0.0, 360.0)), Axis((0.0, 1.0))
+        return Panel(self.frame(height), x, y, tuple(marks), bare=True)
+
+
+def diagram(
+    size: Size, title: str, y: Axis, marks: list[Mark], joints: tuple[float, ...]
+) -> Figure:
+    """A figure of one panel over the cam angle, with a legend and its `joints` [rad]."""
+    legend = Legend(entries(marks))
+    everything = (*marks, *joint_marks(joints))
+    panel = Panel(grid(size, MARGINS)[0], turn_axis(), y, everything, title, legend=legend)
+    return Figure(size, (panel,))
+
 
 # -- motion diagram -------------------------------------------------------------------------------
 # The motion diagram: lift and three derivatives with their extremes, and over time.

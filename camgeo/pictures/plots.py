@@ -9,9 +9,11 @@ from importlib.metadata import entry_points
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, Protocol
 
+import numpy as np
+
 from camgeo.design.product import Product
 from camgeo.errors import Fault, SceneError, UnknownNameError, meant
-from camgeo.pictures.model import Figure, Size, rooms
+from camgeo.pictures.model import Figure, Size
 
 if TYPE_CHECKING:
     from camgeo.design.design import Design
@@ -136,3 +138,15 @@ def stacked(
         for each, build, room in zip(figures, builders, rooms(width, heights), strict=True)
     ]
     return Figure((width, sum(heights)), rows=tuple(rows))
+
+
+def rooms(width: float, heights: Sequence[float]) -> list[Size]:
+    """The space for each of several rows of one page: their `heights` [inch] up to rounding.
+
+    Rounded as matplotlib does when it divides a page of 100 dots per inch: names inside SVG files
+    depend on the last digits of where panels are.
+    """
+    count, total = len(heights), sum(heights)
+    down = np.cumsum([0.0, *(high * (1.0 / count * count / total) for high in heights)])
+    edges = (1.0 - down) * (total * 100.0)
+    return [(width, float(high)) for high in (edges[:-1] - edges[1:]) / 100.0]

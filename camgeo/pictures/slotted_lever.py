@@ -6,6 +6,8 @@ need its own scale.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -30,7 +32,6 @@ from camgeo.pictures.model import (
     heights,
     limits,
     over,
-    round_ticks,
     turn_axis,
 )
 from camgeo.units import RPM, TURN
@@ -149,3 +150,20 @@ def _title(driven: DrivenLever) -> str:
     speed = f"{driven.speed / RPM:.6g} rev/min"
     ratio = f", time ratio {lever.time_ratio:.4g}" if lever.swings else ""
     return f"Slotted lever, {kind}: {lengths}, {speed}{ratio}"
+
+
+def round_ticks(
+    limits: tuple[float, float], steps: Sequence[float], parts: int
+) -> tuple[float, ...]:
+    """Multiples within `limits` of the smallest step that divides them into at most `parts`.
+
+    Parameters
+    ----------
+    steps : from 1 to 10 in ascending order; a step is one of them times a power of ten.
+    """
+    low, high = limits
+    least = (high - low) / parts
+    power = 10.0 ** math.floor(math.log10(least))
+    step = next(each * power for each in steps if each * power >= least)
+    first, last = math.ceil(low / step), math.floor(high / step)
+    return tuple(number * step for number in range(first, last + 1))

@@ -51,8 +51,6 @@ from camgeo.pictures.model import (
     limits,
     log_limits,
     over,
-    rooms,
-    round_ticks,
 )
 from camgeo.studies.inspection import Deviations, Gap, lift_errors
 from camgeo_export.plots import draw, render
@@ -309,7 +307,7 @@ def test_limits_hold_what_is_drawn_with_a_margin() -> None:
 
 def test_rows_of_a_page_have_their_height() -> None:
     heights = [3.6, 10.0, 3.6, 5.07]
-    found = rooms(7.0, heights)
+    found = plots.rooms(7.0, heights)
     assert {width for width, _ in found} == {7.0}
     # Sums of edges of a page of 2227 dots, each rounded a few times.
     assert [high for _, high in found] == pytest.approx(heights, rel=1e-13)
@@ -319,7 +317,7 @@ def test_rows_of_a_page_have_their_height() -> None:
 @pytest.mark.parametrize("middle", [0.0, 33.0, -200.0])
 def test_round_ticks_are_multiples_inside(span: float, middle: float) -> None:
     low, high = middle - 0.5 * span, middle + 0.5 * span
-    ticks = round_ticks((low, high), (1.0, 2.0, 5.0, 10.0), 7)
+    ticks = slotted_lever.round_ticks((low, high), (1.0, 2.0, 5.0, 10.0), 7)
     assert low <= ticks[0] < ticks[-1] <= high
     steps = np.diff(ticks)
     assert len(ticks) <= 8
