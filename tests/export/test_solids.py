@@ -49,8 +49,7 @@ from tests.export.stub_product import CircleBoundary, StubProduct
 from tests.export.verified import TOLERANCE, VERIFIERS, faults, measured, read_back
 from tests.long_form import examples
 from tests.packages import repacked
-from tests.part.parts import FLANKS, chamfers, made, made_or_refused, specs, tight_specs
-from tests.part.test_mass import circle
+from tests.part.parts import FLANKS, chamfers, circle, made, made_or_refused, specs, tight_specs
 from tests.strategies import attack
 
 
