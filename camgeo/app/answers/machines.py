@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any, ClassVar, Final, Literal
 
-from camgeo.app.answers.answer import Answer, Key, Keys
+from camgeo.app.answers.answer import Answer, Key, Keys, aligned
 from camgeo.milling.machine import EVIDENCE, Evidence, Machine, load, names, schema
 
 
@@ -193,21 +193,13 @@ def text(answer: Machines) -> str:
     return "\n".join(lines)
 
 
-def evidence_line(listed: Listed) -> str:
-    """How many statements rest on what."""
-    return ", ".join(f"{count} {WORDS[kind]}" for kind, count in listed.evidence.items())
-
-
 def _list(listed: Sequence[Listed]) -> list[str]:
-    rows = [
-        (each.profile, each.machine.extension, each.machine.controller, evidence_line(each))
-        for each in listed
-    ]
-    widths = [max(len(row[column]) for row in rows) + 2 for column in range(3)]
-    return [
-        "".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=False)) + row[-1]
-        for row in rows
-    ]
+    rows = []
+    for each in listed:
+        counts = (f"{count} {WORDS[kind]}" for kind, count in each.evidence.items())
+        machine = each.machine
+        rows.append((each.profile, machine.extension, machine.controller, ", ".join(counts)))
+    return aligned(rows)
 
 
 def _keys(keys: Sequence[ProfileKey]) -> list[str]:

@@ -307,7 +307,7 @@ def _with_suiting_effects(given: Given, tree: Tree) -> Tree:
         name = str(path[1]) if len(path) > 1 else ""
         if name in effects:
             bare = without(tree, (EFFECTS_KEY, name))
-            tree = suiting(given, bare, name) or bare
+            tree = next(_fitting(given, bare, name), bare)
     return tree
 
 
@@ -624,11 +624,6 @@ def _with(given: Given, tree: Tree, names: tuple[str, ...]) -> Iterator[Tree]:
         raise SceneError([each for each in given.faults(tried) if _is_of(each.key, names[0])])
     for each in fitting:
         yield from _with(given, each, names[1:])
-
-
-def suiting(given: Given, tree: Tree, name: str) -> Tree | None:
-    """The tree with the first of the fitting examples of an effect; None if there is none."""
-    return next(_fitting(given, tree, name), None)
 
 
 def _fitting(given: Given, tree: Tree, name: str) -> Iterator[Tree]:
