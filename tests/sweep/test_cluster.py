@@ -4,14 +4,11 @@ loopback for all tests."""
 from __future__ import annotations
 
 import logging
-import os
-import signal
 import subprocess
 import sys
-import threading
-from collections.abc import Iterator, Sequence
-from contextlib import closing, suppress
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,19 +16,17 @@ import pytest
 
 from camgeo.app.cli.main import main
 from camgeo.errors import CamgeoError, GeometryError, VersionError
-from camgeo.lazy import Ledger
 from camgeo.studies.sweep import cluster
 from camgeo.studies.sweep import rows as engine
 from camgeo.studies.sweep.cluster import Cluster
-from camgeo.studies.sweep.family import Point
-from camgeo.studies.sweep.rows import Chunks, Loop, Row, Work, rows_of
+from camgeo.studies.sweep.rows import Loop, rows_of
 from camgeo.studies.sweep.sweep import sweep
 from tests.sweep.driver import NEVER
 from tests.sweep.families import FIXTURES, family
 from tests.sweep.kills import swept
+from tests.sweep.logged import Deadly, by_point
 from tests.sweep.processes import AT_ONCE, Processes
 from tests.sweep.test_rows import work_on
-from tests.waiting import joined, until
 
 pytest.importorskip("distributed", reason="needs camgeo[cluster]")
 psutil = pytest.importorskip("psutil")
@@ -53,13 +48,6 @@ def processes(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Processes]:
         found.end()
 
 
-def all_rows(chunks: Chunks) -> dict[Point, Row]:
-    found = [row for chunk in chunks for row in chunk]
-    by_point = {row.point: row for row in found}
-    assert len(by_point) == len(found)
-    return by_point
-
-
 def test_only_loopback_is_listened_to(processes: Processes) -> None:
     listening = processes.listening()
     assert len(listening) >= 2 * 3  # scheduler and workers: for work, and for the dashboard
@@ -74,44 +62,15 @@ def test_a_call_with_a_cluster(processes: Processes, capsys: pytest.CaptureFixtu
     assert capsys.readouterr().out == loop
 
 
-@dataclass(frozen=True)
-class Deadly(Work):
-    """Work of which one design kills its process, and another waits to be killed the first time."""
-
-    mark: str = ""
-
-    def rows(self, points: Sequence[Point], ledger: Ledger | None = None) -> list[Row]:
-        for point in points:
-            if point[0] == 47:
-                os.kill(os.getpid(), signal.SIGKILL)
-            if point[0] == 50:
-                with suppress(FileExistsError), Path(self.mark).open("x") as file:
-                    file.write(str(os.getpid()))
-                    file.flush()
-                    threading.Event().wait()
-        return super().rows(points, ledger)
-
-
-def deadly(plain: Work, mark: Path) -> Deadly:
-    return Deadly(plain.text, plain.contents, plain.keys, plain.asked, plain.versions, str(mark))
-
-
-def kill_marked(mark: Path) -> None:
-    text = until("a design that waits", lambda: mark.exists() and mark.read_text())
-    os.kill(int(str(text)), signal.SIGKILL)
-
-
 def test_the_rows_of_the_loop_whatever_dies(processes: Processes, tmp_path: Path) -> None:
     """A killed worker costs no row; a design that ends its workers is a row that says so."""
     found = family("follower.base_radius=45:56:12")
-    plain, mark = work_on(found, *ASK), tmp_path / "mark"
-    killer = threading.Thread(target=kill_marked, args=(mark,))
-    killer.start()
+    plain = work_on(found, *ASK)
     # The one that is killed comes first, lest it is lost with the worker of the other one.
     points = sorted(found.points(), key=lambda point: (point[0] == 47) - (point[0] == 50))
-    rows = all_rows(Cluster(processes.address).rows(deadly(plain, mark), iter(points)))
-    joined(killer)
-    loop = all_rows(Loop().rows(plain, iter(points)))
+    work = Deadly.made_of(plain, tmp_path / "mark")
+    rows = by_point(Cluster(processes.address).rows(work, iter(points)))
+    loop = by_point(Loop().rows(plain, iter(points)))
     (dead,) = (point for point in points if point[0] == 47)
     assert rows.keys() == loop.keys()
     assert rows[dead].reason.startswith("the process that computed it died, 1 time:")

@@ -27,33 +27,12 @@ from camgeo.studies.sweep.sweep import Heading, Store, sweep
 from tests.sweep.driver import ASK, killed_family
 from tests.sweep.families import FIXTURES, family
 from tests.sweep.kills import Fault, require_rows_of_the_loop, swept
+from tests.sweep.logged import Deadly, by_point
 from tests.sweep.test_rows import work_on
 
 ROOT = Path(__file__).resolve().parents[2]
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="kills processes as POSIX does")
-
-
-def all_rows(engine: Loop | Pool, work: Work, points: list[Point]) -> dict[Point, Row]:
-    found = [row for chunk in engine.rows(work, iter(points)) for row in chunk]
-    by_point = {row.point: row for row in found}
-    assert len(by_point) == len(found)
-    return by_point
-
-
-@dataclass(frozen=True)
-class Deadly(Work):
-    """Work of which one design kills its process, and one does so the first time only."""
-
-    mark: str = ""
-
-    def rows(self, points: Sequence[Point], ledger: Ledger | None = None) -> list[Row]:
-        mark = Path(self.mark)
-        first = not mark.exists()
-        if any(point[0] == 47 or (point[0] == 50 and first) for point in points):
-            mark.touch()
-            os.kill(os.getpid(), signal.SIGKILL)
-        return super().rows(points, ledger)
 
 
 def starting_as_another_dies(monkeypatch: pytest.MonkeyPatch) -> list[SpawnProcess]:
@@ -82,13 +61,11 @@ def test_the_rows_of_the_loop_whatever_dies(
     started = starting_as_another_dies(monkeypatch)
     found = family("follower.base_radius=45:56:12")
     plain = work_on(found, "transmission-angle", "peak:kappa", "laws")
-    work = Deadly(plain.text, plain.contents, plain.keys, plain.asked, plain.versions,
-                  str(tmp_path / "died"))  # fmt: skip
-    points = list(found.points())
-    loop = all_rows(Loop(), plain, points)
-    pool = all_rows(Pool(2), work, points)
+    work = Deadly.made_of(plain, tmp_path / "died")
+    loop = by_point(Loop().rows(plain, found.points()))
+    pool = by_point(Pool(2).rows(work, found.points()))
     assert pool.keys() == loop.keys()
-    (dead,) = (point for point in points if point[0] == 47)
+    (dead,) = (point for point in loop if point[0] == 47)
     assert pool[dead].reason.startswith(f"the process that computed it died, {DEADLY} times")
     assert {**pool, dead: loop[dead]} == loop
     assert len(started) > 4

@@ -10,8 +10,6 @@ from typing import Any
 import pytest
 
 from camgeo.design.writing import STAGING, make_files, settle, write_files, write_set
-from camgeo.errors import SceneError
-from camgeo.scene.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from tests.export.stub_product import StubProduct
 
 OLD, NEW = ({name: f"{name} {age}".encode() for name in ("a", "b", "certificate")}
@@ -105,16 +103,6 @@ def test_what_is_taken_back_is_on_disk_before_the_next_step(
         ("remove", f"{STAGING}/journal"),
     ]  # fmt: skip
     assert {name: (folder / name).read_bytes() for name in OLD} == OLD
-
-
-def test_a_tolerance_has_both_its_limits(tmp_path: Path) -> None:
-    for wrong in (SMALLEST_TOLERANCE * (1.0 - 1e-12), LARGEST_TOLERANCE * (1.0 + 1e-12)):
-        with pytest.raises(SceneError) as caught:
-            write_files((StubProduct(),), tmp_path, ("dxf",), wrong)
-        (fault,) = caught.value.faults
-        assert (fault.key, fault.value) == ("tolerance", f"{wrong:g}")
-        assert "must be a length of 1e-07 mm to 1 mm" in fault.message
-    assert not any(tmp_path.iterdir())
 
 
 def test_nothing_is_overwritten_unless_it_is_asked_for(

@@ -5,9 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import threading
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -18,20 +16,6 @@ from tests.kill.sets import everything
 from tests.waiting import PATIENCE, joined, until
 
 FILES = {"a.dxf": b"new a", "b.ngc": b"new b", "c.stl": b"new c"}
-
-
-def _fails_at(number: int, original: Callable[..., Any], error: BaseException) -> Any:
-    """`original`, but its call `number`, counted from 1, raises once."""
-    calls = 0
-
-    def failing(*arguments: Any) -> Any:
-        nonlocal calls
-        calls += 1
-        if calls == number:
-            raise error
-        return original(*arguments)
-
-    return failing
 
 
 def test_writes_into_a_new_folder(tmp_path: Path) -> None:
@@ -81,68 +65,6 @@ def test_differing_file_is_kept_unless_forced(tmp_path: Path) -> None:
     assert everything(tmp_path) == {"b.ngc": b"old b"}
     write_set(tmp_path, FILES, force=True)
     assert everything(tmp_path) == FILES
-
-
-@pytest.mark.parametrize("error", [OSError(errno.ENOSPC, "No space left on device"),
-                                   KeyboardInterrupt(), MemoryError()])  # fmt: skip
-@pytest.mark.parametrize("number", [1, 2, 3])
-@pytest.mark.parametrize("existing", [False, True])
-def test_failing_write_leaves_nothing(
-    number: int, existing: bool, error: BaseException, tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
-    folder = tmp_path / "out"
-    before = {}
-    if existing:
-        folder.mkdir()
-        before = {"out/a.dxf": b"old a", "out/c.stl": b"old c"}
-        for name, data in before.items():
-            (tmp_path / name).write_bytes(data)
-    failing = _fails_at(number, writing._write_durably, error)
-    monkeypatch.setattr(writing, "_write_durably", failing)
-    expected = OutputError if isinstance(error, OSError) else type(error)
-    with pytest.raises(expected) as caught:
-        write_set(folder, FILES, force=True)
-    if isinstance(error, OSError):
-        assert "No space left on device; nothing was written" in str(caught.value)
-    assert everything(tmp_path) == before
-    assert folder.exists() == existing
-
-
-@pytest.mark.parametrize("error", [OSError(errno.EIO, "Input/output error"), KeyboardInterrupt()])
-@pytest.mark.parametrize("number", range(1, 5))
-def test_failing_move_puts_everything_back(
-    number: int, error: BaseException, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Moves: the journal, a, b, c."""
-    before = {"a.dxf": b"old a", "c.stl": b"old c"}
-    for name, data in before.items():
-        (tmp_path / name).write_bytes(data)
-    monkeypatch.setattr(os, "replace", _fails_at(number, os.replace, error))
-    with pytest.raises(OutputError if isinstance(error, OSError) else KeyboardInterrupt):
-        write_set(tmp_path, FILES, force=True)
-    assert everything(tmp_path) == before
-
-
-def test_interrupt_right_after_a_move(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The signal may come when the move has been made already."""
-    (tmp_path / "a.dxf").write_bytes(b"old a")
-    original = os.replace
-    calls = 0
-
-    def moved_then_interrupted(source: Any, target: Any) -> None:
-        nonlocal calls
-        original(source, target)
-        calls += 1
-        if calls in wanted:
-            raise KeyboardInterrupt
-
-    monkeypatch.setattr(os, "replace", moved_then_interrupted)
-    for number in range(1, 5):
-        calls, wanted = 0, {number}
-        with pytest.raises(KeyboardInterrupt):
-            write_set(tmp_path, FILES, force=True)
-        assert everything(tmp_path) == {"a.dxf": b"old a"}
 
 
 def test_a_link_to_nothing_is_not_overwritten(tmp_path: Path) -> None:

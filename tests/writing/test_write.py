@@ -19,7 +19,13 @@ from camgeo.design import writing as writer_module
 from camgeo.design.product import Product
 from camgeo.design.writing import Written, find_writer, find_writers, write_files, writer_names
 from camgeo.errors import SceneError, ToleranceError
-from camgeo.scene.formats.format import Format, no_options, writer_entries
+from camgeo.scene.formats.format import (
+    LARGEST_TOLERANCE,
+    SMALLEST_TOLERANCE,
+    Format,
+    no_options,
+    writer_entries,
+)
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
@@ -90,11 +96,18 @@ def test_the_certificate_has_the_findings_on_parts(tmp_path: Path) -> None:
         assert names == (told if parts else set())
 
 
-@pytest.mark.parametrize("tolerance", [0.0, -1.0, 9e-8, 1.1, float("nan"), float("inf")])
+@pytest.mark.parametrize(
+    "tolerance",
+    [0.0, -1.0, float("nan"), float("inf"), SMALLEST_TOLERANCE * (1.0 - 1e-12),
+     LARGEST_TOLERANCE * (1.0 + 1e-12)],
+)  # fmt: skip
 def test_no_tolerance(tolerance: float, tmp_path: Path) -> None:
     design = camgeo.load(SCENES / "vorschub.toml")
-    with pytest.raises(SceneError, match="must be a length of 1e-07 mm to 1 mm"):
+    with pytest.raises(SceneError, match="must be a length of 1e-07 mm to 1 mm") as caught:
         design.write(tmp_path / "out", ["csv"], tolerance=tolerance)
+    assert [(each.key, each.value) for each in caught.value.faults] == [
+        ("tolerance", f"{tolerance:g}")
+    ]
     assert not any(tmp_path.iterdir())
 
 
