@@ -309,8 +309,8 @@ def _tolerance(
 
 WRITTEN: Final = "written again"
 
-NUMBER: Final = re.compile(r"([A-Za-z]?)([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)")
-"""A number, behind the letter of its word if it has one."""
+NUMBER: Final = re.compile(r"([A-Za-z]?)([-+]?(?:\d++(?:\.\d*+)?|\.\d++)(?:[eE][-+]?\d++)?)")
+"""A number, behind the letter of its word if it has one; read once, however long it is."""
 
 SHOWN: Final = 60
 """Characters of a token that are shown."""

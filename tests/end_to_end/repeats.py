@@ -12,14 +12,12 @@ from __future__ import annotations
 
 import argparse
 import functools
-import io
 import json
 import os
 import re
 import subprocess
 import sys
 import tempfile
-import zipfile
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -29,9 +27,14 @@ from typing import Any, Final
 import numpy as np
 
 import camgeo
+from camgeo.design.verify import NUMBER
 from camgeo.design.writing import find_writer, writer_names
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray
+from camgeo_export.verify.dxf import VERIFIER as DXF
+from camgeo_export.verify.gcode import VERIFIER as GCODE
+from camgeo_export.verify.stl import VERIFIER as STL
+from camgeo_export.verify.threemf import VERIFIER as THREEMF
 
 ROOT: Final = Path(__file__).parents[2]
 
@@ -83,24 +86,15 @@ SETTINGS: Final[dict[str, dict[str, str]]] = {
     "all": {**NUMPY, **BLAS, **LIBM},
 }
 
-FACET: Final = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-
-DXF_REALS: Final = frozenset(
-    code
-    for codes in ((10, 60), (110, 150), (210, 240), (460, 470), (1010, 1060))
-    for code in range(*codes)
-)
-"""Group codes of floating-point numbers."""
-
-WORD: Final = re.compile(r"(?<=[A-Z])-?\d+\.\d*")
-
 REAL: Final = re.compile(r"-?\d+\.\d*(?:E-?\d+)?")
+
+TOKENS: Final = {
+    ".dxf": DXF.tokens, ".ngc": GCODE.tokens, ".stl": STL.tokens, ".3mf": THREEMF.tokens,
+}  # fmt: skip
 
 FLATNESS: Final = 1e-8
 """By how much the radius and the centre of an arc may differ, per square of the radius [1/mm]: as
 much as bulges that differ by `LENGTHS` make of chords of half a millimetre."""
-
-VERTEX: Final = re.compile(r' ([xyz])="([^"]*)"')
 
 
 @dataclass(frozen=True)
@@ -121,40 +115,20 @@ class Content:
 
 def content(path: Path) -> Content:
     """A file of camgeo's, but a picture, taken apart."""
-    parts = {
-        ".dxf": _dxf, ".ngc": _gcode, ".stl": _stl, ".3mf": _threemf, ".csv": _table,
-        ".step": _step, ".asc": _table, ".json": _certificate,
-    }  # fmt: skip
-    return parts[path.suffix](path.read_bytes())
+    others = {".csv": _table, ".step": _step, ".asc": _table, ".json": _certificate}
+    data = path.read_bytes()
+    return others[path.suffix](data) if path.suffix in others else _tokens(path.suffix, data)
 
 
-def _lengths(rest: Sequence[Any], numbers: Sequence[float] | FloatArray) -> Content:
-    values = np.asarray(numbers, dtype=np.float64)
-    return Content(tuple(rest), values, np.full(len(values), LENGTHS))
-
-
-def _dxf(data: bytes) -> Content:
-    lines = data.decode("utf-8").split("\n")
-    pairs = [(int(code), value) for code, value in zip(lines[::2], lines[1::2], strict=False)]
-    rest = [code if code in DXF_REALS else (code, value) for code, value in pairs]
-    return _lengths(rest, [float(value) for code, value in pairs if code in DXF_REALS])
-
-
-def _gcode(data: bytes) -> Content:
-    text = data.decode("ascii")
-    return _lengths([WORD.sub("#", text)], [float(word) for word in WORD.findall(text)])
-
-
-def _stl(data: bytes) -> Content:
-    facets = np.frombuffer(data, FACET, offset=84)
-    numbers = np.concatenate((facets["corners"].ravel(), facets["normal"].ravel()))
-    return _lengths([data[:84]], numbers.astype(np.float64))
-
-
-def _threemf(data: bytes) -> Content:
-    with zipfile.ZipFile(io.BytesIO(data)) as package:
-        text = "".join(name + package.read(name).decode() for name in package.namelist())
-    return _lengths([VERTEX.sub("#", text)], [float(value) for _, value in VERTEX.findall(text)])
+def _tokens(suffix: str, data: bytes) -> Content:
+    """Those that `camgeo verify` compares; what is no whole number is one that may differ."""
+    rest, numbers = [], []
+    for _, token in TOKENS[suffix](data):
+        found = NUMBER.fullmatch(token)
+        is_real = found is not None and not found[2].lstrip("+-").isdigit()
+        rest.append(found[1] if found is not None and is_real else token)
+        numbers += [float(found[2])] if found is not None and is_real else []
+    return Content(tuple(rest), np.array(numbers), np.full(len(numbers), LENGTHS))
 
 
 def _step(data: bytes) -> Content:

@@ -159,6 +159,11 @@ def test_blanks_and_packing_are_no_difference(name: str, change: Callable[[bytes
     assert first_difference(VERIFIERS[name], changed, files()[name]) is None
 
 
+def test_a_long_number_is_read_once() -> None:
+    """With a square of its length this would not end."""
+    assert first_difference(DXF, b"9" * 10**6 + b"x", b"8" * 10**6 + b"x") is not None
+
+
 @pytest.mark.parametrize(
     ("one", "other", "same"),
     [
