@@ -16,8 +16,8 @@ import numpy as np
 from camgeo.cam.cam import Cam
 from camgeo.design.design import Design
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray
+from tests.effects.scenes import course_of
 
 STEP: Final = 2e-3
 """Of the differences [rad]."""
@@ -68,8 +68,7 @@ def speed_of(scene: str, rev: float) -> tuple[str, str]:
 
 
 def omega(made: Design) -> float:
-    course = made.drive.time_course
-    assert course is not None
+    course = course_of(made)
     return float(course.rates(np.zeros(1))[0, 0])
 
 
@@ -189,8 +188,7 @@ class Bodies:
 
     def guide_reactions(self, table: dict[str, float], weight: complex) -> FloatArray:
         """(2, n) forces [N] to the right at both ends of the guide, a beam on two supports."""
-        follower = self.cam.follower
-        assert isinstance(follower, TranslatingRoller)
+        follower: Any = self.cam.follower
         out = np.exp(1j * follower.guide_angle)
         start = along(out, self.centre(np.zeros(1)))[0] + table["guide_overhang"]
         side = along(-1j * out, self.load(table) + weight)

@@ -8,6 +8,7 @@ from typing import Final
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.registry import EFFECTS, find_effect
 from camgeo.dynamics.effects.rules import Kind, Only
+from camgeo.kinematics.time_course import TimeCourse
 from camgeo.scene.scene import parse_scene
 
 SCENES = Path(__file__).resolve().parents[2] / "fixtures" / "scenes"
@@ -25,6 +26,13 @@ def design(scene: str, effects: str, *changes: tuple[str, str]) -> Design:
     if effects:
         text += f"\n{effects}\n"
     return Design(parse_scene(text, str(SCENES / f"{scene}.toml")))
+
+
+def course_of(made: Design) -> TimeCourse:
+    """How the cam turns by its scene, which has a speed or a curve of it."""
+    course = made.drive.time_course
+    assert course is not None
+    return course
 
 
 def only_for(kind: Kind) -> tuple[tuple[str, str], ...]:

@@ -20,7 +20,7 @@ from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.outline.path import total
 from camgeo.part.part import Part
 from camgeo.units import TURN
-from tests.effects.scenes import design
+from tests.effects.scenes import course_of, design
 from tests.findings import effect_findings
 
 STEEL = "density = 7850\n"
@@ -271,8 +271,7 @@ def test_the_grade_is_held_against_mass_and_speed() -> None:
 def test_the_force_is_minus_mass_times_acceleration_at_any_speed_curve() -> None:
     made = design("points", f"[effects.balance]\n{STEEL}")
     result = made.effect("balance")
-    course = made.drive.time_course
-    assert course is not None
+    course = course_of(made)
     phi = np.linspace(0.1, 6.0, 200)
     x, y = (column.values(phi, "right") for column in result.columns)
     omega, alpha = course.rates(phi)[:2]

@@ -1,25 +1,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.contact_force import EFFECT
-from camgeo.dynamics.effects.contact_force.result import compute
-from camgeo.dynamics.effects.effect import Request, Results
-from camgeo.dynamics.effects.forces import Force
-from camgeo.dynamics.effects.results import ContactForce
 from camgeo.errors import EffectError
-from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.scene.scene import parse_scene
 from camgeo.units import TURN
 from tests.effects.scenes import design
-from tests.findings import effect_findings
+from tests.findings import effect_findings, finding
 
 PHI = np.linspace(0.0, TURN, 721)[:-1]
 
@@ -47,46 +39,10 @@ constant = 2.5
 """
 
 
-@dataclass
-class Stuck:
-    """Friction that takes a constant share of the normal force against the motion."""
-
-    design: Design
-    share: float
-    force: Force = field(default_factory=lambda: Force("friction", lambda phi, side: zero(phi)))
-    rubbing: None = None
-
-    def per_normal(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
-        velocity = self.design.cam.drive.motion.jet(phi, side)[1]
-        return np.stack((-self.share * np.sign(velocity), np.zeros(len(phi))))
-
-
-def zero(phi: FloatArray) -> FloatArray:
-    return np.zeros((4, len(phi)))
-
-
-def constant(value: float) -> Any:
-    """An effect whose force on the follower is `value`, always."""
-
-    def coefficients(phi: FloatArray, side: Side) -> FloatArray:
-        out = zero(phi)
-        out[0] = value
-        return out
-
-    return SimpleNamespace(force=Force("load", coefficients))
-
-
-def computed(subject: Design, results: dict[str, Any], limit: float | None = None) -> ContactForce:
-    table = {} if limit is None else {"limit": limit}
-    return compute(Request(subject.effects.subject, EFFECT.parse(table), Results(results), 1e-6))
-
-
-def finding(found: Any, name: str) -> Any:
-    (one,) = [each for each in found if each.name == name]
-    return one
-
-
-# -- Newton and virtual work ---------------------------------------------------------------------
+def loaded(scene: str, load: float, table: str = "", *changes: tuple[str, str]) -> Any:
+    """Under a constant force against the motion [N], with more tables and keys of the effect."""
+    tables = f"[effects.load]\nconstant = {load!r}\n[effects.contact-force]\n{table}"
+    return design(scene, tables, *changes).effect("contact-force")
 
 
 # -- examples ------------------------------------------------------------------------------------
@@ -146,31 +102,26 @@ def test_a_textbook_exercise() -> None:
 
 
 def test_jamming_is_where_friction_takes_all() -> None:
-    """sin mu - c is what is left of the force on a rise: it jams where mu <= asin c."""
-    subject = design("plate_translating", "")
+    """A guide takes c cos mu of the sin mu that moves it on a rise: it jams where tan mu <= c."""
+    curve = design("plate_translating", "").cam.disc.pitch_curve
     rise = np.linspace(math.radians(30.0), math.radians(130.0), 20001)[1:-1]
-    least = float(np.min(subject.cam.disc.pitch_curve.transmission_angle(rise)))
-    share = math.sin(least + 0.05)
-    friction = Stuck(subject, share)
+    least = float(np.min(curve.transmission_angle(rise)))
     with pytest.raises(EffectError, match="jams from cam angle") as caught:
-        computed(subject, {"load": constant(-5.0), "friction": friction})
+        loaded("plate_translating", 5.0, f"[effects.friction]\nguide = {math.tan(least + 0.05)!r}")
     error = caught.value
-    assert error.finding == "jamming"
-    assert error.unit == "deg"
+    assert (error.finding, error.unit) == ("jamming", "deg")
     assert error.value == pytest.approx(math.degrees(least), rel=1e-7)
+    assert error.limit == pytest.approx(math.degrees(least + 0.05), abs=1e-7)
     assert error.cam_range is not None
     first, last = error.cam_range
     assert first == pytest.approx(math.radians(30.0), rel=1e-15)  # where the rise begins
-    mu = subject.cam.disc.pitch_curve.transmission_angle(np.array([last]))
-    assert mu[0] == pytest.approx(math.asin(share), abs=1e-9)
-    assert error.limit == pytest.approx(math.degrees(math.asin(share)), abs=1e-7)
+    assert curve.transmission_angle(np.array([last]))[0] == pytest.approx(least + 0.05, abs=1e-9)
     # Just below, it moves everywhere.
-    computed(subject, {"load": constant(-5.0), "friction": Stuck(subject, math.sin(least) - 1e-6)})
+    loaded("plate_translating", 5.0, f"[effects.friction]\nguide = {math.tan(least) - 1e-6!r}")
 
 
 def test_no_force_is_no_jamming() -> None:
-    subject = design("plate_translating", "", ("offset = 12", "offset = 50"))
-    found = computed(subject, {"load": constant(0.0)})
+    found = loaded("plate_translating", 0.0, "", ("offset = 12", "offset = 50"))
     assert not np.any(found.normal(PHI, "right"))
 
 
@@ -203,10 +154,9 @@ def test_a_limit_is_broken() -> None:
 
 def test_the_outer_flank_carries_a_ring() -> None:
     """With F along the guide N = F / sin mu: least where mu is 90 degrees."""
-    subject = design("ring", "")
-    found = computed(subject, {"load": constant(5.0)}, limit=6.0)
+    found = loaded("ring", -5.0, "limit = 6")
     normal = found.normal(PHI, "right")
-    mu = subject.cam.disc.pitch_curve.transmission_angle(PHI)
+    mu = design("ring", "").cam.disc.pitch_curve.transmission_angle(PHI)
     assert normal == pytest.approx(-5.0 / np.sin(mu), rel=1e-13)
     least = finding(found.findings, "smallest-contact-force")
     assert least.value == pytest.approx(5.0, rel=1e-15)
@@ -215,8 +165,7 @@ def test_the_outer_flank_carries_a_ring() -> None:
 
 
 def test_a_force_that_pulls_is_reported() -> None:
-    subject = design("plate_translating", "")
-    found = computed(subject, {"load": constant(5.0)})
+    found = loaded("plate_translating", -5.0)
     assert finding(found.findings, "smallest-contact-force").severity == "warning"
 
 
@@ -239,11 +188,8 @@ def test_a_shock_is_reported_and_the_rest_stays_finite() -> None:
     shocks = [each for each in contact.findings if each.name == "shock"]
     assert [round(math.degrees(each.cam_angle)) for each in shocks] == [50, 140, 200, 320]
     assert np.all(np.isfinite(contact.normal(PHI, "right")))
-    massless = computed(subject, {"load": constant(-3.0)})
-    assert [each.name for each in massless.findings] == [
-        "largest-contact-force",
-        "smallest-contact-force",
-    ]
+    massless = loaded("straight_moves", 3.0, "", ('"trim"', '"refuse"'))
+    assert "shock" not in {each.name for each in massless.findings}
 
 
 def test_the_force_keeps_its_sign_between_its_edges() -> None:

@@ -12,7 +12,7 @@ from camgeo.dynamics.effects.drive_torque.result import moment_of_inertia, store
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import RPM, TURN
-from tests.effects.scenes import design
+from tests.effects.scenes import course_of, design
 
 EPS = float(np.finfo(np.float64).eps)
 
@@ -57,8 +57,7 @@ def test_root_mean_square_of_a_constant_load() -> None:
 
 def test_root_mean_square_with_a_speed_curve_is_over_time() -> None:
     made = design("points", f"{SPRUNG}[effects.drive-torque]\n")
-    result, course = made.effect("drive-torque"), made.drive.time_course
-    assert course is not None
+    result, course = made.effect("drive-torque"), course_of(made)
     # Midpoints in time, of 1e5 parts: the error of a periodic C1 integrand is far below 1e-6.
     duration = float(np.diff(course.time(np.array([0.0, TURN])))[0])
     times = (np.arange(100_000) + 0.5) / 100_000 * duration

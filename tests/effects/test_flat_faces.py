@@ -34,7 +34,7 @@ from tests.effects.bodies import (
     pull,
     slope,
 )
-from tests.effects.scenes import design
+from tests.effects.scenes import course_of, design
 from tests.integrals import cells, integrals
 from tests.scene.test_flat_followers import LINKAGE
 
@@ -147,7 +147,7 @@ def left_over(
     """(n,) what the balance of the follower leaves of the `normal` force, and the force of its
     pivot or those of both ends of its guide, which keep the other balances.
     """
-    timed = in_time(made.cam.drive.motion.jet(at.phi), made.drive.time_course, at.phi)  # type: ignore[arg-type]  # the scene has a speed
+    timed = in_time(made.cam.drive.motion.jet(at.phi), course_of(made), at.phi)
     moving = np.sign(np.where(np.abs(timed[1]) > 1e-9 * omega(made), timed[1], 0.0))
     push, place = normal * at.push(table["face"]), at.contact(at.phi)
     follower = made.cam.follower
@@ -250,8 +250,7 @@ def test_work_of_a_linked_rocker_over_a_turn_is_lost_by_friction() -> None:
 
     def lost(phi: FloatArray, side: Side) -> FloatArray:
         jet = made.cam.drive.motion.jet(phi, side)
-        follower = made.cam.follower
-        assert isinstance(follower, OscillatingFlat)
+        follower: Any = made.cam.follower
         height = follower.centre_distance * np.sin(follower.face_angle(jet[0])) + 16.0
         slide = np.abs(height - made.cam.rotation * 16.0 * follower.swing_sense * jet[1])
         pivot = np.abs(bodies.of_pivot(phi, side)) * np.abs(jet[1])  # mu d / 2 is 1 mm

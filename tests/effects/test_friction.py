@@ -127,8 +127,8 @@ def test_the_margin_is_of_the_flank_that_pushes_if_there_are_two(scene: str) -> 
     at mu r; the inner or main one drives outward, the other one inward.
     """
     made = design(scene, f"[effects.friction]\n{HELD_BOTH_WAYS[scene]}\n")
-    follower, found = made.cam.follower, made.effect("friction")
-    assert isinstance(follower, (TranslatingRoller, OscillatingRoller))
+    follower: Any = made.cam.follower
+    found = made.effect("friction")
     phi = np.linspace(0.0, TURN, 4000, endpoint=False) + 1e-4
     lift, slope = made.cam.drive.motion.jet(phi)[:2]
     returning = made.effects.subject.returning

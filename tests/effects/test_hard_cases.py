@@ -22,7 +22,7 @@ from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.scene.scene import parse_scene
 from camgeo.units import TURN
-from tests.effects.scenes import SCENES, only_for
+from tests.effects.scenes import SCENES, course_of, only_for
 from tests.effects.test_random_scenes import NAMES, assert_well_formed, fault_of, scene_text
 from tests.findings import effect_findings
 from tests.long_form import LONG, examples
@@ -293,7 +293,7 @@ def test_without_mass_nothing_vibrates_or_lifts_off() -> None:
     assert assert_well_formed(design) == {}
     phi = np.linspace(0.0, TURN, 500)
     assert not np.any(design.effect("vibration").output.deflection(phi, "right"))
-    acceleration = in_time(design.cam.drive.plan.jet(phi), design.drive.time_course, phi)[2]  # type: ignore[arg-type]  # the scene has a speed
+    acceleration = in_time(design.cam.drive.plan.jet(phi), course_of(design), phi)[2]
     output = design.effect("vibration").output
     assert np.array_equal(output.acceleration(phi, "right"), acceleration)
     assert not np.any(design.effect("inertia").force.coefficients(phi, "right"))

@@ -26,7 +26,7 @@ from camgeo.dynamics.effects.results import Inertia
 from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
-from tests.effects.scenes import design
+from tests.effects.scenes import course_of, design
 from tests.integrals import cells, integrals
 from tests.strategies import SMOOTH, attack, plans, slider_cranks
 
@@ -80,8 +80,7 @@ def finding(result: Inertia, name: str) -> Any:
 def test_a_translating_follower_obeys_newton(scene: str, side: Any) -> None:
     """-m a [N], 0.9 kg; the masses need no linkage, so that nothing but products is rounded."""
     result, subject = inertia_of(scene, TRANSLATING)
-    course = subject.cam.drive.time_course
-    assert course is not None
+    course = course_of(subject)
     timed = in_time(subject.cam.drive.motion.jet(PHI, side), course, PHI)
     force = at_rates(result.force.coefficients(PHI, side), course.rates(PHI))
     expected = -0.9 * timed[2] * 1e-3
@@ -93,8 +92,7 @@ def test_a_translating_follower_obeys_newton(scene: str, side: Any) -> None:
 def test_an_uneven_speed_adds_its_own_acceleration() -> None:
     """The scene with a speed curve: -m (s'' omega^2 + s' alpha), the latter not to be lost."""
     result, subject = inertia_of("points", "[effects.inertia]\nmass = 2\n")
-    course = subject.cam.drive.time_course
-    assert course is not None
+    course = course_of(subject)
     timed = in_time(subject.cam.drive.motion.jet(PHI), course, PHI)
     coefficients = result.force.coefficients(PHI, "right")
     force = at_rates(coefficients, course.rates(PHI))

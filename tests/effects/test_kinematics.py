@@ -11,7 +11,7 @@ import pytest
 from camgeo.dynamics.effects.effect import Column
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
-from tests.effects.scenes import design
+from tests.effects.scenes import course_of, design
 from tests.integrals import cells, integrals
 
 EFFECTS = "[effects.kinematics]\n"
@@ -53,8 +53,7 @@ def test_values_of_a_rocker_are_in_degrees() -> None:
 def test_each_column_is_the_derivative_of_the_one_before(scene: str) -> None:
     """d/dt = omega d/dphi, integrated over cells: what velocity brings is the way, and so on."""
     made = design(scene, EFFECTS)
-    found, course = columns(made), made.drive.time_course
-    assert course is not None
+    found, course = columns(made), course_of(made)
     low, high = cells(made.drive.smooth_angles[:-1], 8)
 
     def over_time(column: Column) -> FloatArray:

@@ -14,7 +14,7 @@ from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.scene.scene import parse_scene
 from camgeo.units import RPM, TURN
-from tests.effects.scenes import design
+from tests.effects.scenes import course_of, design
 
 ROUNDING = 1e-12
 """A few thousand roundings of the largest force; see the tests of the contact force."""
@@ -55,8 +55,7 @@ def one(found: Any, name: str) -> Any:
 
 def lowest(subject: Design, factor: float) -> float:
     """Smallest force on the flank, by the largest, at so many times the scene's speed."""
-    contact, course = subject.effect("contact-force"), subject.drive.time_course
-    assert course is not None
+    contact, course = subject.effect("contact-force"), course_of(subject)
     sense = 1.0 if subject.cam.contact == "inner" else -1.0
 
     def force(phi: FloatArray, side: Side) -> FloatArray:
@@ -228,7 +227,7 @@ def test_the_speed_is_that_at_which_the_force_first_touches_its_margin(
     contact = subject.effect("contact-force")
     margin = subject.effects.tables["lift-off"].get("margin", 0.0)
     here = np.array([found.speed.place])
-    omega, alpha = subject.drive.time_course.rates(here)[:2]  # type: ignore[union-attr]  # the scene has a speed
+    omega, alpha = course_of(subject).rates(here)[:2]
     forces = [
         contact.normal_at(here, side, np.stack((factor * omega, factor * factor * alpha)))[0]
         for side in ("left", "right")

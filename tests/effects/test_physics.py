@@ -7,13 +7,12 @@ of a beam on two supports.
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import numpy as np
 import pytest
 
 from camgeo.design.design import Design
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import FloatArray
@@ -35,7 +34,7 @@ from tests.effects.bodies import (
     slope,
     speed_of,
 )
-from tests.effects.scenes import design
+from tests.effects.scenes import course_of, design
 from tests.integrals import cells, integrals
 
 ROCKER: Final = """
@@ -84,10 +83,9 @@ CASES: Final[dict[str, tuple[str, dict[str, float]]]] = {
 
 def on_bearings(made: Design, phi: FloatArray) -> Any:
     """What loads pivot or guide besides the contact: weights, on a rocker d'Alembert's forces."""
-    follower = made.cam.follower
+    follower: Any = made.cam.follower
     if isinstance(follower, TranslatingRoller):
         return 1.3e-3 * pull(-60.0)
-    assert isinstance(follower, OscillatingRoller)
     swing, jet = follower.swing_sense, made.cam.drive.motion.jet(phi)
     bent = (1j * swing * jet[2] - jet[1] ** 2) * omega(made) ** 2 * np.exp(1j * swing * jet[0])
     rocker = 70.0 + 30.0j - follower.pivot
@@ -99,14 +97,14 @@ def on_bearings(made: Design, phi: FloatArray) -> Any:
 
 def energy(made: Design, phi: FloatArray) -> FloatArray:
     """Of masses, weights and spring [N mm]; rates of the masses are differences."""
-    follower, rate = made.cam.follower, omega(made) * slope(lambda x: lift(made, x), phi)
+    follower: Any = made.cam.follower
+    rate = omega(made) * slope(lambda x: lift(made, x), phi)
     centre = Bodies(made.cam, phi, np.ones(len(phi))).centre(phi)
     (column,) = made.effect("spring").columns
     force = column.values(phi, "right")
     if isinstance(follower, TranslatingRoller):
         weights = 1.3e-3 * along(pull(-60.0), centre)
         return np.asarray(0.5 * 1.3e-3 * rate**2 - weights + force**2 / (2.0 * 2.5))
-    assert isinstance(follower, OscillatingRoller)
     turned = (70.0 + 30.0j - follower.pivot) * np.exp(1j * follower.swing_sense * lift(made, phi))
     weights = along(pull(-75.0), 0.15e-3 * centre + 0.9e-3 * turned)
     moment = 0.012e3 + 0.15e-3 * follower.arm**2
@@ -157,11 +155,10 @@ def test_newton_in_a_guide_with_friction(rev: float, side: int) -> None:
     turned = [('"ccw"', '"cw"')] if side < 0 else []
     scene = "plate_translating"
     made = design(scene, PLATE + friction(table) + TELLING, speed_of(scene, rev), *turned)
-    phi, follower = inside(made), made.cam.follower
+    phi, follower = inside(made), cast(TranslatingRoller, made.cam.follower)
     at = Bodies(made.cam, phi, made.effect("contact-force").normal(phi, "right"))
-    assert isinstance(follower, TranslatingRoller)
     out, weight = np.exp(1j * follower.guide_angle), 1.3e-3 * pull(-60.0)
-    timed = in_time(made.cam.drive.motion.jet(phi), made.drive.time_course, phi)  # type: ignore[arg-type]  # the scene has a speed
+    timed = in_time(made.cam.drive.motion.jet(phi), course_of(made), phi)
     held = np.sum(np.abs(at.guide_reactions(table, weight)), axis=0)
     drag = table["guide"] * held * np.sign(np.where(np.abs(timed[1]) > 1e-9, timed[1], 0.0))
     pressed = along(out, at.load(table) + weight) - 25.0 - (160.0 + 2.5 * timed[0]) - drag

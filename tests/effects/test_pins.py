@@ -25,7 +25,7 @@ from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.scene.scene import parse_scene
 from tests.effects.bodies import along, cross, pull
-from tests.effects.scenes import SCENES, design
+from tests.effects.scenes import SCENES, course_of, design
 from tests.long_form import examples
 
 LINKED: Final = (
@@ -109,8 +109,7 @@ class Members:
     def jet(self, motion: Any) -> FloatArray:
         """(3, n) of a motion over time."""
         q = motion.jet(self.phi, "right", 2)
-        course = self.made.drive.time_course
-        assert course is not None
+        course = course_of(self.made)
         omega, alpha = course.rates(self.phi)[:2]
         return np.stack((q[0], q[1] * omega, q[2] * omega**2 + q[1] * alpha))
 
@@ -177,7 +176,7 @@ class Members:
 
     def push(self, roller: Jets) -> ComplexArray:
         """Normal of the pitch curve away from the disc."""
-        sigma, omega = self.made.cam.rotation, self.made.drive.time_course.rates(self.phi)[0]  # type: ignore[union-attr]  # it has one
+        sigma, omega = self.made.cam.rotation, course_of(self.made).rates(self.phi)[0]
         tangent = roller[1] / omega - 1j * sigma * roller[0]
         return np.asarray(1j * sigma * tangent / np.abs(tangent))
 
@@ -350,7 +349,7 @@ def assert_reactions(name: str, rng: Random, *, rubbing: bool = False) -> None:
     gain = turned * np.imag(wanted["rod"][1] / wanted["rod"][0]) - along(force, velocity)
     most = size * float(np.max(np.abs(wanted["near"][1])))
     assert np.max(np.abs(sum(powers) + gain)) <= 10.0 * ROUNDING * most
-    omega = made.drive.time_course.rates(phi)[0]  # type: ignore[union-attr]  # it has one
+    omega = course_of(made).rates(phi)[0]
     given_by_cam = along(bodies.of_cam(phi, "right"), wanted["roller"])
     power = made.effect("drive-torque").torque(phi, "right") * omega
     assert np.max(np.abs(given_by_cam - power)) <= 10.0 * ROUNDING * np.max(np.abs(power))

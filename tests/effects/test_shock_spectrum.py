@@ -13,7 +13,7 @@ from camgeo.dynamics.oscillator import steady
 from camgeo.dynamics.oscillator.steady import NODES, QUIET, Pieces, Shock, most_cells, solve
 from camgeo.kinematics.laws import make_law
 from camgeo.numeric.extremes import Extreme
-from tests.effects.scenes import design
+from tests.effects.scenes import course_of, design
 from tests.findings import effect_findings
 from tests.laws import LAWS
 from tests.numeric.shocks import shock_of, shock_spectrum
@@ -141,8 +141,7 @@ def test_a_speed_curve_changes_the_move() -> None:
     """Against the residual by summing up Duhamel's integral with the trapezoidal rule in angle."""
     made = design("points", "[effects.shock-spectrum]\ndamping = 0.02\n")
     found: ShockSpectrum = made.effect("shock-spectrum")
-    course = made.drive.time_course
-    assert course is not None
+    course = course_of(made)
     for each in found.spectra:
         start, end = each.move.start, each.move.start + each.move.span
         phi = np.linspace(start, end, 200_001)

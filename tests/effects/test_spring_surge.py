@@ -13,7 +13,7 @@ from camgeo.dynamics.effects.spring_surge.result import CLEAR, FARTHEST
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.scene import parse_scene
 from camgeo.units import RPM, TURN
-from tests.effects.scenes import design
+from tests.effects.scenes import course_of, design
 from tests.integrals import cells, integrals
 
 LIFT: Final = 20.0
@@ -94,8 +94,7 @@ def test_a_cam_that_turns_unevenly() -> None:
     made = design(
         "points", "[effects.spring-surge]\ntolerance = 1e-10\n" + WIRE + "density = 1e6\n"
     )
-    course = made.drive.time_course
-    assert course is not None
+    course = course_of(made)
     result = made.effect("spring-surge")
     order, way = result.harmonic.order, made.effect("spring").way
     duration = TURN / result.speed

@@ -14,7 +14,7 @@ from camgeo.kinematics.laws import make_law
 from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.units import TURN
-from tests.effects.scenes import design
+from tests.effects.scenes import course_of, design
 from tests.findings import finding, finding_values
 from tests.integrals import cells, integrals
 from tests.numeric.shocks import shock_spectrum
@@ -146,8 +146,7 @@ def test_without_mass_the_train_is_rigid() -> None:
     made_ = made("plate_translating", "stiffness = 500", before=mass)
     found: Vibration = made_.effect("vibration")
     assert np.all(found.output.deflection(PHI, "right") == 0.0)
-    course = made_.drive.time_course
-    assert course is not None
+    course = course_of(made_)
     demanded = in_time(made_.cam.drive.plan.jet(PHI, "right"), course, PHI)
     assert np.array_equal(found.output.acceleration(PHI, "right"), demanded[2])
     assert found.error is None

@@ -18,6 +18,7 @@ from camgeo.design.design import Design
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.scene.scene import load_scene, parse_scene
+from tests.effects.scenes import course_of
 from tests.reference import reference
 
 INCH = 25.4
@@ -145,8 +146,7 @@ stiffness = {stiffness!r}
 def test_accelerations_and_inertia_of_the_follower() -> None:
     case = example("cam_loads")
     design = cam_loads(case)
-    course, inertia = design.drive.time_course, design.effect("inertia").force
-    assert course is not None
+    course, inertia = course_of(design), design.effect("inertia").force
 
     def force(phi: FloatArray, side: Side) -> FloatArray:
         omega = course.rates(phi)[0]

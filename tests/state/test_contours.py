@@ -24,7 +24,7 @@ from camgeo.geometry.outline.roller import PlayedLift
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.follower_path import path_of
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from tests.effects.scenes import design
+from tests.effects.scenes import course_of, design
 from tests.effects.test_premises import GROOVE
 from tests.state.test_written import SIDED, asked, side_of, state_of
 
@@ -161,8 +161,7 @@ def test_both_discs_see_one_motion() -> None:
 def test_the_force_is_that_of_the_free_body_where_that_side_carries(scene: str, flank: str) -> None:
     """m q'' omega^2 over the lever of the line through the centre of the touched arc."""
     made = sided(scene, flank)
-    state, (contour, cam), course = state_of(made), side_of(made, flank), made.drive.time_course
-    assert course is not None
+    state, (contour, cam), course = state_of(made), side_of(made, flank), course_of(made)
     phi = np.linspace(0.01, 6.27, 120)
     jet, omega = state.motion.jet(phi), course.rates(phi)[0]
     lift = state.motion.lift

@@ -19,7 +19,7 @@ from camgeo.dynamics.state.state import FarMotion
 from camgeo.errors import GeometryError
 from camgeo.kinematics.motion import Jet
 from camgeo.numeric.arrays import SIDES
-from tests.effects.scenes import design
+from tests.effects.scenes import course_of, design
 from tests.effects.test_trimmed_cams import assert_forces_on_corners
 
 STEEPER: Final = {
@@ -96,8 +96,7 @@ def test_the_far_end_moves_with_the_follower_over_the_corners(scene: str) -> Non
 @pytest.mark.parametrize("scene", ["tappet", "flat_rocker"])
 def test_a_face_that_rocks_over_a_corner_is_pushed_along_its_normal(scene: str) -> None:
     made = trimmed(scene)
-    state, course, cam = state_of(made), made.drive.time_course, made.cam
-    assert course is not None
+    state, course, cam = state_of(made), course_of(made), made.cam
     follower: Any = cam.follower
     corners = [each.centre for each in cam.disc.outline("inner").path.pivots]
     found = made.effect(CONTACT_FORCE).normal

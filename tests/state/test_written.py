@@ -25,7 +25,7 @@ from camgeo.geometry.contour.contour import Contour, Form
 from camgeo.numeric.arrays import SIDES, FloatArray
 from camgeo.part.part import written_contour
 from camgeo.scene.scene import load_scene
-from tests.effects.scenes import design
+from tests.effects.scenes import course_of, design
 from tests.effects.test_trimmed_cams import derivatives, on_rocker, place_of
 
 EFFECTS: Final = "[effects.inertia]\nmass = 2\n[effects.spring]\nstiffness = 9\npreload = 400\n"
@@ -167,9 +167,8 @@ def test_a_face_is_pushed_along_its_normal(scene: str, form: Form) -> None:
     changes = () if sliding else ((sense, f"{sense}\nspeed = 100"),)
     edits = {"state.motion": "written", "state.contour": form, "output.tolerance": 1e-2}
     made = Design(design(scene, text, *changes).scene.with_values(edits))
-    state, course = state_of(made), made.drive.time_course
+    state, course = state_of(made), course_of(made)
     cam: Any = made.cam
-    assert course is not None
     phi = np.linspace(0.01, 6.27, 200)
     jet, omega = state.motion.jet(phi), course.rates(phi)[0]
     if sliding:
