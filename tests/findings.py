@@ -21,6 +21,16 @@ def finding(findings: Iterable[Finding], name: str) -> Any:
     return found
 
 
+def finding_of(design: Design, effect: str, name: str) -> Any:
+    """The only one of that name of an effect."""
+    return finding(design.effects.findings(effect), name)
+
+
+def names_of(design: Design, effect: str) -> set[str]:
+    """The names of the findings of an effect."""
+    return {each.name for each in design.effects.findings(effect)}
+
+
 def finding_values(findings: Iterable[Finding]) -> dict[str, float]:
     """The values of those that have one, the last of each name."""
     return {each.name: each.value for each in findings if each.value is not None}

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from camgeo.design.design import Design
+from camgeo.dynamics.effects.effect import Subject
 from camgeo.dynamics.effects.registry import EFFECTS, find_effect
 from camgeo.dynamics.effects.rules import Kind, Only
 from camgeo.kinematics.time_course import TimeCourse
@@ -28,7 +29,7 @@ def design(scene: str, effects: str, *changes: tuple[str, str]) -> Design:
     return Design(parse_scene(text, str(SCENES / f"{scene}.toml")))
 
 
-def course_of(made: Design) -> TimeCourse:
+def course_of(made: Design | Subject) -> TimeCourse:
     """How the cam turns by its scene, which has a speed or a curve of it."""
     course = made.drive.time_course
     assert course is not None

@@ -22,6 +22,7 @@ from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.scene import load_scene
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import SCENES
+from tests.findings import finding_of
 from tests.long_form import examples
 
 FINEST = 1e-12
@@ -37,12 +38,6 @@ def loaded(name: str, **values: Any) -> Design:
             }
         )
     )
-
-
-def value(of: Design, effect: str, name: str) -> float:
-    (found,) = (each.value for each in of.effects.findings(effect) if each.name == name)
-    assert found is not None
-    return found
 
 
 @dataclass(frozen=True)
@@ -214,9 +209,7 @@ def test_the_contact_force_is_that_of_an_integrated_train(chain: Chain) -> None:
 def test_the_roller_leaves_the_cam_at_the_speed_told(made: Any) -> None:
     """Within 1e-6: it is pressed on its flank just below, and would be pulled just above."""
     of = made(400.0).of
-    (told,) = (each for each in of.effects.findings("lift-off") if each.name == "lift-off-speed")
-    assert told.value is not None
-    assert told.cam_angle is not None
+    told = finding_of(of, "lift-off", "lift-off-speed")
     near = told.cam_angle + np.linspace(-2e-3, 2e-3, 21)
     for share, sign in ((1.0 - 1e-6, 1.0), (1.0 + 1e-6, -1.0)):
         chain = made(told.value * share)
@@ -261,7 +254,7 @@ def test_contact_is_kept_at_all_speeds_below(hertz: float, damping: float) -> No
     """Between resonances too, at a hundred speeds; the sampled force errs by its harmonics."""
     own = {"natural_frequency": hertz, "damping": damping}
     of = loaded("lift_off_elastic", effects__vibration=own)
-    (told,) = (each for each in of.effects.findings("lift-off") if each.name == "lift-off-speed")
+    told = finding_of(of, "lift-off", "lift-off-speed")
     spectrum = Spectrum(hertz * TURN, damping)
     if told.value is None:
         assert "the highest speed searched" in told.sentence
@@ -286,11 +279,11 @@ def test_a_load_takes_its_work_from_the_output() -> None:
     taken = 1e-3 * chain.damping[0] * np.mean(slip**2) * TURN / chain.speed
     told = of.effect("power-balance")
     errors = [told.errors[name].error for name in ("work-elastic-train", "work-load")]
-    found = value(of, "power-balance", "work-elastic-train")
+    found = finding_of(of, "power-balance", "work-elastic-train").value
     assert found == pytest.approx(taken, abs=errors[0] + 1e-6 * taken)
-    whole = value(of, "drive-torque", "work-per-turn")
+    whole = finding_of(of, "drive-torque", "work-per-turn").value
     error = of.effect("drive-torque").errors["work-per-turn"].error
-    rest = value(of, "power-balance", "work-load") + found
+    rest = finding_of(of, "power-balance", "work-load").value + found
     assert rest == pytest.approx(whole, abs=sum(errors) + error + 1e-9 * abs(whole))
 
 
@@ -321,7 +314,9 @@ def test_a_constant_load_is_passed_on_as_by_a_rigid_train() -> None:
     ]
     apart = bent[0].values(PHI, "right") - bent[1].values(PHI, "right")
     assert apart == pytest.approx(-0.01, abs=1e-10)
-    assert value(pressed, "vibration", "load-deflection") == pytest.approx(0.01, rel=1e-9)
+    assert finding_of(pressed, "vibration", "load-deflection").value == pytest.approx(
+        0.01, rel=1e-9
+    )
 
 
 def test_a_train_without_masses_is_told_not_to_know_its_load() -> None:
@@ -352,7 +347,7 @@ def test_a_load_that_jumps_by_more_than_holds_the_roller_lifts_it_at_any_speed()
 
 def test_without_damping_there_is_no_lift_off_speed() -> None:
     of = loaded("lift_off_elastic", effects__vibration={"stiffness": 2000.0})
-    (told,) = (each for each in of.effects.findings("lift-off") if each.name == "lift-off-speed")
+    told = finding_of(of, "lift-off", "lift-off-speed")
     assert told.severity == "warning"
     assert told.value is None
     assert "without damping the train resonates" in told.sentence

@@ -124,13 +124,6 @@ def test_what_is_used_is_given_only_if_the_scene_names_it(fakes: Fakes) -> None:
     assert "spring" not in fakes.found
 
 
-def test_what_is_needed_and_used_is_given_once(fakes: Fakes) -> None:
-    fakes.add("spring")
-    fakes.add("force", needs=("spring",), uses=("spring",))
-    assert fakes.of({"spring": {}}).inputs("force") == ("spring",)
-    assert fakes.of().inputs("force") == ("spring",)
-
-
 def test_an_effect_sees_only_its_own_inputs(fakes: Fakes) -> None:
     diamond(fakes)
     effects = fakes.of({"top": {}, "left": {}})
@@ -173,12 +166,6 @@ def test_a_use_that_the_scene_does_not_name_closes_no_ring(fakes: Fakes) -> None
     assert set(fakes.of().result("one").given) == {"two"}
     with pytest.raises(CycleError, match="one -> two -> one"):
         fakes.of({"one": {}}).result("one")
-
-
-def test_an_effect_that_needs_itself_is_refused(fakes: Fakes) -> None:
-    fakes.add("alone", needs=("alone",))
-    with pytest.raises(CycleError, match="depends on itself: alone -> alone"):
-        fakes.of().result("alone")
 
 
 def test_there_is_no_such_effect(fakes: Fakes) -> None:
@@ -253,11 +240,6 @@ def test_a_finding_without_a_name_has_that_of_the_effect(fakes: Fakes) -> None:
 
     fakes.add("spectrum", compute)
     assert fakes.of().findings("spectrum") == (Finding("spectrum", "broken", "no spectrum"),)
-
-
-def test_findings_are_those_of_the_result(fakes: Fakes) -> None:
-    diamond(fakes)
-    assert fakes.of().findings("left") == (Finding("left", "ok", "left was computed"),)
 
 
 def test_other_errors_are_not_kept(fakes: Fakes) -> None:

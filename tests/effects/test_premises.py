@@ -10,13 +10,13 @@ from typing import Final
 import numpy as np
 import pytest
 
-from camgeo.check.finding import Finding
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.registry import EFFECTS, find_effect
 from camgeo.dynamics.effects.results import CONTACT_FORCE, FINDERS
 from camgeo.scene.scene import load_scene
 from tests.effects.scenes import SCENES, design
 from tests.effects.test_laziness import TABLES, TOGETHER
+from tests.findings import finding_of, names_of
 from tests.long_form import LONG
 
 LOST: Final = ((50.3518, 86.4716), (93.5284, 129.6482))
@@ -39,21 +39,12 @@ def rigidly(name: str) -> Design:
     return Design(load_scene(str(path)).with_values({"state.output": "rigid"}))
 
 
-def found(of: Design, effect: str, name: str) -> Finding:
-    (finding,) = (each for each in of.effects.findings(effect) if each.name == name)
-    return finding
-
-
-def names(of: Design, effect: str) -> set[str]:
-    return {each.name for each in of.effects.findings(effect)}
-
-
 # Contact ------------------------------------------------------------------------------------------
 
 
 def test_pressure_and_life_are_not_ok_while_the_roller_is_off_the_cam() -> None:
     weak = loaded("pressure_off_the_cam")
-    lost = found(weak, "contact-pressure", "contact-lost")
+    lost = finding_of(weak, "contact-pressure", "contact-lost")
     assert lost.severity == "broken"
     assert lost.value == pytest.approx(-183.027, abs=1e-3)
     assert lost.limit == 0.0
@@ -83,17 +74,11 @@ def test_each_effect_that_takes_contact_for_granted_says_where_it_is_lost() -> N
     weak = off_the_cam()
     assert {"contact-pressure", "drive-torque", "speed-fluctuation", "friction"} < {*NEEDS_CONTACT}
     for name in TOGETHER:
-        stated = "contact-lost" in names(weak, name)
+        stated = "contact-lost" in names_of(weak, name)
         assert stated == (name in NEEDS_CONTACT), name
         for each in weak.effects.findings(name) if stated else ():
             free = each.name in find_effect(name).regardless or each.value is None
             assert free or each.severity != "ok", each
-
-
-def test_it_is_the_same_place_for_all_of_one_speed() -> None:
-    weak = off_the_cam()
-    given = [name for name in NEEDS_CONTACT if name != "speed-fluctuation"]
-    assert len({found(weak, name, "contact-lost") for name in given}) == 1
 
 
 def test_lift_off_and_contact_force_define_it_alike() -> None:
@@ -111,9 +96,9 @@ def test_each_effect_says_where_the_follower_flies() -> None:
     ((start, end),) = rigid.effect("lift-off").flown
     flown = f"and flies from cam angle {math.degrees(start):.4f} to {math.degrees(end):.4f} deg;"
     for effect in ("contact-force", "drive-torque", "contact-pressure", "vibration"):
-        assert flown in found(rigid, effect, "contact-lost").sentence
+        assert flown in finding_of(rigid, effect, "contact-lost").sentence
     weak = loaded("pressure_off_the_cam")
-    assert "flies" not in found(weak, "contact-pressure", "contact-lost").sentence
+    assert "flies" not in finding_of(weak, "contact-pressure", "contact-lost").sentence
 
 
 @pytest.mark.parametrize("name", ["groove_lever", "conjugate_lever"])
@@ -128,15 +113,15 @@ def test_each_effect_says_where_a_clearance_is_crossed(name: str) -> None:
         for each in told:
             assert each.severity == "warning"
             assert all(text in each.sentence for text in shown)
-    figure = found(held, "contact-pressure", "largest-contact-pressure")
+    figure = finding_of(held, "contact-pressure", "largest-contact-pressure")
     assert figure.severity == "ok"
 
 
 def test_a_follower_that_stays_loses_nothing() -> None:
     for name in ("groove_lever", "valve_spring", "yoke", *(("press", "tappet") if LONG else ())):
         for effect in loaded(name).scene.effects:
-            assert "contact-lost" not in names(loaded(name), effect)
-            assert "trimmed-motion" not in names(loaded(name), effect)
+            assert "contact-lost" not in names_of(loaded(name), effect)
+            assert "trimmed-motion" not in names_of(loaded(name), effect)
 
 
 def test_a_jump_of_the_velocity_away_from_the_cam_loses_contact() -> None:
@@ -149,7 +134,10 @@ def test_a_jump_of_the_velocity_away_from_the_cam_loses_contact() -> None:
     lost = jumping.effect(CONTACT_FORCE).lost_contact
     assert lost.leaps
     assert not lost.ranges
-    assert "the velocity jumps away" in found(jumping, "contact-pressure", "contact-lost").sentence
+    assert (
+        "the velocity jumps away"
+        in finding_of(jumping, "contact-pressure", "contact-lost").sentence
+    )
 
 
 def test_without_an_effect_that_needs_the_contact_force_it_is_not_computed() -> None:
@@ -206,7 +194,7 @@ def test_a_scene_may_ask_for_the_motion_of_a_disc_that_is_not_made() -> None:
         REFUSED,
         ("[limits]", '[state]\nmotion = "outline"\n\n[limits]'),
     )
-    stated = found(asked, "kinematics", "trimmed-motion")
+    stated = finding_of(asked, "kinematics", "trimmed-motion")
     assert "these figures are for the motion that the trimmed inner flank makes" in stated.sentence
     whole = design("swallow_tail", "[effects.kinematics]", REFUSED)
     assert asked.scene.made == whole.scene.made
@@ -226,25 +214,13 @@ def test_where_the_disc_alone_does_not_tell_the_motion_figures_are_of_the_demand
     ]
     assert stated
     assert all("these figures are for the demanded motion" in each.sentence for each in stated)
-    assert found(trimmed, "kinematics", "highest-velocity").severity == "warning"
-
-
-def test_a_roller_turns_about_a_corner_without_a_jump_of_its_velocity() -> None:
-    """In the replay only the acceleration jumps where the roller reaches and leaves a corner."""
-    disc = design("swallow_tail", "").cam.disc
-    replay = disc.replay("inner")
-    assert not len(replay.shocks)
-    ((start, _),) = disc.outline("inner").dropped
-    place = np.array([start])
-    before, after = (replay.lift.jet(place + step)[:3, 0] for step in (-1e-9, 1e-9))
-    assert after[1] == pytest.approx(before[1], abs=1e-6)
-    assert abs(after[2] - before[2]) > 1.0
+    assert finding_of(trimmed, "kinematics", "highest-velocity").severity == "warning"
 
 
 def test_shocks_elsewhere_are_not_put_down_to_the_corner() -> None:
     """The velocity of straight moves jumps at 50 and 320 degrees, and their corners are others."""
     jumping = design("straight_moves", "[effects.kinematics]")
-    stated = found(jumping, "kinematics", "trimmed-motion")
+    stated = finding_of(jumping, "kinematics", "trimmed-motion")
     assert "shocks" not in stated.sentence
     assert stated.cam_range is None
     assert len(re.findall(r"\d to \d", stated.sentence)) == 2
@@ -252,7 +228,7 @@ def test_shocks_elsewhere_are_not_put_down_to_the_corner() -> None:
 
 def test_the_outer_flank_of_a_ring() -> None:
     ring = design("trimmed_ring", "[effects.load]\nconstant = 5")
-    stated = found(ring, "load", "trimmed-motion")
+    stated = finding_of(ring, "load", "trimmed-motion")
     assert "trimmed outer flank" in stated.sentence
 
 
@@ -261,19 +237,21 @@ def test_the_outer_flank_of_a_ring() -> None:
 
 def test_the_limit_speed_of_a_rigid_follower_is_not_reported_as_that_of_the_elastic_one() -> None:
     rigid = rigidly("lift_off_elastic")
-    stated = found(rigid, "lift-off", "simplified")
+    stated = finding_of(rigid, "lift-off", "simplified")
     assert stated.severity == "warning"
     assert stated.sentence == (
         "these figures hold for a rigid follower; vibration in the same scene has a better"
         " model, which is not taken into account here; an elastic one may leave the cam at a lower"
         " speed"
     )
-    assert found(rigid, "lift-off", "lift-off-speed").value == pytest.approx(355.245, abs=1e-3)
-    assert "elastic-train" not in names(rigid, "lift-off")
+    assert finding_of(rigid, "lift-off", "lift-off-speed").value == pytest.approx(355.245, abs=1e-3)
+    assert "elastic-train" not in names_of(rigid, "lift-off")
     elastic = loaded("lift_off_elastic")
-    assert not names(elastic, "lift-off") & {"simplified"}
-    assert found(elastic, "lift-off", "elastic-train").severity == "ok"
-    assert found(elastic, "lift-off", "lift-off-speed").value == pytest.approx(320.005, abs=1e-3)
+    assert not names_of(elastic, "lift-off") & {"simplified"}
+    assert finding_of(elastic, "lift-off", "elastic-train").severity == "ok"
+    assert finding_of(elastic, "lift-off", "lift-off-speed").value == pytest.approx(
+        320.005, abs=1e-3
+    )
 
 
 @pytest.mark.parametrize("name", TOGETHER)
@@ -296,12 +274,7 @@ def test_a_speed_that_is_found_is_not_simpler(name: str) -> None:
     refined = [each.by for each in find_effect(name).refined_by]
     stated = [each for each in whole.effects.findings(name) if each.name == "simplified"]
     assert all("speed-fluctuation" not in each.sentence for each in stated)
-    assert ("found-speed" in names(whole, name)) == ("speed-fluctuation" in refined)
-
-
-def test_alone_no_model_is_better() -> None:
-    alone = loaded("pressure_off_the_cam")
-    assert "simplified" not in names(alone, "contact-pressure")
+    assert ("found-speed" in names_of(whole, name)) == ("speed-fluctuation" in refined)
 
 
 def test_what_depends_on_the_speed_of_the_cam_says_that_it_is_the_given_one() -> None:

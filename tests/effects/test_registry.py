@@ -23,7 +23,7 @@ from camgeo.errors import CamgeoError, GeometryError, SceneError, UnknownNameErr
 from camgeo.lazy import Ledger
 from camgeo.scene.scene import parse_scene
 from tests.effects.fakes import fake
-from tests.scene.scenes import PLATE, ROCKER
+from tests.scene.scenes import PLATE
 
 NAME = "noise"
 
@@ -207,14 +207,6 @@ def test_its_table_is_converted_by_its_schema(register: Register) -> None:
     assert parse_scene(inch).effects[NAME] == {**table, "gap": 0.5 * 25.4}
 
 
-def test_its_effect_is_computed_on_a_design(register: Register) -> None:
-    register(NAME, FOREIGN)
-    from camgeo.design.design import Design
-
-    scene = parse_scene(with_noise("mass = 2"))
-    assert Design(scene).effect(NAME) == {"mass": 2e-3}
-
-
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -260,13 +252,6 @@ def test_unknown_names_are_reported_as_before(register: Register) -> None:
         SceneError, match=r"effects\.noisy: is not a known key \(did you mean noise"
     ):
         parse_scene(scene)
-
-
-def test_what_it_needs_of_the_scene_is_reported(register: Register) -> None:
-    register(NAME, fake(NAME, keys=(("cam.speed",),)))
-    with pytest.raises(SceneError, match=r"effects\.noise: needs \[cam\] speed"):
-        parse_scene(with_noise("", ROCKER))
-    assert parse_scene(with_noise("", PLATE)).effects == {NAME: {}}
 
 
 def test_where_it_has_no_place_is_reported(register: Register) -> None:

@@ -12,7 +12,6 @@ from typing import Any, Final
 import numpy as np
 import pytest
 
-from camgeo.check.finding import Finding
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.lift_off.result import flank_changes
 from camgeo.dynamics.effects.results import CONTACT_FORCE
@@ -26,6 +25,7 @@ from camgeo.kinematics.mechanism.follower_path import path_of
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.effects.scenes import course_of, design
 from tests.effects.test_premises import GROOVE
+from tests.findings import finding_of
 from tests.state.test_written import SIDED, asked, side_of, state_of
 
 WIDE: Final = ("thickness = 10", "thickness = 10\nrim = 125\ngroove_depth = 5")
@@ -184,11 +184,6 @@ def test_the_force_is_that_of_the_free_body_where_that_side_carries(scene: str, 
     assert not np.any(sense * normal[~carried] > 0.0)
 
 
-def found(made: Design, effect: str, name: str) -> Finding:
-    (each,) = (each for each in made.effects.findings(effect) if each.name == name)
-    return each
-
-
 @pytest.mark.parametrize(
     ("scene", "flank", "other"),
     [("groove", "outer", "inner flank"), ("conjugate_lever", "main", "return disc")],
@@ -197,7 +192,7 @@ def test_findings_say_where_the_other_side_carries_and_how_far_it_is(
     scene: str, flank: str, other: str
 ) -> None:
     made = sided(scene, flank)
-    told = found(made, "contact-force", "other-side")
+    told = finding_of(made, "contact-force", "other-side")
     assert told.severity == "warning"
     assert f"the {other} carries" in told.sentence
     contact = made.effect(CONTACT_FORCE)
@@ -212,11 +207,11 @@ def test_findings_say_where_the_other_side_carries_and_how_far_it_is(
     figures = [each for each in made.effects.findings("contact-force") if "force" in each.name]
     assert {each.severity for each in figures} == {"warning"}
     for effect in ("kinematics", "contact-force"):
-        apart = found(made, effect, "other-contour")
+        apart = finding_of(made, effect, "other-contour")
         lowest = contours_of(made).play.lowest
         assert apart.value == pytest.approx(math.degrees(lowest.value), rel=1e-12)
         assert apart.severity == ("warning" if lowest.value < 0.0 else "ok")
-        motion = found(made, effect, "written-motion").sentence
+        motion = finding_of(made, effect, "written-motion").sentence
         assert f"the written contour of the {flank} {other.split()[1]} makes all round" in motion
 
 
@@ -231,7 +226,7 @@ def test_what_the_opposite_flank_has_lost_is_told_as_its_own() -> None:
         (opposite,) = (each for each in trimmed if f"the trimmed {other} flank" in each)
         assert own.startswith("these figures are for the motion that the trimmed")
         assert opposite.startswith("these figures are for the motion of the other side")
-        assert found(made, "kinematics", "highest-velocity").severity == "ok"
+        assert finding_of(made, "kinematics", "highest-velocity").severity == "ok"
         losses = [made.cam.disc.replay(each).largest_loss.value for each in (flank, other)]
         play = contours_of(made).play.highest.value
         assert play == pytest.approx(max(losses), abs=4e-3)  # two tolerances over the lever
@@ -239,7 +234,7 @@ def test_what_the_opposite_flank_has_lost_is_told_as_its_own() -> None:
 
 def test_flights_between_written_contours_are_refused() -> None:
     scene = sided("groove", "outer").scene.with_values({"effects.lift-off.backlash": 0.02})
-    told = found(Design(scene), "lift-off", "impact-speed")
+    told = finding_of(Design(scene), "lift-off", "impact-speed")
     assert told.value is None
     assert "flights between these are not computed" in told.sentence
 
