@@ -21,6 +21,7 @@ from camgeo.part.materials import find_material
 from camgeo.scene.scene import load_scene
 from tests.draws.doors import FIXTURES
 from tests.effects.scenes import design
+from tests.findings import finding
 
 ROUNDED: Final = re.compile(r"\de-(1[0-9]|[2-9][0-9])\b")
 """A number that only rounding leaves."""
@@ -31,20 +32,15 @@ def found(name: str, effect: str) -> tuple[Finding, ...]:
     return Design(load_scene(FIXTURES / "found" / f"{name}.toml")).effects.findings(effect)
 
 
-def named(findings: tuple[Finding, ...], name: str) -> Finding:
-    (one,) = (each for each in findings if each.name == name)
-    return one
-
-
 def test_a_stress_without_a_strength_is_a_figure() -> None:
     spring = found("spring_stress_ok", "spring")
     for name, stress in (("largest-spring-stress", 1734.56), ("solid-spring-stress", 3709.37)):
-        told = named(spring, name)
+        told = finding(spring, name)
         assert told.value == pytest.approx(stress, rel=1e-5)
         assert told.verdict == "figure"
         assert "no strength of the wire is stated" in told.sentence
-    assert named(spring, "spring-index").verdict == "ok"
-    assert named(spring, "spring-buckling").verdict == "warning"
+    assert finding(spring, "spring-index").verdict == "ok"
+    assert finding(spring, "spring-buckling").verdict == "warning"
 
 
 def test_a_sentence_that_nothing_limits_is_a_note() -> None:
@@ -83,7 +79,7 @@ def test_weights_across_the_guide_are_nothing(angle: int) -> None:
         f"[effects.{each}]\n" for each in ("contact-force", "reactions", "drive-torque")
     )
     made = design("plate_translating", tables)
-    weight = named(made.effects.findings("gravity"), "largest-weight-force")
+    weight = finding(made.effects.findings("gravity"), "largest-weight-force")
     assert weight.value == 0.0
     assert "follower 0 N" in weight.sentence
     for name in made.scene.effects:
@@ -93,7 +89,9 @@ def test_weights_across_the_guide_are_nothing(angle: int) -> None:
 
 def test_no_speed_throws_off_what_has_no_mass() -> None:
     spring = "[effects.spring]\nstiffness = 2\npreload = 300\n[effects.lift-off]\n"
-    told = named(design("plate_translating", spring).effects.findings("lift-off"), "lift-off-speed")
+    told = finding(
+        design("plate_translating", spring).effects.findings("lift-off"), "lift-off-speed"
+    )
     assert (told.verdict, told.limit) == ("note", None)
     assert "states no mass" in told.sentence
 

@@ -15,6 +15,7 @@ from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.scene.scene import parse_scene
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import course_of, design
+from tests.findings import finding
 
 ROUNDING = 1e-12
 """A few thousand roundings of the largest force; see the tests of the contact force."""
@@ -48,11 +49,6 @@ def named(found: Any, name: str) -> list[Any]:
     return [each for each in found.findings if each.name == name]
 
 
-def one(found: Any, name: str) -> Any:
-    (each,) = named(found, name)
-    return each
-
-
 def lowest(subject: Design, factor: float) -> float:
     """Smallest force on the flank, by the largest, at so many times the scene's speed."""
     contact, course = subject.effect("contact-force"), course_of(subject)
@@ -76,8 +72,8 @@ FAST = ("speed = 60", "speed = 500")
 
 def test_contact_is_kept() -> None:
     found = lift_off(design("plate_translating", effects()))
-    assert one(found, "lift-off").severity == "ok"
-    assert one(found, "lift-off").value == found.lowest.value > 0.0
+    assert finding(found.findings, "lift-off").severity == "ok"
+    assert finding(found.findings, "lift-off").value == found.lowest.value > 0.0
     assert found.lost == ()
 
 
@@ -154,16 +150,16 @@ def test_runs(inside: list[int], expected: list[list[int]]) -> None:
 def test_contact_that_touches_0_is_reported_and_not_lost() -> None:
     """No preload: in the rest at lift 0 no force at all is left, and none is missing."""
     found = lift_off(design("plate_translating", effects(preload=0.0, stiffness=5.0)))
-    assert one(found, "lift-off").severity == "ok"
-    assert one(found, "contact-touches-zero").severity == "warning"
+    assert finding(found.findings, "lift-off").severity == "ok"
+    assert finding(found.findings, "contact-touches-zero").severity == "warning"
 
 
 def test_a_velocity_that_jumps_away_lifts_off_at_any_speed() -> None:
     found = lift_off(design("straight_moves", effects(preload=1e6), ('"trim"', '"refuse"')))
     lost = named(found, "lift-off")
     assert [round(math.degrees(each.cam_angle)) for each in lost] == [140, 200]
-    assert one(found, "lift-off-speed").value == 0.0
-    assert one(found, "least-preload").value is None
+    assert finding(found.findings, "lift-off-speed").value == 0.0
+    assert finding(found.findings, "least-preload").value is None
 
 
 # -- the speed -----------------------------------------------------------------------------------
@@ -272,16 +268,16 @@ def test_the_jump_speed_of_a_harmonic_motion() -> None:
     textbooks on cam dynamics have it (Norton; Shigley and Uicker)."""
     found = lift_off(harmonic(effects(stiffness=1.0, preload=25.0)))
     expected = math.sqrt((2.0 * 1.0 * 10.0 + 25.0) / (1.2e-3 * 10.0)) / RPM
-    assert one(found, "lift-off-speed").value == pytest.approx(expected, rel=1e-13)
+    assert finding(found.findings, "lift-off-speed").value == pytest.approx(expected, rel=1e-13)
     # The top is flat: its place is known to half the digits.
-    assert one(found, "lift-off-speed").cam_angle == pytest.approx(math.pi, abs=1e-6)
+    assert finding(found.findings, "lift-off-speed").cam_angle == pytest.approx(math.pi, abs=1e-6)
 
 
 @pytest.mark.parametrize("more", ["", "[effects.gravity]\nangle = 90"])
 def test_any_speed(more: str) -> None:
     """Without a spring nothing holds the roller."""
     tables = f"[effects.inertia]\nmass = 1\n{more}\n[effects.contact-force]\n[effects.lift-off]\n"
-    speed = one(lift_off(design("plate_translating", tables)), "lift-off-speed")
+    speed = finding(lift_off(design("plate_translating", tables)).findings, "lift-off-speed")
     assert speed.value == 0.0
     assert speed.severity == "broken"
 
@@ -331,19 +327,19 @@ def test_the_least_spring_just_keeps_contact(
 def test_no_spring_is_needed() -> None:
     tables = effects(more="[effects.load]\nconstant = 50")
     found = lift_off(design("plate_translating", tables))
-    assert one(found, "least-preload").value == 0.0
-    assert one(found, "least-stiffness").value == 0.0
-    assert one(found, "least-stiffness").severity == "ok"
+    assert finding(found.findings, "least-preload").value == 0.0
+    assert finding(found.findings, "least-stiffness").value == 0.0
+    assert finding(found.findings, "least-stiffness").severity == "ok"
 
 
 def test_no_stiffness_helps_in_the_rest() -> None:
     """In the rest at lift 0 a spring has its preload, whatever its stiffness."""
     tables = effects(preload=4.0, more="[effects.load]\nconstant = -6")
     found = lift_off(design("plate_translating", tables))
-    stiffness = one(found, "least-stiffness")
+    stiffness = finding(found.findings, "least-stiffness")
     assert stiffness.value is None
     assert stiffness.severity == "warning"
-    assert one(found, "least-preload").value > 4.0
+    assert finding(found.findings, "least-preload").value > 4.0
 
 
 # -- grooves -------------------------------------------------------------------------------------
@@ -376,7 +372,7 @@ def test_rests_without_force_lie_between() -> None:
 def test_a_load_keeps_one_flank() -> None:
     found = lift_off(groove(0.05, "[effects.load]\nconstant = 50"))
     assert found.changes == ()
-    assert "over the whole turn" in one(found, "flank-change").sentence
+    assert "over the whole turn" in finding(found.findings, "flank-change").sentence
     assert not named(found, "impact-speed")
 
 
@@ -387,9 +383,9 @@ def test_without_a_mass_no_impact_is_reported() -> None:
     )
     found = lift_off(design("groove", tables))
     assert len(found.changes) == 4
-    assert "effects.inertia" in one(found, "impact-speed").sentence
+    assert "effects.inertia" in finding(found.findings, "impact-speed").sentence
     massless = design("groove", f"[effects.inertia]\nmoment_of_inertia = 0\n{tables}")
-    assert "no mass" in one(lift_off(massless), "impact-speed").sentence
+    assert "no mass" in finding(lift_off(massless).findings, "impact-speed").sentence
 
 
 # -- contradictions ------------------------------------------------------------------------------
@@ -401,9 +397,9 @@ def with_play(backlash: str = "") -> Design:
 
 
 def test_the_side_clearance_of_the_groove_is_the_backlash() -> None:
-    stated = one(lift_off(with_play()), "largest-impact-speed")
+    stated = finding(lift_off(with_play()).findings, "largest-impact-speed")
     assert "0.08 mm" in stated.sentence
-    same = one(lift_off(with_play("backlash = 0.08\n")), "largest-impact-speed")
+    same = finding(lift_off(with_play("backlash = 0.08\n")).findings, "largest-impact-speed")
     assert same == stated
     tight = design(
         "groove_clearance",
@@ -412,7 +408,7 @@ def test_the_side_clearance_of_the_groove_is_the_backlash() -> None:
         ("side_clearance = 0.08\n", ""),
     )
     # Impacts are those of the pitch curve, to first order in the clearance.
-    assert one(lift_off(tight), "largest-impact-speed").value == stated.value
+    assert finding(lift_off(tight).findings, "largest-impact-speed").value == stated.value
 
 
 def test_cells_between_edges_that_nearly_coincide_come_to_an_end() -> None:

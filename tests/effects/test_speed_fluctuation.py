@@ -23,6 +23,7 @@ from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.scene.scene import load_scene
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import SCENES, design
+from tests.findings import finding, finding_values
 
 EPS = float(np.finfo(np.float64).eps)
 
@@ -76,10 +77,6 @@ def plate() -> Design:
     return driven()
 
 
-def values(result: Any) -> dict[str, float]:
-    return {each.name: each.value for each in result.findings if each.value is not None}
-
-
 def test_a_constant_load_is_met_on_the_motor_line(plate: Design) -> None:
     torque = Law(lambda phi: (600.0, 0.0, 0.0, 0.0, 1.0, 1.0))
     result = steady(plate, 50.0, 2000.0, torque=torque)
@@ -91,7 +88,7 @@ def test_a_constant_load_is_met_on_the_motor_line(plate: Design) -> None:
     assert result.fluctuation <= 20.0 * EPS
     assert result.mean_speed == pytest.approx(expected, rel=10.0 * EPS)
     # Power balance: what the motor gives a turn is the load's work.
-    assert values(result)["motor-work"] == pytest.approx(0.6 * TURN, rel=1e-13)
+    assert finding_values(result.findings)["motor-work"] == pytest.approx(0.6 * TURN, rel=1e-13)
 
 
 @pytest.mark.parametrize("load", [0.0, -110.0])
@@ -122,8 +119,8 @@ def test_equation_of_motion_and_power_balance(load: float) -> None:
     left = piecewise_integral(balance, np.append(result.turn.mesh.low, TURN), 1e-12).value
     # The speed's error e changes J omega^2 / 2 by J omega^2 e, and the motor's torque by its slope.
     assert abs(left) <= 4.0 * (moment * NO_LOAD**2 + TURN * stall) * 1e-11
-    assert values(result)["motor-work"] > 0.0
-    assert result.lost_contact == (load < 0.0)
+    assert finding_values(result.findings)["motor-work"] > 0.0
+    assert bool(result.lost_contact) == (load < 0.0)
 
 
 @pytest.mark.parametrize("kinked", [False, True])
@@ -160,7 +157,7 @@ def test_a_motor_too_weak_stalls_where_the_torque_beats_it() -> None:
 
 
 def test_a_motor_too_weak_for_the_mean_torque_stalls(plate: Design) -> None:
-    mean = 1000.0 * values(plate.effect("drive-torque"))["mean-torque"]
+    mean = 1000.0 * finding_values(plate.effects.findings("drive-torque"))["mean-torque"]
     for moment in (10.0, 1e4):
         with pytest.raises(EffectError) as caught:
             steady(plate, moment, 0.3 * mean)
@@ -172,7 +169,7 @@ def test_a_motor_too_weak_for_the_mean_torque_stalls(plate: Design) -> None:
 def test_the_slowest_orbits_are_found_where_newton_fails() -> None:
     """A motor that only just carries a light cam over its peak, at a near standstill."""
     light = driven(mass=1e-6)
-    peak = 1000.0 * values(light.effect("drive-torque"))["largest-static-torque"]
+    peak = 1000.0 * finding_values(light.effects.findings("drive-torque"))["largest-static-torque"]
     result = steady(light, 5.0, 1.01 * peak, 1e-6)
     assert np.min(result.turn.omega(np.linspace(0.0, TURN, 2000))) > 0.0
     assert result.fluctuation > 0.5
@@ -182,12 +179,14 @@ def test_the_limit(plate: Design) -> None:
     fluctuation = steady(plate, 60.0, 4000.0).fluctuation
     for factor, severity in ((1.01, "ok"), (0.99, "broken")):
         result = steady(plate, 60.0, 4000.0, limit=factor * fluctuation)
-        (found,) = (each for each in result.findings if each.name == "speed-fluctuation")
+        found = finding(result.findings, "speed-fluctuation")
         assert (found.severity, found.value) == (severity, fluctuation)
     speed, motor = (each.values(np.zeros(1), "right")[0] for each in result.columns)
     assert speed * RPM == pytest.approx(float(result.turn.omega(np.zeros(1))[0]), rel=4.0 * EPS)
     assert 1000.0 * motor == pytest.approx(4000.0 * (1.0 - speed * RPM / NO_LOAD), abs=1e-9)
-    low, high = (values(result)[f"{name}-speed"] for name in ("smallest", "largest"))
+    low, high = (
+        finding_values(result.findings)[f"{name}-speed"] for name in ("smallest", "largest")
+    )
     assert (high - low) * RPM / result.mean_speed == pytest.approx(fluctuation, rel=1e-12)
 
 

@@ -19,6 +19,7 @@ from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.scene.scene import load_scene, parse_scene
 from tests.effects.scenes import course_of
+from tests.findings import finding_of
 from tests.reference import reference
 
 INCH = 25.4
@@ -97,11 +98,6 @@ def dwell(span: float) -> str:
     return f"\n[[motion]]\ndwell = {span!r}\n"
 
 
-def finding(design: Design, effect: str, name: str) -> Any:
-    (one,) = (each for each in design.effect(effect).findings if each.name == name)
-    return one
-
-
 def column(design: Design, effect: str, name: str) -> Any:
     (one,) = (each for each in design.effect(effect).columns if each.name == name)
     return one.values
@@ -153,7 +149,7 @@ def test_accelerations_and_inertia_of_the_follower() -> None:
         return np.asarray(-inertia.coefficients(phi, side)[2] * omega**2 / POUND_FORCE)
 
     for key, name in (("acceleration", "highest"), ("deceleration", "lowest")):
-        found = finding(design, "kinematics", f"{name}-acceleration").value
+        found = finding_of(design, "kinematics", f"{name}-acceleration").value
         assert_printed(case, key, found / INCH)
     transition = number(case, "acceleration_span")
     lift = at(lambda phi, side: design.cam.drive.plan.jet(phi, side)[0], transition) / INCH
@@ -202,7 +198,7 @@ def test_the_follower_is_lost_where_the_spring_was_designed() -> None:
     """With the preload that leaves nothing of the smallest load. Its place is the transition."""
     case = example("cam_loads")
     design = cam_loads(case)
-    least, kept = (finding(design, "lift-off", name) for name in ("least-preload", "lift-off"))
+    least, kept = (finding_of(design, "lift-off", name) for name in ("least-preload", "lift-off"))
     transition = math.radians(number(case, "acceleration_span"))
     back = 2.0 * math.pi - math.radians(number(case, "dwell")) - transition
     for found in (least, kept):
@@ -228,7 +224,7 @@ def test_velocity_and_acceleration_of_a_valve() -> None:
     radii = f"base_radius = {number(case, 'least_radius') + roller!r}\nroller_radius = {roller!r}"
     design = made(number(case, "speed"), radii, motion, "[effects.kinematics]")
     for key, name in (("rise", "highest"), ("fall", "lowest")):
-        found = 1e-3 * finding(design, "kinematics", f"{name}-velocity").value
+        found = 1e-3 * finding_of(design, "kinematics", f"{name}-velocity").value
         assert_printed(case, f"{key}_velocity", abs(found))
     acceleration = column(design, "kinematics", "acceleration")
     for key, start, span in (("rise", 0.0, rise), ("fall", rise + rest, fall)):
@@ -258,8 +254,8 @@ constant = {load!r}
 fluctuation = {fluctuation!r}
 """
     design = made(number(case, "speed"), GROOVE, stroke + stroke, effects, BLANK)
-    assert_printed(case, "energy", finding(design, "drive-torque", "energy-fluctuation").value)
-    moment = finding(design, "drive-torque", "flywheel").value
+    assert_printed(case, "energy", finding_of(design, "drive-torque", "energy-fluctuation").value)
+    moment = finding_of(design, "drive-torque", "flywheel").value
     exact = fluctuation * (math.pi * number(case, "speed") / 30.0) ** 2
     assert abs(exact - number(case, "divisor")) <= 0.005
     rounded = moment * exact / number(case, "divisor")
@@ -300,9 +296,9 @@ def test_shaft_between_an_engine_and_its_machine(tmp_path: Path) -> None:
     case = example("engine_and_machine")
     effects = "[effects.drive-torque]\nfluctuation = 0.01\n"
     design, inertia = engine_and_machine(case, tmp_path, effects), shaft_inertia(case)
-    energy = finding(design, "drive-torque", "energy-fluctuation").value
+    energy = finding_of(design, "drive-torque", "energy-fluctuation").value
     assert_printed(case, "energy", energy)
-    flywheel = finding(design, "drive-torque", "flywheel").value
+    flywheel = finding_of(design, "drive-torque", "flywheel").value
     assert_printed(case, "fluctuation", 100.0 * 0.01 * flywheel / inertia)
     torque = design.effect("drive-torque").torque
     ends = piecewise_extremes(torque, np.radians(np.linspace(0.0, 180.0, 1801)))
@@ -327,7 +323,7 @@ stall_torque = 20
 """
     design = engine_and_machine(case, tmp_path, effects)
     high, low = (
-        finding(design, "speed-fluctuation", f"{name}-speed").value
+        finding_of(design, "speed-fluctuation", f"{name}-speed").value
         for name in ("largest", "smallest")
     )
     fluctuation = 0.5 * (high - low) * (high + low) / number(case, "speed") ** 2
@@ -358,7 +354,7 @@ def lives(design: Design) -> dict[str, float]:
     """In hours, and in millions of turns of the roller."""
     found = design.effect("contact-pressure").life
     turns = 1e-6 * found.seconds * found.speed / (2.0 * math.pi)
-    return {"life": finding(design, "contact-pressure", "roller-life").value, "turns": turns}
+    return {"life": finding_of(design, "contact-pressure", "roller-life").value, "turns": turns}
 
 
 def test_life_of_a_roller_bearing() -> None:
@@ -394,10 +390,10 @@ def test_permissible_unbalance() -> None:
         return made(number(case, "speed"), PLATE, motion, effects, DISC)
 
     mass = number(case, "mass")
-    density = 1000.0 * mass / finding(disc(1000.0), "balance", "disc-mass").value
+    density = 1000.0 * mass / finding_of(disc(1000.0), "balance", "disc-mass").value
     design = disc(density)
-    assert finding(design, "balance", "disc-mass").value == pytest.approx(mass, rel=1e-5)
-    permissible = finding(design, "balance", "unbalance").limit
+    assert finding_of(design, "balance", "disc-mass").value == pytest.approx(mass, rel=1e-5)
+    permissible = finding_of(design, "balance", "unbalance").limit
     assert_printed(case, "permissible", permissible)
     assert_printed(case, "per_mass", permissible / mass)
 
@@ -420,7 +416,7 @@ def test_no_vibration_remains_after_a_versed_sine_pulse() -> None:
     def left(ratio: float) -> float:
         table = f"[effects.vibration]\nnatural_frequency = {ratio / pulse!r}\ntolerance = 1e-9\n"
         design = made(speed, PLATE, motion, table)
-        found: float = finding(design, "vibration", "largest-residual-vibration").value
+        found: float = finding_of(design, "vibration", "largest-residual-vibration").value
         return found / lift
 
     lowest = number(case, "lowest_ratio")
@@ -498,15 +494,15 @@ def test_stress_and_solid_length_of_a_helical_spring() -> None:
     design = helical(case, 4.0, number(case, "force"))
     spring = design.effect("spring")
     assert_printed(case, "rate", spring.stiffness / POUND_FORCE * INCH)
-    force = finding(design, "spring", "largest-spring-force").value / POUND_FORCE
-    stress = finding(design, "spring", "largest-spring-stress").value / PSI
+    force = finding_of(design, "spring", "largest-spring-force").value / POUND_FORCE
+    stress = finding_of(design, "spring", "largest-spring-stress").value / PSI
     # The rate of rounded coils leaves a little of the force.
     assert_printed(case, "force", force)
     assert_printed(case, "stress", stress * number(case, "force") / force)
     assert_printed(case, "solid_length", spring.helical.solid_length / INCH)
     assert_printed(case, "solid_force", spring.helical.solid_force / POUND_FORCE)
     assert_printed(
-        case, "solid_stress", finding(design, "spring", "solid-spring-stress").value / PSI
+        case, "solid_stress", finding_of(design, "spring", "solid-spring-stress").value / PSI
     )
 
 
@@ -514,12 +510,12 @@ def test_a_slender_helical_spring_with_its_surge() -> None:
     case = example("spring_that_buckles")
     forces = number(case, "smallest_force"), number(case, "largest_force")
     design = helical(case, *forces, "[effects.spring-surge]\n")
-    frequency = finding(design, "spring-surge", "surge-frequency").value
+    frequency = finding_of(design, "spring-surge", "surge-frequency").value
     assert_printed(case, "frequency", frequency)
     assert_printed(case, "rate", design.effect("spring").stiffness / POUND_FORCE * INCH)
-    assert_printed(case, "index", finding(design, "spring", "spring-index").value)
+    assert_printed(case, "index", finding_of(design, "spring", "spring-index").value)
     assert_printed(case, "solid_length", design.effect("spring").helical.solid_length / INCH)
-    assert_printed(case, "overrun", finding(design, "spring", "spring-closure").value)
-    buckling = finding(design, "spring", "spring-buckling")
+    assert_printed(case, "overrun", finding_of(design, "spring", "spring-closure").value)
+    buckling = finding_of(design, "spring", "spring-buckling")
     assert buckling.severity == "warning"
     assert_printed(case, "stable_length", buckling.limit / INCH)
