@@ -30,10 +30,13 @@ from camgeo.dynamics.effects.friction.result import NEAR
 from camgeo.dynamics.effects.graph import TOLERANCE
 from camgeo.dynamics.effects.gravity import STANDARD_GRAVITY
 from camgeo.dynamics.effects.helical import STABLE
-from camgeo.dynamics.effects.lift_off.elastic_flight import MOST_PERIODS
-from camgeo.dynamics.effects.lift_off.elastic_flight import MOST_TURNS as ELASTIC_TURNS
 from camgeo.dynamics.effects.lift_off.elastic_speed import MOST_STEPS, SEARCHED
-from camgeo.dynamics.effects.lift_off.flight import MOST_REBOUNDS, MOST_TURNS
+from camgeo.dynamics.effects.lift_off.flight import (
+    MOST_ELASTIC_TURNS,
+    MOST_PERIODS,
+    MOST_REBOUNDS,
+    MOST_TURNS,
+)
 from camgeo.dynamics.effects.registry import EFFECTS, find_effect
 from camgeo.dynamics.effects.shock_spectrum.result import measured
 from camgeo.dynamics.effects.spring_surge.result import CLEAR
@@ -92,7 +95,7 @@ NUMBERS: Final[dict[str, Any]] = {
     "searched": f"{SEARCHED:g}",
     "steps": MOST_STEPS,
     "flight_turns": MOST_TURNS,
-    "elastic_turns": ELASTIC_TURNS,
+    "elastic_turns": MOST_ELASTIC_TURNS,
     "elastic_periods": MOST_PERIODS,
     "shear_share": SHEAR_SHARE,
     "shear_depth": SHEAR_DEPTH,

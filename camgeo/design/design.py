@@ -164,7 +164,7 @@ class Design(Pickled, Displayed):
         """The effects that the scene calls for, each computed on first use."""
         from camgeo.dynamics.effects.effect import Subject  # few scenes name an effect
         from camgeo.dynamics.effects.graph import Effects
-        from camgeo.dynamics.state.choice import model_of, side_named
+        from camgeo.dynamics.state.state import model_of, side_named
 
         scene = self.scene
         model = model_of(scene.model, scene.limits)

@@ -18,10 +18,17 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.lift_off import elastic_flight
-from camgeo.dynamics.effects.lift_off.elastic_flight import ElasticFollower, carrying
+from camgeo.dynamics.effects.lift_off import flight
 from camgeo.dynamics.effects.lift_off.flank import Flank
-from camgeo.dynamics.effects.lift_off.flight import MOST_REBOUNDS, Leaving, Nodes, Off, of_state
+from camgeo.dynamics.effects.lift_off.flight import (
+    MOST_REBOUNDS,
+    ElasticFollower,
+    Leaving,
+    Nodes,
+    Off,
+    carrying,
+    of_state,
+)
 from camgeo.dynamics.effects.lift_off.landing import free_of
 from camgeo.dynamics.effects.results import CONTACT_FORCE, INERTIA
 from camgeo.errors import EffectError
@@ -260,7 +267,7 @@ def test_a_stiff_train_flies_as_a_rigid_one_until_it_lands() -> None:
 def test_flights_that_do_not_repeat_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     elastic, start = carried(bodies(400.0, ONE).of)
     leavings = (Leaving(0, start, start + 0.1),)
-    monkeypatch.setattr(elastic_flight, "MOST_TURNS", 1)
+    monkeypatch.setattr(flight, "MOST_ELASTIC_TURNS", 1)
     found = elastic.steady(leavings, 0.0, 1e-6)
     assert found.turns == 0
     assert found.flights

@@ -136,11 +136,6 @@ def _leaps(subject: Subject, mass: Quantity | None, sense: int) -> tuple[float, 
     return tuple(found)
 
 
-def outwards_of(subject: Subject, phi: FloatArray, side: Side, sense: int) -> FloatArray:
-    """(n,) direction of q in which the flank `sense` of a single disc pushes, +1 or -1."""
-    return sense * np.sign(subject.state.curve.leverage(phi, side))
-
-
 def leverage_of(subject: Subject, phi: FloatArray, side: Side, sense: int) -> FloatArray:
     """(n,) force on q [1 or mm/rad] per unit of |N| on the side `sense`, without friction.
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Final, Generic, Literal, TypeVar
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.dynamics.effects.rules import Machine, Rule
+from camgeo.dynamics.effects.rules import Rule
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.record import Displayed
@@ -68,13 +68,36 @@ class Subject:
 
     @cached_property
     def state(self) -> State:
-        """The motion that the effects are computed for."""
+        """The motion that the effects are computed for.
+
+        That of the outline, if that is the `model`, follows from the disc where a single flank is
+        trimmed. Otherwise it is the demanded motion: where the flank is whole, where there is no
+        disc, where the lift jumps, and where the far end of a linkage cannot follow. So it is, too,
+        for a follower that is held both ways, in a groove, between two discs or by a yoke.
+        """
         if self.contours is not None:
             return self.contours.state_of(self.cam)
-        from camgeo.dynamics.state.choice import state_of
+        from camgeo.dynamics.state.state import Demanded
 
-        cam = None if self.disc is None else self.disc.cam
-        return state_of(self.drive, cam, self.model, paired=self.returning is not None)
+        cam, course = None if self.disc is None else self.disc.cam, self.drive.time_course
+        demanded = Demanded(self.drive, cam, course)
+        if cam is None or self.model == "demanded" or self.returning is not None:
+            return demanded
+        if cam.contact.closed_by_form or cam.yoke is not None:
+            return demanded
+        flank = cam.contact.main
+        try:
+            if not cam.disc.outline(flank).is_trimmed:
+                return demanded
+            replay = cam.disc.replay(flank)
+        except GeometryError:  # the checks report it
+            return demanded
+        if len(replay.drops):
+            return demanded
+        from camgeo.dynamics.state.outline import OfOutline  # few discs are trimmed
+
+        found = OfOutline(cam, replay, course)
+        return found if found.is_followed else demanded
 
     def written_as(self, writing: Writing, sense: int) -> Subject:
         """The same design with the motion of its contours as they are written; on the side `sense`
@@ -120,19 +143,6 @@ def driving_slider(subject: Subject) -> SliderCrank | None:
 
     linkage = subject.drive.linkage
     return linkage if isinstance(linkage, SliderCrank) else None
-
-
-def machine_of(subject: Subject) -> Machine:
-    """The properties of the machine that the rules of effects depend on."""
-    follower, linkage = subject.cam.follower, subject.drive.linkage
-    return Machine(
-        lift=follower.lift_unit,
-        touching=follower.touching,
-        edged=follower.has_edge,
-        far="" if linkage is None else linkage.member,
-        paired=subject.paired,
-        yoked=subject.cam.yoke is not None,
-    )
 
 
 Answer = TypeVar("Answer")

@@ -109,14 +109,6 @@ def at_rates(coefficients: NDArray[Scalar], rates: FloatArray) -> NDArray[Scalar
     return np.asarray(c0 + omega * (c1 + omega * c2) + alpha * c3)
 
 
-def total(forces: Sequence[Force], phi: FloatArray, side: Side) -> FloatArray:
-    """(4, n) sum of the coefficients of `forces` at `phi` (n,) [rad]."""
-    out = np.zeros((4, len(phi)))
-    for force in forces:
-        out += force.coefficients(phi, side)
-    return out
-
-
 def smooth_edges(smooth: FloatArray, forces: Sequence[Force]) -> FloatArray:
     """(k,) the smooth angles of the motion, `smooth`, borders and cuts of all `forces` [rad]."""
     cuts = [force.cuts for force in forces]

@@ -29,7 +29,6 @@ from camgeo.dynamics.effects.effect import (
     Result,
     Results,
     Subject,
-    machine_of,
 )
 from camgeo.dynamics.effects.registry import Catalogue, Find, find_effect
 from camgeo.dynamics.effects.results import (
@@ -44,7 +43,7 @@ from camgeo.dynamics.effects.results import (
     LostContact,
     Touching,
 )
-from camgeo.dynamics.effects.rules import Table
+from camgeo.dynamics.effects.rules import Machine, Table
 from camgeo.dynamics.effects.wording import angles, at, over
 from camgeo.dynamics.state.state import Speed, Used
 from camgeo.errors import EffectError, GeometryError, ToleranceError
@@ -1078,3 +1077,16 @@ def _figures(result: Result) -> Figures:
     figures = {name: (units[name], np.array(values)) for name, values in found.items()}
     columns = {each.name: (each.unit, each.values(phi, "right")) for each in result.columns}
     return figures | columns
+
+
+def machine_of(subject: Subject) -> Machine:
+    """The properties of the machine that the rules of effects depend on."""
+    follower, linkage = subject.cam.follower, subject.drive.linkage
+    return Machine(
+        lift=follower.lift_unit,
+        touching=follower.touching,
+        edged=follower.has_edge,
+        far="" if linkage is None else linkage.member,
+        paired=subject.paired,
+        yoked=subject.cam.yoke is not None,
+    )

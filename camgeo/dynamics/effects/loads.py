@@ -26,12 +26,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from camgeo.dynamics.effects.forces import acceleration, refuse_locked, shaft_and_turn
-from camgeo.dynamics.effects.results import BEYOND
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, dot
 
 if TYPE_CHECKING:
@@ -39,6 +38,10 @@ if TYPE_CHECKING:
     from camgeo.dynamics.effects.forces import Force
     from camgeo.dynamics.effects.results import Friction, Gravity, Inertia, Mass, Spring
     from camgeo.kinematics.mechanism.linkage import Linkage
+
+
+BEYOND: Final = ("slider", "coupler")
+"""Names of the masses beyond the follower itself."""
 
 
 def guide_ends(

@@ -40,10 +40,6 @@ class Acting(Result):
     force: Force
 
 
-BEYOND: Final = ("slider", "coupler")
-"""Names of the masses beyond the follower itself."""
-
-
 class Mass(Protocol):
     """A mass at its centre of mass."""
 

@@ -3,43 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from camgeo.cam.cam import Cam, smooth_angles
-from camgeo.dynamics.state.state import FarMotion, Model, order_with
-from camgeo.dynamics.state.written import FaceCurve
+from camgeo.dynamics.state.state import Model, order_with
+from camgeo.dynamics.state.written import OnDisc
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.replay import DiscLift, Replay
+from camgeo.geometry.outline.replay import DiscLift
 from camgeo.geometry.outline.roller import AS_DEMANDED
-from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.motion import FULL_ORDER, Dwell, Jet, Motion
 from camgeo.kinematics.plan import breaks
-from camgeo.kinematics.time_course import TimeCourse, TimeExtremes, time_extremes
 from camgeo.numeric.arrays import BoolArray, FloatArray, Side, ascending
 from camgeo.units import TURN
 
 
 @dataclass(frozen=True)
-class OfOutline:
+class OfOutline(OnDisc):
     """The motion of a follower on its real flank; see `camgeo.dynamics.state.state.State`.
 
     The roller that turns about a corner of the disc touches it along the normal of the path of its
     centre, as it does on a flank, so that path alone gives the direction of the contact force. A
     flat face rocks over the corner, and is pushed along its own normal, see `FaceCurve`.
 
-    Attributes
-    ----------
-    cam : whose only flank is trimmed.
-    replay : of that flank, on which the lift does not jump.
-    course : how the cam turns; None if that is not known.
+    The only flank of its `cam` is trimmed, and on its `replay` the lift does not jump.
     """
-
-    cam: Cam
-    replay: Replay
-    course: TimeCourse | None
 
     @property
     def model(self) -> Model:
@@ -56,14 +45,6 @@ class OfOutline:
         """See `State`."""
         return ReplayedMotion(self.cam.drive.motion, self.replay.lift)
 
-    @cached_property
-    def output(self) -> Motion:
-        """See `State`."""
-        drive = self.cam.drive
-        if drive.linkage is None:
-            return self.motion
-        return FarMotion(self.motion, drive.linkage, drive.plan)
-
     @property
     def is_followed(self) -> bool:
         """Whether the far end of a linkage follows over each corner, at the replay's samples."""
@@ -74,11 +55,6 @@ class OfOutline:
             return False
         return True
 
-    @cached_property
-    def smooth_angles(self) -> FloatArray:
-        """See `State`."""
-        return smooth_angles(self.motion, self.course)
-
     @property
     def order(self) -> int:
         """See `State`: at both ends of a corner the acceleration jumps."""
@@ -87,28 +63,9 @@ class OfOutline:
         own = min([0 if self.shocks else 1, *kept])
         return min(own, order_with(self.output, self.course))
 
-    @property
-    def shocks(self) -> tuple[float, ...]:
-        """See `State`."""
-        return tuple(self.replay.shocks.phi.tolist())
-
-    @cached_property
-    def curve(self) -> PitchCurve:
-        """See `State`."""
-        kind = PitchCurve if self.cam.follower.has_pitch_curve else FaceCurve
-        return kind(self.motion, self.cam.follower, self.cam.rotation)
-
     def on_corner(self, phi: FloatArray, side: Side) -> BoolArray:
         """See `State`."""
         return self.motion.on_corner(phi, side)
-
-    def output_extremes(self, course: TimeCourse) -> TimeExtremes:
-        """See `State`."""
-        return time_extremes(self.output, course, self.cam.drive.unit)
-
-    def turning(self, course: TimeCourse) -> OfOutline:
-        """See `State`."""
-        return replace(self, course=course)
 
 
 # -- replayed -------------------------------------------------------------------------------------

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Final, Literal, Protocol
+from typing import TYPE_CHECKING, Final, Literal, Protocol
 
 import numpy as np
 
@@ -17,6 +18,9 @@ from camgeo.kinematics.plan import breaks
 from camgeo.kinematics.time_course import TimeCourse, TimeExtremes, plan_extremes
 from camgeo.numeric.arrays import BoolArray, FloatArray, Side, read_only
 from camgeo.numeric.kept import Answers
+
+if TYPE_CHECKING:
+    from camgeo.check.finding import Limits
 
 Model = Literal["demanded", "outline", "written"]
 """Whose motion it is: the one that the scene demands, the one that the real outline of the disc
@@ -311,3 +315,26 @@ def _at_dead_centre() -> GeometryError:
         " centre",
         key="linkage",
     )
+
+
+# -- choice ---------------------------------------------------------------------------------------
+# Which state of motion a scene states; what follows from the disc is in `Subject.state`.
+
+
+def model_of(stated: Model | None, limits: Limits) -> Model:
+    """What a scene states, or its default: a trimmed disc is meant to move the follower."""
+    return stated or ("outline" if limits.undercut == "trim" else "demanded")
+
+
+SIDES: Final[Mapping[Carrier, int]] = {
+    "inner": FIRST,
+    "main": FIRST,
+    "outer": SECOND,
+    "return": SECOND,
+    "opposite": SECOND,
+}
+
+
+def side_named(flank: Carrier | None) -> int:
+    """The side that a scene states, or its default, as `State.sense`."""
+    return FIRST if flank is None else SIDES[flank]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import TYPE_CHECKING, Final, Protocol, Self
 
 import numpy as np
 
@@ -120,41 +120,24 @@ class WrittenMotion:
 
 
 @dataclass(frozen=True)
-class Written:
-    """The motion on a written contour; see `camgeo.dynamics.state.state.State`.
-
-    The roller touches a vertex of the contour as it does a piece, along the normal of the path of
-    its centre. A flat face touches the convex hull of the contour, see
-    `camgeo.geometry.outline.face`.
+class OnDisc:
+    """What states have in common whose follower goes along its disc as it is, not as demanded.
 
     Attributes
     ----------
     cam : that sees the motion.
-    contour : as files have it.
-    replay : of the contour; the lift does not jump.
-    deviation : proved, of the contour from the exact curve [mm].
-    sense : see `State`.
+    replay : of the follower on the disc; the lift does not jump.
     course : how the cam turns; None if that is not known.
-    touches : whether it is this cam's contour, not that of the other disc of a pair.
     """
 
     cam: Cam
-    contour: Contour | SplineContour
     replay: Replay
-    deviation: float
-    sense: int
     course: TimeCourse | None
-    touches: bool = True
 
     @property
-    def model(self) -> Model:
+    def motion(self) -> Motion:
         """See `State`."""
-        return MODEL
-
-    @cached_property
-    def motion(self) -> WrittenMotion:
-        """See `State`."""
-        return WrittenMotion(self.replay.lift)
+        raise NotImplementedError
 
     @cached_property
     def output(self) -> Motion:
@@ -170,13 +153,6 @@ class Written:
         return smooth_angles(self.motion, self.course)
 
     @property
-    def order(self) -> int:
-        """See `State`: from piece to piece the acceleration jumps. The cubics within a spline pass
-        it on, but not across its ends, even if the contour is one spline that closes on itself.
-        """
-        return 0 if self.shocks else 1
-
-    @property
     def shocks(self) -> tuple[float, ...]:
         """See `State`: where the roller touches two pieces in a corner that turns in, and where a
         flat face lies on a straight piece or bridges a hollow.
@@ -189,19 +165,58 @@ class Written:
         kind = PitchCurve if self.cam.follower.has_pitch_curve else FaceCurve
         return kind(self.motion, self.cam.follower, self.cam.rotation)
 
+    def output_extremes(self, course: TimeCourse) -> TimeExtremes:
+        """See `State`."""
+        return time_extremes(self.output, course, self.cam.drive.unit)
+
+    def turning(self, course: TimeCourse) -> Self:
+        """See `State`."""
+        return replace(self, course=course)
+
+
+@dataclass(frozen=True)
+class Written(OnDisc):
+    """The motion on a written contour; see `camgeo.dynamics.state.state.State`.
+
+    The roller touches a vertex of the contour as it does a piece, along the normal of the path of
+    its centre. A flat face touches the convex hull of the contour, see
+    `camgeo.geometry.outline.face`.
+
+    Attributes
+    ----------
+    contour : as files have it.
+    deviation : proved, of the contour from the exact curve [mm].
+    sense : see `State`.
+    touches : whether it is this cam's contour, not that of the other disc of a pair.
+    """
+
+    contour: Contour | SplineContour
+    deviation: float
+    sense: int
+    touches: bool = True
+
+    @property
+    def model(self) -> Model:
+        """See `State`."""
+        return MODEL
+
+    @cached_property
+    def motion(self) -> WrittenMotion:
+        """See `State`."""
+        return WrittenMotion(self.replay.lift)
+
+    @property
+    def order(self) -> int:
+        """See `State`: from piece to piece the acceleration jumps. The cubics within a spline pass
+        it on, but not across its ends, even if the contour is one spline that closes on itself.
+        """
+        return 0 if self.shocks else 1
+
     def on_corner(self, phi: FloatArray, side: Side) -> BoolArray:
         """See `State`; another contour than the one of the motion is taken to be whole."""
         if not self.touches:
             return np.zeros(len(phi), dtype=np.bool_)
         return self.motion.on_corner(phi, side)
-
-    def output_extremes(self, course: TimeCourse) -> TimeExtremes:
-        """See `State`."""
-        return time_extremes(self.output, course, self.cam.drive.unit)
-
-    def turning(self, course: TimeCourse) -> Written:
-        """See `State`."""
-        return replace(self, course=course)
 
 
 # -- contours -------------------------------------------------------------------------------------
@@ -303,7 +318,7 @@ class Contours:
             )
         sense = self.sense if self.is_held_both_ways else cam.contact.push
         return Written(
-            cam, found.contour, found.replay, found.deviation, sense, cam.drive.time_course,
+            cam, found.replay, cam.drive.time_course, found.contour, found.deviation, sense,
             touches=cam is found.cam,
         )  # fmt: skip
 

@@ -31,7 +31,6 @@ from camgeo.dynamics.effects.forces import (
     rates_of,
     shocks,
     smooth_edges,
-    total,
 )
 from camgeo.dynamics.effects.loads import Loads
 from camgeo.dynamics.effects.results import (
@@ -325,7 +324,10 @@ class ForceBalance:
 
     def required(self, phi: FloatArray, side: Side) -> FloatArray:
         """(4, n) coefficients of R."""
-        return -total(self.forces, phi, side)
+        out = np.zeros((4, len(phi)))
+        for force in self.forces:
+            out += force.coefficients(phi, side)
+        return -out
 
     def released(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
         """(n,) R_0 [N or N mm] at `rates`; exactly 0 where it is rounding."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from camgeo.check.cures.search import DIGITS, rounded_beyond
 from camgeo.dynamics.effects.bearing_friction import unit_vectors
-from camgeo.dynamics.effects.contact import TOUCH, lowest_on_flank, outwards_of
+from camgeo.dynamics.effects.contact import TOUCH, lowest_on_flank
 from camgeo.dynamics.effects.effect import Quantity, Subject
 from camgeo.dynamics.effects.forces import rates_of, smooth_edges
 from camgeo.dynamics.effects.results import ContactForce, Spring
@@ -89,7 +89,7 @@ class Flank:
         """Computed once for recent requests: a search over the speed asks again and again."""
 
         def made() -> _Known:
-            outwards = outwards_of(self.subject, phi, side, self.sense)
+            outwards = self.sense * np.sign(self.subject.state.curve.leverage(phi, side))
             bearings, still = self.contact.bearings, np.zeros(len(phi))
             drag, per_far = still, np.zeros((0, len(phi)), dtype=np.complex128)
             if bearings is not None:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
@@ -18,10 +18,12 @@ from camgeo.dynamics.effects.lift_off.flight import (
     MOST_REBOUNDS,
     MOST_TURNS,
     ROUNDED,
+    ElasticFollower,
     Flight,
     FreeFollower,
     Leaving,
     Wall,
+    carrying,
     of_state,
     with_bounces,
     with_clearance,
@@ -33,10 +35,6 @@ from camgeo.kinematics.time_course import TimeCourse
 from camgeo.numeric.arrays import merged
 from camgeo.numeric.extremes import Extreme, piecewise_highest, piecewise_lowest
 from camgeo.units import TURN, counted, listed
-
-if TYPE_CHECKING:
-    from camgeo.dynamics.effects.lift_off.elastic_flight import ElasticFollower
-
 
 ANGLE_SHOWN: Final = math.radians(5e-5)
 """Half of the last digit with which sentences give cam angles [rad]."""
@@ -185,10 +183,6 @@ def flown_from(
         if length > 0.0:
             found.append(Leaving(0, each.start, each.start + length))
     if contact.behind is not None:
-        from camgeo.dynamics.effects.lift_off.elastic_flight import (
-            carrying,  # few trains are elastic
-        )
-
         leaps = tuple(each for each in found if each.begin == each.end)
         try:
             elastic = carrying(free, flank, leaps)

@@ -11,7 +11,7 @@ import numpy as np
 from camgeo.dynamics.effects.effect import DataFile, Effect, Quantity
 from camgeo.dynamics.effects.results import LOAD
 from camgeo.errors import GeometryError
-from camgeo.kinematics.plan import SNAP, in_turn
+from camgeo.kinematics.plan import in_turn
 from camgeo.kinematics.tables import ANGLE, read_two_columns, turn_of
 from camgeo.numeric.arrays import FloatArray, Side, frozen
 from camgeo.numeric.columns import NumberColumn
@@ -104,22 +104,6 @@ class LoadProfile:
     values: Quantity
     borders: FloatArray = field(default_factory=lambda: np.empty(0))
     unit: str = ""
-
-
-def constant(value: float) -> LoadProfile:
-    """The same load at all cam angles."""
-    return LoadProfile(lambda phi, _side: np.full(len(phi), value))
-
-
-def steps(starts: FloatArray, loads: FloatArray) -> LoadProfile:
-    """A load for each segment: `starts` (k,) [rad], ascending from 0, and `loads` (k,)."""
-
-    def values(phi: FloatArray, side: Side) -> FloatArray:
-        angle = in_turn(phi, side) + (SNAP if side == "right" else -SNAP)
-        found: FloatArray = loads[np.maximum(np.searchsorted(starts, angle, side=side) - 1, 0)]
-        return found
-
-    return LoadProfile(values, starts)
 
 
 def read_load_table(file: DataFile) -> LoadProfile:

@@ -14,11 +14,11 @@ import numpy as np
 
 from camgeo.dynamics.effects.effect import Column, Request, Subject
 from camgeo.dynamics.effects.forces import Force, refuse_locked, unmoved
-from camgeo.dynamics.effects.load import LoadProfile, ProcessLoad, constant, steps
+from camgeo.dynamics.effects.load import LoadProfile, ProcessLoad
 from camgeo.dynamics.effects.results import Acting
 from camgeo.dynamics.effects.wording import extreme_findings
 from camgeo.errors import GeometryError
-from camgeo.kinematics.plan import MotionPlan
+from camgeo.kinematics.plan import SNAP, MotionPlan, in_turn
 from camgeo.numeric.arrays import FloatArray, Side, frozen, merged
 from camgeo.numeric.extremes import piecewise_extremes
 
@@ -103,7 +103,8 @@ def profile_of(data: ProcessLoad, plan: MotionPlan, unit: str) -> LoadProfile:
         return data.table
     if data.segments is None:
         assert data.constant is not None  # `parse` sees to it
-        return constant(data.constant)
+        value = data.constant
+        return LoadProfile(lambda phi, _side: np.full(len(phi), value))
     # A dwell of zero length has no load.
     starts = [start for _, start, _ in plan.stretches]
     if len(data.segments) != len(starts):
@@ -120,3 +121,14 @@ def _way(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
     if subject.drive.linkage is None:
         return np.ones(len(phi))
     return subject.drive.linkage.per_follower(subject.state.output.jet(phi, side)[0])
+
+
+def steps(starts: FloatArray, loads: FloatArray) -> LoadProfile:
+    """A load for each segment: `starts` (k,) [rad], ascending from 0, and `loads` (k,)."""
+
+    def values(phi: FloatArray, side: Side) -> FloatArray:
+        angle = in_turn(phi, side) + (SNAP if side == "right" else -SNAP)
+        found: FloatArray = loads[np.maximum(np.searchsorted(starts, angle, side=side) - 1, 0)]
+        return found
+
+    return LoadProfile(values, starts)
