@@ -52,7 +52,10 @@ class Free:
     omega: float
     mass: float
     force: Callable[[float, float], float]
-    lever: Callable[[float], float]
+
+    def lever(self, phi: float) -> float:
+        """Way along the normal a unit of lift."""
+        return float(self.of.cam.disc.pitch_curve.leverage(np.array([phi % TURN]))[0])
 
     def lift(self, phi: float, order: int = 0) -> float:
         return float(self.of.cam.drive.plan.jet(np.array([phi % TURN]))[order, 0])
@@ -100,13 +103,7 @@ def press(speed: float, restitution: float = 0.0) -> Free:
         ("[effects.inertia]", "[effects.gravity]\n[effects.inertia]"),
     )
     weight = 1.5e-3 * GRAVITY * of.cam.follower.way.imag
-
-    def lever(phi: float) -> float:
-        start = of.cam.follower.base_radius
-        return math.cos(math.atan(free.lift(phi, 1) / (start + free.lift(phi))))
-
-    free = Free(of, speed * math.pi / 30.0, 1.5e-3, lambda q, v: -(60.0 + 2.0 * q) - weight, lever)
-    return free
+    return Free(of, speed * math.pi / 30.0, 1.5e-3, lambda q, v: -(60.0 + 2.0 * q) - weight)
 
 
 def lever() -> Free:
@@ -130,10 +127,7 @@ def lever() -> Free:
         torque = (at.conjugate() * pull + (arm * turn).conjugate() * weight).imag
         return sense * torque - 50.0 * rate
 
-    def leverage(phi: float) -> float:
-        return float(of.cam.disc.pitch_curve.leverage(np.array([phi % TURN]))[0])
-
-    return Free(of, 1200.0 * math.pi / 30.0, mass, force, leverage)
+    return Free(of, 1200.0 * math.pi / 30.0, mass, force)
 
 
 def thrown(speed: float = 20.0, stiffness: float = 50.0, preload: float = 1e4) -> Free:
@@ -145,11 +139,7 @@ def thrown(speed: float = 20.0, stiffness: float = 50.0, preload: float = 1e4) -
         ('undercut = "trim"', 'undercut = "refuse"'),
         ("speed = 20", f"speed = {speed}"),
     )
-
-    def leverage(phi: float) -> float:
-        return float(of.cam.disc.pitch_curve.leverage(np.array([phi % TURN]))[0])
-
-    return Free(of, speed * math.pi / 30.0, 1e-3, lambda q, v: -(preload + stiffness * q), leverage)
+    return Free(of, speed * math.pi / 30.0, 1e-3, lambda q, v: -(preload + stiffness * q))
 
 
 CASES: Final[dict[str, Callable[[], Free]]] = {

@@ -84,11 +84,7 @@ def test_the_impulses_over_a_flight_add_up(speed: float, viscous: float) -> None
         ("speed = 600", f"speed = {speed}"),
         (load, f"[effects.load]\nconstant = 65\n[effects.friction]\nguide_viscous = {viscous}"),
     )
-
-    def lever(phi: float) -> float:
-        return math.cos(math.atan(free.lift(phi, 1) / (40.0 + free.lift(phi))))
-
-    free = Free(of, speed * math.pi / 30.0, MASS, lambda q, v: -65.0 - viscous * v, lever)
+    free = Free(of, speed * math.pi / 30.0, MASS, lambda q, v: -65.0 - viscous * v)
     flights = of.effect("lift-off").flights
     assert flights
     for each, start, end, (off, _, pace) in ends(free, flights, 0.0):

@@ -23,7 +23,7 @@ from camgeo.scene.scene import parse_scene
 from camgeo.units import TURN
 from tests.effects.scenes import SCENES, course_of, only_for
 from tests.effects.test_random_scenes import NAMES, assert_well_formed, scene_text
-from tests.findings import effect_findings, finding_of, names_of
+from tests.findings import finding_of, names_of
 from tests.long_form import LONG, examples
 
 ROUNDING: Final = 1e-12
@@ -464,33 +464,6 @@ def test_very_slow_and_very_fast_cams(rev: str) -> None:
     ratio = (float(rev) / 60.0) ** 2
     first, second = here.normal(phi, "right"), ratio * usual.normal(phi, "right")
     assert np.max(np.abs(first - second)) <= ROUNDING * np.max(np.abs(second))
-
-
-def test_inches_are_millimetres() -> None:
-    """The same cam and springs, written in both units: the same findings but for their lengths."""
-    text = scene_text("inch")
-    effects = every(text, friction="guide = 0.1\nguide_length = 3.0\nguide_overhang = 1.5")
-    train = "" if LONG else 'output = "rigid"\n'
-    whole = f"{without_output(text)}\n{effects}{AT_STATED_SPEED}{train}"
-
-    def converted(match: re.Match[str]) -> str:
-        return f"{match[1]} = {float(match[2]) * 25.4!r}"
-
-    keys = "base_radius|roller_radius|to|thickness|bore|width|roller_pin_diameter|rolling"
-    metric = re.sub(
-        rf"^({keys}|guide_length|guide_overhang) = ([\d.]+)$", converted, whole, flags=re.MULTILINE
-    )
-    metric = metric.replace("width = 0.1875, depth = 0.094", "width = 4.7625, depth = 2.3876")
-    metric = metric.replace('length = "inch"', 'length = "mm"')
-    one, other = made(whole), made(metric)
-    assert assert_well_formed(one) == assert_well_formed(other) == {}
-    pairs = list(zip(effect_findings(one), effect_findings(other), strict=True))
-    assert len(pairs) > 40
-    for here, there in pairs:
-        assert (here.name, here.unit, here.severity) == (there.name, there.unit, there.severity)
-        if here.value is not None:
-            # The tolerance of the numerical effects is 1e-6.
-            assert here.value == pytest.approx(there.value, rel=2e-6, abs=1e-12), here.name
 
 
 def test_velocity_jumps() -> None:

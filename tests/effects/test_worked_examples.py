@@ -107,6 +107,20 @@ def at(function: Any, degrees: float, side: Side = "right") -> float:
     return float(function(np.array([math.radians(degrees)]), side)[0])
 
 
+TABLED = np.linspace(0.0, 360.0, 3601)
+"""Angles [degrees] of the rows of a table of loads."""
+
+LOADED = '[effects.load]\nfile = "load.csv"\n'
+
+
+def under_loads(folder: Path, loads: FloatArray, text: str) -> Design:
+    """The scene with `LOADED` and a file of the loads at `TABLED`."""
+    rows = zip(TABLED.tolist(), loads.tolist(), strict=True)
+    (folder / "load.csv").write_text("".join(f"{a!r},{p!r}\n" for a, p in rows), "utf-8")
+    (folder / "example.toml").write_text(text, "utf-8")
+    return Design(load_scene(folder / "example.toml"))
+
+
 # -- loads on a cam ------------------------------------------------------------------------------
 
 
@@ -274,17 +288,11 @@ def engine_and_machine(case: dict[str, Any], folder: Path, effects: str) -> Desi
     of half a row away, which moves an extreme by a tenth of a row.
     """
     lift = 100.0
-    angles = np.linspace(0.0, 360.0, 3601)
     first, second = number(case, "first_harmonic"), number(case, "second_harmonic")
-    loads = -1e3 * (2.0 * second * np.cos(np.radians(angles)) + first) / (0.5 * lift)
-    rows = zip(angles.tolist(), loads.tolist(), strict=True)
-    table = "".join(f"{phi!r},{load!r}\n" for phi, load in rows)
-    (folder / "load.csv").write_text(table, "utf-8")
+    loads = -1e3 * (2.0 * second * np.cos(np.radians(TABLED)) + first) / (0.5 * lift)
     motion = move("simple-sine", 180.0, lift) + move("simple-sine", 180.0, 0.0)
-    tables = '[effects.load]\nfile = "load.csv"\n' + effects
-    file = folder / "example.toml"
-    file.write_text(scene(number(case, "speed"), GROOVE, motion, tables, BLANK), "utf-8")
-    return Design(load_scene(file))
+    text = scene(number(case, "speed"), GROOVE, motion, LOADED + effects, BLANK)
+    return under_loads(folder, loads, text)
 
 
 def shaft_inertia(case: dict[str, Any]) -> float:
@@ -437,22 +445,16 @@ def chain_on_a_cam_at_rest(case: dict[str, Any], frequency: float, folder: Path)
     masses = [f"{{mass = {mass!r}, {spring}}}"] * 7
     held = spring.replace("stiffness", "ground_stiffness").replace("viscous", "ground_viscous")
     masses.append(f"{{mass = {mass!r}, {spring}, {held}}}")
-    angles = np.linspace(0.0, 360.0, 3601)
-    loads = -number(case, "force") * np.cos(np.radians(angles))
-    rows = zip(angles.tolist(), loads.tolist(), strict=True)
-    (folder / "load.csv").write_text("".join(f"{a!r},{p!r}\n" for a, p in rows), "utf-8")
+    loads = -number(case, "force") * np.cos(np.radians(TABLED))
     tables = f"""
 [effects.inertia]
 mass = {8 * mass!r}
-[effects.load]
-file = "load.csv"
+{LOADED}
 [effects.vibration]
 output = {case["loaded"]}
 masses = [{", ".join(masses)}]
 """
-    file = folder / "example.toml"
-    file.write_text(scene(60.0 * frequency, PLATE, dwell(360.0), tables, DISC), "utf-8")
-    return Design(load_scene(file))
+    return under_loads(folder, loads, scene(60.0 * frequency, PLATE, dwell(360.0), tables, DISC))
 
 
 @pytest.mark.parametrize("frequency", ["5_5", "40", "5", "6", "10"])
