@@ -8,11 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.dynamics.effects.gravity import STANDARD_GRAVITY
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 from tests.effects.scenes import design
-from tests.integrals import cells, integrals
 
 PHI = np.linspace(0.0, TURN, 721)
 
@@ -99,44 +97,8 @@ def test_a_slider_falls_along_the_x_axis(changes: Any, sense: float) -> None:
     swing, stroke = made.cam.drive.motion.jet(PHI), made.cam.drive.plan.jet(PHI)
     work = sense * 2.0 * 9.80665 * stroke[1]
     assert force(made) * swing[1] == pytest.approx(work, abs=1e-12 * np.max(np.abs(work)))
-    energy = made.effect("gravity").force.potential
-    largest = 2.0 * 9.80665 * 58.5
-    assert energy(PHI, "right") == pytest.approx(
-        -sense * 2.0 * 9.80665 * stroke[0], abs=1e-13 * largest
-    )
     # cos(-90 deg) rounds to 6e-17 times 2 kg.
     assert np.max(np.abs(force(design("setzhub", text.format(-90), *changes)))) < 1e-12
-
-
-ALL = (
-    "[effects.inertia]\nmass = 1.5\nroller_mass = 0.1\ncoupler_mass = 0.4\ncoupler_centre = 0.3\n"
-    "rocker_mass = 0.7\nrocker_centre = [10, 20]\n[effects.gravity]\nangle = -70\n"
-)
-
-
-@pytest.mark.parametrize("changes", [(), MIRRORED])
-def test_coupler_and_rocker_pull_as_their_centres_move(changes: Any) -> None:
-    """Every weight against its own height: c0 q' = -dV/dphi, V = -m g.x, over cells."""
-    made = design("setzhub", ALL, *changes)
-    result = made.effect("gravity")
-    low, high = cells(made.drive.smooth_angles[:-1], 6)
-
-    def power(phi: FloatArray) -> FloatArray:
-        found: FloatArray = (
-            result.force.coefficients(phi, "right")[0] * made.cam.drive.motion.jet(phi)[1]
-        )
-        return found
-
-    change = result.force.potential(high, "left") - result.force.potential(low, "right")
-    # Energies of 20 N and 300 mm.
-    assert integrals(power, low, high) == pytest.approx(-change, abs=1e-12 * 6000.0)
-    pull = STANDARD_GRAVITY * np.exp(-1j * math.radians(70.0))
-    expected = 0.0
-    for mass in made.effect("inertia").masses:
-        way = mass.place(PHI, "right") - mass.place(np.zeros(1), "right")
-        expected = expected - mass.mass * (way * np.conj(pull)).real
-    assert result.force.potential(PHI, "right") == pytest.approx(expected, abs=1e-12 * 6000.0)
-    assert result.force.potential(np.zeros(1), "right")[0] == 0.0
 
 
 def test_without_masses_nothing_weighs() -> None:

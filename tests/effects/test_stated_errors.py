@@ -90,20 +90,10 @@ def result_of(of: Design, name: str, tolerance: float) -> Result | None:
 
 
 def assert_true(of: Design, name: str, *tolerances: float) -> None:
-    """Each is compared with the result to a hundredth, which may be that to the next of them."""
-    known: dict[str, Result | None] = {}
-
-    def to(tolerance: float) -> Result | None:
-        key = f"{tolerance:.6g}"
-        if key not in known:
-            known[key] = result_of(of, name, float(key))
-        return known[key]
-
+    """Each is compared with the result to a hundredth."""
     for tolerance in tolerances:
-        own, best = to(tolerance), to(tolerance / TIGHTER)
-        if own is None or best is None:
-            continue
-        for each in compared(own, best):
+        own, best = (result_of(of, name, each) for each in (tolerance, tolerance / TIGHTER))
+        for each in compared(own, best) if own is not None and best is not None else ():
             assert each.holds, (name, tolerance, each)
 
 

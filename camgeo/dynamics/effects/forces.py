@@ -52,7 +52,6 @@ class Force:
     ----------
     name : e.g. "spring".
     coefficients : (4, n) c0 [N or N mm] to c3.
-    potential : (n,) potential energy [N mm] of c0 at n cam angles, if it has one: c0 q' = -dV/dphi.
     borders : (k,) cam angles [rad] in [0, 2 pi) where the formula of a coefficient changes, besides
         the borders of the motion.
     far : the part that acts on the far member of a linkage, as the generalised force on the
@@ -67,7 +66,6 @@ class Force:
 
     name: str
     coefficients: Coefficients
-    potential: Callable[[FloatArray, Side], FloatArray] | None = None
     borders: FloatArray = field(default_factory=lambda: np.empty(0))
     off: Off | None = None
     far: Coefficients | None = None

@@ -34,7 +34,7 @@ class Acting(Result):
     Attributes
     ----------
     force : the generalised force. For friction, the part that does not depend on the normal force:
-        viscous friction and that of a slider. Its potential energy, if any, is 0 at cam angle 0.
+        viscous friction and that of a slider.
     """
 
     force: Force

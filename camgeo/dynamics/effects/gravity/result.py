@@ -1,8 +1,8 @@
 """Gravity: the weights of the masses as a force on the follower.
 
 A weight m g does the work m g.dx when its centre of mass moves by dx, so its generalised force is
-Q = m g.(dx/dq), by virtual work, and its potential energy is V = -m g.x. The axes are those of the
-drawing of the cam at cam angle 0, with x to the right and y up; the frame does not turn.
+Q = m g.(dx/dq), by virtual work. The axes are those of the drawing of the cam at cam angle 0, with
+x to the right and y up; the frame does not turn.
 """
 
 from __future__ import annotations
@@ -20,11 +20,10 @@ from camgeo.numeric.extremes import piecewise_extremes
 
 
 def compute(request: Request[GravityDirection]) -> Gravity:
-    """The weights of the masses of ``[effects.inertia]``: c0 alone, with its potential."""
+    """The weights of the masses of ``[effects.inertia]``: c0 alone."""
     masses = request.results[INERTIA].masses
     pull = request.data.pull
     subject = request.subject
-    start = [each.place(np.zeros(1), "right")[0] for each in masses]
 
     def on_follower(phi: FloatArray, side: Side) -> FloatArray:
         out = np.zeros(len(phi))
@@ -38,12 +37,6 @@ def compute(request: Request[GravityDirection]) -> Gravity:
             out += each.mass * _along(each.per_coordinate(phi, q), pull)
         return out
 
-    def potential(phi: FloatArray, side: Side) -> FloatArray:
-        out = np.zeros(len(phi))
-        for each, first in zip(masses, start, strict=True):
-            out -= each.mass * _along(each.place(phi, side) - first, pull)
-        return out
-
     shown = FORCES[subject.cam.lift_unit]
 
     def acting(phi: FloatArray, side: Side) -> FloatArray:
@@ -52,7 +45,7 @@ def compute(request: Request[GravityDirection]) -> Gravity:
     weight = STANDARD_GRAVITY * sum(each.mass for each in masses)
     extremes = piecewise_extremes(acting, subject.state.smooth_angles)
     return Gravity(
-        force=Force("gravity", unmoved(on_follower), potential, off=off),
+        force=Force("gravity", unmoved(on_follower), off=off),
         findings=(
             Finding("weight", "ok", f"weight of all masses {weight:.6g} N", weight, unit="N"),
             *extreme_findings(

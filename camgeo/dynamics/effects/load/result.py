@@ -29,8 +29,6 @@ N_MM: Final = 1e3
 def compute(request: Request[ProcessLoad]) -> Acting:
     """The load in `request.data`, c0 alone.
 
-    A constant load has the potential energy F s; others do work over a turn and have none.
-
     Raises
     ------
     GeometryError
@@ -52,27 +50,18 @@ def compute(request: Request[ProcessLoad]) -> Acting:
     def on_follower(phi: FloatArray, side: Side) -> FloatArray:
         return on_member(phi, side) * _way(subject, phi, side)
 
-    def work(phi: FloatArray, side: Side) -> FloatArray:
-        """Work against a constant load, from the start of the stroke."""
-        found: FloatArray = (
-            scale * course.values(phi, side) * subject.state.output.jet(phi, side)[0]
-        )
-        return found
-
     far = subject.drive.far_end
 
     def off(phi: FloatArray, q: FloatArray, _rate: FloatArray) -> FloatArray:
         load = -scale * course.values(phi, "right")
         return load if far is None else load * far.jet(phi, q)[1]
 
-    potential = None if request.data.constant is None else work
     edges = merged(np.concatenate((subject.state.smooth_angles, course.borders)))
     extremes = piecewise_extremes(course.values, edges)
     return Acting(
         force=Force(
             "load",
             unmoved(on_follower),
-            potential,
             course.borders,
             off,
             None if subject.drive.linkage is None else unmoved(on_member),

@@ -61,10 +61,6 @@ def compute(request: Request[SpringData]) -> Spring:
         x, rate = way(phi, side)
         return (preload - stiffness * x) * rate
 
-    def potential(phi: FloatArray, side: Side) -> FloatArray:
-        x = way(phi, side)[0]
-        return np.asarray((0.5 * stiffness * x - preload) * x)
-
     far = subject.drive.far_end
 
     def off(phi: FloatArray, q: FloatArray, _rate: FloatArray) -> FloatArray:
@@ -97,7 +93,6 @@ def compute(request: Request[SpringData]) -> Spring:
         force=Force(
             "spring",
             unmoved(on_follower),
-            potential,
             off=off,
             far=unmoved(on_slider) if way.per_stroke else None,
         ),
@@ -228,11 +223,11 @@ def _below(function: Quantity, edges: FloatArray, place: float) -> tuple[float, 
 # its derivative by the follower's coordinate q. The effect of any kind of spring follows from these
 # two: a linear spring with preload P and rate k pushes or pulls along x with
 #
-#     F = P - k x,      Q = F dx/dq,      V = k x^2 / 2 - P x,
+#     F = P - k x,      Q = F dx/dq,
 #
-# the generalised force by virtual work, V the potential energy with V = 0 at cam angle 0 (Hooke's
-# law; Norton, Cam Design and Manufacturing Handbook, chapters on modelling and on the dynamics of
-# force-closed cams, where the preload closes the contact and the rate adds to it with the lift).
+# the generalised force by virtual work (Hooke's law; Norton, Cam Design and Manufacturing Handbook,
+# chapters on modelling and on the dynamics of force-closed cams, where the preload closes the
+# contact and the rate adds to it with the lift).
 
 
 class Travel(Protocol):
