@@ -63,31 +63,6 @@ def test_a_lift_inward_falls_where_one_outward_rises() -> None:
     assert force(made) == pytest.approx(np.full(721, 0.9 * 9.80665), rel=1e-14)
 
 
-def test_a_rocker_hangs_by_its_lever_arm() -> None:
-    """Torque of weights m g down at horizontal distances from the pivot, positive clockwise where
-    growing lift turns the rocker clockwise. The roller's place is the follower's own."""
-    effects = (
-        "[effects.inertia]\nroller_mass = 0.3\nrocker_mass = 0.7\nrocker_centre = [-60, -50]\n"
-        "[effects.gravity]\n"
-    )
-    made = design("groove", effects)
-    follower: Any = made.cam.follower
-    lift = made.cam.drive.motion.jet(PHI)
-    relative = follower.relative_jet(lift, made.cam.rotation)
-    roller = (relative.along[0] + 1j * relative.across[0]) * np.exp(1j * relative.axis)
-    pivot = -96.0 - 72.0j
-    # The rocker turns by the lift, in the sense in which the roller goes.
-    arm = roller - pivot
-    centre = (-60.0 - 50.0j - pivot) * arm / arm[0]
-    sense = np.sign(np.angle(arm[260] / arm[0]))  # 260: the upper rest, 18 degrees
-    expected = sense * -9.80665 * (0.3 * arm.real + 0.7 * centre.real)
-    # Some 500 N mm.
-    assert force(made) == pytest.approx(expected, abs=1e-11)
-    largest = made.effect("gravity").findings[1]
-    assert largest.unit == "N m"
-    assert largest.value == pytest.approx(np.max(expected) * 1e-3, rel=1e-6)  # a grid of 0.5 deg
-
-
 @pytest.mark.parametrize(("changes", "sense"), [((), 1.0), (MIRRORED, -1.0)])
 def test_a_slider_falls_along_the_x_axis(changes: Any, sense: float) -> None:
     """setzhub: a positive stroke moves the slider to the right, mirrored to the left. A pull to the

@@ -228,21 +228,6 @@ def test_a_coupler_without_a_moment_of_its_own_is_a_slender_rod() -> None:
 # Places ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("scene", "effects"),
-    [("plate_translating", TRANSLATING), ("groove", ROCKER), ("setzhub", LINKED)],
-)
-def test_the_roller_is_where_the_follower_has_it(scene: str, effects: str) -> None:
-    result, subject = inertia_of(scene, effects)
-    (roller,) = [each for each in result.masses if each.name == "roller"]
-    relative = subject.cam.follower.relative_jet(
-        subject.cam.drive.motion.jet(PHI), subject.cam.rotation
-    )
-    expected = (relative.along[0] + 1j * relative.across[0]) * np.exp(1j * relative.axis)
-    # Lengths of up to 200 mm.
-    assert roller.place(PHI, "right") == pytest.approx(expected, abs=1e-12)
-
-
 @pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize("scene", ["setzhub", "schnitt"])
 def test_places_and_their_ways_belong_together(scene: str, mirrored: bool) -> None:
@@ -260,21 +245,6 @@ def test_places_and_their_ways_belong_together(scene: str, mirrored: bool) -> No
         moved = mass.place(high, "left") - mass.place(low, "right")
         assert integrals(way, low, high) == pytest.approx(moved, abs=1e-11)
     assert result.masses[0].place(np.zeros(1), "right")[0] == pytest.approx(10 + 20j, abs=1e-12)
-
-
-def test_the_slider_runs_along_x_in_the_stated_direction() -> None:
-    """setzhub: the slider to the right of the shaft, a positive stroke to the right; mirrored both
-    to the left."""
-    for changes, sense in (((), 1.0), (MIRRORED["setzhub"], -1.0)):
-        result, subject = inertia_of("setzhub", LINKED, *changes)
-        (slider,) = [each for each in result.masses if each.name == "slider"]
-        at = slider.place(np.radians([0.0, 195.0]), "right")
-        assert at[1] - at[0] == pytest.approx(sense * 58.5, abs=1e-12)
-        pivot: Any = subject.cam.follower
-        assert math.copysign(1.0, at[0].real - pivot.pivot.real) == sense
-        assert at[0].imag - pivot.pivot.imag == pytest.approx(
-            160.5 * math.cos(math.radians(34.68)), rel=1e-14
-        )
 
 
 # What contradicts -----------------------------------------------------------------------------

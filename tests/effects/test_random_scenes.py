@@ -23,15 +23,16 @@ from hypothesis import strategies as st
 from camgeo.check.finding import Finding
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.effect import Column
+from camgeo.dynamics.effects.graph import machine_of
 from camgeo.dynamics.effects.registry import EFFECTS, find_effect
 from camgeo.dynamics.effects.results import FINDERS
-from camgeo.dynamics.effects.rules import FLATS, ONE_DISC, ONE_ROLLER, ROLLERS
+from camgeo.dynamics.effects.rules import Machine, Only
 from camgeo.errors import EffectError, Fault, GeometryError, SceneError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.scene import parse_scene
 from camgeo.scene.schema import schema, whole_schema
 from camgeo.units import TURN
-from tests.effects.scenes import SCENES, only_for
+from tests.effects.scenes import SCENES
 from tests.long_form import examples
 
 LISTED: Final = ("masses", "moments")
@@ -77,33 +78,8 @@ USUAL: Final[dict[str, tuple[float, float]]] = {
 
 SIGNED: Final = ("load", "coordinate", "angle")
 
-OF_GUIDE: Final = {
-    "friction": ("pivot", "pivot_diameter", "pivot_viscous", "slider"),
-    "inertia": (
-        "moment_of_inertia",
-        "rocker_mass",
-        "rocker_centre",
-        "coupler_mass",
-        "coupler_centre",
-        "coupler_moment",
-    ),
-    "spring": ("kind", "torsional_stiffness", "preload_torque", "anchor", "attachment"),
-    "vibration": ("torsional_stiffness", "limit_angle", "moments"),
-}
-"""Keys that a translating follower does not have."""
-
-OF_ROCKER: Final = {
-    "friction": ("guide", "guide_length", "guide_overhang", "guide_viscous", "slider"),
-    "inertia": ("mass", "coupler_mass", "coupler_centre", "coupler_moment"),
-    "spring": (),
-    "vibration": ("stiffness", "limit", "masses"),
-}
-OF_LINKAGE: Final = {
-    "friction": ("guide", "guide_length", "guide_overhang"),
-    "inertia": (),
-    "spring": (),
-    "vibration": ("torsional_stiffness", "limit_angle", "moments"),
-}
+TURNED: Final = ("lever", "crank")
+"""Far ends of linkages that turn."""
 
 SPRINGS: Final = (
     ("stiffness", "preload"),
@@ -174,44 +150,39 @@ def stage(rng: Random, node: dict[str, Any], *, wild: bool) -> dict[str, Any]:
     return {each: value(rng, each, inner[each], wild=wild) for each in keys}
 
 
-def drives_slider(text: str) -> bool:
-    """Whether the follower is a rocker that drives a slider through a linkage."""
-    return "oscillating" in text and '"slider-crank"' in text
+@cache
+def machine(name: str) -> Machine:
+    scene = parse_scene(scene_text(name), str(SCENES / f"{name}.toml"))
+    return machine_of(Design(scene).effects.subject)
 
 
-def foreign_keys(effect: str, text: str) -> set[str]:
-    """Keys of a table that do not suit the mechanism."""
-    slides = drives_slider(text)
-    own = OF_LINKAGE if slides else OF_ROCKER if "oscillating" in text else OF_GUIDE
-    found = set(own.get(effect, ()))
-    found |= {
-        key for name, key in only_for(ROLLERS if '-flat"' in text else FLATS) if name == effect
-    }
-    if "[follower.return]" in text:
-        found |= {key for name, key in only_for(ONE_ROLLER) if name == effect}
-    if "[linkage]" not in text or slides:
-        found.add("output_moment")
-    return found
+def foreign_keys(effect: str, of: Machine) -> set[str]:
+    """Keys of a table that do not suit the machine; empty for the effect as a whole."""
+    rules = (each for each in find_effect(effect).rules if isinstance(each, Only))
+    unfit = (rule for rule in rules if getattr(of, rule.kind.of) in rule.kind.others)
+    return {key for rule in unfit for key in rule.keys or ("",)}
 
 
-def keys_of_train(rng: Random, chosen: list[str], text: str) -> list[str]:
+def keys_of_train(rng: Random, chosen: list[str], of: Machine) -> list[str]:
     """The keys with one that gives the train, and those that suit it."""
-    turns = "oscillating" in text and not drives_slider(text)
+    turns = of.demanded == "rad"
     if rng.random() < 0.3:
         listed = "moments" if turns else "masses"
         return [listed, *(each for each in chosen if each.startswith(("limit", "output")))]
     stiff = "torsional_stiffness" if turns else "stiffness"
-    if "[linkage]" in text and not drives_slider(text):  # the mass of its far end is not known
+    if of.far in TURNED:  # the mass of its far end is not known
         stiff = "natural_frequency"
     one = rng.choice(("natural_frequency", stiff))
     several = ("natural_frequency", "stiffness", "torsional_stiffness", *LISTED, "output")
     return [one, *(each for each in chosen if each not in several)]
 
 
-def keys_of(rng: Random, effect: str, properties: dict[str, Any], text: str) -> list[str]:
+def keys_of(
+    rng: Random, effect: str, properties: dict[str, Any], text: str, of: Machine
+) -> list[str]:
     """Some of the keys of a table, most times those that suit the follower."""
-    rocks, slides = "oscillating" in text, drives_slider(text)
-    foreign = foreign_keys(effect, text)
+    rocks, slides = of.lift == "rad", of.far == "slider"
+    foreign = foreign_keys(effect, of)
     keys = [each for each in properties if each not in foreign]
     if rng.random() < 0.03:
         keys = list(properties)
@@ -220,7 +191,7 @@ def keys_of(rng: Random, effect: str, properties: dict[str, Any], text: str) -> 
         suits = SPRINGS if rocks else SPRINGS[:1]
         chosen = list(rng.choice(suits[1:] if rocks and not slides else (*suits, WOUND)))
     if effect == "vibration":
-        chosen = keys_of_train(rng, chosen, text)
+        chosen = keys_of_train(rng, chosen, of)
     if effect == "load":
         chosen = [
             "segments" if text.count("[[motion]]") == 5 and rng.random() < 0.5 else "constant"
@@ -232,7 +203,7 @@ def keys_of(rng: Random, effect: str, properties: dict[str, Any], text: str) -> 
         chosen = [each for each in dict.fromkeys(chosen) if each != "file"]
     if effect == "friction":
         chosen += [f"{each}_diameter" for each in ("pivot", "roller_pin") if each in chosen]
-        if "guide_overhang" in chosen or ('-flat"' in text and "guide" in chosen):
+        if "guide_overhang" in chosen or (of.touching == "face" and "guide" in chosen):
             chosen.append("guide_length")
     if effect == "inertia":
         for part, mass in (("rocker", "rocker_mass"), ("coupler", "coupler_mass")):
@@ -264,27 +235,24 @@ def spelled(item: Any) -> str:
     return json.dumps(item) if isinstance(item, (str, int)) else repr(float(item))
 
 
-def tables_of(rng: Random, text: str) -> str:
+def tables_of(rng: Random, text: str, of: Machine) -> str:
     """Tables of some effects."""
     wild = rng.random() < 0.25
     named = {each for each in EFFECTS if rng.random() < 0.45}
     if rng.random() < 0.9 and named & {"gravity", "lift-off", "speed-fluctuation", "spring-surge"}:
         named |= {"inertia", "spring"}
-    if "[follower.return]" in text and rng.random() < 0.95:
-        named -= {name for name, _ in only_for(ONE_DISC)}
-    if '-flat"' in text and rng.random() < 0.95:
-        named -= {name for name, key in only_for(ROLLERS) if not key}
+    if rng.random() < 0.95:
+        named -= {name for name in EFFECTS if "" in foreign_keys(name, of)}
     if named >= {*FINDERS}:
         named.remove(rng.choice(FINDERS))
     lines = []
     for effect in EFFECTS:
-        other = "[linkage]" in text and not ("oscillating" in text and "slider-crank" in text)
-        if effect not in named or (effect == "load" and other):
+        if effect not in named or (effect == "load" and of.far in TURNED):
             continue
         lines.append(f"[effects.{effect}]")
         node = find_effect(effect).schema
         properties = node["properties"]
-        chosen = keys_of(rng, effect, properties, text)
+        chosen = keys_of(rng, effect, properties, text, of)
         for key in dict.fromkeys([*node.get("required", ()), *chosen]):
             if key == "kind":
                 kind = "torsion" if "torsional_stiffness" in lines[-1] + lines[-2] else "extension"
@@ -308,7 +276,7 @@ def scene_of(rng: Random) -> tuple[str, str]:
         text = text.replace('rotation = "ccw"', f'rotation = "ccw"\n{speed}')
     elif rng.random() < 0.5:
         text = re.sub(r"^speed = \d+$", speed, text, count=1, flags=re.MULTILINE)
-    return str(SCENES / f"{name}.toml"), f"{text}\n{tables_of(rng, text)}\n"
+    return str(SCENES / f"{name}.toml"), f"{text}\n{tables_of(rng, text, machine(name))}\n"
 
 
 def within(node: dict[str, Any]) -> dict[str, Any]:
