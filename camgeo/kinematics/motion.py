@@ -119,15 +119,6 @@ Boundary = tuple[float | None, float | None]
 FREE: Final[Boundary] = (None, None)
 
 
-def over_span(values: Boundary, length: float) -> Boundary:
-    """Values per rad as derivatives over the normalised span, which is `length` [rad] long."""
-    velocity, acceleration = values
-    return (
-        None if velocity is None else velocity * length,
-        None if acceleration is None else acceleration * length**2,
-    )
-
-
 def boundaries_of(key: str, given: Any, least: int, most: int) -> dict[int, Boundary]:
     """`given` by index of the point; GeometryError unless all are from `least` to `most`."""
     return {

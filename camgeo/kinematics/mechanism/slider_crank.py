@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
@@ -25,15 +25,19 @@ from camgeo.kinematics.mechanism.triangle import (
     passed_at_rest,
     turning,
 )
-from camgeo.kinematics.mechanism.values import AcuteAngle, Branch, Sense, Truth
+from camgeo.kinematics.mechanism.values import Branch, Sense, angle
 from camgeo.kinematics.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.numeric.checked import check_fields
+from camgeo.numeric.checked import check_fields, instance
 from camgeo.numeric.interval import Angles
 from camgeo.units import TURN
 
 if TYPE_CHECKING:
     from camgeo.kinematics.mechanism.linkage import Size
+
+
+AcuteAngle = Annotated[float, partial(angle, low=-0.5 * math.pi, high=0.5 * math.pi)]
+Truth = Annotated[bool, partial(instance, kind=bool, what="true or false")]
 
 
 @dataclass(frozen=True)

@@ -22,24 +22,36 @@ theta = 0 the pin is on the lever's axis, where phi is undefined.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from fractions import Fraction
-from typing import Final, Literal
+from numbers import Real
+from typing import Annotated, Any, Final, Literal
 
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.kinematics.mechanism.values import AnySize
 from camgeo.numeric.arrays import FloatArray, frozen
-from camgeo.numeric.checked import check_fields, hold
+from camgeo.numeric.checked import check_fields, hold, shown
 from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.units import TURN
 
 NEAR = 0.5
 """Above this cosine the differences are taken by the half angle, below it directly: either way no
 term exceeds twice the result, whether a and R are nearly equal or far apart."""
+
+
+def any_size(key: str, value: Any) -> float:
+    """A number above 0 of any size, for formulas that use ratios only."""
+    real = isinstance(value, Real) and not isinstance(value, bool)
+    if not (real and 0.0 < value <= sys.float_info.max):
+        raise GeometryError("must be a positive number", key, shown(value))
+    return float(value)
+
+
+AnySize = Annotated[float, any_size]
 
 
 @dataclass(frozen=True, slots=True)

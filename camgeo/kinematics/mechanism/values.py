@@ -7,11 +7,8 @@ Lengths in mm and angles in rad. Each check returns the value as it is stored, o
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import partial
-from numbers import Real
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, TypeVar
 
 from camgeo.errors import GeometryError
@@ -19,7 +16,6 @@ from camgeo.numeric.checked import (
     SMALLEST,
     Check,
     checks_of,
-    instance,
     number,
     one_of,
     point,
@@ -43,14 +39,6 @@ SIGNS: Final = {"ccw": 1, "cw": -1, "outward": 1, "inward": -1, "left": 1, "righ
 def length(key: str, value: Any) -> float:
     """A length above 0 [mm]."""
     return number(key, value, above=0.0, unit="mm")
-
-
-def any_size(key: str, value: Any) -> float:
-    """A number above 0 of any size, for formulas that use ratios only."""
-    real = isinstance(value, Real) and not isinstance(value, bool)
-    if not (real and 0.0 < value <= sys.float_info.max):
-        raise GeometryError("must be a positive number", key, shown(value))
-    return float(value)
 
 
 def radius(key: str, value: Any) -> float:
@@ -86,11 +74,6 @@ def sense(key: str, value: Any) -> int:
     return one_of(key, value, (1, -1))
 
 
-def truth(key: str, value: Any) -> bool:
-    """True or False, but not a number."""
-    return instance(key, value, bool, "true or false")
-
-
 def branch(key: str, value: Any) -> int:
     """+1 or -1, for the side on which a crank's tip lies: +1 is clockwise seen from its shaft."""
     return sense(key, value)
@@ -118,16 +101,13 @@ def able(key: str, value: Any, method: str, what: str) -> None:
 
 # As types of fields, see `camgeo.numeric.checked.check_fields`.
 Length = Annotated[float, length]
-AnySize = Annotated[float, any_size]
 Radius = Annotated[float, radius]
 Coordinate = Annotated[float, coordinate]
 Place = Annotated[complex, place]
 Angle = Annotated[float, angle]
-AcuteAngle = Annotated[float, partial(angle, low=-0.5 * math.pi, high=0.5 * math.pi)]
 RightAngle = Annotated[float, right_angle]
 Sense = Annotated[int, sense]
 Branch = Annotated[int, branch]
-Truth = Annotated[bool, truth]
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import FAMILIES, find_family, make_law
 from camgeo.kinematics.laws.law import Law
-from camgeo.kinematics.motion import FREE, NAMES, TASKS, Boundary, End, end_of, over_span
+from camgeo.kinematics.motion import FREE, NAMES, TASKS, Boundary, End, end_of
 from camgeo.kinematics.plan import SNAP, Dwell, MotionPlan, Move, Segment, SplineMove, joints_of
 from camgeo.kinematics.planning.build import (
     DEFAULT,
@@ -158,18 +158,27 @@ def _check_resolved(link: Link, law: Law) -> None:
 
 def _spline_move(link: Link, request: PointsRequest) -> SplineMove:
     start, length = link.start.position, link.length
-    inner = {index + 1: over_span(values, length) for index, values in request.given.items()}
+    inner = {index + 1: _over_span(values, length) for index, values in request.given.items()}
     try:
         spline = clamped_spline(
             np.concatenate(([0.0], request.shares, [1.0])),
             np.concatenate(([0.0], request.positions - start, [link.stroke])),
-            over_span(link.start.values, length),
-            over_span(link.end.values, length),
+            _over_span(link.start.values, length),
+            _over_span(link.end.values, length),
             inner,
         )
     except GeometryError as error:
         raise GeometryError(error.message, f"{link.key}.points", error.value) from error
     return SplineMove(request.span, start + link.stroke, spline)
+
+
+def _over_span(values: Boundary, length: float) -> Boundary:
+    """Values per rad as derivatives over the normalised span, which is `length` [rad] long."""
+    velocity, acceleration = values
+    return (
+        None if velocity is None else velocity * length,
+        None if acceleration is None else acceleration * length**2,
+    )
 
 
 # -- ring -----------------------------------------------------------------------------------------
@@ -336,7 +345,7 @@ def _fitted(link: Link, request: TableRequest) -> tuple[Spline, FitReport]:
             )
         if link.start is link.end:
             shares, lifts = _closed(shares, lifts)
-        start, end = (over_span(joint.values, link.length) for joint in (link.start, link.end))
+        start, end = (_over_span(joint.values, link.length) for joint in (link.start, link.end))
         if request.smoothing is None:
             spline = clamped_spline(shares, lifts, start, end)
             return spline, report(spline, shares, lifts)
