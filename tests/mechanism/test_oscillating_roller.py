@@ -4,6 +4,7 @@ import cmath
 import math
 from decimal import Decimal
 
+import mpmath
 import numpy as np
 import pytest
 from hypothesis import given
@@ -12,7 +13,7 @@ from mpmath import mp, mpc, mpf
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller, hypot_rest
 from camgeo.kinematics.plan import MotionPlan, Move
 from camgeo.numeric.arrays import phase
 from camgeo.units import TURN
@@ -147,3 +148,30 @@ def test_bounds_do_not_grow_with_the_distance_of_the_pivot() -> None:
         found.append(PitchCurve(way, rocker, 1).speed_bounds(low, low + TURN / 64.0))
     assert np.all(found[1] <= 1.01 * found[0])
     assert np.all(found[0] <= 1000.0)
+
+
+# What the rounding of a length took ------------------------------------------------------------
+
+lengths = st.floats(1e-12, 1e12)
+signed = st.builds(lambda size, sign: sign * size, lengths, st.sampled_from([-1.0, 1.0]))
+
+
+@given(signed, signed)
+def test_the_rest_of_a_length_is_what_its_rounding_took(x: float, y: float) -> None:
+    size = abs(complex(x, y))
+    rest = hypot_rest(complex(x, y), size)
+    with mpmath.workdps(80):
+        exact = mpmath.hypot(x, y) - size
+        # The rest is divided by 2 size instead of the sum of both, and is itself rounded.
+        assert abs(exact - rest) <= 2.0**-100 * size
+    assert abs(rest) <= 2.0**-51 * size
+
+
+@given(signed)
+def test_along_an_axis_nothing_is_lost(x: float) -> None:
+    assert hypot_rest(complex(x, 0.0), abs(x)) == 0.0
+    assert hypot_rest(complex(0.0, x), abs(x)) == 0.0
+
+
+def test_a_vector_without_length_has_no_rest() -> None:
+    assert hypot_rest(0j, 0.0) == 0.0

@@ -9,6 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.numeric.arrays import (
+    ONE,
+    SHARE,
     FloatArray,
     ascending,
     dot,
@@ -17,6 +19,7 @@ from camgeo.numeric.arrays import (
     joined,
     merged,
     phase,
+    resolved,
     taken,
 )
 from camgeo.units import TURN
@@ -123,3 +126,25 @@ def test_angles_are_merged_up_to_eight_spacings_of_the_last() -> None:
     assert merged(np.array([0.0, 6.0 - 2.0 * step, 6.0])).tolist() == [0.0, 6.0]
     assert merged(np.array([2.5])).tolist() == [2.5]
     assert merged(np.empty(0)).tolist() == []
+
+
+# Sums that are 0 up to rounding, and one among many --------------------------------------------
+
+
+@pytest.mark.parametrize("size", [1.0, 250.0, 1e-9])
+def test_a_sum_is_rounding_up_to_its_share_of_the_terms(size: float) -> None:
+    limit = SHARE * size
+    for sign in (1.0, -1.0):
+        assert resolved(sign * limit, size) == 0.0
+        beyond = sign * math.nextafter(limit, math.inf)
+        assert resolved(beyond, size) == beyond
+    assert SHARE == 2.0**-46
+
+
+def test_one_object_is_asked_as_one_of_many() -> None:
+    x = np.linspace(0.0, 1.0, 5)
+    found = ONE.everywhere(lambda phi, side: np.stack((phi, phi * len(side))), x, "left")
+    assert found.shape == (2, ONE.count, 5)
+    assert found[1, 0].tolist() == (4.0 * x).tolist()
+    at = ONE.at(lambda phi, side: phi * len(side), x, "right", np.zeros(5, dtype=np.intp))
+    assert at.tolist() == (5.0 * x).tolist()

@@ -1,15 +1,16 @@
-"""Lift tables: what is read, refusals with file and line, and the spline through them."""
+"""Tables of lift and of speed: what is read, refusals with file and line, and their splines."""
 
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.splines import periodic_spline
-from camgeo.kinematics.tables import TwoColumns, read_lift_table
+from camgeo.kinematics.tables import TwoColumns, read_lift_table, read_speed_table
 from camgeo.numeric.columns import MOST_ROWS
 from camgeo.reading import TABLE
 from camgeo.units import TURN
@@ -122,3 +123,50 @@ def test_a_periodic_table_may_miss_its_closing_row() -> None:
     x = np.linspace(-7.0, 7.0, 57)
     # Interpolation of sin: (pi / 72)^6 / 6! of its sixth derivative, times what splines add.
     np.testing.assert_allclose(spline.values(x, 0)[0], np.sin(x), rtol=0.0, atol=1e-9)
+
+
+# Tables of speed -------------------------------------------------------------------------------
+
+ROWS = [(0.0, 0.0), (0.1, 30.0), (0.2, 90.0), (0.35, 200.0), (0.5, 300.0), (0.6, 360.0)]
+
+
+def text(rows: list[tuple[float, float]], heading: str = "") -> str:
+    return heading + "".join(f"{time},{angle}\n" for time, angle in rows)
+
+
+def test_the_disc_is_where_the_rows_say() -> None:
+    course = read_speed_table(text(ROWS, "t [s],phi [deg]\n"), "speed.csv")
+    angles = np.radians([angle for _, angle in ROWS[:-1]])
+    assert course.time(angles) == pytest.approx([time for time, _ in ROWS[:-1]], abs=1e-14)
+    omega, alpha, _ = course.rates(angles)
+    # By differences over a short time, whose error is h^2/6 of the third derivative, here < 1e-5.
+    h = 1e-4
+    t = course.time(angles) + 0.3
+    mean = (course.spline.values(t + h, 0)[0] - course.spline.values(t - h, 0)[0]) / (2.0 * h)
+    assert course.spline.values(t, 1)[1] == pytest.approx(mean, rel=1e-4)
+    assert np.all(omega > 0.0)
+    assert np.any(np.abs(alpha) > 1.0)
+    # One turn takes 0.6 s, whatever the speed between.
+    assert course.time(np.array([2.0 * math.pi])) == pytest.approx([0.6], abs=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ([(0.1, 0.0), *ROWS[1:]], "line 1: '0.1': the first time; allowed: 0"),
+        ([(0.0, 1.0), *ROWS[1:]], "line 1: '1.0': the first angle; allowed: 0"),
+        ([*ROWS[:2], (0.05, 95.0), *ROWS[2:]], "line 3: '0.05': the time before is 0.1"),
+        ([*ROWS[:3], (0.3, 80.0), *ROWS[3:]], "line 4: '80.0': the angle before is 90.0"),
+        (ROWS[:-1], "line 5: '300.0': the last angle; allowed: 360 degrees"),
+        ([(0.0, 0.0), (0.5, 1.0), (0.6, 359.0), (1.0, 360.0)], "stand still or run backwards"),
+        ([(0.0, 0.0), (1.0, 360.0)], "allowed: 4 rows or more"),
+    ],
+)
+def test_faults_are_reported(rows: list[tuple[float, float]], message: str) -> None:
+    with pytest.raises(GeometryError, match=re.escape(message)):
+        read_speed_table(text(rows), "speed.csv")
+
+
+def test_the_unit_of_the_time_is_seconds() -> None:
+    with pytest.raises(GeometryError, match="the unit of the time; allowed: s"):
+        read_speed_table(text(ROWS, "t [ms],phi [deg]\n"), "speed.csv")
