@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+import pickle
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from decimal import Decimal
 from typing import Any, Final
 
 import numpy as np
@@ -13,14 +16,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
+from camgeo.check.machine import check_linkage
+from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.four_bar import FourBar
-from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.mechanism.linked_motion import LinkedMotion, linked
+from camgeo.kinematics.mechanism.several import alike, several
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
-from camgeo.numeric.arrays import FloatArray
+from camgeo.kinematics.plan import Dwell, MotionPlan, Move
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.units import TURN
 from tests.integrals import cells, integrals
 from tests.long_form import examples
+from tests.reference import POLYNOMIAL, plan_of, slider_crank_of, thesis_params
 from tests.stability.exact_cam import exact_linkage, numbers_of
 from tests.stability.series import Series
 from tests.strategies import SMOOTH, attack, four_bars, plans, slider_cranks, slider_driven_cranks
@@ -255,3 +263,241 @@ def test_bounds_are_close_next_to_a_dead_centre(
         bounds = np.array([[0.01 * distance], [1.0], [0.0], [0.0]])
         found = linkage.transform_bounds(jet[:, 20:21], bounds)[:, 0]
         assert np.all(found[1:] <= 2.0 * np.maximum(largest[1:], 0.1))
+
+
+# Motions behind a linkage -----------------------------------------------------------------------
+
+PARAMS = thesis_params("T5_schnitt", 1)
+LINKAGE = slider_crank_of(PARAMS)
+
+
+def test_breaks_borders_and_rests_are_those_of_the_slider() -> None:
+    plan = plan_of(PARAMS, 5.5)
+    motion = LinkedMotion(plan, LINKAGE)
+    assert motion.breaks is plan.breaks
+    assert motion.borders is plan.borders
+    assert motion.dwells == plan.dwells
+
+
+def test_in_a_rest_the_rocker_rests_exactly() -> None:
+    motion = LinkedMotion(plan_of(PARAMS, 5.5), LINKAGE)
+    phi = np.radians(np.linspace(81.0, 369.0, 17))
+    assert not np.any(motion.jet(phi))
+    # At the joint the right-hand side rests, the left-hand one still moves: its jerk is not zero.
+    joint = motion.breaks[-1:]
+    assert not np.any(motion.jet(joint)[1:])
+    assert abs(motion.jet(joint, "left")[3][0]) > 1.0
+
+
+def test_a_stroke_too_long_is_refused_also_where_both_ends_of_it_fit() -> None:
+    """Both ends fit, but between them the pin comes nearer than the linkage can fold."""
+    linkage = SliderCrank(40.0, 90.0, math.radians(10.0), True, 1, -1, 1)
+    stroke = 2.0 * linkage.start_position  # to the mirrored place on the other side
+    ends = np.array([0.0, stroke])
+    assert np.all(linkage.missing_length(ends) <= 1e-9)
+    half = Decimal(180)
+    plan = MotionPlan((Move(half, stroke, POLYNOMIAL), Move(half, 0.0, POLYNOMIAL)))
+    with pytest.raises(GeometryError, match="does not close between cam angles") as caught:
+        LinkedMotion(plan, linkage)
+    assert caught.value.key == "linkage"
+    # Folded, crank and coupler keep the pin 50 mm off; the guide passes the shaft at 39.4 mm.
+    missing = 50.0 - linkage.guide_height
+    assert f"misses by up to {missing:.6g} mm" in caught.value.message
+
+
+def test_a_slider_that_never_moves_needs_no_room() -> None:
+    motion = LinkedMotion(MotionPlan((Dwell(Decimal(360)),)), LINKAGE)
+    assert not np.any(motion.jet(np.linspace(0.0, 6.0, 7)))
+
+
+@pytest.mark.parametrize("stroke", [100.0, 140.0, 150.0, 155.0])
+def test_however_short_the_gap_the_cam_angles_are_named(stroke: float) -> None:
+    """Folded, crank and coupler keep the pin 40 mm off; the guide passes at 39.998 mm. They miss it
+    over 0.8 mm of stroke, less than what lies between the points of any grid."""
+    linkage = SliderCrank(40.0, 80.0, 0.01, True, 1, -1, 1)
+    half = Decimal(180)
+    plan = MotionPlan((Move(half, stroke, POLYNOMIAL), Move(half, 0.0, POLYNOMIAL)))
+    with pytest.raises(GeometryError, match=r"misses by up to 0.00199998 mm") as caught:
+        LinkedMotion(plan, linkage)
+    angles = [float(text) for text in re.findall(r"\d+\.\d+", caught.value.message)[:4]]
+    at_ends = plan.jet(np.radians(angles))[0]
+    # Printed to ten digits: 1e-8 deg, by at most 150 mm by 15/8 by pi.
+    assert linkage.missing_length(at_ends) == pytest.approx(np.zeros(4), abs=2e-8)
+    # Once there and once back, the second time in the mirror of the first.
+    assert angles == pytest.approx([360.0 - angle for angle in reversed(angles)], abs=1e-7)
+
+
+def test_a_stroke_up_to_the_dead_centre_is_no_gap() -> None:
+    """Rounding decides whether the last bit is missing; the check names the dead centre."""
+    rng = np.random.default_rng(7)
+    half = Decimal(180)
+    for crank, coupler in rng.uniform(20.0, 150.0, (40, 2)):
+        linkage = SliderCrank(float(crank), float(coupler), 0.3, True, 1, 1, 1)
+        stroke = max(linkage.dead_strokes)
+        plan = MotionPlan((Move(half, stroke, POLYNOMIAL), Move(half, 0.0, POLYNOMIAL)))
+        if linkage.missing_length(np.array([-linkage.start_position]))[0] > 0.0:
+            continue
+        assert math.isfinite(LinkedMotion(plan, linkage).jet(np.array([1.0]))[0][0])
+
+
+def test_what_was_asked_for_lately_is_recalled() -> None:
+    """The same read-only arrays for equal requests, and those of a motion that recalls nothing."""
+    plan, other = plan_of(PARAMS, 5.5), plan_of(PARAMS, 5.5)
+    motion = linked(plan, LINKAGE)
+    assert linked(plan, LINKAGE) is motion
+    assert linked(plan, replace(LINKAGE, mirrored=True)) is not motion
+    phi = np.linspace(-1.0, 7.0, 41)
+    sides: tuple[Side, ...] = ("right", "left")
+    for order in (1, 2, 3):
+        for side in sides:
+            found = motion.jet(phi, side, order)
+            assert motion.jet(phi.copy(), side, order) is found
+            assert np.array_equal(found, LinkedMotion(other, LINKAGE).jet(phi, side, order))
+    assert not motion.jet(phi).flags.writeable
+    low, high = plan.borders[:-1], plan.borders[1:]
+    found = motion.jet_and_bounds(low, high)
+    assert motion.jet_and_bounds(low, high) is found
+    assert np.array_equal(found, LinkedMotion(other, LINKAGE).jet_and_bounds(low, high))
+    assert pickle.loads(pickle.dumps(motion)).kept == {}
+
+
+def test_linkages_that_differ_in_more_than_numbers_are_not_one() -> None:
+    """Each of several has its own numbers at its own places; words cannot be put side by side."""
+    longer = replace(LINKAGE, coupler=LINKAGE.coupler + 2.0)
+    which = np.array([0, 1, 1, 0])
+    both = several([LINKAGE, longer], which)
+    at = np.array([1.0, 2.0, 3.0, 4.0])
+    alone = [each.missing_length(at) for each in (LINKAGE, longer)]
+    assert both.missing_length(at).tolist() == [alone[k][n] for n, k in enumerate(which)]
+    mixed = several([LINKAGE, replace(LINKAGE, leans_away=not LINKAGE.leans_away)], which)
+    with pytest.raises(AttributeError, match="leans_away differs"):
+        _ = mixed.leans_away
+    assert alike(LINKAGE) == alike(longer)
+    assert alike(LINKAGE) != alike(replace(LINKAGE, mirrored=not LINKAGE.mirrored))
+    assert alike(LINKAGE) != alike(replace(LINKAGE, branch=-LINKAGE.branch))
+
+
+def test_equal_motions_are_equal_whatever_they_were_asked_for() -> None:
+    one, other = (LinkedMotion(plan_of(PARAMS, 5.5), LINKAGE) for _ in range(2))
+    one.jet(np.linspace(0.0, 6.0, 33))
+    one.jet_and_bounds(one.borders[:-1], one.borders[1:])
+    assert one == other
+    assert repr(one) == repr(other)
+    assert "kept" not in repr(one)
+    assert one != LinkedMotion(plan_of(PARAMS, 5.0), LINKAGE)
+
+
+# Four-bars -------------------------------------------------------------------------------------
+
+
+def test_a_rocker_may_turn_more_than_half_a_turn_with_no_jump() -> None:
+    """A drag link: the shaft distance is the shortest, both levers turn all round, for ever."""
+    linkage = FourBar(60.0, 70.0, 65.0, 20.0 + 0.0j, 0.3, 1, 1)
+    turns = np.linspace(-3.0 * TURN, 3.0 * TURN, 6001)
+    jet = np.zeros((4, 6001))
+    jet[0], jet[1] = turns, 1.0
+    swing = linkage.transform(jet)[0]
+    assert np.max(np.abs(np.diff(swing))) < 0.05
+    # Each turn of the lever is one of the crank.
+    assert swing[-1] - swing[0] == pytest.approx(6.0 * TURN, rel=1e-13)
+    assert not linkage.dead_positions(-9.0, 9.0)
+
+
+PARALLELOGRAM = FourBar(40.0, 100.0, 40.0, 100.0 + 0.0j, math.radians(60.0), 1, -1)
+
+
+def test_a_parallelogram_keeps_its_branch() -> None:
+    jet = np.zeros((4, 50))
+    jet[0], jet[1] = np.linspace(0.0, math.radians(110.0), 50), 1.0
+    swing = PARALLELOGRAM.transform(jet)
+    assert swing[0] == pytest.approx(jet[0], abs=1e-13)
+    assert swing[1] == pytest.approx(np.ones(50), rel=1e-12)
+    assert swing[2:] == pytest.approx(np.zeros((2, 50)), abs=1e-11)
+    # Crank and coupler fold and stretch at the change points, with a double root each: 1e-8 rad.
+    dead = np.degrees(PARALLELOGRAM.dead_positions(-2.0, 3.0))
+    assert np.min(np.abs(dead - np.array([[-60.0], [120.0]])), axis=0) == pytest.approx(
+        np.zeros(len(dead)), abs=1e-5
+    )
+    assert np.ptp(dead) == pytest.approx(180.0, abs=1e-5)
+
+
+def test_a_change_point_is_a_dead_centre() -> None:
+    """Passing it, the linkage could fold into the antiparallelogram: refused where it is moving."""
+    third = Decimal(120)
+    to = math.radians(130.0)
+    plan = MotionPlan((Dwell(third), Move(third, to, POLYNOMIAL), Move(third, 0.0, POLYNOMIAL)))
+    (found,) = check_linkage(LinkedMotion(plan, PARALLELOGRAM))
+    assert (found.name, found.severity) == ("dead-centre", "no-disc")
+    assert "at lever angle 120 deg" in found.sentence
+    assert "with the lever angle kept between -59.9999 and 120 degrees" in found.sentence
+    flat = replace(PARALLELOGRAM, lever_angle=0.0)
+    with pytest.raises(GeometryError, match="dead centre"):
+        flat.transform(np.array([[0.0], [1.0], [0.0], [0.0]]))
+    assert not np.any(flat.transform(np.zeros((4, 3))))
+
+
+def test_a_dead_centre_at_the_start_keeps_the_digits() -> None:
+    """Crank and coupler stretched at motion 0: psi goes with the root of the motion, as HC05."""
+    linkage = FourBar(40.0, 60.0, 50.0, 100.0 + 50.0j, -0.5 * math.pi, 1, 1)
+    assert linkage.missing_length(np.zeros(1))[0] == pytest.approx(0.0, abs=1e-13)
+    small = np.array([1e-12, 1e-10, 1e-8])
+    jet = np.zeros((4, 3))
+    jet[0], jet[1] = -small, -1.0
+    if linkage.missing_length(np.array([-1e-3]))[0] > 0.0:
+        jet = -jet
+    found = linkage.transform(jet)
+    # From the exact sum of the angles at shaft and tip: d = 100 - 50 x, cosine rule to first order.
+    lost = 50.0 * small
+    theta = np.sqrt(2.0 * lost * 60.0 / (40.0 * 100.0))
+    assert np.abs(found[0]) == pytest.approx(theta, rel=1e-4)
+    assert np.abs(found[1] * 2.0 * small) == pytest.approx(theta, rel=1e-4)
+
+
+def test_dimensions_that_do_not_close_are_reported_with_a_coupler_that_does() -> None:
+    with pytest.raises(GeometryError, match="coupler must be") as caught:
+        FourBar(40.0, 20.0, 50.0, 150.0 + 0.0j, math.radians(90.0), 1, 1)
+    assert caught.value.key == "linkage"
+    least = math.hypot(150.0, 50.0) - 40.0
+    assert f"{least:.6g} to" in caught.value.message
+    FourBar(40.0, least + 1e-9, 50.0, 150.0 + 0.0j, math.radians(90.0), 1, 1)
+
+
+# Slider-driven-cranks --------------------------------------------------------------------------
+
+
+def test_a_crank_may_turn_over_and_over() -> None:
+    linkage = SliderDrivenCrank(SliderCrank(30.0, 100.0, math.radians(40.0), True, 1, -1, 1))
+    turns = np.linspace(-TURN, TURN, 2001)
+    assert np.max(linkage.missing_length(turns)) < 0.0
+    jet = np.zeros((4, 2001))
+    jet[0] = turns
+    stroke = linkage.transform(jet)[0]
+    assert stroke[1000:] == pytest.approx(stroke[:1001], abs=1e-12)
+    # Between its two dead points, coupler and crank on one line: Wirsig's geometry, by hand.
+    height = linkage.inner.guide_height
+    reach = math.sqrt(130.0**2 - height**2) - math.sqrt(70.0**2 - height**2)
+    assert np.ptp(stroke) == pytest.approx(reach, rel=1e-4)
+
+
+def test_at_its_dead_centre_it_may_rest_and_not_move() -> None:
+    linkage = SliderDrivenCrank(SliderCrank(50.0, 30.0, math.radians(10.0), True, 1, -1, 1))
+    dead = linkage.dead_positions(-math.pi, math.pi)
+    assert linkage.missing_length(np.array(dead)) == pytest.approx(np.zeros(len(dead)), abs=1e-13)
+    # Put exactly on it, as rounding allows.
+    at = next(each for each in dead if linkage._along(linkage._drop(np.array([each])))[0] < 1e-5)
+    jet = np.array([[at], [0.0], [0.0], [0.0]])
+    assert not np.any(linkage.transform(jet)[1:])
+    beyond = np.array([[at], [1.0], [0.0], [0.0]])
+    beyond[0] += 1e-3 * np.sign(linkage.missing_length(np.array([at + 1e-3]))[0])
+    with pytest.raises(GeometryError, match="dead centre"):
+        linkage.transform(beyond)
+
+
+def test_a_coupler_across_the_guide_at_stroke_0_is_refused() -> None:
+    """The tip at the other branch lies under the pin: crank upright, coupler its height less."""
+    inner = SliderCrank(100.0, 100.0, 0.0, True, 1, -1, -1)
+    # d^2 = 2 l^2: the second tip is at (-l, 0), straight below the pin at (-l, l).
+    assert abs(math.cos(inner.coupler_angle)) < 1e-14
+    with pytest.raises(GeometryError, match="square to the guide") as caught:
+        SliderDrivenCrank(inner)
+    assert caught.value.key == "linkage"

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+from decimal import Decimal
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +14,14 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 
 from camgeo.errors import GeometryError
-from camgeo.kinematics.mechanism.slotted_lever import SlottedLever
+from camgeo.kinematics.mechanism.slotted_lever import (
+    NAMES,
+    DrivenLever,
+    SlottedLever,
+    crank_for_swing,
+    lever_table,
+)
+from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 from tests.stability.slotted_levers import exact_angle
 from tests.strategies import attack
@@ -200,3 +210,220 @@ def test_crank_angles_must_be_numbers(theta: float) -> None:
     for quantity in (lever.angle, lever.velocity, lever.acceleration):
         with pytest.raises(GeometryError, match="finite"):
             quantity(np.array([theta]))
+
+
+# In time ---------------------------------------------------------------------------------------
+
+SPEED = 3.5
+
+LEVERS = {
+    "swings": SlottedLever(30.0, 80.0),
+    "nearly equal": SlottedLever(30.0, 31.0),
+    "turns round": SlottedLever(80.0, 30.0),
+    "equal": SlottedLever(40.0, 40.0),
+}
+
+
+def seen(lever: SlottedLever, theta: FloatArray) -> FloatArray:
+    """(n,) angle of the pin [rad] seen from the lever's axis, against the direction to the crank's,
+    positive as the crank turns: the crank's axis at 0, the lever's at -a on a line.
+    """
+    pin = -lever.crank * np.exp(1j * theta)
+    return np.asarray(np.unwrap(np.angle(pin + lever.distance)))
+
+
+@pytest.mark.parametrize("name", LEVERS)
+def test_the_lever_points_at_the_pin_in_time(name: str) -> None:
+    """Velocity and acceleration by central differences over the time."""
+    lever = LEVERS[name]
+    driven = DrivenLever(lever, SPEED)
+    theta = np.linspace(0.05, TURN - 0.05, 601)
+    phi, omega, eps = driven.output(theta)
+    expected = seen(lever, theta)
+    assert np.ptp(phi - expected) <= 1e-9
+    assert math.cos(phi[0] - expected[0]) == pytest.approx(1.0)
+    h = 1e-5
+    ahead, behind = (driven.output(theta + step) for step in (h, -h))
+    rates = (ahead - behind) / (2.0 * h / SPEED)
+    assert omega == pytest.approx(rates[0], abs=1e-6 * np.max(np.abs(omega)))
+    assert eps == pytest.approx(rates[1], abs=1e-6 * max(float(np.max(np.abs(eps))), 1e-3))
+    assert driven.turn_time == pytest.approx(TURN / SPEED)
+
+
+@pytest.mark.parametrize("name", LEVERS)
+def test_extremes_are_those_of_dense_samples(name: str) -> None:
+    lever = LEVERS[name]
+    driven = DrivenLever(lever, SPEED)
+    theta = np.linspace(1e-9, TURN - 1e-9, 40_001)
+    values = dict(zip(("phi", "omega2", "eps2"), driven.output(theta), strict=True))
+    found = driven.extremes
+    if name == "equal":
+        assert found == ()
+        return
+    wanted = ["omega2"] * 2 + ["eps2"] * 2
+    assert [each.quantity for each in found] == (["phi"] * 2 if lever.swings else []) + wanted
+    for first, second in zip(found[::2], found[1::2], strict=True):
+        assert {first.largest, second.largest} == {True, False}
+        assert first.crank < second.crank
+    for each in found:
+        dense = values[each.quantity]
+        best = float(np.max(dense) if each.largest else np.min(dense))
+        size = float(np.ptp(dense))
+        assert each.value == pytest.approx(best, abs=1e-5 * size)
+        assert (
+            (each.value >= best - 1e-9 * size)
+            if each.largest
+            else (each.value <= best + 1e-9 * size)
+        )
+        at = driven.output(np.array([each.crank]))[:, 0]
+        assert at[("phi", "omega2", "eps2").index(each.quantity)] == pytest.approx(
+            each.value, rel=1e-9, abs=1e-12
+        )
+        if each.crank:
+            assert each.angle == pytest.approx(at[0], abs=1e-12)
+        assert each.time == pytest.approx(each.crank / SPEED, rel=1e-15)
+        assert each.unit == {"phi": "rad", "omega2": "rad/s", "eps2": "rad/s^2"}[each.quantity]
+
+
+def test_strokes_last_from_one_end_to_the_other() -> None:
+    driven = DrivenLever(LEVERS["swings"], SPEED)
+    assert driven.strokes is not None
+    slow, quick = driven.strokes
+    for stroke in (slow, quick):
+        assert stroke.end - stroke.start == pytest.approx(stroke.duration * SPEED)
+        ends = driven.output(np.array([stroke.start, stroke.end]))
+        assert ends[1] == pytest.approx(np.zeros(2), abs=1e-12)
+        assert abs(ends[0, 1] - ends[0, 0]) == pytest.approx(2.0 * math.asin(30.0 / 80.0))
+    assert slow.duration + quick.duration == pytest.approx(driven.turn_time)
+    assert slow.duration / quick.duration == pytest.approx(LEVERS["swings"].time_ratio)
+    assert slow.duration > quick.duration
+    assert slow.end == pytest.approx(quick.start)
+    for name in ("turns round", "equal"):
+        assert DrivenLever(LEVERS[name], SPEED).strokes is None
+        with pytest.raises(GeometryError, match="the lever turns round") as caught:
+            _ = LEVERS[name].time_ratio
+        assert caught.value.key == "distance"
+
+
+@pytest.mark.parametrize(
+    ("step", "first", "last"),
+    [("1", "0", "360"), ("7", "0", "360"), ("0.5", "12.25", "200"), ("90", "180", "360")],
+)
+@pytest.mark.parametrize("name", ["swings", "turns round"])
+def test_a_table_has_the_values_at_exact_multiples(
+    name: str, step: str, first: str, last: str
+) -> None:
+    driven = DrivenLever(LEVERS[name], SPEED)
+    table = lever_table(driven, Decimal(step), Decimal(first), Decimal(last))
+    angles = list(table.crank)
+    assert angles[0] == Decimal(first)
+    assert angles[-1] == Decimal(last)
+    steps = {b - a for a, b in pairwise(angles[:-1])}
+    assert steps <= {Decimal(step)}
+    assert Decimal(0) < angles[-1] - angles[-2] <= Decimal(step)
+    theta = np.radians([float(each) for each in angles])
+    phi, omega, eps = driven.output(theta)
+    columns = dict(zip(NAMES, table.values.T, strict=True))
+    assert list(columns) == [
+        "crank [deg]", "time [s]", "phi [deg]", "omega2 [rad/s]", "eps2 [rad/s^2]",
+    ]  # fmt: skip
+    assert columns["crank [deg]"].tolist() == [float(each) for each in angles]
+    assert columns["time [s]"] == pytest.approx(theta / SPEED, abs=1e-14)
+    turned = np.degrees(phi) if name == "swings" else columns["phi [deg]"]
+    assert columns["phi [deg]"] == pytest.approx(turned, abs=1e-10)
+    apart = np.radians(columns["phi [deg]"]) - phi
+    assert np.cos(apart) == pytest.approx(np.ones(len(apart)))
+    assert columns["omega2 [rad/s]"] == pytest.approx(omega, abs=1e-11)
+    assert columns["eps2 [rad/s^2]"] == pytest.approx(eps, abs=1e-10)
+    assert not np.any(np.signbit(table.values) & (table.values == 0.0))
+    places = max(len(str(float(each)).partition(".")[2].strip("0")) for each in angles)
+    for row, angle, values in zip(table.printed(), angles, table.values, strict=True):
+        assert row[0] == f"{angle:.{places}f}"
+        assert [float(each) for each in row[1:]] == pytest.approx(values[1:], abs=5.1e-4)
+        assert all(len(each.partition(".")[2]) == 3 for each in row[1:])
+        assert "-0.000" not in row
+
+
+def test_both_halves_of_a_table_agree_to_the_last_digit() -> None:
+    table = lever_table(DrivenLever(LEVERS["swings"], SPEED), Decimal("0.7"), last=Decimal(360))
+    whole = dict(zip(table.crank, table.values, strict=True))
+    half = lever_table(DrivenLever(LEVERS["swings"], SPEED), Decimal(90)).values
+    assert half[2, [2, 4]].tolist() == [0.0, 0.0]
+    mirrored = lever_table(
+        DrivenLever(LEVERS["swings"], SPEED), Decimal("0.7"), Decimal("3.3"), Decimal(360)
+    )
+    for angle, row in zip(mirrored.crank, mirrored.values, strict=True):
+        other = whole.get(360 - angle)
+        if other is not None:
+            assert row[[2, 4]].tolist() == (-other[[2, 4]] + 0.0).tolist()
+            assert row[3] == other[3]
+
+
+GOOD: dict[str, Any] = {"step": Decimal(1), "first": Decimal(0), "last": Decimal(360)}
+
+
+@pytest.mark.parametrize(
+    ("given", "key", "message"),
+    [
+        ({"step": Decimal("0.0009")}, "step", "must be 0.001 to 90 degrees"),
+        ({"step": Decimal("90.001")}, "step", "must be 0.001 to 90 degrees"),
+        ({"step": Decimal("NaN")}, "step", "must be 0.001 to 90 degrees"),
+        ({"step": Decimal("1.0000000000001")}, "step", "at most 12 decimals are allowed"),
+        ({"first": Decimal(-1)}, "from", "must be from 0 to less than 360 degrees"),
+        ({"first": Decimal(360)}, "from", "must be from 0 to less than 360 degrees"),
+        ({"first": Decimal("0.0000000000001")}, "from", "at most 12 decimals are allowed"),
+        ({"first": Decimal(20), "last": Decimal(20)}, "to", "must be above the first, 20, and"),
+        ({"last": Decimal("360.001")}, "to", "at most 360 degrees"),
+    ],
+)
+def test_limits_of_a_table_are_told_with_their_key(
+    given: dict[str, Any], key: str, message: str
+) -> None:
+    driven = DrivenLever(LEVERS["swings"], SPEED)
+    with pytest.raises(GeometryError, match=message) as caught:
+        lever_table(driven, **(GOOD | given))
+    assert caught.value.key == key
+    assert caught.value.value == str(given["last" if key == "to" else "first" if key == "from"
+                                           else key])  # fmt: skip
+    for edge in (Decimal("0.001"), Decimal(90), Decimal("1.000000000001")):
+        assert lever_table(driven, edge, Decimal(359), Decimal(360)).crank[-1] == 360
+
+
+def test_where_the_pin_is_on_the_axis_no_table_begins_or_ends() -> None:
+    driven = DrivenLever(LEVERS["equal"], SPEED)
+    for span, key in (({}, "from"), ({"first": Decimal(1)}, "to")):
+        with pytest.raises(GeometryError, match="whose angle is undefined there") as caught:
+            lever_table(driven, **(GOOD | span))
+        assert caught.value.key == key
+    table = lever_table(driven, Decimal(1), Decimal(1), Decimal(359))
+    assert np.abs(table.values[:, 3]) == pytest.approx(np.full(359, 0.5 * SPEED))
+    assert table.values[:, 4].tolist() == [0.0] * 359
+
+
+def test_a_speed_at_which_a_value_overflows_is_refused() -> None:
+    lever = SlottedLever(1.0, 1.0 + 1e-12)
+    assert DrivenLever(lever, 1e140).speed == 1e140
+    with pytest.raises(GeometryError, match="too large for a floating-point number") as caught:
+        DrivenLever(lever, 1e150)
+    assert caught.value.key == "speed"
+    with pytest.raises(GeometryError, match="must be a positive number"):
+        DrivenLever(lever, 0.0)
+
+
+@pytest.mark.parametrize("swing", [1e-6, 20.0, 60.0, 120.0, 179.0, 180.0])
+def test_the_crank_of_a_swing_makes_that_swing(swing: float) -> None:
+    crank = crank_for_swing(80.0, swing)
+    assert math.degrees(2.0 * math.asin(crank / 80.0)) == pytest.approx(swing, rel=1e-9)
+    if swing < 180.0:
+        lever = SlottedLever(crank, 80.0)
+        assert math.degrees(2.0 * lever.largest_angle.value) == pytest.approx(swing, rel=1e-9)
+    assert crank_for_swing(80.0, 60.0) == 40.0
+
+
+@pytest.mark.parametrize("swing", [0.0, -1.0, math.nextafter(180.0, 200.0), math.nan])
+def test_a_swing_that_no_lever_has_is_refused(swing: float) -> None:
+    with pytest.raises(GeometryError, match="above 0 and at most 180 degrees") as caught:
+        crank_for_swing(80.0, swing)
+    assert caught.value.key == "swing"
+    with pytest.raises(GeometryError, match="not distinguishable"):
+        crank_for_swing(80.0, math.nextafter(180.0, 0.0))

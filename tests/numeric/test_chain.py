@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
-from typing import Any
+from typing import Any, Final
 
 import mpmath
 import numpy as np
@@ -12,6 +12,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+import camgeo
 from camgeo.dynamics.oscillator.steady import (
     Base,
     Forcing,
@@ -23,6 +24,8 @@ from camgeo.dynamics.oscillator.steady import (
 from camgeo.dynamics.oscillator.train import EPS, Stage, Train, chain, one_mass
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.units import TURN
+from tests.effects.recorded import FIXTURES, differences
+from tests.effects.recorded_scenes import of_fixture, small
 from tests.strategies import attack
 
 LIFT = 20.0
@@ -567,3 +570,18 @@ def test_a_load_alone_resonates() -> None:
     beyond = (1.0 / 5.0 - 1.0 / 9.0) / TURN**2  # at rest it would yield by p / w^2
     assert abs(response.harmonic(2)) == pytest.approx(2.0 / math.pi * beyond, rel=1e-9)
     assert response.harmonic(3) == 0.0
+
+
+# The record ------------------------------------------------------------------------------------
+
+TRAINS: Final = (
+    "train of two under load", "elastic train under load", "elastic train", "resonance",
+    "jumps of the velocity",
+)  # fmt: skip
+
+
+def test_trains_have_the_results_of_the_record() -> None:
+    made = {name: small(name) for name in TRAINS}
+    made["rocker before a train of moments"] = of_fixture("rocker before a train of moments")
+    made["valve_train"] = camgeo.load(FIXTURES / "effects" / "valve_train.toml")
+    assert not [each for name, design in made.items() for each in differences(name, design)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from decimal import Decimal
@@ -13,8 +14,11 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
+from camgeo.kinematics.laws import FAMILIES, make_law
+from camgeo.kinematics.laws.law import acceleration_jumps, characteristic
 from camgeo.kinematics.plan import Dwell, Joint, MotionPlan, Move, SplineMove, joints
 from camgeo.kinematics.planning.requests import (
+    AUTO,
     MoveRequest,
     PointsRequest,
     Request,
@@ -23,7 +27,8 @@ from camgeo.kinematics.planning.requests import (
 from camgeo.numeric.arrays import FloatArray
 from tests.laws import LAWS
 from tests.long_form import examples
-from tests.motion.planning.wishes import Wishes, move, planned, rest, through
+from tests.motion.planning.wishes import POLYNOMIALS, Wishes, move, planned, rest, through
+from tests.speed import spending
 from tests.strategies import attack
 
 SHARES = np.array([0.003, 0.11, 0.23, 0.47, 0.53, 0.77, 0.89, 0.997])
@@ -36,17 +41,28 @@ banded solve multiplies: over spans from 0.001 to 359 degrees 1e-9 was the most.
 UNIQUE = ("auto", "polynomial-5", "polynomial-7", "polynomial", "modified-sine", "straight-line")
 """Laws whose joints are settled without a choice between two that are as good."""
 
+SECONDS = 12.0
+"""Of computing for a plan, see `tests.speed`. The slowest of 20,000 random ones took 3 at most."""
+
+WORDS = r"allowed|must|leave|for which there are|polynomial-5|its parameters|one of them"
+"""One of these is in every refusal, to say what would work."""
+
 many = settings(attack, max_examples=examples(9, long=80))
 
 
 def plan_of(requests: Sequence[Request]) -> MotionPlan | None:
-    """The plan; None if it is refused, with the key of a segment."""
-    try:
-        return planned(*requests)
-    except GeometryError as error:
-        if not error.key.startswith("motion["):
-            raise
-        return None
+    """The plan; None if it is refused, with the key of a segment and what would work."""
+    plan, refusal = None, None
+    with spending() as spent:
+        try:
+            plan = planned(*requests)
+        except GeometryError as error:
+            refusal = error
+    assert spent.seconds < SECONDS
+    if refusal is not None:
+        assert refusal.key.startswith("motion[")
+        assert re.search(WORDS, refusal.message)
+    return plan
 
 
 def accepted(requests: Sequence[Request]) -> MotionPlan:
@@ -347,3 +363,92 @@ def test_a_part_of_a_law_is_as_long_as_cam_angles_can_tell(law: str, at_end: boo
             planned(*asked)
         assert caught.value.key == "motion[2].law"
         assert "of its 120," in caught.value.message
+
+
+# Values at joints, and between them ------------------------------------------------------------
+
+ANY = Wishes(
+    counts=(1, 2, 3, 4, 5, 6, 8, 12, 25, 50),
+    sizes=(1e-9, 1e-3, 1.0, 10.0, 10.0, 10.0, 1e3, 1e6),
+    stated=0.03,
+    data=0.08,
+)
+
+
+def beside(wish: list[Request], joint: int) -> tuple[Request, Request]:
+    """The requests that meet at a joint."""
+    moving = [request for request in wish if request.span > 0]
+    return moving[joint - 1], moving[joint]
+
+
+def least_order(before: Request, after: Request) -> int:
+    """The derivative up to which two requests meet, whatever is left open.
+
+    A straight line meets a rest with a shock. The acceleration may jump next to a law in which it
+    does from rest to rest, and between two laws that both decide their turns, because all is stated
+    or because they have no choice.
+    """
+    laws = [request.law for request in (before, after) if isinstance(request, MoveRequest)]
+    if "straight-line" in laws:
+        return 0
+    if any(law in FAMILIES and jerks(law) for law in laws) or (decides(before) and decides(after)):
+        return 1
+    return 2
+
+
+def jerks(law: str) -> bool:
+    """Whether a law from rest to rest has accelerations at its ends, or jumps of it inside."""
+    if "R-R" not in FAMILIES[law].tasks:
+        return False
+    own = make_law(law, "R-R")
+    return own.start.acceleration != 0.0 or bool(acceleration_jumps(own))
+
+
+def decides(request: Request) -> bool:
+    """Whether the turns of a move follow from its law, so that not both can be chosen."""
+    if not isinstance(request, MoveRequest) or request.law in (AUTO, *POLYNOMIALS):
+        return False
+    return request.law in ("double-harmonic", "simple-sine") or bool(request.shaped_by)
+
+
+@given(ANY.drawn())
+@settings(attack, max_examples=examples(16, long=2000))
+def test_any_plan(wish: list[Request]) -> None:
+    """One test of all invariants, because planning takes longer than examining the plan."""
+    plan = accepted(wish)
+    for number, joint in enumerate(joints(plan)):
+        before, after = beside(wish, number)
+        assert joint.order >= least_order(before, after)
+        for order, name in enumerate(("velocity", "acceleration", "jerk"), start=1):
+            stated = getattr(before, name, None)
+            if stated is not None:
+                assert_met(plan, joint, order, stated, math.radians(float(before.span)))
+    assert_between_ends(plan)
+
+
+def assert_met(plan: MotionPlan, joint: Joint, order: int, stated: float, length: float) -> None:
+    """What is stated is met within rounding.
+
+    That is the rounding of some ten operations on values as large as those of
+    the segment, and of its length, the difference of two rounded cam angles.
+    """
+    end = joint.cam_angle or 2.0 * math.pi
+    inside = plan.jet(end - length * np.linspace(0.05, 0.95, 10))[order]
+    found = float(plan.jet(np.array([end]), "left")[order, 0])
+    size = max(float(np.max(np.abs(inside))), abs(stated))
+    assert abs(found - stated) <= (1e-12 + order * 2.0 * math.ulp(end) / length) * size
+
+
+def assert_between_ends(plan: MotionPlan) -> None:
+    """A law whose velocity does not change its sign stays between its ends."""
+    position = 0.0
+    for segment, start, end in plan.stretches:
+        if isinstance(segment, Move) and segment.scale is None:
+            low, high = sorted((position, segment.to))
+            if characteristic(segment.law).least_velocity.value >= 0.0:
+                lift = plan.jet(np.linspace(start, end, 43)[1:-1])[0]
+                rounding = 1e-15 * (abs(low) + abs(high))
+                assert np.min(lift) >= low - rounding
+                assert np.max(lift) <= high + rounding
+        if not isinstance(segment, Dwell):
+            position = segment.to
