@@ -15,7 +15,7 @@ from camgeo.geometry.pieces import Extremes, curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.numeric.arrays import FloatArray
-from tests.stability import cams, loops
+from tests.stability import cams
 from tests.stability.cam_case import CamSpec
 from tests.stability.exact_cam import CamJet
 from tests.stability.measure import Case
@@ -63,7 +63,7 @@ has a kink there, and the place is a root of one component of Z'."""
 
 def cases() -> tuple[Case, ...]:
     """All cases of this module."""
-    specs = {spec.name: spec for spec in (*cams.specs(), *loops.specs())}
+    specs = {spec.name: spec for spec in (*cams.specs(), *cams.linked_specs())}
     found: list[Case] = []
     for name in CAMS:
         curve = specs[name].curve

@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
-from tests.stability import cams, extremes, faces, laws, loops, outlines, slotted_levers, tables
+from tests.stability import cams, extremes, faces, laws, outlines, slotted_levers, tables
 from tests.stability.cam_case import CAMS, LINKAGES, CamSpec, cases_of
 from tests.stability.measure import Case, Reading, measure
 
@@ -16,7 +16,7 @@ GROUPS: Final[Mapping[str, Callable[[], tuple[Case, ...]]]] = {
     tables.GROUP: tables.cases,
     CAMS: lambda: _of_each(cams.specs(), cases_of),
     faces.GROUP: lambda: _of_each(faces.specs(), faces.cases_of),
-    LINKAGES: lambda: _of_each(loops.specs(), cases_of),
+    LINKAGES: lambda: _of_each(cams.linked_specs(), cases_of),
     slotted_levers.GROUP: slotted_levers.cases,
     extremes.GROUP: extremes.cases,
     outlines.GROUP: outlines.cases,
