@@ -169,7 +169,7 @@ def test_several_ranges_are_each_by_itself() -> None:
 
 @given(middle=st.floats(-9.0, 9.0), reach=st.floats(1e-6, 0.5))
 def test_ranges_of_cosines_and_sines_are_close(middle: float, reach: float) -> None:
-    """Too wide by no more than the third order of the reach."""
+    """Too wide by no more than the second order of the reach."""
     angles = about(np.array([middle]), np.array([reach]))
     dense = middle + reach * np.linspace(-1.0, 1.0, 201)
     for found, values in ((angles.cosine, np.cos(dense)), (angles.sine, np.sin(dense))):
