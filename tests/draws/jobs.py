@@ -16,7 +16,7 @@ import re
 import sys
 import tempfile
 from argparse import Namespace
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
@@ -25,13 +25,18 @@ from unittest.mock import patch
 
 import numpy as np
 import shapely
+import tomlkit
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 import camgeo
 from camgeo.app.answers.check import check
 from camgeo.app.answers.lint import lint
 from camgeo.design.milled import MilledDisc
 from camgeo.errors import CamgeoError
+from camgeo.numeric.arrays import FloatArray
 from tests.draws.run import Case, parser_of, run_cases
+from tests.draws.walls import flank
 
 ALLOWED: Final = 0.02
 """[mm] by which cutter and part may overlap, or miss each other, without a word."""
@@ -50,6 +55,8 @@ SMALL: Final = 1.0
 
 Area = Any
 
+Table = dict[str, Any]
+
 
 def disc(diameter: float, x: float = 0.0, y: float = 0.0) -> Area:
     """A circle's area; nothing of no diameter."""
@@ -60,154 +67,46 @@ def disc(diameter: float, x: float = 0.0, y: float = 0.0) -> Area:
 
 
 @dataclass(frozen=True)
-class Clamp:
-    """A screw (a circle) or a clamp (a square) of `size`, set between two operations."""
-
-    place: tuple[float, float]
-    size: float
-    round: bool
-    since: str = ""
-    until: str = ""
-
-    @property
-    def area(self) -> Area:
-        half, (x, y) = 0.5 * self.size, self.place
-        if self.round:
-            return disc(self.size, x, y)
-        return shapely.box(x - half, y - half, x + half, y + half)
-
-    @property
-    def toml(self) -> str:
-        size = (
-            f"head_diameter = {self.size}"
-            if self.round
-            else f"length = {self.size}\nwidth = {self.size}"
-        )
-        when = "".join(
-            f'{key} = "{name}"\n'
-            for key, name in (("since", self.since), ("until", self.until))
-            if name
-        )
-        what = "screw" if self.round else "clamp"
-        return f"[[holding.{what}]]\nplace = {list(self.place)}\n{size}\nheight = 4\n{when}"
-
-
-@dataclass(frozen=True)
 class Job:
-    """What is drawn; lengths in mm."""
+    """A scene, and what one operation of its program does otherwise: by how much [mm] and in which
+    direction [rad], and which it is, as a share of their number.
+    """
 
-    rotation: int
-    base: float
-    roller: float
-    offset: float
-    stroke: float
-    spans: tuple[int, int, int, int]
-    thickness: float
-    bore: float
-    blank_bore: float
-    diameter: float
-    size: tuple[float, float]
-    centre: tuple[float, float]
-    top: float
-    bottom: float
-    kind: str
-    through: float
-    tabs: tuple[int, float, float]
-    skin: float
-    clamps: tuple[Clamp, ...]
-    tools: tuple[float, float]
-    operations: tuple[str, ...]
+    scene: Table
     change: str
     amount: tuple[float, float]
     victim: float
 
     @property
-    def outline(self) -> Area:
-        """The flank: the roller's centre path, seen from the cam, less the roller; moves are
-        cycloids, of which a return is a rise in the mirror.
-        """
-        rise, high, fall, _ = self.spans
-        degrees = np.arange(3600) / 10.0
-        ends = np.cumsum((0, rise, high, fall))
-        share = np.interp(degrees, ends, (0.0, 1.0, 1.0, 0.0))
-        lift = self.stroke * (share - np.sin(2.0 * np.pi * share) / (2.0 * np.pi))
-        places = self.offset + 1j * (math.sqrt(self.base**2 - self.offset**2) + lift)
-        places *= np.exp(-1j * self.rotation * np.radians(degrees))
-        ring = shapely.Polygon(np.column_stack((places.real, places.imag)))
-        return shapely.buffer(ring, -self.roller, quad_segs=64)
+    def thickness(self) -> float:
+        """Of the part [mm]."""
+        return float(self.scene["part"]["thickness"])
 
     @property
     def part(self) -> Area:
-        return self.outline - disc(self.bore)
+        outline = shapely.Polygon(flank(self.scene, -1, step=0.1))
+        return outline - disc(self.scene["part"].get("bore", 0.0))
 
     @property
     def blank(self) -> Area:
-        x, y = self.centre
-        wide, high = self.size
-        box = shapely.box(x - wide / 2, y - high / 2, x + wide / 2, y + high / 2)
-        return (disc(self.diameter, x, y) if self.diameter else box) - disc(self.blank_bore)
+        return covered(self.scene["stock"]) - disc(self.scene["stock"].get("bore", 0.0))
 
     @property
     def joined(self) -> float:
         """Z up to which waste may hang on the part."""
-        low = -self.thickness
-        heights = [-math.inf]
-        heights += [low] if self.bottom else []
-        heights += [low + self.tabs[2]] if self.kind == "tabs" else []
-        heights += [low + self.skin] if self.kind == "onion-skin" else []
-        return max(heights)
-
-    @property
-    def toml(self) -> str:
-        """The scene."""
-        kind = self.kind
-        rise, high, fall, low = self.spans
-        moves = (
-            f'[[motion]]\nlaw = "cycloidal"\nspan = {rise}\nto = {self.stroke}\n'
-            f"[[motion]]\ndwell = {high}\n"
-            f'[[motion]]\nlaw = "cycloidal"\nspan = {fall}\nto = 0\n[[motion]]\ndwell = {low}\n'
-        )
-        bore = f"bore = {self.bore}\n" if self.bore else ""
-        outline = (
-            f'shape = "round"\ndiameter = {self.diameter}\n'
-            if self.diameter
-            else f"length = {self.size[0]}\nwidth = {self.size[1]}\n"
-        )
-        there = f"bore = {self.blank_bore}\n" if self.blank_bore else ""
-        own = {
-            "tabs": f"count = {self.tabs[0]}\nwidth = {self.tabs[1]}\nheight = {self.tabs[2]}\n",
-            "onion-skin": f"thickness = {self.skin}\n",
-        }.get(kind, "")
-        through = "" if kind == "onion-skin" else f"through = {self.through}\n"
-        tools = "".join(
-            f"[[tool]]\nnumber = {number}\ndiameter = {diameter}\nspindle_speed = 3000\n"
-            f"feed = 500\nplunge_feed = 150\nstepdown = 3\nstepover = {0.4 * diameter:.2f}\n"
-            "ramp_angle = 6\n"
-            for number, diameter in enumerate(self.tools, start=1)
-        )
-        return (
-            'camgeo = 1\nname = "job"\n'
-            f'[cam]\nrotation = "{"ccw" if self.rotation > 0 else "cw"}"\n'
-            f'[follower]\nkind = "translating-roller"\nbase_radius = {self.base}\n'
-            f"roller_radius = {self.roller}\noffset = {self.offset}\n"
-            f"{moves}[part]\nthickness = {self.thickness}\n{bore}"
-            f"[stock]\n{outline}{there}centre = {list(self.centre)}\ntop = {self.top}\n"
-            f"bottom = {self.bottom}\n"
-            f'[holding]\nkind = "{kind}"\n{through}{own}'
-            f"{''.join(each.toml for each in self.clamps)}{tools}{''.join(self.operations)}"
-            '[output]\nformats = ["gcode"]\ntolerance = 0.005\nfit = "fast"\n'
-            '[output.gcode]\nmachine = "linuxcnc"\nclearance_height = 12\nretract_height = 6\n'
-        )
+        holding = self.scene["holding"]
+        high = holding.get("height", holding.get("thickness", 0.0))  # of tabs, or of a skin
+        return high - self.thickness if high or self.scene["stock"]["bottom"] else -math.inf
 
 
-def _operation(kind: str, tool: int, boundary: str = "", **own: object) -> str:
-    lines = [f'kind = "{kind}"', f"tool = {tool}"]
-    lines += [f'boundary = "{boundary}"'] if boundary else []
-    lines += [
-        f'{key} = "{value}"' if isinstance(value, str) else f"{key} = {value}"
-        for key, value in own.items()
-    ]
-    return "\n".join(("[[operation]]", *lines, ""))
+def covered(table: Table) -> Area:
+    """What a blank, a screw (a circle) or a clamp (a square) covers."""
+    x, y = table.get("centre", table.get("place"))
+    diameter = table.get("diameter", table.get("head_diameter"))
+    if diameter is not None:
+        return disc(diameter, x, y)
+    half, high = 0.5 * table["length"], 0.5 * table["width"]
+    return shapely.box(x - half, y - high, x + half, y + high)
 
 
 CHANGES: Final = ("", "", "lower", "higher", "aside", "aside", "left out")
@@ -215,64 +114,93 @@ CHANGES: Final = ("", "", "lower", "higher", "aside", "aside", "left out")
 
 def drawn(source: random.Random) -> Job:
     """A job, perhaps one that cannot be planned."""
-    base, roller = float(source.randint(26, 34)), float(source.randint(5, 9))
+    follower: Table = {
+        "kind": "translating-roller",
+        "base_radius": float(source.randint(26, 34)),
+        "roller_radius": float(source.randint(5, 9)),
+    }
     stroke = float(source.randint(3, 8))
     rise, fall = source.randint(100, 150), source.randint(100, 150)
     high = source.randint(5, 50)
-    thickness = source.choice((5.0, 6.0, 8.0))
-    reach = base + stroke - roller
+    part: Table = {"thickness": source.choice((5.0, 6.0, 8.0))}
+    reach = follower["base_radius"] + stroke - follower["roller_radius"]
     small = source.choice((6.0, 8.0))
-    tools = (source.choice((8.0, 10.0)), small)
+    diameters = (source.choice((8.0, 10.0)), small)
     bore = source.choice((0.0, 0.0, 16.0, 18.0))
-    blank_bore = bore if bore and source.random() < 0.5 else 0.0
+    there = bore if bore and source.random() < 0.5 else 0.0
+    part |= {"bore": bore} if bore else {}
     margin = source.choice((2.0, 6.0, 14.0, 24.0, 40.0))
     is_round = source.random() < 0.5
     wide = round(2.0 * (reach + margin), 1)
-    size = (wide, round(wide + source.choice((-6.0, 0.0, 20.0)), 1))
+    deep = round(wide + source.choice((-6.0, 0.0, 20.0)), 1)
     shift = min(margin - 1.0, 6.0)
-    centre = (round(source.uniform(-shift, shift), 1), round(source.uniform(-shift, shift), 1))
+    stock: Table = {
+        "centre": [round(source.uniform(-shift, shift), 1) for _ in range(2)],
+        **({"shape": "round", "diameter": wide} if is_round else {"length": wide, "width": deep}),
+        **({"bore": there} if there else {}),
+    }
     kind = source.choice(("screws", "screws", "clamps", "tabs", "onion-skin", "fixture"))
     stated = source.random() < 0.7
-    top = 0.0 if stated else source.choice((0.0, 0.0, 0.5))
-    clamps: list[Clamp] = []
+    stock["top"] = 0.0 if stated else source.choice((0.0, 0.0, 0.5))
+    holding: Table = {"kind": kind}
     if kind in ("screws", "clamps") or source.random() < 0.2:
-        clamps = list(_clamps(source, kind, bore, blank_bore, reach, margin, wide))
-    operations: list[str] = []
+        for what, table in _clamps(source, kind, bore, there, margin, wide):
+            holding.setdefault(what, []).append({**table, "height": 4})
+    operations: list[Table] = []
     if stated:
-        if bore > blank_bore:
+        if bore > there:
             operations += [
-                _operation("bore", 2, allowance=0.2),
-                _operation("finish", 2, "bore"),
+                {"kind": "bore", "tool": 2, "allowance": 0.2},
+                {"kind": "finish", "tool": 2, "boundary": "bore"},
             ]
         strategy = source.choice(("ramp", "ramp", "", "spiral"))
-        own = {"strategy": strategy} if strategy else {}
-        tool = source.choice((1, 2))
-        operations += [
-            _operation("rough", tool, "outline", allowance=0.3, **own),
-            _operation("finish", source.choice((tool, 2)), "outline"),
-        ]
+        rough = {"kind": "rough", "tool": source.choice((1, 2)), "boundary": "outline"}
+        rough |= {"allowance": 0.3, **({"strategy": strategy} if strategy else {})}
+        last = source.choice((rough["tool"], 2))
+        operations += [rough, {"kind": "finish", "tool": last, "boundary": "outline"}]
+    rotation = source.choice(("ccw", "cw"))
+    follower["offset"] = float(source.randint(-3, 3))
+    stock["bottom"] = 1.5 if kind == "fixture" and source.random() < 0.3 else 0.0
+    through = source.choice((0.2, 0.5))
+    tabs = {"count": (2, 3, 4), "width": (4.0, 6.0), "height": (1.0, 1.5)}
+    own = {key: source.choice(values) for key, values in tabs.items()}
+    holding |= {"thickness": 0.4} if kind == "onion-skin" else {"through": through}
+    holding |= own if kind == "tabs" else {}
+    tools = [
+        {
+            "number": number,
+            "diameter": diameter,
+            "spindle_speed": 3000,
+            "feed": 500,
+            "plunge_feed": 150,
+            "stepdown": 3,
+            "stepover": round(0.4 * diameter, 2),
+            "ramp_angle": 6,
+        }
+        for number, diameter in enumerate(diameters, start=1)
+    ]
+    motion = [
+        {"law": "cycloidal", "span": rise, "to": stroke},
+        {"dwell": high},
+        {"law": "cycloidal", "span": fall, "to": 0.0},
+        {"dwell": 360 - rise - high - fall},
+    ]
+    gcode = {"machine": "linuxcnc", "clearance_height": 12, "retract_height": 6}
+    scene: Table = {
+        "camgeo": 1,
+        "name": "job",
+        "cam": {"rotation": rotation},
+        "follower": follower,
+        "motion": motion,
+        "part": part,
+        "stock": stock,
+        "holding": holding,
+        "tool": tools,
+        **({"operation": operations} if operations else {}),
+        "output": {"formats": ["gcode"], "tolerance": 0.005, "fit": "fast", "gcode": gcode},
+    }
     return Job(
-        rotation=source.choice((1, -1)),
-        base=base,
-        roller=roller,
-        offset=float(source.randint(-3, 3)),
-        stroke=stroke,
-        spans=(rise, high, fall, 360 - rise - high - fall),
-        thickness=thickness,
-        bore=bore,
-        blank_bore=blank_bore,
-        diameter=wide if is_round else 0.0,
-        size=size,
-        centre=centre,
-        top=top,
-        bottom=1.5 if kind == "fixture" and source.random() < 0.3 else 0.0,
-        kind=kind,
-        through=source.choice((0.2, 0.5)),
-        tabs=(source.choice((2, 3, 4)), source.choice((4.0, 6.0)), source.choice((1.0, 1.5))),
-        skin=0.4,
-        clamps=tuple(clamps),
-        tools=tools,
-        operations=tuple(operations),
+        scene,
         change=source.choice(CHANGES),
         amount=(round(source.uniform(0.2, 1.5), 3), source.uniform(0.0, 2.0 * math.pi)),
         victim=source.random(),
@@ -280,40 +208,43 @@ def drawn(source: random.Random) -> Job:
 
 
 def _clamps(
-    source: random.Random, kind: str, bore: float, there: float, reach: float, margin: float,
-    wide: float,
-) -> Iterator[Clamp]:  # fmt: skip
-    """On the part, and perhaps on what is around it."""
+    source: random.Random, kind: str, bore: float, there: float, margin: float, wide: float
+) -> Iterator[tuple[str, Table]]:
+    """Screws and clamps on the part, and perhaps on what is around it."""
     milled = bore > there
     if not milled or kind in ("screws", "clamps"):
         since = "rough outline" if milled else source.choice(("", "", "rough outline"))
         size = max(14.0, there + 6.0, bore + 6.0 if milled else 0.0)
-        yield Clamp((0.0, 0.0), size, kind != "clamps", since=since)
+        yield _clamp(kind != "clamps", size, (0.0, 0.0), "since", since)
     if margin >= 14.0:
         along = 0.5 * wide - 3.5
         corners = [(along, 0.0), (-along, 0.0), (0.0, along), (0.0, -along)]
         for place in corners[: source.choice((0, 0, 1, 2, 4))]:
             until = source.choice(("", "", "", "outline"))
-            yield Clamp(place, 4.0, source.random() < 0.5, until=until)
+            yield _clamp(source.random() < 0.5, 4.0, place, "until", until)
+
+
+def _clamp(
+    is_screw: bool, size: float, place: tuple[float, float], key: str, operation: str
+) -> tuple[str, Table]:
+    """Set or removed before an operation, if one is named."""
+    sizes = {"head_diameter": size} if is_screw else {"length": size, "width": size}
+    when = {key: operation} if operation else {}
+    return "screw" if is_screw else "clamp", {"place": list(place), **sizes, **when}
 
 
 # The program -------------------------------------------------------------------------------------
 
 
 @dataclass
-class Move:
-    """A feed move: a polyline of (x, y, z), z linear along it."""
-
-    points: list[tuple[float, float, float]]
-
-
-@dataclass
 class Ran:
-    """What one operation does: its tool, and its feed moves."""
+    """What one operation does: its tool, and its feed moves, each as (n, 3) places [mm] evenly
+    along a line or an arc.
+    """
 
     name: str
     tool: int = 0
-    moves: list[Move] = field(default_factory=list)
+    moves: list[FloatArray] = field(default_factory=list)
 
 
 WORD: Final = re.compile(r"([A-Z])(-?\d+\.?\d*)")
@@ -340,47 +271,35 @@ def read(text: str) -> list[Ran]:
         if found:
             found[-1].tool = tool
             if mode == "G1":
-                found[-1].moves.append(Move([(at[0], at[1], at[2]), (end[0], end[1], end[2])]))
+                found[-1].moves.append(np.array([at, end]))
             elif mode in ("G2", "G3"):
-                centre = (at[0] + values.get("I", 0.0), at[1] + values.get("J", 0.0))
-                found[-1].moves.append(Move(list(_arc(at, end, centre, mode == "G3"))))
+                centre = complex(at[0] + values.get("I", 0.0), at[1] + values.get("J", 0.0))
+                found[-1].moves.append(_arc(at, end, centre, mode == "G3"))
         at = end
     return found
 
 
-def _arc(
-    start: Sequence[float], end: Sequence[float], centre: tuple[float, float], ccw: bool
-) -> Iterator[tuple[float, float, float]]:
-    first = math.atan2(start[1] - centre[1], start[0] - centre[0])
-    last = math.atan2(end[1] - centre[1], end[0] - centre[0])
-    sweep = (last - first) % (2.0 * math.pi) if ccw else -((first - last) % (2.0 * math.pi))
-    if abs(sweep) < 1e-9:
-        sweep = 2.0 * math.pi if ccw else -2.0 * math.pi
-    radius = math.hypot(start[0] - centre[0], start[1] - centre[1])
-    step = 2.0 * math.acos(max(0.0, 1.0 - CHORD / max(radius, CHORD)))
-    count = max(2, math.ceil(abs(sweep) / step))
-    for k in range(count + 1):
-        share = k / count
-        angle = first + share * sweep
-        yield (
-            centre[0] + radius * math.cos(angle),
-            centre[1] + radius * math.sin(angle),
-            start[2] + share * (end[2] - start[2]),
-        )
+def _arc(start: Sequence[float], end: Sequence[float], centre: complex, ccw: bool) -> FloatArray:
+    """Places on an arc, a whole turn if it ends where it begins."""
+    arm, sense = complex(*start[:2]) - centre, 1.0 if ccw else -1.0
+    turn = float(np.angle((complex(*end[:2]) - centre) / arm)) * sense % math.tau
+    turn = turn if turn > 1e-9 else math.tau
+    step = 2.0 * math.acos(max(0.0, 1.0 - CHORD / max(abs(arm), CHORD)))
+    shares = np.linspace(0.0, 1.0, max(2, math.ceil(turn / step)) + 1)
+    places = centre + arm * np.exp(1j * sense * turn * shares)
+    return np.column_stack((places.real, places.imag, start[2] + shares * (end[2] - start[2])))
 
 
-def changed(text: str, job: Job) -> tuple[str, str]:
-    """The program with one operation run otherwise; its name."""
+def changed(text: str, job: Job) -> str:
+    """The program with one operation run otherwise."""
     blocks = re.split(r"(?=^\(operation )", text, flags=re.MULTILINE)
     if not job.change or len(blocks) < 2:
-        return text, ""
+        return text
     number = 1 + int(job.victim * (len(blocks) - 1))
-    name = blocks[number].partition("\n")[0][len("(operation ") : -1]
     if job.change == "left out":
         moves = r"^(?:G[0123] |[XYZ]).*\n"
-        kept = re.sub(moves, "", blocks[number], flags=re.MULTILINE)
-        blocks[number] = kept
-        return "".join(blocks), name
+        blocks[number] = re.sub(moves, "", blocks[number], flags=re.MULTILINE)
+        return "".join(blocks)
     far, angle = job.amount
     by = {
         "lower": {"Z": -far},
@@ -398,40 +317,30 @@ def changed(text: str, job: Job) -> tuple[str, str]:
             line if line.startswith("(") or rapid else re.sub(r"([XYZ])(-?\d+\.?\d*)", word, line)
         )
     blocks[number] = "".join(lines)
-    return "".join(blocks), name
+    return "".join(blocks)
 
 
 # The sweep ---------------------------------------------------------------------------------------
 
 
-def swept(moves: Sequence[Move], z: float, radius: float) -> Area:
+def swept(moves: Sequence[FloatArray], z: float, radius: float) -> Area:
     """What the cutter passes over with its tip below `z`."""
-    chains: list[list[tuple[float, float]]] = []
-    for move in moves:
-        chain: list[tuple[float, float]] = []
-        for (x0, y0, z0), (x1, y1, z1) in pairwise(move.points):
-            if z0 >= z and z1 >= z:
-                if chain:
-                    chains.append(chain)
-                chain = []
-                continue
-            from_share, to_share = 0.0, 1.0
-            if z0 > z:
-                from_share = (z0 - z) / (z0 - z1)
-            elif z1 > z:
-                to_share = (z - z0) / (z1 - z0)
-            if not chain:
-                chain = [(x0 + from_share * (x1 - x0), y0 + from_share * (y1 - y0))]
-            chain.append((x0 + to_share * (x1 - x0), y0 + to_share * (y1 - y0)))
-        if chain:
-            chains.append(chain)
+    ways = [_below(move, z) for move in moves if np.min(move[:, 2]) < z]
     lines = [
-        shapely.LineString(chain) if len(set(chain)) > 1 else shapely.Point(chain[0])
-        for chain in chains
+        shapely.LineString(way) if np.any(way != way[0]) else shapely.Point(way[0]) for way in ways
     ]
-    return (
-        shapely.union_all(shapely.buffer(lines, radius, quad_segs=48)) if lines else shapely.Point()
-    )
+    return shapely.union_all(shapely.buffer(lines, radius, quad_segs=48))
+
+
+def _below(move: FloatArray, z: float) -> FloatArray:
+    """(m, 2) places of the part of a move where the tip is below `z`."""
+    high, low = move[0, 2], move[-1, 2]
+    share = (z - high) / (low - high) if max(high, low) > z else 0.0
+    first, last = (share if high > z else 0.0), (share if low > z else 1.0)
+    shares = np.linspace(0.0, 1.0, len(move))
+    inner = shares[(shares > first) & (shares < last)]
+    at = np.concatenate(([first], inner, [last]))
+    return np.column_stack([np.interp(at, shares, move[:, axis]) for axis in (0, 1)])
 
 
 def polygons(area: Area) -> list[Area]:
@@ -463,31 +372,29 @@ class Told:
 
 def simulated(job: Job, runs: Sequence[Ran], names: Sequence[str]) -> Told:
     """Slab by slab; `names` are those of the operations that are planned."""
-    low = -job.thickness
-    heights = {low, 0.0, job.top, low - job.bottom}
+    low, whole, stock = -job.thickness, job.part, job.scene["stock"]
+    least, top = low - stock["bottom"], stock["top"]
+    heights = {low, 0.0, top, least}
     if math.isfinite(job.joined):
-        heights.add(job.joined)
         # The flanks of tabs slope, and hold at their feet what is farther off than their tops.
-        steps = math.ceil((job.joined - low) / FOOT)
-        heights |= {low + FOOT * k for k in range(1, steps)}
+        heights |= {job.joined, *np.arange(low + FOOT, job.joined - 1e-9, FOOT)}
     for run in runs:
         for move in run.moves:
-            (_, _, z0), (_, _, z1) = move.points[0], move.points[-1]
-            if z0 == z1 or move.points[0][:2] == move.points[-1][:2]:
-                heights |= {z1}
-    ordered = sorted(z for z in heights if low - job.bottom <= z <= job.top)
+            if move[0, 2] == move[-1, 2] or np.all(move[0, :2] == move[-1, :2]):
+                heights.add(move[-1, 2])
+    ordered = sorted(z for z in heights if least <= z <= top)
     edges = [ordered[0]]
     for z in ordered[1:]:
         if z - edges[-1] > 1e-4:
             edges.append(z)
     slabs = list(pairwise(edges))
     middles = [0.5 * (z0 + z1) for z0, z1 in slabs]
-    part = [job.part if low < z < 0.0 else shapely.Polygon() for z in middles]
-    material = [job.blank for _ in slabs]
+    part = [whole if low < z < 0.0 else shapely.Polygon() for z in middles]
+    material = [job.blank] * len(slabs)
     found = Told()
     gone: list[list[tuple[int, Area]]] = []
     for run in runs:
-        radius = 0.5 * job.tools[run.tool - 1]
+        radius = 0.5 * job.scene["tool"][run.tool - 1]["diameter"]
         areas = [swept(run.moves, z, radius) for z in middles]
         deepest = max(
             (
@@ -515,8 +422,8 @@ def simulated(job: Job, runs: Sequence[Ran], names: Sequence[str]) -> Told:
         default=0.0,
     )
     above = [left for z, left in zip(middles, material, strict=True) if z > 0.0]
-    if any(shapely.intersection(left, job.part).area > 1.0 for left in above):
-        found.rest = max(found.rest, job.top)
+    if any(shapely.intersection(left, whole).area > 1.0 for left in above):
+        found.rest = max(found.rest, top)
     return found
 
 
@@ -540,38 +447,44 @@ def _rest(left: Area, part: Area) -> float:
 def _pieces(material: Sequence[Area]) -> list[list[tuple[int, Area]]]:
     """Connected parts of slabs."""
     nodes = [(k, each) for k, area in enumerate(material) for each in polygons(area)]
-    group = list(range(len(nodes)))
-    for i, (k, one) in enumerate(nodes):
-        for j, (m, other) in enumerate(nodes):
-            joined = m == k + 1 and shapely.intersection(one, other).area > 1e-4
-            if joined and group[i] != group[j]:
-                old, new = group[j], group[i]
-                group = [new if each == old else each for each in group]
-    return [
-        [node for node, own in zip(nodes, group, strict=True) if own == number]
-        for number in sorted(set(group))
+    above = [
+        [m == k + 1 and shapely.intersection(one, other).area > 1e-4 for m, other in nodes]
+        for k, one in nodes
     ]
+    count, labels = connected_components(coo_array(np.array(above)), directed=False)
+    return [
+        [node for node, label in zip(nodes, labels, strict=True) if label == number]
+        for number in range(count)
+    ]
+
+
+ENDS: Final = {"since": 0, "until": 1000}
+"""Numbers of operations from which on, and up to which, a clamp is there that names none."""
 
 
 def _loose(
     job: Job, name: str, names: Sequence[str], material: Sequence[Area], part: Sequence[Area]
 ) -> Iterator[list[tuple[int, Area]]]:
     """Pieces that nothing holds after an operation."""
-    index = names.index(name)
-    there, clamped = [], job.kind not in ("screws", "clamps")
-    for clamp in job.clamps:
-        since = names.index(clamp.since) if clamp.since else 0
-        clamped |= since <= index
-        until = names.index(clamp.until) if clamp.until else len(names)
-        if since <= index < until:
-            there.append(clamp.area)
-    if job.kind == "fixture":
-        there.append(job.part)
+    index, holding = names.index(name), job.scene["holding"]
+    clamps = [*holding.get("screw", ()), *holding.get("clamp", ())]
+    times = [
+        tuple(names.index(each[key]) if key in each else end for key, end in ENDS.items())
+        for each in clamps
+    ]
+    kind = holding["kind"]
+    clamped = kind not in ("screws", "clamps") or any(since <= index for since, _ in times)
+    there = [
+        covered(each)
+        for each, (since, until) in zip(clamps, times, strict=True)
+        if since <= index < until
+    ]
+    there += [job.part] if kind == "fixture" else []
     found = _pieces(material)
     if not clamped and sum(not _is_thin(piece) for piece in found) == 1:
         return  # how the blank is held before is not stated
     held = [piece for piece in found if _touches(piece, there)]
-    if not there and job.kind in ("tabs", "onion-skin"):
+    if not there and kind in ("tabs", "onion-skin"):
         edge = job.blank - shapely.buffer(shapely.Polygon(job.blank.exterior), -1.0)
         held = [piece for piece in found if _touches(piece, [edge])]
         hanging = [
@@ -601,29 +514,28 @@ def _same(piece: Sequence[tuple[int, Area]], other: Sequence[tuple[int, Area]]) 
 
 # What camgeo tells -------------------------------------------------------------------------------
 
-VOLUME: Final = re.compile(r"([\d.]+(?:e[+-]\d+)?) mm\^3")
-DEEP: Final = re.compile(r"goes ([\d.e+-]+) mm into the part")
-THICK: Final = re.compile(r"up to ([\d.e+-]+) mm thick")
+NUMBERS: Final = {
+    "loose": re.compile(r"([\d.]+(?:e[+-]\d+)?) mm\^3"),
+    "gouge": re.compile(r"goes ([\d.e+-]+) mm into the part"),
+    "rest": re.compile(r"up to ([\d.e+-]+) mm thick"),
+}
 
 
-def said(sentences: Sequence[tuple[str, str, str]]) -> Told:
-    """Of rows of kind, operation and sentence."""
+def said(findings: Iterable[tuple[str, str]]) -> Told:
+    """Of kinds, and sentences that begin with the operation."""
     found = Told()
-    for kind, name, sentence in sentences:
+    for kind, sentence in findings:
+        name = sentence.partition(": ")[0]
+        match = NUMBERS[kind].search(sentence)
+        assert match is not None, sentence
+        value = float(match[1])
         if kind == "loose":
-            found.loose.setdefault(name, []).append(float(_number(VOLUME, sentence)))
+            found.loose.setdefault(name, []).append(value)
         elif kind == "gouge":
-            deep = float(_number(DEEP, sentence))
-            found.gouges[name] = max(found.gouges.get(name, 0.0), deep)
+            found.gouges[name] = max(found.gouges.get(name, 0.0), value)
         else:
-            found.rest = max(found.rest, float(_number(THICK, sentence)))
+            found.rest = max(found.rest, value)
     return found
-
-
-def _number(pattern: re.Pattern[str], sentence: str) -> str:
-    match = pattern.search(sentence)
-    assert match is not None, sentence
-    return match[1]
 
 
 RULES: Final = {"loose-piece": "loose", "gouged-part": "gouge", "rest": "rest"}
@@ -634,24 +546,19 @@ def linted(path: Path, scene: str) -> Told:
     """By `camgeo lint` of a program with the scene of a job."""
     (program,) = lint([path], "linuxcnc", design=camgeo.loads(scene)).programs
     assert program.found is not None, program.damage
-    rows = []
-    for each in program.findings:
-        if each.found.rule in RULES:
-            name, _, sentence = each.found.what.partition(": ")
-            rows.append((RULES[each.found.rule], name, sentence))
-    return said(rows)
+    found = (each.found for each in program.findings)
+    return said((RULES[each.rule], each.what) for each in found if each.rule in RULES)
 
 
 def checked(scene: str) -> Told:
     """By `camgeo check`, what is to be watched too."""
     found = check(camgeo.loads(scene)).machining
     assert found is not None
-    rows = []
-    for each in found.findings:
-        if each.name in FINDINGS and each.severity in ("warning", "broken"):
-            name, _, sentence = each.sentence.partition(": ")
-            rows.append((FINDINGS[each.name], name, sentence))
-    return said(rows)
+    return said(
+        (FINDINGS[each.name], each.sentence)
+        for each in found.findings
+        if each.name in FINDINGS and each.severity in ("warning", "broken")
+    )
 
 
 # Comparing ---------------------------------------------------------------------------------------
@@ -680,24 +587,25 @@ def differences(ours: Told, theirs: Told, door: str) -> Iterator[str]:
 
 def misses(job: Job) -> tuple[Told, list[str]] | None:
     """What a sweep finds of a job, and where camgeo differs; None if it plans no program."""
+    scene = tomlkit.dumps(job.scene)
     with tempfile.TemporaryDirectory() as folder:
         try:
             with patch.object(MilledDisc, "safe", lambda *_: ()):  # also one that must not be run
-                camgeo.loads(job.toml).write(folder, ["gcode"])
+                camgeo.loads(scene).write(folder, ["gcode"])
         except CamgeoError:
             return None
         path = Path(folder) / "job.ngc"
         plain = path.read_text()
-        names = [run.name for run in read(plain)]
-        text, _ = changed(plain, job)
+        text = changed(plain, job)
         path.write_text(text)
-        told = linted(path, job.toml)
+        told = linted(path, scene)
+    names = [run.name for run in read(plain)]
     ours = simulated(job, [run for run in read(text) if run.moves], names)
     # What a fixture must hold is to be watched, and no fault of the program.
-    unwatched = replace(ours, loose={}) if job.kind == "fixture" else ours
+    unwatched = replace(ours, loose={}) if job.scene["holding"]["kind"] == "fixture" else ours
     found = list(differences(unwatched, told, "lint"))
     if not job.change:
-        found += differences(ours, checked(job.toml), "check")
+        found += differences(ours, checked(scene), "check")
     return ours, found
 
 
@@ -711,8 +619,9 @@ def compared(asked: Namespace) -> Iterator[Case]:
             continue
         done += 1
         ours, found = result
+        kind, change = job.scene["holding"]["kind"], job.change or "as written"
         sizes = f"{sum(map(len, ours.loose.values()))} loose, {len(ours.gouges)} gouges"
-        what = f"{done} {job.kind}, {job.change or 'as written'}: {sizes}, rest {ours.rest:.3f} mm"
+        what = f"{done} {kind}, {change}: {sizes}, rest {ours.rest:.3f} mm"
         yield f"{what} {job}" if found else what, found
 
 

@@ -74,10 +74,12 @@ def drawn(source: random.Random) -> dict[str, Any]:
     }
 
 
-def flank(values: dict[str, Any], side: int) -> shapely.LinearRing:
-    """The parallel of the path of the roller's centre, outside it for 1, inside it for -1."""
+def flank(values: dict[str, Any], side: int, step: float = 0.01) -> shapely.LinearRing:
+    """The parallel of the path of the roller's centre, outside it for 1, inside it for -1, by
+    places `step` [degrees] apart.
+    """
     own = values["follower"]
-    phi = np.radians(np.arange(0.0, 360.0, 0.01))
+    phi = np.radians(np.arange(0.0, 360.0, step))
     s, ds, start, level = np.zeros(len(phi)), np.zeros(len(phi)), 0.0, 0.0
     for each in values["motion"]:
         span = math.radians(each.get("dwell", each.get("span")))
@@ -89,11 +91,11 @@ def flank(values: dict[str, Any], side: int) -> shapely.LinearRing:
         start, level = start + span, level + rise
     # The follower, upright at first, goes round the cam the other way than that turns.
     turned = -1.0 if values["cam"]["rotation"] == "ccw" else 1.0
-    radius = own["base_radius"] + s
-    ray = 1j * np.exp(1j * turned * phi)
-    tangent = ray * (ds + 1j * turned * radius)
+    offset, turn = own.get("offset", 0.0), np.exp(1j * turned * phi)
+    place = offset + 1j * (math.sqrt(own["base_radius"] ** 2 - offset**2) + s)
+    tangent = turn * (1j * ds + 1j * turned * place)
     normal = -1j * turned * tangent / np.abs(tangent)
-    points = radius * ray + side * own["roller_radius"] * normal
+    points = place * turn + side * own["roller_radius"] * normal
     return shapely.LinearRing(np.column_stack((points.real, points.imag)))
 
 
