@@ -198,7 +198,7 @@ class MilledDisc(Pickled):
         found, first = zero_of(self.gcode, stock, self.part, turned), self.first
         if first is not None and first.spec is not None and found.name != AXIS:
             from camgeo.milling.bench import Bench
-            from camgeo.milling.guard import is_cut_free
+            from camgeo.milling.planned import is_cut_free
 
             if is_cut_free(Bench(first.part, first.spec), first.sequence.cuts):
                 message = "there is no corner: the first side cuts the part out of the blank"

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Final, Self
 
+import shapely
+
 from camgeo.errors import GeometryError
 from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.milling.cut import largest_diameter, tightest
+from camgeo.milling.cut import Tightest, tightest
 from camgeo.milling.milling import MillingSpec
+from camgeo.milling.stages import Area, grown, polygon
 from camgeo.milling.tool import COMPUTED, CONTROL, END_MILL, Tool, ToolError
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary, Part, Wall
@@ -22,7 +26,8 @@ BORE: Final = "bore"
 """Name of the boundary about the cam axis."""
 
 COARSE: Final = 0.01
-"""Tolerance [mm] of contours between which it is asked what lies over what."""
+"""Tolerance [mm] of contours that are compared: what lies over what, and clamps, against which it
+counts; around the disc more is cleared than that."""
 
 BESIDE: Final = 0.1
 """Width [mm] of the strip beside a wall that must be free for tools to reach it."""
@@ -215,25 +220,30 @@ class Bench:
         return lambda tool: self.too_large(tool, wall.boundary) or self.too_short(tool, bottom, top)
 
 
+def largest_diameter(place: Tightest) -> float:
+    """Of a cutter that fits, in steps of a hundredth of a millimetre [mm]."""
+    return math.floor(200.0 * place.radius) / 100.0
+
+
 def is_open(part: Part, wall: Wall) -> bool:
     """Whether tools from above reach the wall: no higher layer lies over where they run."""
     over = [layer for layer in part.layers if layer.z0 >= wall.z1]
     if not over:
         return True
-    import shapely  # few parts have layers over a wall
-
-    from camgeo.milling.stages import grown, polygon
-
-    inside = polygon([wall.boundary.arcs(COARSE, "fast").contour], COARSE)
+    inside = coarse(wall.boundary)
     hole = wall.boundary.hole
     beside = grown(inside, BESIDE)
     beside = inside.difference(grown(inside, -BESIDE)) if hole else beside.difference(inside)
     for layer in over:
-        contours = [each.arcs(COARSE, "fast").contour for each in layer.boundaries]
-        shared = shapely.intersection(beside, polygon(contours, COARSE)).area
+        shared = shapely.intersection(beside, coarse(*layer.boundaries)).area
         if shared > 2.0 * COARSE * inside.length:
             return False
     return True
+
+
+def coarse(*boundaries: Boundary) -> Area:
+    """What boundaries enclose, within `COARSE`."""
+    return polygon([each.arcs(COARSE, "fast").contour for each in boundaries], COARSE)
 
 
 def letters_of(bench: Bench, text: str) -> tuple[Wall, ...]:

@@ -18,8 +18,7 @@ from camgeo.geometry.contour.contour import least_distance
 from camgeo.geometry.contour.spline import Arc
 from camgeo.milling.cut import ContourCut, Cut
 from camgeo.milling.machine import Compensation
-from camgeo.milling.machining_time import arc_sweep
-from camgeo.milling.moves import ArcFeed, Feed, Move, Operation, Point, Stop
+from camgeo.milling.moves import ArcFeed, Feed, Move, Operation, Point, Stop, arc_sweep
 from camgeo.milling.tool import COMPUTED, CONTROL
 from camgeo.milling.track import Track
 

@@ -10,9 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgeo.geometry.contour.contour import Contour, Pieces
-from camgeo.milling.machining_time import arc_sweeps
-from camgeo.milling.moves import ArcFeed, Feed, Move, Point, Rapid, Stop
+from camgeo.geometry.contour.contour import Pieces
+from camgeo.milling.moves import ArcFeed, Move, Point, Rapid, Stop, arc_sweeps
 from camgeo.numeric.arrays import FloatArray, IntArray, frozen, taken
 
 
@@ -82,13 +81,6 @@ def below(course: Course, z: float) -> Course:
     return Course(found.starts, found.ends, found.sweeps, found.centres, low, high, found.moves)
 
 
-def level(contour: Contour, z: float) -> Course:
-    """Around a closed contour at one height [mm], as a single move."""
-    flat = Pieces.around([contour])
-    heights, moves = np.full(len(flat), z), np.zeros(len(flat), dtype=np.intp)
-    return Course(flat.starts, flat.ends, flat.sweeps, flat.centres, heights, heights, moves)
-
-
 def course_of(moves: Iterable[Move | Stop], at: Point | None = None) -> Course:
     """The course of the feed moves; traverses cut nothing and are left out.
 
@@ -121,34 +113,6 @@ def course_of(moves: Iterable[Move | Stop], at: Point | None = None) -> Course:
     whole = Course(flat[:, 0], flat[:, 1], sweeps, centres, z[:, 0], z[:, 1], numbers)
     index, first, last = whole.halves()
     return whole if len(index) == len(whole) else taken(whole, index).part(first, last)
-
-
-def unlifted(moves: Iterable[Move | Stop]) -> list[Move]:
-    """The moves without halts, and with the pecks of a drill as one: without traverses straight up
-    from a cut and down again no deeper, after which it goes straight on.
-    """
-    found: list[Move] = []
-    lifts: list[Rapid] = []
-    for move in moves:
-        if isinstance(move, Stop):
-            continue
-        last = found[-1] if found else None
-        if last is not None and not isinstance(last, Rapid) and move.end[:2] == last.end[:2]:
-            if isinstance(move, Rapid) and move.end[2] >= last.end[2]:
-                lifts.append(move)
-                continue
-            if isinstance(move, Feed) and move.end[2] < last.end[2]:
-                lifts = []
-                if len(found) > 1 and _falls(found[-2].end, last.end):
-                    found.pop()
-        found += lifts
-        lifts = []
-        found.append(move)
-    return [*found, *lifts]
-
-
-def _falls(start: Point, end: Point) -> bool:
-    return start[:2] == end[:2] and start[2] > end[2]
 
 
 def alike(course: Course) -> IntArray:

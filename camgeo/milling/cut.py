@@ -412,13 +412,3 @@ def _of_stretch(stretch: Stretch, *, hole: bool) -> Tightest | None:
         return None
     distance = curve.distance if hole else -curve.distance
     return Tightest(float(1.0 / bend[worst] + distance), float(phi[worst]) % TURN)
-
-
-def core(bore: float, diameter: float) -> float:
-    """Diameter [mm] of what one round of a cutter of `diameter` inside `bore` [mm] leaves; or 0."""
-    return max(0.0, bore - 2.0 * diameter)
-
-
-def largest_diameter(place: Tightest) -> float:
-    """Of a cutter that fits, in steps of a hundredth of a millimetre [mm]."""
-    return math.floor(200.0 * place.radius) / 100.0

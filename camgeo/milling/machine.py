@@ -18,10 +18,18 @@ from typing import Annotated, Any, Final, get_args, get_origin, get_type_hints
 from jsonschema_rs import Draft202012Validator, ValidationError
 
 from camgeo.errors import Fault, FileError, GeometryError, SceneError, meant, unreadable
-from camgeo.milling.look_ahead import Dynamics
 from camgeo.milling.milling import LONGEST_SPIN_UP
-from camgeo.milling.tool import COMPUTED, CONTROL, WEAR
-from camgeo.numeric.checked import check_fields, instance, instances, number, one_of, shown, whole
+from camgeo.milling.tool import COMPUTED, CONTROL, WEAR, FeedRate
+from camgeo.numeric.checked import (
+    check_fields,
+    instance,
+    instances,
+    number,
+    one_of,
+    positive,
+    shown,
+    whole,
+)
 from camgeo.reading import MACHINE, check_toml, read_within
 from camgeo.record import allowed, schema_beside
 from camgeo.units import MM_PER, LengthUnit
@@ -130,7 +138,44 @@ WorkOffsets = Annotated[Mapping[str, str], offsets]
 
 
 # -- machine options ------------------------------------------------------------------------------
-# Tables of a machine profile that a controller may lack: compensation and smoothing.
+# Tables of a machine profile that a controller may lack: dynamics, compensation, smoothing.
+
+
+MOST_BLOCKS: Final = 10_000
+"""No controller plans as many ahead."""
+
+
+@dataclass(frozen=True, slots=True)
+class Dynamics:
+    """How a machine moves, and how far its controller looks ahead.
+
+    Attributes
+    ----------
+    acceleration : of each axis [mm/s^2]; a move along a diagonal has more. On an arc it is also the
+        largest centripetal acceleration.
+    rapid_feed : of each axis in traverses [mm/min]; no cut is faster.
+    look_ahead : number of blocks that are planned beyond the one that is run; 1 for a controller of
+        which nothing is known.
+    junction_deviation : [mm] by which the speed in corners is limited where the path is not
+        smoothed: that of an arc which passes the corner at this distance. 0 for a stop there.
+    velocity_jump : [mm/s] by which the velocity may change at once in a corner.
+    block_time : shortest time of a block [s], which a controller needs to read or to run it.
+
+    Raises
+    ------
+    GeometryError
+        With the key in `dynamics`, if a value is invalid.
+    """
+
+    acceleration: Annotated[float, partial(positive, unit="mm/s^2")]
+    rapid_feed: FeedRate
+    look_ahead: Annotated[int, partial(whole, least=1, most=MOST_BLOCKS)] = 1
+    junction_deviation: Annotated[float, partial(number, least=0.0, unit="mm")] = 0.0
+    velocity_jump: Annotated[float, partial(number, least=0.0, unit="mm/s")] = 0.0
+    block_time: Annotated[float, partial(number, least=0.0, unit="s")] = 0.0
+
+    def __post_init__(self) -> None:
+        check_fields(self, "dynamics.")
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,7 @@ from camgeo.geometry.outline.envelope import Envelope
 from camgeo.geometry.outline.path import Path
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.milling.areas import MOST_TURNS
-from camgeo.milling.bench import SAME, Bench, as_wide, bore_of, flank_curve, is_open
+from camgeo.milling.bench import COARSE, SAME, Bench, as_wide, bore_of, flank_curve, is_open
 from camgeo.milling.cut import (
     MOST_SLACK,
     AreaCut,
@@ -36,15 +36,6 @@ from camgeo.part.boundaries import CurveBoundary, ExactBoundary, largest_radius
 from camgeo.part.nozzle import unreached
 from camgeo.part.part import Boundary, Wall
 from camgeo.part.spec import text_of
-
-LOOPS: Final = 0.5
-LARGEST_LOOPS: Final = 0.9
-"""Radius of the loops of a trochoidal slot, as a share of that within which the cutter is flat:
-usually, and at most, so that no core is left in them.
-"""
-
-COARSE_CONTOUR: Final = 0.01
-"""Tolerance [mm] of the contour of the disc, around which more is cleared than that."""
 
 BESIDE: Final = 1.25
 """Diameters of the widest cutter that are cleared beside the disc: a slot, and an allowance."""
@@ -101,40 +92,12 @@ def clear_around(bench: Bench, wall: Wall, tool: Tool, top: float, allowance: fl
     name, bottom = f"rough {wall.boundary.name}", bench.bottom(wall)
     strategy, walls = "rough", [wall.boundary]
     if bench.milling.stock.outline is None:
-        disc = bench.part.outermost.arcs(COARSE_CONTOUR, "fast")
+        disc = bench.part.outermost.arcs(COARSE, "fast")
         widest = max(each.diameter for each in bench.milling.tools if each.kind == END_MILL)
         radius = largest_radius(disc.contour) + disc.deviation + BESIDE * widest
         edge = ExactBoundary("edge of what is cleared", hole=True, exact=Contour.circle(radius))
         strategy, walls = "moat", [wall.boundary, edge]
     return clear_area(bench, name, strategy, tool, top, bottom, tuple(walls), allowance)
-
-
-def loops_along(
-    bench: Bench, wall: Wall, other: Wall | None, tool: Tool, top: float, allowance: float
-) -> AreaCut:
-    """Along a wall by loops, in a slot wider than the cutter by `LOOPS`.
-
-    `other` is the flank across a groove: the slot is as wide as that, less both allowances, if
-    loops make it at once.
-    """
-    boundary, bottom = wall.boundary, bench.bottom(wall)
-    flat = tool.radius - tool.corner_radius
-    slot, walls = 2.0 * (tool.radius + LOOPS * flat), [boundary]
-    if other is not None:
-        groove = 2.0 * (abs(flank_curve(wall).distance) - allowance)
-        if groove <= 2.0 * (tool.radius + LARGEST_LOOPS * flat):
-            slot, walls = groove, [boundary, other.boundary]
-    return AreaCut(
-        name=f"rough {boundary.name}",
-        strategy="trochoid",
-        tool=tool,
-        top=top,
-        depths=depths_of(tool, top, bottom),
-        allowance=allowance,
-        walls=tuple(walls),
-        stepover=stepover_of(tool),
-        slot=slot,
-    )
 
 
 def finish_along(
@@ -212,11 +175,6 @@ def clear_area(
         cleared=(stock.hole,) if has_hole else (),
         stepover=stepover_of(tool),
     )
-
-
-def drill_at(name: str, tool: Tool, top: float, bottom: float, place: complex) -> PointCut:
-    """Straight down, in pecks of the tool's stepdown if it states one."""
-    return drill_all(name, tool, top, bottom, {"bore": place})
 
 
 def drill_all(

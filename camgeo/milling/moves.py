@@ -5,12 +5,16 @@ Millimetres, mm/min, Z = 0 on the upper face of the part, Z up. Positions are of
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, Final, Self
+
+import numpy as np
 
 from camgeo.errors import FileError, GeometryError
 from camgeo.milling.cut import Cut
 from camgeo.milling.tool import Tool
+from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
 from camgeo.numeric.checked import LARGEST, finite, hold, instance, number, one_of, positive, shown
 from camgeo.reading import PROGRAM_LINES
 
@@ -228,3 +232,23 @@ def centre_feed(feed: float, radius: float, tool_radius: float, *, inside: bool)
     radius : of the centre's arc [mm], above 0.
     """
     return feed * radius / (radius + tool_radius) if inside else feed
+
+
+def arc_sweep(start: complex, end: complex, *, ccw: bool) -> float:
+    """Signed angle [rad] from arm `start` to arm `end`, at most half a turn in that direction.
+
+    An angle slightly below 0 is a rounded 0; one slightly beyond half a turn is not taken for a
+    turn in the other direction.
+    """
+    turn = phase(end / start) * (1.0 if ccw else -1.0)
+    if turn < -0.5 * math.pi:
+        turn += 2.0 * math.pi
+    turn = max(turn, 0.0)
+    return turn if ccw else -turn
+
+
+def arc_sweeps(starts: ComplexArray, ends: ComplexArray, turns: FloatArray) -> FloatArray:
+    """(n,) as `arc_sweep`, of arms (n,) and their directions (n,): 1 counter-clockwise, else -1."""
+    found = np.angle(ends / starts) * turns
+    found = np.where(found < -0.5 * np.pi, found + 2.0 * np.pi, found)
+    return turns * np.maximum(found, 0.0)

@@ -20,9 +20,18 @@ from camgeo.milling.course import Course, course_of
 from camgeo.milling.cut import AreaCut, Cut
 from camgeo.milling.judged import PART_FINENESS, runs_of, setup_of
 from camgeo.milling.machine import ArcLimits
-from camgeo.milling.machining_time import arc_sweep
 from camgeo.milling.milling import MillingSpec
-from camgeo.milling.moves import ArcFeed, Heights, Move, Operation, Point, Stop, Toolpath, too_long
+from camgeo.milling.moves import (
+    ArcFeed,
+    Heights,
+    Move,
+    Operation,
+    Point,
+    Stop,
+    Toolpath,
+    arc_sweep,
+    too_long,
+)
 from camgeo.milling.strategies import STRATEGIES
 from camgeo.milling.tool import END_MILL, ToolError
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, frozen, taken

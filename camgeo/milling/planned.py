@@ -1,4 +1,4 @@
-"""The sequence of cuts for a scene that states none.
+"""The sequence of cuts for a scene that states none, and how work is held in any sequence.
 
 First what is cut while the blank is whole and stiff: its face, hub, bore and holes, the groove;
 then what cuts the part free. Each wall is roughed in passes, and finished at full depth with a
@@ -7,23 +7,34 @@ round more.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
+import shapely
 
 from camgeo.check.finding import Finding
 from camgeo.errors import GeometryError
-from camgeo.milling.bench import BORE, Bench, as_wide, bore_of, flank_curve, is_open, letters_of
-from camgeo.milling.cut import AreaCut, Cut, core
-from camgeo.milling.guard import guarded, require_room, require_size, told_of_holding
-from camgeo.milling.judged import left_out
+from camgeo.milling.bench import (
+    BORE,
+    COARSE,
+    SAME,
+    Bench,
+    as_wide,
+    bore_of,
+    coarse,
+    flank_curve,
+    is_open,
+    letters_of,
+)
+from camgeo.milling.cut import AreaCut, ContourCut, Cut
+from camgeo.milling.holding import CLAMPS, FIXTURE, SCREWS, Clamp, Obstacle
+from camgeo.milling.judged import LOOSE_CORE, left_out
 from camgeo.milling.making import (
     clear_area,
     clear_around,
     drill_all,
-    drill_at,
     engraved,
     finish_along,
     no_engraver,
@@ -33,8 +44,9 @@ from camgeo.milling.making import (
 )
 from camgeo.milling.milling import MillingSpec
 from camgeo.milling.moves import Heights
+from camgeo.milling.stages import Area
 from camgeo.milling.stated import stated_cuts
-from camgeo.milling.tool import COMPUTED, DRILL, Tool
+from camgeo.milling.tool import COMPUTED, DRILL, Tool, ToolError
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import Part, Wall
 from camgeo.part.spec import text_of
@@ -111,7 +123,7 @@ def _holes(bench: Bench, walls: Collection[str]) -> Iterator[Step]:
             yield engraved(bench, (wall,), tool, wall.z1)
             continue
         text = f"{boundary.name}: left out, no flat end mill of {width:g} mm fits it"
-        yield told(f"{boundary.name}-left-out", text)
+        yield Finding(f"{boundary.name}-left-out", "ok", text)
     for (radius, top), holes in through.items():
         bottom = bench.bottom(bench.walls[next(iter(holes))])
         names = ", ".join(holes)
@@ -120,7 +132,7 @@ def _holes(bench: Bench, walls: Collection[str]) -> Iterator[Step]:
             yield drill_all(f"drill {names}", drill, top, bottom, holes)
             continue
         text = f"left out, no drill of {2.0 * radius:g} mm reaches through"
-        yield told("holes-left-out", f"{names}: {text}")
+        yield Finding("holes-left-out", "ok", f"{names}: {text}")
 
 
 def _texts(bench: Bench, walls: Collection[str]) -> Iterator[Step]:
@@ -137,7 +149,7 @@ def _texts(bench: Bench, walls: Collection[str]) -> Iterator[Step]:
             yield engraved(bench, letters, tool, letters[0].z1)
             continue
         why = "; ".join(f"tool {each.number}: {reason}" for each, reason in reasons.items())
-        yield told(f"{text.replace(' ', '-')}-left-out", f"{text}: left out, {why}")
+        yield Finding(f"{text.replace(' ', '-')}-left-out", "ok", f"{text}: left out, {why}")
 
 
 def _bore(bench: Bench, wall: Wall) -> Iterator[Step]:
@@ -145,17 +157,18 @@ def _bore(bench: Bench, wall: Wall) -> Iterator[Step]:
     bore, stock = bore_of(wall), bench.milling.stock
     if not bore.is_round:
         text = "bore: left out, it is not round; it is to be cut otherwise"
-        yield told("bore-left-out", text)
+        yield Finding("bore-left-out", "ok", text)
         return
     diameter, there = 2.0 * bore.round_radius, stock.bore or 0.0
     keyway = "the keyway is left to be broached" if bore.core is not None else ""
     if there == diameter:
         text = f"bore: the blank has it, {diameter:g} mm; it is not milled"
-        yield told("bore-left-out", f"{text}; {keyway}" if keyway else text)
+        yield Finding("bore-left-out", "ok", f"{text}; {keyway}" if keyway else text)
         return
     drill = next((each for each in bench.milling.tools if _drills(each, diameter)), None)
     if drill is not None and not bench.too_short(drill, bench.bottom(wall)):
-        yield drill_at("bore", drill, 0.0, bench.bottom(wall), complex(bore.exact.centres[0]))
+        middle = complex(bore.exact.centres[0])
+        yield drill_all("bore", drill, 0.0, bench.bottom(wall), {"bore": middle})
         return
     tool = bench.choose("bore", bench.unfit(wall))
     allowance = bench.allowance(tool, wall)
@@ -166,6 +179,11 @@ def _bore(bench: Bench, wall: Wall) -> Iterator[Step]:
     else:
         yield rough_around(bench, wall, tool, 0.0, allowance)
     yield finish_along(bench, wall, tool, 0.0, room, rest=allowance, note=keyway)
+
+
+def core(bore: float, diameter: float) -> float:
+    """Diameter [mm] of what one round of a cutter of `diameter` inside `bore` [mm] leaves; or 0."""
+    return max(0.0, bore - 2.0 * diameter)
 
 
 def _drills(tool: Tool, diameter: float) -> bool:
@@ -221,7 +239,7 @@ def _rim(bench: Bench, wall: Wall) -> Iterator[Step]:
     same = stock.diameter is not None and stock.diameter == diameter and not stock.centre
     if stock.outline is None or same:
         text = f"rim: it is that of the blank, {diameter:g} mm in diameter, and not milled"
-        yield told("rim-left-out", text)
+        yield Finding("rim-left-out", "ok", text)
         return
     yield from _around(bench, wall)
 
@@ -239,9 +257,262 @@ def _around(bench: Bench, wall: Wall) -> Iterator[Step]:
     yield finish_along(bench, wall, tool, wall.z1, room, rest=allowance)
 
 
-def told(name: str, sentence: str) -> Finding:
-    """Something worth knowing of the sequence."""
-    return Finding(name, "ok", sentence)
+# -- holding --------------------------------------------------------------------------------------
+# How the blank is held while it is cut: clamps that come and go, tabs, and what drops loose.
+
+
+LARGEST: Final = 1e5
+"""Distance from the cam axis to which work may reach, and radius of a tool [mm]: a hundred metres,
+beyond any machine. On it chords within the fineness of a simulation, 1e-3 mm, are some 20,000 a
+turn, so that verdicts never rest on coarser ones."""
+
+
+def guarded(bench: Bench, cuts: list[Cut], heights: Heights) -> list[Cut]:
+    """The cuts with the clamps to be cleared, the stops at which they move, and tabs.
+
+    Raises
+    ------
+    GeometryError
+        With the key of the scene, if a clamp stands where something is cut, traverses do not
+        clear it or the blank, or nothing holds what is cut free.
+    """
+    holding = bench.milling.holding
+    _clears_the_blank(bench, heights)
+    if holding is None:
+        freed = [each for each in cuts if _is_through(bench, each)]
+        if freed:
+            message = f"is missing: {freed[0].name} goes through, and what it cuts free drops"
+            raise GeometryError(message, "holding")
+        return list(cuts)
+    names = [cut.name for cut in cuts]
+    for clamp in holding.clamps:
+        for key in ("since", "until"):
+            name = getattr(clamp, key)
+            if name and name not in names:
+                known = ", ".join(f'"{each}"' for each in names)
+                message = f"there is no such operation; there are {known}"
+                raise GeometryError(message, f"holding.{clamp.what}.{key}", f'"{name}"')
+        if clamp.height >= heights.clearance:
+            raise GeometryError(
+                f"must be above the {clamp.obstacle.name}, {clamp.height:g} mm high",
+                "output.gcode.clearance_height", f"{heights.clearance:g}",
+            )  # fmt: skip
+    found = []
+    for k, cut in enumerate(cuts):
+        there = [each for each in holding.clamps if _is_there(each, k, names)]
+        stops = [cut.stop, *_moved(holding.clamps, cut.name)]
+        made = replace(
+            cut,
+            obstacles=tuple(each.obstacle for each in there),
+            stop="; ".join(text for text in stops if text),
+        )
+        for obstacle in made.obstacles:
+            _clears(made, obstacle)
+        if isinstance(made, AreaCut | ContourCut) and _frees(bench, made):
+            if holding.kind in (CLAMPS, SCREWS):
+                _holds(bench, made, there)
+            if holding.tabs is not None and isinstance(made, ContourCut):
+                # Above the lower face; the cut may end below it.
+                height = holding.tabs.height + bench.lower_face - made.bottom
+                made = replace(made, tabs=replace(holding.tabs, height=height))
+        found.append(made)
+    return found
+
+
+def require_room(bench: Bench) -> None:
+    """That the blank contains the part, and the part what is left of it to hold it.
+
+    Raises
+    ------
+    GeometryError
+        With the key of the scene.
+    """
+    milling, layers = bench.milling, bench.part.layers
+    holding, thickness = milling.holding, layers[-1].z1 - layers[0].z0
+    heights = {} if holding is None else {"thickness": holding.skin}
+    if holding is not None and holding.tabs is not None:
+        heights["height"] = holding.tabs.height
+    for key, height in heights.items():
+        if height is not None and height >= thickness:
+            message = f"must be less than the thickness of the part, {thickness:g} mm"
+            raise GeometryError(message, f"holding.{key}", f"{height:g}")
+    if (bore := milling.stock.bore) is not None:
+        around = [each for each in bench.part.boundaries if each.hole and each.nearest() > 0.0]
+        what = "the bore of the part" if around else "the width of the part"
+        free = 2.0 * min(each.nearest() for each in around or [bench.part.outermost])
+        if bore > free * (1.0 + SAME):
+            message = f"must be at most {what}, {free:g} mm"
+            raise GeometryError(message, "stock.bore", f"{bore:g}")
+    if milling.stock.outline is None:
+        return
+    blank = coarse(milling.stock.outline)
+    for boundary in bench.part.boundaries:
+        if not boundary.hole:
+            corners = shapely.points(shapely.get_coordinates(coarse(boundary)))
+            lacking = float(max(shapely.distance(corners, blank)))
+            if lacking > 2.0 * COARSE:
+                raise GeometryError(
+                    f"the blank is too small: {lacking:.3g} mm are missing at one side of the part",
+                    "stock",
+                )
+
+
+def require_size(bench: Bench) -> None:
+    """That nothing is larger than what programs are made and simulated for.
+
+    Raises
+    ------
+    GeometryError
+        With the key of the scene.
+    """
+    milling = bench.milling
+    for tool in milling.tools:
+        for field, wide in (
+            ("diameter", tool.diameter),
+            ("shank_diameter", tool.shank_diameter or 0.0),
+        ):
+            if wide > 2.0 * LARGEST:
+                message = f"must be at most {2.0 * LARGEST:g} mm for a milling program"
+                raise ToolError(message, tool, field)
+    around = [each for each in bench.part.boundaries if not each.hole]
+    blank = milling.stock.outline
+    for what, key, boundaries in (
+        ("part", "output.gcode", around),
+        ("blank", "stock", [] if blank is None else [blank]),
+    ):
+        reach = max((each.farthest()[0] for each in boundaries), default=0.0)
+        if reach > LARGEST:
+            raise GeometryError(
+                f"the {what} reaches {reach:.3g} mm from the cam axis; milling programs are made"
+                f" and simulated for up to {LARGEST:g} mm",
+                key,
+            )
+
+
+def told_of_holding(bench: Bench, cuts: Iterable[Cut]) -> Iterator[Finding]:
+    """What the holding leaves to be done, or to be watched."""
+    holding = bench.milling.holding
+    if holding is None:
+        return
+    freed = [cut for cut in cuts if _frees(bench, cut)]
+    for cut in freed:
+        wall = bench.walls.get(cut.right) if isinstance(cut, ContourCut) else None
+        if wall is None or cut.allowance:
+            continue
+        flank = isinstance(wall.boundary, CurveBoundary)
+        if holding.tabs is not None and flank:
+            yield Finding(
+                "tabs-on-a-flank", "warning",
+                f"{cut.name}: {holding.tabs.count} tabs of {holding.tabs.width:g} mm, up to"
+                f" {holding.tabs.height:g} mm above the lower face, stand on a flank of the cam and"
+                " are to be dressed to its shape",
+            )  # fmt: skip
+        if wall.boundary.hole and holding.kind == FIXTURE:
+            yield Finding(
+                LOOSE_CORE, "warning",
+                f"{cut.name}: the core inside it is cut free in one piece; the fixture must hold it"
+                " as well as the part",
+            )  # fmt: skip
+    if holding.skin is not None and freed:
+        text = f"a skin of {holding.skin:g} mm is left below the part, to be removed by hand"
+        yield Finding("onion-skin", "warning", text)
+
+
+def is_cut_free(bench: Bench, cuts: Iterable[Cut]) -> bool:
+    """Whether nothing of the blank hangs on the part when these cuts are done."""
+    holding = bench.milling.holding
+    through = 0.0 if holding is None else holding.through
+    hangs = holding is not None and (holding.tabs is not None or holding.skin is not None)
+    below = bench.milling.stock.bottom > through
+    return not (hangs or below) and any(_frees(bench, cut) for cut in cuts)
+
+
+def _clears_the_blank(bench: Bench, heights: Heights) -> None:
+    top = bench.milling.stock.top
+    for key, height in (("clearance", heights.clearance), ("retract", heights.retract)):
+        if height <= top:
+            message = f"must be above the blank, {top:g} mm"
+            raise GeometryError(message, f"output.gcode.{key}_height", f"{height:g}")
+
+
+def _is_through(bench: Bench, cut: Cut) -> bool:
+    """Whether it reaches the lower face of the part, or the skin on it."""
+    holding = bench.milling.holding
+    skin = 0.0 if holding is None else holding.skin or 0.0
+    return cut.bottom <= bench.lower_face + skin
+
+
+def _frees(bench: Bench, cut: Cut) -> bool:
+    """Whether it cuts part and waste apart; what it clears away inside a bore is chips."""
+    if not _is_through(bench, cut):
+        return False
+    if isinstance(cut, AreaCut):
+        return any(not wall.hole for wall in cut.walls)
+    return isinstance(cut, ContourCut) and cut.right != "bore"
+
+
+def _is_there(clamp: Clamp, index: int, names: list[str]) -> bool:
+    """Whether a clamp is set during the operation number `index`."""
+    since = names.index(clamp.since) if clamp.since else 0
+    until = names.index(clamp.until) if clamp.until else len(names)
+    return since <= index < until if since < until else index >= since or index < until
+
+
+def _moved(clamps: tuple[Clamp, ...], name: str) -> Iterator[str]:
+    """What the operator does before the operation `name`: sets first, then takes away."""
+    for clamp in clamps:
+        if clamp.since == name:
+            yield f"set the {clamp.obstacle.name}"
+    for clamp in clamps:
+        if clamp.until == name:
+            yield f"take away the {clamp.obstacle.name}"
+
+
+def _clears(cut: Cut, obstacle: Obstacle) -> None:
+    """GeometryError with key "holding", if the cutter runs into the obstacle."""
+    body = coarse(obstacle.outline)
+    touches = False
+    if isinstance(cut, ContourCut):
+        ring = shapely.boundary(coarse(cut.centre))
+        touches = float(shapely.distance(ring, body)) <= cut.tool.radius + 2.0 * COARSE
+    elif isinstance(cut, AreaCut):
+        area = _area(cut)
+        touches = area is not None and bool(shapely.intersects(area, body))
+    if touches:
+        raise GeometryError(
+            f"{cut.name} with tool {cut.tool.number} runs into the {obstacle.name}; move it, or"
+            " take it away before",
+            "holding",
+        )
+
+
+def _area(cut: AreaCut) -> Area | None:
+    """The material that an area cut removes, as a polygon."""
+    area = None if cut.stock is None else coarse(cut.stock)
+    for wall in cut.walls:
+        inside = coarse(wall)
+        if wall.hole:
+            area = inside if area is None else area.intersection(inside)
+        elif area is not None:
+            area = area.difference(inside)
+    return area
+
+
+def _holds(bench: Bench, cut: AreaCut | ContourCut, there: Iterable[Clamp]) -> None:
+    """GeometryError with key "holding", if no clamp or screw that is set stands on the part."""
+    walls = cut.walls if isinstance(cut, AreaCut) else (bench.walls[cut.right].boundary,)
+    part = [coarse(wall) for wall in walls]
+    for clamp in there:
+        foot = coarse(clamp.obstacle.outline)
+        inside = all(
+            shapely.intersects(each, foot) != wall.hole
+            for each, wall in zip(part, walls, strict=True)
+        )
+        if inside:
+            return
+    raise GeometryError(
+        f"{cut.name} cuts the part free while nothing that is set stands on it", "holding"
+    )
 
 
 # -- sequence -------------------------------------------------------------------------------------
@@ -310,7 +581,9 @@ def sequence_of(
                 " leaves no wall that is open on the lower face; state its operations"
             )
             raise GeometryError(message, "second_side")
-        findings.insert(0, told(SEQUENCE, f"planned: {_listed(cuts)}"))
+        listed = ", ".join(f"{cut.name} (tool {cut.tool.number})" for cut in cuts)
+        listed = listed or "nothing to mill"
+        findings.insert(0, Finding(SEQUENCE, "ok", f"planned: {listed}"))
     if milling.turned:  # the machine runs the mirror image, see `camgeo.milling.holding`
         cuts = [replace(cut, climb=not cut.climb) for cut in cuts]
     cuts = guarded(bench, cuts, heights)
@@ -322,7 +595,3 @@ def sequence_of(
         )
         findings.append(Finding("earlier-keys", "warning", sentence))
     return Sequence(tuple(cuts), tuple(findings))
-
-
-def _listed(cuts: list[Cut]) -> str:
-    return ", ".join(f"{cut.name} (tool {cut.tool.number})" for cut in cuts) or "nothing to mill"

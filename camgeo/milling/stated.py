@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Final
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import least_distance
-from camgeo.milling.bench import SAME, Bench, as_wide, bore_of, flank_curve, letters_of
+from camgeo.milling.bench import COARSE, SAME, Bench, as_wide, bore_of, flank_curve, letters_of
 from camgeo.milling.cut import (
     AreaCut,
     ContourCut,
@@ -22,11 +23,11 @@ from camgeo.milling.making import (
     drill_all,
     engraved,
     finish_along,
-    loops_along,
     no_engraver,
     rough_around,
     rough_outside,
     slot_between,
+    stepover_of,
 )
 from camgeo.milling.milling import (
     BORE,
@@ -47,11 +48,14 @@ from camgeo.milling.tool import CHAMFER_MILL, COMPUTED, DRILL, END_MILL, Tool
 from camgeo.milling.track import Track
 from camgeo.part.part import Boundary, Wall
 
+LOOPS: Final = 0.5
+LARGEST_LOOPS: Final = 0.9
+"""Radius of the loops of a trochoidal slot, as a share of that within which the cutter is flat:
+usually, and at most, so that no core is left in them.
+"""
+
 BELOW = 0.1
 """How far the point of a chamfer mill runs beside the wall, as a share of the chamfer's size."""
-
-COARSE = 0.01
-"""Tolerance [mm] of the contours between which distances are taken; it counts against them."""
 
 HOLE_NAME, MARK_NAME = "bore", "mark"
 """What is drilled and engraved if the scene names nothing else."""
@@ -92,6 +96,34 @@ def stated_cuts(bench: Bench) -> list[Cut]:
 
 def _names(walls: tuple[Boundary, ...]) -> list[str]:
     return [wall.name for wall in walls]
+
+
+def loops_along(
+    bench: Bench, wall: Wall, other: Wall | None, tool: Tool, top: float, allowance: float
+) -> AreaCut:
+    """Along a wall by loops, in a slot wider than the cutter by `LOOPS`.
+
+    `other` is the flank across a groove: the slot is as wide as that, less both allowances, if
+    loops make it at once.
+    """
+    boundary, bottom = wall.boundary, bench.bottom(wall)
+    flat = tool.radius - tool.corner_radius
+    slot, walls = 2.0 * (tool.radius + LOOPS * flat), [boundary]
+    if other is not None:
+        groove = 2.0 * (abs(flank_curve(wall).distance) - allowance)
+        if groove <= 2.0 * (tool.radius + LARGEST_LOOPS * flat):
+            slot, walls = groove, [boundary, other.boundary]
+    return AreaCut(
+        name=f"rough {boundary.name}",
+        strategy="trochoid",
+        tool=tool,
+        top=top,
+        depths=depths_of(tool, top, bottom),
+        allowance=allowance,
+        walls=tuple(walls),
+        stepover=stepover_of(tool),
+        slot=slot,
+    )
 
 
 class _Stated:

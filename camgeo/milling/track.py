@@ -294,20 +294,6 @@ def flattest(contour: Contour) -> Iterator[int]:
     yield from (int(k) for k in order[:MOST_PLACES])
 
 
-def farthest_along_x(contour: Contour) -> float:
-    """Distance [mm] along the contour from its first vertex to its point with the largest x.
-
-    Parallels have these points on one normal.
-    """
-    arms = contour.vertices - contour.centres
-    turned = np.mod(-np.angle(arms) * np.where(contour.sweeps < 0.0, -1.0, 1.0), 2.0 * np.pi)
-    round_there = (contour.sweeps != 0.0) & (turned < np.abs(contour.sweeps))
-    most = np.where(round_there, contour.centres.real + contour.radii, contour.vertices.real)
-    index = int(np.argmax(most))
-    before = float(np.sum(contour.lengths[:index]))
-    return before + (float(turned[index] * contour.radii[index]) if round_there[index] else 0.0)
-
-
 def begun(contour: Contour, distance: float) -> Contour:
     """The same contour, starting `distance` [mm] along it from its first vertex."""
     stops = np.cumsum(contour.lengths)

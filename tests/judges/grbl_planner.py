@@ -17,9 +17,8 @@ from typing import Final
 import numpy as np
 
 from camgeo.design.design import Design
-from camgeo.milling.look_ahead import SECONDS, Blocks, Dynamics, block_times
-from camgeo.milling.machine import load
-from camgeo.milling.machining_time import blocks_of
+from camgeo.milling.machine import Dynamics, load
+from camgeo.milling.machining_time import SECONDS, Blocks, block_times, blocks_of
 from camgeo.milling.moves import Point
 from camgeo.numeric.arrays import FloatArray
 from tests.judges.programs_of_others import Program, Refusal

@@ -13,13 +13,13 @@ import numpy as np
 
 from camgeo.design.design import Design
 from camgeo.design.milled import MilledDisc, job
-from camgeo.milling.blank import box, described
 from camgeo.milling.compensation import limits_of, programmed
 from camgeo.milling.cut import AreaCut, ContourCut, Cut, LetterCut, LineCut, PointCut
 from camgeo.milling.judged import PART_FINENESS, runs_of, setup_of
 from camgeo.milling.machine import load
-from camgeo.milling.machining_time import arc_sweep, times_on
-from camgeo.milling.moves import ArcFeed, Move, Rapid, Stop, Toolpath
+from camgeo.milling.machining_time import times_on
+from camgeo.milling.moves import ArcFeed, Move, Rapid, Stop, Toolpath, arc_sweep
+from camgeo.milling.zero import box, described
 from camgeo.pictures.backplot import KINDS, plotted
 from camgeo.scene.scene import parse_scene
 from camgeo_export.verify.gcode import depths

@@ -7,9 +7,8 @@ from typing import Final
 import pytest
 
 from camgeo.geometry.contour.contour import Contour
-from camgeo.milling.blank import box, described
 from camgeo.milling.milling import Stock
-from camgeo.milling.zero import OF_THE_PART, Zero
+from camgeo.milling.zero import OF_THE_PART, Zero, box, described
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Layer, Part
 

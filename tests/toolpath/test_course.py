@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.milling.course import below, course_of, unlifted
+from camgeo.milling.course import below, course_of
 from camgeo.milling.moves import ArcFeed, Feed, Move, Rapid, Stop
+from camgeo.milling.simulation import unlifted
 
 FEED = 100.0
 

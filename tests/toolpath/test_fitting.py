@@ -15,7 +15,9 @@ from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import MotionPlan
-from camgeo.milling.cut import core, largest_diameter, tightest
+from camgeo.milling.bench import largest_diameter
+from camgeo.milling.cut import tightest
+from camgeo.milling.planned import core
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from tests.contour.cams import dwell, move
 from tests.toolpath.milled import sequence, tool

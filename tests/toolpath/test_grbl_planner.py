@@ -12,9 +12,8 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.milling.look_ahead import block_times
 from camgeo.milling.machine import load
-from camgeo.milling.machining_time import blocks_of
+from camgeo.milling.machining_time import block_times, blocks_of
 from camgeo.milling.moves import Feed, Move, Point, Rapid
 from camgeo.numeric.arrays import FloatArray
 from tests.judges.grbl_planner import FLOAT, MACHINE, PLANNER, planned, times_of

@@ -10,9 +10,9 @@ import pytest
 from camgeo.cam.cam import Contact
 from camgeo.geometry.contour.contour import POINTS
 from camgeo.milling.cut import ContourCut
-from camgeo.milling.guard import LARGEST
 from camgeo.milling.holding import Clamp, Holding, Tabs
 from camgeo.milling.milling import Stock
+from camgeo.milling.planned import LARGEST
 from camgeo.milling.simulation import FINENESS
 from tests.toolpath.milled import BORE, RIM, THICKNESS, named, sequence, tool
 

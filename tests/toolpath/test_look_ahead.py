@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.milling.look_ahead import SECONDS, Blocks, Dynamics, block_times
-from camgeo.milling.machining_time import blocks_of
+from camgeo.milling.machine import Dynamics
+from camgeo.milling.machining_time import SECONDS, Blocks, block_times, blocks_of
 from camgeo.milling.moves import Feed, Move
 from camgeo.numeric.arrays import FloatArray
 

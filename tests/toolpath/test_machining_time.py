@@ -11,9 +11,19 @@ from hypothesis import strategies as st
 
 from camgeo.geometry.contour.contour import Contour
 from camgeo.milling.cut import ContourCut
-from camgeo.milling.look_ahead import Dynamics
-from camgeo.milling.machining_time import arc_sweep, blocks_of, contour_time, toolpath_times
-from camgeo.milling.moves import ArcFeed, Feed, Heights, Move, Operation, Rapid, Stop, Toolpath
+from camgeo.milling.machine import Dynamics
+from camgeo.milling.machining_time import blocks_of, contour_time, toolpath_times
+from camgeo.milling.moves import (
+    ArcFeed,
+    Feed,
+    Heights,
+    Move,
+    Operation,
+    Rapid,
+    Stop,
+    Toolpath,
+    arc_sweep,
+)
 from camgeo.milling.tool import Tool
 from camgeo.part.boundaries import ExactBoundary
 

@@ -12,10 +12,10 @@ import pytest
 
 from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError
-from camgeo.milling.guard import LARGEST
 from camgeo.milling.holding import Clamp, Holding, Tabs
 from camgeo.milling.milling import Stock
 from camgeo.milling.moves import Heights
+from camgeo.milling.planned import LARGEST
 from camgeo.part.spec import Hub, PartSpec
 from tests.toolpath.milled import (
     BORE,

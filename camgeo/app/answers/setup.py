@@ -14,7 +14,6 @@ from camgeo.design.design import Design
 from camgeo.design.milled import compared
 from camgeo.design.product import Product, programs_of, sides_of
 from camgeo.errors import GeometryError
-from camgeo.milling.blank import described
 from camgeo.milling.compensation import limits_of
 from camgeo.milling.features import Feature
 from camgeo.milling.holding import CLAMPS, FIXTURE, HOW, ONION_SKIN, SCREWS, TABS, Clamp, Holding
@@ -25,7 +24,7 @@ from camgeo.milling.plan import Engaged
 from camgeo.milling.planned import SEQUENCE
 from camgeo.milling.stages import Flaw
 from camgeo.milling.tool import Tool
-from camgeo.milling.zero import Zero
+from camgeo.milling.zero import Zero, described
 from camgeo.scene.scene import Scene
 from camgeo.units import MM_PER, LengthUnit, clock, counted, in_unit
 

@@ -15,9 +15,9 @@ from camgeo.geometry.contour.contour import Contour, Effort
 from camgeo.milling.compensation import side_of
 from camgeo.milling.cut import ContourCut, Cut
 from camgeo.milling.moves import Heights, Move
-from camgeo.milling.strategies.walk import SAME, Walk, ramp_of
+from camgeo.milling.strategies.walk import RAMP, SAME, Walk
 from camgeo.milling.tool import CONTROL, ToolError
-from camgeo.milling.track import Beside, Track, begun, farthest_along_x, flattest, joined, started
+from camgeo.milling.track import Beside, Track, begun, flattest, joined, started
 
 MOST_ROUNDS = 1000
 """Of one descent along a path: more is a ramp far too flat for it."""
@@ -123,6 +123,11 @@ def slot(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[M
     return walk.moves
 
 
+def ramp_of(cut: Cut) -> float:
+    """Steepest descent of the cut's tool into material [rad]."""
+    return RAMP if cut.tool.ramp_angle is None else cut.tool.ramp_angle
+
+
 def descent(cut: Cut, top: float, bottom: float, length: float) -> list[float]:
     """Z [mm] at the end of each round of `length` [mm] from `top` to `bottom`, evenly.
 
@@ -161,6 +166,20 @@ def contour_cut(cut: Cut) -> ContourCut:
     if not isinstance(cut, ContourCut):
         raise TypeError(f"{cut.name}: the strategy {cut.strategy} runs along a path")
     return cut
+
+
+def farthest_along_x(contour: Contour) -> float:
+    """Distance [mm] along the contour from its first vertex to its point with the largest x.
+
+    Parallels have these points on one normal.
+    """
+    arms = contour.vertices - contour.centres
+    turned = np.mod(-np.angle(arms) * np.where(contour.sweeps < 0.0, -1.0, 1.0), 2.0 * np.pi)
+    round_there = (contour.sweeps != 0.0) & (turned < np.abs(contour.sweeps))
+    most = np.where(round_there, contour.centres.real + contour.radii, contour.vertices.real)
+    index = int(np.argmax(most))
+    before = float(np.sum(contour.lengths[:index]))
+    return before + (float(turned[index] * contour.radii[index]) if round_there[index] else 0.0)
 
 
 def fitted(cut: ContourCut, tolerance: float, effort: Effort) -> Contour:

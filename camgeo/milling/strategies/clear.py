@@ -18,16 +18,14 @@ from camgeo.milling.moves import Heights, Move
 from camgeo.milling.strategies.around import descend, descent
 from camgeo.milling.strategies.walk import (
     SAME,
+    SHORTEST_START,
     SPENT,
     Walk,
     along,
     coarse,
-    flattest_direction,
     limit_of,
-    off_joints,
     require_clear,
     spiral,
-    star_of,
 )
 from camgeo.milling.track import Beside, Track, begun, chained, flattest, lead_at, started
 from camgeo.numeric.arrays import phase
@@ -310,6 +308,42 @@ def spirals(cut: AreaCut, wall: Boundary, tolerance: float) -> bool:
     fine = coarse(cut, tolerance)
     edge = grown(cut.stock.arcs(fine, "fast").contour, cut.tool.radius)
     return Star.of(edge) is not None and Star.of(along(wall, cut, fine)) is not None
+
+
+def star_of(contour: Contour, what: str) -> Star:
+    """The contour seen from the cam axis.
+
+    Raises
+    ------
+    GeometryError
+        With key "toolpath", if rays from there meet it more than once.
+    """
+    star = Star.of(contour)
+    if star is None:
+        raise GeometryError(
+            f"the {what} cannot be cleared by a spiral: rays from the cam axis meet the cutter's"
+            " path more than once, or nearly along it",
+            key="toolpath",
+        )
+    return star
+
+
+def flattest_direction(path: Contour) -> float:
+    """The direction [rad] of the flattest place of a path."""
+    return phase(complex(started(path, next(flattest(path))).vertices[0]))
+
+
+def off_joints(path: Contour, star: Star, direction: float) -> float:
+    """The `direction` [rad] in which a round of the path begins, or that of a joint of its pieces
+    next to it: no piece of a round is shorter than `SHORTEST`.
+    """
+    place = star.along(direction)
+    joints = np.concatenate(([0.0], np.cumsum(path.lengths)))
+    nearest = int(np.argmin(np.abs(joints - place)))
+    if abs(joints[nearest] - place) >= SHORTEST_START:
+        return direction
+    turned = phase(complex(path.vertices[nearest % len(path)]) * np.exp(-1j * direction))
+    return direction + turned
 
 
 def _level(cut: AreaCut, morph: Morph, path: Contour, fine: float) -> Track:

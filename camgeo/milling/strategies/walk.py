@@ -14,8 +14,7 @@ from camgeo.geometry.contour.contour import Contour, least_distance
 from camgeo.milling.areas import Morph, Star, paced
 from camgeo.milling.cut import AreaCut, Cut, slack_of
 from camgeo.milling.moves import ArcFeed, Feed, Heights, Move, Rapid, centre_feed, too_long
-from camgeo.milling.track import Track, flattest, started
-from camgeo.numeric.arrays import phase
+from camgeo.milling.track import Track
 from camgeo.part.part import Boundary
 from camgeo.reading import PROGRAM_LINES
 
@@ -27,11 +26,6 @@ SHORTEST = 0.05
 
 SAME = 1e-9
 """Places and heights [mm] that differ by less are one."""
-
-
-def ramp_of(cut: Cut) -> float:
-    """Steepest descent of the cut's tool into material [rad]."""
-    return RAMP if cut.tool.ramp_angle is None else cut.tool.ramp_angle
 
 
 class Walk:
@@ -262,42 +256,6 @@ def require_clear(track: Track, wall: Boundary, cut: AreaCut, tolerance: float) 
     if apart < cut.tool.radius + cut.allowance - EQUAL:
         short = cut.tool.radius + cut.allowance - apart
         raise GeometryError(f"{cut.name} comes {short:.3g} mm too near to the wall", "toolpath")
-
-
-def star_of(contour: Contour, what: str) -> Star:
-    """The contour seen from the cam axis.
-
-    Raises
-    ------
-    GeometryError
-        With key "toolpath", if rays from there meet it more than once.
-    """
-    star = Star.of(contour)
-    if star is None:
-        raise GeometryError(
-            f"the {what} cannot be cleared by a spiral: rays from the cam axis meet the cutter's"
-            " path more than once, or nearly along it",
-            key="toolpath",
-        )
-    return star
-
-
-def flattest_direction(path: Contour) -> float:
-    """The direction [rad] of the flattest place of a path."""
-    return phase(complex(started(path, next(flattest(path))).vertices[0]))
-
-
-def off_joints(path: Contour, star: Star, direction: float) -> float:
-    """The `direction` [rad] in which a round of the path begins, or that of a joint of its pieces
-    next to it: no piece of a round is shorter than `SHORTEST`.
-    """
-    place = star.along(direction)
-    joints = np.concatenate(([0.0], np.cumsum(path.lengths)))
-    nearest = int(np.argmin(np.abs(joints - place)))
-    if abs(joints[nearest] - place) >= SHORTEST_START:
-        return direction
-    turned = phase(complex(path.vertices[nearest % len(path)]) * np.exp(-1j * direction))
-    return direction + turned
 
 
 def spiral(
