@@ -22,8 +22,7 @@ from camgeo.geometry.contour.contour import (
     winding_number,
 )
 from camgeo.geometry.contour.cubic_proof import approximating_arcs
-from camgeo.geometry.contour.exact import MAX_CHORDS, distance_between
-from camgeo.geometry.contour.hausdorff import ROUNDING
+from camgeo.geometry.contour.exact import MAX_CHORDS, ROUNDING, distance_between
 from camgeo.geometry.contour.legs import too_many
 from camgeo.geometry.contour.proof import ENOUGH
 from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour, SplineFit, elevated

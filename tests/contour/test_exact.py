@@ -14,15 +14,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError, ToleranceError
-from camgeo.geometry.contour import hausdorff
+from camgeo.geometry.contour import exact as exact_module
 from camgeo.geometry.contour.contour import Contour, Fit
 from camgeo.geometry.contour.exact import (
+    ROUNDING,
+    SHARPNESS,
     chords_of,
+    distance,
     distance_between,
     fewest_chords_of,
     matching_chords_of,
 )
-from camgeo.geometry.contour.hausdorff import ROUNDING, SHARPNESS, distance
 from camgeo.geometry.contour.parallel import corner_radius, corners, parallel, steps_to
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.part.assembly import bore_outline, flattened
@@ -280,7 +282,7 @@ def test_without_enough_halvings_it_is_still_a_bound(monkeypatch: pytest.MonkeyP
     exact = distance(circle, square)
     bounds = []
     for halvings in (1, 2, 4):
-        monkeypatch.setattr(hausdorff, "HALVINGS", halvings)
+        monkeypatch.setattr(exact_module, "ROUNDS", halvings)
         bounds.append(distance(circle, square))
     assert bounds == sorted(bounds, reverse=True)
     assert bounds[-1] >= exact * (1.0 - 2.0 * SHARPNESS)
@@ -296,17 +298,17 @@ def test_blocks_and_a_cap_change_no_more_than_the_sharpness(
     bound = distance(one, other)
     most = 0
 
-    def counted(points: ComplexArray, pieces: hausdorff._Pieces) -> FloatArray:
+    def counted(points: ComplexArray, pieces: exact_module._Pieces) -> FloatArray:
         nonlocal most
         most = max(most, len(points))
         return plain(points, pieces)
 
-    plain = hausdorff._distances
-    monkeypatch.setattr(hausdorff, "_distances", counted)
-    monkeypatch.setattr(hausdorff, "PAIRS", 4000)
+    plain = exact_module._distances
+    monkeypatch.setattr(exact_module, "_distances", counted)
+    monkeypatch.setattr(exact_module, "PAIRS", 4000)
     assert distance(one, other) == pytest.approx(bound, rel=SHARPNESS)
     assert most <= 4000
-    monkeypatch.setattr(hausdorff, "MOST", 1)
+    monkeypatch.setattr(exact_module, "MOST", 1)
     assert bound <= distance(one, other) * (1.0 + SHARPNESS) <= 2.0 * bound
 
 

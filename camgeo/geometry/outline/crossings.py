@@ -106,25 +106,8 @@ def find_crossings(curve: WorkingCurve, bends: Extremes | None = None) -> tuple[
     return tuple(sorted(found, key=lambda each: (each.first, each.second)))
 
 
-def crosses_itself(curve: WorkingCurve) -> bool:
-    """Whether the parallel `curve` has crossings with itself: the search ends with the first.
-
-    Raises
-    ------
-    GeometryError
-        If none was found before a question that cannot be decided.
-    """
-    envelope = envelope_of(curve)
-    nodes = find_nodes(envelope, backward_ranges(envelope), first_only=True)
-    return any(not node.touching for node in nodes)
-
-
-def find_nodes(
-    envelope: Envelope, backward: list[tuple[float, float]], *, first_only: bool = False
-) -> tuple[Node, ...]:
-    """All crossings and contacts of `envelope`, given the ranges in which it runs backwards; or if
-    `first_only` what is found up to the first crossing.
-    """
+def find_nodes(envelope: Envelope, backward: list[tuple[float, float]]) -> tuple[Node, ...]:
+    """All crossings and contacts of `envelope`, given the ranges in which it runs backwards."""
     ends = np.array([place for span in backward for place in span])
     division = divide(envelope, envelope.within(ends) if len(ends) else ends)
     tails: tuple[SwallowTail, ...] = ()
@@ -132,8 +115,7 @@ def find_nodes(
         tails = swallow_tails(division, backward)
     pairs = _apart(division, tails)
     nodes = [_node(tail.first, tail.second, tail.point) for tail in tails]
-    if not (first_only and nodes):
-        nodes += _decide(envelope, division.cells, pairs, first_only=first_only)
+    nodes += _decide(envelope, division.cells, pairs)
     return _distinct(nodes, envelope.total)
 
 
@@ -154,12 +136,8 @@ def _apart(division: Division, tails: tuple[SwallowTail, ...]) -> tuple[IntArray
     return first[both], second[both]
 
 
-def _decide(
-    envelope: Envelope, cells: Cells, pairs: tuple[IntArray, IntArray], *, first_only: bool
-) -> list[Node]:
-    """Halve until each pair is apart, crosses once, or is too small to be halved; or if
-    `first_only` until one crosses.
-    """
+def _decide(envelope: Envelope, cells: Cells, pairs: tuple[IntArray, IntArray]) -> list[Node]:
+    """Halve until each pair is apart, crosses once, or is too small to be halved."""
     found: list[Node] = []
     first, second = pairs
     for _ in range(HALVINGS):
@@ -175,8 +153,6 @@ def _decide(
             known, blurred, nodes = _newton(envelope, one.some(once), other.some(once))
             done[once], small[once] = known, blurred
             found += nodes
-            if first_only and nodes:
-                return found
         small |= ~done & _tiny(envelope, one) & _tiny(envelope, other)
         for k in np.flatnonzero(small):
             point = complex(one.middle[k])
