@@ -12,19 +12,19 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import (
     Contour,
+    PieceChain,
     Pieces,
     distances,
     least_distance,
     winding_number,
 )
-from camgeo.numeric.arrays import ComplexArray, FloatArray, frozen, taken
+from camgeo.numeric.arrays import ComplexArray, FloatArray, taken
 
 FLAT = 1e-9
 """An arc of a smaller sagitta [mm] is a line: far below what any program can state."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Track:
+class Track(PieceChain):
     """Lines and arcs, each beginning where the one before it ends.
 
     Attributes
@@ -34,17 +34,7 @@ class Track:
     centres : (n,) complex [mm], centre of each arc; 0 where the piece is a line.
     """
 
-    vertices: ComplexArray
-    sweeps: FloatArray
-    centres: ComplexArray
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "vertices", frozen(self.vertices, np.complex128))
-        object.__setattr__(self, "sweeps", frozen(self.sweeps, np.float64))
-        object.__setattr__(self, "centres", frozen(self.centres, np.complex128))
-
-    def __len__(self) -> int:
-        return len(self.sweeps)
+    __slots__ = ()
 
     @property
     def starts(self) -> ComplexArray:

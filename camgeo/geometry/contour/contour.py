@@ -21,7 +21,7 @@ from camgeo.numeric.arrays import (
     ComplexArray,
     FloatArray,
     IntArray,
-    frozen,
+    freeze_fields,
     grouped,
     taken,
 )
@@ -58,7 +58,23 @@ def lengths_of(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Contour:
+class PieceChain:
+    """Lines and circular arcs in the plane, each beginning where the one before it ends: closed as
+    a `Contour`, open as a `camgeo.milling.track.Track`.
+    """
+
+    vertices: ComplexArray
+    sweeps: FloatArray
+    centres: ComplexArray
+
+    def __post_init__(self) -> None:
+        freeze_fields(self, vertices=complex, sweeps=float, centres=complex)
+
+    def __len__(self) -> int:
+        return len(self.sweeps)
+
+
+class Contour(PieceChain):
     """Closed chain of lines and circular arcs in the plane.
 
     Attributes
@@ -69,17 +85,7 @@ class Contour:
     centres : (n,) complex [mm], centre of each arc; 0 where the piece is a line.
     """
 
-    vertices: ComplexArray
-    sweeps: FloatArray
-    centres: ComplexArray
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "vertices", frozen(self.vertices, np.complex128))
-        object.__setattr__(self, "sweeps", frozen(self.sweeps, np.float64))
-        object.__setattr__(self, "centres", frozen(self.centres, np.complex128))
-
-    def __len__(self) -> int:
-        return len(self.vertices)
+    __slots__ = ()
 
     @property
     def ends(self) -> ComplexArray:
@@ -307,9 +313,7 @@ class Pieces:
     centres: ComplexArray
 
     def __post_init__(self) -> None:
-        for name in ("starts", "ends", "centres"):
-            object.__setattr__(self, name, frozen(getattr(self, name), np.complex128))
-        object.__setattr__(self, "sweeps", frozen(self.sweeps, np.float64))
+        freeze_fields(self, starts=complex, ends=complex, sweeps=float, centres=complex)
 
     def __len__(self) -> int:
         return len(self.starts)

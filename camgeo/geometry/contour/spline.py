@@ -13,7 +13,7 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, is_straight
 from camgeo.geometry.outline.path import segment_areas
-from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, frozen, grouped
+from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, freeze_fields, grouped
 from camgeo.units import counted
 
 # -- bezier ---------------------------------------------------------------------------------------
@@ -174,8 +174,7 @@ class CubicSpline:
     controls: ComplexArray
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "knots", frozen(self.knots, np.float64))
-        object.__setattr__(self, "controls", frozen(self.controls, np.complex128))
+        freeze_fields(self, knots=float, controls=complex)
 
     @classmethod
     def of(cls, degree: int, knots: FloatArray, controls: ComplexArray) -> Self:

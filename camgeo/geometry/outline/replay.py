@@ -42,7 +42,7 @@ from camgeo.numeric.arrays import (
     Quantity,
     Side,
     ascending,
-    frozen,
+    freeze_fields,
 )
 from camgeo.numeric.extremes import (
     Extreme,
@@ -411,10 +411,9 @@ class Replay:
     demanded_acceleration: float
 
     def __post_init__(self) -> None:
-        for name in ("phi", "demanded", "actual"):
-            object.__setattr__(self, name, frozen(getattr(self, name), np.float64))
-        object.__setattr__(self, "element", frozen(self.element, np.intp))
-        object.__setattr__(self, "smooth", frozen(self.smooth, np.bool_))
+        freeze_fields(
+            self, phi=float, demanded=float, actual=float, element=np.intp, smooth=np.bool_
+        )
 
     @property
     def lost(self) -> FloatArray:
