@@ -267,8 +267,6 @@ def test_an_aim_out_of_reach_is_told_by_the_proof_before() -> None:
 
 
 EPS = 1e-3
-
-
 POINTS = 1000
 """Points a smooth piece for differences, steps h of some 0.1 mm: the rounding of a double at 50 mm,
 7e-15 mm, enters the fourth difference by 7e-15/h^4 = 1e-10/mm^3, a hundred thousandth of kappa^3;

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import ToleranceError
@@ -32,7 +32,6 @@ from camgeo.geometry.pieces import smooth_pieces
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
 from tests.contour.cams import FLANKS, TURN, dwell, flank, translating
-from tests.long_form import examples
 
 
 def _strands(name: tuple[str, int]) -> Strands:
@@ -129,16 +128,7 @@ def test_the_sum_of_squares_is_least(chains: list[list[float]], seed: int) -> No
         start = stop
 
 
-some = settings(
-    max_examples=examples(7, long=12),
-    deadline=None,
-    suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
-)
-
-
 SHARE = 1.01
-
-
 MANY = 100_000
 
 
