@@ -89,6 +89,9 @@ class CircleBoundary(ExactBoundary):
     def __init__(self, name: str, hole: bool, radius: float, centre: complex = 0j) -> None:
         super().__init__(name, hole, Contour.circle(radius, centre))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return CircleBoundary, (self.name, self.hole, self.radius, self.centre)
+
     @property
     def radius(self) -> float:
         return self.round_radius
@@ -334,6 +337,10 @@ class StubProduct(Product):
         return self.table()
 
     written = stated
+
+    @property
+    def value_table(self) -> Table:
+        return self.table()
 
     def table(self) -> Table:
         phi = np.linspace(0.0, 2.0 * math.pi, 73)

@@ -20,16 +20,22 @@ from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.ocv import import_project
 from camgeo.scene.scene import parse_scene
 from camgeo_export.asc import COLUMNS, POINTS, SECOND, WRITER, AscWriter
+from tests.inches import in_inches
 from tests.reference import THESIS_CAMS, pitch_curve_of, reference, thesis_params
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
 
 
+def imported(name: str) -> str:
+    """The scene of a project."""
+    data = (FIXTURES / "reference" / "ocv" / f"{name}.ocv").read_bytes()
+    return import_project(data, name)
+
+
 @cache
 def design(name: str) -> Product:
     """The cam of a project."""
-    data = (FIXTURES / "reference" / "ocv" / f"{name}.ocv").read_bytes()
-    return Design(parse_scene(import_project(data, name))).disc
+    return Design(parse_scene(imported(name))).disc
 
 
 def numbers(data: bytes) -> FloatArray:
@@ -104,20 +110,7 @@ def test_the_values_are_those_of_the_formulas(name: str) -> None:
 
 
 def test_another_unit_changes_nothing_but_roundings() -> None:
-    text = import_project(
-        (FIXTURES / "reference" / "ocv" / "vorschub.ocv").read_bytes(), "vorschub"
-    )
-    lines = []
-    for line in text.splitlines():
-        key, _, rest = line.partition(" = ")
-        value = rest.split("  #")[0]
-        if key in ("arm", "base_radius", "roller_radius", "crank", "coupler", "to"):
-            line = f"{key} = {float(value) / 25.4!r}"
-        elif key == "pivot":
-            x, y = (float(each) / 25.4 for each in value.strip("[]").split(","))
-            line = f"pivot = [{x!r}, {y!r}]"
-        lines.append(line)
-    inch = "\n".join(lines).replace("[cam]", '[units]\nlength = "inch"\n[cam]', 1)
+    inch = in_inches(parse_scene(imported("vorschub")))
     product = Design(parse_scene(inch)).disc
     for writer in (WRITER, SECOND):
         data = writer.write(product, 1.0).data
@@ -126,22 +119,23 @@ def test_another_unit_changes_nothing_but_roundings() -> None:
         assert abs(there - here).max() < 1e-10
 
 
+def moved(place: int, by: float) -> bytes:
+    """The file with a value of one row changed."""
+    data = WRITER.write(design("setzhub"), 1.0).data
+    rows = [line.split(",") for line in data.decode().splitlines()]
+    rows[300][place] = repr(float(rows[300][place]) + by)
+    return "\n".join(map(",".join, rows)).encode()
+
+
 @pytest.mark.parametrize(("place", "off"), [(1, 0.25), (6, 0.5), (7, 0.125), (8, 0.25), (13, 0.5)])
 def test_a_changed_length_is_measured(place: int, off: float) -> None:
-    product = design("setzhub")
-    rows = [line.split(",") for line in WRITER.write(product, 1.0).data.decode().splitlines()]
-    rows[300][place] = repr(float(rows[300][place]) + off)
-    data = "\n".join(",".join(row) for row in rows).encode()
-    assert WRITER.measure(product, data) == pytest.approx(off)
+    assert WRITER.measure(design("setzhub"), moved(place, off)) == pytest.approx(off)
 
 
 @pytest.mark.parametrize("place", [0, 2, 3, 4, 5, 14, 15])
 def test_a_changed_angle_ratio_or_radius_is_refused(place: int) -> None:
-    product = design("setzhub")
-    rows = [line.split(",") for line in WRITER.write(product, 1.0).data.decode().splitlines()]
-    rows[300][place] = repr(float(rows[300][place]) + 1e-9)
     with pytest.raises(FileError, match="angles, ratios or radii differ"):
-        WRITER.measure(product, "\n".join(",".join(row) for row in rows).encode())
+        WRITER.measure(design("setzhub"), moved(place, 1e-9))
 
 
 @pytest.mark.parametrize(
@@ -176,8 +170,7 @@ def test_what_is_no_cam_linkage_is_refused(scene: str) -> None:
 
 
 def test_the_step_is_that_of_the_project() -> None:
-    text = import_project((FIXTURES / "reference" / "ocv" / "setzhub.ocv").read_bytes(), "setzhub")
-    product = Design(parse_scene(text.replace("step = 0.5", "step = 0.7"))).disc
+    product = Design(parse_scene(imported("setzhub").replace("step = 0.5", "step = 0.7"))).disc
     phi = numbers(WRITER.write(product, 1.0).data)[:, 0]
     assert len(phi) == math.ceil(360.0 / 0.7)
     # Each is rounded once; counted up, the last would be 1e-12 off.

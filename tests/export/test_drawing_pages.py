@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import zlib
 from collections import Counter
 from collections.abc import Callable, Iterator
 from functools import cache
@@ -18,7 +17,7 @@ from camgeo.numeric.arrays import ComplexArray
 from camgeo.pictures.sheet.marks import Chain, Filled, Label, Round
 from camgeo.pictures.sheet.sheet import sheets_of
 from camgeo_export.drawing.writer import LAYERS, PDF, SVG
-from tests.export.test_drawing_marks import placed, product
+from tests.export.test_drawing import placed, product, streams
 from tests.sheet.sheets import TOLERANCE
 
 KINDS = ("inch", "bolts")
@@ -50,23 +49,18 @@ def svg_runs(text: str, at: Callable[[complex], complex]) -> Runs:
             found[-1][0].append(found[-1][0][0])
             here = start
             continue
-        own = numbers[5:] if letter == "a" else numbers
-        places = [complex(*pair) for pair in zip(own[::2], own[1::2], strict=True)]
+        own = numbers[5:] if letter in "Aa" else numbers
+        base = 0j if letter.isupper() else here
+        places = [base + complex(*pair) for pair in zip(own[::2], own[1::2], strict=True)]
         if letter in "Mm":
-            here = start = places[0] if letter == "M" else here + places[0]
-            found.append(([at(here)], []))
-        elif letter == "a":
-            end = here + places[-1]
-            arc = arc_of(here, end, numbers)
-            found[-1][1].extend(at(each) for each in arc)
-            here = end
-            found[-1][0].append(at(here))
-        else:
-            controls = [here, *(here + each for each in places)]
-            if letter in "qc":
-                found[-1][1].extend(at(each) for each in bezier(controls))
-            here = controls[-1]
-            found[-1][0].append(at(here))
+            start = places[0]
+            found.append(([], []))
+        elif letter in "Aa":
+            found[-1][1].extend(at(each) for each in arc_of(here, places[-1], numbers))
+        elif letter in "qc":
+            found[-1][1].extend(at(each) for each in bezier([here, *places]))
+        here = places[-1]
+        found[-1][0].append(at(here))
     return found
 
 
@@ -140,8 +134,7 @@ def svg_page(name: str) -> tuple[dict[int, Runs], list[Runs]]:
 
 
 def pdf_page(name: str) -> tuple[dict[int, Runs], list[Runs]]:
-    (stream,) = re.findall(rb"stream\n(.*?)\nendstream", pages(name)[1], re.DOTALL)
-    text = zlib.decompress(stream).decode("ascii")
+    (text,) = streams(pages(name)[1])
     across, _, _, up, *_ = map(float, text.split()[:6])
     assert (across, up) == pytest.approx([GRAIN * 72.0 / 25.4] * 2, rel=1e-6)
     lines = {int(width): pdf_runs(own) for width, own in re.findall(r"(\d+) w\n(.*?)\nS", text,
@@ -251,6 +244,9 @@ def test_letters_and_arrows_are_where_the_sheet_has_them(name: str) -> None:
 def test_a_pdf_has_its_objects_where_its_table_says(name: str) -> None:
     data = pages(name)[1]
     (sheet,) = sheets_of(product(name), TOLERANCE)
+    assert PDF.write(product(name), TOLERANCE).data == data
+    assert len(data) < 120_000
+    assert b"Date" not in data
     assert data.startswith(b"%PDF-1.4\n%")
     start = int(data[data.rindex(b"startxref\n") + 10 :].split()[0])
     table = data[start:].decode("ascii")

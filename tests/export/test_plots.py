@@ -1,23 +1,31 @@
-"""What matplotlib is told to draw: each property of each artist is the one that the mark states."""
+"""What matplotlib is told to draw, each property of each artist; pictures and tables as files."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
+import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure as Page
+from matplotlib.legend import Legend as LegendBox
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle as Round
 from matplotlib.patches import FancyArrowPatch, Patch
 from matplotlib.text import Annotation
 from matplotlib.transforms import TransformedPath
 
+from camgeo.cam.cam import Cam, Drive
+from camgeo.design.product import Product
+from camgeo.errors import FileError, UnknownNameError
+from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.pictures.model import (
     Area,
     Arrow,
@@ -39,7 +47,13 @@ from camgeo.pictures.model import (
     Text,
     over,
 )
-from camgeo_export.plots import drawn, saved
+from camgeo.pictures.plots import OWN, find, stacked
+from camgeo.units import LengthUnit
+from camgeo_export import picture as picture_module
+from camgeo_export.picture import PNG, SVG, PictureWriter
+from camgeo_export.plots import drawn, render, saved
+from camgeo_export.table import WRITER as CSV
+from tests.export.stub_product import StubProduct, there_and_back
 
 STYLES: Final = (
     Style("#12365c"),
@@ -71,18 +85,20 @@ def lay_out(made: Page) -> None:
     FigureCanvasAgg(made).draw()  # type: ignore[no-untyped-call]  # the stubs lack its types
 
 
+def require(artist: Artist, **stated: Any) -> None:
+    """That an artist has these properties."""
+    assert {name: getattr(artist, f"get_{name}")() for name in stated} == stated
+
+
 def lined(line: Line2D, style: Style) -> None:
-    assert line.get_color() == style.color
-    assert line.get_linewidth() == style.width
+    require(
+        line, color=style.color, linewidth=style.width, marker=style.marker or "None",
+        markersize=style.size, markerfacecolor=style.face or style.color,
+        markeredgecolor=style.edge or style.color, markeredgewidth=style.edge_width,
+        solid_capstyle=style.cap, solid_joinstyle=style.join,
+    )  # fmt: skip
     assert line.is_dashed() == bool(style.dashes)
     assert (line.get_linestyle() in ("None", "none")) == (style.width == 0.0)
-    assert line.get_marker() == (style.marker or "None")
-    assert line.get_markersize() == style.size
-    assert line.get_markerfacecolor() == (style.face or style.color)
-    assert line.get_markeredgecolor() == (style.edge or style.color)
-    assert line.get_markeredgewidth() == style.edge_width
-    assert line.get_solid_capstyle() == style.cap
-    assert line.get_solid_joinstyle() == style.join
 
 
 def filled(patch: Patch, fill: Fill) -> None:
@@ -167,9 +183,8 @@ def test_arrows_end_in_heads_of_their_size() -> None:
     _, axes = page(Arrow(CURVE, STYLES[1], 9.0, layer=2.2))
     (arrow,) = axes.patches
     assert isinstance(arrow, FancyArrowPatch)
-    assert arrow.get_mutation_scale() == 9.0
-    assert arrow.get_edgecolor() == arrow.get_facecolor() == to_rgba("red")
-    assert (arrow.get_linewidth(), arrow.get_zorder()) == (2.5, 2.2)
+    red = to_rgba("red")
+    require(arrow, mutation_scale=9.0, edgecolor=red, facecolor=red, linewidth=2.5, zorder=2.2)
 
 
 @pytest.mark.parametrize("of", ["data", "panel", "figure"])
@@ -198,17 +213,13 @@ def test_texts_are_where_they_are_stated(of: Any, offset: Any) -> None:
     else:
         assert offset is None
         assert found.get_transform().transform(found.get_position()) == pytest.approx(place)
-    assert (found.get_text(), found.get_fontsize(), found.get_rotation()) == ("words", 7.0, 90.0)
-    assert (
-        found.get_horizontalalignment(),
-        found.get_verticalalignment(),
-        found.get_fontweight(),
-    ) == ("right", "top", "bold")
-    assert found.get_zorder() == 3.5
+    require(
+        found, text="words", fontsize=7.0, rotation=90.0, horizontalalignment="right",
+        verticalalignment="top", fontweight="bold", zorder=3.5,
+    )  # fmt: skip
     box = found.get_bbox_patch()
     assert box is not None
-    assert box.get_alpha() == 0.6
-    assert box.get_facecolor() == pytest.approx(to_rgba("white", 0.6))
+    require(box, alpha=0.6, facecolor=pytest.approx(to_rgba("white", 0.6)))
     assert made.get_size_inches() == pytest.approx((4.0, 3.0))
 
 
@@ -218,16 +229,11 @@ def test_plain_texts_and_rings() -> None:
     )
     plain, ring = axes.texts
     assert plain.get_bbox_patch() is None
-    assert (plain.get_rotation(), plain.get_fontweight(), plain.get_horizontalalignment()) == (
-        0.0,
-        "normal",
-        "left",
-    )
+    require(plain, rotation=0.0, fontweight="normal", horizontalalignment="left")
     patch = ring.get_bbox_patch()
     assert patch is not None
     assert type(patch.get_boxstyle()).__name__ == "Circle"
-    assert patch.get_linewidth() == 0.7
-    assert patch.get_alpha() is None
+    require(patch, linewidth=0.7, alpha=None)
 
 
 LEGEND: Final = Legend(
@@ -238,19 +244,9 @@ LEGEND: Final = Legend(
 
 @pytest.mark.parametrize("whole", [False, True])
 def test_legends_have_their_entries_at_their_place(whole: bool) -> None:
-    made: Page
-    if whole:
-        made = drawn(Figure((4.0, 3.0), legend=LEGEND))
-        (found,) = made.legends
-    else:
-        made, axes = page(legend=LEGEND)
-        legend = axes.get_legend()
-        assert legend is not None
-        found = legend
+    made = drawn(Figure((4.0, 3.0), legend=LEGEND)) if whole else page(legend=LEGEND)[0]
+    (found,) = made.legends if whole else made.axes[0].findobj(LegendBox)
     line, dots, area = found.legend_handles
-    assert isinstance(line, Line2D)
-    assert isinstance(dots, Line2D)
-    assert isinstance(area, Patch)
     lined(line, STYLES[1])
     lined(dots, STYLES[2])
     filled(area, FILLS[2])
@@ -272,17 +268,16 @@ def test_axes_have_their_limits_ticks_and_labels() -> None:
         y=Axis((1.0, 100.0), "size", log=True),
         title="title", title_size=8.0, title_gap=3.0,
     )  # fmt: skip
-    assert axes.get_xlim() == (3.0, 1.0)
-    assert axes.get_ylim() == (1.0, 100.0)
-    assert (axes.get_xscale(), axes.get_yscale()) == ("linear", "log")
+    require(
+        axes, xlim=(3.0, 1.0), ylim=(1.0, 100.0), xscale="linear", yscale="log", xlabel="angle",
+        ylabel="size", title="title", aspect="auto",
+    )  # fmt: skip
     assert list(axes.get_xticks()) == [1.0, 2.0]
     assert [each.get_text() for each in axes.get_xticklabels()] == ["one", "two"]
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("angle", "size")
-    assert (axes.xaxis.label.get_fontsize(), axes.yaxis.label.get_fontsize()) == (7.0, 9.0)
-    assert (axes.get_title(), axes.title.get_fontsize()) == ("title", 8.0)
+    sizes = [each.get_fontsize() for each in (axes.xaxis.label, axes.yaxis.label, axes.title)]
+    assert sizes == [7.0, 9.0, 8.0]
     assert axes.get_position().extents == pytest.approx((0.1, 0.2, 0.9, 0.8))
     assert axes.axison
-    assert axes.get_aspect() == "auto"
 
 
 @pytest.mark.parametrize("side", ["y", "right"])
@@ -343,3 +338,102 @@ def test_figures_stand_in_rows_and_files_are_of_their_kind() -> None:
     data, told = made._repr_mimebundle_()
     assert told["image/png"] == {"width": 384, "height": 384}
     assert data["image/png"] == saved(made, ".png")
+
+
+# Files of pictures and tables ---------------------------------------------------------------------
+
+
+ROCKER = StubProduct(
+    name="rocker",
+    cam=Cam(
+        Drive(there_and_back(math.radians(10.0)), unit="rad"),
+        OscillatingRoller(70.0 + 20.0j, 60.0, 35.0, 8.0),
+    ),
+)
+
+
+@pytest.mark.parametrize("unit", ["mm", "inch"])
+def test_the_table_reads_back_to_the_bit(unit: LengthUnit) -> None:
+    product = StubProduct(unit=unit)
+    data = CSV.write(product, 0.001).data
+    assert data.startswith(f"phi [deg],s [{unit}],inner x [{unit}],inner y [{unit}]\n".encode())
+    assert b"\r" not in data
+    assert data.endswith(b"\n")
+    assert data.count(b"\n") == 74
+    assert CSV.measure(product, data) == 0.0
+
+
+def test_a_changed_length_is_measured_in_mm() -> None:
+    product = StubProduct(unit="inch")
+    rows = [line.split(",") for line in CSV.write(product, 0.001).data.decode().splitlines()]
+    rows[4][2] = repr(float(rows[4][2]) + 0.5)
+    data = "\n".join(map(",".join, rows)).encode()
+    assert CSV.measure(product, data) == pytest.approx(12.7)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (b"\n5.0,", b"\n5.1,", "angles, ratios or radii differ"),
+        (b"phi [deg]", b"phi [rad]", "does not have this scene's columns"),
+        (CSV.write(StubProduct(), 0.001).data, b"", "does not have this scene's columns and rows"),
+        (b"\n5.0,", b"\nfive,", "not a number"),
+    ],
+)
+def test_a_changed_table_is_refused(old: bytes, new: bytes, message: str) -> None:
+    data = CSV.write(StubProduct(), 0.001).data
+    assert old in data
+    with pytest.raises(FileError, match=message):
+        CSV.measure(StubProduct(), data.replace(old, new))
+
+
+@pytest.mark.parametrize("writer", [SVG, PNG], ids=["svg", "png"])
+def test_pictures_are_the_same_each_time(writer: PictureWriter) -> None:
+    product = StubProduct(groove=True)
+    data = writer.write(product, 0.001).data
+    assert data == writer.write(product, 0.001).data
+    writer.measure(product, data)
+
+
+def test_both_pictures_are_of_one_page(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Drawn once, and saved as if it were the only one, whichever is first."""
+    alone = {each: each.write(StubProduct(groove=True), 0.001).data for each in (SVG, PNG)}
+    made: list[Sequence[str]] = []
+
+    def counted(product: Product, wanted: Sequence[str]) -> Figure:
+        made.append(wanted)
+        return stacked(product, wanted)
+
+    monkeypatch.setattr(picture_module, "stacked", counted)
+    for order in ((SVG, PNG), (PNG, SVG)):
+        product = StubProduct(groove=True)
+        assert all(each.write(product, 0.001).data == alone[each] for each in order)
+    assert made == [["cam"], ["cam"]]
+
+
+@pytest.mark.parametrize("name", OWN)
+def test_every_plot_draws(name: str) -> None:
+    assert render(stacked(ROCKER, [name]), ".svg").startswith(b"<?xml")
+
+
+def test_a_pivot_is_drawn() -> None:
+    assert ROCKER.pictured.follower_sketch.kind == "pivot"
+    rocker, guided = (
+        render(stacked(product, ["cam"]), ".svg") for product in (ROCKER, StubProduct())
+    )
+    assert rocker != guided
+
+
+def test_plots_stack_and_leave_no_state() -> None:
+    before = dict(mpl.rcParams)
+    data = render(stacked(StubProduct(), ["motion", "transmission-angle"]), ".pdf")
+    assert data.startswith(b"%PDF")
+    assert data == render(stacked(StubProduct(), ["motion", "transmission-angle"]), ".pdf")
+    assert dict(mpl.rcParams) == before
+
+
+def test_unknown_plots_and_kinds() -> None:
+    with pytest.raises(UnknownNameError, match='did you mean "motion"'):
+        find("motoin")
+    with pytest.raises(ValueError, match=r"\.svg, \.png and \.pdf"):
+        render(stacked(StubProduct(), ["cam"]), ".bmp")

@@ -7,9 +7,10 @@ import hashlib
 import io
 import json
 import re
+from collections import Counter
 from dataclasses import replace
 from functools import cache
-from html.parser import HTMLParser
+from html import escape
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -22,10 +23,12 @@ from camgeo.app.answers.report import Report, report
 from camgeo.app.cli.main import main
 from camgeo.design.design import Design
 from camgeo.pictures.model import Text
+from camgeo.record import Displayed
 from camgeo.scene.scene import Scene, load_scene
 from camgeo_export.browser.bundles import bundle
 from camgeo_export.report import DIGITS, render
 from tests import kept
+from tests.hostile_scene import ALL_AT_ONCE, HOSTILE, Page, harmless, hostile_design
 from tests.long_form import LONG
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
@@ -33,46 +36,19 @@ SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 MOST = 2_000_000
 """Bytes of the page of a scene with all that it may have."""
 
-HOSTILE = (
-    "</script><script>alert(1)</script>",
-    "<!--<script>",
-    "</style><img src=x onerror=alert(1)>",
-    '"><a href="javascript:alert(1)">x</a>',
-    "\u2028&lt;b&gt;\\u003c",
-)
-
-
-class Found(HTMLParser):
-    """Elements, attributes and texts of a page."""
-
-    def __init__(self, page: bytes) -> None:
-        super().__init__()
-        self.elements: list[tuple[str, dict[str, str | None]]] = []
-        self.texts: list[str] = []
-        self.within: dict[str, list[str]] = {}
-        self._open = ""
-        self.feed(page.decode())
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.elements.append((tag, dict(attrs)))
-        self._open = tag
-
-    def handle_endtag(self, tag: str) -> None:
-        self._open = ""
-
-    def handle_data(self, data: str) -> None:
-        self.texts.append(data)
-        if self._open in ("script", "style"):
-            self.within.setdefault(self._open, []).append(data)
-
 
 @cache
 def made(name: str) -> Report:
     return report(Design(load_scene(SCENES / f"{name}.toml")), quick=True)
 
 
+def within(page: bytes, tag: str) -> list[str]:
+    """What is in the elements of that name."""
+    return re.findall(rf"<{tag}[^>]*>(.*?)</{tag}>", page.decode(), re.DOTALL)
+
+
 def data(page: bytes) -> Any:
-    return json.loads(Found(page).within["script"][0])
+    return json.loads(within(page, "script")[0])
 
 
 def test_the_page_of_setzhub_has_everything_in_one_small_file(
@@ -94,7 +70,7 @@ def test_the_page_of_setzhub_has_everything_in_one_small_file(
     assert not whole.left_out
     page = render(whole)
     assert len(page) < MOST
-    found = Found(page)
+    found = Page(page.decode())
     identifiers = [each["id"] for _, each in found.elements if each.get("id")]
     assert len(set(identifiers)) == len(identifiers)
     wanted = {"mechanism", "prices", "chart-0", "solid-0", "certificate-section"}
@@ -120,7 +96,7 @@ def test_pages_are_as_kept() -> None:
 
 def test_nothing_is_loaded_and_only_the_own_script_and_style_run() -> None:
     page = render(made("setzhub"))
-    found = Found(page)
+    found = Page(page.decode())
     for tag, attributes in found.elements:
         assert tag not in ("link", "img", "iframe", "object", "embed", "base", "form")
         assert not {"src", "srcset", "style"} & set(attributes)
@@ -130,50 +106,32 @@ def test_nothing_is_loaded_and_only_the_own_script_and_style_run() -> None:
     assert policy is not None
     assert policy.startswith("default-src 'none'; ")
     assert "unsafe" not in policy
-    _, *scripts = found.within["script"]
+    _, *scripts = within(page, "script")
     assert scripts == [bundle("report.js"), bundle("solid.js")]
-    assert found.within["style"] == [bundle("report.css")]
-    for kind, texts in (("script", scripts), ("style", found.within["style"])):
+    assert within(page, "style") == [bundle("report.css")]
+    for kind, texts in (("script", scripts), ("style", [bundle("report.css")])):
         digests = [hashlib.sha256(text.encode()).digest() for text in texts]
         hashes = [f"'sha256-{base64.b64encode(digest).decode()}'" for digest in digests]
         assert f"; {kind}-src {' '.join(hashes)}; " in policy
 
 
-@pytest.mark.parametrize("hostile", HOSTILE)
-def test_hostile_texts_stay_texts(hostile: str) -> None:
+@pytest.mark.parametrize("text", HOSTILE)
+def test_hostile_texts_stay_texts(text: str) -> None:
     plain = made("plate_translating")
-    finding = replace(plain.advised[0].finding, name=hostile, sentence=hostile)
-    advised = replace(plain.advised[0], about=hostile, finding=finding, step=hostile)
-    chart = plain.charts[0]
-    text = Text(hostile, (0.5, 0.5), 8.0, "figure")
-    figure = replace(chart.figure, texts=(*chart.figure.texts, text))
-    reading = replace(chart.readings[0], name=hostile)
-    wrong = replace(chart, title=hostile, figure=figure, readings=(reading,))
-    page = render(replace(plain, advised=(advised,), charts=(wrong,), left_out=(hostile,)))
-    usual = render(replace(plain, advised=plain.advised[:1], charts=plain.charts[:1],
-                           left_out=("none",)))  # fmt: skip
-    found, other = Found(page), Found(usual)
-    tags = [tag for tag, _ in found.elements]
-    assert [tag for tag in tags if tag in ("script", "style", "img", "a")] == [
-        tag for tag, _ in other.elements if tag in ("script", "style", "img", "a")
-    ]
-    assert found.texts.count(hostile) >= 4
-    assert data(page)["charts"][0]["figure"]["texts"][-1]["text"] == hostile
-
-
-@pytest.mark.long  # the test above has the same page whole
-def test_each_chart_has_its_place_sentence_and_table() -> None:
-    found = made("four_bar")
-    page = render(found)
-    text = page.decode()
-    drawn = data(page)
-    assert len(drawn["charts"]) == len(found.charts)
-    for number, chart in enumerate(found.charts):
-        assert f'id="chart-{number}"' in text
-        assert chart.sentence in Found(page).texts or any(
-            chart.sentence in each for each in Found(page).texts
-        )
-    assert text.count("<summary>Extremes as a table</summary>") == len(found.charts)
+    (first, *_), (chart, *_) = plain.advised, plain.charts
+    finding = replace(first.finding, name=text, sentence=text)
+    figure = replace(chart.figure, texts=(Text(text, (0.5, 0.5), 8.0, "figure"),))
+    wrong = replace(
+        chart, title=text, figure=figure, readings=(replace(chart.readings[0], name=text),)
+    )
+    page = render(replace(plain, advised=(replace(first, about=text, finding=finding, step=text),),
+                          charts=(wrong,), left_out=(text,)))  # fmt: skip
+    usual = render(replace(plain, advised=(first,), left_out=("none",),
+                           charts=(replace(chart, readings=chart.readings[:1]),)))  # fmt: skip
+    found = Page(page.decode())
+    assert found.outline == Page(usual.decode()).outline
+    assert found.texts.count(text) >= 4
+    assert data(page)["charts"][0]["figure"]["texts"][-1]["text"] == text
 
 
 def test_the_solid_is_that_of_the_stl_file() -> None:
@@ -195,7 +153,7 @@ def test_a_part_without_thickness_has_no_solid_and_says_so() -> None:
             if key in ("camgeo", "name", "cam", "motion", "follower", "linkage")}  # fmt: skip
     found = report(Design(Scene({**rest, "part": part})), quick=True)
     assert not found.solids
-    assert Found(render(found)).within["script"][1:] == [bundle("report.js")]
+    assert within(render(found), "script")[1:] == [bundle("report.js")]
     assert any(each.startswith("solid: ") and "thickness" in each for each in found.left_out)
 
 
@@ -221,3 +179,35 @@ def test_the_scripts_draw_every_kind_of_mark_that_reports_have() -> None:
         marks += chart["figure"]["texts"]
         marks += [mark for panel in chart["figure"]["panels"] for mark in panel["marks"]]
     assert {mark["kind"] for mark in marks} <= known
+
+
+# A scene of hostile texts: they stay texts in notebooks, and on the page of a report --------------
+
+
+@pytest.mark.parametrize("text", [ALL_AT_ONCE, *(HOSTILE if LONG else ())])
+def test_every_free_text_of_a_scene_stays_a_text(text: str, tmp_path: Path) -> None:
+    design = hostile_design(text, tmp_path)
+    found = report(design, quick=True)
+    assert found.check.machining is not None
+    assert text in {each.name for each in design.scene.milling.tools}  # type: ignore[union-attr]  # it has tools
+    shown: list[Displayed] = [design, found.check, found, design.effect("inertia")]
+    for each in shown:
+        html = each._repr_html_()
+        assert html is not None
+        assert harmless(Page(html)), type(each)
+        assert "alert(1)" not in repr(each)
+    page = Page(render(found).decode())
+    tags = Counter(tag for tag, _ in page.elements)
+    scripts = 3 if found.solids else 2  # the data, what draws figures, what draws solids
+    assert (tags["script"], tags["style"], tags["link"], tags["img"]) == (scripts, 1, 0, 0)
+    for tag, attributes in page.elements:
+        assert not any(name.startswith("on") or name == "src" for name in attributes)
+        assert (attributes.get("href") or "#").startswith("#"), tag
+
+
+def test_a_page_that_escaped_nothing_would_be_found() -> None:
+    assert not harmless(Page(f"<p>{ALL_AT_ONCE}</p>"))
+    assert harmless(Page(f"<p>{escape(ALL_AT_ONCE)}</p>"))
+    assert not harmless(Page('<img src="https://camgeo.example/x.png">'))
+    assert not harmless(Page("<p onclick=alert(1)>"))
+    assert harmless(Page('<img alt="a" src="data:image/png;base64,AA">'))

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import base64
+import copy
 import json
+import pathlib
 import tomllib
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, Final
 
-CORPUS: Final = Path(__file__).with_name("corpus")
+CORPUS: Final = pathlib.Path(__file__).with_name("corpus")
 
 SLOW: Final = CORPUS / "slow"
 """Cases that take about a second or more: in the long form of the tests."""
@@ -105,10 +107,39 @@ def _inline(value: Any) -> str:
     return str(value)  # numbers, dates; 1e+300, nan and inf are as TOML has them
 
 
+Path = tuple[str | int, ...]
+"""Of a value in a tree: keys of tables, numbers in lists."""
+
+
+def paths(value: Any, path: Path = ()) -> Iterator[Path]:
+    """Paths of all values in tables and lists."""
+    if isinstance(value, dict | list):
+        for key, inner in value.items() if isinstance(value, dict) else enumerate(value):
+            yield (*path, key)
+            yield from paths(inner, (*path, key))
+
+
+def value_at(values: Any, path: Path) -> Any:
+    for step in path:
+        values = values[step]
+    return values
+
+
+def changed(values: dict[str, Any], path: Path, value: Any) -> dict[str, Any]:
+    """A copy with another value at a path; None takes it away."""
+    found = copy.deepcopy(values)
+    inside = value_at(found, path[:-1])
+    if value is None:
+        del inside[path[-1]]
+    else:
+        inside[path[-1]] = value
+    return found
+
+
 # In files -----------------------------------------------------------------------------------------
 
 
-def store(case: Case, stem: Path) -> Path:
+def store(case: Case, stem: pathlib.Path) -> pathlib.Path:
     """Write a case under `stem`: as TOML what is a scene alone, else as JSON; give its path."""
     text = _text(case.files.get(SCENE, b""))
     plain = set(case.files) == {SCENE} and case.steps == SCENE_STEPS and case.both
@@ -128,7 +159,7 @@ def store(case: Case, stem: Path) -> Path:
     return path
 
 
-def restore(path: Path) -> Case:
+def restore(path: pathlib.Path) -> Case:
     """The case in a file of the corpus."""
     text = path.read_text("utf-8")
     if path.suffix == ".toml":

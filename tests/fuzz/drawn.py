@@ -9,17 +9,13 @@ from typing import Any, Final
 
 from camgeo.scene.schema import Node, keys_of, resolved, whole_schema
 from tests.effects.test_random_scenes import USUAL
+from tests.hostile.mutations import EDGES
 
 WHOLE: Final = whole_schema()
 
 RANGES: Final = {**USUAL, "length": (0.5, 2e2), "derivative": (1e-2, 1e2), "weight": (0.1, 1.0)}
 """Where designers' numbers lie, by the name of a definition."""
 
-EDGES: Final = (
-    *(0.0, -0.0, 5e-324, 1e-300, 1e-12, 1e-9, 1e-6, 1.0, 90.0, 180.0, 360.0, 1e9, 1e15, 1e300),
-    *(-1.0, -5e-324, -1e-9, -360.0, -1e300, math.nextafter(1.0, 0.0), math.nextafter(360.0, 0.0)),
-    *(1.7976931348623157e308, math.inf, -math.inf, math.nan, 0, 1, -1, 2**31, 2**63 - 1),
-)
 
 WORDS: Final = ("", "a", "Ω", "nan", "../x", "con", "-rf", "\u202e", "\x1b[31m", "x" * 300, "ß-Ä")
 

@@ -11,7 +11,7 @@ from camgeo.kinematics.laws import FAMILIES
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS
 from tests.fuzz.case import PYTHON, SCENE, Case, Step, toml
 from tests.fuzz.drawn import WHOLE, table
-from tests.fuzz.scenes import FIXTURES, FOLLOWER_TABLES, accepted
+from tests.fuzz.scenes import FIXTURES, FOLLOWER_TABLES, accepted, segments
 
 USUAL_LAWS: Final = ("polynomial-345", "modified-sine", "auto")
 
@@ -86,20 +86,14 @@ def _motion(rng: Random, stroke: float) -> list[dict[str, Any]]:
     ]
     longest = spans.index(max(spans))
     spans[longest] = round(spans[longest] + 360.0 - sum(spans), 12)
-    segments: list[dict[str, Any]] = []
-    position = 0.0
-    for place, span in enumerate(spans):
-        last = place == count - 1
-        if rng.random() < 0.3 and not (last and position != 0.0):
-            segments.append({"dwell": span})
-            continue
-        position = 0.0 if last else float(f"{rng.uniform(0.0, stroke):.4g}")
-        law = rng.choice(USUAL_LAWS if rng.random() < 0.5 else tuple(FAMILIES))
-        move: dict[str, Any] = {"law": law, "span": span, "to": position}
+
+    def law(span: float) -> dict[str, Any]:
+        name = rng.choice(USUAL_LAWS if rng.random() < 0.5 else tuple(FAMILIES))
         if rng.random() < 0.15:
-            move["velocity"] = rng.choice((0.3, stroke, 1e-6, 100.0 * stroke))
-        segments.append(move)
-    return segments
+            return {"law": name, "velocity": rng.choice((0.3, stroke, 1e-6, 100.0 * stroke))}
+        return {"law": name}
+
+    return segments(rng, spans, stroke, law)
 
 
 def _size(rng: Random, low: float, high: float) -> float:

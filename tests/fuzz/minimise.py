@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
-from tests.fuzz.case import SCENE, Case
+from tests.fuzz.case import SCENE, Case, changed, paths, value_at
 from tests.fuzz.drawn import set_span, span_of
 
 Fails = Callable[[Case], bool]
@@ -15,9 +15,9 @@ Fails = Callable[[Case], bool]
 
 def minimised(case: Case, fails: Fails, tries: int = 1000) -> Case:
     """The smallest case found with so many runs by leaving out steps, files, keys and lines."""
-    changed = True
-    while changed:
-        changed = False
+    smaller_still = True
+    while smaller_still:
+        smaller_still = False
         for smaller in candidates(case):
             if _size(smaller) >= _size(case):
                 continue
@@ -25,7 +25,7 @@ def minimised(case: Case, fails: Fails, tries: int = 1000) -> Case:
                 return case
             tries -= 1
             if fails(smaller):
-                case, changed = smaller, True
+                case, smaller_still = smaller, True
                 break
     return case
 
@@ -61,14 +61,14 @@ def smaller_scenes(values: dict[str, Any]) -> Iterator[dict[str, Any]]:
     if isinstance(motion, list):
         for k in range(len(motion)):
             yield from _without_segment(values, k)
-    paths = sorted(_paths(values), key=len)
-    for path in paths:
-        yield _changed(values, path, None)
-    for path in paths:
-        number = _at(values, path)
+    known = sorted(paths(values), key=len)
+    for path in known:
+        yield changed(values, path, None)
+    for path in known:
+        number = value_at(values, path)
         if isinstance(number, float):
             for digits in (1, 2, 3, 6):
-                yield _changed(values, path, float(f"{number:.{digits}g}"))
+                yield changed(values, path, float(f"{number:.{digits}g}"))
 
 
 def _without_segment(values: dict[str, Any], k: int) -> Iterator[dict[str, Any]]:
@@ -87,37 +87,6 @@ def _without_segment(values: dict[str, Any], k: int) -> Iterator[dict[str, Any]]
             set_span(motion[other], round(spans[0] + spans[1], 9))
         del motion[k]
         yield found
-
-
-Path = tuple[str | int, ...]
-
-
-def _paths(value: Any, path: Path = ()) -> Iterator[Path]:
-    """Paths of all keys of tables, also in lists."""
-    if isinstance(value, dict):
-        for key, inner in value.items():
-            yield (*path, key)
-            yield from _paths(inner, (*path, key))
-    elif isinstance(value, list):
-        for k, inner in enumerate(value):
-            yield from _paths(inner, (*path, k))
-
-
-def _at(values: Any, path: Path) -> Any:
-    for step in path:
-        values = values[step]
-    return values
-
-
-def _changed(values: dict[str, Any], path: Path, value: Any) -> dict[str, Any]:
-    """A copy with another value at a path; None takes the key away."""
-    found = copy.deepcopy(values)
-    inside = _at(found, path[:-1])
-    if value is None:
-        del inside[path[-1]]
-    else:
-        inside[path[-1]] = value
-    return found
 
 
 def shorter(data: bytes) -> Iterator[bytes]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import math
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 from random import Random
@@ -346,23 +346,34 @@ def motion(rng: Random, stroke: float) -> list[dict[str, Any]]:
     spans = [max(round(360.0 * each / sum(weights), 3), 1e-3) for each in weights]
     spans[0] = round(360.0 - sum(spans[1:]), 9)
     named = ("polynomial-345", "auto", "modified-sine", "auto", rng.choice(tuple(FAMILIES)))
-    segments: list[dict[str, Any]] = []
-    position = 0.0
-    for place, span in enumerate(spans):
-        last = place == count - 1
-        if rng.random() < 0.35 and not (last and position != 0.0):
-            segments.append({"dwell": span})
-            continue
-        position = 0.0 if last else round(rng.uniform(0.0, stroke), 4)
-        move: dict[str, Any] = {"law": rng.choice(named), "span": span, "to": position}
+
+    def law(span: float) -> dict[str, Any]:
+        name = rng.choice(named)
         if rng.random() < 0.1 and span > 1.0:
             points = [{"at": round(span * z, 6), "to": stroke * rng.random()} for z in (0.3, 0.6)]
-            move = {**move, "law": "points", "points": points}
-        elif rng.random() < 0.1:
+            return {"law": "points", "points": points}
+        if rng.random() < 0.1:
             key = rng.choice(("velocity", "acceleration", "inflection"))
-            move[key] = rng.choice((0.0, 0.3, stroke))
-        segments.append(move)
-    return segments
+            return {"law": name, key: rng.choice((0.0, 0.3, stroke))}
+        return {"law": name}
+
+    return segments(rng, spans, stroke, law)
+
+
+def segments(
+    rng: Random, spans: Sequence[float], stroke: float, law: Callable[[float], dict[str, Any]]
+) -> list[dict[str, Any]]:
+    """Dwells, and moves to random places by what `law` states for a span, back at the end."""
+    found: list[dict[str, Any]] = []
+    position = 0.0
+    for place, span in enumerate(spans):
+        last = place == len(spans) - 1
+        if rng.random() < 0.35 and not (last and position != 0.0):
+            found.append({"dwell": span})
+            continue
+        position = 0.0 if last else float(f"{rng.uniform(0.0, stroke):.4g}")
+        found.append({"span": span, "to": position, **law(span)})
+    return found
 
 
 assert set(FOLLOWER_TABLES) == set(FOLLOWERS), "a new follower needs usual numbers here"

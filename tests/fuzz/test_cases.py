@@ -14,11 +14,11 @@ from camgeo.scene.scene import load_scene
 from tests.fuzz.__main__ import call
 from tests.fuzz.case import SCENE, SCENE_STEPS, Case, restore, store, toml
 from tests.fuzz.cases import KINDS, draw
-from tests.fuzz.files import damaged
 from tests.fuzz.lines import ENDING, line
 from tests.fuzz.minimise import minimised
 from tests.fuzz.runner import Report
 from tests.fuzz.scenes import fixtures, scene_case, values_of
+from tests.hostile.mutations import mutated
 from tests.seeds import FIXED, FRESH
 
 
@@ -56,7 +56,7 @@ def test_all_commands_that_end_are_called() -> None:
 
 @pytest.mark.parametrize("seed", range(20))
 def test_files_of_no_length_can_be_damaged(seed: int) -> None:
-    assert isinstance(damaged(Random(seed), b""), bytes)
+    assert isinstance(mutated(b"", Random(seed)), bytes)
 
 
 @pytest.mark.parametrize(

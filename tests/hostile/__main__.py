@@ -18,6 +18,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from itertools import chain, islice
 from pathlib import Path
+from random import Random
 from typing import Any, Final
 
 from camgeo_export.threemf.parts import parts_of
@@ -111,7 +112,8 @@ def mutants(reader: str, sample: bytes, seeds: range) -> Named:
     """Mutations of a good file; of packages, half of the mutations are of what is packed."""
     parts = parts_of(sample) if reader == "3mf" else {}
     for seed in seeds:
-        data = repacked(parts, seed) if parts and seed % 2 else mutated(sample, seed)
+        chance = Random(seed)
+        data = repacked(parts, chance) if parts and seed % 2 else mutated(sample, chance)
         yield f"{MUTATED}{seed}", data
 
 

@@ -6,6 +6,8 @@ import io
 import json
 import struct
 import zipfile
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -16,13 +18,14 @@ from camgeo_export.threemf.writer import (
     MODEL_PATH,
     RELATIONSHIPS_PATH,
 )
-from tests.hostile.texts import WRONG_NUMBERS, Named, damaged, times
+from tests.hostile.texts import Named, damaged, times, truncated, wrong
 
 
-def facets(count: int, *, stated: int | None = None, fill: float = 0.0) -> bytes:
-    """A binary STL of `count` facets, all numbers `fill`."""
+def facets(count: int, *, stated: int | None = None, fill: Any = 0.0) -> bytes:
+    """A binary STL of `count` facets with normals upwards, all corners `fill`."""
     rows = np.zeros(count, dtype=FACET)
     rows["corners"] = fill
+    rows["normal"] = [0.0, 0.0, 1.0]
     number = count if stated is None else stated
     return bytes(PREFIX - 4) + struct.pack("<I", number) + rows.tobytes()
 
@@ -34,18 +37,9 @@ def text_stl(*corners: str, normal: str = "0 0 1") -> bytes:
     )
 
 
-def random_facets(count: int) -> bytes:
-    rows = np.zeros(count, dtype=FACET)
-    random = np.random.default_rng(1)
-    rows["corners"] = random.normal(size=(count, 3, 3))
-    rows["normal"] = [0.0, 0.0, 1.0]
-    return bytes(PREFIX - 4) + struct.pack("<I", count) + rows.tobytes()
-
-
 def bodies(good: bytes) -> Named:
     yield from damaged(good)
-    for share in (0.001, 0.1, 0.5, 0.99):
-        yield f"truncated to {share:.1%}", good[: int(share * len(good))]
+    yield from truncated(good, 0.001, 0.1, 0.5, 0.99)
     yield "count that lies", facets(1, stated=2**32 - 1)
     yield "no facet", facets(0)
     yield "facets of no size", facets(200_000)
@@ -63,10 +57,12 @@ def bodies(good: bytes) -> Named:
     yield "signalling NaN", signalling  # found by mutation
     data["normal"] *= -1.0
     yield "flipped normals", b"another program".ljust(80) + good[80:PREFIX] + data.tobytes()
-    yield "random facets", random_facets(times(100_000))
-    for name, number in WRONG_NUMBERS.items():
-        yield f"text {name}", text_stl(f"{number} 0 0", "1 0 0", "0 1 0")
-        yield f"text normal {name}", text_stl("0 0 0", "1 0 0", "0 1 0", normal=f"0 0 {number}")
+    corners = np.random.default_rng(1).normal(size=(times(100_000), 3, 3))
+    yield "random facets", facets(len(corners), fill=corners)
+    yield from wrong("text", lambda x: text_stl(f"{x} 0 0", "1 0 0", "0 1 0"))
+    yield from wrong(
+        "text normal", lambda z: text_stl("0 0 0", "1 0 0", "0 1 0", normal=f"0 0 {z}")
+    )
     yield "text of two corners", text_stl("0 0 0", "1 0 0")
     yield "text of many words", text_stl("0 " * 1_000_000, "1 0 0", "0 1 0")
     yield "text of many corners", text_stl(*("0 0 0",) * 600_003)
@@ -139,6 +135,12 @@ def component(number: object, transform: str = "") -> str:
     return f'<component objectid="{number}"{more}/>'
 
 
+def with_number(place: str, number: str) -> bytes:
+    """A package whose attribute at a place has another number."""
+    name = place.partition("=")[0]
+    return package(model(thing(TETRAHEDRON.replace(place, f'{name}="{number}"'))))
+
+
 def holding(*inside: str) -> str:
     return f"<components>{''.join(inside)}</components>"
 
@@ -152,14 +154,12 @@ def entities() -> str:
 
 def packages(good: bytes) -> Named:
     yield from damaged(good)
-    for share in (0.1, 0.5, 0.9, 0.999):
-        yield f"truncated to {share:.1%}", good[: int(share * len(good))]
+    yield from truncated(good, 0.1, 0.5, 0.9, 0.999)
     yield "zip bomb", package(model(top=f"<metadata name='Title'>{' ' * 60_000_000}</metadata>"))
-    bombs = tuple((f"a{k}", bytes(10_000_000)) for k in range(9))
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as file:
-        for name, data in bombs:
-            file.writestr(name, data)
+        for k in range(9):
+            file.writestr(f"a{k}", bytes(10_000_000))
     yield "parts of zeros", stream.getvalue()
     plain = package()
     yield "size that lies", patched(package(model(head=" " * 50_000_000)), 24, b"\x10\0\0\0")
@@ -209,12 +209,8 @@ def packages(good: bytes) -> Named:
     yield "model elsewhere", package(relations=RELATIONS.replace(MODEL_PATH, "../x.model"))
     yield "no relationships", package(relations="<a/>")
     yield "no model", package(b"")
-    for name, number in WRONG_NUMBERS.items():
-        if name != "NUL":
-            mesh = TETRAHEDRON.replace('x="9"', f'x="{number}"')
-            yield f"vertex {name}", package(model(thing(mesh)))
-            mesh = TETRAHEDRON.replace('v1="2"', f'v1="{number}"')
-            yield f"corner {name}", package(model(thing(mesh)))
+    for what, place in (("vertex", 'x="9"'), ("corner", 'v1="2"')):
+        yield from wrong(what, partial(with_number, place))
     yield "corner -1", package(model(thing(TETRAHEDRON.replace('v1="2"', 'v1="-1"'))))
     yield "no coordinate", package(model(thing(TETRAHEDRON.replace(' x="9"', ""))))
     yield "object in itself", package(model(thing(holding(component(1)))))
@@ -305,8 +301,7 @@ def profiles(good: bytes) -> Named:
 def certificates(good: bytes) -> Named:
     # The standard allows JSON in UTF-16.
     yield from (each for each in damaged(good) if not each[0].startswith("UTF-16"))
-    for share in (0.1, 0.5, 0.99):
-        yield f"truncated to {share:.0%}", good[: int(share * len(good))]
+    yield from truncated(good, 0.1, 0.5, 0.99)
     yield "lists", b"[" * 100_000
     yield "closed lists", b"[" * 100_000 + b"]" * 100_000
     yield "tables", b'{"a":' * 100_000

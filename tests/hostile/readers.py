@@ -74,43 +74,40 @@ def verified(data: bytes, kind: str) -> str:
     return "; ".join(check.note or check.name for check in verdict.checks if check.ok is False)
 
 
-def replayed(data: bytes, reader: Reader) -> str:
-    """Why `camgeo replay` does not take a contour."""
+def refusal(read: Callable[[], object]) -> str:
+    """Why something is refused; empty if it is not."""
     try:
-        reader.read(data, "contour", layer=None, unit="mm", gap=1e-3, progress=lambda _: None)
+        read()
     except CamgeoError as error:
         return str(error)
     return ""
+
+
+def replayed(data: bytes, reader: Reader) -> str:
+    """Why `camgeo replay` does not take a contour."""
+    told = partial(reader.read, layer=None, unit="mm", gap=1e-3, progress=lambda _: None)
+    return refusal(lambda: told(data, "contour"))
 
 
 def table(data: bytes, read: Callable[[bytes], object]) -> str:
     """Why a table is refused."""
-    try:
-        read(data)
-    except CamgeoError as error:
-        return str(error)
-    return ""
+    return refusal(lambda: read(data))
 
 
 def inspected(data: bytes) -> str:
     """Why `camgeo inspect` refuses measured points, however they are aligned."""
     disc = product()
-    for align in Align:
-        try:
-            points = read_points(data, "points.csv")
-            of_points(disc, disc.cam.contact.main, points, "points.csv", align=align)
-        except CamgeoError as error:
-            return str(error)
-    return ""
+
+    def inspect(align: Align) -> None:
+        points = read_points(data, "points.csv")
+        of_points(disc, disc.cam.contact.main, points, "points.csv", align=align)
+
+    return next(filter(None, (refusal(partial(inspect, each)) for each in Align)), "")
 
 
 def scene(data: bytes) -> str:
     """Why a scene is refused."""
-    try:
-        camgeo.Scene.from_text(data, folder=FIXTURES / "scenes")
-    except CamgeoError as error:
-        return str(error)
-    return ""
+    return refusal(lambda: camgeo.Scene.from_text(data, folder=FIXTURES / "scenes"))
 
 
 def machine(data: bytes) -> str:
@@ -118,20 +115,16 @@ def machine(data: bytes) -> str:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "mill.toml")
         path.write_bytes(data)
-        try:
-            load(str(path))
-        except CamgeoError as error:
-            return str(error)
-    return ""
+        return refusal(lambda: load(str(path)))
 
 
 def linted(data: bytes, profile: str) -> str:
     """Why `camgeo lint` refuses a program, or what it finds first."""
-    try:
-        found = LINTER.lint(data, load(profile), Bench())
-    except CamgeoError as error:
-        return str(error)
-    return str(found.findings[0]) if found.findings else ""
+    found: list[object] = []
+    machine = load(profile)
+    return refusal(lambda: found.extend(LINTER.lint(data, machine, Bench()).findings)) or (
+        str(found[0]) if found else ""
+    )
 
 
 def certificate(data: bytes) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from tests.hostile.texts import WRONG_NUMBERS, Named, damaged, times
+from tests.hostile.texts import Named, damaged, times, truncated, wrong
 
 HEAD = "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION(('a'),'2;1');\nENDSEC;\nDATA;\n"
 TAIL = "ENDSEC;\nEND-ISO-10303-21;\n"
@@ -18,10 +18,9 @@ def step(*lines: str, head: str = HEAD) -> bytes:
 def solids(good: bytes) -> Named:
     """Of STEP files."""
     yield from damaged(good)
-    for share in (0.1, 0.5, 0.9, 0.999):
-        yield f"truncated to {share:.1%}", good[: int(share * len(good))]
-        cut = good[: int(share * len(good))] + b"\n" + TAIL.encode()
-        yield f"truncated to {share:.1%} with an end", cut
+    for name, cut in truncated(good, 0.1, 0.5, 0.9, 0.999):
+        yield name, cut
+        yield f"{name} with an end", cut + b"\n" + TAIL.encode()
     yield from _syntax()
     yield from _graph(good)
     yield from _geometry(good)
@@ -44,8 +43,7 @@ def _syntax() -> Named:
     yield "too many instances", step(*(f"#{k}=A();" for k in range(1, 120_000)))
     yield "the same instance", step(*["#1=A();"] * 1000)
     yield "number of an instance", step(f"#{'9' * 5000}=A();")
-    for name, number in WRONG_NUMBERS.items():
-        yield f"number {name}", step(f"#1=CARTESIAN_POINT('',({number}.,0.,0.));")
+    yield from wrong("number", lambda x: step(f"#1=CARTESIAN_POINT('',({x}.,0.,0.));"))
     yield "string without end", step("#1=A('" + "x" * 7_000_000)
     yield "quotes in a string", step("#1=A('" + "''" * 3_000_000 + ");")
     yield "comment without end", step("/*" + "*" * 7_000_000)

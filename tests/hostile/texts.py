@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache
 
 from camgeo.reading import DRAWING, DRAWING_LINES
@@ -30,6 +30,17 @@ WRONG_NUMBERS = {
 def times(count: int) -> int:
     """How often what takes time to read is repeated: `count` times in the long form."""
     return examples(count // 4, long=count)
+
+
+def wrong(what: str, make: Callable[[str], bytes]) -> Named:
+    """What is made with each of the wrong numbers."""
+    for name, number in WRONG_NUMBERS.items():
+        yield f"{what} {name}", make(number)
+
+
+def truncated(good: bytes, *shares: float) -> Named:
+    for share in shares:
+        yield f"truncated to {share:.1%}", good[: int(share * len(good))]
 
 
 def damaged(good: bytes) -> Named:
@@ -74,15 +85,13 @@ def drawings(good: bytes, *, any_text: bool = True) -> Named:
     """Of drawings; with what can happen to any text if `any_text`."""
     if any_text:
         yield from damaged(good)
-    for share in (0.1, 0.5, 0.9, 0.99):
-        yield f"truncated to {share:.0%}", good[: int(share * len(good))]
+    yield from truncated(good, 0.1, 0.5, 0.9, 0.99)
     yield "binary", b"AutoCAD Binary DXF\r\n\x1a\x00" + bytes(1000)
     yield "without EOF", good.replace(b"EOF", b"END")
     yield "sections in sections", b"0\nSECTION\n2\nENTITIES\n" * times(100_000) + b"0\nEOF\n"
     yield "header that ends", b"0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n0\nEOF\n"
-    for name, number in WRONG_NUMBERS.items():
-        yield f"coordinate {name}", dxf(f"0 CIRCLE 8 0 10 {number} 20 0 40 5")
-        yield f"bulge {name}", dxf(f"0 LWPOLYLINE 8 0 70 1 10 0 20 0 42 {number} 10 5 20 5")
+    yield from wrong("coordinate", lambda x: dxf(f"0 CIRCLE 8 0 10 {x} 20 0 40 5"))
+    yield from wrong("bulge", lambda b: dxf(f"0 LWPOLYLINE 8 0 70 1 10 0 20 0 42 {b} 10 5 20 5"))
     yield "radius 1e-320", dxf("0 CIRCLE 8 0 10 0 20 0 40 1e-320")
     yield "negative radius", dxf("0 CIRCLE 8 0 10 0 20 0 40 -1")
     yield "angle of an arc", dxf("0 ARC 8 0 10 0 20 0 40 1 50 1e300 51 2")
@@ -151,8 +160,7 @@ def program(*blocks: str, end: str = "M5\nM2\n") -> bytes:
 
 def programs(good: bytes) -> Named:
     yield from damaged(good)
-    for share in (0.1, 0.5, 0.99):
-        yield f"truncated to {share:.0%}", good[: int(share * len(good))]
+    yield from truncated(good, 0.1, 0.5, 0.99)
     for letter in "GMXYZIJFSTHNPQ":
         yield f"{letter} of 310 digits", program(f"{letter}1{'0' * 310}")
     yield "decimals", program("G1 X0." + "0" * 1_000_000 + "1")
@@ -181,9 +189,8 @@ def programs(good: bytes) -> Named:
 
 def contours(good: bytes) -> Named:
     yield from damaged(good)
-    for name, number in WRONG_NUMBERS.items():
-        yield f"x {name}", f"0,0\n{number},1\n1,1\n".encode()
-        yield f"bulge {name}", f"0,0,0\n1,1,{number}\n1,0,0\n".encode()
+    yield from wrong("x", lambda x: f"0,0\n{x},1\n1,1\n".encode())
+    yield from wrong("bulge", lambda bulge: f"0,0,0\n1,1,{bulge}\n1,0,0\n".encode())
     yield "no area", b"0,0\n1,1\n2,2\n"
     yield "1e-320", b"0,0\n1e-320,0\n0,1e-320\n"
     yield "one place", b"1,1\n" * times(100_000)
@@ -199,9 +206,8 @@ def tables(good: bytes, *, any_text: bool = True) -> Named:
         yield from damaged(good)
         yield "lines", b"0,0\n" * 400_001
         yield "comments", b"#\n" * 399_000 + b"0,0\n"
-    for name, number in WRONG_NUMBERS.items():
-        yield f"first {name}", f"0,0\n{number},1\n360,0\n".encode()
-        yield f"second {name}", f"0,0\n180,{number}\n360,0\n".encode()
+    yield from wrong("first", lambda x: f"0,0\n{x},1\n360,0\n".encode())
+    yield from wrong("second", lambda y: f"0,0\n180,{y}\n360,0\n".encode())
     yield "columns", b"phi," + b"a," * 2_000_000 + b"lift\n" + b"0,0\n" * 10
     yield "blanks in a heading", b"a" + b" " * 1_000_000 + b"b,lift\n0,0\n1,1\n"
     yield "bracket in a heading", b"phi [" + b" " * 100_000 + b",lift\n0,0\n1,1\n"
@@ -216,9 +222,8 @@ def points(good: bytes) -> Named:
     """Of measured points."""
     yield from damaged(good)
     rows = b"1,2\n" * 11
-    for name, number in WRONG_NUMBERS.items():
-        yield f"x {name}", rows + f"{number},1\n".encode()
-        yield f"normal {name}", b"1,2,1,0\n" * 11 + f"1,1,0,{number}\n".encode()
+    yield from wrong("x", lambda x: rows + f"{x},1\n".encode())
+    yield from wrong("normal", lambda n: b"1,2,1,0\n" * 11 + f"1,1,0,{n}\n".encode())
     yield "too few", rows
     yield "too many", b"".join(b"%d,%d\n" % (k % 9, k % 11) for k in range(50_001))
     yield "lines", b"0,0\n" * 400_001
@@ -243,8 +248,7 @@ def svg(body: str, head: str = 'width="9mm" height="9mm" viewBox="0 0 9 9"') -> 
 def vectors(good: bytes) -> Named:
     """Of SVG drawings."""
     yield from damaged(good)
-    for share in (0.1, 0.5, 0.9, 0.99):
-        yield f"truncated to {share:.0%}", good[: int(share * len(good))]
+    yield from truncated(good, 0.1, 0.5, 0.9, 0.99)
     laughs = "".join(f'<!ENTITY a{k} "{f"&a{k - 1};" * 10 if k else "lol"}">' for k in range(10))
     yield "a billion laughs", f"<!DOCTYPE svg [{laughs}]><svg>&a9;</svg>".encode()
     yield "an entity of a file", b'<!DOCTYPE s [<!ENTITY a SYSTEM "file:///etc/passwd">]><s>&a;</s>'
@@ -262,15 +266,11 @@ def vectors(good: bytes) -> Named:
     yield "many corners", svg(f'<polygon points="{"1,2 " * times(2_000_000)}"/>')
     yield "a long number", svg(f'<path d="M0 0L{"9" * 8_000_000} 0 1 1Z"/>')
     yield "points and signs", svg(f'<path d="M0 0L{"-.+" * 2_000_000}Z"/>')
-    for name, number in WRONG_NUMBERS.items():
-        if number != "1\0":
-            yield f"coordinate {name}", svg(f'<path d="M{number} 0 L 5 5 0 7Z"/>')
-            yield f"radius {name}", svg(f'<circle r="{number}"/>')
-            yield f"width {name}", svg('<circle r="1"/>', f'width="{number}mm" height="1mm"')
-            yield (
-                f"box {name}",
-                svg('<circle r="1"/>', f'width="1mm" height="1mm" viewBox="0 0 {number} 1"'),
-            )
+    circle, size = '<circle r="1"/>', 'width="1mm" height="1mm"'
+    yield from wrong("coordinate", lambda x: svg(f'<path d="M{x} 0 L 5 5 0 7Z"/>'))
+    yield from wrong("radius", lambda radius: svg(f'<circle r="{radius}"/>'))
+    yield from wrong("width", lambda width: svg(circle, f'width="{width}mm" height="1mm"'))
+    yield from wrong("box", lambda width: svg(circle, f'{size} viewBox="0 0 {width} 1"'))
     yield "radius 1e-320", svg('<circle r="1e-320"/>')
     yield "arc of radius 1e-320", svg('<path d="M0 0A1e-320 1e-320 0 0 0 1 1Z"/>')
     yield "arc that ends at its start", svg('<path d="M1 1A1 1 0 0 0 1 1Z"/>')

@@ -5,13 +5,9 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass, field
-from typing import Final
 
 from camgeo.milling.machine import Machine
 from camgeo_export.interpreter.iso import COMMON, GROUP_OF, normal
-
-ALONE: Final = ("SUPA", "G500")
-"""Names that are words themselves, without a number or arguments."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,8 +26,8 @@ class Controller:
     extended : whether it has commands and addresses with an equals sign, as Sinumerik has.
     groups : modal groups of which it has words.
     dwell_letters : of words with a dwell, the one of the profile's own form first.
-    length_letter : "H", or "D" where that puts the tool's length into force by itself; else "".
-    needs_length : whether a tool's length must be put into force.
+    length_letter : "H", or "D" where that puts the tool's length into force by itself; "" where no
+        word has to.
     changes_tools : whether it has a word that changes tools.
     alone : sets of words of which a block may have one.
     """
@@ -46,7 +42,6 @@ class Controller:
     groups: frozenset[str]
     dwell_letters: str
     length_letter: str
-    needs_length: bool
     changes_tools: bool
     alone: tuple[frozenset[str], ...]
 
@@ -87,7 +82,6 @@ def controller_of(machine: Machine) -> Controller:
         frozenset(GROUP_OF[meaning] for meaning in meanings.values()),
         "".join(dict.fromkeys(next((found[1] for found in dwells if found), "P") + own_dwells)),
         length_letter,
-        bool(length_letter),
         "tool change" in meanings.values() or machine.dialect == "klartext",
         tuple(frozenset(each.split()) for each in machine.reading.alone),
     )

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from camgeo.milling.machine import Increments
 from camgeo_export.gcode.moves import Kind
 from camgeo_export.interpreter.controller import Controller, State
-from camgeo_export.interpreter.iso import COORDINATES, Block, Findings
+from camgeo_export.interpreter.iso import COORDINATES, Block, Findings, Number
 
 CYCLES: Final = ("holes", "bores")
 """Motions of a hole that is left at a traverse, and of one that is left at the feed up to R."""
@@ -82,55 +83,17 @@ class HoleReader:
 
 
 # -- quantities -----------------------------------------------------------------------------------
-# What the numbers of a block amount to: lengths, feeds and dwells.
-
-
-SHORTEST_DWELL, LONGEST_DWELL = 0.05, 60.0
-"""Seconds that a dwell may reasonably take; others are in another unit, probably."""
+# What numbers of a block amount to, which without a decimal point may count in increments.
 
 
 def coordinate(block: Block, letter: str, controller: Controller, unit: str) -> float:
     """The value of a coordinate in units of the program, which are "mm" or "inch"."""
-    number = block.values[letter]
-    increment = controller.machine.numbers.increment
-    if increment is None or number.has_point or letter not in COORDINATES:
+    increments = controller.machine.numbers.increment if letter in COORDINATES else None
+    return in_increments(block.values[letter], increments, unit)
+
+
+def in_increments(number: Number, increments: Increments | None, unit: str) -> float:
+    """The value of a number in units of the program."""
+    if increments is None or number.has_point:
         return number.value
-    return number.value * (increment.inch if unit == "inch" else increment.mm)
-
-
-def feed(block: Block, controller: Controller, unit: str) -> float:
-    """The value of F in units of the program a minute or a turn."""
-    number = block.values["F"]
-    increment = controller.machine.numbers.feed_increment
-    if increment is None or number.has_point:
-        return number.value
-    return number.value * (increment.inch if unit == "inch" else increment.mm)
-
-
-def dwell_of(
-    block: Block, controller: Controller, speed: float, findings: Findings
-) -> float | None:
-    """Seconds that a block waits, with the spindle at a `speed` [rev/min]; None without its time.
-
-    The word that states it is taken from the block.
-    """
-    letter = next((each for each in controller.dwell_letters if each in block.values), "")
-    if not letter:
-        what = f"{block.words['dwell']} without its time"
-        findings.add(block.line, "missing-word", what, allowed=controller.dwell_letters)
-        return None
-    number = block.values.pop(letter)
-    text, form = f"{letter}{number.text}", controller.machine.dwell
-    seconds = number.value
-    if letter == "S":  # revolutions of the spindle
-        seconds *= 60.0 / (speed or math.inf)
-    elif letter == controller.dwell_letters[0] and form.unit != "s":
-        if number.has_point and not form.point_seconds:
-            what = "a dwell in whole milliseconds takes no decimal point"
-            findings.add(block.line, "number", what, text)
-        seconds /= 1.0 if number.has_point and form.point_seconds else 1000.0
-    if seconds != 0.0 and not SHORTEST_DWELL <= seconds <= LONGEST_DWELL:
-        what = f"a dwell of {seconds:g} s: {text} counts in {form.unit} here"
-        allowed = f"{SHORTEST_DWELL:g} to {LONGEST_DWELL:g} s"
-        findings.add(block.line, "dwell", what, allowed=allowed)
-    return seconds
+    return number.value * (increments.inch if unit == "inch" else increments.mm)

@@ -467,7 +467,7 @@ class Hazards:
 
     def _length(self, move: CutterMove, holds: bool, what: str) -> None:
         """Find that no length of the tool holds, where the controller needs one."""
-        needed = self._controller.changes_tools and self._controller.needs_length
+        needed = self._controller.changes_tools and self._controller.length_letter
         self._once(move, "tool-length", holds or not needed, what)
 
     def _once(self, move: CutterMove, rule: str, holds: bool, what: str) -> None:

@@ -1,8 +1,9 @@
-"""What notebooks show: HTML in which every text stays a text, and pictures."""
+"""What notebooks show: HTML in which every text stays a text, pictures, and the widget."""
 
 from __future__ import annotations
 
 import base64
+import builtins
 import json
 import math
 import re
@@ -14,6 +15,7 @@ from typing import Any, Final, cast
 import matplotlib.figure
 import numpy as np
 import pytest
+import traitlets
 
 import camgeo
 from camgeo.app.answers.answer import MARKS
@@ -27,6 +29,8 @@ from camgeo.app.answers.sweep import Sweep, answer_of
 from camgeo.app.answers.table import ValueTable, table_of_scene
 from camgeo.app.answers.verify import Verification, verify
 from camgeo.app.cli.main import main
+from camgeo.app.designing.painting import painted
+from camgeo.app.designing.recent import Recent
 from camgeo.check.finding import Finding, Findings, Severity
 from camgeo.design.design import Design
 from camgeo.design.value_table import Table
@@ -34,17 +38,21 @@ from camgeo.design.verify import Check as Checked
 from camgeo.design.verify import Verdict
 from camgeo.design.writing import FileReport
 from camgeo.design.writing import Report as Written
-from camgeo.errors import GeometryError, SceneError
+from camgeo.errors import CamgeoError, GeometryError, SceneError
 from camgeo.kinematics.laws import make_law
 from camgeo.kinematics.laws.comparison import Running
 from camgeo.pictures.model import Text
+from camgeo.pictures.plots import of_design
 from camgeo.record import Displayed
 from camgeo.studies.sweep.family import family_of
 from camgeo.studies.sweep.sweep import sweep
+from camgeo_export.browser.bundles import bundle
 from camgeo_export.notebook.display import BADGES, FIRST_ROWS, LAST_ROWS
-from camgeo_export.plots import Picture, render
+from camgeo_export.notebook.viewer import viewer
+from camgeo_export.plots import Picture, render, saved
 from tests import kept
-from tests.hostile_scene import HOSTILE, Page, harmless
+from tests.hostile_scene import ALL_AT_ONCE, HOSTILE, Page, harmless, hostile_design
+from tests.imported import imported_anew
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
@@ -149,28 +157,27 @@ def test_what_notebooks_show_is_as_kept(monkeypatch: pytest.MonkeyPatch) -> None
     kept.compare("export/notebook.txt", pages)
 
 
-@pytest.mark.long  # the test above has its page, those below its picture
 def test_a_design_shows_its_cam_what_it_states_and_what_is_wrong() -> None:
     one = design("cut_lobe")
-    bundle = one._repr_mimebundle_()
     page = Page(html(one))
     (image,) = [each for tag, each in page.elements if tag == "img"]
     png = base64.b64decode((image["src"] or "").partition(",")[2])
-    assert png == bundle["image/png"] == one._repr_png_()
+    assert png == one._repr_mimebundle_()["image/png"] == one._repr_png_()
     assert png == one.plot("cam")._repr_png_()
     assert image["alt"] == "Cam of cut_lobe"
     told = texts(one)
-    for finding in one.findings:
-        assert finding.sentence in told
+    assert all(finding.sentence in told for finding in one.findings)
     assert "follower: kind = translating-roller, base_radius = " in told
-    wrong = [each for each in one.findings if each.severity != "ok"]
-    assert told.index(wrong[0].sentence) < told.index("ok the" if "ok the" in told else " ok")
 
 
-def test_a_motion_alone_is_shown_by_its_diagrams(tmp_path: Path) -> None:
-    values = {key: value for key, value in design("plate_translating").scene.values.items()
-              if key in ("camgeo", "name", "cam", "motion")}  # fmt: skip
-    alone = Design(camgeo.Scene(values))
+def motion_alone() -> Design:
+    values = design("plate_translating").scene.values
+    alone = {key: values[key] for key in ("camgeo", "name", "cam", "motion")}
+    return Design(camgeo.Scene(alone))
+
+
+def test_a_motion_alone_is_shown_by_its_diagrams() -> None:
+    alone = motion_alone()
     page = Page(html(alone))
     assert [each["alt"] for tag, each in page.elements if tag == "img"] == [
         "Motion of plate_translating"
@@ -234,19 +241,6 @@ def test_a_table_shows_its_beginning_and_its_end(count: int) -> None:
     assert f"{count} row" in page
 
 
-@pytest.mark.long  # test_what_notebooks_show_is_as_kept has such a page
-def test_laws_are_shown_with_their_values_and_curves() -> None:
-    law = make_law("modified-sine", "R-R")
-    assert "modified-sine" in texts(law)
-    assert "1.7596" in texts(law)  # C_v, VDI 2143-1, Tafel 4
-    several = html(laws_of_task("R-R", {}, ["straight-line", "scca"]))
-    assert "unbounded" in several
-    assert several.count("<img") == 1
-    tasks = laws_of_all_tasks()
-    assert "rest to rest" in texts(tasks)
-    assert "image/png" not in tasks._repr_mimebundle_()
-
-
 def test_laws_of_a_move_have_its_peaks_too() -> None:
     move = Running(speed=3.0 * math.pi, span=math.radians(90.0), stroke=40.0)
     found = laws_of_task("R-R", {}, ["modified-sine", "straight-line"], running=move)
@@ -283,24 +277,6 @@ def test_a_sweep_is_shown_row_by_row() -> None:
     assert "least" in texts(many)
 
 
-@pytest.mark.long  # test_what_notebooks_show_is_as_kept has such a page
-def test_designs_side_by_side_have_what_differs_and_their_findings() -> None:
-    small = Design(design("plate_translating").scene.with_values({"follower.base_radius": 30}))
-    found = compare([("as it is", design("plate_translating")), ("small", small)])
-    page = html(found)
-    (head, *rows) = [
-        [Page(cell).texts for cell in re.findall(r"<t[hd].*?>(.*?)</t[hd]>", row)]
-        for row in re.findall(r"<tr>(.*?)</tr>", page)
-    ]
-    assert head == [[], ["as it is"], ["small"]]
-    assert [["follower.base_radius"], ["50"], ["30"]] in rows
-    assert [["verdict"], ["✓ ok"], ["✗ BROKEN"]] in rows
-    (angle,) = [row for row in rows if row[0] == ["transmission-angle"]]
-    assert angle[1] == ["63.0337 deg"]
-    assert angle[2][-1] == "✗ BROKEN"
-    assert page.count("<img") == 1
-
-
 def test_answers_with_a_picture_show_it() -> None:
     found = size(design("plate_translating"))
     assert "present design" in texts(found)
@@ -319,9 +295,6 @@ def test_plots_are_those_of_the_command(tmp_path: Path) -> None:
     assert isinstance(made, Picture)
     made.savefig(tmp_path / "b.png")
     assert (tmp_path / "b.png").read_bytes().startswith(PNG)
-    from camgeo.pictures.plots import of_design
-    from camgeo_export.plots import saved
-
     assert saved(made, ".svg") == picture.read_bytes()
     data, told = made._repr_mimebundle_()
     assert data["image/png"] == made._repr_png_()
@@ -338,3 +311,86 @@ def test_plots_are_those_of_the_command(tmp_path: Path) -> None:
 def test_a_bundle_goes_into_a_notebook_file() -> None:
     bundle = design("plate_translating").findings._repr_mimebundle_()
     assert json.loads(json.dumps(dict(bundle))) == bundle
+
+
+# The widget: what it hands to its script, and that it is asked for --------------------------------
+
+
+@pytest.fixture
+def translating() -> Design:
+    return design("plate_translating")
+
+
+def test_a_view_has_what_is_drawn_and_the_script_that_draws_it(translating: Design) -> None:
+    view = translating.view()
+    state = view.get_state()
+    assert state["data"] == painted(translating, Recent())
+    assert state["_esm"] == bundle("viewer.js")
+    assert state["angle"] == 0.0
+    assert len(json.dumps(state["data"], allow_nan=False)) < 200_000
+    assert "application/vnd.jupyter.widget-view+json" in view._repr_mimebundle_()[0]
+
+
+def test_its_angle_is_shared_and_within_a_turn(translating: Design) -> None:
+    view = translating.view()
+    seen: list[float] = []
+    view.observe(lambda change: seen.append(change["new"]), "angle")
+    for given, within in (
+        (123.4, 123.4),
+        (360.0, 0.0),
+        (-90.0, 270.0),
+        (-1e-20, 0.0),
+        (725.0, 5.0),
+    ):
+        view.angle = given
+        assert view.angle == within
+    view.set_state({"angle": 45.5})  # as the notebook does
+    assert view.angle == 45.5
+    assert seen == [123.4, 0.0, 270.0, 0.0, 5.0, 45.5]
+    for wrong in (float("nan"), float("inf"), "north"):
+        with pytest.raises(traitlets.TraitError):
+            view.angle = wrong
+    assert view.angle == 45.5
+
+
+def test_another_design_is_shown_at_the_same_angle(translating: Design) -> None:
+    view = translating.view()
+    view.angle = 30.0
+    larger = Design(translating.scene.with_values({"follower.base_radius": 80}))
+    view.show(larger)
+    assert view.angle == 30.0
+    assert view.data == painted(larger, Recent()) != painted(translating, Recent())
+
+
+def test_a_motion_alone_has_its_diagrams() -> None:
+    data = motion_alone().view().data
+    assert data["animation"] is None
+    assert [each["name"] for each in data["charts"]] == ["motion"]
+
+
+def test_texts_of_a_scene_are_data_for_a_script_that_makes_no_markup(tmp_path: Path) -> None:
+    view = hostile_design(ALL_AT_ONCE, tmp_path).view()
+    assert json.loads(json.dumps(view.data)) == view.data
+    for word in ("innerHTML", "outerHTML", "insertAdjacentHTML", "document.write", "eval("):
+        assert word not in bundle("viewer.js")
+
+
+def test_without_the_library_the_command_that_brings_it_is_named(
+    translating: Design, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = builtins.__import__
+
+    def without(name: str, *given: Any, **named: Any) -> Any:
+        if name.split(".")[0] == "anywidget":
+            raise ModuleNotFoundError("No module named 'anywidget'", name="anywidget")
+        return found(name, *given, **named)
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    cure = r'`pip install "camgeo\[notebook\]"` brings it'
+    with (
+        imported_anew("camgeo_export.notebook.widget".__eq__),
+        pytest.raises(CamgeoError, match=cure),
+    ):
+        viewer(translating)
+    assert translating._repr_html_() is not None
+    assert translating.plot("motion") is not None
