@@ -6,7 +6,6 @@ Nothing of the code under test is used here.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -20,12 +19,6 @@ SLACK = 1e-9
 
 RUN = 8
 """Chords of a dense path in one element of its tree: it is built ten times as fast as with one."""
-
-NEAREST = 4
-"""Points of a dense path whose chords are measured first."""
-
-EXCESS = 1e-6
-"""How much farther than the nearest chord of a dense path [mm] the measured one may be."""
 
 
 @dataclass(frozen=True)
@@ -149,62 +142,25 @@ def _tree(points: ComplexArray) -> Any:
 
 
 class DensePath:
-    """A closed curve by dense points: distances from its chords.
-
-    Too large by a chord's sagitta, h^2 kappa/8 for chords of length h, and `EXCESS` at most.
+    """A closed curve by dense points: distances from its chords, too large by a chord's sagitta,
+    h^2 kappa/8 for chords of length h.
     """
 
     def __init__(self, points: ComplexArray) -> None:
-        self._points = points[points != np.roll(points, -1)]
-        self._ends = np.roll(self._points, -1)
-        self._nearest = _tree(self._points)
-        self._half = 0.5 * float(np.max(np.abs(self._ends - self._points)))
-
-    def distances(self, points: ComplexArray) -> FloatArray:
-        """(n,) distance of each point from the path.
-
-        Of the chords at the `NEAREST` points. Both ends of any other chord are at least as far as
-        the last of these, so it is no nearer than by half a chord's length under the root; where
-        that leaves more than `EXCESS` open, all chords are searched.
-        """
-        count = min(NEAREST, len(self._points))
-        away, near = self._nearest.query(_plane(points), k=[*range(1, count + 1)])
-        found: FloatArray = np.min(
-            [self._apart(points, k - back) for k in near.T for back in (0, 1)], axis=0
-        )
-        others = np.sqrt(np.maximum(away[:, -1] ** 2 - self._half**2, 0.0))
-        unsure = found > others + EXCESS
-        if np.any(unsure):
-            found[unsure] = self._searched(points[unsure])
-        return found
-
-    def _apart(self, points: ComplexArray, chord: IntArray) -> FloatArray:
-        """(n,) distance of each point from its own chord."""
-        start = self._points[chord]
-        way = self._ends[chord] - start
-        arm = points - start
-        share = (arm * np.conj(way)).real / (way * np.conj(way)).real
-        found: FloatArray = np.abs(arm - np.clip(share, 0.0, 1.0) * way)
-        return found
-
-    def _searched(self, points: ComplexArray) -> FloatArray:
-        """(n,) distance of each point from the nearest of all chords."""
-        targets = shapely.points(points.real, points.imag)
-        found: FloatArray = self._chords.query_nearest(
-            targets, return_distance=True, all_matches=False
-        )[1]
-        return found
-
-    @cached_property
-    def _chords(self) -> shapely.STRtree:
-        kept = self._points
+        kept = points[points != np.roll(points, -1)]
         first = np.arange(0, len(kept), RUN)
         # Runs of chords share a point with the next; the last one closes the curve.
         rows = (first[:, None] + np.arange(RUN + 1)).ravel()
         row = np.repeat(np.arange(len(first)), RUN + 1)[rows <= len(kept)]
         corners = kept[rows[rows <= len(kept)] % len(kept)]
-        chords: Any = shapely.linestrings(corners.real, corners.imag, indices=row)
-        return shapely.STRtree(chords)
+        self._chords = shapely.STRtree(shapely.linestrings(corners.real, corners.imag, indices=row))
+
+    def distances(self, points: ComplexArray) -> FloatArray:
+        """(n,) distance of each point from the path."""
+        found: FloatArray = self._chords.query_nearest(
+            shapely.points(points.real, points.imag), return_distance=True, all_matches=False
+        )[1]
+        return found
 
 
 def polygon(points: ComplexArray) -> shapely.Polygon:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -139,8 +137,3 @@ def test_refusals() -> None:
         made.arcs(1e-15)
 
 
-def test_a_pickle_is_the_same_boundary() -> None:
-    made = boundary()
-    again = pickle.loads(pickle.dumps(made))
-    assert (again.name, again.hole, again.coarsest) == (made.name, made.hole, made.coarsest)
-    assert np.array_equal(again.pieces, made.pieces)
