@@ -610,7 +610,7 @@ class Chamfers:
 # Keyways of hubs by DIN 6885-1, parallel keys of the deep form: from the diameter of the bore.
 #
 # Rows on which sources do not agree are left out: that of shafts above 440 mm, where the depth in
-# the hub is 19.4 or 19.5 mm. `tests/part/test_keyways.py` names the sources.
+# the hub is 19.4 or 19.5 mm. `tests/part/test_spec.py` names the sources.
 
 
 DIN_6885_1: Final = "DIN 6885-1"

@@ -36,7 +36,7 @@ from tests.effects.bodies import (
 )
 from tests.effects.scenes import course_of, design
 from tests.integrals import cells, integrals
-from tests.scene.test_flat_followers import LINKAGE
+from tests.scene.test_linkages import LINKAGE
 
 TAPPET: Final = """
 [effects.inertia]

@@ -1,16 +1,40 @@
-"""The diagrams over the cam angle: the limits that they show are those of the findings."""
+"""Pictures of single questions: limits, programs, sizes, slotted levers, spectra."""
 
 from __future__ import annotations
 
+import math
+from functools import cache
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 import camgeo
-from camgeo.pictures.model import Line, Rule
+from camgeo.check.judge import transmission_angle_limit
+from camgeo.check.sizing.smallest import Sizing, size
+from camgeo.check.sizing.task import Task, task_of
+from camgeo.design.design import Design
+from camgeo.errors import SceneError
+from camgeo.kinematics.mechanism.slotted_lever import DrivenLever, SlottedLever
+from camgeo.numeric.arrays import FloatArray
+from camgeo.pictures.backplot import CLAMP
+from camgeo.pictures.backplot import figure as program_figure
+from camgeo.pictures.effects import spectrum_figure
+from camgeo.pictures.model import Area, Circle, Field, Line, Panel, Rule, Text
 from camgeo.pictures.motion import RATIO, RATIO_STYLE, curvature
-from camgeo.units import MM_PER
+from camgeo.pictures.plots import SPECTRUM, of_design
+from camgeo.pictures.size import figure as size_figure
+from camgeo.pictures.size import seen, window
+from camgeo.pictures.slotted_lever import PANELS, crank_angles
+from camgeo.pictures.slotted_lever import figure as lever_figure
+from camgeo.scene.scene import load_scene, parse_scene
+from camgeo.units import MM_PER, RPM
+from camgeo_export.plots import render
+from tests.answers.documents import FIXTURES
+from tests.figure import drawing
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
@@ -47,3 +71,256 @@ def test_the_limit_of_the_ratio_of_radii_is_in_the_picture(name: str, sides: set
         worst = np.nanmax(sign * curve.points[:, 1])
         # Of the drawn points, a quarter of a degree apart, the worst one is near the exact place.
         assert max(worst, 0.0) * roller == pytest.approx(item.value, rel=1e-3, abs=1e-12)
+
+
+SCENE = Path(__file__).parents[2] / "fixtures" / "milling" / "moved_clamps.toml"
+
+
+def test_clamps_stand_where_they_are_during_each_operation() -> None:
+    found = program_figure(camgeo.load(SCENE).disc)
+    places = []
+    for panel in found.panels:
+        areas = [mark for mark in panel.marks if isinstance(mark, Area) and mark.style == CLAMP]
+        boxes = [(np.min(area.rings[0], axis=0), np.max(area.rings[0], axis=0)) for area in areas]
+        places.append({tuple(np.round(0.5 * (low + high), 9).tolist()) for low, high in boxes})
+    edges = {(-62.0, 0.0), (62.0, 0.0)}
+    first, strap = {*edges, (0.0, -40.0)}, {*edges, (0.0, 0.0)}
+    assert places == [first, first, strap, strap]
+    assert found.legend is not None
+    assert "clamp or screw" in [entry.label for entry in found.legend.entries]
+
+
+LEVERS = {
+    "exercise": SlottedLever(75.0, 150.0),
+    "turning": SlottedLever(100.0, 50.0),
+    "equal": SlottedLever(50.0, 50.0),
+    "nearly equal": SlottedLever(1e9, 1e9 + 1.0),
+    "short": SlottedLever(1.0, 1e8),
+}
+
+
+def drawn(driven: DrivenLever) -> tuple[Figure, list[Axes]]:
+    page = drawing.drawn(lever_figure(driven))
+    return page, page.axes[: len(PANELS)]
+
+
+def driven_by(name: str) -> DrivenLever:
+    return DrivenLever(LEVERS[name], 90.0 * RPM)
+
+
+def curve_of(axes: Axes) -> FloatArray:
+    (line,) = [line for line in axes.lines if len(np.asarray(line.get_xdata())) > 1000]
+    return np.asarray(line.get_xydata(), dtype=np.float64)
+
+
+def dots_of(axes: Axes) -> list[tuple[float, float]]:
+    return [
+        (float(x), float(y))
+        for line in axes.lines
+        if line.get_marker() == "o"
+        for x, y in np.asarray(line.get_xydata(), dtype=np.float64)
+    ]
+
+
+@pytest.mark.parametrize("name", LEVERS)
+def test_a_dot_lies_on_the_curve_at_every_extreme(name: str) -> None:
+    driven = driven_by(name)
+    _, panels = drawn(driven)
+    for axes, (quantity, _, _) in zip(panels, PANELS, strict=True):
+        curve, dots = curve_of(axes), dots_of(axes)
+        own = [extreme for extreme in driven.extremes if extreme.quantity == quantity]
+        texts = [text.get_text() for text in axes.texts]
+        assert len(texts) == len(own)
+        for extreme in own:
+            scale = 180.0 / math.pi if quantity == "phi" else 1.0
+            place, value = math.degrees(extreme.crank), scale * extreme.value
+            assert min(abs(x - place) + abs(y - value) for x, y in dots) <= 1e-9 * abs(value)
+            # Nothing drawn goes beyond it, and the curve reaches it.
+            reached = curve[:, 1].max() if extreme.largest else curve[:, 1].min()
+            assert reached == pytest.approx(value, rel=1e-6)
+
+
+def test_the_values_of_the_exercise_label_the_dots() -> None:
+    _, panels = drawn(driven_by("exercise"))
+    assert [[text.get_text() for text in axes.texts] for axes in panels] == [
+        ["−30° at 60°", "30° at 300°"],
+        ["−9.4248 rad/s at 0°", "3.1416 rad/s at 180°"],
+        ["119.88 rad/s² at 22.9°", "−119.88 rad/s² at 337.1°"],
+    ]
+
+
+def test_the_time_stands_above_the_crank_angle() -> None:
+    driven = driven_by("exercise")
+    page, panels = drawn(driven)
+    assert panels[-1].get_xlim() == (0.0, 360.0)
+    above = page.axes[-1]
+    assert above.get_xlim() == pytest.approx((0.0, 2.0 / 3.0))
+
+
+@pytest.mark.parametrize("rpm", [0.01, 90.0, 3000.0])
+@pytest.mark.parametrize("name", LEVERS)
+def test_the_labels_lie_within_the_figure(name: str, rpm: float) -> None:
+    page, panels = drawn(DrivenLever(LEVERS[name], rpm * RPM))
+    width, height = page.canvas.get_width_height()
+    for axes in panels:
+        for text in (*axes.texts, axes.yaxis.label, axes.yaxis.get_offset_text()):
+            if not text.get_text():
+                continue
+            box = text.get_window_extent()
+            assert 0 <= box.x0 < box.x1 <= width
+            assert 0 <= box.y0 < box.y1 <= height
+
+
+def test_where_the_angle_is_undefined_the_curve_is_open() -> None:
+    _, panels = drawn(driven_by("equal"))
+    curve = curve_of(panels[0])
+    assert 0.0 < curve[0, 0] < curve[-1, 0] < 360.0
+    assert dots_of(panels[0]) == [(0.0, -90.0), (360.0, 90.0)]
+
+
+def test_the_crank_angles_are_dense_where_the_acceleration_peaks() -> None:
+    driven = driven_by("nearly equal")
+    theta = crank_angles(driven)
+    assert (theta[0], theta[-1]) == (0.0, 2.0 * math.pi)
+    assert np.all(np.diff(theta) > 0.0)
+    peak = driven.lever.largest_acceleration.place
+    assert np.count_nonzero((theta > 0.1 * peak) & (theta < 10.0 * peak)) > 100
+
+
+def sized(name: str, angle: float | None = None) -> tuple[Task, Sizing]:
+    design = camgeo.load(SCENES / f"{name}.toml")
+    task = task_of(design.cam)
+    required = transmission_angle_limit(design.cam, design.scene.limits) if angle is None else angle
+    return task, size(task, required, design.scene.limits.radius_ratio)
+
+
+def panel_of(task: Task, sizing: Sizing) -> Panel:
+    (panel,) = size_figure("cam", [(task, sizing)]).panels
+    return panel
+
+
+def lines_of(panel: Panel) -> dict[str, Line]:
+    return {mark.label: mark for mark in panel.marks if isinstance(mark, Line)}
+
+
+@pytest.mark.parametrize("name", ["plate_translating", "setzhub", "schnitt"])
+def test_everything_is_marked_inside_the_picture(name: str) -> None:
+    task, sizing = sized(name)
+    assert sizing.answer is not None
+    assert sizing.flocke is not None
+    panel = panel_of(task, sizing)
+    marked = lines_of(panel)
+    places = {
+        "present design": task.present,
+        "Flocke": sizing.flocke.place,
+        "smallest": sizing.answer.place,
+    }
+    (left, right), (low, high) = panel.x.limits, panel.y.limits
+    for label, place in places.items():
+        ((x, y),) = marked[label].points
+        expected = seen(task, np.array([place.real]), np.array([place.imag]))
+        assert (x, y) == (expected[0][0], expected[1][0])
+        assert left < x < right
+        assert low < y < high
+    assert panel.legend is not None
+    texts = [entry.label for entry in panel.legend.entries]
+    assert any("Flocke" in text and "μ" in text for text in texts)
+    assert any("exact" in text and "μ" in text for text in texts)
+    assert any("r$_K$" in text for text in texts) == (name == "schnitt")
+    assert any(isinstance(mark, Field) for mark in panel.marks) == (name == "schnitt")
+
+
+@pytest.mark.parametrize("name", ["plate_translating", "setzhub", "schnitt"])
+def test_base_circles_are_whole_and_each_name_has_its_region(name: str) -> None:
+    """What is named is in the picture: a level of the ratio where the region has such places."""
+    task, sizing = sized(name)
+    sides = [(each, size(each, sizing.angle, sizing.ratio)) for each in task.sides]
+    (panel,) = size_figure("cam", sides).panels
+    circles = [mark for mark in panel.marks if isinstance(mark, Circle) and mark.style.dashes]
+    assert len(circles) == len(sides)
+    (left, right), (low, high) = panel.x.limits, panel.y.limits
+    for circle in circles:
+        x, y = circle.centre
+        assert left < x - circle.radius
+        assert x + circle.radius < right
+        assert low < y - circle.radius
+        assert y + circle.radius < high
+    assert panel.legend is not None
+    labels = [entry.label for entry in panel.legend.entries]
+    assert len(set(labels)) == len(labels)
+    bent = [mark for mark in panel.marks if isinstance(mark, Field)]
+    assert any("r$_K$" in label for label in labels) == bool(bent)
+
+
+def test_the_window_is_square() -> None:
+    for name in ("plate_translating", "setzhub"):
+        columns, rows = window([sized(name)])
+        assert np.ptp(columns) == pytest.approx(np.ptp(rows))
+
+
+def test_a_picture_of_what_cannot_be_met() -> None:
+    task, sizing = sized("setzhub", math.radians(80.0))
+    assert sizing.answer is None
+    marked = lines_of(panel_of(task, sizing))
+    assert "present design" in marked
+    assert "smallest" not in marked
+
+
+PRESS = FIXTURES / "effects" / "press.toml"
+
+
+Kind = TypeVar("Kind", Line, Rule)
+
+
+def marks(design: Design, kind: type[Kind]) -> list[Kind]:
+    (row,) = of_design(design, [SPECTRUM])[0].rows
+    return [each for each in row.panels[0].marks if isinstance(each, kind)]
+
+
+@cache
+def steady() -> Design:
+    """The press at the constant speed that it states, where both moves take as long."""
+    text = PRESS.read_text(encoding="utf-8")
+    return Design(parse_scene(f'{text}\n[state]\nspeed = "stated"\n'))
+
+
+def test_curves_are_those_of_the_effect_and_equal_ones_are_drawn_once() -> None:
+    design = steady()
+    lines = {each.label: each for each in marks(design, Line)}
+    found = design.effect(SPECTRUM)
+    assert len(found.spectra) == 2  # both by one law
+    where = "40 to 150° and 200 to 310°"
+    for of, word in (
+        (found.spectra[0].residual, "residual"),
+        (found.spectra[1].largest, "largest"),
+    ):
+        points = lines[f"{word}, {where}"].points[::40]
+        assert points[:, 1] == pytest.approx(100.0 * of(points[:, 0]), rel=1e-6)
+    largest, remains = lines[f"largest, {where}"].points, lines[f"residual, {where}"].points
+    assert np.all(largest[:, 1] >= remains[:, 1])
+
+
+def test_the_train_of_the_scene_is_marked_at_the_natural_periods_of_each_move() -> None:
+    design = steady()
+    (rule,) = (each for each in marks(design, Rule) if each.axis == "x")
+    # 110 degrees at 240 rev/min, and the frequency that the scene states
+    frequency = design.scene.effects["vibration"]["natural_frequency"] / (2.0 * np.pi)
+    assert rule.at == pytest.approx(110.0 / 360.0 / (240.0 / 60.0) * frequency, rel=1e-9)
+    assert f"{frequency:.4g} Hz" in rule.label
+
+
+def test_a_scene_without_the_effect_has_no_such_picture() -> None:
+    with pytest.raises(SceneError, match="shock-spectrum"):
+        of_design(Design(load_scene(FIXTURES / "effects" / "lever.toml")), [SPECTRUM])
+
+
+def test_a_motion_without_a_move_from_rest_to_rest_says_so() -> None:
+    drawn = spectrum_figure("swing", (), 10.0)
+    (panel,) = drawn.panels
+    (words,) = panel.marks
+    assert isinstance(words, Text)
+    assert words.text == "no move is from rest to rest"
+    assert (panel.bare, words.at, panel.x.limits, panel.y.limits) == (
+        True, (0.5, 0.5), (0.0, 1.0), (0.0, 1.0),
+    )  # fmt: skip
+    assert render(drawn, ".svg").startswith(b"<?xml")

@@ -1,17 +1,21 @@
-"""The picture of a mechanism: its lengths are numbered, listed by their keys, and can be read."""
+"""The picture of a mechanism and its turn: lengths can be read, what turns stays in the window."""
 
 from __future__ import annotations
 
 import itertools
 import math
 from pathlib import Path
+from typing import Final
 
+import numpy as np
 import pytest
 
 import camgeo
 from camgeo.kinematics.mechanism.sketch import Dimension, MechanismSketch
 from camgeo.pictures import mechanism
-from camgeo.pictures.model import Text
+from camgeo.pictures.mechanism import animation
+from camgeo.pictures.model import Area, Line, Text
+from tests import kept
 
 SCENES = sorted((Path(__file__).parents[2] / "fixtures" / "scenes").glob("*.toml"))
 
@@ -51,3 +55,45 @@ def test_a_length_of_nothing_has_its_number_beside_it() -> None:
     for mark, place in zip(numbers, places, strict=True):
         away = abs(complex(*mark.at) - place) * scale
         assert mechanism.BEYOND * (1.0 - 1e-9) <= away <= 4.0 * mechanism.BEYOND * (1.0 + 1e-9)
+
+
+FIXTURES: Final = Path(__file__).parents[2] / "fixtures"
+
+WHOLE: Final = ("groove", "conjugate_lever", "swallow_tail")
+
+WITHOUT_DISC: Final = sorted((FIXTURES / "refused").glob("*.toml"))
+
+
+@pytest.mark.parametrize(
+    "path",
+    [*(FIXTURES / "scenes" / f"{name}.toml" for name in WHOLE), *WITHOUT_DISC],
+    ids=lambda path: path.stem,
+)
+def test_what_turns_stays_in_the_window(path: Path) -> None:
+    """So do flanks that are undercut, with the signs on them, and the pitch curve around a disc."""
+    turn = animation(camgeo.load(path).disc)
+    areas = [mark for mark in turn.turning if isinstance(mark, Area)]
+    lines = [mark for mark in turn.turning if isinstance(mark, Line)]
+    points = np.concatenate(
+        [*(ring for mark in areas for ring in mark.rings), *(mark.points for mark in lines)]
+    )
+    reach = float(np.hypot(*points.T).max())
+    assert bool(turn.note) == (path in WITHOUT_DISC)
+    assert max(turn.low.real, turn.low.imag, -turn.high.real, -turn.high.imag) <= -reach
+
+
+TURNS: Final = ("scenes/setzhub", "scenes/groove", "scenes/conjugate_lever", "scenes/tappet",
+                "effects/yoke", "refused/global_undercut")  # fmt: skip
+
+
+def test_turns_are_as_kept() -> None:
+    """What turns, slides and rocks, mark by mark and place by place, and in a drag."""
+    kept.compare(
+        "figure/turns.txt",
+        (
+            (f"{name}{', moving' if moving else ''}", kept.marks(animation(disc, moving=moving)))
+            for name in TURNS
+            for disc in [camgeo.load(FIXTURES / f"{name}.toml").disc]
+            for moving in (False, True)
+        ),
+    )

@@ -1,4 +1,4 @@
-"""Boundaries of parts: bore and keyway, what fits and what does not."""
+"""Parts: boundaries and layers, bore and keyway, edges, and parts upside down."""
 
 from __future__ import annotations
 
@@ -26,10 +26,12 @@ from camgeo.part.boundaries import (
     largest_radius,
     smallest_radius,
 )
-from camgeo.part.part import Layer, Part
+from camgeo.part.part import Edge, Layer, Part, edges_of
 from camgeo.part.spec import Keyway, PartSpec
+from camgeo_export.reading import layer_name, of_the_part
 from tests.contour.cams import flank, outline
 from tests.contour.paths import cut_off_lobe, swallow_tail
+from tests.effects.scenes import design
 from tests.end_to_end.features import bore
 from tests.part.parts import INNER, OUTER, PITCH, ROLLER, circle, made, refused
 
@@ -292,3 +294,119 @@ def test_layers_of_the_same_boundaries_have_no_face_between() -> None:
         ("upper face", 0.0),
     ]
     assert [(wall.z0, wall.z1) for wall in part.walls] == [(-6.0, 0.0), (-6.0, 0.0)]
+
+
+def test_edges_of_hubs_pockets_and_holes() -> None:
+    rim, bore = circle("rim", 40.0), circle("bore", 6.0, hole=True)
+    upper, lower = circle("hub", 12.0), circle("lower hub", 15.0)
+    pocket, recess = (circle(name, 5.0, 27j, hole=True) for name in ("pocket", "recess"))
+    part = Part(
+        (
+            Layer(-19.0, -12.0, (lower, bore), "lower hub"),
+            Layer(-12.0, -9.5, (rim, recess, bore)),
+            Layer(-9.5, -6.25, (rim, bore)),
+            Layer(-6.25, 0.0, (rim, pocket, bore)),
+            Layer(0.0, 8.0, (upper, bore), "hub"),
+        )
+    )
+    found = {each.boundary.name: each for each in edges_of(part)}
+    assert list(found) == [each.name for each in part.boundaries]
+    names = {name: layer_name(edge, 1.0) for name, edge in found.items()}
+    assert names == {
+        "rim": "CUT",
+        "bore": "CUT",
+        "pocket": "BLIND_6.25",
+        "recess": "BLIND_BELOW_2.5",
+        "hub": "RAISED_8",
+        "lower hub": "RAISED_BELOW_7",
+    }
+    assert layer_name(found["pocket"], 25.4) == "BLIND_0.246063"
+    assert of_the_part(["0", *names.values(), "BLIND", "BLINDS", "PITCH_CURVE"]) == {
+        *names.values(),
+        "BLIND",
+    }
+
+
+@pytest.mark.parametrize(("change", "name"), [
+    (("groove_depth = 10", ""), "BLIND"),
+    (("groove_depth = 10", "groove_depth = 0.1"), "BLIND_0.1"),
+])  # fmt: skip
+def test_flanks_of_a_groove_are_blind_with_or_without_a_depth(
+    change: tuple[str, str], name: str
+) -> None:
+    formats = ('formats = ["dxf", "gcode", "stl", "3mf", "csv", "svg", "png"]', 'formats = ["dxf"]')
+    part = design("groove", "", change, formats).disc.drawn.part
+    kinds = {each.boundary.name: layer_name(each, 1.0) for each in edges_of(part)}
+    assert kinds == {"rim": "CUT", "bore": "CUT", "inner flank": name, "outer flank": name}
+
+
+def test_a_depth_is_written_without_an_exponent() -> None:
+    edge = Edge(circle("mark", 1.0, hole=True), "sunk", by=1e-5)
+    assert layer_name(edge, 1.0) == "BLIND_0.00001"
+    assert layer_name(Edge(edge.boundary, "sunk", by=12345.0), 1.0) == "BLIND_12345"
+    assert layer_name(Edge(edge.boundary, "sunk", by=0.1 + 0.2), 1.0) == "BLIND_0.3"
+
+
+def test_a_hole_below_a_counterbore_is_cut_through() -> None:
+    rim, hole, wide = (
+        circle("rim", 40.0),
+        *(circle(name, radius, 20j, hole=True) for name, radius in (("hole", 3.0), ("wide", 5.0))),
+    )
+    beside = circle("beside", 3.0, -20j, hole=True)
+    part = Part((Layer(-9.0, -4.0, (rim, hole, beside)), Layer(-4.0, 0.0, (rim, wide))))
+    assert {each.boundary.name: layer_name(each, 1.0) for each in edges_of(part)} == {
+        "rim": "CUT", "hole": "CUT", "beside": "BLIND_BELOW_5", "wide": "BLIND_4",
+    }  # fmt: skip
+
+
+BOUNDARIES = (
+    circle("rim", 50.0), circle("bore", 5.0, hole=True), circle("flank", 30.0), circle("hub", 12.0),
+)  # fmt: skip
+
+
+@st.composite
+def parts(draw: st.DrawFn) -> Part:
+    """Up to four layers, each with the rim and some of the others."""
+    count = draw(st.integers(1, 4))
+    steps = draw(st.lists(st.integers(1, 400), min_size=count, max_size=count))
+    low = -sum(steps[: draw(st.integers(1, count))])
+    layers = []
+    for k, step in enumerate(steps):
+        chosen = draw(st.sets(st.sampled_from(BOUNDARIES[1:]), max_size=3))
+        own = (BOUNDARIES[0], *(each for each in BOUNDARIES[1:] if each in chosen))
+        # Eighths of a millimetre are exact.
+        layers.append(Layer(low / 8.0, (low + step) / 8.0, own, f"layer {k}"))
+        low += step
+    return Part(tuple(layers))
+
+
+@given(parts())
+def test_twice_is_as_before_with_its_top_at_0(part: Part) -> None:
+    again = part.turned_over().turned_over()
+    top = part.layers[-1].z1
+    assert [(each.z0, each.z1) for each in again.layers] == [
+        (each.z0 - top, each.z1 - top) for each in part.layers
+    ]
+    assert [each.boundaries for each in again.layers] == [each.boundaries for each in part.layers]
+
+
+@given(parts())
+def test_what_lay_down_lies_up(part: Part) -> None:
+    turned = part.turned_over()
+    assert turned.layers[-1].z1 == 0.0
+    assert turned.thickness == part.thickness
+    low = part.layers[0].z0
+    walls = {(wall.boundary.name, low - wall.z1, low - wall.z0) for wall in part.walls}
+    assert {(wall.boundary.name, wall.z0, wall.z1) for wall in turned.walls} == walls
+    assert set(turned.boundaries) == set(part.boundaries)
+
+
+def test_the_edges_of_a_groove_lie_below() -> None:
+    rim, bore, flank, _ = BOUNDARIES
+    part = Part((Layer(-9.0, -5.0, (rim, bore)), Layer(-5.0, 0.0, (rim, bore, flank), "groove")))
+    walls = {wall.boundary.name: (wall.z0, wall.z1) for wall in part.turned_over().walls}
+    assert walls == {
+        "rim": (-9.0, 0.0),
+        "bore": (-9.0, 0.0),
+        "flank": (pytest.approx(-9.0), pytest.approx(-4.0)),
+    }

@@ -1,16 +1,22 @@
-"""Files that are not scenes, and the origin of a scene."""
+"""Files and keys: what is no scene, which files and values it names, and the lines of its keys."""
 
 from __future__ import annotations
 
 import pathlib
+import tomllib
+from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import camgeo
 from camgeo.errors import SceneError
 from camgeo.reading import SCENE
+from camgeo.scene.keys import key_lines, line_of, spelled
 from camgeo.scene.scene import load_scene, parse_scene
-from tests.scene.scenes import PLATE
+from camgeo.scene.values import named, stamp, value_path
+from tests.scene.scenes import FIXTURES, GROOVE, LINKED, PLATE, ROCKER, values_in
 
 BYTES = [
     (b"", "the scene is empty"),
@@ -89,3 +95,176 @@ def test_the_source_is_named(tmp_path: pathlib.Path) -> None:
     assert source.text.encode() == data
     assert source.folder == tmp_path
     assert parse_scene(PLATE).source.file == ""
+
+
+FOLDER = Path("/scenes")
+
+
+def test_any_text_of_a_scene_may_be_a_name() -> None:
+    text = 'name = "a"\n[[motion]]\nfile = "b/c.csv"\n[x]\ny = ["d", 1, {z = "e"}]\n'
+    assert named(text, FOLDER) == tuple(FOLDER / name for name in ("a", "b/c.csv", "d", "e"))
+
+
+def test_names_that_leave_the_folder_are_none() -> None:
+    assert named('a = "../b"\nc = "/etc/passwd"\nd = ""\ne = "f\\u0000"\n', FOLDER) == ()
+
+
+def test_a_text_that_is_no_toml_names_nothing_new() -> None:
+    for text in ("a = [", "a = 1\na = 2\n", f"{'[' * 5000}", f"a{'.a' * 50} = 1"):
+        assert named(text, FOLDER) is None
+
+
+@given(st.text(max_size=30))
+def test_any_text_has_files_in_the_folder_or_none(text: str) -> None:
+    for path in named(text, FOLDER) or ():
+        assert path.is_relative_to(FOLDER)
+
+
+def test_a_stamp_tells_what_is_there(tmp_path: Path) -> None:
+    path = tmp_path / "a"
+    assert stamp(path) is None
+    assert stamp(tmp_path / "a\0") is None
+    path.write_text("a")
+    assert stamp(path) == stamp(path)
+    before = stamp(path)
+    path.unlink()
+    path.write_text("ab")
+    assert stamp(path) != before
+
+
+TRICKY = '''
+# [not.a.table]
+a = 1 # b = 2
+"quoted key" = 'x # y'
+c.d."e f" = """
+[inside]
+f = 1
+"""
+g = [
+  1, # [h]
+  [2, 3],
+  { i = 4 },
+]
+[table]   # comment
+j = "]"
+[ table . sub ]
+k = { l = [1], m = "}" }
+[[array]]
+n = 1
+[array.inner]
+o = \'\'\'
+[[array]]
+\'\'\'
+[[array]]
+[[array.deep]]
+p = 1
+[[array.deep]]
+p = 2
+'''
+
+EXPECTED = {
+    ("a",): 3,
+    ("quoted key",): 4,
+    ("c",): 5,
+    ("c", "d"): 5,
+    ("c", "d", "e f"): 5,
+    ("g",): 9,
+    ("g", 0): 10,
+    ("g", 1): 11,
+    ("g", 2): 12,
+    ("table",): 14,
+    ("table", "j"): 15,
+    ("table", "sub"): 16,
+    ("table", "sub", "k"): 17,
+    ("array",): 18,
+    ("array", 0): 18,
+    ("array", 0, "n"): 19,
+    ("array", 0, "inner"): 20,
+    ("array", 0, "inner", "o"): 21,
+    ("array", 1): 24,
+    ("array", 1, "deep"): 25,
+    ("array", 1, "deep", 0): 25,
+    ("array", 1, "deep", 0, "p"): 26,
+    ("array", 1, "deep", 1): 27,
+    ("array", 1, "deep", 1, "p"): 28,
+}
+
+
+def test_tricky_file() -> None:
+    tomllib.loads(TRICKY)
+    assert key_lines(TRICKY) == EXPECTED
+
+
+def test_nearest_line_around_a_key() -> None:
+    lines = key_lines(TRICKY)
+    assert line_of(("table", "sub", "k", "l", 0), lines) == 17
+    assert line_of(("array", 1, "deep", 1, "q"), lines) == 27
+    assert line_of(("nothing",), lines) is None
+    without_header = key_lines("a = 1\n[effects.spring]\n[effects.load]\n")
+    assert line_of(("effects", "inertia"), without_header) == 2
+    assert line_of((), lines) is None
+
+
+def test_gives_up_on_an_escape_in_a_key() -> None:
+    assert key_lines('a = 1\n"b\\n" = 2\nc = 3\n') == {("a",): 1}
+
+
+def test_paths_are_counted_from_one() -> None:
+    assert spelled(("motion", 1, "span")) == "motion[2].span"
+    assert spelled(("odd key", "a.b", 0)) == '"odd key"."a.b"[1]'
+    assert spelled((200 * "x",)) == '"' + 60 * "x" + '..."'
+    assert spelled(()) == ""
+
+
+SCENES = [PLATE, ROCKER, LINKED, GROOVE, *(f.read_text() for f in sorted(FIXTURES.glob("*.toml")))]
+
+
+@pytest.mark.parametrize("text", SCENES, ids=range(len(SCENES)))
+def test_every_key_has_its_line(text: str) -> None:
+    lines = key_lines(text)
+    rows = text.splitlines()
+    for path, _ in values_in(tomllib.loads(text)):
+        if isinstance(path[-1], str):
+            line = line_of(path, lines)
+            assert line is not None
+            assert path[-1] in rows[line - 1]
+
+
+@pytest.mark.parametrize(
+    "name", ["scenes/setzhub", "scenes/hub_and_holes", "effects/press", "effects/four_bar"]
+)
+def test_every_value_of_a_scene_has_a_path(name: str) -> None:
+    tree = load_scene(FIXTURES.parent / f"{name}.toml").stated.scene.exact
+    for path, value in values_in(tree):
+        if isinstance(value, dict | list):
+            continue
+        assert value_path(tree, spelled(path)) == path
+        dotted = ".".join(str(step + 1) if isinstance(step, int) else step for step in path)
+        assert value_path(tree, dotted) == path
+
+
+def test_keys_that_a_scene_may_state_have_one_too() -> None:
+    tree = load_scene(FIXTURES / "setzhub.toml").stated.scene.exact
+    assert value_path(tree, "limits.diameter") == ("limits", "diameter")
+    assert value_path(tree, "motion[2].inflection") == ("motion", 1, "inflection")
+
+
+@pytest.mark.parametrize(
+    ("key", "message"),
+    [
+        ("", "is no key of a scene"),
+        ("motion[2", "is no key of a scene"),
+        ("folower.base_radius", "did you mean follower?"),
+        ("follower.arm.length", "follower.arm is a single value"),
+        ("follower[1]", "follower is not a list"),
+        ("motion", "is a list: name a position in it"),
+        ("motion[0].law", "its positions are 1 to 5"),
+        ("operation[1].kind", "the scene states none of it"),
+        ("part", "is a table: name one of its keys"),
+    ],
+)
+def test_what_is_no_single_value(key: str, message: str) -> None:
+    tree = load_scene(FIXTURES / "setzhub.toml").stated.scene.exact
+    with pytest.raises(SceneError) as error:
+        value_path(tree, key)
+    assert message in str(error.value)

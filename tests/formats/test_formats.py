@@ -1,19 +1,24 @@
-"""Which formats there are: those of camgeo by their modules, others by entry points."""
+"""Formats: those of camgeo by their modules, others by entry points, and their options."""
 
 from __future__ import annotations
 
 import importlib.metadata
 import subprocess
 import sys
+from collections.abc import Callable
+from decimal import Decimal
 from typing import Any
 
 import pytest
 
+import camgeo
 from camgeo.design.writing import find_writer, with_companions
-from camgeo.errors import CamgeoError, UnknownNameError
+from camgeo.errors import CamgeoError, SceneError, UnknownNameError
 from camgeo.milling.machine import names
 from camgeo.milling.milling import GcodeSpec
 from camgeo.scene.formats import format as registry
+from camgeo.scene.formats.csv import LARGEST_STEP, SMALLEST_STEP, CsvSpec
+from camgeo.scene.formats.dxf import ENTITIES, DxfSpec
 from camgeo.scene.formats.format import (
     FORMATS,
     Format,
@@ -22,8 +27,11 @@ from camgeo.scene.formats.format import (
     foreign_names,
     no_options,
 )
+from camgeo.scene.formats.threemf import BODIES, FORMAT, ThreeMfSpec, parse
 from camgeo.scene.scene import parse_scene
 from camgeo.scene.values import ValidValues, document
+from tests.contour.cams import SCENES
+from tests.part.parts import refused
 from tests.scene.scenes import PLATE
 
 
@@ -163,3 +171,113 @@ def test_a_scene_of_camgeos_formats_looks_none_up(monkeypatch: pytest.MonkeyPatc
 
     monkeypatch.setattr(importlib.metadata, "entry_points", refuse)
     assert "gcode" in parse_scene(PLATE).output.formats
+
+
+@pytest.mark.parametrize(
+    ("make", "value", "key"),
+    [
+        *(
+            (CsvSpec, Decimal(text), "output.csv.step")
+            for text in ("0", "-1", "91", "NaN", "sNaN", "Inf")
+        ),
+        *(
+            (CsvSpec, value, "output.csv.step")
+            for value in (91.0, 0, float("nan"), "1", None, True)
+        ),
+        *((DxfSpec, value, "output.dxf.entity") for value in ("", "arc", None, 3)),
+    ],
+)
+def test_wrong_options_are_refused(make: Callable[[Any], Any], value: Any, key: str) -> None:
+    with refused(key, "must be"):
+        make(value)
+
+
+def test_the_ends_of_the_ranges_are_in_them() -> None:
+    assert [CsvSpec(Decimal(text)).step for text in ("0.001", "90")]
+    assert CsvSpec(90).step == LARGEST_STEP  # type: ignore[arg-type]  # numbers of Python pass too
+    node = find_format("csv").schema["properties"]["step"]
+    assert (Decimal(repr(node["minimum"])), node["maximum"]) == (SMALLEST_STEP, LARGEST_STEP)
+    assert [DxfSpec(entity).entity for entity in ENTITIES] == list(ENTITIES)
+    assert find_format("dxf").schema["properties"]["entity"]["enum"] == list(ENTITIES)
+
+
+ON_PLATE: dict[str, Any] = {"output.3mf.plate": ["cam", "roller", "test-ring"], "part.bore": 20}
+
+
+def test_defaults_and_a_whole_table() -> None:
+    assert parse({}) == ThreeMfSpec((), 5.0, None, None)
+    found = parse({"plate": ("cam", "roller"), "gap": 2.0, "roller_bore": 6.0})
+    assert found == ThreeMfSpec(("cam", "roller"), 2.0, None, 6.0)
+
+
+@pytest.mark.parametrize(
+    ("table", "key"),
+    [
+        ({"plate": ("cam", "cam")}, "plate"),
+        ({"plate": ("gear",)}, "plate"),
+        ({"gap": 0.0}, "gap"),
+        ({"roller_width": -1.0}, "roller_width"),
+    ],
+)
+def test_doors(table: dict[str, Any], key: str) -> None:
+    with refused(f"output.3mf.{key}"):
+        parse(table)
+
+
+def test_a_scene_with_a_plate() -> None:
+    scene = camgeo.load(SCENES / "plate_translating.toml").scene
+    found = scene.with_values({**ON_PLATE, "output.3mf.gap": 3}).output.options[FORMAT]
+    assert found == ThreeMfSpec(("cam", "roller", "test-ring"), 3.0)
+    assert scene.output.options[FORMAT] == ThreeMfSpec()
+    assert scene.with_values(ON_PLATE).made != scene.with_values({"part.bore": 20}).made
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "key", "message"),
+    [
+        ("plate_translating", {"plate": ["gear"]}, "plate[1]", "must be one of"),
+        ("plate_translating", {"plate": []}, "plate", "must be a list, each named once"),
+        ("plate_translating", {"plate": ["return-cam"]}, "plate", "needs .follower.return. for"),
+        (
+            "conjugate_carriage",
+            {"plate": ["return-cam"]},
+            "plate",
+            r"has no .return-cam.: it is one piece with .cam.",
+        ),
+        ("tappet", {"plate": ["roller"]}, "plate", "has no roller"),
+        ("knife_edge", {"plate": ["roller"]}, "plate", "is a knife edge"),
+        ("plate_translating", {"gap": 2}, "gap", "needs plate"),
+        (
+            "plate_translating",
+            {"plate": ["cam"], "roller_bore": 3},
+            "roller_bore",
+            "needs a roller",
+        ),
+        (
+            "plate_translating",
+            {"plate": ["roller"], "roller_bore": 20},
+            "roller_bore",
+            "must be less than the diameter of the roller, 20",
+        ),
+    ],
+)
+def test_refusals(name: str, values: dict[str, Any], key: str, message: str) -> None:
+    scene = camgeo.load(SCENES / f"{name}.toml").scene
+    if name == "conjugate_carriage":
+        scene = scene.with_values({"part.pair": {"gap": 8, "spacer": 40}})
+    with pytest.raises(SceneError, match=message) as caught:
+        scene.with_values({f"output.3mf.{each}": value for each, value in values.items()})
+    assert [fault.key for fault in caught.value.faults] == [f"output.3mf.{key}"]
+
+
+def test_a_ring_needs_a_bore() -> None:
+    scene = camgeo.load(SCENES / "plate_translating.toml").scene
+    values = {"part.bore": None, "part.keyway": None, "output.3mf.plate": ["test-ring"]}
+    with pytest.raises(SceneError, match=r"needs .part. bore for"):
+        scene.with_values(values)
+
+
+def test_all_bodies_are_described() -> None:
+    items = FORMAT.schema["properties"]["plate"]
+    assert tuple(items["items"]["enum"]) == BODIES
+    assert all(f'"{each}"' in items["description"] for each in BODIES)
