@@ -1,16 +1,17 @@
-"""docs/accuracy.md covers every fixture cam, and some of its rows are measured again."""
+"""Pages on accuracy, what it costs and what it buys: all their rows, some measured again."""
 
 from __future__ import annotations
 
 import re
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import pytest
 
 import camgeo
 from camgeo.geometry.contour.least_pieces import ARC, CHORD, CUBIC
-from camgeo.studies.accuracy.benefit import benefit_rows
+from camgeo.studies.accuracy.benefit import BenefitRow, benefit_rows
 from camgeo.studies.accuracy.contours import FORMS, ORDER
 from camgeo.studies.accuracy.knee import enough, words
 from camgeo.units import RPM
@@ -103,3 +104,132 @@ def test_the_constants_are_those_of_the_limits() -> None:
     assert CUBIC == 1.0 / 768.0
     reported = [float(text) for text in re.findall(r"\| ([\d.]+) times", PAGE)]
     assert reported == [round(10.0 ** (1.0 / ORDER[form]), 2) for form in FORMS]
+
+
+BILL = (Path(__file__).resolve().parents[1] / "docs" / "bill.md").read_text(encoding="utf-8")
+
+COSTS, BUYS = BILL.split("## What it buys")
+
+DIGITS = 1e-2
+"""Relative change of a figure by one in the last of three digits, at most."""
+
+
+def bill() -> Any:
+    """The module docs/bill_page.py."""
+    return page_maker("bill_page")
+
+
+def cells(row: str) -> list[str]:
+    """The cells of a row, without those at its ends, which are empty."""
+    return [cell.strip() for cell in row.split("|")[1:-1]]
+
+
+def rows(text: str, name: str) -> list[list[str]]:
+    """The rows of a scene."""
+    return [cells(row) for row in text.splitlines() if row.startswith(f"| {name} |")]
+
+
+def number(cell: str) -> float | str:
+    """The number in a cell; the cell itself if there is none."""
+    try:
+        return float(cell.replace(",", ""))
+    except ValueError:
+        return cell
+
+
+def assert_close(found: list[str], written: list[str]) -> None:
+    for one, other in zip(map(number, found), map(number, written), strict=True):
+        assert one == (other if isinstance(other, str) else pytest.approx(other, rel=DIGITS))
+
+
+def test_every_fixture_scene_is_built_and_runs() -> None:
+    made = bill()
+    for name in made.scenes():
+        assert [row[1] for row in rows(COSTS, name)] == [f"{each:g}" for each in made.TOLERANCES]
+        assert rows(BUYS, name), name
+
+
+@pytest.mark.long  # tests/accuracy/test_bill.py measures such rows
+@pytest.mark.parametrize("name", ["tappet", "effects/yoke"])
+def test_what_is_built_again_is_that_of_the_page(name: str) -> None:
+    """Pieces and machining time."""
+    made = bill()
+    (built,) = made.measure(name, made.TOLERANCES[:1])
+    found, written = cells(made.line(name, built)), rows(COSTS, name)[0]
+    assert_close([*found[:2], found[8], found[10]], [*written[:2], written[8], written[10]])
+
+
+@pytest.mark.long  # tests/accuracy/test_bill.py measures such rows
+@pytest.mark.parametrize("name", ["tappet", "effects/groove_lever"])
+def test_what_runs_again_is_that_of_the_page(name: str) -> None:
+    made = bill()
+    found = [cells(row) for row in made.lines(name, made.bought(name))]
+    for one, other in zip(found, rows(BUYS, name), strict=True):
+        assert_close(one, other)
+
+
+RIPPLE: Final = (Path(__file__).resolve().parents[1] / "docs" / "ripple.md").read_text("utf-8")
+
+EXTREMES, SPECTRUM = RIPPLE.split("## At which frequencies")
+
+
+@cache
+def ripple() -> Any:
+    """The module docs/ripple_page.py."""
+    return page_maker("ripple_page")
+
+
+@cache
+def measured() -> tuple[BenefitRow, ...]:
+    speeds = [speed * RPM for speed in ripple().SPEEDS]
+    return benefit_rows(ripple().design(), (1e-1, 1e-3), speeds)
+
+
+def signed(line: str) -> list[float]:
+    return [float(text) for text in re.findall(r"(?<=[ |])-?[\d.e-]*\d", line)]
+
+
+def test_every_contour_has_every_tolerance() -> None:
+    for form in FORMS:
+        found = re.findall(
+            rf"^\| {ripple().NAMES[form]} \| ([\de.-]+) \| \S+ % ", RIPPLE, re.MULTILINE
+        )
+        assert [float(each) for each in found] == list(ripple().TOLERANCES)
+
+
+@pytest.mark.long  # tests/accuracy/test_benefit.py and test_spectrum.py measure such rows
+def test_rows_measured_again_are_those_of_the_page() -> None:
+    """To two units of the last of three digits: another processor rounds pieces differently."""
+    for line in ripple().lines(measured()):
+        head = " | ".join(line.split(" | ")[:2]) + " | "
+        (kept,) = (each for each in EXTREMES.splitlines() if each.startswith(head))
+        assert signed(line) == pytest.approx(signed(kept), rel=0.02)
+
+
+@pytest.mark.long  # the long form alone has the rows
+def test_the_picture_is_drawn_from_the_rows() -> None:
+    drawn = ripple().benefit_figure(measured(), title="setzhub")
+    assert [panel.y.label for panel in drawn.panels] == [
+        "acceleration is off [mm/s²]",
+        "contact force is off [N]",
+        "lifts off at [rev/min]",
+    ]
+    assert len(drawn.panels[0].marks) == len(FORMS) * len(ripple().SPEEDS)
+    assert drawn.to_data()
+
+
+@pytest.mark.long  # tests/accuracy/test_benefit.py and test_spectrum.py measure such rows
+def test_harmonics_measured_again_are_those_of_the_page() -> None:
+    """To a unit of the last of two digits."""
+    for line in ripple().spectrum_lines(ripple().at_highest_speed(measured())):
+        head = " | ".join(line.split(" | ")[:2]) + " | "
+        (kept,) = (each for each in SPECTRUM.splitlines() if each.startswith(head))
+        found, wanted = (signed(each.replace(",", "")) for each in (line, kept))
+        assert found == pytest.approx(wanted, rel=0.1)
+
+
+@pytest.mark.long  # the long form alone has the rows
+def test_the_spectrum_has_a_line_for_each_tolerance() -> None:
+    drawn = ripple().spectrum_figure(ripple().at_highest_speed(measured()), title="setzhub")
+    assert [len(panel.marks) for panel in drawn.panels] == [2] * len(FORMS)
+    assert drawn.to_data()
