@@ -34,9 +34,6 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from jsonschema_rs import Draft202012Validator
 
-from camgeo.dynamics.effects import registry
-from camgeo.dynamics.effects.effect import Effect
-from camgeo.dynamics.effects.rules import Only
 from camgeo.errors import CamgeoError
 from camgeo.kinematics.laws import ALIASES, FAMILIES, OPTIONS
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
@@ -45,6 +42,8 @@ from camgeo.kinematics.planning.requests import AUTO
 from camgeo.scene.formats.format import FORMATS, NO_FORMATS, find_format, foreign_names
 
 if TYPE_CHECKING:
+    from camgeo.dynamics.effects.effect import Effect
+    from camgeo.dynamics.effects.rules import Only
     from camgeo.scene.formats.format import Format
 
 
@@ -220,6 +219,8 @@ def library_schema() -> Composed:
 def _effects(named: Any) -> Named[Effect]:
     if not isinstance(named, dict) or not named:
         return ()
+    from camgeo.dynamics.effects import registry  # few scenes name an effect
+
     known = registry.EFFECTS
     if not named.keys() <= set(known):
         known = registry.effect_names()
@@ -278,14 +279,16 @@ def schema_of_all(values: Mapping[str, Any]) -> Node:
     return schema_for({**values, OUTPUT: {**table, "formats": words}}).root
 
 
-def whole_schema(names: Iterable[str] = registry.EFFECTS) -> Node:
+def whole_schema(names: Iterable[str] = ()) -> Node:
     """Return the schema as an editor or a page of documentation uses it, a copy of its own.
 
-    It has the tables of the effects `names`, of all formats and of milling. Where effects do not
-    apply is stated in their descriptions, and in those of the keys of [follower] with which they do
-    not: both follow from the effects' own rules.
+    It has the tables of the effects `names`, by default of all of camgeo, of formats and of
+    milling. Where effects do not apply is stated in their descriptions, and in those of the keys of
+    [follower] with which they do not: both follow from the effects' own rules.
     """
-    effects = [registry.find_effect(name) for name in names]
+    from camgeo.dynamics.effects import registry  # no scene needs all of them
+
+    effects = [registry.find_effect(name) for name in names or registry.EFFECTS]
     formats = {name: find_format(name).schema for name in FORMATS}
     named = {each.name: each.schema for each in effects}
     root: Node = copy.deepcopy(_with_tables(named, formats, milling_tables()))
@@ -303,6 +306,8 @@ def whole_schema(names: Iterable[str] = registry.EFFECTS) -> Node:
 
 
 def _bounds(effect: Effect) -> Iterator[Only]:
+    from camgeo.dynamics.effects.rules import Only
+
     return (rule for rule in effect.rules if isinstance(rule, Only))
 
 
