@@ -6,7 +6,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
+from unittest.mock import Mock, patch
 
 import numpy as np
 import pytest
@@ -28,20 +28,14 @@ def design() -> Design:
     return camgeo.load(SETZHUB)
 
 
-def test_nothing_is_computed_on_loading(design: Design, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_is_computed_on_loading(design: Design) -> None:
     assert set(vars(design)) == {"scene", "ledger"}
-    calls: list[str] = []
-    jet = pitch_curve.PitchCurve.relative_jet
-
-    def counted(*arguments: Any, **options: Any) -> Any:
-        calls.append("relative_jet")
-        return jet(*arguments, **options)
-
-    monkeypatch.setattr(pitch_curve.PitchCurve, "relative_jet", counted)
-    camgeo.load(SETZHUB)
-    assert calls == []
-    design.disc.pictured.curve("pitch", np.zeros(3))
-    assert calls == ["relative_jet"]
+    kind, jet = pitch_curve.PitchCurve, pitch_curve.PitchCurve.relative_jet
+    with patch.object(kind, "relative_jet", autospec=True, side_effect=jet) as calls:
+        camgeo.load(SETZHUB)
+        calls.assert_not_called()
+        design.disc.pictured.curve("pitch", np.zeros(3))
+        calls.assert_called_once()
 
 
 def test_what_was_not_asked_for_did_not_run(design: Design) -> None:
@@ -53,18 +47,12 @@ def test_what_was_not_asked_for_did_not_run(design: Design) -> None:
 
 
 def test_findings_are_computed_once(design: Design, monkeypatch: pytest.MonkeyPatch) -> None:
-    count = []
-    original = pieces.curvature_extremes
-
-    def counted(curve: pitch_curve.PitchCurve) -> object:
-        count.append(curve)
-        return original(curve)
-
+    counted = Mock(wraps=pieces.curvature_extremes)
     monkeypatch.setattr("camgeo.cam.cam.curvature_extremes", counted)
     first = design.findings
     assert design.findings is first
     assert design.judgement.has_outline
-    assert len(count) == 1
+    counted.assert_called_once()
 
 
 def test_findings_come_worst_first(tmp_path: Path) -> None:

@@ -613,9 +613,6 @@ class Chamfers:
 # the hub is 19.4 or 19.5 mm. `tests/part/test_spec.py` names the sources.
 
 
-DIN_6885_1: Final = "DIN 6885-1"
-
-
 class Row(NamedTuple):
     """A row of the table.
 

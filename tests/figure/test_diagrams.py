@@ -203,6 +203,15 @@ def lines_of(panel: Panel) -> dict[str, Line]:
     return {mark.label: mark for mark in panel.marks if isinstance(mark, Line)}
 
 
+def assert_inside(panel: Panel, x: float, y: float, radius: float = 0.0) -> None:
+    """That a circle about a point is within the frame of a panel."""
+    (left, right), (low, high) = panel.x.limits, panel.y.limits
+    assert left < x - radius
+    assert x + radius < right
+    assert low < y - radius
+    assert y + radius < high
+
+
 @pytest.mark.parametrize("name", ["plate_translating", "setzhub", "schnitt"])
 def test_everything_is_marked_inside_the_picture(name: str) -> None:
     task, sizing = sized(name)
@@ -215,13 +224,11 @@ def test_everything_is_marked_inside_the_picture(name: str) -> None:
         "Flocke": sizing.flocke.place,
         "smallest": sizing.answer.place,
     }
-    (left, right), (low, high) = panel.x.limits, panel.y.limits
     for label, place in places.items():
         ((x, y),) = marked[label].points
         expected = seen(task, np.array([place.real]), np.array([place.imag]))
         assert (x, y) == (expected[0][0], expected[1][0])
-        assert left < x < right
-        assert low < y < high
+        assert_inside(panel, x, y)
     assert panel.legend is not None
     texts = [entry.label for entry in panel.legend.entries]
     assert any("Flocke" in text and "μ" in text for text in texts)
@@ -238,13 +245,8 @@ def test_base_circles_are_whole_and_each_name_has_its_region(name: str) -> None:
     (panel,) = size_figure("cam", sides).panels
     circles = [mark for mark in panel.marks if isinstance(mark, Circle) and mark.style.dashes]
     assert len(circles) == len(sides)
-    (left, right), (low, high) = panel.x.limits, panel.y.limits
     for circle in circles:
-        x, y = circle.centre
-        assert left < x - circle.radius
-        assert x + circle.radius < right
-        assert low < y - circle.radius
-        assert y + circle.radius < high
+        assert_inside(panel, *circle.centre, circle.radius)
     assert panel.legend is not None
     labels = [entry.label for entry in panel.legend.entries]
     assert len(set(labels)) == len(labels)

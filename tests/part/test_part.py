@@ -5,7 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable
-from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -269,22 +269,16 @@ def test_a_deviation_is_computed_once_for_the_same_contour(
     if kind is ExactBoundary:
         boundary = ExactBoundary("bore", True, bore_outline(20.0, Keyway(6.0, 2.0)))
         name = "distance_between"
-    compute = getattr(boundaries, name)
-    calls: list[Contour] = []
-
-    def counted(exact: Any, contour: Contour) -> float:
-        calls.append(contour)
-        return float(compute(exact, contour))
-
+    counted = Mock(wraps=getattr(boundaries, name))
     monkeypatch.setattr(boundaries, name, counted)
     contour = boundary.polyline(0.01).contour
-    known = len(calls)
+    known = counted.call_count
     found = boundary.deviation(contour)
     turned = Contour.polygon(np.roll(contour.vertices, 5))
     assert boundary.deviation(turned) == found
-    assert len(calls) <= known + 1
+    assert counted.call_count <= known + 1
     assert boundary.deviation(Contour.polygon(1.001 * contour.vertices)) > found
-    assert len(calls) <= known + 2
+    assert counted.call_count <= known + 2
 
 
 def test_layers_of_the_same_boundaries_have_no_face_between() -> None:
