@@ -106,9 +106,11 @@ def _rings(
     boundaries: tuple[Boundary, ...], sagitta: float, *, sampled: bool = False
 ) -> list[ComplexArray]:
     """Points [mm] of each boundary."""
-    if sampled:
-        return [boundary.sampled(sagitta).points(sagitta) for boundary in boundaries]
-    return [boundary.arcs(sagitta).contour.points(sagitta) for boundary in boundaries]
+    rings = []
+    for boundary in boundaries:
+        contour = boundary.sampled(sagitta) if sampled else boundary.arcs(sagitta).contour
+        rings.append(contour.points(sagitta))
+    return rings
 
 
 def _area(rings: list[ComplexArray], fill: Fill) -> Area:

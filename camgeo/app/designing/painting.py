@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from base64 import b64encode
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from typing import Any, Final
@@ -70,8 +71,10 @@ def _moved(job: Job, recent: Recent) -> dict[str, Any]:
 
 
 def _held(design: Design) -> dict[str, Any]:
-    held = _tried(lambda: {"handles": [each.to_data() for each in handles(design)]})
-    return held or {"handles": []}
+    held: list[dict[str, Any]] = []
+    with suppress(CamgeoError):  # the findings say why
+        held = [each.to_data() for each in handles(design)]
+    return {"handles": held}
 
 
 def change(job: Job, recent: Recent) -> dict[str, Any]:
@@ -121,8 +124,12 @@ def painted(design: Design, recent: Recent, *, moving: bool = False) -> dict[str
     scene = design.scene
     turn = None
     if scene.follower is not None:
-        turn = _tried(lambda: packed(thinned_turn(animation(design.disc, moving=moving))))
-    charts = [chart for make in _wanted(design, recent) if (chart := _tried(make)) is not None]
+        with suppress(CamgeoError):
+            turn = packed(thinned_turn(animation(design.disc, moving=moving)))
+    charts = []
+    for make in _wanted(design, recent):
+        with suppress(CamgeoError):
+            charts.append(make())
     return {"name": scene.name, "unit": scene.unit, "animation": turn, "charts": charts}
 
 
@@ -134,11 +141,11 @@ def effect_charts(design: Design) -> list[dict[str, Any]]:
         wanted = list(of_effects(design.disc))
     except CamgeoError:  # the findings say why
         return []
-    made = (
-        _tried(partial(_chart, f"effects-{number}", title, make))
-        for number, (title, make) in enumerate(wanted, start=1)
-    )
-    return [chart for chart in made if chart is not None]
+    charts = []
+    for number, (title, make) in enumerate(wanted, start=1):
+        with suppress(CamgeoError):
+            charts.append(_chart(f"effects-{number}", title, make))
+    return charts
 
 
 def _wanted(design: Design, recent: Recent) -> Iterator[Callable[[], dict[str, Any]]]:
@@ -149,13 +156,6 @@ def _wanted(design: Design, recent: Recent) -> Iterator[Callable[[], dict[str, A
     yield partial(recent.kept, "motion", moved, chart)
     if scene.follower is not None:
         yield from (partial(_chart, *each) for each in disc_diagrams(design))
-
-
-def _tried(make: Callable[[], dict[str, Any]]) -> dict[str, Any] | None:
-    try:
-        return make()
-    except CamgeoError:
-        return None
 
 
 def _chart(name: str, title: str, make: Callable[[], Figure]) -> dict[str, Any]:

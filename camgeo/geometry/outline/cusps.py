@@ -19,7 +19,6 @@ from camgeo.geometry.outline.envelope import (
     Envelope,
     envelope_of,
     halved,
-    undivided,
     unresolved,
 )
 from camgeo.geometry.outline.path import Pivot
@@ -154,7 +153,7 @@ def sure_bends(flank: WorkingCurve, bends: Extremes) -> Extremes:
         If they are so many that no number of passes finds all.
     """
     envelope = envelope_of(flank)
-    cells = undivided(envelope)
+    cells = envelope.undivided
     # Turns about corners have no curvature of the pitch curve.
     cells = cells.some(~envelope.is_pivot[envelope.element_at(cells.low)])
     for _ in range(PASSES):

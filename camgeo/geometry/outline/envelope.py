@@ -158,13 +158,19 @@ class Envelope:
 
     def _places(self, angles: FloatArray) -> FloatArray:
         """Path parameters of the cam angles `angles` in [0, 2 pi) and of all ends of elements."""
+        elements, starts = self.elements, self.starts
         angles = np.concatenate((angles, angles + TURN))
-        found = [self.starts]
-        for start, each in zip(self.starts, self.elements, strict=True):
+        found = [starts]
+        for start, each in zip(starts, elements, strict=True):
             if isinstance(each, Stretch):
                 within = angles[(angles > each.start) & (angles < each.end)]
                 found.append(start + (within - each.start))
         return frozen(ascending(np.concatenate(found)), np.float64)
+
+    @cached_property
+    def undivided(self) -> Cells:
+        """The first cells if there are no cusps."""
+        return first_cells(self, np.empty(0))
 
     def element_at(self, places: FloatArray) -> IntArray:
         """(n,) index of the element at each of `places` (n,) in [0, total)."""
@@ -559,7 +565,7 @@ def divide(envelope: Envelope, cusps: FloatArray) -> Division:
         If a cell as short as doubles resolve still bends, or too many cells do: a curvature beyond
         double precision, as at a dead centre.
     """
-    cells = first_cells(envelope, cusps) if len(cusps) else undivided(envelope)
+    cells = first_cells(envelope, cusps) if len(cusps) else envelope.undivided
     while True:
         wide, sharp = cells.high - cells.low > NARROWEST, cells.turn > STEEPEST
         if np.any(sharp & ~wide):
@@ -593,12 +599,6 @@ def first_cells(envelope: Envelope, cusps: FloatArray) -> Cells:
     low = marks[index] + spans[index] * step / parts[index]
     high = np.append(low[1:], envelope.total)
     return enclose(envelope, low, high, np.arange(len(low)))
-
-
-@kept_with_owner
-def undivided(envelope: Envelope) -> Cells:
-    """The first cells of an `envelope` without cusps."""
-    return first_cells(envelope, np.empty(0))
 
 
 def _touches(cells: Cells, cusps: FloatArray) -> BoolArray:
