@@ -13,7 +13,6 @@ import camgeo
 from camgeo.design.design import Design
 from camgeo.design.writing import find_writer
 from camgeo.errors import ToleranceError
-from camgeo.geometry.contour.contour import Contour, Fit
 from camgeo.geometry.contour.least_pieces import forced_pieces
 from camgeo.geometry.outline.replay import replay_contour
 from camgeo.part.part import WRITTEN_SHARE, written_contour
@@ -176,13 +175,8 @@ def test_flanks_are_what_the_roller_runs_on() -> None:
 
 def test_rings_and_grooves_are_replayed_on_their_flanks() -> None:
     design = load("groove")
-    for flank in flanks_of(design):
-        fit = flank.arcs(1e-3, "fast")
-        assert isinstance(fit, Fit)
-        assert isinstance(fit.contour, Contour)
-    ripple = measuring._ripple(
-        design, flanks_of(design), [f.arcs(1e-3, "fast").contour for f in flanks_of(design)]
-    )
+    flanks = flanks_of(design)
+    ripple = measuring._ripple(design, flanks, [f.arcs(1e-3, "fast").contour for f in flanks])
     assert ripple is not None
     assert 0.0 < ripple < 1.0
 

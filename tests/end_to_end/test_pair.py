@@ -10,7 +10,6 @@ import pytest
 
 import camgeo
 from camgeo.app.cli.main import main
-from camgeo.design.product import disc_of, with_pair
 from camgeo.pictures.sheet.sheet import notes_of
 from camgeo.pictures.sheet.views import drawn_of
 
@@ -51,19 +50,6 @@ def test_a_build_tells_the_angle(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert main(["build", str(PAIR), "-o", str(tmp_path), "--only", "csv"]) == 0
     shown = capsys.readouterr().out
     assert "both discs in one piece: the return disc at 0 deg to the main disc, below it" in shown
-
-
-def test_files_belong_to_the_disc_or_pair_that_they_are_named_after() -> None:
-    discs = camgeo.load(PAIR).discs
-    main_disc, other, pair = with_pair(discs)
-    for stem, disc in {
-        "conjugate_pair": main_disc,  # although it ends like a pair
-        "conjugate_pair-drawing": main_disc,
-        "conjugate_pair-return": other,
-        "conjugate_pair-pair": pair,
-        "CONJUGATE_PAIR-PAIR": pair,
-    }.items():
-        assert disc_of(discs, stem) is disc
 
 
 @pytest.mark.parametrize("language", ["en", "de"])

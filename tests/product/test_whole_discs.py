@@ -174,13 +174,15 @@ def test_a_part_that_is_impossible_is_told_as_such() -> None:
         ("conjugate_lever-return-second-side", 1), ("conjugate_lever-return-second-side-1-t12", 1),
         ("conjugate_lever-second-side-1-t12", 0), ("conjugate_lever-return-x", 0),
         ("return-conjugate_lever", 0),
+        ("conjugate_pair", 0),  # although it ends like a pair
+        ("conjugate_pair-drawing", 0), ("conjugate_pair-return", 1), ("conjugate_pair-pair", 2),
+        ("CONJUGATE_PAIR-PAIR", 2),
     ],
 )  # fmt: skip
 def test_a_file_belongs_to_the_disc_that_its_name_ends_with(stem: str, place: int) -> None:
-    discs = design("conjugate_lever").discs
+    discs = design("pair" if stem.lower().startswith("conjugate_pair") else "conjugate_lever").discs
     assert [each.position for each in discs] == [0, 1]
-    assert [each.name for each in discs] == ["conjugate_lever", "conjugate_lever-return"]
-    assert disc_of(discs, stem) is discs[place]
+    assert disc_of(discs, stem) is with_pair(discs)[place]
 
 
 def test_titles_tell_which_disc_it_is() -> None:
