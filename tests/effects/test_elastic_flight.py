@@ -248,22 +248,6 @@ def test_a_flight_keeps_the_energy_of_all_bodies() -> None:
         assert energy(end.angle, 0.0, end.rate, end.memory) == pytest.approx(here, rel=1e-10)
 
 
-def test_a_stiff_train_flies_as_a_rigid_one_until_it_lands() -> None:
-    """What is left falls with the stiffness."""
-    rigid = loaded("lift_off_elastic", cam__speed=400.0, state__output="rigid")
-    known, off = rigid.effect("lift-off").flights[0], []
-    for stiffness in (1500.0, 15000.0):
-        of = bodies(400.0, (row(0.6e-3, stiffness, 0.3),)).of
-        elastic, start = carried(of)
-        state = Off(0.0, 0.0, elastic.carried.at_rest)
-        (flight,), _ = elastic.free.flown_from(0, start, state, 0.0, Nodes.of(24), 0)
-        off.append([getattr(flight, name) / getattr(known, name) - 1.0 for name in
-                    ("leaving", "landing", "speed", "gap")])  # fmt: skip
-    soft, stiff = np.abs(off)
-    assert np.all(stiff <= 0.02)
-    assert np.all(stiff <= 0.2 * soft)
-
-
 def test_flights_that_do_not_repeat_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     elastic, start = carried(bodies(400.0, ONE).of)
     leavings = (Leaving(0, start, start + 0.1),)

@@ -143,23 +143,6 @@ def test_a_file_of_a_scene_gives_the_force(tmp_path: Path) -> None:
     largest, smallest = made.effect("load").findings
     assert (largest.value, smallest.value) == (40.0, -20.0)
     assert largest.cam_angle == pytest.approx(np.radians(90.0), rel=1e-15)
-    # Work over a turn, by hand: up from 30 to 130 degrees, down from 170 to 290.
-    low, high = cells(
-        np.unique(np.append(made.drive.smooth_angles[:-1], np.radians([90.0, 100.0]))), 4
-    )
-    work = np.sum(
-        integrals(lambda phi: c0(made, phi) * made.cam.drive.motion.jet(phi)[1], low, high)
-    )
-    # By parts: the sum of F s at the kinks, less slopes times integrals of s.
-    loads = np.interp(np.degrees(high), [0.0, 90.0, 100.0, 360.0], [10.0, 40.0, -20.0, 30.0])
-    before = np.interp(np.degrees(low), [0.0, 90.0, 100.0, 360.0], [10.0, 40.0, -20.0, 30.0])
-    lift = integrals(lambda phi: made.cam.drive.plan.jet(phi)[0], low, high)
-    ends = (
-        loads * made.cam.drive.plan.jet(high, "left")[0]
-        - before * made.cam.drive.plan.jet(low, "right")[0]
-    )
-    expected = -np.sum(ends - (loads - before) / (high - low) * lift)
-    assert work == pytest.approx(expected, abs=1e-10)  # sums of 40 terms of 800 N mm
 
 
 def test_a_heading_in_another_unit_is_refused(tmp_path: Path) -> None:

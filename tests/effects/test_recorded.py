@@ -33,6 +33,10 @@ def test_mechanisms_of_all_kinds_have_the_results_of_the_record() -> None:
     assert not off("mechanisms")
 
 
+def test_trimmed_discs_and_written_contours_have_the_results_of_the_record() -> None:
+    assert not [each for name, made in designs("states") for each in differences(name, made)]
+
+
 def test_the_scenes_of_effects_have_the_results_of_the_record() -> None:
     assert not off("fixtures")
 
