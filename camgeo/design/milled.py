@@ -287,7 +287,7 @@ def compared(milled: MilledDisc) -> tuple[Feature, ...]:
     side, of whose operations the first one tells.
     """
     from camgeo.milling.features import features_of
-    from camgeo.milling.simulation import Side
+    from camgeo.milling.judged import Side
 
     first = milled if milled.whole is None else milled.whole
     if first.first is not None or first.spec is None:
@@ -323,8 +323,8 @@ def job(
         allowed in addition to what is.
     ahead : whether a side that follows is simulated, too.
     """
-    from camgeo.milling.judged import runs_of
-    from camgeo.milling.simulation import ALLOWED, LEVEL, Side, simulated
+    from camgeo.milling.judged import Side, runs_of
+    from camgeo.milling.simulation import ALLOWED, LEVEL, simulated
 
     assert milled.spec is not None  # for there is a program
     density = None if milled.scene.part is None else milled.scene.part.density

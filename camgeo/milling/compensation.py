@@ -13,12 +13,14 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
 
+import numpy as np
+
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import least_distance
 from camgeo.geometry.contour.spline import Arc
 from camgeo.milling.cut import ContourCut, Cut
 from camgeo.milling.machine import Compensation
-from camgeo.milling.moves import ArcFeed, Feed, Move, Operation, Point, Stop, arc_sweep
+from camgeo.milling.moves import ArcFeed, Feed, Move, Operation, Point, Stop, piece_of
 from camgeo.milling.tool import COMPUTED, CONTROL
 from camgeo.milling.track import Track
 
@@ -108,14 +110,16 @@ def limit_of(operation: Operation) -> Limit | None:
         # Control itself takes the lead for the whole radius.
         lead = min(run[0].length, run[-1].length) / LEAD
         taken = cut.tool.radius if mode_of(cut) == CONTROL else 0.0
-        radii = [_radius(each) for each in run if each.sweep]
+        radii = [each.radius for each in run if each.sweep]
         corners = (_corner(before, after) for before, after in pairwise(run))
         least = min(least, lead - taken, *radii, *corners)
         for obstacle in cut.obstacles:
             if cut.bottom < obstacle.top:
                 outline = Track.around(obstacle.outline.arcs(0.01, "fast").contour)
-                near = min(least_distance(_track(each), outline) for each in run)
-                least = min(least, near - cut.tool.radius)
+                places = np.array([run[0].start, *(each.end for each in run)])
+                sweeps = np.array([each.sweep for each in run])
+                way = Track(places, sweeps, np.array([each.centre for each in run]))
+                least = min(least, least_distance(way, outline) - cut.tool.radius)
     most = math.floor(SHARE * least / LEAST) * LEAST
     if most < LEAST:
         message = (
@@ -170,10 +174,10 @@ def programmed(operation: Operation) -> tuple[Move | Stop, ...]:
             found.append(move)
             continue
         # Behind a lead that goes across to its path the next piece says where that is.
-        piece = _piece(place, move)
+        piece = piece_of(place, move)
         ahead = _headings(piece)[1]
         if switch and isinstance(after, Feed | ArcFeed):
-            ahead = _headings(_piece(move.end, after))[0]
+            ahead = _headings(piece_of(move.end, after))[0]
         beside = piece.end + 1j * shift * ahead
         end = (beside.real, beside.imag, move.end[2])
         if isinstance(move, ArcFeed) and abs(beside - piece.centre) < POINT:
@@ -194,31 +198,13 @@ def _runs(moves: Sequence[Move | Stop]) -> Iterator[list[Arc]]:
         if isinstance(move, Feed) and move.switch:
             on = True
         if on and at is not None and isinstance(move, Feed | ArcFeed):
-            piece = _piece(at, move)
+            piece = piece_of(at, move)
             if piece.length > 0.0:
                 run.append(piece)
         if isinstance(move, Feed) and move.switch == "off":
             yield run
             run, on = [], False
         at = move.end
-
-
-def _piece(at: Point, move: Feed | ArcFeed) -> Arc:
-    start, end = complex(at[0], at[1]), complex(move.end[0], move.end[1])
-    if isinstance(move, Feed):
-        return Arc(start, end, 0.0, 0j)
-    centre = complex(*move.centre)
-    return Arc(start, end, arc_sweep(start - centre, end - centre, ccw=move.ccw), centre)
-
-
-def _track(piece: Arc) -> Track:
-    if piece.sweep:
-        return Track.arc(piece.start, piece.centre, piece.sweep)
-    return Track.line(piece.start, piece.end)
-
-
-def _radius(piece: Arc) -> float:
-    return abs(piece.start - piece.centre)
 
 
 def _headings(piece: Arc) -> tuple[complex, complex]:

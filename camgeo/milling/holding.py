@@ -15,6 +15,7 @@ from camgeo.milling.tool import Text, Truth
 from camgeo.numeric.checked import check_fields, finite, hold, instance, instances, one_of, whole
 
 if TYPE_CHECKING:
+    from camgeo.geometry.contour.contour import Contour
     from camgeo.numeric.arrays import ComplexArray
     from camgeo.part.part import Boundary
 
@@ -126,8 +127,6 @@ class Clamp:
     @property
     def obstacle(self) -> Obstacle:
         """What cutters must clear."""
-        import numpy as np
-
         from camgeo.geometry.contour.contour import Contour
         from camgeo.part.boundaries import ExactBoundary
 
@@ -135,9 +134,8 @@ class Clamp:
         if self.round:
             contour = Contour.circle(self.length / 2.0, self.place)
         else:
-            corner = 0.5 * complex(self.length, self.width)
-            corners = np.array([-corner, corner.conjugate(), corner, -corner.conjugate()])
-            contour = Contour.polygon(self.place + corners * cmath.exp(1j * self.angle))
+            half = 0.5 * complex(self.length, self.width)
+            contour = rectangle(half, self.place, cmath.exp(1j * self.angle))
         return Obstacle(name, ExactBoundary(self.what, hole=False, exact=contour), self.height)
 
 
@@ -185,6 +183,18 @@ class Holding:
     def turned_over(self, about: str) -> Holding:
         """The same with clamps in the part's coordinates, which are stated as the work lies."""
         return replace(self, clamps=tuple(each.turned_over(about) for each in self.clamps))
+
+
+def rectangle(half: complex, centre: complex, along: complex = 1.0 + 0j) -> Contour:
+    """Around a `centre` [mm], counter-clockwise, half as long and as wide as `half` [mm] says; its
+    length lies `along` a direction, of size 1.
+    """
+    import numpy as np
+
+    from camgeo.geometry.contour.contour import Contour
+
+    corners = np.array([-half, half.conjugate(), half, -half.conjugate()])
+    return Contour.polygon(centre + corners * along)
 
 
 def _places(place: complex) -> str:

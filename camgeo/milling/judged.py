@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -13,8 +14,8 @@ from camgeo.geometry.contour.contour import Contour, Pieces
 from camgeo.milling.bench import BORE, Bench, is_open
 from camgeo.milling.course import Course, course_of
 from camgeo.milling.cut import AreaCut, ContourCut, Cut, LetterCut
-from camgeo.milling.holding import FIXTURE, ONION_SKIN, TABS, Holding, Obstacle
-from camgeo.milling.milling import Stock
+from camgeo.milling.holding import FIXTURE, ONION_SKIN, TABS, Holding, Obstacle, rectangle
+from camgeo.milling.milling import MillingSpec
 from camgeo.milling.moves import Move, Point, Stop, Toolpath
 from camgeo.milling.stages import (
     Body,
@@ -74,27 +75,44 @@ def run_with(
     )
 
 
-def setup_of(
-    cuts: Iterable[Cut],
-    runs: Sequence[Run],
-    part: Part,
-    stock: Stock,
-    holding: Holding | None,
-    tolerance: float,
-    others: Iterable[Cut] = (),
-) -> Setup:
+@dataclass(frozen=True, slots=True, eq=False)
+class Side:
+    """One setup of a job: what is to be made, and what its tools do.
+
+    Attributes
+    ----------
+    part, milling : as tools from above see them.
+    cuts : that are planned.
+    runs : what is run.
+    density : of the material [t/mm^3]; None if it is not stated.
+    """
+
+    part: Part
+    milling: MillingSpec
+    cuts: tuple[Cut, ...]
+    runs: tuple[Run, ...]
+    density: float | None = None
+
+    @property
+    def lowest(self) -> float:
+        """Z of the part's lower face [mm]."""
+        return self.part.layers[0].z0
+
+
+def setup_of(side: Side, tolerance: float, others: Iterable[Cut] = ()) -> Setup:
     """What a program starts from, and the part that must come of it, within `tolerance` [mm].
 
-    `cuts` say which walls are cut, and where the outline of the blank is not known, `runs` how far
-    it must reach. Holes and marks that neither they nor `others` make, the cuts of another side,
-    are none of that part: they are made otherwise.
+    Its cuts say which walls are cut, and where the outline of the blank is not known, its runs how
+    far it must reach. Holes and marks that neither they nor `others` make, the cuts of another
+    side, are none of that part: they are made otherwise.
     A bore with a keyway counts as round: a round cutter leaves the keyway to be broached. Letters
     count as what the cutter makes of them. Without a
     holding nothing is said of pieces that come loose; with one, only what it holds is held: clamps
     and screws as long as they are set.
     """
-    made = part.without(left_out(part, every := (*(cuts := tuple(cuts)), *others)))
-    letters = _letters(every)
+    part, stock, holding = side.part, side.milling.stock, side.milling.holding
+    every = (*side.cuts, *others)
+    made, letters = part.without(left_out(part, every)), _letters(every)
     bodies = tuple(
         Body(
             layer.name,
@@ -104,8 +122,8 @@ def setup_of(
         )
         for layer in made.layers
     )
-    low, high = part.layers[0].z0, part.layers[-1].z1
-    outline, rim, known = _blank(cuts, runs, part, stock, tolerance)
+    low, high = side.lowest, part.layers[-1].z1
+    outline, rim, known = _blank(side, tolerance)
     blank = [outline]
     if stock.bore is not None:
         blank.append(Contour.circle(0.5 * stock.bore))
@@ -127,7 +145,7 @@ def setup_of(
         held,
         rim if holding is not None and holding.kind in (TABS, ONION_SKIN) else None,
         fixture=holding is not None and holding.kind == FIXTURE,
-        chamfers=tuple(_chamfers(cuts, tolerance)),
+        chamfers=tuple(_chamfers(side.cuts, tolerance)),
         lowest=lowest,
         joined=max(joined, default=None),
         known=known,
@@ -197,14 +215,13 @@ def _body(obstacle: Obstacle) -> Body:
     return Body(obstacle.name, -np.inf, obstacle.top, (contour,))
 
 
-def _blank(
-    cuts: Iterable[Cut], runs: Sequence[Run], part: Part, stock: Stock, tolerance: float
-) -> tuple[Contour, tuple[Contour, ...], bool]:
+def _blank(side: Side, tolerance: float) -> tuple[Contour, tuple[Contour, ...], bool]:
     """The outline of the blank, the strip along it, and whether the outline is known.
 
     Where it is not known it is the outermost boundary of the part, if nothing cuts that one, else
     a square around all.
     """
+    stock, outermost = side.milling.stock, side.part.outermost
     if stock.diameter is not None:
         radius = 0.5 * stock.diameter
         outline = Contour.circle(radius, stock.centre)
@@ -213,29 +230,24 @@ def _blank(
     known = True
     if stock.length is not None and stock.width is not None:
         corner, centre = 0.5 * complex(stock.length, stock.width), stock.centre
-    elif part.outermost.name not in _produced(cuts):
-        outline = _contour(part.outermost, tolerance)
+    elif outermost.name not in _produced(side.cuts):
+        outline = _contour(outermost, tolerance)
         share = 1.0 - RIM / float(np.max(np.abs(outline.vertices)))
         inner = Contour(share * outline.vertices, outline.sweeps, share * outline.centres)
         return outline, (outline, inner), True
     else:
-        ends = [course_of(run.moves, run.start).ends for run in runs]
+        ends = [course_of(run.moves, run.start).ends for run in side.runs]
         both = [np.abs(part) for each in ends for part in (each.real, each.imag)]
         reach = max((float(np.max(part, initial=0.0)) for part in both), default=0.0)
-        wide = 2.0 * UNKNOWN * max((run.radius for run in runs), default=0.0)
+        wide = 2.0 * UNKNOWN * max((run.radius for run in side.runs), default=0.0)
         corner, centre, known = (reach + wide) * (1.0 + 1.0j), 0j, False
-    outline = _rectangle(corner, centre)
-    return outline, (outline, _rectangle(corner - RIM * (1.0 + 1.0j), centre)), known
+    outline = rectangle(corner, centre)
+    return outline, (outline, rectangle(corner - RIM * (1.0 + 1.0j), centre)), known
 
 
 def _produced(cuts: Iterable[Cut]) -> set[str]:
     """Names of the boundaries that are cut."""
     return {name for cut in cuts for name in cut.produced}
-
-
-def _rectangle(corner: complex, centre: complex) -> Contour:
-    corners = np.array([-corner, corner.conjugate(), corner, -corner.conjugate()])
-    return Contour.polygon(centre + corners)
 
 
 # -- verdict --------------------------------------------------------------------------------------

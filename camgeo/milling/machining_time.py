@@ -28,7 +28,7 @@ import numpy as np
 
 from camgeo.geometry.contour.contour import Contour
 from camgeo.milling.machine import Dynamics, Machine
-from camgeo.milling.moves import ArcFeed, Move, Point, Rapid, Stop, Toolpath, arc_sweep
+from camgeo.milling.moves import Move, Point, Rapid, Stop, Toolpath, piece_of
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, frozen, grouped
 
 SECONDS: Final = 60.0
@@ -265,13 +265,10 @@ def blocks_of(moves: Iterable[Move | Stop], at: Point | None, *, chord: float = 
             rest = True
             continue
         if at is not None and move.end != at:
-            centre, sweep = 0j, 0.0
-            if isinstance(move, ArcFeed):
-                centre = complex(*move.centre)
-                arms = complex(at[0], at[1]) - centre, complex(move.end[0], move.end[1]) - centre
-                sweep = arc_sweep(*arms, ccw=move.ccw)
+            piece = piece_of(at, move)
+            arc = piece.centre.real, piece.centre.imag, piece.sweep
             feed = math.inf if isinstance(move, Rapid) else move.feed / SECONDS
-            rows.append((*at, *move.end, centre.real, centre.imag, sweep, feed, rest, number))
+            rows.append((*at, *move.end, *arc, feed, rest, number))
             rest = False
         at = move.end
     table = np.array(rows, dtype=np.float64).reshape(-1, 12)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.values import Length, Place, Radius
-from camgeo.milling.holding import AXES, NOT, ONION_SKIN, TABS, Clamp, Holding, Tabs
+from camgeo.milling.holding import AXES, NOT, ONION_SKIN, TABS, Clamp, Holding, Tabs, rectangle
 from camgeo.milling.tool import (
     CHAMFER_MILL,
     COMPUTED,
@@ -172,7 +172,8 @@ class MillingSpec(Brief):
         given = instance("second_side.operation", self.second_operations, tuple, "operations")
         instances("second_side.operation", given, (OperationSpec,), "operations")
         instance("second_side", self.done, frozenset, "names of walls")
-        if repeated := [number for number, count in numbers_of(tools).items() if count > 1]:
+        counts = Counter(tool.number for tool in tools)
+        if repeated := [number for number, count in counts.items() if count > 1]:
             raise GeometryError("each tool needs its own number", "tool", f"{repeated[0]}")
 
     @property
@@ -199,11 +200,6 @@ class MillingSpec(Brief):
             turned=second.turned_about,
             done=done,
         )
-
-
-def numbers_of(tools: tuple[Tool, ...]) -> Counter[int]:
-    """How often each number stands for a tool."""
-    return Counter(tool.number for tool in tools)
 
 
 def tables() -> dict[str, dict[str, Any]]:
@@ -278,15 +274,16 @@ def second_side_of(table: Mapping[str, Any]) -> SecondSide:
     return SecondSide(**given, holding=holding_of(table["holding"]))
 
 
+NUMBERS: Final[Mapping[str, Callable[[Any], Any]]] = {
+    **dict.fromkeys(("number", "flutes", "count", "springs", "tool"), int),
+    "spindle_speed": float,
+}
+"""What keys of converted tables are made: whole numbers, and the speed as it is written."""
+
+
 def _with_counts(table: Mapping[str, Any]) -> dict[str, Any]:
     """The table, in which whole numbers are such, and the speed as it is written is a number."""
-    made = {**dict.fromkeys(("number", "flutes", "count", "springs", "tool"), int)}
-    makers: dict[str, Callable[[Any], Any]] = {**made, "spindle_speed": float}
-    return {key: makers.get(key, _as_it_is)(value) for key, value in table.items()}
-
-
-def _as_it_is(value: Any) -> Any:
-    return value
+    return {key: NUMBERS[key](value) if key in NUMBERS else value for key, value in table.items()}
 
 
 # Rules between keys ---------------------------------------------------------------------------
@@ -488,11 +485,6 @@ class GcodeSpec:
         return Heights(clearance, self.retract_height or clearance)
 
     @property
-    def safe_height(self) -> float:
-        """Z of traverses between operations [mm]."""
-        return self.clearance_height
-
-    @property
     def tool(self) -> Tool | None:
         """The tool of the earlier keys; None if they state none.
 
@@ -652,17 +644,13 @@ class Stock:
     @property
     def outline(self) -> ExactBoundary | None:
         """The upright face around it; None if it is not known."""
-        import numpy as np
-
         from camgeo.geometry.contour.contour import Contour
         from camgeo.part.boundaries import ExactBoundary
 
         if self.diameter is not None:
-            circle = Contour.circle(self.diameter / 2.0, self.centre)
-            return ExactBoundary("stock", hole=False, exact=circle)
-        if self.length is None or self.width is None:
+            exact = Contour.circle(self.diameter / 2.0, self.centre)
+        elif self.length is None or self.width is None:
             return None
-        corner = 0.5 * complex(self.length, self.width)
-        corners = np.array([-corner, corner.conjugate(), corner, -corner.conjugate()])
-        rectangle = Contour.polygon(self.centre + corners)
-        return ExactBoundary("stock", hole=False, exact=rectangle)
+        else:
+            exact = rectangle(0.5 * complex(self.length, self.width), self.centre)
+        return ExactBoundary("stock", hole=False, exact=exact)

@@ -12,6 +12,7 @@ from typing import Any, Final, Self
 import numpy as np
 
 from camgeo.errors import FileError, GeometryError
+from camgeo.geometry.contour.spline import Arc
 from camgeo.milling.cut import Cut
 from camgeo.milling.tool import Tool
 from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
@@ -177,11 +178,6 @@ class Operation:
         """What cuts, and how it is run."""
         return self.cut.tool
 
-    @property
-    def coolant(self) -> str | None:
-        """One of `camgeo.milling.tool.COOLANTS`, or None if nobody states it."""
-        return self.cut.tool.coolant
-
 
 @dataclass(frozen=True, slots=True)
 class Toolpath:
@@ -210,11 +206,6 @@ class Toolpath:
             message = "each operation needs its own name"
             raise GeometryError(message, "toolpath", ", ".join(names))
 
-    @property
-    def safe_height(self) -> float:
-        """Z [mm] of traverses from one operation to the next."""
-        return self.heights.clearance
-
 
 # -- feeds ----------------------------------------------------------------------------------------
 # The feed of the cutter's centre for a feed at its contact with the wall.
@@ -232,6 +223,15 @@ def centre_feed(feed: float, radius: float, tool_radius: float, *, inside: bool)
     radius : of the centre's arc [mm], above 0.
     """
     return feed * radius / (radius + tool_radius) if inside else feed
+
+
+def piece_of(at: Point, move: Move) -> Arc:
+    """The line or the arc of a move that begins `at` a point, in the plane."""
+    start, end = complex(at[0], at[1]), complex(move.end[0], move.end[1])
+    if not isinstance(move, ArcFeed):
+        return Arc(start, end, 0.0, 0j)
+    centre = complex(*move.centre)
+    return Arc(start, end, arc_sweep(start - centre, end - centre, ccw=move.ccw), centre)
 
 
 def arc_sweep(start: complex, end: complex, *, ccw: bool) -> float:

@@ -13,12 +13,11 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, Effort, Pieces, distances
-from camgeo.geometry.contour.spline import Arc
 from camgeo.milling.areas import crossings, inside
 from camgeo.milling.compensation import limits_of
 from camgeo.milling.course import Course, course_of
 from camgeo.milling.cut import AreaCut, Cut
-from camgeo.milling.judged import PART_FINENESS, runs_of, setup_of
+from camgeo.milling.judged import PART_FINENESS, Side, runs_of, setup_of
 from camgeo.milling.machine import ArcLimits
 from camgeo.milling.milling import MillingSpec
 from camgeo.milling.moves import (
@@ -29,7 +28,7 @@ from camgeo.milling.moves import (
     Point,
     Stop,
     Toolpath,
-    arc_sweep,
+    piece_of,
     too_long,
 )
 from camgeo.milling.strategies import STRATEGIES
@@ -104,11 +103,9 @@ def divided(moves: Iterable[Move | Stop], largest: float) -> Iterator[Move | Sto
 
 
 def _parts(at: Point, move: ArcFeed, largest: float) -> Iterator[ArcFeed]:
-    start, end = complex(at[0], at[1]), complex(move.end[0], move.end[1])
-    centre = complex(*move.centre)
-    sweep = arc_sweep(start - centre, end - centre, ccw=move.ccw)
-    if abs(sweep) > largest:
-        parts = Arc(start, end, sweep, centre).split(largest)
+    whole = piece_of(at, move)
+    if abs(whole.sweep) > largest:
+        parts = whole.split(largest)
         rise = (move.end[2] - at[2]) / len(parts)
         for count, arc in enumerate(parts[:-1], start=1):
             yield replace(move, end=(arc.end.real, arc.end.imag, at[2] + count * rise))
@@ -176,11 +173,10 @@ class Engaged:
 
 def engaged_of(toolpath: Toolpath, part: Part, milling: MillingSpec) -> tuple[Engaged, ...]:
     """The engagement of each operation of a program that clears an area."""
-    cuts = [operation.cut for operation in toolpath.operations]
+    cuts = tuple(operation.cut for operation in toolpath.operations)
     if not any(isinstance(cut, AreaCut) for cut in cuts):
         return ()
-    runs = runs_of(toolpath)
-    setup = setup_of(cuts, runs, part, milling.stock, milling.holding, PART_FINENESS)
+    setup = setup_of(Side(part, milling, cuts, runs_of(toolpath)), PART_FINENESS)
     return engaged(toolpath, setup.blank, setup.top)
 
 

@@ -24,8 +24,14 @@ from camgeo.geometry.contour.contour import Contour
 from camgeo.milling.course import Course, below, course_of
 from camgeo.milling.cut import Cut
 from camgeo.milling.holding import FIXTURE, Holding, mirrored
-from camgeo.milling.judged import PART_FINENESS, finished_by, finished_down_to, lowest_of, setup_of
-from camgeo.milling.milling import MillingSpec
+from camgeo.milling.judged import (
+    PART_FINENESS,
+    Side,
+    finished_by,
+    finished_down_to,
+    lowest_of,
+    setup_of,
+)
 from camgeo.milling.moves import Feed, Move, Point, Rapid, Stop
 from camgeo.milling.stages import (
     NOTHING,
@@ -49,7 +55,7 @@ from camgeo.milling.stages import (
     swept_below,
 )
 from camgeo.numeric.arrays import taken
-from camgeo.part.part import Part, Wall
+from camgeo.part.part import Wall
 
 FINENESS: Final = 1e-3
 """Deviation of chords [mm] unless stated."""
@@ -675,30 +681,6 @@ def _rests(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Side:
-    """One setup of a job: what is to be made, and what its tools do.
-
-    Attributes
-    ----------
-    part, milling : as tools from above see them.
-    cuts : that are planned.
-    runs : what is run.
-    density : of the material [t/mm^3]; None if it is not stated.
-    """
-
-    part: Part
-    milling: MillingSpec
-    cuts: tuple[Cut, ...]
-    runs: tuple[Run, ...]
-    density: float | None = None
-
-    @property
-    def lowest(self) -> float:
-        """Z of the part's lower face [mm]."""
-        return self.part.layers[0].z0
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Done:
     """A side that is simulated."""
 
@@ -713,10 +695,8 @@ def setups_of(sides: Sequence[Side], of: int) -> tuple[Setup, ...]:
     """
     found: list[Setup] = []
     for k, side in enumerate(sides):
-        part, milling = side.part, side.milling
-        stock, holding = milling.stock, milling.holding
         others = [cut for other in sides if other is not side for cut in other.cuts]
-        setup = setup_of(side.cuts, side.runs, part, stock, holding, PART_FINENESS, others)
+        setup = setup_of(side, PART_FINENESS, others)
         if k:
             setup = _second(setup, side, sides[k - 1], found[k - 1])
         found.append(

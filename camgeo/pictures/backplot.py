@@ -15,7 +15,7 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.milling.course import Course, alike, course_of
 from camgeo.milling.holding import mirrored_all
-from camgeo.milling.judged import runs_of, setup_of
+from camgeo.milling.judged import Side, runs_of, setup_of
 from camgeo.milling.moves import Operation, Rapid, Stop, Toolpath
 from camgeo.milling.plan import Cutting, cleared_by
 from camgeo.numeric.arrays import ComplexArray, taken
@@ -134,8 +134,7 @@ def _shown(side: Product) -> Iterator[_Shown]:
     milled = side.milled
     toolpath, spec, scale = milled.toolpath(TOLERANCE), milled.spec, 1.0 / MM_PER[side.unit]
     assert spec is not None  # for there is a program
-    runs = runs_of(toolpath)
-    setup = setup_of(milled.cuts, runs, milled.part, spec.stock, spec.holding, TOLERANCE)
+    setup = setup_of(Side(milled.part, spec, milled.cuts, runs_of(toolpath)), TOLERANCE)
 
     def seen(points: ComplexArray) -> ComplexArray:
         return mirrored_all(points, spec.turned) * scale

@@ -11,7 +11,6 @@ Prints what the dearest build has taken, apart from starting Python: CPU time, a
 from __future__ import annotations
 
 import cmath
-import json
 import math
 import os
 import re
@@ -26,6 +25,7 @@ from random import Random
 from typing import Any, Final
 
 import numpy as np
+import tomlkit
 from ezdxf.entities.lwpolyline import LWPolyline
 from ezdxf.filemanagement import readfile
 
@@ -72,6 +72,9 @@ ROUNDED: Final = 2.0**-22
 
 DIGITS: Final = 1e-9
 """Rounding of the numbers of a drawing [mm]."""
+
+
+Table = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -124,70 +127,78 @@ def case_of(rng: Random, number: int) -> Case:
     inward = rng.random() < 0.5 and kind not in ("ring", "groove", "yoke")
     left = max(10.0 ** rng.uniform(-4.0, -1.0), LEAST / size) if kind == "small" else 0.8
     tolerance = min(tolerance, 1e-2 * left * size)
-    roller, centre, motion = (1.0 - left) * size, 0j, "[[motion]]\ndwell = 360\n"
+    roller, centre = (1.0 - left) * size, 0j
+    motion: list[Table] = [{"dwell": 360}]
     if kind in MOVING:
         e = size * rng.uniform(0.01, 0.4)
-        ends = '[[motion]]\nlaw = "simple-sine"\nspan = 180\nto = {!r}\n'
-        motion = ends.format(2.0 * e) + ends.format(0.0)
+        motion = [{"law": "simple-sine", "span": 180, "to": to} for to in (2.0 * e, 0.0)]
         centre = (e if inward else -e) * cmath.exp(1j * math.radians(guide))
         radius = size - e if inward else size + e
     elif "flat" in kind or kind == "knife-edge":
         radius = size
     else:
         radius = size + roller if kind in RIMMED else size - roller
-    lines = ["camgeo = 1", 'name = "circular"', "[cam]"]
-    lines += [f'rotation = "{rng.choice(("cw", "ccw"))}"', "[follower]"]
-    lines += [*_follower(kind, size, roller, guide), 'direction = "inward"' if inward else ""]
-    if kind == "yoke":
-        lines += ["[follower.yoke]", f"breadth = {2.0 * radius!r}"]
+    cam = {"rotation": rng.choice(("cw", "ccw"))}
+    follower = _follower(kind, size, roller, guide)
+    follower |= {"direction": "inward"} if inward else {}
+    follower |= {"yoke": {"breadth": 2.0 * radius}} if kind == "yoke" else {}
     least = radius - abs(centre)
-    tool = 0.3 * size if kind == "groove" else min(0.1 * size, 0.4 * least)
-    lines += [motion, "[part]", f"thickness = {0.3 * size!r}", *_part(rng, kind, size, least)]
-    lines += ["[[tool]]", "number = 1", f"diameter = {tool!r}", f"flute_length = {size!r}"]
-    lines += ["spindle_speed = 3000", "feed = 300", "plunge_feed = 100"]
-    lines += [f"stepdown = {0.1 * size!r}", f"stepover = {0.4 * tool!r}"]
-    lines += ["[holding]", 'kind = "fixture"', f"through = {0.01 * size!r}"]
-    lines += ["[output]", 'formats = ["dxf"]', f"tolerance = {tolerance!r}"]
-    lines += ["[output.dxf]", f'entity = "{entity}"', "auxiliary = false"]
-    return Case("\n".join(lines), kind, entity, size, centre, radius, tool, tolerance)
+    diameter = 0.3 * size if kind == "groove" else min(0.1 * size, 0.4 * least)
+    tool = {"number": 1, "diameter": diameter, "flute_length": size, "spindle_speed": 3000}
+    tool |= {"feed": 300, "plunge_feed": 100, "stepdown": 0.1 * size, "stepover": 0.4 * diameter}
+    scene = {
+        "camgeo": 1,
+        "name": "circular",
+        "cam": cam,
+        "follower": follower,
+        "motion": motion,
+        "part": {"thickness": 0.3 * size, **_part(rng, kind, size, least)},
+        "tool": [tool],
+        "holding": {"kind": "fixture", "through": 0.01 * size},
+        "output": {
+            "formats": ["dxf"],
+            "tolerance": tolerance,
+            "dxf": {"entity": entity, "auxiliary": False},
+        },
+    }
+    text = tomlkit.dumps(scene)
+    return Case(text, kind, entity, size, centre, radius, diameter, tolerance)
 
 
-def _follower(kind: str, size: float, roller: float, guide: float) -> list[str]:
+def _follower(kind: str, size: float, roller: float, guide: float) -> Table:
     """The keys of a follower, its direction apart."""
-    keys: dict[str, Any] = {"base_radius": size}
+    keys: Table = {"base_radius": size}
     if "flat" not in kind and kind not in MOVING:
         keys["roller_radius"] = 0 if kind == "knife-edge" else roller
     if kind.startswith("oscillating"):
         keys |= {"kind": kind, "pivot": [-2.0 * size, size if "flat" in kind else 0.0]}
-        if "roller" in kind:
-            keys["arm"] = 2.0 * size
+        keys |= {"arm": 2.0 * size} if "roller" in kind else {}
     else:
         flat = kind in (*MOVING, "translating-flat")
         keys |= {"kind": "translating-flat" if flat else "translating-roller"}
         keys["guide_angle"] = guide
     if kind in RIMMED:
         keys["contact"] = "outer" if kind == "ring" else "groove"
-    return [f"{key} = {json.dumps(value)}" for key, value in keys.items()]
+    return keys
 
 
-def _part(rng: Random, kind: str, size: float, least: float) -> list[str]:
+def _part(rng: Random, kind: str, size: float, least: float) -> Table:
     """Rim, groove and bore, with a flat or a keyway, of a disc whose outline is at least `least`
     from the axis.
     """
-    lines = [f"rim = {3.0 * size!r}"] if kind in RIMMED else []
+    rim = {"rim": 3.0 * size} if kind in RIMMED else {}
     if kind == "groove":
-        return [*lines, f"groove_depth = {0.15 * size!r}", f"bore = {0.5 * size!r}"]
+        return {**rim, "groove_depth": 0.15 * size, "bore": 0.5 * size}
     if kind == "ring":
-        return lines
+        return rim
     bore, shape = 0.5 * least, rng.choice(("round", "flat", "keyway"))
     angle = rng.uniform(0.0, 360.0)
-    lines += [f"bore = {2.0 * bore!r}"]
-    if shape == "flat":
-        lines += [f"d_shaft = {{ across = {1.8 * bore!r}, angle = {angle!r} }}"]
-    elif shape == "keyway":
-        width, depth = 0.4 * bore, 0.2 * bore
-        lines += [f"keyway = {{ width = {width!r}, depth = {depth!r}, angle = {angle!r} }}"]
-    return lines
+    shapes = {
+        "round": {},
+        "flat": {"d_shaft": {"across": 1.8 * bore, "angle": angle}},
+        "keyway": {"keyway": {"width": 0.4 * bore, "depth": 0.2 * bore, "angle": angle}},
+    }
+    return {"bore": 2.0 * bore, **shapes[shape]}
 
 
 @dataclass(frozen=True)

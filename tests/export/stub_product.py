@@ -329,9 +329,9 @@ class StubProduct(Product):
             if cut.name == "outline":
                 contour = contour.reversed()
             assert isinstance(cut.centre, CircleBoundary)
-            moves = _moves(cut, contour, cut.centre.centre, self.gcode.safe_height)
+            moves = _moves(cut, contour, cut.centre.centre, self.gcode.clearance_height)
             operations.append(Operation(cut, tuple(divided(moves, largest))))
-        return Toolpath(Heights.of(self.gcode.safe_height), tuple(operations))
+        return Toolpath(Heights.of(self.gcode.clearance_height), tuple(operations))
 
     def stated(self) -> Table:
         return self.table()

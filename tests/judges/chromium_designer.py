@@ -33,10 +33,7 @@ def judge(*, everything: bool) -> str:
         seen, views, told = Shown(), 0, []
         with serving(folder) as server:
             for window in designer_views.windows(everything=everything):
-                size = {"width": window.width, "height": window.height}
-                with shown(
-                    browser, server.host, server.way, viewport=size, color_scheme=window.scheme
-                ) as page:
+                with shown(browser, server.host, server.way, **window.context) as page:
                     views += designer_views.judged(page, folder, window, everything=everything)
             with shown(browser, server.host, server.way) as page:
                 for each in names:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import io
 import re
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Final
+from typing import Final
 
 from camgeo.app.cli.main import main
 from camgeo.design.design import Design
@@ -228,10 +228,5 @@ def compare(found: Mapping[str, bytes], wanted: Mapping[str, bytes]) -> None:
 
 def back(page: DesignerPage) -> None:
     """Undo everything."""
-    for _ in _steps(page):
+    while page.visit.page.evaluate("camgeo.session.state.undo") is not None:
         page.press("Control+z")
-
-
-def _steps(page: DesignerPage) -> Iterator[Any]:
-    while (label := page.visit.page.evaluate("camgeo.session.state.undo")) is not None:
-        yield label

@@ -12,9 +12,9 @@ import pytest
 from camgeo.design.milled import job
 from camgeo.design.product import sides_of
 from camgeo.errors import SceneError, UnsafeError
-from camgeo.milling.judged import runs_of
+from camgeo.milling.judged import Side, runs_of
 from camgeo.milling.moves import Point, Stop
-from camgeo.milling.simulation import Done, Side, settled, simulated
+from camgeo.milling.simulation import Done, settled, simulated
 from camgeo.milling.stages import Area, Flaw, Slab
 from tests.second_side.scenes import FACED, FROM_BELOW, HALVES, TOLERANCE, design, scene
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from itertools import pairwise
 from typing import Final
 
+import numpy as np
 import pytest
 
 from camgeo.design.product import Product, disc_of, programs_of, sides_of
@@ -17,6 +17,7 @@ from camgeo_export.gcode.comments import budget
 from camgeo_export.gcode.measure import bench_of
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import run
+from tests.draws.jobs import read
 from tests.interpreter.stated import failing
 from tests.second_side.scenes import (
     FACED,
@@ -40,9 +41,6 @@ boundary = "outline"
 tool = 5
 size = 0.3
 """
-
-WORD: Final = re.compile(r"([GXYIJ])(-?\d+\.?\d*)")
-
 
 KNOWN: Final[dict[tuple[str, str], str]] = {}
 """Programs by the hash of their scene and their name."""
@@ -145,23 +143,13 @@ def test_a_program_read_back_is_the_planned_path(about: str, mode: str) -> None:
 
 
 def turned_about_its_middle(text: str, operation: str) -> float:
-    """Twice the area [mm^2] around which the printed ends of an operation at its last depth turn,
-    positive counter-clockwise; read word by word, by nothing of camgeo's.
+    """Twice the area [mm^2] around which the printed ends of an operation turn, positive
+    counter-clockwise; read word by word, by nothing of camgeo's.
     """
-    body = text.partition(f"(operation {operation})")[2].partition("(operation")[0]
-    blocks = body.splitlines()
-    places, at = [], (0.0, 0.0)
-    for block in blocks:
-        words = dict(WORD.findall(block))
-        if block.startswith(("G1", "G2", "G3")) and "X" in words:
-            at = (float(words["X"]), float(words["Y"]))
-            places.append(complex(*at))
-    # Leads turn about themselves, little.
-    middle = sum(places) / len(places)
-    turned = 0.0
-    for before, after in pairwise(places):
-        turned += ((before - middle).conjugate() * (after - middle)).imag
-    return turned
+    (ran,) = (each for each in read(text) if each.name == operation)
+    places = np.array([complex(*move[-1, :2]) for move in ran.moves])
+    arms = places - np.mean(places)  # leads turn about themselves, little
+    return float(np.sum((np.conj(arms[:-1]) * arms[1:]).imag))
 
 
 @pytest.mark.parametrize(

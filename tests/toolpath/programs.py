@@ -15,7 +15,7 @@ from camgeo.design.design import Design
 from camgeo.design.milled import MilledDisc, job
 from camgeo.milling.compensation import limits_of, programmed
 from camgeo.milling.cut import AreaCut, ContourCut, Cut, LetterCut, LineCut, PointCut
-from camgeo.milling.judged import PART_FINENESS, runs_of, setup_of
+from camgeo.milling.judged import PART_FINENESS, Side, runs_of, setup_of
 from camgeo.milling.machine import load
 from camgeo.milling.machining_time import times_on
 from camgeo.milling.moves import ArcFeed, Move, Rapid, Stop, Toolpath, arc_sweep
@@ -271,10 +271,10 @@ def document(name: str) -> dict[str, Any]:
     stock, part, zero = disc.spec.stock, disc.part, disc.zero
     machine = load(disc.gcode.machine)
     runs = runs_of(plan)
-    cuts = [operation.cut for operation in plan.operations]
-    setup = setup_of(cuts, runs, part, stock, disc.spec.holding, PART_FINENESS)
+    cuts = tuple(operation.cut for operation in plan.operations)
+    setup = setup_of(Side(part, disc.spec, cuts, runs), PART_FINENESS)
     if name in SIDES:  # it starts from what the first side leaves
-        setup = job(disc, tuple(cuts), runs, TOLERANCE)[-1].setup
+        setup = job(disc, cuts, runs, TOLERANCE)[-1].setup
     limits = limits_of(plan.operations)
     deepest: dict[int, list[float]] = {}
     for each in depths(setup, runs):

@@ -11,7 +11,7 @@ import pytest
 import camgeo
 from camgeo.cam.cam import Contact
 from camgeo.milling.holding import Clamp, Holding, Tabs
-from camgeo.milling.judged import runs_of, setup_of
+from camgeo.milling.judged import Side, runs_of, setup_of
 from camgeo.milling.machine import load
 from camgeo.milling.milling import MillingSpec, OperationSpec, Stock
 from camgeo.milling.moves import Stop, Toolpath
@@ -41,8 +41,9 @@ def judged(name: str, stock: Stock | None = None, holding: Holding | None = None
 
 
 def started(toolpath: Toolpath, part: Part, stock: Stock, holding: Holding | None) -> Setup:
-    cuts = [operation.cut for operation in toolpath.operations]
-    return setup_of(cuts, runs_of(toolpath), part, stock, holding, TOLERANCE)
+    cuts = tuple(operation.cut for operation in toolpath.operations)
+    spec = MillingSpec(tools=(), stock=stock, holding=holding)
+    return setup_of(Side(part, spec, cuts, runs_of(toolpath)), TOLERANCE)
 
 
 def test_a_sound_program() -> None:

@@ -61,8 +61,9 @@ def clear(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[
 # Facing: the whole upper face of the blank by a spiral from outside inward.
 
 
-ROOM = 0.75
-"""Of the way into the blank, as a share of the cutter's radius."""
+ENTRY = 0.75
+"""Radius of the quarter turns into the blank, as a share of the cutter's; and the room of the lead
+off what is left, if there is as much."""
 
 INNERMOST = 0.9
 """Radius of the last round as a share of that within which the cutter is flat."""
@@ -95,11 +96,8 @@ def face(cut: AreaCut, heights: Heights, tolerance: float) -> list[Move]:
     longer = (wide - INNERMOST * flat) / (wide - radius)
     morph = replace(paced, b=ends[1], turns=paced.turns * longer)
     turned = fitted(morph, fine)
-    free = -morph.side
-    centre = turned.start + free * 1j * turned.headings[0] * ROOM * radius
-    entry = Track.arc(turned.start, centre, -free * 0.5 * np.pi).reversed()
     circle = Track.arc(turned.end, middle, morph.sense * 2.0 * np.pi)
-    level = chained((entry, turned, circle))
+    level = chained((_entry(morph, turned, radius), turned, circle))
     walk = Walk(cut, heights)
     for z in cut.depths:
         walk.over(level.start)
@@ -168,8 +166,7 @@ def inside(cut: AreaCut, wall: Boundary, heights: Heights, tolerance: float) -> 
     first = (helix,) if hole is None else ()
     level = chained((*first, outward, Track.around(last), *off))
     require_clear(level, wall, cut, fine)
-    above = cut.top
-    for number, z in enumerate(cut.depths):
+    for number, (above, z) in enumerate(pairwise((cut.top, *cut.depths))):
         if number:
             walk.follow(Track.line(walk.place, helix.start))
         if hole is None:
@@ -179,7 +176,6 @@ def inside(cut: AreaCut, wall: Boundary, heights: Heights, tolerance: float) -> 
                 walk.above(helix.start)
             walk.down(z)
         walk.follow(level)
-        above = z
     walk.follow(Track.line(walk.place, 0.5 * walk.place))
     walk.up()
     return walk.moves
@@ -240,14 +236,12 @@ def moat(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[M
     # The cutter may pass where it has been, but not over the boss.
     kept = Track.around(Contour.circle(float(np.min(np.abs(inner.vertices))) - fine))
     walk = Walk(cut, heights)
-    above = cut.top
-    for number, z in enumerate(cut.depths):
+    for number, (above, z) in enumerate(pairwise((cut.top, *cut.depths))):
         if number:
             walk.over(helix.start, kept)
             walk.down(above)
         descend(walk, helix, above, z)
         walk.follow(level)
-        above = z
     walk.up()
     return walk.moves
 
@@ -258,9 +252,6 @@ def moat(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[M
 
 MOST_TRIALS, MORE = 20, 0.02
 """Of a depth's spiral, and by which share its turns grow each time."""
-
-OUTSIDE_ROOM = 0.75
-"""Of a lead, as a share of the cutter's radius."""
 
 
 def outside(cut: AreaCut, wall: Boundary, heights: Heights, tolerance: float) -> list[Move]:
@@ -362,7 +353,7 @@ def _level(cut: AreaCut, morph: Morph, path: Contour, fine: float) -> Track:
 def _entry(morph: Morph, turned: Track, radius: float) -> Track:
     """A quarter turn from the air onto the beginning of the spiral."""
     free = -morph.side
-    centre = turned.start + free * 1j * turned.headings[0] * OUTSIDE_ROOM * radius
+    centre = turned.start + free * 1j * turned.headings[0] * ENTRY * radius
     return Track.arc(turned.start, centre, -free * 0.5 * np.pi).reversed()
 
 
@@ -386,7 +377,7 @@ def _continued(cut: AreaCut, morph: Morph, place: complex, fine: float) -> Morph
 
 def _off(last: Contour, morph: Morph, radius: float) -> tuple[Track, ...]:
     """The way off the last round, none where there is no room for one."""
-    for size in (OUTSIDE_ROOM * radius, 0.3 * radius, 0.1 * radius):
+    for size in (ENTRY * radius, 0.3 * radius, 0.1 * radius):
         lead = lead_at(last, size, Beside(free=-morph.side, usual=radius))
         if lead is not None:
             return (lead.off,)
@@ -460,8 +451,7 @@ def ring(
     walk = Walk(cut, heights)
     walk.above(point)
     walk.down(cut.top)
-    above = cut.top
-    for z in cut.depths:
+    for above, z in pairwise((cut.top, *cut.depths)):
         for end in descent(cut, above, z, middle.length):
             walk.follow(middle, end, both=True)
         walk.follow(middle, both=True)
@@ -470,7 +460,6 @@ def ring(
                 walk.follow(Track.line(walk.place, track.start))
                 walk.follow(track)
             walk.follow(Track.line(walk.place, point))
-        above = z
     walk.up()
     return walk.moves
 

@@ -482,7 +482,7 @@ def written(
         If there is no room for a compensation.
     """
     limits = limits_of(toolpath.operations)
-    program = Program(machine, shares, setup, toolpath.safe_height, limits)
+    program = Program(machine, shares, setup, toolpath.heights.clearance, limits)
     program.start(about)
     operations = toolpath.operations
     for operation, following in zip_longest(operations, operations[1:]):

@@ -31,11 +31,11 @@ from camgeo.milling.compensation import mode_of, side_of
 from camgeo.milling.course import Course, course_of
 from camgeo.milling.cut import AreaCut, ContourCut, Cut, LetterCut
 from camgeo.milling.holding import Obstacle
-from camgeo.milling.judged import run_with, runs_of
+from camgeo.milling.judged import Side, run_with, runs_of
 from camgeo.milling.machine import Machine, load
 from camgeo.milling.milling import MillingSpec
 from camgeo.milling.moves import ArcFeed, Feed, Move, Point, Rapid, Stop
-from camgeo.milling.simulation import ALLOWED, Done, Side, settled, simulated
+from camgeo.milling.simulation import ALLOWED, Done, settled, simulated
 from camgeo.milling.stages import Flaw, Run, Setup
 from camgeo.milling.tool import END_MILL, Tool
 from camgeo.milling.track import Track
