@@ -1,5 +1,4 @@
-"""Areas that a cutter clears: contours that rays from a pole meet once, spirals between them,
-parallels, and crossings with circles.
+"""Areas that a cutter clears: contours that rays from a pole meet once, and spirals between them.
 
 In each direction the distance from the pole is r = (1 - u) a + u b, with a the curve at which the
 cutter first touches the stock and b that on which the cut ends. u grows evenly with the angle
@@ -374,45 +373,8 @@ def _uprightness(
     return found
 
 
-# -- parallel -------------------------------------------------------------------------------------
-# Parallels of convex contours: a cutter runs around the outside of a blank.
-
-
-CORNER = 1e-9
-"""Turn [rad] below which two pieces join without a corner."""
-
-
-def grown(contour: Contour, by: float) -> Contour:
-    """The parallel at `by` [mm] outside a convex contour, counter-clockwise, round at its corners.
-
-    Raises
-    ------
-    GeometryError
-        With key "stock", if the contour is not convex.
-    """
-    contour = contour.counter_clockwise()
-    pieces = Track.around(contour).pieces
-    leaving, arriving = pieces.tangents(pieces.starts), pieces.tangents(pieces.ends)
-    turns = np.angle(leaving * np.conj(np.roll(arriving, 1)))
-    if np.any(turns < -CORNER) or np.any(contour.sweeps < 0.0):
-        raise GeometryError("the outline of the blank must be convex", "stock")
-    vertices: list[complex] = []
-    sweeps: list[float] = []
-    centres: list[complex] = []
-    for k, turn in enumerate(turns.tolist()):
-        corner = complex(contour.vertices[k])
-        if turn > CORNER:
-            vertices.append(corner - 1j * by * complex(arriving[k - 1]))
-            sweeps.append(turn)
-            centres.append(corner)
-        vertices.append(corner - 1j * by * complex(leaving[k]))
-        sweeps.append(float(contour.sweeps[k]))
-        centres.append(complex(contour.centres[k]))
-    return Contour(np.array(vertices), np.array(sweeps), np.array(centres))
-
-
-# -- crossings ------------------------------------------------------------------------------------
-# Which lines and arcs a circle meets, and what closed contours enclose, in closed form.
+# -- within ---------------------------------------------------------------------------------------
+# What closed contours enclose, in closed form.
 
 
 def inside(boundary: Pieces, places: ComplexArray) -> BoolArray:
@@ -434,42 +396,3 @@ def inside(boundary: Pieces, places: ComplexArray) -> BoolArray:
         odd ^= arcs & within & beyond
     found: BoolArray = np.sum(odd, axis=1) % 2 == 1
     return found
-
-
-def crossings(pieces: Pieces, place: complex, radius: float, distance: float) -> FloatArray:
-    """(m,) angles [rad] at which the circle around `place` may meet what is `distance` away.
-
-    All angles at which the distance of a point of the circle from the pieces passes `distance` are
-    among them; others are too.
-    """
-    arcs = pieces.sweeps != 0.0
-    found = []
-    lines = ~arcs & (pieces.starts != pieces.ends)
-    if np.any(lines):
-        along = pieces.ends[lines] - pieces.starts[lines]
-        normal = 1j * along / np.abs(along)
-        height = np.real((pieces.starts[lines] - place) * np.conj(normal))
-        for side in (-distance, distance):
-            found += _pairs(np.angle(normal), (height + side) / radius)
-    circles: list[tuple[ComplexArray, FloatArray]] = []
-    if distance > 0.0:
-        both = np.concatenate((pieces.starts, pieces.ends))
-        circles.append((both, np.full(len(both), distance)))
-    if np.any(arcs):
-        arms = np.abs(pieces.starts[arcs] - pieces.centres[arcs])
-        for side in (-distance, distance):
-            circles.append((pieces.centres[arcs], np.abs(arms + side)))
-    for centres, radii in circles:
-        away = np.abs(centres - place)
-        cosine = (away**2 + radius**2 - radii**2) / np.where(
-            away > 0.0, 2.0 * away * radius, np.nan
-        )
-        found += _pairs(np.angle(centres - place), cosine)
-    return np.concatenate(found) if found else np.zeros(0)
-
-
-def _pairs(middle: FloatArray, cosine: FloatArray) -> list[FloatArray]:
-    """Both angles around `middle` with that cosine, where there are any."""
-    real = np.abs(cosine) <= 1.0
-    half = np.arccos(cosine[real])
-    return [middle[real] - half, middle[real] + half]

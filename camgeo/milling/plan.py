@@ -13,7 +13,7 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, Effort, Pieces, distances
-from camgeo.milling.areas import crossings, inside
+from camgeo.milling.areas import inside
 from camgeo.milling.compensation import limits_of
 from camgeo.milling.course import Course, course_of
 from camgeo.milling.cut import AreaCut, Cut
@@ -408,6 +408,45 @@ class Cutting:
             frozen(np.concatenate(angles or [np.zeros(0)]), np.float64),
             frozen(np.concatenate(weights or [np.zeros(0)]), np.float64),
         )
+
+
+def crossings(pieces: Pieces, place: complex, radius: float, distance: float) -> FloatArray:
+    """(m,) angles [rad] at which the circle around `place` may meet what is `distance` away.
+
+    All angles at which the distance of a point of the circle from the pieces passes `distance` are
+    among them; others are too.
+    """
+    arcs = pieces.sweeps != 0.0
+    found = []
+    lines = ~arcs & (pieces.starts != pieces.ends)
+    if np.any(lines):
+        along = pieces.ends[lines] - pieces.starts[lines]
+        normal = 1j * along / np.abs(along)
+        height = np.real((pieces.starts[lines] - place) * np.conj(normal))
+        for side in (-distance, distance):
+            found += _pairs(np.angle(normal), (height + side) / radius)
+    circles: list[tuple[ComplexArray, FloatArray]] = []
+    if distance > 0.0:
+        both = np.concatenate((pieces.starts, pieces.ends))
+        circles.append((both, np.full(len(both), distance)))
+    if np.any(arcs):
+        arms = np.abs(pieces.starts[arcs] - pieces.centres[arcs])
+        for side in (-distance, distance):
+            circles.append((pieces.centres[arcs], np.abs(arms + side)))
+    for centres, radii in circles:
+        away = np.abs(centres - place)
+        cosine = (away**2 + radius**2 - radii**2) / np.where(
+            away > 0.0, 2.0 * away * radius, np.nan
+        )
+        found += _pairs(np.angle(centres - place), cosine)
+    return np.concatenate(found) if found else np.zeros(0)
+
+
+def _pairs(middle: FloatArray, cosine: FloatArray) -> list[FloatArray]:
+    """Both angles around `middle` with that cosine, where there are any."""
+    real = np.abs(cosine) <= 1.0
+    half = np.arccos(cosine[real])
+    return [middle[real] - half, middle[real] + half]
 
 
 class _Low:

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise, product
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import shapely
@@ -47,7 +47,6 @@ from camgeo.milling.stages import (
     each_once,
     farthest,
     grown,
-    overlap,
     parts,
     place_in,
     polygon,
@@ -493,6 +492,16 @@ def pieces(slabs: Sequence[Slab]) -> tuple[Piece, ...]:
     for number, each in enumerate(flat):
         groups.setdefault(root(number), []).append(each)
     return tuple(Piece(tuple(group)) for group in groups.values())
+
+
+def overlap(areas: Sequence[Area], others: Sequence[Area]) -> np.ndarray[Any, Any]:
+    """(n, m) areas [mm^2] that each of `areas` (n,) shares with each of `others` (m,)."""
+    if not areas or not others:
+        return np.zeros((len(areas), len(others)))
+    first = np.array(areas, dtype=object)[:, None]
+    second = np.array(others, dtype=object)[None, :]
+    found: np.ndarray[Any, Any] = shapely.area(shapely.intersection(first, second))
+    return found
 
 
 def left_flaws(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -442,13 +442,3 @@ def _shape(chain: ComplexArray) -> Any:
     keep = np.concatenate(([True], np.diff(chain) != 0.0))
     points = np.column_stack((chain[keep].real, chain[keep].imag))
     return shapely.LineString(points) if len(points) > 1 else shapely.Point(points[0])
-
-
-def overlap(areas: Sequence[Area], others: Sequence[Area]) -> np.ndarray[Any, Any]:
-    """(n, m) areas [mm^2] that each of `areas` (n,) shares with each of `others` (m,)."""
-    if not areas or not others:
-        return np.zeros((len(areas), len(others)))
-    first = np.array(areas, dtype=object)[:, None]
-    second = np.array(others, dtype=object)[None, :]
-    found: np.ndarray[Any, Any] = shapely.area(shapely.intersection(first, second))
-    return found

@@ -56,9 +56,13 @@ def test_the_leads_switch_it(mode: str, climb: bool, expected: list[str]) -> Non
 @settings(max_examples=20)
 @given(st.floats(0.05, 12.0))
 def test_the_wear_is_at_most_half_a_lead_and_smaller_than_any_arc(room: float) -> None:
+    """Nor is it more than what is cleared beside the path, as where a slot is wider than the cutter
+    by its allowance.
+    """
     found = operation("wear", room)
     limit = limit_of(found)
     assert limit is not None
+    assert limit.most <= SHARE * room
     at = 0j
     for move in found.travel:
         end = complex(move.end[0], move.end[1])
@@ -67,14 +71,6 @@ def test_the_wear_is_at_most_half_a_lead_and_smaller_than_any_arc(room: float) -
         if isinstance(move, ArcFeed):
             assert limit.most < abs(at - complex(*move.centre))
         at = end
-
-
-def test_the_wear_is_no_more_than_what_is_cleared_beside_the_path() -> None:
-    """As where a slot is wider than the cutter by its allowance."""
-    for room in (0.05, 0.3, 2.0):
-        limit = limit_of(operation("wear", room))
-        assert limit is not None
-        assert limit.most <= SHARE * room
 
 
 def test_a_clamp_beside_the_path_limits_the_wear() -> None:

@@ -116,6 +116,19 @@ tool = 1
 """
 
 
+COUNTERBORED = SCENE.replace(
+    "hole = 4 }", "hole = 4, counterbore = { diameter = 6, depth = 2 } }"
+).replace("[output]", """[[tool]]
+number = 4
+diameter = 6
+spindle_speed = 3000
+feed = 100
+plunge_feed = 50
+plunges = true
+stepdown = 2
+[output]""")  # fmt: skip
+
+
 def _milled(text: str) -> MilledDisc:
     return camgeo.loads(text).disc.milled
 
@@ -125,7 +138,7 @@ def _wrong(milled: MilledDisc) -> list[Finding]:
     return [each for each in found if each.severity == "broken"]
 
 
-@pytest.mark.parametrize("text", [SCENE, SCENE + ROUND_BLANK, SCENE + STATED])
+@pytest.mark.parametrize("text", [SCENE, SCENE + ROUND_BLANK, SCENE + STATED, COUNTERBORED])
 def test_the_simulation_leaves_the_part(text: str) -> None:
     milled = _milled(text)
     assert _wrong(milled) == []
@@ -217,22 +230,6 @@ def test_the_scene_names_the_wrong_key() -> None:
     with pytest.raises(SceneError, match=r"part\.hub\.side") as caught:
         _ = _milled(text).sequence
     assert "from there: state [second_side]" in str(caught.value)
-
-
-def test_the_simulation_leaves_counterbores() -> None:
-    flat = """[[tool]]
-number = 4
-diameter = 6
-spindle_speed = 3000
-feed = 100
-plunge_feed = 50
-plunges = true
-stepdown = 2
-[output]"""
-    wide = "hole = 4, counterbore = { diameter = 6, depth = 2 } }"
-    milled = _milled(SCENE.replace("hole = 4 }", wide).replace("[output]", flat))
-    assert _wrong(milled) == []
-    assert left_out(milled.part, milled.cuts) == ()
 
 
 def test_chamfers_that_no_operation_makes_are_told() -> None:

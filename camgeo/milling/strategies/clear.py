@@ -12,7 +12,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, Effort, least_distance
-from camgeo.milling.areas import MOST_TURNS, Morph, Star, engagements, fitted, grown
+from camgeo.milling.areas import MOST_TURNS, Morph, Star, engagements, fitted
 from camgeo.milling.cut import AreaCut, Cut
 from camgeo.milling.moves import Heights, Move
 from camgeo.milling.strategies.around import descend, descent
@@ -382,6 +382,39 @@ def _off(last: Contour, morph: Morph, radius: float) -> tuple[Track, ...]:
         if lead is not None:
             return (lead.off,)
     return ()
+
+
+CORNER = 1e-9
+"""Turn [rad] below which two pieces join without a corner."""
+
+
+def grown(contour: Contour, by: float) -> Contour:
+    """The parallel at `by` [mm] outside a convex contour, counter-clockwise, round at its corners.
+
+    Raises
+    ------
+    GeometryError
+        With key "stock", if the contour is not convex.
+    """
+    contour = contour.counter_clockwise()
+    pieces = Track.around(contour).pieces
+    leaving, arriving = pieces.tangents(pieces.starts), pieces.tangents(pieces.ends)
+    turns = np.angle(leaving * np.conj(np.roll(arriving, 1)))
+    if np.any(turns < -CORNER) or np.any(contour.sweeps < 0.0):
+        raise GeometryError("the outline of the blank must be convex", "stock")
+    vertices: list[complex] = []
+    sweeps: list[float] = []
+    centres: list[complex] = []
+    for k, turn in enumerate(turns.tolist()):
+        corner = complex(contour.vertices[k])
+        if turn > CORNER:
+            vertices.append(corner - 1j * by * complex(arriving[k - 1]))
+            sweeps.append(turn)
+            centres.append(corner)
+        vertices.append(corner - 1j * by * complex(leaving[k]))
+        sweeps.append(float(contour.sweeps[k]))
+        centres.append(complex(contour.centres[k]))
+    return Contour(np.array(vertices), np.array(sweeps), np.array(centres))
 
 
 def _edge(cut: AreaCut, blank: Contour, path: Contour) -> Contour:
