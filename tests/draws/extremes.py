@@ -289,18 +289,15 @@ def sized(values: Any, design: camgeo.Design) -> Iterator[str]:
     radius = answer.radius_of_curvature
     own: Any = answer.follower
     made = {**values["follower"], "base_radius": own.base_radius}
-    if "face_offset" in made:
+    if "offset" in made:
+        made["offset"] = own.offset
+    elif "pivot" in made:
         made["pivot"] = [own.pivot.real, own.pivot.imag]
         made["arm_side"] = "ccw" if own.arm_side > 0 else "cw"
     if flat:
         assert radius is not None
         tolds = [Told("convexity", radius.value, radius.place, least=True)]
     else:
-        if "offset" in made:
-            made["offset"] = own.offset
-        else:
-            made["pivot"] = [own.pivot.real, own.pivot.imag]
-            made["arm_side"] = "ccw" if own.arm_side > 0 else "cw"
         mu, ratio = answer.transmission_angle, answer.radius_ratio
         tolds = [
             Told("transmission-angle", math.degrees(mu.value), mu.place, least=True),

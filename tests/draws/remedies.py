@@ -24,6 +24,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
+import tomlkit
 from numpy.typing import NDArray
 
 import camgeo
@@ -137,17 +138,7 @@ def margins(values: Values, fault: str, segment: int | None = None) -> float:
 
 def text_of(values: Values) -> str:
     """As TOML."""
-
-    def table(head: str, own: Values) -> str:
-        lines = [f"{key} = {json.dumps(each)}" for key, each in own.items()]
-        return "\n".join([head, *lines])
-
-    parts = ["camgeo = 1", 'name = "drawn"']
-    for name in ("cam", "follower", "limits", "part"):
-        if name in values:
-            parts.append(table(f"[{name}]", values[name]))
-    parts += [table("[[motion]]", each) for each in values["motion"]]
-    return "\n".join(parts) + "\n"
+    return tomlkit.dumps({"camgeo": 1, "name": "drawn", **values})
 
 
 def drawn_motion(draw: random.Random, stroke: float) -> list[Values]:
