@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from functools import cache, partial
 from itertools import pairwise
 from pathlib import Path
@@ -14,8 +14,7 @@ import numpy as np
 
 from camgeo.design.design import Design
 from camgeo.design.product import Product
-from camgeo.design.verify import Check, Reading, Verifier
-from camgeo.design.writing import Writer
+from camgeo.design.verify import Check, Reading
 from camgeo.milling.machine import load
 from camgeo.scene.scene import parse_scene
 from camgeo_export.dxf.writer import WRITER as DXF
@@ -26,46 +25,18 @@ from camgeo_export.stl import WRITER as STL
 from camgeo_export.svg import WRITER as SVG
 from camgeo_export.threemf.writer import MODEL_PATH
 from camgeo_export.threemf.writer import WRITER as THREEMF
-from camgeo_export.verify.dxf import VERIFIER as DXF_VERIFIER
-from camgeo_export.verify.gcode import VERIFIER as GCODE_VERIFIER
-from camgeo_export.verify.step import VERIFIER as STEP_VERIFIER
-from camgeo_export.verify.stl import VERIFIER as STL_VERIFIER
-from camgeo_export.verify.svg import VERIFIER as SVG_VERIFIER
-from camgeo_export.verify.threemf import VERIFIER as THREEMF_VERIFIER
+from camgeo_export.verify.gcode import VERIFIER
 from tests import kept
+from tests.export.verified import TOLERANCE, VERIFIERS
 from tests.packages import repacked
 from tests.toolpath import programs
 
 ROOT: Final = Path(__file__).resolve().parents[2]
 
-TOLERANCE: Final = 0.01
-"""Of all these files [mm]."""
-
 Damage = Callable[[str], str]
 
 
-@dataclass(frozen=True)
-class Kind:
-    """How files of one format are written and read."""
-
-    writer: Writer
-    verifier: Verifier
-
-    def checks(self, product: Product, data: bytes) -> tuple[Check, ...]:
-        origin = self.verifier.origin(data)
-        if origin.damage:
-            return (Check("file", ok=False, note=origin.damage),)
-        return self.verifier.checks(product, data, Reading("file"), TOLERANCE)
-
-
-KINDS: Final = {
-    "dxf": Kind(DXF, DXF_VERIFIER),
-    "svg": Kind(SVG, SVG_VERIFIER),
-    "gcode": Kind(GCODE, GCODE_VERIFIER),
-    "stl": Kind(STL, STL_VERIFIER),
-    "3mf": Kind(THREEMF, THREEMF_VERIFIER),
-    "step": Kind(STEP, STEP_VERIFIER),
-}
+WRITERS: Final = {"dxf": DXF, "svg": SVG, "gcode": GCODE, "stl": STL, "3mf": THREEMF, "step": STEP}
 
 SOLID: Final = programs.scene(
     programs.mill(1, 8),
@@ -107,7 +78,7 @@ def product(scene: str) -> Product:
 @cache
 def written(kind: str, scene: str) -> bytes:
     """The good file."""
-    return KINDS[kind].writer.write(product(scene), TOLERANCE).data
+    return WRITERS[kind].write(product(scene), TOLERANCE).data
 
 
 # Programs -----------------------------------------------------------------------------------------
@@ -389,7 +360,11 @@ def record(check: Check) -> dict[str, Any]:
 def said(name: str, data: bytes) -> list[dict[str, Any]]:
     """All checks of a file."""
     kind, scene, _ = FILES[name]
-    return [record(each) for each in KINDS[kind].checks(product(scene), data)]
+    verifier = VERIFIERS[WRITERS[kind].format.name]
+    if damage := verifier.origin(data).damage:
+        return [record(Check("file", ok=False, note=damage))]
+    checks = verifier.checks(product(scene), data, Reading("file"), TOLERANCE)
+    return [record(each) for each in checks]
 
 
 def document(name: str) -> dict[str, Any]:
@@ -410,7 +385,7 @@ def document(name: str) -> dict[str, Any]:
         row["not made"] = len({_of(each) for each in good} - {_of(each) for each in checks})
         if kind == "gcode" and number % 4 == 0:
             machine = load(product(scene).milled.gcode.machine)
-            lines = GCODE_VERIFIER.worked(product(scene), data, machine)
+            lines = VERIFIER.worked(product(scene), data, machine)
             row["lines"] = [asdict(each) for each in lines]
         found[what] = row
     return found

@@ -113,6 +113,13 @@ def place(value: Any) -> complex:
     return complex(x, y)
 
 
+def require(found: Any, **stated: float) -> None:
+    """Numbers of an entity or a style."""
+    assert {name: getattr(found, name) for name in stated} == pytest.approx(
+        stated, rel=1e-12, abs=1e-9
+    )
+
+
 def check(mark: Mark, entity: Any, there: Placed, size: float, paper: float) -> None:
     """`there` gives the place in the drawing, `size` is that of a millimetre of the mark."""
     kind, dxf = entity.dxftype(), entity.dxf
@@ -131,16 +138,15 @@ def check(mark: Mark, entity: Any, there: Placed, size: float, paper: float) -> 
         assert dxf.flags == 128 + mark.closed
     elif isinstance(mark, Round):
         assert (kind, dxf.layer) == ("CIRCLE", mark.layer)
+        require(dxf, radius=mark.radius * size)
         assert place(dxf.center) == pytest.approx(there(mark.centre), abs=1e-9)
-        assert dxf.radius == pytest.approx(mark.radius * size, rel=1e-12)
     elif isinstance(mark, Label):
         assert (kind, dxf.layer, dxf.text, dxf.style) == ("TEXT", mark.layer, mark.text, "CAMGEO")
-        assert dxf.height == pytest.approx(mark.height * paper, rel=1e-12)
-        assert dxf.get("rotation", 0.0) == pytest.approx(math.degrees(mark.angle), abs=1e-9)
-        narrow = NARROWED * squeeze(mark.text, mark.height, mark.width)
-        assert dxf.width == pytest.approx(narrow, rel=1e-12)
-        assert dxf.get("halign", 0) == {"left": 0, "centre": 1, "right": 2}[mark.across]
-        assert dxf.get("valign", 0) == 0
+        require(
+            dxf, height=mark.height * paper, rotation=math.degrees(mark.angle), valign=0,
+            width=NARROWED * squeeze(mark.text, mark.height, mark.width),
+            halign={"left": 0, "centre": 1, "right": 2}[mark.across],
+        )  # fmt: skip
         where = dxf.insert if mark.across == "left" else dxf.align_point
         assert place(where) == pytest.approx(there(mark.at), abs=1e-9)
     elif isinstance(mark, Filled):
@@ -216,8 +222,8 @@ def test_tables_and_styles_are_those_of_the_sheet(name: str) -> None:
         "dimtxt": LETTERS, "dimasz": ARROW, "dimexe": BEHIND, "dimexo": BEFORE, "dimgap": LIFTED,
         "dimscale": paper, "dimlfac": 1.0,
     }  # fmt: skip
+    require(style, **expected)
     for key, value in expected.items():
-        assert style.get(key) == pytest.approx(value, rel=1e-12)
         assert drawing.header[f"${key.upper()}"] == pytest.approx(value, rel=1e-12)
     words = {
         "dimtxsty": "CAMGEO", "dimdsep": ord("," if sheet.comma else "."), "dimzin": 8,

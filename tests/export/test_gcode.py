@@ -588,18 +588,6 @@ def test_a_tool_is_named_as_its_user_names_it(name: str) -> None:
     assert VERIFIER.origin(data).tolerance == TOLERANCE
 
 
-def test_a_feed_in_inches_has_the_unit_of_the_controller() -> None:
-    """Of Heidenhain F counts in tenths of an inch per minute, with three decimals."""
-    feed = 25.4 * 12.34567
-    tool = replace(TOOL, feed=feed)
-    found = {}
-    for name in ("haas", "linuxcnc", "heidenhain"):
-        product = StubProduct(gcode=GcodeSpec(machine=name), unit="inch", second_tool=tool)
-        text = WRITER.write(product, 0.05).data.decode()
-        found[name] = {each for each in re.findall(r"F([\d.]+)", text) if each.startswith("12")}
-    assert found == {"haas": {"12.35"}, "linuxcnc": {"12.35"}, "heidenhain": {"123.457"}}
-
-
 def test_a_controller_of_three_decimals_says_what_it_can_reach() -> None:
     fanuc = machines.load("fanuc")
     with pytest.raises(ToleranceError, match="3 decimals in a program are too coarse") as caught:

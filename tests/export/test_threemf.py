@@ -36,7 +36,15 @@ from camgeo_export.verify.threemf import VERIFIER
 from tests.contour.cams import SCENES
 from tests.export.stub_product import StubProduct
 from tests.export.test_solids import BODIES
-from tests.export.verified import TOLERANCE, VERIFIERS, checked, faults, measured, read_back
+from tests.export.verified import (
+    TOLERANCE,
+    VERIFIERS,
+    checked,
+    faults,
+    measured,
+    read_back,
+    require_moments,
+)
 from tests.packages import repacked
 
 CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
@@ -99,20 +107,13 @@ def mesh_of(element: ET.Element) -> trimesh.Trimesh:
 def check_body(mesh: trimesh.Trimesh, part: Part) -> None:
     """Closed, of the moments of the part, with corners on its boundaries at its heights."""
     assert mesh.is_volume
-    assert mesh.body_count == 1
-    exact, bottom = solid(part), part.layers[0].z0
-    walls = sum(each.arcs(0.01, "fast").contour.length for each in part.boundaries) * part.thickness
-    room, size = TOLERANCE * walls, float(np.max(np.abs(mesh.vertices)))
-    assert mesh.volume == pytest.approx(exact.volume, abs=room)
-    centre = exact.centre - [0.0, 0.0, bottom]
-    assert np.max(np.abs(mesh.center_mass - centre)) <= 2.0 * room * size / exact.volume
-    assert np.max(np.abs(mesh.moment_inertia - exact.inertia)) <= 4.0 * room * size**2
-    vertices = mesh.vertices
+    walls = sum(each.arcs(0.01, "fast").contour.length for each in part.boundaries)
+    require_moments(mesh, part, TOLERANCE * walls * part.thickness)
+    bottom, vertices = part.layers[0].z0, mesh.vertices
     for level in part.levels:
         here = vertices[np.abs(vertices[:, 2] - (level.z - bottom)) <= 1e-9]
-        places = here[:, 0] + 1j * here[:, 1]
         expected = sum(len(each.polyline(0.98 * TOLERANCE).contour) for each in level.boundaries)
-        assert 0.8 * expected <= len(places) <= 1.2 * expected + 8
+        assert 0.8 * expected <= len(here) <= 1.2 * expected + 8
     heights = np.unique(np.round(vertices[:, 2], 9))
     assert heights == pytest.approx([each.z - bottom for each in part.levels], abs=1e-8)
 

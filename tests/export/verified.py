@@ -5,9 +5,15 @@ from __future__ import annotations
 from functools import cache
 from typing import Final
 
+import numpy as np
+import pytest
+import trimesh
+
 from camgeo.design.product import Product
 from camgeo.design.verify import Check, Reading, Verifier, failed, first_difference
 from camgeo.design.writing import Writer, Written, find_writer
+from camgeo.part.mass import solid
+from camgeo.part.part import Part
 from camgeo_export.verify.dxf import VERIFIER as DXF
 from camgeo_export.verify.gcode import VERIFIER as GCODE
 from camgeo_export.verify.step import VERIFIER as STEP
@@ -84,3 +90,14 @@ def read_back(
     assert least * tolerance <= measured(writer, product, found.data) <= tolerance
     assert faults(VERIFIERS[writer.format.name], product, found.data, tolerance) == []
     return found
+
+
+def require_moments(mesh: trimesh.Trimesh, part: Part, room: float) -> None:
+    """That a mesh is one piece of the part's volume, centre and inertia but for `room` [mm^3]."""
+    exact = solid(part)
+    assert mesh.body_count == 1
+    assert mesh.volume == pytest.approx(exact.volume, abs=room)
+    size = float(np.max(np.abs(mesh.vertices)))
+    centre = exact.centre - [0.0, 0.0, part.layers[0].z0]
+    assert np.max(np.abs(mesh.center_mass - centre)) <= room * size / exact.volume
+    assert np.max(np.abs(mesh.moment_inertia - exact.inertia)) <= 2.0 * room * size**2

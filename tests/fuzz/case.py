@@ -11,6 +11,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
+import tomlkit
+
 CORPUS: Final = pathlib.Path(__file__).with_name("corpus")
 
 SLOW: Final = CORPUS / "slow"
@@ -34,6 +36,10 @@ SCENE_STEPS: Final = (
 """What is asked of a scene that is kept as TOML."""
 
 Step = tuple[str, ...]
+
+
+toml: Final = tomlkit.dumps
+"""A tree as TOML, with all numbers that TOML has."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,40 +77,6 @@ class Case:
     def with_values(self, values: dict[str, Any]) -> Case:
         """The case with another scene."""
         return self.with_file(SCENE, toml(values).encode())
-
-
-def toml(values: dict[str, Any], path: str = "") -> str:
-    """A tree as TOML, tables and lists of tables under headings."""
-    inline = {key: value for key, value in values.items() if not _headed(value)}
-    lines = [f"{_key(key)} = {_inline(value)}" for key, value in inline.items()]
-    for key, value in values.items():
-        name = f"{path}.{_key(key)}" if path else _key(key)
-        if isinstance(value, dict):
-            lines += ["", f"[{name}]", toml(value, name).rstrip()]
-        elif key not in inline:
-            for each in value:
-                lines += ["", f"[[{name}]]", toml(each, name).rstrip()]
-    return "\n".join(lines).rstrip() + "\n"
-
-
-def _headed(value: Any) -> bool:
-    listed = isinstance(value, list) and value and all(isinstance(each, dict) for each in value)
-    return isinstance(value, dict) or bool(listed)
-
-
-def _key(key: str) -> str:
-    bare = key.isascii() and key.replace("-", "").replace("_", "").isalnum()
-    return key if bare else json.dumps(key)
-
-
-def _inline(value: Any) -> str:
-    if isinstance(value, dict):
-        return "{ " + ", ".join(f"{_key(k)} = {_inline(v)}" for k, v in value.items()) + " }"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(_inline, value)) + "]"
-    if isinstance(value, str | bool):
-        return json.dumps(value).replace("\x7f", "\\u007f")
-    return str(value)  # numbers, dates; 1e+300, nan and inf are as TOML has them
 
 
 Path = tuple[str | int, ...]
