@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import combinations, pairwise
-from typing import Annotated, Any, Final, TypeVar
+from typing import Annotated, Any, Final
 
 import numpy as np
 
@@ -235,8 +235,6 @@ ROUNDING: Final = 4.0 * EPS
 """Of a scaled coordinate, relative: of the factor, of the product and of the proof at both ends."""
 
 Factor = Annotated[float, positive]
-
-Found = TypeVar("Found", Fit, SplineFit)
 
 
 @dataclass(frozen=True, slots=True)

@@ -86,16 +86,27 @@ def _frame(width: float, left: float = LEFT) -> Frame:
     )
 
 
+def _page(
+    axes: tuple[Axis, Axis],
+    marks: Sequence[Mark],
+    title: str,
+    room: float,
+    legend: Legend | None = None,
+) -> Figure:
+    """A figure of one panel with so much room [inch] for words beside its vertical axis."""
+    left = LEFT + room
+    width = left + ACROSS + RIGHT
+    panel = Panel(_frame(width, left), *axes, tuple(marks), title, legend=legend)
+    return Figure((width, HEIGHT), (panel,))
+
+
 def _curve(key: Column, asked: Column, result: Result) -> Figure:
     order = np.argsort(key.values, kind="stable")
     points = over(key.values[order], asked.values[order])
     width = 0.0 if key.words or asked.words else 1.2
     line = Line(points, Style(LINE, width, marker="o", size=3.5))
     title = f"{result.family.scene.name}: {asked.label}"
-    left = LEFT + asked.room
-    frame = _frame(left + ACROSS + RIGHT, left)
-    panel = Panel(frame, key.axis, asked.axis, (line,), title)
-    return Figure((left + ACROSS + RIGHT, HEIGHT), (panel,))
+    return _page((key.axis, asked.axis), [line], title, asked.room)
 
 
 def _map(x: Column, y: Column, asked: Column, result: Result) -> Figure:
@@ -104,10 +115,7 @@ def _map(x: Column, y: Column, asked: Column, result: Result) -> Figure:
     else:
         marks, axes = _dots(x, y, asked), (x.axis, y.axis)
     title = f"{result.family.scene.name}: {asked.label}"
-    left = LEFT + y.room
-    width = left + ACROSS + RIGHT
-    panel = Panel(_frame(width, left), *axes, tuple(marks), title, legend=asked.legend)
-    return Figure((width, HEIGHT), (panel,))
+    return _page(axes, marks, title, y.room, asked.legend)
 
 
 def _cells(x: Column, y: Column, asked: Column) -> tuple[list[Mark], tuple[Axis, Axis]]:
@@ -236,10 +244,7 @@ def pareto(result: Result, least: Sequence[str], largest: Sequence[str]) -> Figu
     named = (Entry("Pareto front", style), Entry("other designs", OTHERS))
     title = f"{result.family.scene.name}: {counted(len(order), 'design')} that no other beats"
     legend = Legend(named, "upper left", (1.02, 1.0), size=7.5, gap=0.0)
-    left = LEFT + y.room
-    width = left + ACROSS + RIGHT
-    panel = Panel(_frame(width, left), x.axis, y.axis, tuple(marks), title, legend=legend)
-    return Figure((width, HEIGHT), (panel,))
+    return _page((x.axis, y.axis), marks, title, y.room, legend)
 
 
 def objectives(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -125,9 +126,8 @@ def test_points_of_opticurv_need_a_rocker_behind_a_slider(text: str) -> None:
     ],
 )
 def test_the_impossible_is_refused(text: str, changes: list[tuple[str, str]], words: str) -> None:
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(SceneError, match=re.escape(words)):
         loaded(text, *changes)
-    assert words in str(caught.value)
 
 
 def test_no_range_of_no_width_is_proposed() -> None:
@@ -358,19 +358,6 @@ def test_a_linkage_drives_a_flat_rocker() -> None:
             break
     else:
         pytest.fail("one of both directions contradicts the linkage")
-
-
-@pytest.mark.parametrize("command", ["replay", "size"])
-def test_commands_take_flat_faces(command: str) -> None:
-    assert main([command, str(SCENES / "tappet.toml")]) == 0
-
-
-def test_a_cam_that_is_not_convex_is_not_made(tmp_path: Path) -> None:
-    scene = tmp_path / "small.toml"
-    scene.write_text(spoilt(TAPPET, ("base_radius = 40", "base_radius = 5")))
-    assert main(["build", str(scene), "-o", str(tmp_path / "out")]) == 1
-    assert not (tmp_path / "out").exists()
-    assert main(["plot", str(scene), "-o", str(tmp_path / "small.png")]) == 0
 
 
 def test_a_cam_that_is_not_convex_is_trimmed_if_told_to(tmp_path: Path) -> None:

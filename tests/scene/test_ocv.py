@@ -69,15 +69,6 @@ def test_a_project_is_the_scene_that_was_made_from_its_table(name: str) -> None:
     assert np.array_equal(made.plan.jet(phi), written.plan.jet(phi))
 
 
-def test_the_text_names_its_source_and_every_number_of_it() -> None:
-    text = import_project((PROJECTS / "setzhub.ocv").read_bytes(), "setzhub")
-    assert all(field.name in text for field in FIELDS[:18])
-    for question in range(21, 26):
-        assert f"question {question}: " in text
-    assert "opticurv 1.0.3" in text
-    assert "beta = 180, x_H = 0 and y_H = 0" in text
-
-
 @given(
     st.lists(st.floats(0.1, 0.9), min_size=6, max_size=6),
     st.just(0.0) | st.floats(1e-3, 3.0) | st.floats(-3.0, -1e-3),
@@ -241,14 +232,14 @@ def test_names(stem: str, name: str) -> None:
     assert scene_name(stem) == name
 
 
-def test_the_command_writes_a_scene_that_can_be_built(tmp_path: Path, capsys: Capture) -> None:
+def test_the_command_writes_a_scene_over_no_other_unless_it_is_told(
+    tmp_path: Path, capsys: Capture
+) -> None:
     project, scene = str(PROJECTS / "vorschub.ocv"), tmp_path / "v.toml"
     assert main(["import", project, "-o", str(scene)]) == 0
     assert "next: camgeo check" in capsys.readouterr().err
-    assert main(["check", str(scene)]) == 0
-    assert main(["import", project]) == 0
     first = scene.read_text(encoding="utf-8")
-    assert capsys.readouterr().out.endswith(first)
+    assert camgeo.loads(first).findings
     scene.write_text("mine", encoding="utf-8")
     assert main(["import", project, "-o", str(scene)]) == 2
     assert scene.read_text(encoding="utf-8") == "mine"

@@ -66,8 +66,6 @@ JUMP = 0.02
 RECTANGLE = 4
 """Corners of a face without chamfers."""
 
-Places = Sequence[float]
-
 
 def section(shape: Shape) -> list[Mark]:
     """The cut part: across is the height over its lowest face, up is y of the front view [mm]."""
@@ -602,8 +600,3 @@ def _of_circle(found: Sequence[complex], bench: Bench) -> Options:
     ways = [each + share * between for share in (1.0, 0.6, 1.4) for each in first]
     for price, mark in leaders(0j, abs(found[0]), ways, "", bench):
         yield price, (mark,)
-
-
-def single(marks: Sequence[Mark]) -> Options:
-    """Marks that have one place only."""
-    return ((0.0, tuple(marks)),)

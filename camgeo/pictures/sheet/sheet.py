@@ -826,16 +826,3 @@ def title_block(
 def block_place(name: str) -> complex:
     """Where the symbol in the cell of "edges" or "surface" has its tip, from the block's corner."""
     return {"edges": complex(108.0, 19.0), "surface": complex(138.0, 18.8)}[name]
-
-
-def column(texts: tuple[str, ...], top: complex, letter: float, step: float) -> list[Mark]:
-    """Lines of text, the first one below `top`."""
-    return [
-        Label(text, top - 1j * (letter + step * number), letter)
-        for number, text in enumerate(texts)
-    ]
-
-
-def widest(texts: tuple[str, ...], letter: float) -> float:
-    """Width of the widest of some texts [mm]."""
-    return max((width_of(text, letter) for text in texts), default=0.0)
