@@ -26,7 +26,7 @@ SHARING: Final = {
     "answers/test_table.py": "answers",
     "test_docs_effects.py": "answers",
     "stability/test_suite.py": "stability",
-    "test_docs_stability.py": "stability",
+    "test_docs_pages.py": "stability",
 }
 """Modules that share a result, with the name of their group."""
 

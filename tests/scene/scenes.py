@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pathlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import pytest
@@ -167,11 +167,16 @@ def loaded(scene: str, *changes: tuple[str, str]) -> Scene:
     return parse_scene(spoilt(scene, *changes))
 
 
+def refusal_by(make: Callable[..., object], *arguments: Any) -> SceneError:
+    """The error that a function raises of these arguments."""
+    with pytest.raises(SceneError) as caught:
+        make(*arguments)
+    return caught.value
+
+
 def refusal_of(text: str, file: str = "", folder: pathlib.Path | None = None) -> SceneError:
     """What a text that is no valid scene is refused with."""
-    with pytest.raises(SceneError) as caught:
-        parse_scene(text, file, folder=folder)
-    return caught.value
+    return refusal_by(parse_scene, text, file, folder)
 
 
 def values_in(tree: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:

@@ -16,7 +16,7 @@ from camgeo.milling.holding import Clamp, Tabs
 from camgeo.milling.tool import Tool
 from camgeo.scene.formats.format import find_format
 from camgeo.scene.scene import Scene, load_scene, parse_scene
-from tests.scene.scenes import PLATE, refusal_of, spoilt
+from tests.scene.scenes import PLATE, refusal_by, refusal_of, spoilt
 
 HEAD = PLATE[: PLATE.index("[[tool]]")]
 TOOL = PLATE[PLATE.index("[[tool]]") : PLATE.index("[holding]")]
@@ -243,10 +243,11 @@ def test_a_library_has_tools_in_its_own_unit(tmp_path: Path) -> None:
 
 
 def test_faults_of_a_library_are_those_of_its_key(tmp_path: Path) -> None:
-    with pytest.raises(SceneError) as caught:
-        library(tmp_path, "[[tool]]\nnumber = 7\ndiameter = -1\nspindle_speed = 300\nfeeds = 1\n")
-    assert {fault.key for fault in caught.value.faults} == {"output.gcode.tools"}
-    messages = "\n".join(fault.message for fault in caught.value.faults)
+    caught = refusal_by(
+        library, tmp_path, "[[tool]]\nnumber = 7\ndiameter = -1\nspindle_speed = 300\nfeeds = 1\n"
+    )
+    assert {fault.key for fault in caught.faults} == {"output.gcode.tools"}
+    messages = "\n".join(fault.message for fault in caught.faults)
     assert "line 3: tool[1].diameter: must be a positive number" in messages
     assert "tool[1].feeds: is not a known key" in messages
     with pytest.raises(SceneError, match=r"shop\.toml.*cannot be read|cannot be read"):

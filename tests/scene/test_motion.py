@@ -11,10 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgeo.errors import SceneError
 from camgeo.kinematics.plan import MotionPlan, Move, SplineMove
 from camgeo.scene.scene import load_scene, parse_scene
-from tests.scene.scenes import refusal_of
+from tests.scene.scenes import refusal_by, refusal_of
 
 HEAD = """camgeo = 1
 name = "motion"
@@ -203,10 +202,9 @@ def test_a_table_over_a_part_of_the_turn(tmp_path: Path) -> None:
     ],
 )
 def test_faults_of_a_table(tmp_path: Path, rows: str, extra: str, message: str) -> None:
-    with pytest.raises(SceneError) as caught:
-        load_scene(with_table(tmp_path, rows, extra))
-    assert any(message in str(fault) for fault in caught.value.faults), str(caught.value)
-    assert all(fault.line is not None for fault in caught.value.faults)
+    caught = refusal_by(load_scene, with_table(tmp_path, rows, extra))
+    assert any(message in str(fault) for fault in caught.faults), str(caught)
+    assert all(fault.line is not None for fault in caught.faults)
 
 
 TABLE = '[[motion]]\nlaw = "table"\nspan = 360\nfile = "{}"\n'
@@ -301,8 +299,6 @@ def test_a_speed_curve(tmp_path: Path) -> None:
 def test_a_speed_curve_s_faults_are_of_its_file(
     tmp_path: Path, rows: str, keys: str, message: str
 ) -> None:
-    with pytest.raises(SceneError) as caught:
-        load_scene(with_speeds(tmp_path, rows, keys))
-    (fault,) = caught.value.faults
+    (fault,) = refusal_by(load_scene, with_speeds(tmp_path, rows, keys)).faults
     assert (fault.key, fault.value) == ("cam.speed_curve", '"speed.csv"')
     assert message in fault.message
