@@ -15,17 +15,12 @@ from camgeo.cam.cam import Contact
 from camgeo.geometry.contour.contour import Contour
 from camgeo.part.assembly import bore_boundary
 from camgeo.part.bevels import bevelled as part_with
-from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Boundary, Layer, Part
 from camgeo.part.spec import Chamfer, Chamfers, Keyway, PartSpec
 from camgeo.pictures.sheet.marks import Chain, Hatched, Mark
 from camgeo.pictures.sheet.section import hatching, section
 from camgeo.pictures.sheet.shape import COARSE, Shape, bevelled, corners_of, edges_above, shape_of
-from tests.part.parts import FLANKS, made_or_refused, specs
-
-
-def round_boundary(name: str, radius: float, centre: complex = 0j, *, hole: bool) -> ExactBoundary:
-    return ExactBoundary(name, hole=hole, exact=Contour.circle(radius, centre))
+from tests.part.parts import FLANKS, circle, made_or_refused, specs
 
 
 def cut(*layers: Layer) -> list[Mark]:
@@ -47,9 +42,9 @@ def lines(marks: list[Mark], layer: str) -> set[tuple[complex, complex]]:
     }
 
 
-OUTLINE: Boundary = round_boundary("outline", 40.0, hole=False)
-BORE: Boundary = round_boundary("bore", 8.0, hole=True)
-HUB: Boundary = round_boundary("hub", 15.0, hole=False)
+OUTLINE: Boundary = circle("outline", 40.0)
+BORE: Boundary = circle("bore", 8.0, hole=True)
+HUB: Boundary = circle("hub", 15.0)
 
 
 def test_a_disc_with_a_hub() -> None:
@@ -81,7 +76,7 @@ def test_a_keyway_is_seen_behind_the_plane_alone(angle: float, seen: bool) -> No
 
 def test_what_lies_behind_is_seen_beyond_the_cut() -> None:
     """A disc about another centre is larger behind the plane than in it."""
-    off = round_boundary("outline", 30.0, 18.0 + 0j, hole=False)
+    off = circle("outline", 30.0, 18.0 + 0j)
     marks = cut(Layer(-5.0, 0.0, (off,)))
     assert area(marks) == pytest.approx(5.0 * 48.0, rel=2.0 * COARSE)
     found = lines(marks, "EDGES")
