@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -19,8 +18,8 @@ from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.mass import disc_moments, solid
 from camgeo.part.part import Bevel, Layer, Part, edges_of
 from camgeo.part.spec import Chamfer, Chamfers, Counterbore, DShaft, Holes, Hub, Keyway, PartSpec
-from camgeo.scene.scene import parse_scene
 from tests.part.parts import DISC, circle, made, refused
+from tests.scene.scenes import PLATE, loaded
 from tests.strategies import attack
 
 
@@ -221,30 +220,6 @@ def test_a_chamfer_is_at_the_end_of_a_wall() -> None:
         Part(layers, tuple(both))
 
 
-SCENE = """
-camgeo = 1
-name = "edges"
-[cam]
-rotation = "ccw"
-[follower]
-kind = "translating-roller"
-base_radius = 40
-roller_radius = 8
-[[motion]]
-law = "simple-sine"
-span = 180
-to = 10
-[[motion]]
-law = "simple-sine"
-span = 180
-to = 0
-[part]
-thickness = 10
-bore = 16
-keyway = { width = 5, depth = 2.3 }
-"""
-
-
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
@@ -256,12 +231,4 @@ keyway = { width = 5, depth = 2.3 }
 )
 def test_scenes_name_the_edges(keys: str, message: str) -> None:
     with pytest.raises(SceneError, match=message):
-        parse_scene(SCENE + keys)
-
-
-def test_scenes_state_lengths_in_their_unit() -> None:
-    inch = SCENE.replace("[cam]", "[units]\nlength = 'inch'\n[cam]")
-    spec = parse_scene(inch + "chamfers = { outline = { width = 0.5, edges = 'upper' } }").part
-    assert spec is not None
-    assert spec.chamfers == Chamfers(outline=Chamfer(12.7, "upper"))
-    assert np.isclose(spec.thickness or 0.0, 254.0)
+        loaded(PLATE, ("[output]\n", f"{keys}\n[output]\n"))

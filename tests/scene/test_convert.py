@@ -16,7 +16,7 @@ from camgeo.milling.holding import Holding
 from camgeo.milling.milling import GcodeSpec, MillingSpec, Stock
 from camgeo.milling.moves import Heights
 from camgeo.milling.tool import Tool
-from camgeo.part.spec import Engraving, Hub, Keyway, Mark, PartSpec
+from camgeo.part.spec import Chamfer, Chamfers, Engraving, Hub, Keyway, Mark, PartSpec
 from camgeo.scene.formats import csv, gcode
 from camgeo.scene.formats.format import OutputSpec
 from tests.scene.scenes import GROOVE, LINKED, PLATE, ROCKER, loaded
@@ -148,6 +148,7 @@ def test_features_of_a_part() -> None:
     hub = "[part.hub]\ndiameter = 14\nheight = 0.5\n"
     mark = "[part.mark]\nradius = 1.2\nwidth = 0.1\ndepth = 0.02\nangle = 90\n"
     keyway = 'bore = 12\nkeyway = { standard = "DIN 6885-1", angle = 30 }'
+    keyway += '\nchamfers = { outline = { width = 0.5, edges = "upper" } }'
     scene = loaded(
         PLATE, ('"mm"', '"inch"'), ("bore = 20\n", ""),
         ("keyway = { width = 6, depth = 2.8 }", f"{keyway}\n{hub}{mark}"),
@@ -158,6 +159,7 @@ def test_features_of_a_part() -> None:
         Keyway(70.0, 14.4, math.radians(30.0)),
         hub=Hub(14 * 25.4, 0.5 * 25.4),
         mark=Mark(1.2 * 25.4, 0.1 * 25.4, 0.02 * 25.4, angle=math.radians(90.0)),
+        chamfers=Chamfers(outline=Chamfer(0.5 * 25.4, "upper")),
     )
 
 
