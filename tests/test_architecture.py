@@ -44,6 +44,8 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("studies.accuracy",),
     ("pictures.sheet",),
     ("pictures",),
+    ("app.answers.answer",),
+    ("app.cli.command", "app.cli.plot", "app.cli.progress", "app.cli.streams"),
     ("app.answers",),
     ("app.designing",),
     ("app.cli",),

@@ -45,7 +45,10 @@ def test_help_loads_no_command() -> None:
     )
     loaded = set(run.stderr.split())
     assert "numpy" not in loaded
-    assert not loaded & {f"camgeo.app.cli.{name.replace('-', '_')}" for name in COMMANDS}
+    names = [name.replace("-", "_") for name in COMMANDS]
+    assert not loaded & {
+        f"camgeo.app.{room}.{name}" for room in ("answers", "cli") for name in names
+    }
 
 
 @pytest.mark.parametrize("words", ["laws", "slotted-lever --frame 150 --swing 60 --speed 90"])

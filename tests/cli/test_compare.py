@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.app.cli.compare import labels_of
+from camgeo.app.answers.compare import labels_of
 from camgeo.app.cli.main import main
 from tests.sweep.families import FIXTURES, SETZHUB
 

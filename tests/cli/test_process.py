@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from camgeo.app.answers import check
 from camgeo.app.answers.answer import CRASHED, STOPPED
-from camgeo.app.cli import check
 from camgeo.app.cli.main import BLAS_THREADS, TRACEBACK, Stopped, main
 from camgeo.app.cli.streams import printable
 from camgeo.design.writing import JOURNAL, NEW, OLD, STAGING

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgeo.app.cli.laws import PARAMETERS
+from camgeo.app.answers.laws import PARAMETERS
 from camgeo.app.cli.main import main
 from camgeo.kinematics.laws import FAMILIES, make_law
 from camgeo.kinematics.tables import law_table

@@ -115,7 +115,7 @@ def leave_something(arguments: argparse.Namespace) -> int:
 def test_a_broken_command_is_found(
     broken: Run, expected: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("camgeo.app.cli.check.run", broken)
+    monkeypatch.setattr("camgeo.app.answers.check.run", broken)
     if broken is busy:
         monkeypatch.setattr(invariants, "MOST_CPU", 0.5)
     if broken is asleep:
@@ -131,7 +131,7 @@ def test_json_may_go_into_a_file_and_a_scene_may_have_any_name() -> None:
 
 
 def test_a_file_may_end_like_a_number_that_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("camgeo.app.cli.check.run", print_nan)
+    monkeypatch.setattr("camgeo.app.answers.check.run", print_nan)
     certificate = b'{"files": [{"file": "x.nan", "format": "csv"}]}'
     found = signatures(Case({SCENE: TAPPET, "certificate.json": certificate}, CHECK.steps))
     assert not [each for each in found if each.startswith("not finite")]

@@ -1,1 +1,1 @@
-"""What the commands find, as frozen results, and their renderings."""
+"""What the commands take and find: options, frozen results, and their renderings."""

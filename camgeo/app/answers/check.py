@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -9,6 +10,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, ClassVar, Final, Literal
 
 from camgeo.app.answers.answer import FINDING, SCENE, Answer, Key, Keys, exit_code, finding_lines
+from camgeo.app.cli.command import add_json, add_scene, opened, show
 from camgeo.check.finding import RETURN, Finding, forbidding
 from camgeo.check.judge import FINDINGS
 from camgeo.design.judged_part import Body, PartFound
@@ -531,3 +533,20 @@ def _time(found: OperationTime) -> str:
     slowed = f", {100.0 * found.slowed:.0f} % lost below the feed" if found.slowed > LOST else ""
     rapid = f", of which traverses {clock(found.traverses)}" if found.traverses >= 0.5 else ""
     return f"{clock(found.seconds):>8}{rapid}{slowed}"
+
+
+# -- command line ----------------------------------------------------------------------------------
+
+
+EXAMPLE: Final = "camgeo check fixtures/scenes/setzhub.toml"
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add those of the command."""
+    add_scene(parser)
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the findings, and what would cure undercut."""
+    return show(check(opened(arguments)), arguments)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ from typing import ClassVar, Final, Literal
 
 from camgeo.app.answers.answer import SCENE, Answer, Key
 from camgeo.app.answers.check import OF_MILLING, OF_PART, Check, check
+from camgeo.app.cli.command import add_json, add_scene, opened, show
 from camgeo.cam.cam import Disc, Drive
 from camgeo.check.finding import Finding
 from camgeo.check.judge import FINDINGS, Judgement
@@ -225,3 +227,26 @@ def found_words(findings: Iterable[Finding]) -> str:
     )
     words = (name if count == 1 else f"{count} {name}" for name, count in counts.items())
     return ", ".join(words) or "none"
+
+
+# -- command line ----------------------------------------------------------------------------------
+
+
+EXAMPLE: Final = "camgeo explain fixtures/scenes/setzhub.toml build"
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add those of the command."""
+    add_scene(parser)
+    parser.add_argument(
+        "command", metavar="COMMAND", nargs="?", default="check", choices=tuple(GOALS),
+        help=f"one of {', '.join(GOALS)}; default check. nothing is written",
+    )  # fmt: skip
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Compute what the command would, and print how long each quantity took."""
+    design = opened(arguments)
+    found = explain(design, arguments.command)
+    return show(found, arguments)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -24,6 +25,20 @@ from camgeo.app.answers.answer import (
     unit_of,
     whose_lift,
 )
+from camgeo.app.cli.command import (
+    CSV,
+    CallError,
+    add_json,
+    add_output,
+    add_scene,
+    from_0,
+    opened,
+    positive,
+    show,
+    tables,
+    write_files,
+)
+from camgeo.app.cli.plot import SUFFIXES, pictures
 from camgeo.check.finding import Finding, held
 from camgeo.design.design import Design
 from camgeo.design.product import Product, disc_of
@@ -625,3 +640,73 @@ def _lift_lines(lift: LiftEffect, sure: str) -> list[str]:
             "", f"{small_extreme(low, lift.unit)}; ± {small(lift.uncertainty, lift.unit)} ({sure})"
         ),
     ]
+
+
+# -- command line ----------------------------------------------------------------------------------
+
+
+EXAMPLE: Final = (
+    "camgeo inspect my-cam.toml measured.csv --tolerance 0.02\n"
+    "  camgeo inspect my-cam.toml centres.csv --ball 1.5 -o deviations.png\n"
+    "  camgeo inspect my-cam.toml measured.csv --align free --json"
+)
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add those of the command."""
+    add_scene(parser)
+    parser.add_argument(
+        "measured",
+        metavar="MEASURED",
+        help="points (CSV: x, y, perhaps nx, ny) in the axes of the scene's cam; a name that ends"
+        " in -return is of the return disc of a conjugate pair, in -inner or -outer of that flank",
+    )
+    parser.add_argument(
+        "--align", choices=tuple(map(str, Align)), default=str(Align.DATUM),
+        help="what to fit: nothing (the points were measured from bore and key), the turn about the"
+        " cam axis, or shift and turn; a fit hides eccentricity and phase; default %(default)s",
+    )  # fmt: skip
+    parser.add_argument(
+        "--robust", action="store_true",
+        help="of a fit: pass over local errors of form, which would sway the least squares",
+    )  # fmt: skip
+    parser.add_argument(
+        "--unit", choices=("mm", "inch"), help="unit of MEASURED, if it does not state one; default"
+        " the scene's",
+    )  # fmt: skip
+    parser.add_argument(
+        "--flank", choices=tuple(map(str, Flank)), help="flank; default by the name, or the scene's"
+    )
+    parser.add_argument(
+        "--ball", metavar="MM", type=from_0, default=0.0,
+        help="the points are centres of a ball of this radius",
+    )  # fmt: skip
+    parser.add_argument(
+        "--tolerance", metavar="MM", type=positive,
+        help="profile tolerance: width of the zone about the flank that must hold all points",
+    )  # fmt: skip
+    add_json(parser)
+    contents = f"file to write: a table ({CSV}) or a picture ({', '.join(SUFFIXES)})"
+    add_output(parser, contents, (CSV, *SUFFIXES))
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Compare, and print or write the results."""
+    if arguments.robust and arguments.align == Align.DATUM:
+        raise CallError("--robust: allowed with --align rotation or free only")
+    found = inspect(
+        opened(arguments),
+        arguments.measured,
+        arguments.flank,
+        align=arguments.align,
+        robust=arguments.robust,
+        unit=arguments.unit,
+        ball=arguments.ball,
+        tolerance=arguments.tolerance,
+    )
+    if (arguments.output or "").endswith(CSV):
+        files = tables(found, arguments.output)
+    else:
+        files = pictures(found, arguments, "deviations, lift errors")
+    write_files(files, arguments)
+    return show(found, arguments)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -9,6 +10,7 @@ from dataclasses import dataclass, fields, is_dataclass
 from typing import Any, ClassVar, Final, Literal
 
 from camgeo.app.answers.answer import Answer, Key, Keys, aligned
+from camgeo.app.cli.command import add_json, show
 from camgeo.milling.machine import EVIDENCE, Evidence, Machine, load, names, schema
 
 
@@ -207,3 +209,24 @@ def _keys(keys: Sequence[ProfileKey]) -> list[str]:
     return [
         f"{each.key:{width}} = {each.value}{f' {each.unit}' if each.unit else ''}" for each in keys
     ]
+
+
+# -- command line ----------------------------------------------------------------------------------
+
+
+EXAMPLE: Final = "camgeo machines haas"
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add those of the command."""
+    parser.add_argument(
+        "profile", metavar="PROFILE", nargs="?",
+        help="name of a profile, or a profile file (TOML); default: list them all",
+    )  # fmt: skip
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the list, or the profile that is named."""
+    found = machines() if arguments.profile is None else machine(arguments.profile)
+    return show(found, arguments)

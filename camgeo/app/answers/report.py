@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import base64
 import json
 import math
@@ -9,12 +10,14 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
 from camgeo.app.answers.answer import FINDING, MANY, MARKS, SCENE, Answer, Key, in_a_line
 from camgeo.app.answers.check import Check, check
+from camgeo.app.cli.command import add_json, add_output, add_scene, opened, show, write_files
 from camgeo.check.cures.search import Cure
 from camgeo.check.finding import RETURN, Finding, Severity
 from camgeo.errors import CamgeoError
@@ -538,3 +541,38 @@ def triangles(stl: bytes) -> str:
     """
     corners = np.frombuffer(stl, FACET, offset=PREFIX)["corners"]
     return base64.b64encode(np.ascontiguousarray(corners).tobytes()).decode()
+
+
+# -- command line ----------------------------------------------------------------------------------
+
+
+PAGES: Final = "camgeo.pages"
+"""Entry points of pages: callables that make an HTML file of an answer."""
+
+EXAMPLE: Final = "camgeo report fixtures/scenes/setzhub.toml -o setzhub.html"
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add those of the command."""
+    add_scene(parser)
+    add_output(parser, "page to write, .html; default: print a summary", (".html",))
+    parser.add_argument(
+        "--quick",
+        action="store_true",
+        help="leave out price list and certificate, for which files are made",
+    )
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the summary, or write the page."""
+    from importlib.metadata import entry_points
+
+    found = report(opened(arguments), quick=arguments.quick, progress=arguments.progress)
+    if arguments.output is None or arguments.json:
+        code = show(found, arguments)
+    if arguments.output is not None:
+        page: bytes = entry_points(group=PAGES)["report"].load()(found)
+        write_files([(Path(arguments.output), page, "report")], arguments)
+        code = found.exit_code
+    return code

@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
+import argparse
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from html import escape
+from pathlib import Path
 from typing import ClassVar, Final, Literal
 
 from camgeo.app.answers.answer import BROKEN, FINE, MARKS, SCENE, Answer, Key, aligned
+from camgeo.app.cli.command import (
+    add_json,
+    add_output,
+    add_scene,
+    notify_main_disc,
+    opened,
+    show,
+    write_files,
+)
 from camgeo.design.design import Design
 from camgeo.design.milled import compared
 from camgeo.design.product import Product, programs_of, sides_of
@@ -605,3 +616,31 @@ def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
         return f"<tr>{''.join(f'<{tag}>{escape(cell)}</{tag}>' for cell in cells)}</tr>"
 
     return f"<table>{line('th', heads)}{''.join(line('td', row) for row in rows)}</table>"
+
+
+# -- command line ----------------------------------------------------------------------------------
+
+
+EXAMPLE: Final = "camgeo setup fixtures/scenes/setzhub.toml -o setzhub.html"
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add those of the command."""
+    add_scene(parser)
+    add_output(parser, "page to write, .html; default: print to the terminal", (".html",))
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the sheet, and write the page."""
+    from camgeo.app.cli.plot import drawn
+    from camgeo.pictures import backplot
+
+    design = opened(arguments)
+    sheet = setup_sheet(design)
+    if arguments.output is not None:
+        picture = svg_element(drawn(backplot.figure(design.disc), ".svg"))
+        page = html(sheet, picture).encode("utf-8")
+        write_files([(Path(arguments.output), page, "setup sheet")], arguments)
+    notify_main_disc(design, "operations")
+    return show(sheet, arguments)

@@ -31,6 +31,9 @@ EARLIER: Final = {
 """Present names of commands, kinds and groups, by those of earlier versions, which are still read.
 """
 
+CSV: Final = ".csv"
+"""How the name of a table ends."""
+
 SMALLEST: Final = 1e-9
 LARGEST: Final = 1e6
 """Of lengths [mm] above 0 that options state."""

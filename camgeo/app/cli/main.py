@@ -110,12 +110,14 @@ COMMANDS: Final = {
         "show what a command computes for a scene, why, how long it takes, and what it leaves out"
     ),
 }
-"""What each command does, in the order of the help; each is a module of `camgeo.app.cli`, with `-`
-for `_`.
+"""What each command does, in the order of the help; each is a module of `camgeo.app.answers`, or of
+`camgeo.app.cli` if it has no answer, with `-` for `_`.
 
 It has an `EXAMPLE`, `options`, which adds to the command's parser, and `run`, which takes the
 arguments and returns the exit code; `arguments.progress` shows the steps of long work.
 """
+
+WITHOUT_ANSWER: Final = {"new", "import", "plot", "watch", "design"}
 
 MODULES = {"import": "import_"}
 """Those whose name is a Python keyword."""
@@ -173,7 +175,8 @@ def parser(commands: Collection[str] = COMMANDS) -> Parser:
         )
         if command in commands:
             name = MODULES.get(command, command.replace("-", "_"))
-            module = importlib.import_module(f"camgeo.app.cli.{name}")
+            room = "cli" if command in WITHOUT_ANSWER else "answers"
+            module = importlib.import_module(f"camgeo.app.{room}.{name}")
             module.options(own)
             own.epilog = f"example:\n  {module.EXAMPLE}"
             own.set_defaults(run=module.run, parser=own, progress=Progress())
