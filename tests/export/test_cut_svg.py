@@ -81,6 +81,24 @@ def test_the_edges_of_a_real_groove_pass_verification() -> None:
     assert all(each.ok is not False for each in read.values())
 
 
+@pytest.mark.parametrize(
+    ("pattern", "new", "check"),
+    [
+        (r"(?s)<g .*</g>", "", "file"),
+        (r"A(\d+)", r"A1\1", "file"),
+        (r" 0 0 0 ", " 0 0 1 ", "deviation"),
+        (r"<path [^>]*>", "", "contours"),
+        (r"M(-?\d+)", r"M1\1", "deviation"),
+    ],
+)
+def test_what_is_damaged_is_measured(pattern: str, new: str, check: str) -> None:
+    text = WRITER.write(PRODUCTS["disc"], TOLERANCE).data.decode()
+    changed, count = re.subn(pattern, new, text, count=1)
+    assert count
+    checks = checked(VERIFIER, PRODUCTS["disc"], changed.encode(), Reading("a.cut.svg"))
+    assert check in {name for (name, _), each in checks.items() if each.ok is False}
+
+
 def test_files_are_known_by_the_whole_ending(tmp_path: Path) -> None:
     """The return disc of a pair too; a picture next to them is judged by its bytes alone."""
     design = camgeo.load(SCENES / "conjugate_lever.toml")

@@ -7,6 +7,7 @@ import math
 import random
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -207,6 +208,30 @@ def test_program_without_comments_is_matched(design: Design) -> None:
     assert not _failed(checks)
     named = {of for name, of in checks if name == "deviation"}
     assert named == {"rough bore", "bore", "rough outline", "outline"}
+
+
+SPELLINGS: dict[str, Callable[[str], str]] = {
+    "spaces": lambda text: re.sub(r"\n(G\d+) ", r"\n\1   ", text),
+    "small letters": lambda text: re.sub(r"(?m)^G.*$", lambda each: each[0].lower(), text),
+    "zeros": lambda text: re.sub(r"(?m)^G([0-3]) ", r"G0\1 ", text),
+    "numbers of blocks": lambda text: re.sub(r"(?m)^(G[0-3] )", r"N10 \1", text),
+    "empty lines": lambda text: text.replace("\nG1 ", "\n\nG1 "),
+    "ends of lines": lambda text: text.replace("\n", "\r\n"),
+}
+"""Changes after which the machine does the same."""
+
+
+@pytest.mark.parametrize("what", SPELLINGS)
+def test_other_spellings_of_a_program_measure_the_same(design: Design, what: str) -> None:
+    """No check says anything else, but for lines."""
+    text = GCODE.write(design.disc, TOLERANCE).data.decode()
+    after = SPELLINGS[what](text)
+    assert after != text
+    good, other = (
+        [replace(each, note="") for each in _checks(GCODE_VERIFIER, design.disc, data).values()]
+        for data in (text.encode(), after.encode())
+    )
+    assert good == other
 
 
 def test_a_roughing_may_be_off_by_its_slack_and_no_more(design: Design) -> None:
