@@ -15,7 +15,7 @@ import camgeo
 from camgeo.design.design import Design
 from camgeo.scene.formats.dxf import FORMAT
 from camgeo.studies.accuracy.benefit import BenefitRow, benefit_rows, harmonics
-from camgeo.studies.accuracy.bill import STAGES, BillRow, bill_rows
+from camgeo.studies.accuracy.survey import STAGES, BillRow, bill_rows
 from camgeo.units import RPM
 
 PAGE: Final = Path(__file__).with_name("bill.md")

@@ -37,10 +37,9 @@ from camgeo.pictures.model import (
     log_limits,
     over,
 )
-from camgeo.studies.accuracy.bill import Stage
 from camgeo.studies.accuracy.contours import EFFORTS, FORMS, ORDER, ContourRow, in_length
 from camgeo.studies.accuracy.knee import advice
-from camgeo.studies.accuracy.survey import Survey
+from camgeo.studies.accuracy.survey import Stage, Survey
 from camgeo.units import MM_PER, RPM, LengthUnit, LiftUnit, in_unit
 
 if TYPE_CHECKING:

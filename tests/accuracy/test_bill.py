@@ -11,7 +11,7 @@ import pytest
 import camgeo
 from camgeo.app.answers.build import build
 from camgeo.lazy import Ledger
-from camgeo.studies.accuracy.bill import STAGES, bill_rows, staged
+from camgeo.studies.accuracy.survey import STAGES, bill_rows, staged
 from tests.answers.documents import FIXTURES
 
 

@@ -93,35 +93,20 @@ def _foot_and_direction(design: Design, phi: FloatArray) -> tuple[ComplexArray, 
 
 
 def test_table_has_the_motion_in_time(built: Built) -> None:
-    """Against what the columns over the cam angle give: v = s' omega, and so on (eqs. (1) to (4)).
-
-    A disc that turns evenly is where its angle is by the speed; for one that does not, differences
-    of the columns themselves over time must agree, h^2/6 of the next but one derivative apart.
+    """Of a disc that turns unevenly differences of the columns themselves over time must agree,
+    h^2/6 of the next but one derivative apart.
     """
     with built.file(".csv").open(newline="") as file:
         rows = list(csv.reader(file))
     columns = dict(zip(rows[0], np.array(rows[1:], dtype=np.float64).T, strict=True))
     course = built.design.drive.time_course
     assert ("t [s]" in columns) == (course is not None)
-    if course is None:
-        return
+    if built.design.scene.speed_curve is None:
+        return  # tests/product/test_whole_discs.py has the columns of an even speed
     unit = built.design.scene.unit
     time = columns["t [s]"]
-    speed = built.design.scene.speed
-    assert speed is not None
-    first = f"v [{unit}/s]" if f"s [{unit}]" in columns else "omega_psi [deg/s]"
-    if built.design.scene.speed_curve is None:
-        assert np.allclose(time, np.radians(columns["phi [deg]"]) / speed, rtol=1e-15)
-        if f"s [{unit}]" in columns:
-            for order, name in enumerate((f"v [{unit}/s]", f"a [{unit}/s^2]", f"j [{unit}/s^3]")):
-                power = f"/rad^{order + 1}" if order else "/rad"
-                over_angle = columns[f"s{chr(39) * (order + 1)} [{unit}{power}]"]
-                expected = over_angle * speed ** (order + 1)
-                size = np.max(np.abs(expected))
-                assert np.max(np.abs(columns[name] - expected)) <= 4e-16 * size
-        return
     assert np.all(np.diff(time) > 0.0)
-    lift, velocity = columns[f"s [{unit}]"], columns[first]
+    lift, velocity = columns[f"s [{unit}]"], columns[f"v [{unit}/s]"]
     mean = (lift[2:] - lift[:-2]) / (time[2:] - time[:-2])
     step = float(np.max(np.diff(time)))
     jerk = float(np.max(np.abs(columns[f"j [{unit}/s^3]"])))

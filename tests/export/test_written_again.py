@@ -9,7 +9,7 @@ from functools import cache, partial
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import camgeo
@@ -33,6 +33,7 @@ from camgeo_export.verify.step import VERIFIER as STEP
 from camgeo_export.verify.stl import VERIFIER as STL
 from camgeo_export.verify.svg import VERIFIER as SVG
 from camgeo_export.verify.threemf import VERIFIER as THREEMF
+from tests.long_form import examples
 from tests.packages import repacked
 
 SCENES = Path(__file__).resolve().parents[2] / "fixtures" / "scenes"
@@ -102,6 +103,7 @@ def in_text(text: str, number: int) -> tuple[str, int]:
 
 @pytest.mark.parametrize("name", TEXTS)
 @given(number=st.integers(0, 10**9))
+@settings(max_examples=examples(12, long=200))
 def test_a_changed_token_is_told_with_its_line(name: str, number: int) -> None:
     good = files()[name]
     text, line = in_text(good.decode(), number)
@@ -111,6 +113,7 @@ def test_a_changed_token_is_told_with_its_line(name: str, number: int) -> None:
 
 
 @given(number=st.integers(0, 10**9))
+@settings(max_examples=examples(12, long=200))
 def test_a_changed_token_of_a_package_is_told_with_its_element(number: int) -> None:
     good = files()["vorschub.3mf"]
     line = 0
@@ -132,6 +135,7 @@ def test_a_changed_token_of_a_package_is_told_with_its_element(number: int) -> N
 
 
 @given(data=st.data())
+@settings(max_examples=examples(12, long=200))
 def test_a_changed_byte_of_a_facet_is_told_with_its_number(data: st.DataObject) -> None:
     good = files()["vorschub.stl"]
     place = data.draw(st.integers(PREFIX, len(good) - 1))

@@ -26,7 +26,6 @@ from camgeo.scene.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.scene.scene import Scene
 from camgeo.studies.accuracy import survey as surveys
 from camgeo.studies.accuracy.benefit import harmonics
-from camgeo.studies.accuracy.bill import STAGES, BillRow
 from camgeo.studies.accuracy.contours import (
     FORMS,
     ContourRow,
@@ -36,7 +35,14 @@ from camgeo.studies.accuracy.contours import (
     in_length,
 )
 from camgeo.studies.accuracy.knee import advice, step_sentence
-from camgeo.studies.accuracy.survey import TOLERANCES, Survey, own_contour, own_rows
+from camgeo.studies.accuracy.survey import (
+    STAGES,
+    TOLERANCES,
+    BillRow,
+    Survey,
+    own_contour,
+    own_rows,
+)
 from camgeo.units import MM_PER, RPM, LengthUnit
 
 if TYPE_CHECKING:
