@@ -382,11 +382,8 @@ def tightest(boundary: Boundary) -> Tightest | None:
     if not isinstance(boundary, CurveBoundary):
         return None
     found = [_of_stretch(each, hole=boundary.hole) for each in boundary.path.stretches]
-    return min((each for each in found if each is not None), key=_radius, default=None)
-
-
-def _radius(place: Tightest) -> float:
-    return place.radius
+    places = (each for each in found if each is not None)
+    return min(places, key=lambda each: each.radius, default=None)
 
 
 def _of_stretch(stretch: Stretch, *, hole: bool) -> Tightest | None:
