@@ -92,6 +92,12 @@ class CircleBoundary(ExactBoundary):
     def __reduce__(self) -> tuple[Any, ...]:
         return CircleBoundary, (self.name, self.hole, self.radius, self.centre)
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, CircleBoundary) and self.__reduce__() == other.__reduce__()
+
+    def __hash__(self) -> int:
+        return hash(self.__reduce__())
+
     @property
     def radius(self) -> float:
         return self.round_radius
