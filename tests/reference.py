@@ -73,22 +73,22 @@ def hard_case(name: str) -> tuple[dict[str, Any], dict[str, Any]]:
 
 def mechanisms() -> dict[str, dict[str, Any]]:
     """The cams of `mechanism_values.json` by name."""
-    return {name: case for name, case in _cases().items() if not _is_slotted_lever(case)}
+    return _cases(slotted=False)
 
 
 def slotted_levers() -> dict[str, dict[str, Any]]:
     """The slotted levers of `mechanism_values.json` by name."""
-    return {name: case for name, case in _cases().items() if _is_slotted_lever(case)}
+    return _cases(slotted=True)
 
 
 @cache
-def _cases() -> dict[str, dict[str, Any]]:
+def _cases(*, slotted: bool) -> dict[str, dict[str, Any]]:
     cases: dict[str, dict[str, Any]] = reference("mechanism_values.json")["mechanisms"]
-    return cases
-
-
-def _is_slotted_lever(case: dict[str, Any]) -> bool:
-    return bool(case["params"]["kind"] == "crank_slide")
+    return {
+        name: case
+        for name, case in cases.items()
+        if (case["params"]["kind"] == "crank_slide") == slotted
+    }
 
 
 def law_cases() -> list[dict[str, Any]]:

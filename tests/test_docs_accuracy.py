@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any, Final
@@ -198,16 +199,25 @@ def test_every_contour_has_every_tolerance() -> None:
 
 
 @pytest.mark.long  # tests/accuracy/test_benefit.py and test_spectrum.py measure such rows
-def test_rows_measured_again_are_those_of_the_page() -> None:
-    """To two units of the last of three digits: another processor rounds pieces differently."""
-    for line in ripple().lines(measured()):
+@pytest.mark.parametrize(("made", "page", "rel"), [
+    (lambda: ripple().lines(measured()), EXTREMES, 0.02),
+    (lambda: ripple().spectrum_lines(ripple().at_highest_speed(measured())), SPECTRUM, 0.1),
+])  # fmt: skip
+def test_rows_measured_again_are_those_of_the_page(
+    made: Callable[[], list[str]], page: str, rel: float
+) -> None:
+    """To two units of the last of three digits, and one of the last of two: another processor
+    rounds pieces differently.
+    """
+    for line in made():
         head = " | ".join(line.split(" | ")[:2]) + " | "
-        (kept,) = (each for each in EXTREMES.splitlines() if each.startswith(head))
-        assert signed(line) == pytest.approx(signed(kept), rel=0.02)
+        (kept,) = (each for each in page.splitlines() if each.startswith(head))
+        found, wanted = (signed(each.replace(",", "")) for each in (line, kept))
+        assert found == pytest.approx(wanted, rel=rel)
 
 
 @pytest.mark.long  # the long form alone has the rows
-def test_the_picture_is_drawn_from_the_rows() -> None:
+def test_the_pictures_are_drawn_from_the_rows() -> None:
     drawn = ripple().benefit_figure(measured(), title="setzhub")
     assert [panel.y.label for panel in drawn.panels] == [
         "acceleration is off [mm/s²]",
@@ -215,21 +225,7 @@ def test_the_picture_is_drawn_from_the_rows() -> None:
         "lifts off at [rev/min]",
     ]
     assert len(drawn.panels[0].marks) == len(FORMS) * len(ripple().SPEEDS)
+    spectrum = ripple().spectrum_figure(ripple().at_highest_speed(measured()), title="setzhub")
+    assert [len(panel.marks) for panel in spectrum.panels] == [2] * len(FORMS)
     assert drawn.to_data()
-
-
-@pytest.mark.long  # tests/accuracy/test_benefit.py and test_spectrum.py measure such rows
-def test_harmonics_measured_again_are_those_of_the_page() -> None:
-    """To a unit of the last of two digits."""
-    for line in ripple().spectrum_lines(ripple().at_highest_speed(measured())):
-        head = " | ".join(line.split(" | ")[:2]) + " | "
-        (kept,) = (each for each in SPECTRUM.splitlines() if each.startswith(head))
-        found, wanted = (signed(each.replace(",", "")) for each in (line, kept))
-        assert found == pytest.approx(wanted, rel=0.1)
-
-
-@pytest.mark.long  # the long form alone has the rows
-def test_the_spectrum_has_a_line_for_each_tolerance() -> None:
-    drawn = ripple().spectrum_figure(ripple().at_highest_speed(measured()), title="setzhub")
-    assert [len(panel.marks) for panel in drawn.panels] == [2] * len(FORMS)
-    assert drawn.to_data()
+    assert spectrum.to_data()
