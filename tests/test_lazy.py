@@ -79,7 +79,7 @@ class Owner:
 
 def test_each_is_computed_once_when_it_is_asked_for_and_recorded() -> None:
     owner = Owner()
-    assert owner.made == owner.ledger.runs == []
+    assert (owner.made, owner.ledger.runs) == ([], [])
     assert set(vars(owner)) == {"ledger", "now", "made", "broken"}
     assert owner.whole is owner.whole
     assert owner.whole == (("left", owner.base), ("right", owner.base))
