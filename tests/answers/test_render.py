@@ -15,7 +15,7 @@ import pytest
 from jsonschema_rs import Draft202012Validator, ValidationError, meta
 
 from camgeo.app.answers import answer
-from camgeo.app.answers.answer import Answer, Key
+from camgeo.app.answers.answer import Answer, Key, Keys
 from camgeo.lazy import Ledger, lazy
 from camgeo.numeric.arrays import FloatArray
 from tests.pages import page_maker
@@ -89,11 +89,15 @@ class Outer:
         return 1.0, 2.0
 
     @property
-    def one(self) -> Inner:
+    def one(self) -> Inner | Other:
         return self.several[0]
 
 
-INNER = {"turn_deg": "Turn.", "place_mm": "Place.", "note": Key("Said.", type=str, optional=True)}
+INNER: Keys = {
+    "turn_deg": "Turn.",
+    "place_mm": "Place.",
+    "note": Key("Said.", type=str, optional=True),
+}
 
 KEYS = Key(
     "All.",

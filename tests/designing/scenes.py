@@ -15,6 +15,11 @@ FOLDERS = (FIXTURES / "scenes", FIXTURES / "effects", FIXTURES / "pairs", TEMPLA
 FILES = [path for folder in FOLDERS for path in sorted(folder.glob("*.toml"))]
 
 
+SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
+TEXT = SETZHUB.read_text("utf-8")
+"""A rocker behind a linkage, and its text."""
+
+
 def name_of(file: pathlib.Path) -> str:
     """What tests call a file."""
     return f"{file.parent.name}-{file.stem}"

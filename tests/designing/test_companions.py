@@ -10,11 +10,8 @@ import pytest
 from camgeo.app.designing.edits import changed
 from camgeo.errors import Fault, SceneError
 from camgeo.scene.scene import parse_scene
-from tests.designing.scenes import FILES, FIXTURES, design, name_of
+from tests.designing.scenes import FILES, SETZHUB, TEXT, design, name_of
 from tests.designing.test_edits import comments, exact
-
-SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
-TEXT = SETZHUB.read_text("utf-8")
 
 ROLLERS = [file for file in FILES if "\nroller_radius" in file.read_text("utf-8")]
 ROLLERS = [file for file in ROLLERS if "knife" not in file.stem]  # which no groove holds

@@ -16,11 +16,8 @@ from camgeo.app.designing.edits import changed
 from camgeo.errors import CamgeoError, SceneError
 from camgeo.scene.scene import parse_scene
 from camgeo.scene.values import document, edited
-from tests.designing.scenes import CHOSEN, FILES, FIXTURES, design, name_of
+from tests.designing.scenes import CHOSEN, FILES, FIXTURES, SETZHUB, TEXT, design, name_of
 from tests.scene.scenes import leaves
-
-SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
-TEXT = SETZHUB.read_text("utf-8")
 
 
 def exact(text: str) -> dict[str, Any]:

@@ -18,14 +18,13 @@ from camgeo.design.design import Design
 from camgeo.scene.scene import load_scene
 from camgeo.scene.toml import template
 from tests.answers.documents import FIXTURES, SCENES
+from tests.designing.scenes import SETZHUB
 from tests.long_form import LONG
 
 REFUSED = FIXTURES / "refused"
 KINDS = ("setzhub", "conjugate_lever", "inch", "global_undercut", "d_shaft")
 JUDGED = [path for path in SCENES if LONG or path.stem in KINDS]
 """Scenes with all kinds of findings; all of them in the long form."""
-
-SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
 
 
 def job(path: Path, **arguments: Any) -> Job:

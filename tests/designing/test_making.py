@@ -17,7 +17,7 @@ from camgeo.design.design import Design
 from camgeo.dynamics.effects.registry import effect_names
 from camgeo.scene.scene import load_scene, parse_scene
 from camgeo.scene.toml import TEMPLATE_KINDS, template
-from tests.answers.documents import FIXTURES
+from tests.designing.scenes import FIXTURES, TEXT
 
 SCENES = FIXTURES / "scenes"
 ROLLER = template("translating-roller")
@@ -65,16 +65,15 @@ def test_solids_are_triangles_within_the_disc() -> None:
 
 
 def test_the_smallest_cam_keeps_its_requirement() -> None:
-    text = (SCENES / "setzhub.toml").read_text("utf-8")
     found = run(job("size", "setzhub"))
     assert found["sentence"].startswith("The smallest base radius is ")
-    smaller = parse_scene(text).with_values(found["edits"])
+    smaller = parse_scene(TEXT).with_values(found["edits"])
     assert smaller.follower is not None
     (own,) = (each for each in found["sizes"] if each["name"] == "smallest")
     assert smaller.follower.base_radius == pytest.approx(own["base_radius"])
     broken = [each for each in Design(smaller).findings if each.severity not in ("ok", "warning")]
     assert broken == []
-    applied = run(Job("change", text, arguments={"edits": found["edits"]}), Recent())
+    applied = run(Job("change", TEXT, arguments={"edits": found["edits"]}), Recent())
     assert applied["faults"] == []
 
 
@@ -104,67 +103,59 @@ def test_wrong_arguments_are_told(kind: str, arguments: dict[str, Any]) -> None:
         run(Job(kind, ROLLER, arguments=arguments))
 
 
-def test_every_law_offered_makes_a_valid_scene() -> None:
-    text = (SCENES / "setzhub.toml").read_text("utf-8")
+def offered(text: str = TEXT) -> dict[str, dict[str, Any]]:
+    """The laws for the second segment of a scene."""
     found = run(Job("laws", text, arguments={"segment": 1}))
     json.dumps(found, allow_nan=False)
-    assert found["law"] == "polynomial-345"
-    assert {"polynomial-345", "modified-sine", "straight-line"} <= {
-        each["name"] for each in found["laws"]
-    }
-    scene = parse_scene(text)
-    for each in found["laws"]:
-        made = scene.with_values(each["edits"])
-        assert made.values["motion"][1]["law"] == each["name"]
+    return {each["name"]: each for each in found["laws"]}
+
+
+def facts(name: str, text: str = TEXT) -> dict[str, str]:
+    return {each["name"]: each["value"] for each in offered(text)[name]["facts"]}
+
+
+def test_every_law_offered_makes_a_valid_scene() -> None:
+    assert run(Job("laws", TEXT, arguments={"segment": 1}))["law"] == "polynomial-345"
+    assert {"polynomial-345", "modified-sine", "straight-line"} <= offered().keys()
+    for name, each in offered().items():
+        made = parse_scene(TEXT).with_values(each["edits"])
+        assert made.values["motion"][1]["law"] == name
         assert each["facts"]
-
-
-def facts(text: str, segment: int) -> dict[str, dict[str, str]]:
-    found = run(Job("laws", text, arguments={"segment": segment}))["laws"]
-    return {law["name"]: {each["name"]: each["value"] for each in law["facts"]} for law in found}
 
 
 def test_laws_are_shown_for_the_task_that_they_have_in_the_plan() -> None:
     """A straight line from rest to rest is a shock at both ends; within a rise it is none."""
-    text = (SCENES / "setzhub.toml").read_text("utf-8")
-    assert facts(text, 1)["straight-line"] == {"C_v": "1", "C_a": "∞", "C_j": "∞"}
+    assert facts("straight-line") == {"C_v": "1", "C_a": "∞", "C_j": "∞"}
     moves = (("polynomial-5", 60, 4), ("straight-line", 60, 10), ("polynomial-5", 60, 14))
-    head, *_ = text.partition("[[motion]]")
+    head, *_ = TEXT.partition("[[motion]]")
     text = head + "".join(
         f'[[motion]]\nlaw = "{law}"\nspan = {span}\nto = {to}\n'
         for law, span, to in (*moves, ("polynomial-5", 180, 0))
     )
-    assert facts(text, 1)["straight-line"] == {"C_v": "1", "C_a": "0", "C_j": "0"}
+    assert facts("straight-line", text) == {"C_v": "1", "C_a": "0", "C_j": "0"}
 
 
 def test_one_motion_has_one_pair_of_extremes() -> None:
     """With jerks 60 (1 - 6 z + 6 z^2), and 840 (z - 6 z^2 + 10 z^3 - 5 z^4)."""
-    shown = facts((SCENES / "setzhub.toml").read_text("utf-8"), 1)
-    assert shown["polynomial-345"] == shown["polynomial-5"]
-    assert shown["polynomial-345"]["C_j"] == "−30 to 60"
-    assert shown["polynomial-4567"] == shown["polynomial-7"]
-    assert shown["polynomial-4567"]["C_j"] == "−52.5 to 42"
+    assert facts("polynomial-345") == facts("polynomial-5")
+    assert facts("polynomial-345")["C_j"] == "−30 to 60"
+    assert facts("polynomial-4567") == facts("polynomial-7")
+    assert facts("polynomial-4567")["C_j"] == "−52.5 to 42"
 
 
 def test_parameters_of_other_laws_are_dropped_with_them() -> None:
-    text = (SCENES / "setzhub.toml").read_text("utf-8")
-    text = text.replace('law = "polynomial-345"', 'law = "scca"\ncurved = 0.5', 1)
-    offered = {
-        each["name"]: each["edits"]
-        for each in run(Job("laws", text, arguments={"segment": 1}))["laws"]
-    }
-    scene = parse_scene(text)
-    assert "curved" in scene.with_values(offered["scca"]).values["motion"][1]
-    assert "curved" not in scene.with_values(offered["modified-sine"]).values["motion"][1]
+    text = TEXT.replace('law = "polynomial-345"', 'law = "scca"\ncurved = 0.5', 1)
+    scene, found = parse_scene(text), offered(text)
+    for name, stays in (("scca", True), ("modified-sine", False)):
+        move = scene.with_values(found[name]["edits"]).values["motion"][1]
+        assert ("curved" in move) == stays
 
 
 def test_laws_are_offered_for_a_segment_whose_law_is_wrong() -> None:
-    text = (SCENES / "setzhub.toml").read_text("utf-8")
-    text = text.replace('law = "polynomial-345"', 'law = "sine-straight"', 1)
+    text = TEXT.replace('law = "polynomial-345"', 'law = "sine-straight"', 1)
     assert run(Job("curves", text))["faults"]
-    offered = [each["name"] for each in run(Job("laws", text, arguments={"segment": 1}))["laws"]]
-    assert "polynomial-345" in offered
-    assert "sine-straight" not in offered
+    assert "polynomial-345" in offered(text)
+    assert "sine-straight" not in offered(text)
 
 
 def test_a_dwell_has_no_law() -> None:

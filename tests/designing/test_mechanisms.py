@@ -10,10 +10,9 @@ import pytest
 from camgeo.app.designing.edits import changed
 from camgeo.errors import SceneError, UnknownNameError
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
-from tests.designing.scenes import CHOSEN, FILES, FIXTURES, design, name_of
+from tests.designing.scenes import CHOSEN, FILES, FIXTURES, SETZHUB, TEXT, design, name_of
 from tests.designing.test_edits import comments, exact
 
-SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
 OTHERS = [
     *(("follower", kind) for kind in FOLLOWERS),
     *(("linkage", kind) for kind in (*LINKAGES, None)),
@@ -33,7 +32,7 @@ def test_every_kind_makes_a_valid_scene(file: pathlib.Path) -> None:
 
 
 def test_what_is_shared_stays() -> None:
-    text = SETZHUB.read_text("utf-8")
+    text = TEXT
     asked = {"key": "follower", "kind": "oscillating-flat"}
     found = changed(text, str(SETZHUB), None, {"table": asked}, design(SETZHUB))
     table = exact(found.text)["follower"]
@@ -63,10 +62,10 @@ def test_positions_change_with_their_unit() -> None:
 )
 def test_a_kind_that_there_is_not_is_refused(asked: dict[str, Any]) -> None:
     with pytest.raises(UnknownNameError):
-        changed(SETZHUB.read_text("utf-8"), str(SETZHUB), None, {"table": asked})
+        changed(TEXT, str(SETZHUB), None, {"table": asked})
 
 
 @pytest.mark.parametrize("asked", [None, {}, {"key": "cam", "kind": "x"}])
 def test_a_table_without_kinds_is_refused(asked: Any) -> None:
     with pytest.raises(SceneError):
-        changed(SETZHUB.read_text("utf-8"), str(SETZHUB), None, {"table": asked})
+        changed(TEXT, str(SETZHUB), None, {"table": asked})

@@ -13,9 +13,7 @@ from camgeo.app.designing.children import Job, JobError
 from camgeo.app.designing.recent import Recent
 from camgeo.app.designing.work import run
 from tests.answers.documents import FIXTURES
-from tests.designing.scenes import CHOSEN, name_of
-
-SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
+from tests.designing.scenes import CHOSEN, SETZHUB, TEXT, name_of
 
 MOST = 150_000
 """Bytes of the pictures of a common cam."""
@@ -61,7 +59,7 @@ EDITS = {
 
 @pytest.mark.parametrize("edits", EDITS.values(), ids=EDITS)
 def test_an_edit_is_painted_as_if_it_were_the_first(edits: list[tuple[str, str]]) -> None:
-    text = SETZHUB.read_text("utf-8")
+    text = TEXT
     after = text
     for one, other in edits:
         assert one in text
@@ -124,7 +122,7 @@ def test_what_moves_in_a_drag_is_as_in_the_whole() -> None:
 
 
 def test_a_change_that_cannot_be_made_leaves_the_text() -> None:
-    text = SETZHUB.read_text("utf-8")
+    text = TEXT
     for arguments in ({}, {"handle": "none", "to": [1, 2]}, {"edits": {}, "cure": 1}, {"cure": 9}):
         found = run(Job("change", text, arguments=arguments))
         assert found["text"] == text
@@ -133,9 +131,9 @@ def test_a_change_that_cannot_be_made_leaves_the_text() -> None:
 
 
 def test_a_scene_with_faults_tells_them_with_their_lines() -> None:
-    text = SETZHUB.read_text("utf-8").replace("arm = 61.29", "arm = -1\nlenght = 3")
+    text = TEXT.replace("arm = 61.29", "arm = -1\nlenght = 3")
     recent = Recent()
-    run(Job("curves", SETZHUB.read_text("utf-8")), recent)
+    run(Job("curves", TEXT), recent)
     found = run(Job("curves", text), recent)
     lines = text.splitlines()
     told = {each["key"]: each for each in found["faults"]}
@@ -147,7 +145,7 @@ def test_a_scene_with_faults_tells_them_with_their_lines() -> None:
 @pytest.mark.parametrize("text", ["", "=", "\ud800", "camgeo = 1", "a = [[[", "x" * 3_000_000])
 def test_a_text_that_is_no_scene_has_faults(text: str) -> None:
     recent = Recent()
-    run(Job("curves", SETZHUB.read_text("utf-8")), recent)
+    run(Job("curves", TEXT), recent)
     for memory in (None, recent):
         found = run(Job("curves", text), memory)
         assert found["faults"]

@@ -14,10 +14,7 @@ from hypothesis import strategies as st
 from camgeo.app.designing.edits import changed
 from camgeo.app.designing.segments import ACTIONS, spans_of, total
 from camgeo.errors import SceneError
-from tests.designing.scenes import FILES, FIXTURES, design
-
-SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
-TEXT = SETZHUB.read_text("utf-8")
+from tests.designing.scenes import FILES, FIXTURES, SETZHUB, TEXT, design
 
 
 def motion(text: str) -> list[dict[str, Any]]:

@@ -11,11 +11,8 @@ import pytest
 from camgeo.app.designing.edits import EXAMPLES, changed
 from camgeo.dynamics.effects.registry import EFFECTS
 from camgeo.errors import SceneError, UnknownNameError
-from tests.designing.scenes import CHOSEN, FILES, FIXTURES, design, name_of
+from tests.designing.scenes import CHOSEN, FILES, FIXTURES, SETZHUB, TEXT, design, name_of
 from tests.designing.test_edits import comments, exact
-
-SETZHUB = FIXTURES / "scenes" / "setzhub.toml"
-TEXT = SETZHUB.read_text("utf-8")
 
 
 def test_examples_are_of_effects() -> None:
