@@ -53,11 +53,13 @@ def test_text_and_document_are_of_one_result(tmp_path: Path) -> None:
     (program,) = found.programs
     assert program.found is not None
     (finding,) = program.found.findings
-    changed = replace(program.found, findings=(replace(finding, what="the moon"),), complete=False)
+    two = (replace(finding, what="the moon"), replace(finding, what="the sun"))
+    changed = replace(program.found, findings=two, complete=False)
     other = replace(found, programs=(replace(program, found=changed),))
     assert document(other)["programs"][0]["findings"][0]["what"] == "the moon"
     assert "line" not in document(other)["programs"][0]["findings"][0]
     assert "the program\n            no-end: the moon" in text(other)
+    assert text(other).count("the program\n") == 1 == text(other).count("no-end: the sun")
     assert "not read further" in text(other)
 
 

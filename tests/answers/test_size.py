@@ -72,6 +72,11 @@ def test_both_sides_of_a_rocker_are_reported(name: str) -> None:
     json.dumps(figure(found).to_data(), allow_nan=False)
 
 
+def test_the_picture_of_a_scene_in_inches_is_finite() -> None:
+    found = size(Design(load_scene(FIXTURES / "scenes" / "inch.toml")))
+    json.dumps(figure(found).to_data(), allow_nan=False)
+
+
 def test_what_is_proved_is_reported() -> None:
     exact = size(Design(load_scene(FIXTURES / "scenes" / "querhub.toml")))
     bounded = size(Design(load_scene(FIXTURES / "scenes" / "groove.toml")))

@@ -205,6 +205,9 @@ def test_what_cannot_be_is_listed_with_its_reason(capsys: Capture) -> None:
     record = records(call, capsys)["simple-sine"]
     assert record["values"] is None
     assert record["reason"].startswith("a0 = 6.0: ")
+    move = ["--speed", "60", "--span", "60", "--stroke", "5"]
+    (line,) = [line for line in printed([*call, *move], capsys).splitlines() if "simple-si" in line]
+    assert "not possible" in line  # and no physical values
     out = printed(["--task", "G-U", "--law", "straight-line", "polynomial-5"], capsys)
     assert "not possible: straight-line is made for R-R, G-G" in out
 
@@ -239,6 +242,12 @@ def test_places(capsys: Capture) -> None:
     # f' = 1 - cos(2 pi z): C_v in the middle, C_a at the quarters, C_j at the ends, C_Mdyn at 1/3.
     assert lines[2].split() == ["at", "z", "0.50000", "0.25000", "0.75000", "0.00000", "1.00000",
                                 "0.33333", "0.66667"]  # fmt: skip
+
+
+def test_all_tasks(capsys: Capture) -> None:
+    out = printed(["--task", "all"], capsys)
+    assert [line.split()[0] for line in out.splitlines()] == list(TASKS)
+    assert "rest to turn" in out
 
 
 # Physical values ----------------------------------------------------------------------------------

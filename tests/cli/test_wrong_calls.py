@@ -117,6 +117,7 @@ WRONG = {
     f"{FAMILY} --picture a.bmp": "'a.bmp' must end in one of .png, .svg, .pdf",
     f"{FAMILY} --picture {{}}/a.png --least laws": "two objectives or more",
     f"{FAMILY} --samples 0": "must be at least 1",
+    f"table {PLATE} --law modified-sine": "SCENE and --law are both given",
     f"table {PLATE} --inflection 0.4 --task R-R": "--task, --inflection: allowed with",
     f"table {PLATE} --step nan": "--step: 'nan' is not a finite number",
     "table --law Cycloid": "did you mean cycloidal?",

@@ -263,7 +263,7 @@ def _restated(value: Any, unit: LengthUnit, key: str = "") -> Any:
 # attribute, from which the JSON Schema follows: it is stated again only where they differ.
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Key:
     """A key of a document.
 
@@ -284,15 +284,6 @@ class Key:
     type: Any = None
     optional: bool = False
     by_key: bool = False
-
-    @property
-    def own(self) -> dict[str, Key] | None:
-        """The keys of the object, or of each one."""
-        if self.keys is None or isinstance(self.keys, Key):
-            return None if self.keys is None else self.keys.own
-        return {
-            name: Key(each) if isinstance(each, str) else each for name, each in self.keys.items()
-        }
 
 
 Keys: TypeAlias = Mapping[str, Key | str]
@@ -343,6 +334,15 @@ FINDING: Final = Key(
 )
 
 
+@cache
+def _keys_of(key: Key) -> dict[str, Key] | None:
+    """The keys of the object that the value of a key is, or of each one; None for plain values."""
+    if key.keys is None or isinstance(key.keys, Key):
+        return None if key.keys is None else _keys_of(key.keys)
+    return {name: Key(each) if isinstance(each, str) else each for name, each in key.keys.items()}
+
+
+@cache
 def _stem_and_unit(name: str) -> tuple[str, str]:
     """The name of a key without its unit, and the unit; "" for none."""
     for ending, unit in UNITS.items():
@@ -354,7 +354,7 @@ def _stem_and_unit(name: str) -> tuple[str, str]:
 def _read_object(value: Any, key: Key) -> dict[str, Any]:
     """The object of a document for a value that has the keys of `key`."""
     found = {}
-    for name, each in (key.own or {}).items():
+    for name, each in (_keys_of(key) or {}).items():
         item = _read(_attribute(value, name, each, by_key=key.by_key), name, each)
         if item is not None or not each.optional:
             found[name] = item
@@ -386,7 +386,7 @@ def _read(value: Any, name: str, key: Key) -> Any:
         return [value.real, value.imag]
     if get_origin(key.type) is Mapping or (isinstance(value, Mapping) and not key.by_key):
         return {str(each): _read(item, name, key) for each, item in dict(value).items()}
-    if key.own is not None and not isinstance(value, Sequence | Iterator):
+    if _keys_of(key) is not None and not isinstance(value, Sequence | Iterator):
         return _read_object(value, key)
     return [_read(item, name, key) for item in value]
 
@@ -443,7 +443,7 @@ def schema_of(package: str) -> dict[str, Any]:
 
 def _object_schema(kinds: Sequence[Any], key: Key) -> dict[str, Any]:
     """That of objects of one of these types."""
-    table = key.own or {}
+    table = _keys_of(key) or {}
     properties = {}
     for name, each in table.items():
         stem, unit = _stem_and_unit(name)
@@ -483,7 +483,7 @@ def _schema(types: Sequence[Any], key: Key) -> dict[str, Any]:
     if isinstance(kind, type) and issubclass(kind, Enum):
         return {"enum": [each.value for each in kind]}
     is_mapping = isinstance(origin, type) and issubclass(origin, Mapping)
-    if key.own is not None and (origin is None or (is_mapping and key.by_key)):
+    if _keys_of(key) is not None and (origin is None or (is_mapping and key.by_key)):
         return _object_schema(kinds, key) | _typed(["object", *null])
     if is_mapping:
         return _typed(["object", *null]) | {"additionalProperties": _item_schema(inner[1], key)}
