@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
@@ -11,7 +12,7 @@ from typing import Any, ClassVar, Final
 
 from camgeo._version import __version__
 from camgeo.app.answers.answer import BROKEN, CRASHED, FINE, Answer, Key
-from camgeo.app.cli.command import CallError, add_json, add_origin, number, settle, show
+from camgeo.app.cli.command import CallError, add_json, add_origin, number_from, settle, show
 from camgeo.app.cli.streams import notify
 from camgeo.design.design import Design
 from camgeo.design.verify import (
@@ -266,7 +267,7 @@ def options(parser: argparse.ArgumentParser) -> None:
         " folder, the one above it and the current one",
     )
     parser.add_argument(
-        "--tolerance", metavar="MM", type=_length,
+        "--tolerance", metavar="MM", type=number_from(math.ulp(0.0), math.inf, "a length above 0"),
         help="largest deviation; default: from the file, certificate.json or the scene",
     )  # fmt: skip
     parser.add_argument(
@@ -304,13 +305,6 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         notify("nothing was measured, and nothing was written")
     return code
-
-
-def _length(text: str) -> float:
-    length = number(text)
-    if length <= 0.0:
-        raise argparse.ArgumentTypeError("must be a length above 0")
-    return length
 
 
 def _is_folder(path: Path) -> bool:

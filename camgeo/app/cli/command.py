@@ -223,20 +223,22 @@ def number(text: str) -> float:
     return value
 
 
-def from_0(text: str) -> float:
-    """The number in the text of an option, not below 0."""
-    value = number(text)
-    if value < 0.0:
-        raise argparse.ArgumentTypeError("must be a number from 0 on")
-    return value
+def number_from(low: float, high: float, allowed: str) -> Callable[[str], float]:
+    """The type of an option that is a number from `low` to `high`, which is `allowed` in words."""
+
+    def read(text: str) -> float:
+        value = number(text)
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"must be {allowed}")
+        return value
+
+    return read
 
 
-def positive(text: str) -> float:
-    """The length in the text of an option, above 0."""
-    value = number(text)
-    if not SMALLEST <= value <= LARGEST:
-        raise argparse.ArgumentTypeError(f"must be a number from {SMALLEST:g} to {LARGEST:g}")
-    return value
+from_0: Final = number_from(0.0, math.inf, "a number from 0 on")
+
+positive: Final = number_from(SMALLEST, LARGEST, f"a number from {SMALLEST:g} to {LARGEST:g}")
+"""A length [mm] above 0."""
 
 
 def check_step(step: Decimal | None, smallest: Decimal, largest: Decimal) -> None:

@@ -11,7 +11,7 @@ from typing import Final
 
 from camgeo.app.answers.answer import FINE
 from camgeo.app.answers.check import Check, check
-from camgeo.app.cli.command import CallError, add_output, add_scene, from_0, number, opened
+from camgeo.app.cli.command import CallError, add_output, add_scene, from_0, number_from, opened
 from camgeo.app.cli.plot import SUFFIXES, drawn
 from camgeo.app.cli.progress import Progress
 from camgeo.app.cli.streams import say, until_ctrl_c
@@ -44,7 +44,7 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--every",
         metavar="SECONDS",
-        type=_seconds,
+        type=number_from(QUICKEST, 3600.0, f"a number from {QUICKEST:g} to 3600"),
         default=EVERY,
         help=f"time between two looks at the files; default {EVERY:g}",
     )
@@ -120,13 +120,6 @@ def _fault(error: CamgeoError) -> str:
     else:
         text = str(error)
     return " ".join(text.split())
-
-
-def _seconds(text: str) -> float:
-    value = number(text)
-    if not QUICKEST <= value <= 3600.0:
-        raise argparse.ArgumentTypeError(f"must be a number from {QUICKEST:g} to 3600")
-    return value
 
 
 def _count(text: str) -> int:
