@@ -204,14 +204,12 @@ def _verdict(
     )
     checks += _scene(product, present, origin, certificate)
     tolerance = _tolerance(path.name, wanted, origin, certificate, against)
-    if origin.tolerance is not None and certificate is not None:
-        certain = certificate.tolerances.get(path.name)
-        if certain is not None:
-            note = f"the file names a different tolerance from {CERTIFICATE}"
-            checks.append(equal("tolerance", origin.tolerance, certain, note=note))
+    certain = None if certificate is None else certificate.tolerances.get(path.name)
+    if origin.tolerance is not None and certain is not None:
+        note = f"the file names a different tolerance from {CERTIFICATE}"
+        checks.append(equal("tolerance", origin.tolerance, certain, note=note))
     if origin.version:
-        certified = None if certificate is None else certificate.tolerances.get(path.name)
-        stated = origin.tolerance or certified
+        stated = origin.tolerance or certain
         checks.append(
             _written_again(
                 path.name, verifier, data, origin, against, stated, vouched=checks[0].ok is True
