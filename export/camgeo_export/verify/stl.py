@@ -6,7 +6,6 @@ import math
 import re
 from array import array
 from collections.abc import Iterator
-from itertools import chain
 
 import numpy as np
 
@@ -50,10 +49,12 @@ class StlVerifier:
     def tokens(self, data: bytes) -> Iterator[tuple[str, str]]:
         """The words of the header, and all numbers of each facet."""
         yield from text_tokens(data[:HEADER_BYTES], "header")
-        for number, facet in enumerate(np.frombuffer(data, FACET, offset=PREFIX).tolist(), 1):
-            normal, corners, attribute = facet
-            for value in (*normal, *chain.from_iterable(corners), attribute):
-                yield f"facet {number}", repr(value)
+        facets = np.frombuffer(data, FACET, offset=PREFIX)
+        corners = facets["corners"].reshape(-1, 9)
+        numbers = np.hstack((facets["normal"], corners)).astype(np.float64).tolist()
+        for place, row in enumerate(zip(numbers, facets["attribute"].tolist(), strict=True), 1):
+            for value in (*row[0], row[1]):
+                yield f"facet {place}", repr(value)
 
     def origin(self, data: bytes) -> Origin:
         """From the header, which has room only for the first digits of the scene's hash."""
