@@ -198,7 +198,8 @@ def test_the_windup_is_what_the_cam_lags_behind_in_time() -> None:
 
 
 def test_the_shaft_does_the_work_that_the_cam_takes() -> None:
-    made = shaft(**{"effects.friction": FRICTION})
+    rubbing: dict[str, Any] = {"effects.friction": FRICTION}
+    made = shaft(**rubbing)
     turn, drive = made.effect(CAMSHAFT_WINDUP), figures(made, DRIVE_TORQUE)
     torque = {each.name: each for each in turn.columns}["shaft torque"]
     low, high = cells(turn.turn.mesh.low, 1)
@@ -221,7 +222,8 @@ def test_all_other_effects_are_for_the_cam_as_it_turns() -> None:
     own = [lift(each)[1] for each in PHI] * course.rates(PHI)[0]
     assert velocity == pytest.approx(own, abs=1e-9 * np.max(np.abs(own)))
     assert "camshaft-windup" in figures(made, "kinematics")["found-speed"].sentence
-    stated = shaft(**{"state.speed": "stated"})
+    by_scene: dict[str, Any] = {"state.speed": "stated"}
+    stated = shaft(**by_scene)
     assert stated.effect("kinematics").state == Used("demanded", "stated")
     assert "camshaft-windup" in figures(stated, "kinematics")["simplified"].sentence
 

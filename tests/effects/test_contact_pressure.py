@@ -545,4 +545,5 @@ def test_from_a_scene(name: str, tables: str) -> None:
     assert np.max(pressure) <= result.largest.value * (1.0 + 1e-12)
     shear = result.columns[1].values(phi, "right")
     assert np.array_equal(shear, SHEAR_SHARE * result.columns[0].values(phi, "right"))
+    assert result.error is not None
     assert result.error <= 1e-6

@@ -219,7 +219,7 @@ def test_a_speed_that_nothing_finds_is_refused_with_its_key() -> None:
 
 
 def test_a_motor_that_stalls_leaves_the_speed_of_the_scene_or_none() -> None:
-    weak = {"stall_torque": 0.01, "effects__friction": {"rolling": 0.5}}
+    weak: dict[str, Any] = {"stall_torque": 0.01, "effects__friction": {"rolling": 0.5}}
     alone = scene(**weak)
     with pytest.raises(EffectError) as error:
         alone.effect("kinematics")
@@ -266,7 +266,10 @@ def test_rates_and_time_are_derivatives_of_one_another(name: str) -> None:
 def test_alpha_jumps_where_the_law_does_and_nowhere_else() -> None:
     """A simple sine presses the roller, which takes torque as it rolls, harder at once."""
     moves = [{"law": "simple-sine", "span": 90, "to": to} for to in (20, 0)]
-    edits = {"motion": [*moves, {"dwell": 180}], "effects__friction": {"rolling": 0.5}}
+    edits: dict[str, Any] = {
+        "motion": [*moves, {"dwell": 180}],
+        "effects__friction": {"rolling": 0.5},
+    }
     course = scene(**edits).effect(SPEED_FLUCTUATION).course
     right, left = (course.rates(course.borders, side) for side in ("right", "left"))
     size = np.max(np.abs(course.rates(PHI)[1]))

@@ -246,17 +246,6 @@ MADE: Final = {
 }
 
 
-def test_pivot_friction_by_its_circle() -> None:
-    """The follower jams where the normal passes the pivot within mu d / 2."""
-    made = design("shuttle", "")
-    found = statics(made, pivot=0.2, pivot_diameter=40.0)
-    phi = angles(made)
-    wanted = made.cam.disc.pitch_curve.transmission_angle(phi) - math.asin(0.2 * 20.0 / 90.0)
-    assert found.margin(phi, "right", 1) == pytest.approx(wanted, abs=1e-12)
-    force = found.per_normal(phi, "right", 1)[0]
-    assert force == pytest.approx(-4.0 * np.sign(made.cam.drive.motion.jet(phi)[1]), rel=1e-15)
-
-
 def test_a_rest_is_without_coulomb_s_friction_and_its_ends_have_two_sides() -> None:
     made = design("plate_translating", "")
     found = friction(made, guide=0.2)

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 import pytest
 
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.rules import ROLLERS
-from camgeo.errors import EffectError, SceneError
+from camgeo.errors import EffectError
 from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
@@ -309,7 +309,8 @@ def test_a_force_that_touches_zero_and_does_not_cross_it(preload: float, stiffne
     """R = m s'' omega^2 + P + k s with s = h/2 (1 - cos phi).
 
     It is least at the top, P + k h - m h/2 omega^2. The spring is the least that keeps contact, and
-    the speed that of lift-off.
+    the speed that of lift-off, the jump speed of an eccentric as the textbooks on cam dynamics have
+    it (Norton; Shigley and Uicker).
     """
     spring = f"[effects.spring]\npreload = {preload!r}\nstiffness = {stiffness!r}\n"
     further = "[effects.contact-force]\n[effects.lift-off]\n[effects.drive-torque]\n"
@@ -359,9 +360,9 @@ def test_a_groove_force_that_barely_crosses_zero_changes_the_flank(short: float)
     """However short the stretch: its length goes with the root of what is missing."""
     design = groove_with(1.0 - short)
     assert assert_well_formed(design) == {}
-    changes = [each.cam_angle for each in design.effects.findings("lift-off")]
-    assert len(changes) == 2
-    first, second = changes
+    first, second = (each.cam_angle for each in design.effects.findings("lift-off"))
+    assert first is not None
+    assert second is not None
     # R'' / R is about (2 pi / span)^2 / 2 for a move of 100 degrees.
     assert 0.1 * math.sqrt(short) < second - first < 10.0 * math.sqrt(short)
 
@@ -533,22 +534,3 @@ def test_a_load_that_lifts_the_roller_off_everywhere(name: str) -> None:
     pressure = design.effect("contact-pressure").columns[0].values(phi, "right")
     assert not np.any(pressure)
     assert "contact-lost" in names_of(design, "drive-torque")
-
-
-@pytest.mark.parametrize(
-    ("effects", "key"),
-    [
-        ("[effects.vibration]\nnatural_frequency = 5\ndamping = 1.0", "effects.vibration.damping"),
-        ("[effects.spring]\nstiffness = nan\npreload = 1", "effects.spring.stiffness"),
-        ("[effects.spring]\nstiffness = inf\npreload = 1", "effects.spring.stiffness"),
-        ("[effects.inertia]\nmass = -1", "effects.inertia.mass"),
-        ("[effects.lift-off]", "effects.lift-off"),
-        ("[effects.speed-fluctuation]\nmoment_of_inertia = 0", "effects.speed-fluctuation"),
-        ("[effects.drive-torque]\ntolerance = 1e-20", "effects.drive-torque.tolerance"),
-    ],
-)
-def test_what_is_no_number_is_refused(effects: str, key: str) -> None:
-    with pytest.raises(SceneError) as refused:
-        made(scene_text("plate_translating"), effects)
-    keys: list[Any] = [fault.key for fault in refused.value.faults]
-    assert any(each.startswith(key) for each in keys), keys

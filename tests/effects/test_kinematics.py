@@ -71,7 +71,7 @@ def test_each_column_is_the_derivative_of_the_one_before(scene: str) -> None:
             # Gauss's rule over an eighth of a piece; rounding of values in the cells.
             assert over_time(second) == pytest.approx(change, abs=1e-11 * scale)
     way = 1.0 if made.cam.lift_unit == "mm" or scene == "setzhub" else math.degrees(1.0)
-    moves = [("velocity", made.drive.plan, way)]
+    moves: list[tuple[str, Any, float]] = [("velocity", made.drive.plan, way)]
     if scene == "setzhub":
         moves.append(("rocker velocity", made.drive.motion, math.degrees(1.0)))
     for name, motion, unit in moves:

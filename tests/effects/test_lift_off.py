@@ -12,8 +12,7 @@ from camgeo.dynamics.effects.contact import ranges_below, runs
 from camgeo.dynamics.effects.lift_off.flight import cells_from
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
-from camgeo.scene.scene import parse_scene
-from camgeo.units import RPM, TURN
+from camgeo.units import TURN
 from tests.effects.scenes import course_of, design
 from tests.findings import finding
 
@@ -235,42 +234,6 @@ def test_the_speed_is_that_at_which_the_force_first_touches_its_margin(
         assert lowest(subject, factor * (1.0 - 1e-9)) > 0.0
         assert lowest(subject, factor * (1.0 + 1e-9)) < 0.0
         assert lowest(subject, 0.4 * factor) > 0.0
-
-
-HARMONIC = """
-camgeo = 1
-name = "harmonic"
-[cam]
-rotation = "ccw"
-speed = 100
-[follower]
-kind = "translating-roller"
-base_radius = 60
-roller_radius = 10
-[[motion]]
-law = "simple-sine"
-span = 180
-to = 20
-[[motion]]
-law = "simple-sine"
-span = 180
-to = 0
-"""
-
-
-def harmonic(tables: str) -> Design:
-    return Design(parse_scene(HARMONIC + tables, "harmonic.toml"))
-
-
-def test_the_jump_speed_of_a_harmonic_motion() -> None:
-    """With lift e (1 - cos phi) the force is P + k e + (m omega^2 - k) e cos phi: contact is lost
-    at the top from omega = sqrt((2 k e + P) / (m e)) on, the jump speed of an eccentric as the
-    textbooks on cam dynamics have it (Norton; Shigley and Uicker)."""
-    found = lift_off(harmonic(effects(stiffness=1.0, preload=25.0)))
-    expected = math.sqrt((2.0 * 1.0 * 10.0 + 25.0) / (1.2e-3 * 10.0)) / RPM
-    assert finding(found.findings, "lift-off-speed").value == pytest.approx(expected, rel=1e-13)
-    # The top is flat: its place is known to half the digits.
-    assert finding(found.findings, "lift-off-speed").cam_angle == pytest.approx(math.pi, abs=1e-6)
 
 
 @pytest.mark.parametrize("more", ["", "[effects.gravity]\nangle = 90"])

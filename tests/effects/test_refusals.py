@@ -209,6 +209,7 @@ SCENES: Final = [
     ("ring", "[effects.vibration]\nnatural_frequency = 50", "vibration", "speed"),
     ("plate_translating", "[effects.gravity]", "gravity", "inertia"),
     ("plate_translating", "[effects.contact-force]", "contact-force", "inertia"),
+    ("plate_translating", "[effects.lift-off]", "lift-off", "inertia"),
     ("plate_translating", "[effects.load]", "load", "one of constant, segments, file"),
     (
         "plate_translating",

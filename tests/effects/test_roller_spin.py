@@ -48,6 +48,12 @@ def rolling(scene: str, rev: float, traction: float = 0.05, *changes: tuple[str,
     return design(scene, text, speed_of(scene, rev), *changes)
 
 
+def groove(inertia: float, traction: float = 0.06) -> Design:
+    path = SCENES.parent / "effects" / "groove_lever.toml"
+    table = {"moment_of_inertia": inertia, "traction": traction}
+    return Design(load_scene(path).with_values({"effects.roller-spin": table}))
+
+
 @pytest.mark.parametrize("scene", ["plate_translating", "shuttle"])
 def test_it_rolls_on_its_flank(scene: str) -> None:
     """No slip at the contact, by velocities in the fixed frame."""
@@ -95,9 +101,7 @@ def test_it_skids_where_the_traction_does_not_suffice() -> None:
 
 
 def test_in_a_groove_it_reverses_at_each_change_of_flanks() -> None:
-    path = SCENES.parent / "effects" / "groove_lever.toml"
-    table = {"moment_of_inertia": 4e-9, "traction": 0.06}
-    made = Design(load_scene(path).with_values({"effects.roller-spin": table}))
+    made = groove(4e-9)
     found = {each.name: each for each in made.effect("roller-spin").findings}
     changes = [each for each in made.effects.findings("lift-off") if each.name == "flank-change"]
     assert found["roller-reversal"].value == len(changes) == 4
@@ -113,12 +117,6 @@ SOLVED: Final = 1e-9
 """Of solvers whose steps are good to 1e-12: some hundreds of them, and their events."""
 
 FINDINGS: Final = ("largest-slip", "slip-distance", "slip-work")
-
-
-def groove(inertia: float, traction: float = 0.06) -> Design:
-    path = SCENES.parent / "effects" / "groove_lever.toml"
-    table = {"moment_of_inertia": inertia, "traction": traction}
-    return Design(load_scene(path).with_values({"effects.roller-spin": table}))
 
 
 def skid_of(made: Design) -> Skid:

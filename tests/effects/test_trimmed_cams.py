@@ -19,7 +19,7 @@ from camgeo.design.design import Design
 from camgeo.dynamics.effects.results import CONTACT_FORCE, DRIVE_TORQUE
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import Side
-from tests.effects.scenes import design
+from tests.effects.scenes import course_of, design
 
 SPEED: Final = 30.0 * math.pi / 30.0
 """Of both cams [rad/s]."""
@@ -96,7 +96,7 @@ def assert_forces_on_corners(
         normal = (place(q) - seen(phi)) / radius
         lever = float(mpmath.re(mpmath.conj(normal) * mpmath.diff(place, q)))
         spring = -math.copysign(preload, lever) - rate * jet[0]  # it closes the contact
-        needed = mass * jet[2] * state.course.rates(at)[0, 0] ** 2 - spring
+        needed = mass * jet[2] * course_of(made).rates(at)[0, 0] ** 2 - spring
         wanted = cam.contact.push * needed / lever  # negative on an outer flank
         found = made.effect(CONTACT_FORCE).normal(at, "right")[0]
         assert found == pytest.approx(wanted, rel=1e-8)
