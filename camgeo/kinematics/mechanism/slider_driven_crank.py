@@ -129,11 +129,6 @@ class SliderDrivenCrank:
         way = 2.0 * self.crank * np.sin(half) * (np.cos(middle) * slope - np.sin(middle))
         return np.asarray(way)
 
-    def stroke(self, angle: FloatArray) -> FloatArray:
-        """s (n,) [mm] at the crank's `angle` (n,) [rad]."""
-        drop = self._drop(angle)
-        return -self.inner.stroke_direction * self._way(angle, drop, self._along(drop))
-
     def joints(self, angle: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """P and T (n,) [mm] at the crank's `angle` (n,) [rad], see `SliderCrank.joints`."""
         theta = self._theta(angle)

@@ -254,6 +254,15 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
         r"sine-straight for U-U ends with an acceleration below -5 mm/rad\^2, but 3 mm/rad",
     ),
     (
+        [
+            move(180, 20.0, "sine-straight", acceleration=-30.0),
+            move(180, 0.0, acceleration=3.0),
+        ],
+        "motion[2].acceleration",
+        "3 mm/rad^2",
+        r"sine-straight for U-U starts with an acceleration above 5 mm/rad\^2, but 3 mm/rad",
+    ),
+    (
         [rest(60), move(100, 10.0, "harmonic-combination"), move(200, 30.0, "simple-sine"), rest(0),
          ],
         "motion",

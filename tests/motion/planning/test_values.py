@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from decimal import Decimal
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from hypothesis import strategies as st
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import make_law
 from camgeo.kinematics.plan import Joint, MotionPlan, joints
-from camgeo.kinematics.planning.requests import Request
+from camgeo.kinematics.planning.requests import Request, TableRequest
 from camgeo.kinematics.splines import clamped_spline
 from camgeo.units import TURN
 from tests.motion.planning.wishes import data_of, laws, move, move_of, planned, rest, table, through
@@ -269,7 +270,22 @@ def test_a_table_that_does_not_return_is_reported() -> None:
     assert caught.value.key.startswith("motion")
 
 
-def test_a_turn_that_does_not_close_is_reported() -> None:
-    with pytest.raises(GeometryError, match="off where it would close") as caught:
-        planned(table(360, [0.0, 1.0, 2.0, 1.0, 0.5]))
-    assert caught.value.key == "motion[1].file"
+@pytest.mark.parametrize(
+    ("before", "words"),
+    [((), "off where it would close"), ((rest(0),), "the last row lies 0.5 off the first one")],
+)
+def test_a_turn_that_does_not_close_is_reported(before: tuple[Request, ...], words: str) -> None:
+    with pytest.raises(GeometryError, match=words) as caught:
+        planned(*before, table(360, [0.0, 1.0, 2.0, 1.0, 0.5]))
+    assert caught.value.key == f"motion[{len(before) + 1}].file"
+
+
+@pytest.mark.parametrize("closing", [True, False])
+def test_a_table_of_a_turn_rests_at_a_rest_of_no_length(closing: bool) -> None:
+    """Whether it has its closing row or not."""
+    count = 73 if closing else 72
+    rows, shares = wave(73), np.arange(73) / 72
+    plan = planned(rest(0), TableRequest(Decimal(360), shares[:count], rows[:count], None))
+    assert not np.any(plan.jet(np.zeros(1))[:3])
+    assert plan.jet(np.zeros(1), "left")[:3] == pytest.approx(np.zeros((3, 1)), abs=1e-9)
+    assert plan.jet(TURN * shares[:-1])[0] == pytest.approx(rows[:-1], abs=1e-12)
