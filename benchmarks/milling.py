@@ -45,10 +45,9 @@ from camgeo.geometry.contour.contour import Contour
 from camgeo.milling.course import Course, course_of
 from camgeo.milling.cut import AreaCut, ContourCut
 from camgeo.milling.holding import Holding
-from camgeo.milling.judged import runs_of, setup_of
-from camgeo.milling.look_ahead import block_times
+from camgeo.milling.judged import Side, runs_of, setup_of
 from camgeo.milling.machine import Machine, load
-from camgeo.milling.machining_time import blocks_of, contour_time
+from camgeo.milling.machining_time import block_times, blocks_of, contour_time
 from camgeo.milling.milling import MillingSpec, Stock
 from camgeo.milling.moves import Feed, Heights, Move, Operation, Rapid, Toolpath
 from camgeo.milling.plan import Cutting, Engagement, plan_toolpath
@@ -173,8 +172,9 @@ def retracts(moves: Sequence[object]) -> int:
 def loose(found: Roughed) -> int:
     """Pieces that come loose in the whole program."""
     runs = runs_of(found.whole)
-    cuts = [each.cut for each in found.whole.operations]
-    setup = setup_of(cuts, runs, found.part, found.stock, found.holding, 1e-3)
+    cuts = tuple(each.cut for each in found.whole.operations)
+    spec = MillingSpec(tools=(), stock=found.stock, holding=found.holding)
+    setup = setup_of(Side(found.part, spec, cuts, runs), 1e-3)
     return len(simulate(setup, runs).of("loose"))
 
 

@@ -144,7 +144,7 @@ def case_of(rng: Random, number: int) -> Case:
     follower |= {"yoke": {"breadth": 2.0 * radius}} if kind == "yoke" else {}
     least = radius - abs(centre)
     diameter = 0.3 * size if kind == "groove" else min(0.1 * size, 0.4 * least)
-    tool = {"number": 1, "diameter": diameter, "flute_length": size, "spindle_speed": 3000}
+    tool: Table = {"number": 1, "diameter": diameter, "flute_length": size, "spindle_speed": 3000}
     tool |= {"feed": 300, "plunge_feed": 100, "stepdown": 0.1 * size, "stepover": 0.4 * diameter}
     scene = {
         "camgeo": 1,
@@ -186,14 +186,14 @@ def _part(rng: Random, kind: str, size: float, least: float) -> Table:
     """Rim, groove and bore, with a flat or a keyway, of a disc whose outline is at least `least`
     from the axis.
     """
-    rim = {"rim": 3.0 * size} if kind in RIMMED else {}
+    rim: Table = {"rim": 3.0 * size} if kind in RIMMED else {}
     if kind == "groove":
         return {**rim, "groove_depth": 0.15 * size, "bore": 0.5 * size}
     if kind == "ring":
         return rim
     bore, shape = 0.5 * least, rng.choice(("round", "flat", "keyway"))
     angle = rng.uniform(0.0, 360.0)
-    shapes = {
+    shapes: dict[str, Table] = {
         "round": {},
         "flat": {"d_shaft": {"across": 1.8 * bore, "angle": angle}},
         "keyway": {"keyway": {"width": 0.4 * bore, "depth": 0.2 * bore, "angle": angle}},

@@ -101,7 +101,7 @@ class Job:
 
 def covered(table: Table) -> Area:
     """What a blank, a screw (a circle) or a clamp (a square) covers."""
-    x, y = table.get("centre", table.get("place"))
+    x, y = table["centre" if "centre" in table else "place"]
     diameter = table.get("diameter", table.get("head_diameter"))
     if diameter is not None:
         return disc(diameter, x, y)
@@ -154,7 +154,7 @@ def drawn(source: random.Random) -> Job:
                 {"kind": "finish", "tool": 2, "boundary": "bore"},
             ]
         strategy = source.choice(("ramp", "ramp", "", "spiral"))
-        rough = {"kind": "rough", "tool": source.choice((1, 2)), "boundary": "outline"}
+        rough: Table = {"kind": "rough", "tool": source.choice((1, 2)), "boundary": "outline"}
         rough |= {"allowance": 0.3, **({"strategy": strategy} if strategy else {})}
         last = source.choice((rough["tool"], 2))
         operations += [rough, {"kind": "finish", "tool": last, "boundary": "outline"}]

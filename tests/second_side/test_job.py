@@ -64,7 +64,7 @@ def done(text: str) -> tuple[Done, ...]:
 def volume(slabs: Sequence[Slab], areas: Iterable[Area] | None = None) -> float:
     """Of the material of slabs, or of one area for each [mm^3]."""
     each = [slab.material for slab in slabs] if areas is None else areas
-    return sum((s.z1 - s.z0) * area.area for s, area in zip(slabs, each, strict=True))
+    return float(sum((s.z1 - s.z0) * area.area for s, area in zip(slabs, each, strict=True)))
 
 
 def flaws(text: str) -> list[Flaw]:

@@ -17,6 +17,7 @@ from camgeo.geometry.contour.contour import Contour, distances
 from camgeo.geometry.outline.path import whole
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.milling.moves import ArcFeed
+from camgeo.numeric.arrays import FloatArray
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from tests.contour.cams import curves, flank
 from tests.long_form import examples
@@ -43,36 +44,44 @@ CORNERS = np.array([-56 - 60j, 56 - 60j, 56 + 60j, -56 + 60j])
 PLATE = ExactBoundary("stock", hole=False, exact=Contour.polygon(CORNERS))
 
 
+@pytest.mark.parametrize("changes", [{"depths": (-4.0, -8.0)}, {"climb": False}])
+def test_engagement(changes: dict[str, Any]) -> None:
+    """What comes before the first contact at a depth, and the way out again, is air."""
+    for there in engaged({"depths": (-4.0,), **changes}, LIMIT):
+        assert np.mean(there < 1e-3) <= 0.15
+        assert np.quantile(there, 0.9) > math.radians(35.0)
+
+
 @pytest.mark.parametrize(
     ("changes", "limit"),
     [
-        ({"depths": (-4.0, -8.0)}, LIMIT),
-        ({"climb": False}, LIMIT),
         ({"stock": PLATE}, LIMIT),
         # Where the blank has no allowance the cutter runs in air there.
         ({"stock": round_blank(52.0)}, LIMIT),
         # Without a limit it is that on a straight wall at the stepover.
         ({"tool": TOOL}, math.acos(1.0 - 2.0 / TOOL.radius)),
     ],
-    ids=["", "conventional", "a plate", "a blank as large as the part", "no limit"],
+    ids=["a plate", "a blank as large as the part", "no limit"],
 )
-def test_engagement(changes: dict[str, Any], limit: float) -> None:
-    cut = replace(CUT, **{"depths": (-4.0,), **changes})
+def test_engagement_in_other_blanks(changes: dict[str, Any], limit: float) -> None:
+    assert engaged({"depths": (-4.0,), **changes}, limit)
+
+
+def engaged(changes: dict[str, Any], limit: float) -> list[FloatArray]:
+    """At each depth (n,) [rad], at most `limit`; a plate is cut up to its corners."""
+    cut = replace(CUT, **changes)
     moves = made(cut)
     require_sound(moves)
     found = levels(moves, 0.0)
     assert tuple(found) == cut.depths
     assert cut.stock is not None
     blank = cut.stock.arcs(TOLERANCE).contour
-    for number, track in enumerate(found.values()):
-        there = engagements(track, blank, TOOL.radius, 60)
-        assert np.max(there) <= limit, number
-        if cut.stock is CUT.stock and limit == LIMIT:
-            # What comes before the first contact at a depth, and the way out again, is air.
-            assert np.mean(there < 1e-3) <= 0.15
-            assert np.quantile(there, 0.9) > math.radians(35.0)
-        if cut.stock is PLATE:
+    if cut.stock is PLATE:
+        for track in found.values():
             assert np.max(distances(0.999 * PLATE.exact.vertices, track)) <= TOOL.radius
+    there = [engagements(track, blank, TOOL.radius, 60) for track in found.values()]
+    assert np.max(there) <= limit
+    return there
 
 
 @pytest.mark.parametrize(
