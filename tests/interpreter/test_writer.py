@@ -30,7 +30,7 @@ def test_programs_are_clean_and_verify(machine: str, unit: LengthUnit) -> None:
     product = StubProduct(gcode=spec, second_tool=second, unit=unit)
     data = WRITER.write(product, TOLERANCE).data
     step = 25.4e-4
-    found = run_bytes(data, load(machine), Bench(clearance=spec.safe_height - step))
+    found = run_bytes(data, load(machine), Bench(clearance=spec.clearance_height - step))
     assert found.findings == ()
     assert found.mm_per_unit == {"mm": 1.0, "inch": 25.4}[unit]
     assert {move.tool for move in found.moves if move.kind != "rapid"} == (

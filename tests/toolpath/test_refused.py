@@ -37,7 +37,7 @@ WASHER: Final = Clamp(
     place=0j, length=30.0, width=30.0, height=8.0, round=True, since="rough outline"
 )
 
-PLATE: Final = {"length": 170.0, "width": 170.0}
+PLATE: Final[dict[str, Any]] = {"length": 170.0, "width": 170.0}
 
 ROUND: Final = Stock(shape="round", diameter=170.0, top=1.0)
 

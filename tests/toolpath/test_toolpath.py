@@ -17,6 +17,7 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, Effort
 from camgeo.geometry.outline.path import Path, whole
 from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.milling import plan
 from camgeo.milling.cut import ContourCut, Cut, PointCut
 from camgeo.milling.holding import Holding
@@ -49,6 +50,8 @@ FLANKS = {
     "inner": whole(WorkingCurve(PITCH, -ROLLER)),
     "outer": whole(WorkingCurve(PITCH, ROLLER)),
 }
+
+BOTH = (FLANKS["inner"], FLANKS["outer"])
 
 DISC = PartSpec(thickness=10.0, rim=200.0)
 
@@ -142,7 +145,7 @@ def test_a_path_is_the_tool_radius_from_its_wall(name: str, diameter: float) -> 
 
 @pytest.mark.parametrize("diameter", [8.0, 10.0, 15.9])
 def test_groove_in_two_rounds(diameter: float) -> None:
-    operations = planned("groove", *FLANKS.values(), diameter, GROOVE)
+    operations = planned("groove", *BOTH, diameter, GROOVE)
     cleared = []
     for side in FLANKS:
         path = outline_of(operations[f"{side} flank"])
@@ -161,7 +164,7 @@ def test_groove_in_two_rounds(diameter: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("inner", "outer"), [tuple(FLANKS.values()), (shocks(-1, 1), shocks(1, 1))], ids=["", "shocks"]
+    ("inner", "outer"), [BOTH, (shocks(-1, 1), shocks(1, 1))], ids=["", "shocks"]
 )
 def test_groove_with_a_tool_like_the_roller(inner: Path, outer: Path) -> None:
     """Along the pitch curve, with its corners, and the outer flank on the right."""
@@ -179,8 +182,8 @@ def test_groove_with_a_tool_like_the_roller(inner: Path, outer: Path) -> None:
 
 def test_groove_with_side_clearance() -> None:
     """The groove counts, 16 mm wide, and not the roller in it, 15.7 mm."""
-    played = replace(PITCH, follower=replace(PITCH.follower, roller_radius=ROLLER - 0.15))
-    flanks = [whole(WorkingCurve(played, side * ROLLER)) for side in (-1.0, 1.0)]
+    played = replace(PITCH, follower=TranslatingRoller(40.0, ROLLER - 0.15, 6.0))
+    flanks = whole(WorkingCurve(played, -ROLLER)), whole(WorkingCurve(played, ROLLER))
     assert "groove" in planned("groove", *flanks, 2.0 * ROLLER, GROOVE)
     assert "groove" not in planned("groove", *flanks, 15.7, GROOVE)
     with pytest.raises(GeometryError, match=r"larger than the groove.* from 8 to 16 mm"):
@@ -234,7 +237,7 @@ def test_larger_cutters_cross_and_are_refused(
 def test_path_along_a_whole_flank_is_one_parallel(
     contact: str, diameter: float, distance: float
 ) -> None:
-    cut = planned(contact, *FLANKS.values(), diameter)["outline"].cut
+    cut = planned(contact, *BOTH, diameter)["outline"].cut
     assert isinstance(cut, ContourCut)
     assert isinstance(cut.centre, CurveBoundary)
     assert cut.centre.path == whole(WorkingCurve(PITCH, distance))
@@ -242,7 +245,7 @@ def test_path_along_a_whole_flank_is_one_parallel(
 
 def test_arcs_are_divided_as_the_machine_wants() -> None:
     limits = replace(LIMITS, largest_sweep=10.0)
-    cuts = finishes(build_part(Contact.INNER, *FLANKS.values(), DISC, 0.01), 6.0)
+    cuts = finishes(build_part(Contact.INNER, *BOTH, DISC, 0.01), 6.0)
     found = [plan_toolpath(cuts, HEIGHTS, each, TOLERANCE).operations for each in (LIMITS, limits)]
     for whole_arcs, parts in zip(*found, strict=True):
         one, other = outline_of(whole_arcs), outline_of(parts)
