@@ -1,12 +1,22 @@
-"""The findings of a design's effects together, and single ones by their names."""
+"""The findings of a design's effects together, single ones by their names, and values that findings
+and answers must have.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, TypeVar
 
 from camgeo.check.finding import Finding
 from camgeo.design.design import Design
+
+Value = TypeVar("Value")
+
+
+def known(value: Value | None) -> Value:
+    """The value, which is not None: a test that asks for it fails where there is none."""
+    assert value is not None
+    return value
 
 
 def effect_findings(design: Design) -> tuple[Finding, ...]:

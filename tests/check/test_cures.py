@@ -42,6 +42,7 @@ from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from tests.cams import cam_of
+from tests.findings import known
 from tests.laws import LAWS
 from tests.long_form import examples
 from tests.reference import hard_case, pitch_curve_of, stroke_of, thesis_params
@@ -98,8 +99,7 @@ def hard(name: str, contact: str = "inner", **changes: float) -> Cam:
 
 def enlarged(cam: Cam, by: float) -> Cam:
     """The cam with the largest roller that fits by its curvature, times `by`."""
-    least = margin((cam,))
-    assert least is not None
+    least = known(margin((cam,)))
     return cam.sized(roller_radius=cam.follower.roller_radius / (1.0 - least) * by)
 
 
@@ -228,8 +228,7 @@ def test_a_longer_segment_is_the_shortest_that_cures(name: str) -> None:
         )
         if after.span > before.span
     }
-    plan = longer_plan(cam.drive.plan, shorter)
-    assert plan is not None
+    plan = known(longer_plan(cam.drive.plan, shorter))
     assert not is_good(cam.moved(plan))
     assert cure.value_from in [cam.drive.plan.segments[number].span for number in shorter]
 
@@ -311,8 +310,7 @@ def test_a_cusp_is_cured_by_no_change_at_all() -> None:
         cure = found[knob]
         assert isinstance(cure.value_to, float)
         assert cure.limit is not None
-        assert cure.cost is not None
-        assert cure.cost < 1e-9
+        assert known(cure.cost) < 1e-9
         assert (" at most " in cure.sentence) != upward
         assert is_good(turned(cam, cure, cure.value_to))
         step = NEAR * cure.limit
@@ -355,12 +353,11 @@ def test_a_limit_that_is_no_root_is_enclosed() -> None:
             asked.append(value)
             return {"steady": -1.0, "tried": by(value)}
 
-        limit = Way(Roller(), 1e-3, (), judged).nearest()
-        assert limit is not None
+        limit = known(Way(Roller(), 1e-3, (), judged).nearest())
         assert 7.123 - NARROW * 10.0 <= limit <= 7.123
         counts.append(len(asked))
-    *known, unknown = counts
-    assert max(known) < 0.75 * unknown, "how far it is beyond shortens the search"
+    *measured, unmeasured = counts
+    assert max(measured) < 0.75 * unmeasured, "how far it is beyond shortens the search"
     assert Way(Roller(), 1e-3, (), lambda _: UNKNOWN).nearest() is None
     assert Way(Roller(), 10.0, (), lambda _: {}).nearest() is None, "there is no way to go"
 
@@ -489,8 +486,7 @@ def test_any_undercut_cam_is_cured(curve: PitchCurve, contact: Any, beyond: floa
     found = cures((cam,))
     check_lengths(cam, found)
     cure = by_knob(found)["roller radius"]
-    assert cure.limit is not None
-    assert cure.limit <= roller * (1.0 + 1e-12)
+    assert known(cure.limit) <= roller * (1.0 + 1e-12)
     for knob in ("longer segment", "other law"):
         if by_knob(found)[knob].works:
             assert is_good(applied(cam, by_knob(found)[knob]))

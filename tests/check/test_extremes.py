@@ -26,6 +26,7 @@ from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import roots_on_grid
 from camgeo.units import TURN
 from tests.draws.extremes import cases, misses_of
+from tests.findings import known
 from tests.reference import (
     mechanisms,
     pitch_curve_of,
@@ -227,8 +228,7 @@ def finding(name: str, check: str) -> tuple[Finding, float]:
     """A finding of a scene, and where [deg] it is."""
     design = camgeo.load(FOUND / name / f"{name}.toml")
     found = next(each for each in design.findings if each.name == check)
-    assert found.cam_angle is not None
-    return found, math.degrees(found.cam_angle)
+    return found, math.degrees(known(found.cam_angle))
 
 
 def test_the_smallest_radius_of_a_half_degree_table() -> None:
@@ -268,8 +268,7 @@ def test_the_smallest_radius_under_a_flat_face() -> None:
     assert place == pytest.approx(phi[least], abs=GRID)
     scene = camgeo.load(FOUND / "inch_lobe_flat" / "inch_lobe_flat.toml")
     sized = size(scene).sizing
-    assert sized.answer is not None
-    assert sized.answer.base_radius == pytest.approx(-np.min(s + s2), rel=CLOSE)
+    assert known(sized.answer).base_radius == pytest.approx(-np.min(s + s2), rel=CLOSE)
     assert [each.name for each in sized.active] == ["convexity"]
 
 

@@ -25,6 +25,7 @@ from camgeo.kinematics.laws import FAMILIES
 from camgeo.scene.keys import path_of
 from camgeo.scene.scene import Scene
 from tests.draws.remedies import BAD, cases, complaints, text_of
+from tests.findings import known
 from tests.long_form import examples
 from tests.strategies import attack
 
@@ -66,8 +67,7 @@ def applied(scene: Scene, cure: Cure) -> Scene:
     assert cure.value_to is not None
     edits: dict[str, Any] = {}
     for change in (Change(cure.key, cure.value_from, cure.value_to), *cure.also):
-        path = path_of(change.key)
-        assert path is not None
+        path = known(path_of(change.key))
         *above, last = path
         table: Any = scene.values
         for step in above:
@@ -243,10 +243,9 @@ def test_a_remedy_keeps_the_bore_inside_the_disc() -> None:
     design = camgeo.load(FIXTURES / "refused" / "return_undercut.toml")
     cure = works(design, "undercut", "base radius")
     assert cure.breaks == ()
-    assert cure.limit is not None
     other = with_value(design, cure.key, cure.value_to)
     assert other.discs[1].drawn.part is not None
-    short = with_value(design, cure.key, cure.limit + 1e-3)
+    short = with_value(design, cure.key, known(cure.limit) + 1e-3)
     with pytest.raises(camgeo.CamgeoError, match="bore"):
         _ = short.discs[1].drawn.part
     # No smaller roller leaves room for it, which is said.

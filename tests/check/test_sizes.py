@@ -32,6 +32,7 @@ from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from tests.cams import cam_of
+from tests.findings import known
 from tests.laws import LAWS
 from tests.long_form import examples
 from tests.reference import POLYNOMIAL, reference
@@ -149,13 +150,11 @@ def test_translating_is_the_reference(name: str) -> None:
 @pytest.mark.parametrize("name", TRANSLATING)
 def test_flocke_is_the_reference(name: str) -> None:
     case, task = CASES[name]["flocke"], reference_task(name)
-    place = flocke(task, math.tan(math.radians(CASES[name]["args"]["mu_min"]))).place
-    assert place is not None
+    place = known(flocke(task, math.tan(math.radians(CASES[name]["args"]["mu_min"]))).place)
     assert place.real == pytest.approx(float(case["e"]), abs=1e-12)
     assert -place.imag == pytest.approx(float(case["s_G"]), rel=1e-12)
     assert abs(place) == pytest.approx(float(case["r_G"]), rel=1e-12)
-    rating = rate(task, place)
-    assert rating is not None
+    rating = known(rate(task, place))
     mu = math.degrees(rating.transmission_angle.value)
     assert mu == pytest.approx(float(case["true_mu_min"]), abs=1e-5)
 
@@ -181,8 +180,7 @@ def test_oscillating_is_the_reference(name: str) -> None:
 @pytest.mark.parametrize("name", FLOCKE_OSCILLATING)
 def test_flocke_of_a_rocker_is_as_printed(name: str) -> None:
     radius, angle = FLOCKE_OSCILLATING[name]
-    found = sized(name).flocke
-    assert found is not None
+    found = known(sized(name).flocke)
     assert found.base_radius == pytest.approx(radius, abs=0.5e-4)
     assert math.degrees(found.transmission_angle.value) == pytest.approx(angle, abs=0.5e-2)
 
@@ -232,9 +230,8 @@ def test_a_jump_of_the_acceleration_counts_from_both_sides() -> None:
     """A parabola decelerates from its middle on: -(s + s'') = stroke (4/span^2 - 1/2)."""
     task = face_task_of(cam_of(there_and_back(9.0, "quadratic-parabola"), TranslatingFlat(60.0)))
     found = size_for_face(task, ANGLE, 0.0)
-    assert found.answer is not None
     expected = 9.0 * (4.0 / math.radians(90.0) ** 2 - 0.5)
-    assert found.answer.base_radius == pytest.approx(expected, abs=5e-7)
+    assert known(found.answer).base_radius == pytest.approx(expected, abs=5e-7)
 
 
 @pytest.mark.parametrize(
@@ -414,20 +411,20 @@ def test_the_size_of_a_roller_cam(seed: int, degrees: float, ratio: float, inche
         found = size(task, angle, ratio)
         if found.answer is None:
             # A swing too large for the angle: at most 90 degrees less half the swing can be kept.
-            assert found.nearest_angle is not None
-            assert found.nearest_angle < angle
+            assert known(found.nearest_angle) < angle
             continue
-        assert found.examined is not None
         place, limit = found.answer.place, found.answer.base_radius
         assert found.none_below <= limit * (1.0 + 1e-9)
         assert found.none_below >= limit * (1.0 - 5e-3)
-        made = rounded(task, place, found.examined, angle, ratio, unit)
-        assert made is not None
+        made = known(rounded(task, place, known(found.examined), angle, ratio, unit))
         assert keeps(made.cam, angle, ratio)
         last = unit * 10.0 ** exponent_of(limit, unit)
         written = made.cam.follower.base_radius
         assert limit * (1.0 - 1e-9) <= written
         assert written / last == pytest.approx(round(written / last), abs=1e-6)
+        for value in made.lengths.values():
+            for length in value if isinstance(value, list) else [value]:
+                assert length == round(length, 6)
         # One unit less in the last digit, and what is just below the limit.
         for radius in (written - 1.001 * last, limit * (1.0 - 1e-6)):
             if radius < limit:
@@ -449,8 +446,7 @@ def test_the_size_of_a_flat_faced_cam(seed: int, degrees: float, least: float) -
             assert not any(fits(task, float(radius), angle, least) for radius in tried)
             continue
         limit = found.answer.base_radius
-        made = rounded_face(task, found.answer.place, angle, least, 1.0)
-        assert made is not None
+        made = known(rounded_face(task, found.answer.place, angle, least, 1.0))
         written = made.cam.follower.base_radius
         assert fits(task, written, angle, least)
         assert limit <= written < limit + 1.001e-4

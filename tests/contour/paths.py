@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 
@@ -138,8 +138,12 @@ PATHS: dict[str, Callable[[], Path]] = {
 }
 
 
+def flank_path(scene: str, side: int) -> Path:
+    return whole(flank(scene, side))
+
+
 FLANK_PATHS: dict[str, Callable[[], Path]] = {
-    scene: lambda name=(scene, side): whole(flank(*name)) for scene, side in FLANKS
+    scene: partial(flank_path, scene, side) for scene, side in FLANKS
 }
 
 

@@ -196,18 +196,6 @@ def test_a_huge_arc_has_finitely_many_chords() -> None:
     assert len(huge.chords(1e-12)[0]) <= 500_000
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-def test_distances_against_dense_places(seed: int) -> None:
-    pieces, rng = any_pieces(seed), np.random.default_rng(seed)
-    shares = np.linspace(0.0, 1.0, 2001)
-    for place in scattered(rng, 20, 15.0):
-        dense = np.array([pieces.at(np.full(len(pieces), share)) for share in shares[::20]])
-        sampled = np.min(np.abs(dense - place), axis=0)
-        exact = pieces.apart(np.full(len(pieces), place))
-        assert np.all(exact <= sampled + 1e-12)
-        assert np.all(exact >= sampled - pieces.lengths / 200.0 - 1e-12)
-
-
 def test_contours_are_cut_into_half_turns() -> None:
     slotted = Contour(np.array([3.0 + 0j, 5.0, 3.0j]), np.array([0.0, 0.0, 1.5 * np.pi]),
                       np.array([0j, 0j, 0j]))  # fmt: skip

@@ -109,13 +109,14 @@ def allowed(fitter: Fitter, path: Path, tolerance: float) -> tuple[float, float]
     """The least and the most pieces of a fit."""
     breaks, forced = break_count(path), forced_pieces(path)
     arcs, chords = least_arcs(path, tolerance), least_chords(path, tolerance)
-    return {
+    ranges: dict[Fitter, tuple[float, float]] = {
         fit_arcs: (forced + arcs, forced + 1.5 * arcs + 2 * breaks),
         fewest_arcs: (0.95 * arcs, 1.1 * arcs + 2 * breaks),
         # With vertices on the curve sqrt(2) of the limit, which lets them lie on the other side.
         fit_polyline: (1.4 * chords, 1.02 * math.sqrt(2.0) * chords + 2 * breaks),
         fewest_chords: (0.99 * chords, 1.03 * chords + breaks),
-    }[fitter]
+    }
+    return ranges[fitter]
 
 
 @pytest.mark.parametrize("tolerance", [0.02, 0.001])

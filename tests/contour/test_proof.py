@@ -42,6 +42,7 @@ from tests.contour.paths import (
     hard_curve,
 )
 from tests.contour.test_circles import eccentric
+from tests.findings import known
 from tests.laws import LAWS
 from tests.long_form import examples
 from tests.strategies import attack
@@ -315,8 +316,7 @@ def test_what_runs_across_the_curve_is_refused_with_the_place() -> None:
     astray[50] += 3.0 + 3.0j
     with pytest.raises(GeometryError, match="cannot be compared") as caught:
         deviation(path, polyline(astray))
-    near = re.search(r"near X (\S+), Y (\S+) mm", str(caught.value))
-    assert near is not None
+    near = known(re.search(r"near X (\S+), Y (\S+) mm", str(caught.value)))
     assert abs(complex(float(near[1]), float(near[2])) - place) <= 5.0
 
 

@@ -26,7 +26,6 @@ from camgeo.geometry.contour.fewest_chords import (
     StretchTable,
     stretch_table,
 )
-from camgeo.geometry.contour.least_pieces import ARC
 from camgeo.geometry.contour.legs import bends_of
 from camgeo.geometry.pieces import smooth_pieces
 from camgeo.geometry.working_curve import WorkingCurve
@@ -52,20 +51,6 @@ def test_a_spline_depends_on_its_piece_and_number_alone(name: tuple[str, int]) -
             # Sums over the batch round differently, some 1e-15; rounds that swing multiply it.
             assert alone.deviation == pytest.approx(other.deviation, rel=1e-9)
             assert alone.angles == pytest.approx(other.angles, abs=1e-9)
-
-
-@pytest.mark.parametrize("name", FLANKS, ids=str)
-def test_deviation_is_near_its_limit(name: tuple[str, int]) -> None:
-    """N arcs deviate as N - 1.3 would without ends: those cost 0.65, and the few zeros of dkappa/ds
-    parts of an arc; a fiftieth is what rounds of evening out leave. None beats the limit.
-    """
-    strands = _strands(name)
-    pieces: IntArray = np.arange(len(strands.difficulty.totals))
-    for count in (40, 80):
-        splines = arc_splines(strands, pieces, np.full(len(pieces), count))
-        for spline, total in zip(splines, strands.difficulty.totals, strict=True):
-            arcs = total * (ARC / spline.deviation) ** (1.0 / 3.0)
-            assert count - 1.3 - 0.02 * count <= arcs <= count
 
 
 def test_a_circle_that_is_no_dwell_is_one_arc() -> None:

@@ -33,7 +33,6 @@ from camgeo.geometry.contour.spline import (
     at,
     beziers_of_spline,
     cut,
-    highest,
 )
 from camgeo.geometry.outline.path import Path, whole
 from camgeo.geometry.pieces import smooth_pieces
@@ -554,15 +553,3 @@ def test_a_contour_run_clockwise_and_begun_elsewhere_has_the_same_bound() -> Non
     strands = fit.contour.reversed().strands
     turned = SplineContour((*strands[2:], *strands[:2]))
     assert spline_deviation(path, turned) == pytest.approx(fit.deviation, rel=0.03)
-
-
-@given(st.lists(st.floats(-10.0, 10.0), min_size=4, max_size=4))
-def test_highest_of_a_cubic(parts: list[float]) -> None:
-    start, end, slope, end_slope = (np.array([part]) for part in parts)
-    t = np.linspace(0.0, 1.0, 2001)[1:-1]
-    square, cube = 3 * (end - start) - 2 * slope - end_slope, slope + end_slope - 2 * (end - start)
-    values = np.abs(start + t * (slope + t * (square + t * cube)))
-    found = highest(start, end, slope, end_slope)[0]
-    largest = max(float(np.max(values)), abs(parts[0]), abs(parts[1]))
-    # Samples 5e-4 apart miss (5e-4)^2/16 of a second derivative of 400 at most.
-    assert max(found, abs(parts[0]), abs(parts[1])) == pytest.approx(largest, abs=1e-5)

@@ -21,7 +21,6 @@ from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.units import TURN
 from tests.integrals import cells, integrals
-from tests.laws import LAWS
 from tests.reference import inner_of, mechanisms, pitch_curve_of
 from tests.strategies import BENT, SMOOTH, attack, pitch_curves
 
@@ -68,14 +67,6 @@ def test_the_tangent_turns_once(name: str) -> None:
     assert np.sum(found) == pytest.approx(TURN, rel=1e-10)
 
 
-@pytest.mark.parametrize("rotation", [1, -1])
-def test_the_sense_in_which_the_curve_is_run_through(rotation: int) -> None:
-    curve = replace(pitch_curve_of(mechanisms()["osc_F_sp"]["params"]), rotation=rotation)
-    points = curve.point(np.linspace(0.0, TURN, 400))
-    area = 0.5 * np.sum(np.imag(np.conj(points[:-1]) * points[1:]))
-    assert math.copysign(1.0, area) == -rotation
-
-
 @attack
 @given(curve=pitch_curves(BENT))
 def test_transmission_and_pressure_angle_fill_the_quarter(curve: PitchCurve) -> None:
@@ -114,12 +105,6 @@ def test_a_straight_line_turns_the_tangent_by_the_angle_of_its_speed() -> None:
     start = int(np.argmin(np.abs(join.phi - SPAN)))
     assert join.turns[start] == pytest.approx(math.atan2(speed, 40.0), rel=1e-12)
     assert np.max(join.gaps) <= 1e-13
-
-
-def test_a_parabola_closes_in_its_tangents() -> None:
-    join = joints(curve_with(LAWS["quadratic-parabola"]))
-    assert {90.0, 135.0, 180.0, 0.0} <= set(np.degrees(join.phi).round(6).tolist())
-    assert np.max(join.turns) <= 1e-13
 
 
 EPS = float(np.finfo(np.float64).eps)
@@ -232,15 +217,6 @@ def test_its_sign_is_that_of_outward_motion(name: str, rotation: int, direction:
     assert radial[0] / STEP == pytest.approx(
         found, rel=0.0, abs=reach * (reach / 20.0 + 1.0) * STEP
     )
-
-
-def test_both_sides_of_a_kink() -> None:
-    """Where the velocity jumps, so does the normal, and with it the leverage."""
-    curve = pitch_curve_of(mechanisms()["trans_F_sp_e12"]["params"])
-    phi = curve.borders[:3]
-    near = 1e-9
-    assert curve.leverage(phi, "left") == pytest.approx(curve.leverage(phi - near), abs=1e-6)
-    assert curve.leverage(phi, "right") == pytest.approx(curve.leverage(phi + near), abs=1e-6)
 
 
 @pytest.mark.parametrize("count", [0, 1, BLOCK - 1, BLOCK, BLOCK + 1, 2 * BLOCK, 3 * BLOCK + 7])

@@ -29,7 +29,7 @@ from camgeo.kinematics.mechanism.face import flat_follower
 from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
-from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
+from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, Side
 from camgeo.units import TURN
 from tests.integrals import cells, integrals
 from tests.long_form import examples
@@ -179,14 +179,23 @@ def support(outline: Outline, pitch: PitchCurve, phi: FloatArray) -> FloatArray:
     return found
 
 
+def intersection(normal: ComplexArray, distance: FloatArray) -> tuple[IntArray, ComplexArray]:
+    """Which half planes touch their intersection, and its corners.
+
+    Its polar dual is the convex hull of their duals n / h.
+    """
+    dual = normal / distance
+    touching = ConvexHull(np.column_stack((dual.real, dual.imag))).vertices
+    one, other = dual[touching], np.roll(dual[touching], -1)
+    return touching, 1j * (one - other) / (np.conj(one) * other).imag
+
+
 def check_against_half_planes(pitch: PitchCurve, outline: Outline) -> None:
-    """The polar dual of an intersection of half planes is the convex hull of their duals n / h."""
     phi = np.arange(0.0, TURN, STEP)
     normal, distance = demanded(pitch, phi)
-    dual = normal / distance
-    hull = ConvexHull(np.column_stack((dual.real, dual.imag)))
+    touching, corners = intersection(normal, distance)
     kept = np.zeros(len(phi), dtype=np.bool_)
-    kept[hull.vertices] = True
+    kept[touching] = True
     size = float(np.max(distance))
     # No face of a stretch that is left may be cut off, and none in a range that is left out kept,
     # except next to the ends of the ranges and where the outline is practically straight.
@@ -197,19 +206,10 @@ def check_against_half_planes(pitch: PitchCurve, outline: Outline) -> None:
     actual = support(outline, pitch, phi)
     # The intersection of the half planes that were sampled contains the disc, and is larger by at
     # most the height of a triangle over an arc of one step, rho STEP^2 / 8.
-    corners = _corners(dual[hull.vertices])
     sampled = np.array([np.max((np.conj(n) * corners).real) for n in normal[::37]])
     steep = np.max(np.abs(touch(pitch, phi).pace[0]))
     assert np.all(actual[::37] <= sampled + 1e-12 * size)
     assert np.all(actual[::37] >= sampled - 2.0 * steep * STEP**2 - 1e-12 * size)
-
-
-def _corners(dual: ComplexArray) -> ComplexArray:
-    """Corners of the intersection of half planes Re(conj(d) z) <= 1, d in order."""
-    one, other = dual, np.roll(dual, -1)
-    across = (np.conj(one) * other).imag
-    corners: ComplexArray = 1j * (one - other) / across
-    return corners
 
 
 def undercuts(found: Convexity) -> bool:
@@ -401,8 +401,7 @@ def test_a_swing_within_no_time_is_cut_to_the_half_planes(
     short = np.radians(start + float(span) * np.linspace(0.0, 1.0, 4001))
     phi = np.sort(np.concatenate((np.arange(0.0, TURN, STEP), short)))
     normal, distance = demanded(pitch, phi)
-    dual = normal / distance
-    corners = _corners(dual[ConvexHull(np.column_stack((dual.real, dual.imag))).vertices])
+    _, corners = intersection(normal, distance)
     sampled = np.array([np.max((np.conj(n) * corners).real) for n in normal[::37]])
     actual = support(outline, pitch, phi)[::37]
     assert np.all(actual <= sampled + 1e-9 * np.max(distance))

@@ -268,27 +268,6 @@ def test_turning_or_mirroring_the_scene_does_so_to_the_outline(
     assert area(two.path) == pytest.approx(sense * area(one.path), rel=1e-9)
 
 
-def test_a_crossing_of_more_than_rounding_is_found_however_small() -> None:
-    """HC21: the roller by a share delta above the limit; the crossing lies root 3 as far from the
-    tightest place as the cusps do, to the first order of their distance."""
-    params, expected = hard_case("HC21a")
-    limit, tightest = float(params["r_R"]), math.radians(float(expected["phi_deg"]))
-    last = math.inf
-    for delta in (1e-3, 1e-5, 1e-7, 1e-9, 1e-11):
-        flank = inner_of(pitch_curve_of(params | {"kappa": 1, "r_R": limit * (1.0 + delta)}))
-        (crossing,) = find_crossings(flank)
-        width = crossing.second - crossing.first
-        assert width < last
-        last = width
-        # The tightest place lies 7.03 deg from the middle of the tail at most to first order; the
-        # width follows from 1 - r_R kappa = -delta + c u^2 with the curvature of kappa there.
-        phi = np.array([tightest - 1e-3, tightest, tightest + 1e-3])
-        kappa = flank.pitch.curvature(phi)
-        c = -(kappa[0] - 2.0 * kappa[1] + kappa[2]) / 1e-6 / 2.0 * limit
-        predicted = 2.0 * math.sqrt(3.0 * delta / c)
-        assert width == pytest.approx(predicted, rel=0.05 + 2.0 * predicted)
-
-
 def test_a_neck_that_all_but_closes_is_found_open_or_closed() -> None:
     """Half the width of HC22's neck is the roller radius at which its lobe is cut off."""
     params, _ = hard_case("HC22")
@@ -476,15 +455,6 @@ def test_nothing_is_cut_off_whatever_the_motion(curve: PitchCurve, side: int) ->
     assert replay.press == side
     assert replay.largest_error.value == 0.0
     assert len(replay.drops) == 0
-
-
-@attack
-@given(curve=pitch_curves(), side=signs())
-def test_inner_and_outer_flank_are_the_pitch_curve(curve: PitchCurve, side: int) -> None:
-    phi = np.linspace(0.0, TURN, 61)
-    flank = WorkingCurve(curve, math.copysign(0.0, side))
-    assert np.array_equal(flank.point(phi), curve.point(phi))
-    assert np.all(flank.regularity(phi) == 1.0)
 
 
 def test_on_a_polygon_the_edge_rides_along_its_sides() -> None:
