@@ -159,7 +159,7 @@ def check_view(document: Drawing, box: FloatArray, slack: float) -> None:
         return np.array([*document.header[low][:2], *document.header[high][:2]])
 
     np.testing.assert_allclose(pair("$EXTMIN", "$EXTMAX"), box, atol=slack)
-    (view,) = document.viewports.get("*Active")
+    (view,) = document.viewports.get_config("*Active")
     middle, height = view.dxf.center, view.dxf.height
     half = np.array([0.5 * height * view.dxf.aspect_ratio, 0.5 * height])
     seen = np.array([middle.x - half[0], middle.y - half[1], *(np.array(middle)[:2] + half)])

@@ -246,9 +246,9 @@ LEGEND: Final = Legend(
 def test_legends_have_their_entries_at_their_place(whole: bool) -> None:
     made = drawn(Figure((4.0, 3.0), legend=LEGEND)) if whole else page(legend=LEGEND)[0]
     (found,) = made.legends if whole else made.axes[0].findobj(LegendBox)
-    line, dots, area = found.legend_handles
-    lined(line, STYLES[1])
-    lined(dots, STYLES[2])
+    for line, style in zip(found.get_lines(), STYLES[1:3], strict=True):
+        lined(line, style)
+    (area,) = found.get_patches()
     filled(area, FILLS[2])
     assert [each.get_text() for each in found.get_texts()] == ["line", "dots", "area"]
     assert {each.get_fontsize() for each in found.get_texts()} == {6.5}
