@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache
 from itertools import pairwise
+from typing import Any
 from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from fontTools.pens.recordingPen import RecordingPen  # type: ignore[import-untyped]  # has no types
+from fontTools.svgLib.path import parse_path  # type: ignore[import-untyped]  # has no types
 
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.pictures.sheet.marks import Chain, Filled, Label, Round
@@ -25,7 +28,7 @@ KINDS = ("inch", "bolts")
 GRAIN = 0.005
 """Of all coordinates [mm]."""
 
-PATH = re.compile(r"([MmLlAaQqCcZzhf])|(-?\d+(?:\.\d+)?)")
+TOLD = {"m": "moveTo", "l": "lineTo", "c": "curveTo", "h": "closePath"}
 
 SHARES = np.array([0.25, 0.5, 0.75])
 
@@ -34,39 +37,38 @@ Runs = list[tuple[list[complex], list[complex]]]
 way along each curve [grains]; y upwards."""
 
 
-def svg_runs(text: str, at: Callable[[complex], complex]) -> Runs:
-    """The runs of a path, read by the rules of SVG."""
+def runs(drawn: Iterable[tuple[str, Any]], at: Callable[[complex], complex]) -> Runs:
+    """The runs of what a pen was told."""
     found: Runs = []
-    words = [tuple(each) for each in PATH.findall(text)]
-    here, start, k = 0j, 0j, 0
-    while k < len(words):
-        letter, k = words[k][0], k + 1
-        numbers = []
-        while k < len(words) and words[k][1]:
-            numbers.append(float(words[k][1]))
-            k += 1
-        if letter.upper() == "Z":
-            found[-1][0].append(found[-1][0][0])
-            here = start
-            continue
-        own = numbers[5:] if letter in "Aa" else numbers
-        base = 0j if letter.isupper() else here
-        places = [base + complex(*pair) for pair in zip(own[::2], own[1::2], strict=True)]
-        if letter in "Mm":
-            start = places[0]
-            found.append(([], []))
-        elif letter in "Aa":
-            found[-1][1].extend(at(each) for each in arc_of(here, places[-1], numbers))
-        elif letter in "qc":
-            found[-1][1].extend(at(each) for each in bezier([here, *places]))
-        here = places[-1]
-        found[-1][0].append(at(here))
+    here = 0j
+    for told, points in drawn:
+        if told == "closePath":
+            ends = found[-1][0]
+            ends += ends[:1] if ends[-1] != ends[0] else ()
+        elif points:
+            *own, last = points if told != "arcTo" else points[-1:]
+            places = [here, *(complex(*each) for each in own), complex(*last)]
+            if told == "moveTo":
+                found.append(([], []))
+            elif told != "lineTo":
+                along = arc_of(here, places[-1], points) if told == "arcTo" else bezier(places)
+                found[-1][1].extend(map(at, along))
+            here = places[-1]
+            found[-1][0].append(at(here))
     return found
 
 
-def arc_of(start: complex, end: complex, numbers: list[float]) -> Iterator[complex]:
+def svg_runs(text: str, at: Callable[[complex], complex]) -> Runs:
+    """The runs of a path, as fontTools reads it."""
+    pen = RecordingPen()
+    pen.arcTo = lambda *told: pen.value.append(("arcTo", told))
+    parse_path(text, pen)
+    return runs(pen.value, at)
+
+
+def arc_of(start: complex, end: complex, numbers: Sequence[Any]) -> Iterator[complex]:
     """Places along an arc (SVG 2, appendix B.2.4)."""
-    radius, _, _, large, positive = numbers[:5]
+    radius, _, _, large, positive, _ = numbers
     half = 0.5 * (start - end)
     root = math.sqrt(max(0.0, radius**2 / abs(half) ** 2 - 1.0))
     sign = -1.0 if large == positive else 1.0
@@ -85,25 +87,12 @@ def bezier(points: list[complex]) -> list[complex]:
     return found
 
 
-def pdf_runs(text: str) -> Runs:
+def pdf_runs(text: str, at: complex = 0j) -> Runs:
     """The runs of operators m, l, c and h."""
-    found: Runs = []
-    numbers: list[float] = []
-    for word in text.split():
-        if re.fullmatch(r"-?\d+", word):
-            numbers.append(float(word))
-            continue
-        places = [complex(*pair) for pair in zip(numbers[::2], numbers[1::2], strict=True)]
-        numbers = []
-        if word == "m":
-            found.append(([places[0]], []))
-        elif word in "lc":
-            if word == "c":
-                found[-1][1].extend(bezier([found[-1][0][-1], *places]))
-            found[-1][0].append(places[-1])
-        elif word == "h":
-            found[-1][0].append(found[-1][0][0])
-    return found
+    drawn = []
+    for places, word in re.findall(r"((?:-?\d+\s+)*)([mlch])\b", text):
+        drawn.append((TOLD[word], np.array(places.split(), dtype=float).reshape(-1, 2).tolist()))
+    return runs(drawn, lambda place: at + place)
 
 
 @cache
@@ -139,12 +128,8 @@ def pdf_page(name: str) -> tuple[dict[int, Runs], list[Runs]]:
     assert (across, up) == pytest.approx([GRAIN * 72.0 / 25.4] * 2, rel=1e-6)
     lines = {int(width): pdf_runs(own) for width, own in re.findall(r"(\d+) w\n(.*?)\nS", text,
                                                                     re.DOTALL)}  # fmt: skip
-    filled = []
-    for x, y, own in re.findall(r"q 1 0 0 1 (-?\d+) (-?\d+) cm (.*?) f Q", text):
-        at = complex(int(x), int(y))
-        filled.append([([at + each for each in ends], [at + each for each in along])
-                       for ends, along in pdf_runs(own)])  # fmt: skip
-    return lines, filled
+    letters = re.findall(r"q 1 0 0 1 (-?\d+) (-?\d+) cm (.*?) f Q", text)
+    return lines, [pdf_runs(own, complex(int(x), int(y))) for x, y, own in letters]
 
 
 @pytest.mark.parametrize("name", KINDS)
