@@ -461,8 +461,8 @@ def test_texts_are_where_they_were_placed_and_clear_of_all_dimensions(
         block = dimension.get_geometry_block()
         assert block is not None
         for each in block.query("LINE"):
-            ends = (complex(p.x, p.y) for p in (each.dxf.start, each.dxf.end))
-            way = line_of(line(*ends, each.dxf.layer), origin, sheet.scale)
+            start, end = (complex(p.x, p.y) for p in (each.dxf.start, each.dxf.end))
+            way = line_of(line(start, end, each.dxf.layer), origin, sheet.scale)
             crossing = shapely.intersects(polygons(texts), way)
             assert [own.text for own, across in zip(texts, crossing, strict=True) if across] == []
 
