@@ -290,9 +290,16 @@ Keys: TypeAlias = Mapping[str, Key | str]
 """Those of an object in the order of the document; a text is the meaning of a key that is plain."""
 
 UNITS: Final = {
-    "deg": "deg", "rad_per_s": "rad/s", "kg_per_m3": "kg/m^3", "kg_mm2": "kg mm^2", "mm": "mm",
-    "mm2": "mm^2", "mm3": "mm^3", "kg": "kg", "s": "s",
-}  # fmt: skip
+    "deg": "deg",
+    "rad_per_s": "rad/s",
+    "kg_per_m3": "kg/m^3",
+    "kg_mm2": "kg mm^2",
+    "mm": "mm",
+    "mm2": "mm^2",
+    "mm3": "mm^3",
+    "kg": "kg",
+    "s": "s",
+}
 """Units of numbers, by the end of their key. Angles in rad are stated in degrees, other numbers as
 they are; a Decimal is a number as a scene states it, in its unit.
 """
