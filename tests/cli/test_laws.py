@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.app.answers.laws import HEAD, PHYSICAL_HEAD, UNITS
+from camgeo.app.answers.laws import HEAD, PHYSICAL_HEAD, UNITS, laws_of_all_tasks
 from camgeo.app.cli.main import main
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import FAMILIES, make_law
@@ -248,6 +248,11 @@ def test_all_tasks(capsys: Capture) -> None:
     out = printed(["--task", "all"], capsys)
     assert [line.split()[0] for line in out.splitlines()] == list(TASKS)
     assert "rest to turn" in out
+    found = laws_of_all_tasks(["cycloidal", "modified-sine"])
+    assert [each.task for each in found.tasks or ()] == list(TASKS)
+    assert list((found.tasks or ())[0].families) == ["inclined-sine", "modified-sine"]
+    with pytest.raises(GeometryError, match="did you mean modified-sine"):
+        laws_of_all_tasks(["modified-sin"])
 
 
 # Physical values ----------------------------------------------------------------------------------
