@@ -24,7 +24,7 @@ def text_of(product: StubProduct) -> str:
 
 def checks(product: StubProduct, text: str) -> list[Check]:
     program = run(text, load(product.gcode.machine))
-    return list(simulation_checks(product, program, TOLERANCE))
+    return simulation_checks(product, program, TOLERANCE)
 
 
 PRODUCT = StubProduct(second_tool=SECOND_TOOL)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Final
 
 import numpy as np
@@ -37,23 +36,18 @@ def checked(verifier: Verifier, product: Product, data: bytes, reading: Reading)
     return {(check.name, check.of): check for check in checks}
 
 
-class Held:
-    """A product, by its identity."""
-
-    def __init__(self, product: Product) -> None:
-        self.product = product
-
-    def __hash__(self) -> int:
-        return id(self.product)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Held) and self.product is other.product
+WRITTEN: dict[tuple[str, int, float], tuple[Product, bytes]] = {}
+"""Files by format, identity of their product, which is kept lest another one gets that, and
+tolerance.
+"""
 
 
-@cache
-def written(name: str, held: Held, tolerance: float) -> bytes:
+def written(name: str, product: Product, tolerance: float) -> bytes:
     """What camgeo writes of a product in a format."""
-    return find_writer(name).write(held.product, tolerance).data
+    key = name, id(product), tolerance
+    if key not in WRITTEN:
+        WRITTEN[key] = product, find_writer(name).write(product, tolerance).data
+    return WRITTEN[key][1]
 
 
 def faults(
@@ -69,7 +63,7 @@ def faults(
         *verifier.checks(product, data, Reading("file"), tolerance),
     ]
     if origin.version == product.version:
-        own = written(origin.format or verifier.format, Held(product), tolerance)
+        own = written(origin.format or verifier.format, product, tolerance)
         if difference := first_difference(verifier, data, own):
             checks.insert(0, failed("written again", difference.sentence))
     return [check for check in checks if check.ok is False]
