@@ -355,9 +355,9 @@ def test_what_was_asked_for_lately_is_recalled() -> None:
             assert np.array_equal(found, LinkedMotion(other, LINKAGE).jet(phi, side, order))
     assert not motion.jet(phi).flags.writeable
     low, high = plan.borders[:-1], plan.borders[1:]
-    found = motion.jet_and_bounds(low, high)
-    assert motion.jet_and_bounds(low, high) is found
-    assert np.array_equal(found, LinkedMotion(other, LINKAGE).jet_and_bounds(low, high))
+    bounded = motion.jet_and_bounds(low, high)
+    assert motion.jet_and_bounds(low, high) is bounded
+    assert np.array_equal(bounded, LinkedMotion(other, LINKAGE).jet_and_bounds(low, high))
     assert pickle.loads(pickle.dumps(motion)).kept == {}
 
 

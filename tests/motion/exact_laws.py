@@ -117,6 +117,9 @@ def mirrored(law: Pieces) -> Pieces:
 # Laws from the shapes of their accelerations --------------------------------------------------
 
 
+Shape = Literal["rise", "fall", "level"]
+
+
 @dataclass(frozen=True, slots=True)
 class Pulse:
     """f'' over a stretch of that length: a quarter sine that rises to 1 or falls from it, or level.
@@ -125,7 +128,7 @@ class Pulse:
     """
 
     length: Number
-    shape: Literal["rise", "fall", "level"]
+    shape: Shape
     part: int | None
 
 
@@ -193,6 +196,8 @@ def _shape(name: str, p: Mapping[str, Number]) -> list[Pulse]:
     m = 1 - lam
     if name == "scca":
         return _scca(p)
+    rising: list[tuple[Number, Shape]]
+    falling: list[tuple[Number, Shape]]
     if name == "modified-trapezoid":
         rising = [(lam / 4, "rise"), (lam / 2, "level"), (lam / 4, "fall")]
         falling = [(m / 4, "rise"), (3 * m / 4, "level")]

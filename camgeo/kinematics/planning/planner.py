@@ -204,14 +204,14 @@ def ring_of(requests: Sequence[Request], unit: Unit) -> tuple[Link, ...]:
     resting: set[int] = set()  # joints at which a rest of zero length lies
     position = 0.0
     for number, request in enumerate(requests):
-        start = position
+        before = position
         if isinstance(request, TableRequest):
-            position = _after_table(start, request)
+            position = _after_table(before, request)
         elif not isinstance(request, Dwell):
             position = request.to
         if request.span != 0:
             moving.append(number)
-            joints.append(Joint(start))
+            joints.append(Joint(before))
         elif isinstance(request, Dwell):
             resting.add(len(moving))
     if position != 0.0:
