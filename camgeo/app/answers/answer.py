@@ -385,7 +385,7 @@ def _read(value: Any, name: str, key: Key) -> Any:
     if value is None or isinstance(value, str | int):
         return value
     if isinstance(value, float):
-        number = math.degrees(value) if _stem_and_unit(name)[1] == "deg" else value
+        number = math.degrees(value) if _stem_and_unit(name)[1] == "deg" else float(value)
         return number if math.isfinite(number) else None
     if isinstance(value, Decimal):
         return float(value)
