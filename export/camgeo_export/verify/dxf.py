@@ -9,15 +9,24 @@ from typing import Final
 
 from camgeo.design.product import Product
 from camgeo.design.verify import Check, Origin, Reading, at_most, failed, length_of, reported
-from camgeo.errors import CamgeoError, FileError
+from camgeo.errors import CamgeoError, FileError, GeometryError
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.exact import distance_between
 from camgeo.geometry.contour.spline import SplineContour
 from camgeo.reading import DRAWING, check_text
 from camgeo.scene.formats.drawing import FORMAT as SHEET
+from camgeo.scene.formats.dxf import FORMAT
 from camgeo_export.drawing.writer import measure
 from camgeo_export.dxf.items import Item, Tag
 from camgeo_export.dxf.reader import Drawing, drawing_of, gaps_up_to
-from camgeo_export.reading import COMPUTED, CUT, text_tokens
-from camgeo_export.verify.plane import contour_checks, matched, shapes_of
+from camgeo_export.reading import COMPUTED, CUT, AnyContour, text_tokens
+from camgeo_export.verify.plane import (
+    Shape,
+    contour_checks,
+    corners_of_contour,
+    matched,
+    shapes_of,
+)
 
 HEAD_BYTES = 200_000
 """Part of a drawing that holds its header."""
@@ -89,6 +98,8 @@ class DxfVerifier:
         checks.append(count)
         for shape, contour in pairs:
             checks += contour_checks(shape, contour, tolerance, extra=found.gap + found.followed)
+        if "camgeo" in _properties(data) and product.options[FORMAT].auxiliary:
+            checks += [*_auxiliary(product, drawing, tolerance), _centre(drawing, tolerance)]
         return tuple(checks)
 
 
@@ -111,6 +122,63 @@ def _unit(drawing: Drawing, reading: Reading) -> Check:
     if reading.unit is not None and stated == "0":
         return reported("unit", reading.unit, note="by --unit; the drawing does not state it")
     return reported("unit", NAMES.get(stated, f"$INSUNITS {stated}"))
+
+
+def _auxiliary(product: Product, drawing: Drawing, tolerance: float) -> list[Check]:
+    """The pitch curve, if there is one, and the base circle of our drawings."""
+    checks = []
+    if product.drawn.has_pitch_curve:
+        try:
+            (pitch,) = drawing.contours("PITCH_CURVE", gaps_up_to(tolerance)[-1])
+            checks += contour_checks(_pitch(product, tolerance), pitch, tolerance)
+        except (CamgeoError, ValueError) as error:
+            checks.append(failed("deviation", str(error), "pitch curve"))
+    try:
+        (circle,) = drawing.contours("BASE_CIRCLE")
+        assert isinstance(circle, Contour)  # it is drawn as a circle
+        exact = Contour.circle(product.drawn.base_radius)
+        value = distance_between(exact, circle)
+        checks.append(at_most("deviation", value, tolerance, "mm", "base circle"))
+    except (CamgeoError, ValueError) as error:
+        checks.append(failed("deviation", str(error), "base circle"))
+    return checks
+
+
+def _centre(drawing: Drawing, tolerance: float) -> Check:
+    """The mark of the cam axis: lines whose middles lie on it."""
+    lines = [each for each in drawing.items if each.layer == "CENTRE" and each.kind == "LINE"]
+    try:
+        middles = [
+            complex(each.number(10) + each.number(11), each.number(20) + each.number(21))
+            for each in lines
+        ]
+        half = 0.5 * drawing.scale()
+    except (FileError, ValueError) as error:
+        return failed("deviation", str(error), "centre mark")
+    off = max((abs(middle) for middle in middles), default=math.inf)
+    return at_most("deviation", half * off, tolerance, "mm", "centre mark")
+
+
+def _pitch(product: Product, tolerance: float) -> Shape:
+    """The pitch curve; its area is of no interest.
+
+    Its corners and length are those of a fit as fine as the drawing's, if not finer: a coarser one
+    of a steep move may not be provable.
+    """
+
+    def deviation(contour: AnyContour) -> float:
+        if not isinstance(contour, Contour):
+            raise GeometryError("is drawn as a spline, which camgeo never does")
+        return product.drawn.pitch_deviation(contour)
+
+    def polygon(within: float) -> Contour:
+        points = product.drawn.pitch_contour(0.5 * within).contour.points(0.5 * within)
+        return Contour.polygon(points)
+
+    fine = min(tolerance, 1e-3 * product.drawn.base_radius)
+    contour = product.drawn.pitch_contour(fine).contour
+    corners = corners_of_contour(contour)
+    return Shape("pitch curve", deviation, polygon, corners, contour.length, None)
 
 
 VERIFIER = DxfVerifier()
