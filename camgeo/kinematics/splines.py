@@ -33,7 +33,7 @@ from camgeo.errors import GeometryError
 from camgeo.kinematics.motion import FREE, FULL_ORDER, Boundary, boundaries_of, boundary_of
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, Side
-from camgeo.numeric.extremes import Extreme, Extremes, extremes_of, indexed_roots
+from camgeo.numeric.extremes import Extreme, Extremes, extremes_of
 from camgeo.record import Pickled
 from camgeo.units import counted
 
@@ -355,6 +355,9 @@ def _prescribed(y: FloatArray, given: Mapping[int, Boundary]) -> tuple[FloatArra
 
 DEGREE: Final = 5
 
+MAX_STEPS: Final = 200
+"""Every third step of the root search halves the bracket; 53 halvings of [0, 1] suffice."""
+
 LARGEST: Final = 1e200
 """Largest magnitude of knots, coefficients and rise: above that of all points within limits."""
 
@@ -528,12 +531,7 @@ class Spline(Pickled):
         piece = np.clip(np.searchsorted(start, y, "right") - 1, 0, len(start) - 1)
         rows = self.taylor[piece].copy()
         rows[:, 0] -= y
-        # At the end of the last piece, up to rounding, there may be no root to bracket.
-        below = np.flatnonzero(np.sum(rows, axis=1) > 0.0)
-        t = np.ones(len(y))
-        t[below] = indexed_roots(
-            lambda t, which: _each(rows[below[which]], t), np.zeros(len(below)), t[below]
-        )
+        t = _roots(rows, np.zeros(len(y)), np.ones(len(y)))
         left = self.knots[piece]
         x: FloatArray = left + t * (self.knots[piece + 1] - left) + turns * self.period
         return x
@@ -626,10 +624,37 @@ def _sign_changes(rows: FloatArray, edges: FloatArray) -> FloatArray:
     at_edges = np.stack([_each(rows, edges[:, k]) for k in range(count)], axis=1)
     found = edges[:, :-1].copy()
     row, cell = np.nonzero(at_edges[:, :-1] * np.sign(at_edges[:, 1:]) < 0.0)
-    found[row, cell] = indexed_roots(
-        lambda t, which: _each(rows[row[which]], t), edges[row, cell], edges[row, cell + 1]
-    )
+    found[row, cell] = _roots(rows[row], edges[row, cell], edges[row, cell + 1])
     return found
+
+
+def _roots(rows: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
+    """(n,) the root of each polynomial of `rows` (n, d + 1) in its bracket [low, high] in [0, 1].
+
+    Newton's method where it stays inside, bisection elsewhere. `numeric.roots` knows a bracket by
+    the argument alone; here each bracket has its own polynomial over the same [0, 1].
+    """
+    slope = _derivative(rows, 1)
+    low, high = low.copy(), high.copy()
+    rising = _each(rows, high) >= _each(rows, low)
+    t = 0.5 * (low + high)
+    active = np.arange(len(t))
+    for step in range(MAX_STEPS):
+        if not len(active):
+            break
+        here = t[active]
+        value = _each(rows[active], here)
+        above = (value > 0.0) == rising[active]
+        high[active] = np.where(above, here, high[active])
+        low[active] = np.where(above, low[active], here)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            newton = here - value / _each(slope[active], here)
+        inside = (newton >= low[active]) & (newton <= high[active]) & (step % 3 != 2)
+        following = np.where(inside, newton, 0.5 * (low[active] + high[active]))
+        following = np.where(value == 0.0, here, following)
+        t[active] = following
+        active = active[np.abs(following - here) > np.spacing(following)]
+    return t
 
 
 # -- spline energy --------------------------------------------------------------------------------
