@@ -22,7 +22,6 @@ from camgeo.geometry.contour.legs import (
     TurnLeg,
     bends_of,
     contour_of,
-    evenly_shared,
     joints_apart,
     least_counts,
     too_many,
@@ -104,7 +103,21 @@ class ChordDensity:
             if excess <= CLOSE:
                 break
             error *= excess * excess
-        return evenly_shared(self._piece, density, FLOOR, count)
+        return self._shared(density, count)
+
+    def _shared(self, density: FloatArray, count: int) -> FloatArray:
+        """Joints between which a density (n,) in the middle of n equal cells has equal sums."""
+        phi = np.linspace(self._piece.start, self._piece.end, len(density) + 1)
+        cells = density * np.diff(phi)
+        floored = cells + FLOOR * float(np.sum(cells)) / len(cells)
+        share = np.concatenate(([0.0], np.cumsum(floored)))
+        if share[-1] > 0.0:
+            share /= share[-1]
+        else:  # a straight line has no difficulty anywhere
+            share = np.linspace(0.0, 1.0, len(phi))
+        joints = np.interp(np.linspace(0.0, 1.0, count + 1), share, phi)
+        joints[0], joints[-1] = phi[0], phi[-1]
+        return joints
 
     def _density(self, error: float) -> FloatArray:
         if error <= 0.0:

@@ -758,6 +758,13 @@ class ArcLength:
         totals: FloatArray = np.sum(self.density * np.diff(self.s, axis=1), axis=1)
         return totals
 
+    def require_finite(self) -> None:
+        """Raise GeometryError if the curve stands still or its difficulty is not finite."""
+        if not np.all(np.isfinite(self.s)) or np.any(np.diff(self.s, axis=1) <= 0.0):
+            raise GeometryError("the curve stands still: no spline over its arc length can be made")
+        if not np.all(np.isfinite(self.totals)):
+            raise GeometryError("the curvature of the curve is infinite on a stretch of it")
+
     @property
     def shares(self) -> FloatArray:
         """(pieces, CELLS + 1) share of the difficulty up to each cell's end, from 0 to 1, floored;
@@ -829,11 +836,3 @@ def cells_of(pieces: Sequence[Piece]) -> tuple[FloatArray, FloatArray]:
     middle = 0.5 * (phi[:, :-1] + phi[:, 1:])
     half = 0.5 * (end - start) / CELLS
     return phi, middle[..., None] + half[..., None] * NODES
-
-
-def require_finite(course: ArcLength) -> None:
-    """Raise GeometryError if the curve stands still or its difficulty is not finite."""
-    if not np.all(np.isfinite(course.s)) or np.any(np.diff(course.s, axis=1) <= 0.0):
-        raise GeometryError("the curve stands still: no spline over its arc length can be made")
-    if not np.all(np.isfinite(course.totals)):
-        raise GeometryError("the curvature of the curve is infinite on a stretch of it")

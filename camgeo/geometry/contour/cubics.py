@@ -17,7 +17,6 @@ from camgeo.geometry.contour.cubic_proof import (
     Part,
     fitted_deviation,
     parts_of,
-    require_finite,
 )
 from camgeo.geometry.contour.legs import (
     UNTRIED,
@@ -543,7 +542,7 @@ def _groups(
             chosen.setdefault(id(course), (course, []))[1].append(k)
     found = []
     for course, members in chosen.values():
-        require_finite(course)
+        course.require_finite()
         ends_of = Ends(
             np.array([parts[k].start for k in members]),
             np.array([ends[k] for k in members]),

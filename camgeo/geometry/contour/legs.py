@@ -461,27 +461,6 @@ def bends_of(curve: WorkingCurve, pieces: Sequence[Piece]) -> list[Bends]:
     return found
 
 
-def evenly_shared(piece: Piece, density: FloatArray, floor: float, count: int) -> FloatArray:
-    """(count + 1,) cam angles [rad] of the ends of `count` parts, the piece's ends included.
-
-    Parameters
-    ----------
-    density : (n,) of the parts, up to a factor, in the middle of n equal cells of the piece.
-    floor : smallest density, as a fraction of its mean, so that every stretch gets joints.
-    """
-    phi = np.linspace(piece.start, piece.end, len(density) + 1)
-    cells = density * np.diff(phi)
-    floored = cells + floor * float(np.sum(cells)) / len(cells)
-    share = np.concatenate(([0.0], np.cumsum(floored)))
-    if share[-1] > 0.0:
-        share /= share[-1]
-    else:  # a straight line has no difficulty anywhere
-        share = np.linspace(0.0, 1.0, len(phi))
-    joints = np.interp(np.linspace(0.0, 1.0, count + 1), share, phi)
-    joints[0], joints[-1] = phi[0], phi[-1]
-    return joints
-
-
 # -- counts ---------------------------------------------------------------------------------------
 # The number of parts that a smooth piece needs: the least count that passes a trial.
 #
