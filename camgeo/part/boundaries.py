@@ -122,16 +122,16 @@ class CurveBoundary(Pickled):
 
     def deviation(self, contour: Contour | SplineContour) -> float:
         """Proved bound [mm], see `camgeo.geometry.contour.proof`."""
-        if contour not in self.known:
-            with self.ledger.entry(f"proof of {self.name}"):
-                if isinstance(contour, SplineContour):
-                    from camgeo.geometry.contour.cubic_proof import spline_deviation  # few files
 
-                    self.known[contour] = spline_deviation(self.path, contour)
-                else:
-                    self.known[contour] = deviation(self.path, contour)
-        known: float = self.known[contour]
-        return known
+        def prove() -> float:
+            with self.ledger.entry(f"proof of {self.name}"):
+                if not isinstance(contour, SplineContour):
+                    return deviation(self.path, contour)
+                from camgeo.geometry.contour.cubic_proof import spline_deviation  # few files
+
+                return spline_deviation(self.path, contour)
+
+        return once(self.known, contour, prove)
 
     @property
     def corner_radius(self) -> None:
