@@ -163,7 +163,7 @@ PACKAGES: dict[str, tuple[bytes, str]] = {
     "model: encoding": (put(MODEL, "UTF-8", "ISO-8859-1"), "file"),
     "model: document type": (put(MODEL, "<model", "<!DOCTYPE model><model"), "file"),
     "model: unknown unit": (put(MODEL, "millimeter", "mm"), "unit"),
-    "model: unit": (put(MODEL, "millimeter", "inch"), "unit"),
+    "model: unit": (put(MODEL, "millimeter", "inch"), "deviation"),
     "model: required extension": (put(MODEL, "<model ", '<model requiredextensions="q" '), "model"),
     "model: no prefix": (put(MODEL, 'xmlns:camgeo="[^"]*"', ""), "model"),
     "metadata: title": (put(MODEL, ">eccentric<", ">other<"), "written again"),
