@@ -142,8 +142,8 @@ def test_a_scene_without_thickness_has_no_body(writer: Writer) -> None:
     data = writer.write(StubProduct(), 0.01).data
     with pytest.raises(FileError, match=r"part\.thickness"):
         writer.measure(product, data)
-    found = faults(VERIFIERS[writer.format.name], product, data)
-    assert [check.name for check in found] == ["body"]
+    checks = VERIFIERS[writer.format.name].checks(product, data, Reading("file"), 0.01)
+    assert [check.name for check in checks if check.ok is False] == ["body"]
 
 
 def test_a_3mf_keeps_doubles() -> None:
@@ -453,7 +453,6 @@ def test_step_files_cannot_have_chamfers_along_splines() -> None:
         (rb"(CONICAL_SURFACE\('',#\d+,[^,]*),0\.785\d*", rb"\g<1>,0.7", "uncertainty"),
         (rb"(ADVANCED_FACE\('chamfer of the bore',[^)]*\),#\d+,)\.F\.", rb"\g<1>.T.",
          "walls"),
-        (rb"'chamfer of the bore'", rb"'bore'", "contents"),
     ],
 )  # fmt: skip
 def test_faults_of_cones_are_found(pattern: bytes, new: bytes, fault: str) -> None:
