@@ -499,7 +499,8 @@ def _schema(types: Sequence[Any], key: Key) -> dict[str, Any]:
         return node | {"items": _typed(["number"]), "minItems": 2, "maxItems": 2}
     if origin is tuple and ... not in inner:
         node |= {"minItems": len(inner), "maxItems": len(inner)}
-    item = float if getattr(origin, "__module__", "") == "numpy" else inner[0]
+    is_array = getattr(origin, "__module__", "").startswith("numpy")  # or an alias of its
+    item = float if is_array else inner[0]
     return node | {"items": _item_schema(item, key)}
 
 
