@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
 
-from camgeo.app.answers.answer import SCENE, Answer, Key, aligned
+from camgeo.app.answers.answer import SCENE, Answer, Key, Keys, aligned
 from camgeo.app.cli.command import (
     add_json,
     add_scene,
@@ -255,6 +255,21 @@ KNEE: Final = Key(
     },
 )
 
+MEASURED_EFFECT: Final[Keys] = {
+    "seconds": ("Time to compute it, without the effects that it needs; null if it has no answer."),
+    "spread": ("Ratio of the upper quartile of the runs to the lower one; 1 for a single run."),
+    "error": (
+        "The error that it estimates itself, the largest of all its figures, relative"
+        " likewise; null if it gives none."
+    ),
+    "difference": (
+        "The largest difference of all figures, values of findings and columns, from a"
+        " result to a tolerance at most a hundredth of this, relative likewise; null"
+        " without such a result."
+    ),
+}
+"""Of a numerical effect at one tolerance."""
+
 DOCUMENT: Final = Key(
     "What accuracy costs, over the tolerance, and where it stops paying.",
     {
@@ -336,22 +351,7 @@ DOCUMENT: Final = Key(
             {
                 "effect": "Its name.",
                 "tolerance": "The tolerance, as such a fraction.",
-                "seconds": (
-                    "Time to compute it, without the effects that it needs; null if it has no"
-                    " answer."
-                ),
-                "spread": (
-                    "Ratio of the upper quartile of the runs to the lower one; 1 for a single run."
-                ),
-                "error": (
-                    "The error that it estimates itself, the largest of all its figures, relative"
-                    " likewise; null if it gives none."
-                ),
-                "difference": (
-                    "The largest difference of all figures, values of findings and columns, from a"
-                    " result to a tolerance at most a hundredth of this, relative likewise; null"
-                    " without such a result."
-                ),
+                **MEASURED_EFFECT,
                 "figure": "Name of the finding or column with this difference; empty if it is 0.",
                 "fault": (
                     "Why it has no answer, or which figures are off by more than estimated; else"
@@ -365,22 +365,7 @@ DOCUMENT: Final = Key(
             " tolerance.",
             {
                 "effect": "Its name.",
-                "seconds": (
-                    "Time to compute it, without the effects that it needs; null if it has no"
-                    " answer."
-                ),
-                "spread": (
-                    "Ratio of the upper quartile of the runs to the lower one; 1 for a single run."
-                ),
-                "error": (
-                    "The error that it estimates itself, the largest of all its figures, relative"
-                    " likewise; null if it gives none."
-                ),
-                "difference": (
-                    "The largest difference of all figures, values of findings and columns, from a"
-                    " result to a tolerance at most a hundredth of this, relative likewise; null"
-                    " without such a result."
-                ),
+                **MEASURED_EFFECT,
             },
             of="survey.rounded",
         ),

@@ -340,6 +340,24 @@ FINDING: Final = Key(
     },
 )
 
+FEATURE: Final = Key(
+    "A feature of the part, compared with the operations that make it.",
+    {
+        "name": 'Of a wall, a face, an edge or a keyway: "outline", "upper edge of the outline".',
+        "operations": "Names of those that make it; of those that touch it, if none finishes it.",
+        "severity": Key(
+            "ok: it is made, or nothing is to be done. warning: it is not made as the part"
+            " states. broken: more is taken off than the part states.",
+            type=Literal["ok", "warning", "broken"],
+        ),
+        "sentence": "In words, with the difference between part and operations.",
+        "stated_mm": Key(
+            "Width of a chamfer, or what is to be left there; null elsewhere.", of="stated"
+        ),
+        "made_mm": Key("The same as the operations make it; null elsewhere.", of="made"),
+    },
+)
+
 
 @cache
 def _keys_of(key: Key) -> dict[str, Key] | None:

@@ -7,9 +7,18 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain
-from typing import TYPE_CHECKING, ClassVar, Final, Literal
+from typing import TYPE_CHECKING, ClassVar, Final
 
-from camgeo.app.answers.answer import FINDING, SCENE, Answer, Key, Keys, exit_code, finding_lines
+from camgeo.app.answers.answer import (
+    FEATURE,
+    FINDING,
+    SCENE,
+    Answer,
+    Key,
+    Keys,
+    exit_code,
+    finding_lines,
+)
 from camgeo.app.cli.command import add_json, add_scene, opened, show
 from camgeo.check.finding import RETURN, Finding, forbidding
 from camgeo.check.judge import FINDINGS
@@ -348,24 +357,6 @@ ENGAGEMENT: Final = Key(
         "usual_deg": "Angle that is not exceeded on 99.5 % of the length.",
         "largest_deg": "Largest angle.",
         "limit_deg": "The tool's, or that of a straight wall at the stepover.",
-    },
-)
-
-FEATURE: Final = Key(
-    "A feature of the part, compared with the operations that make it.",
-    {
-        "name": 'Of a wall, a face, an edge or a keyway: "outline", "upper edge of the outline".',
-        "operations": "Names of those that make it; of those that touch it, if none finishes it.",
-        "severity": Key(
-            "ok: it is made, or nothing is to be done. warning: it is not made as the part"
-            " states. broken: more is taken off than the part states.",
-            type=Literal["ok", "warning", "broken"],
-        ),
-        "sentence": "In words, with the difference between part and operations.",
-        "stated_mm": Key(
-            "Width of a chamfer, or what is to be left there; null elsewhere.", of="stated"
-        ),
-        "made_mm": Key("The same as the operations make it; null elsewhere.", of="made"),
     },
 )
 

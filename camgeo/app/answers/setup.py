@@ -9,9 +9,19 @@ from dataclasses import dataclass, replace
 from functools import partial
 from html import escape
 from pathlib import Path
-from typing import ClassVar, Final, Literal
+from typing import ClassVar, Final
 
-from camgeo.app.answers.answer import BROKEN, FINE, MARKS, SCENE, Answer, Key, aligned
+from camgeo.app.answers.answer import (
+    BROKEN,
+    FEATURE,
+    FINE,
+    MARKS,
+    SCENE,
+    Answer,
+    Key,
+    Keys,
+    aligned,
+)
 from camgeo.app.cli.command import (
     add_json,
     add_output,
@@ -355,42 +365,29 @@ FLAW: Final = Key(
     },
 )
 
-FEATURE: Final = Key(
-    "A feature of the part, compared with the operations that make it.",
-    {
-        "name": 'Of a wall, a face, an edge or a keyway: "outline", "upper edge of the outline".',
-        "operations": "Names of those that make it; of those that touch it, if none finishes it.",
-        "severity": Key(
-            "ok: it is made, or nothing is to be done. warning: it is not made as the part"
-            " states. broken: more is taken off than the part states.",
-            type=Literal["ok", "warning", "broken"],
-        ),
-        "sentence": "In words, with the difference between part and operations.",
-        "stated_mm": Key(
-            "Width of a chamfer, or what is to be left there; null elsewhere.", of="stated"
-        ),
-        "made_mm": Key("The same as the operations make it; null elsewhere.", of="made"),
-    },
-)
+SHEET: Final[Keys] = {
+    "work_offset": "As in scenes.",
+    "blank": "In words, lengths in the unit of the scene.",
+    "zero": "Of the program, in words.",
+    "holding": "In words, lengths in the unit of the scene.",
+    "traverses": "Their heights, in words, in the unit of the scene.",
+    "seconds": (
+        "Machining time of all operations; null if the dynamics of the machine are not known."
+    ),
+    "tools": Key("Each once, in the order in which they are called.", TOOL),
+    "operations": Key("In their order.", OPERATION, of="steps"),
+    "told": "Of the sequence: what is not milled, and what is left to be done.",
+    "flaws": Key(
+        "Of the simulated program, with what is to be watched; empty if there is nothing.", FLAW
+    ),
+}
+"""Those of the sheet of either side."""
 
 SECOND_SIDE: Final = Key(
     "The sheet of the second side, as the work then lies.",
     {
         "side": Key("Which side this is, and how the work lies, in words.", type=str),
-        "work_offset": "As in scenes.",
-        "blank": "In words, lengths in the unit of the scene.",
-        "zero": "Of the program, in words.",
-        "holding": "In words, lengths in the unit of the scene.",
-        "traverses": "Their heights, in words, in the unit of the scene.",
-        "seconds": (
-            "Machining time of all operations; null if the dynamics of the machine are not known."
-        ),
-        "tools": Key("Each once, in the order in which they are called.", TOOL),
-        "operations": Key("In their order.", OPERATION, of="steps"),
-        "told": "Of the sequence: what is not milled, and what is left to be done.",
-        "flaws": Key(
-            "Of the simulated program, with what is to be watched; empty if there is nothing.", FLAW
-        ),
+        **SHEET,
     },
 )
 
@@ -399,20 +396,7 @@ DOCUMENT: Final = Key(
     {
         "scene": SCENE,
         "machine": "Name of the controller.",
-        "work_offset": "As in scenes.",
-        "blank": "In words, lengths in the unit of the scene.",
-        "zero": "Of the program, in words.",
-        "holding": "In words, lengths in the unit of the scene.",
-        "traverses": "Their heights, in words, in the unit of the scene.",
-        "seconds": (
-            "Machining time of all operations; null if the dynamics of the machine are not known."
-        ),
-        "tools": Key("Each once, in the order in which they are called.", TOOL),
-        "operations": Key("In their order.", OPERATION, of="steps"),
-        "told": "Of the sequence: what is not milled, and what is left to be done.",
-        "flaws": Key(
-            "Of the simulated program, with what is to be watched; empty if there is nothing.", FLAW
-        ),
+        **SHEET,
         "features": Key(
             "The part, feature by feature, with the operations of all its sides.", FEATURE
         ),
