@@ -142,22 +142,24 @@ class Entry:
         self.failed = f"{name}: failed"  # no attribute has this name
 
     def __enter__(self) -> None:
-        if self.known is not None and self.failed in self.known:
-            raise self.known[self.failed].with_traceback(None)
         self.ledger.lock.acquire()
         try:
+            if self.known is not None and self.failed in self.known:
+                raise self.known[self.failed].with_traceback(None)
             self.name = self.ledger.begin(self.name)
+            self.start = self.ledger.clock()
         except BaseException:
             self.ledger.lock.release()
             raise
-        self.start = self.ledger.clock()
 
     def __exit__(self, kind: object, error: BaseException | None, _: object) -> None:
-        seconds = self.ledger.clock() - self.start
-        self.ledger.end(self.name, seconds, failed=error is not None)
-        self.ledger.lock.release()
-        if self.known is not None and isinstance(error, NO_ANSWER):
-            self.known[self.failed] = error
+        try:
+            seconds = self.ledger.clock() - self.start
+            self.ledger.end(self.name, seconds, failed=error is not None)
+            if self.known is not None and isinstance(error, NO_ANSWER):
+                self.known[self.failed] = error
+        finally:
+            self.ledger.lock.release()
 
 
 class HasLedger(Protocol):
