@@ -4,10 +4,7 @@ Each round is a fresh process, so the figures include imports and the first use 
 median is reported. Stages run in the order in which a build needs them, so each figure is that of
 its stage alone: the first writer does not pay for the outline, nor a writer for its library.
 
-With `--against REV`, which needs git: the CPU time of the whole command in all formats, here and
-at that revision, in turns, each in a fresh process.
-
-    python benchmarks/build.py [--rounds 7] [--scene fixtures/scenes/setzhub.toml] [--against REV]
+    python benchmarks/build.py [--rounds 7] [--scene fixtures/scenes/setzhub.toml]
 """
 
 from __future__ import annotations
@@ -16,7 +13,6 @@ import argparse
 import json
 import os
 import platform
-import resource
 import statistics
 import subprocess
 import sys
@@ -34,8 +30,6 @@ ENVIRONMENT: Final = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRI
 
 STAGES_ONLY: Final = "--stages-into"
 """Option that runs the stages once in this process, which the benchmark starts for each round."""
-
-FORMATS: Final = "dxf,gcode,stl,3mf,csv,svg,png,asc"
 
 COMMAND: Final = "camgeo build, whole command"
 
@@ -99,74 +93,16 @@ def one_round(scene: str) -> dict[str, float]:
         return times
 
 
-def cpu(tree: Path, scene: str, out: Path) -> float:
-    """CPU time [s] of `camgeo build` in all formats by the camgeo of `tree`, in a fresh process."""
-
-    def spent() -> float:
-        usage = resource.getrusage(resource.RUSAGE_CHILDREN)
-        return usage.ru_utime + usage.ru_stime
-
-    out.parent.mkdir(exist_ok=True)  # without another camgeo, which Python would import first
-    words = ["build", scene, "-o", str(out), "--force", "--only", FORMATS]
-    began = spent()
-    done = subprocess.run(
-        [sys.executable, "-m", "camgeo", *words],
-        env=ENVIRONMENT | {"PYTHONPATH": os.pathsep.join(map(str, (tree, tree / "export")))},
-        cwd=out.parent,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    took = spent() - began
-    if not (out / "certificate.json").exists() or "Traceback" in done.stderr:
-        raise SystemExit(f"camgeo {' '.join(words)}: exit {done.returncode}\n{done.stderr}")
-    return took
-
-
-def compare(scene: str, revision: str, rounds: int) -> None:
-    """Print the CPU time of the command here and at the revision, and their ratio."""
-    times: dict[str, list[float]] = {"here": [], revision: []}
-    with tempfile.TemporaryDirectory() as folder:
-        before = Path(folder) / "tree"
-        subprocess.run(["git", "clone", "-q", str(ROOT), str(before)], check=True)
-        subprocess.run(["git", "checkout", "-q", revision], cwd=before, check=True)
-        trees = {"here": ROOT, revision: before}
-        for number in range(rounds + 1):
-            for name in sorted(trees, reverse=bool(number % 2)):
-                own = _own(scene, trees[name])
-                took = cpu(trees[name], str(own), Path(folder) / name / "out")
-                if number:  # the first round fills the caches of bytecode and of the disk
-                    times[name].append(took)
-    print(f"CPU of `camgeo build` in all formats, median and least of {rounds} rounds")
-    for name, found in times.items():
-        print(f"{name:<12}{1e3 * statistics.median(found):>8.0f} ms{1e3 * min(found):>8.0f} ms")
-    ratios = [here / there for here, there in zip(*times.values(), strict=True)]
-    print(f"{'ratio':<12}{statistics.median(ratios):>8.3f}, {min(ratios):.3f} to {max(ratios):.3f}")
-
-
-def _own(scene: str, tree: Path) -> Path:
-    """The fixture scene as `tree` has it, since keys change; any other scene itself."""
-    path = Path(scene)
-    if path.is_relative_to(ROOT) and (tree / path.relative_to(ROOT)).exists():
-        return tree / path.relative_to(ROOT)
-    return path
-
-
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--scene", default="fixtures/scenes/setzhub.toml")
-    parser.add_argument("--against", metavar="REV")
     parser.add_argument(STAGES_ONLY, type=Path, dest="report", help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if arguments.report is not None:
         times = stages(arguments.scene, arguments.report.with_name("stages"))
         arguments.report.write_text(json.dumps(times), "utf-8")
-        return
-
-    if arguments.against:
-        compare(str(Path(arguments.scene).resolve()), arguments.against, arguments.rounds)
         return
 
     one_round(arguments.scene)  # fills the caches of bytecode and of the disk
