@@ -27,8 +27,7 @@ from camgeo.reading import PLACED
 from camgeo.studies.inspection import read_points
 from camgeo.units import LengthUnit
 from camgeo_export.contour_csv import READER as CSV
-from camgeo_export.dxf.items import NEAR, Curve
-from camgeo_export.dxf.reader import READER, drawing_of
+from camgeo_export.dxf.reader import NEAR, READER, Curve, drawing_of
 from camgeo_export.svg_reader import READER as SVG
 from tests.measuring import Outline
 

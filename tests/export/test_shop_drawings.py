@@ -20,8 +20,7 @@ from ezdxf.math import ConstructionArc, Matrix44, rational_bspline_from_arc
 
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import LengthUnit
-from camgeo_export.dxf.items import NEAR
-from camgeo_export.dxf.reader import READER
+from camgeo_export.dxf.reader import NEAR, READER
 from tests.export.test_foreign_contours import GAP, along, drawn
 
 Way = Callable[[BaseLayout], object]

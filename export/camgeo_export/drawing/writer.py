@@ -24,7 +24,6 @@ from ezdxf.document import Drawing
 from ezdxf.entities.dimstyleoverride import DimStyleOverride
 from ezdxf.entities.dxfgfx import DXFGraphic
 from ezdxf.enums import TextEntityAlignment
-from ezdxf.filemanagement import new
 from ezdxf.fonts import fonts
 from ezdxf.layouts.layout import Modelspace
 from ezdxf.math import Vec2
@@ -65,9 +64,8 @@ from camgeo.pictures.sheet.sheet import SMALLEST, measured, sheets_of, spelled
 from camgeo.scene.formats.drawing import FORMAT
 from camgeo.scene.formats.format import Format
 from camgeo.units import MM_PER
-from camgeo_export.dxf.items import Item
-from camgeo_export.dxf.reader import drawing_of
-from camgeo_export.dxf.writer import INSUNITS, UNITS_OF_HEADER, bytes_of, describe, fixed_metadata
+from camgeo_export.dxf.reader import Item, drawing_of
+from camgeo_export.dxf.writer import bytes_of, new_document
 from camgeo_export.reading import deviation
 
 # -- document -------------------------------------------------------------------------------------
@@ -137,12 +135,10 @@ APART: Final = 20.0
 JUSTIFIED: Final = {"left": "LEFT", "centre": "CENTER", "right": "RIGHT"}
 
 
-def document_of(sheets: Sequence[Sheet]) -> Drawing:
-    """The document of sheets side by side; to be made and written with `fixed_metadata`."""
-    first = sheets[0]
-    document = new("R2010", units=INSUNITS[first.unit])
-    document.header["$MEASUREMENT"] = UNITS_OF_HEADER[first.unit]
-    drawing = _Drawing(document, first)
+def document_of(sheets: Sequence[Sheet], product: Product, tolerance: float) -> Drawing:
+    """The document of sheets of a product side by side."""
+    document = new_document(product, tolerance)
+    drawing = _Drawing(document, sheets[0])
     drawing.tables()
     for sheet, at in zip(sheets, corners(sheets), strict=True):
         for view in sheet.views:
@@ -288,7 +284,7 @@ class _Drawing:
 
     @_add.register
     def _(self, mark: Distance) -> None:
-        override = self._override(mark.prefix, mark)
+        override = self._override(mark)
         if mark.bare:
             names = ["", ""]
             names[mark.bare - 1] = "NONE"
@@ -310,7 +306,7 @@ class _Drawing:
     def _(self, mark: Diameter) -> None:
         text = number_of(mark, self._sheet.unit).replace(DIAMETER, "Ø")
         own = {"dimtmove": 1, "dimtoh": 1, "dimtad": 1, "dimtofl": 0, "dimcen": 0.0}
-        override = {**self._override(mark.prefix, mark), **own}
+        override = {**self._override(mark), **own}
         reach = self._length(mark.radius) + mark.reach * self._paper
         centre = self._at(mark.centre)
         way = (math.cos(mark.angle), math.sin(mark.angle))
@@ -332,8 +328,8 @@ class _Drawing:
         drawn.render()
         drawn.dimension.dxf.actual_measurement = self._length(mark.measure)
 
-    def _override(self, prefix: str, mark: Distance | Diameter) -> dict[str, object]:
-        return {"dimdec": mark.decimals, "dimpost": f"{prefix}<>{mark.suffix}"}
+    def _override(self, mark: Distance | Diameter) -> dict[str, object]:
+        return {"dimdec": mark.decimals, "dimpost": f"{mark.prefix}<>{mark.suffix}"}
 
 
 # -- page -----------------------------------------------------------------------------------------
@@ -725,10 +721,7 @@ def _made(product: Product, tolerance: float) -> tuple[tuple[Sheet, ...], Drawin
     if name not in known:
         sheets = sheets_of(product, tolerance)
         know_the_font()
-        with fixed_metadata():
-            document = document_of(sheets)
-            describe(document, product, tolerance)
-        known[name] = sheets, document
+        known[name] = sheets, document_of(sheets, product, tolerance)
     made: tuple[tuple[Sheet, ...], Drawing] = known[name]
     return made
 
@@ -739,7 +732,9 @@ def _pages(product: Product, tolerance: float) -> tuple[Strokes, ...]:
     name = f"pages of the {FORMAT.name} within {tolerance!r} mm"
     if name not in known:
         sheets, document = _made(product, tolerance)
-        documents = [document] if len(sheets) == 1 else [document_of([each]) for each in sheets]
+        documents = [document]
+        if len(sheets) > 1:
+            documents = [document_of([each], product, tolerance) for each in sheets]
         known[name] = tuple(map(strokes_of, documents, sheets))
     made: tuple[Strokes, ...] = known[name]
     return made
@@ -795,14 +790,12 @@ class DrawingWriter:
     def write(self, product: Product, tolerance: float) -> Written:
         """The sheet; the edges of the part lie within `tolerance` [mm]."""
         sheets, document = _made(product, tolerance)
-        with fixed_metadata():
-            data = bytes_of(document)
         facts: dict[str, int | float | str] = {
             "scale": spelled(Fraction(sheets[0].scale).limit_denominator(SMALLEST)),
             "dimensions": sum(len(measured(sheet)) for sheet in sheets),
         }
         findings = tuple(each for sheet in sheets for each in findings_of(sheet))
-        return Written(data, facts, findings)
+        return Written(bytes_of(document), facts, findings)
 
     def measure(self, product: Product, data: bytes) -> float:
         """Read the sheet back, without ezdxf: edges and dimensions against the part [mm]."""
@@ -856,10 +849,6 @@ def _stated(item: Item) -> float:
 def apart(item: Item) -> float:
     """What the definition points of a dimension measure, in units of the drawing."""
     if int(item.number(70)) & KIND == DIAMETER_SIGN:
-        return abs(_point(item, 10) - _point(item, 15))
+        return abs(item.point(10) - item.point(15))
     along = cmath.rect(1.0, math.radians(item.number(50, 0.0)))
-    return abs(((_point(item, 14) - _point(item, 13)) * along.conjugate()).real)
-
-
-def _point(item: Item, code: int) -> complex:
-    return complex(item.number(code), item.number(code + 10))
+    return abs(((item.point(14) - item.point(13)) * along.conjugate()).real)
