@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 
 from camgeo.app.designing.children import Job, Refused, Result
 from camgeo.app.designing.desk import Desk
-from camgeo_export.designer import messages as jobs_module
-from camgeo_export.designer.messages import Jobs, head_of
+from camgeo_export.designer import session
+from camgeo_export.designer.session import Jobs, head_of
 from tests.designer.served import Clock
 from tests.waiting import happened
 
@@ -54,7 +54,7 @@ def test_a_job_that_takes_too_long_is_given_up_for_a_newer_one(
     begun = {kind: threading.Event() for kind in ("findings", "solid")}
     cancelled: list[str] = []
     clock = Clock()
-    monkeypatch.setattr(jobs_module, "time", clock)
+    monkeypatch.setattr(session, "time", clock)
 
     def compute(job: Job, _: float) -> Result:
         begun[job.kind].set()

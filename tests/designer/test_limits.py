@@ -13,8 +13,8 @@ from starlette.websockets import WebSocket, WebSocketState
 from websockets.exceptions import ConnectionClosed
 
 from camgeo_export.designer import serve, session
-from camgeo_export.designer.messages import LARGEST
 from camgeo_export.designer.serve import MOST_CONNECTIONS
+from camgeo_export.designer.session import LARGEST
 from tests.designer.served import Clock, Served
 from tests.long_form import examples
 from tests.waiting import PATIENCE

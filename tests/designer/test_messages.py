@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo_export.designer.messages import KINDS, MessageError, Said, understood
+from camgeo_export.designer.session import KINDS, MessageError, Said, understood
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),

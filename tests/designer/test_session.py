@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from camgeo.app.designing.children import Job, Refused
-from camgeo_export.designer import messages, session
+from camgeo_export.designer import session
 from camgeo_export.designer.session import NamedFiles
 from tests.designer.served import Clock, Served, computed, served
 from tests.waiting import happened, until
@@ -98,7 +98,7 @@ def test_a_drag_is_one_step_and_its_latest_place_wins(folder: Path) -> None:
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     """The time by which a session tells a pause."""
     clock = Clock()
-    monkeypatch.setattr(messages, "time", clock)
+    monkeypatch.setattr(session, "time", clock)
     return clock
 
 

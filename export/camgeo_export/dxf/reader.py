@@ -31,6 +31,13 @@ from camgeo.reading import CONTOURS, DRAWING, PLACED, beyond, check_text
 from camgeo.units import MM_PER, TURN, LengthUnit, counted, place_text
 from camgeo_export.reading import CUT, finite, of_the_part
 
+# -- entities -------------------------------------------------------------------------------------
+# The contents of a DXF file: tags, and the entities that they make up.
+#
+# The file is gone through once, and of each entity only its place is kept: its tags, which take
+# many times the memory of their text, are made anew whenever it is asked for.
+
+
 CODE: Final = re.compile(rb"\s*-?[0-9]{1,4}\s*")
 """A line with a group code."""
 
