@@ -26,6 +26,11 @@ from camgeo.design.verify import Reading
 from camgeo.errors import FileError
 from camgeo.part.spec import text_of
 from camgeo.pictures.sheet.marks import (
+    ARROW,
+    BEFORE,
+    BEHIND,
+    LETTERS,
+    LIFTED,
     NARROWED,
     Chain,
     Diameter,
@@ -37,10 +42,10 @@ from camgeo.pictures.sheet.marks import (
     Round,
     Sheet,
     line,
+    number_of,
     squeeze,
 )
-from camgeo.pictures.sheet.placing import ARROW, BEFORE, BEHIND, LETTERS, LIFTED, number_of
-from camgeo.pictures.sheet.sheet import measured, sheets_of
+from camgeo.pictures.sheet.sheet import sheets_of
 from camgeo.scene.scene import load_scene, parse_scene
 from camgeo.units import MM_PER
 from camgeo_export.drawing.writer import GRAIN, LAYERS, PDF, RARE, SVG, WRITER
@@ -286,8 +291,8 @@ def test_dimensions_state_what_they_measure(name: str) -> None:
     """At every scale and in both units, with no factor and no text of their own."""
     sheet, _, drawing = drawn(name)
     found = dimensions(drawing)
-    assert len(found) == len(measured(sheet))
-    for dimension, mark in zip(found, measured(sheet), strict=True):
+    assert len(found) == len(sheet.dimensions)
+    for dimension, mark in zip(found, sheet.dimensions, strict=True):
         assert dimension.dxf.text in ("", "<>")
         style = dimension.override()
         assert style.get("dimlfac") == 1.0

@@ -20,20 +20,14 @@ from camgeo.pictures.sheet.marks import (
     Sheet,
     View,
     line,
+    number_of,
     squeeze,
     width_of,
-    wrapped,
 )
-from camgeo.pictures.sheet.placing import (
-    across,
-    boxes,
-    cleared,
-    dots,
-    findings_of,
-    number_of,
-    placed,
-)
+from camgeo.pictures.sheet.placing import Ink, across, boxes, cleared, dots, findings_of
+from camgeo.pictures.sheet.section import placed
 from camgeo.pictures.sheet.sheet import scale_of, scales, sheets_of, spelled
+from camgeo.pictures.sheet.texts import wrapped
 from tests.sheet.sheets import TOLERANCE, part, sheets
 
 
@@ -69,12 +63,12 @@ BOX = boxes([(10 + 0j, 1.0 + 0j, 6.0, 2.0)])
 
 
 def test_lines_are_interrupted_at_texts_and_nothing_else_is() -> None:
-    found = list(cleared([line(0j, 20 + 0j, "CENTRE")], [BOX], ("CENTRE",), 1.0))
+    found = list(cleared([line(0j, 20 + 0j, "CENTRE")], Ink(frames=BOX), 1.0))
     ends = [[complex(end) for end in each.vertices] for each in found if isinstance(each, Chain)]
     assert ends == [[0j, pytest.approx(7)], [pytest.approx(13), 20 + 0j]]
     away = line(5j, 20 + 5j, "CENTRE")
     outline = line(0j, 20 + 0j, "OUTLINE")
-    assert list(cleared([away, outline], [BOX], ("CENTRE",), 1.0)) == [away, outline]
+    assert list(cleared([away, outline], Ink(frames=BOX), 1.0)) == [away, outline]
 
 
 @given(

@@ -18,8 +18,9 @@ from camgeo.part.bevels import bevelled as part_with
 from camgeo.part.part import Boundary, Layer, Part
 from camgeo.part.spec import Chamfer, Chamfers, Keyway, PartSpec
 from camgeo.pictures.sheet.marks import Chain, Hatched, Mark
-from camgeo.pictures.sheet.section import hatching, section
-from camgeo.pictures.sheet.shape import COARSE, Shape, bevelled, corners_of, edges_above, shape_of
+from camgeo.pictures.sheet.section import bevelled, corners_of, edges_above, section
+from camgeo.pictures.sheet.shape import COARSE, Shape, shape_of
+from camgeo_export.drawing.writer import hatching
 from tests.part.parts import FLANKS, circle, made_or_refused, specs
 
 

@@ -15,7 +15,8 @@ from camgeo.numeric.arrays import ComplexArray
 from camgeo.pictures.sheet import placing
 from camgeo.pictures.sheet.marks import Chain, Diameter, Distance, Label, Mark, Round, Sheet, View
 from camgeo.pictures.sheet.placing import Ink, Options
-from camgeo.pictures.sheet.sheet import LEFT, MARGIN, measured, scales, sheets_of
+from camgeo.pictures.sheet.sheet import scales, sheets_of
+from camgeo.pictures.sheet.texts import LEFT, MARGIN
 from camgeo.scene.scene import parse_scene
 from camgeo.units import LengthUnit
 from tests.long_form import LONG
@@ -105,7 +106,7 @@ def test_dimensions_measure_the_part(name: str, size: str, language: str) -> Non
     for product, sheet in zip(
         products(name, size, language), sheets(name, size, language), strict=True
     ):
-        found = [each.measure for each in measured(sheet)]
+        found = [each.measure for each in sheet.dimensions]
         spec = product.scene.part
         assert spec is not None
         stated = [spec.thickness, spec.rim]
@@ -142,7 +143,7 @@ hub ="""
     scene = parse_scene(HUBBED.replace("hub =", bolts.replace("\n", " ", 1)))
     (sheet,) = sheets_of(Design(scene.with_values(edited(FULL))).disc, TOLERANCE)
     assert overlaps(text_boxes(sheet)) == []
-    found = [text_of(each, sheet) for each in measured(sheet)]
+    found = [text_of(each, sheet) for each in sheet.dimensions]
     assert {"4x %%c4", "4x %%c7.5"} <= set(found)
     assert found.count("%%c52") == 1  # one pitch circle of both
     texts = " ".join(mark.text for mark in sheet.marks if isinstance(mark, Label))
@@ -164,14 +165,14 @@ def test_nothing_is_invented() -> None:
         mark.text for mark in (*sheet.marks, *sheet.views[0].marks) if isinstance(mark, Label)
     )
     assert not re.search(r"H7|JS9|Ra|20\d\d-|ISO 2768|HRC", texts)
-    assert {each.suffix for each in measured(sheet)} <= {"", ")"}
+    assert {each.suffix for each in sheet.dimensions} <= {"", ")"}
 
 
 def test_a_part_without_thickness_has_one_view() -> None:
     text = HUBBED.partition("[part]")[0] + "[part]\nbore = 16\n"
     (sheet,) = sheets_of(Design(parse_scene(text)).disc, TOLERANCE)
     assert len(sheet.views) == 1
-    assert [each.measure for each in measured(sheet) if isinstance(each, Diameter)] == [16.0]
+    assert [each.measure for each in sheet.dimensions if isinstance(each, Diameter)] == [16.0]
 
 
 def test_what_does_not_fit_is_refused_with_its_key() -> None:
@@ -187,7 +188,7 @@ def test_only_a_sheet_with_brackets_explains_them() -> None:
             found = any("in brackets" in mark.text for mark in sheet.marks
                         if isinstance(mark, Label))  # fmt: skip
             assert found == explained
-            assert found == any(mark.prefix == "(" for mark in measured(sheet))
+            assert found == any(mark.prefix == "(" for mark in sheet.dimensions)
 
 
 def test_curves_far_larger_than_the_part_are_left_out_with_a_note() -> None:

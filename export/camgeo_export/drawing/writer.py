@@ -8,7 +8,6 @@ import pathlib
 import zlib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from fractions import Fraction
 from functools import singledispatchmethod
 from itertools import pairwise
 from typing import Final
@@ -35,8 +34,14 @@ from camgeo.errors import FileError
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.pictures.sheet.front import dashed_stretch
 from camgeo.pictures.sheet.marks import (
+    ARROW,
+    BEFORE,
+    BEHIND,
     DIAMETER,
+    LETTERS,
+    LIFTED,
     NARROWED,
+    QUARTERS,
     Chain,
     Diameter,
     Distance,
@@ -47,20 +52,11 @@ from camgeo.pictures.sheet.marks import (
     Mark,
     Round,
     Sheet,
+    number_of,
     squeeze,
 )
-from camgeo.pictures.sheet.placing import (
-    ARROW,
-    BEFORE,
-    BEHIND,
-    LETTERS,
-    LIFTED,
-    QUARTERS,
-    findings_of,
-    number_of,
-)
-from camgeo.pictures.sheet.section import hatching
-from camgeo.pictures.sheet.sheet import SMALLEST, measured, sheets_of, spelled
+from camgeo.pictures.sheet.placing import findings_of
+from camgeo.pictures.sheet.sheet import sheets_of
 from camgeo.scene.formats.drawing import FORMAT
 from camgeo.scene.formats.format import Format
 from camgeo.units import MM_PER
@@ -527,6 +523,11 @@ def _pdf_outline(outline: Outline) -> Iterator[str]:
 GRAIN: Final = 0.005
 """Of coordinates on a page [mm]: they are whole multiples."""
 
+
+RECTANGLE = 4
+"""Corners of a face without chamfers."""
+
+
 WRITTEN: Final = frozenset(("TEXT", "DIMENSION"))
 """Entities that ezdxf takes apart."""
 
@@ -640,6 +641,39 @@ def _strokes(mark: Mark, at: complex, scale: float) -> Iterator[tuple[int, Strok
         for each in chains:
             points = (at + scale * each.vertices) / GRAIN
             yield LAYERS[each.layer][2], Stroke(points, each.sweeps, each.closed)
+
+
+def hatching(face: Hatched, step: float) -> Iterator[tuple[complex, complex]]:
+    """The lines of a cut face, at 45 degrees and `step` [mm] apart, through the same points in all
+    faces of a view.
+    """
+    x0, x1 = float(face.corners.real.min()), float(face.corners.real.max())
+    y0, y1 = float(face.corners.imag.min()), float(face.corners.imag.max())
+    along = step * math.sqrt(2.0)
+    for number in range(math.ceil((y0 - x1) / along), math.floor((y1 - x0) / along) + 1):
+        rise = number * along
+        start, end = max(x0, y0 - rise), min(x1, y1 - rise)
+        if len(face.corners) != RECTANGLE:
+            start, end = _inside(face.corners, rise, start, end)
+        if start < end:
+            yield complex(start, start + rise), complex(end, end + rise)
+
+
+def _inside(corners: ComplexArray, rise: float, start: float, end: float) -> tuple[float, float]:
+    """What of the line y = x + `rise`, x from `start` to `end`, lies in a convex polygon that runs
+    counter-clockwise.
+    """
+    for one, other in zip(corners.tolist(), np.roll(corners, -1).tolist(), strict=True):
+        normal = 1j * (other - one)  # inwards
+        at_zero = ((complex(0.0, rise) - one) * normal.conjugate()).real
+        pace = normal.real + normal.imag
+        if pace > 0.0:
+            start = max(start, -at_zero / pace)
+        elif pace < 0.0:
+            end = min(end, -at_zero / pace)
+        elif at_zero < 0.0:
+            return 0.0, 0.0
+    return start, end
 
 
 def _polygon(points: list[complex]) -> Iterator[tuple[str, tuple[complex, ...]]]:
@@ -791,8 +825,8 @@ class DrawingWriter:
         """The sheet; the edges of the part lie within `tolerance` [mm]."""
         sheets, document = _made(product, tolerance)
         facts: dict[str, int | float | str] = {
-            "scale": spelled(Fraction(sheets[0].scale).limit_denominator(SMALLEST)),
-            "dimensions": sum(len(measured(sheet)) for sheet in sheets),
+            "scale": sheets[0].ratio,
+            "dimensions": sum(len(sheet.dimensions) for sheet in sheets),
         }
         findings = tuple(each for sheet in sheets for each in findings_of(sheet))
         return Written(bytes_of(document), facts, findings)
