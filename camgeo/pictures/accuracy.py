@@ -211,14 +211,14 @@ def _panel(bottom: float, height: float, x: Axis, label: str, lines: list[Line])
     if high < LEAST_RANGE * low:  # a few per cent must not look like a large change
         wider = math.sqrt(LEAST_RANGE * low / high)
         low, high = low / wider, high * wider
-    named = entries(lines)
-    return Panel(
-        _frame(bottom, height),
-        x,
-        Axis((low, high), label, log=True),
-        tuple(lines),
-        legend=Legend(named, "upper left", (1.02, 1.0), size=7.5, gap=0.0) if named else None,
-    )
+    y = Axis((low, high), label, log=True)
+    legend = _beside(lines) if entries(lines) else None
+    return Panel(_frame(bottom, height), x, y, tuple(lines), legend=legend)
+
+
+def _beside(lines: Sequence[Line]) -> Legend:
+    """The names of lines, on the right of their panel."""
+    return Legend(entries(lines), "upper left", (1.02, 1.0), size=7.5, gap=0.0)
 
 
 def _tolerances(tolerances: list[float], label: str, *, numbered: bool = True) -> Axis:
@@ -252,9 +252,7 @@ def _both(
         ("lift-off speed lost", OFF_STYLES[2], [row.lift_off_share for row in known]),
     ):
         shown = [(x, 100.0 * y) for x, y in zip(tolerances, off, strict=True) if y]
-        if shown:
-            style = Style(colour, 1.4, marker=marker, size=5.0)
-            lines.append(Line(over(*zip(*shown, strict=True)), style, name))
+        lines += _course(shown, Style(colour, 1.4, marker=marker, size=5.0), name)
     if not lines:
         return []
     fits = [row for row in survey.contours if (row.form, row.effort) == (form, EFFORTS[0])]
@@ -266,10 +264,8 @@ def _both(
         ("seconds of a build", COST_STYLES[3], built),
     ):
         costs = sorted(((x, y) for x, y in spent if y), reverse=True)
-        if costs:
-            style = Style(colour, 1.0, (4.0, 2.0), marker, 5.0, "white", colour)
-            times = [(x, y / costs[0][1]) for x, y in costs]
-            lines.append(Line(over(*zip(*times, strict=True)), style, name))
+        style = Style(colour, 1.0, (4.0, 2.0), marker, 5.0, "white", colour)
+        lines += _course([(x, y / costs[0][1]) for x, y in costs], style, name)
     return lines
 
 
@@ -279,9 +275,7 @@ def _off(benefits: Sequence[BenefitRow]) -> list[Line]:
     for form in FORMS:
         found = [(row.tolerance, 100.0 * row.ripple) for row in benefits
                  if row.form == form and row.ripple]  # fmt: skip
-        if found:
-            points = over(*zip(*found, strict=True))
-            lines.append(Line(points, _style(form, EFFORTS[0]), f"acceleration off, {form}"))
+        lines += _course(found, _style(form, EFFORTS[0]), f"acceleration off, {form}")
     return lines
 
 
@@ -319,9 +313,7 @@ def _bytes(survey: Survey) -> list[Line]:
     for name, (marker, colour) in SOLID_STYLES.items():
         found = [(row.tolerance, row.file.size) for row in survey.solids if row.format == name
                  and row.file is not None]  # fmt: skip
-        if found:
-            style = Style(colour, 0.8, (4.0, 2.0), marker, 5.0)
-            lines.append(Line(over(*zip(*found, strict=True)), style, name.upper()))
+        lines += _course(found, Style(colour, 0.8, (4.0, 2.0), marker, 5.0), name.upper())
     return lines
 
 
@@ -371,17 +363,20 @@ def _effects(survey: Survey) -> list[Line]:
     for number, name in enumerate(dict.fromkeys(row.effect for row in survey.effects)):
         found = [(row.tolerance, row.seconds) for row in survey.effects
                  if row.effect == name and row.seconds is not None]  # fmt: skip
-        if found:
-            marker = EFFECT_MARKERS[number % len(EFFECT_MARKERS)]
-            style = Style(LINE, 0.8, DOTTED, marker, 5.0)
-            lines.append(Line(over(*zip(*found, strict=True)), style, name))
+        marker = EFFECT_MARKERS[number % len(EFFECT_MARKERS)]
+        lines += _course(found, Style(LINE, 0.8, DOTTED, marker, 5.0), name)
     return lines
 
 
 def _points(rows: Sequence[ContourRow], value: Value, label: str, style: Style) -> list[Line]:
     found = [(row.tolerance, value(row)) for row in rows]
     positive = [(x, y) for x, y in found if y is not None and y > 0.0]
-    return [Line(over(*zip(*positive, strict=True)), style, label)] if positive else []
+    return _course(positive, style, label)
+
+
+def _course(points: Sequence[tuple[float, float]], style: Style, label: str) -> list[Line]:
+    """A line through points, if there are any."""
+    return [Line(over(*zip(*points, strict=True)), style, label)] if points else []
 
 
 def _style(form: Form, effort: str) -> Style:
@@ -462,7 +457,6 @@ def benefit_figure(rows: Sequence[BenefitRow], *, title: str, unit: LiftUnit = "
         rules = [Rule("y", each / RPM, ADVICE) for each in exact if each and label == LIFTS_OFF]
         tolerances = [row.tolerance for row in rows]
         low, high = log_limits(heights(lines))
-        named = entries(lines)
         panels.append(
             Panel(
                 frame,
@@ -470,7 +464,7 @@ def benefit_figure(rows: Sequence[BenefitRow], *, title: str, unit: LiftUnit = "
                 Axis((low, max(high, *(1.2 * each.at for each in rules), 0.0)), label, log=True),
                 (*lines, *rules),
                 title="" if number else title,
-                legend=Legend(named, "upper left", (1.02, 1.0), size=7.5, gap=0.0),
+                legend=_beside(lines),
             )
         )
     return Figure((WIDTH, height), tuple(panels))
@@ -489,14 +483,10 @@ def _each(
                 and (shown := value(row)) is not None
                 and 0.0 < shown < math.inf
             ]
-            if not found:
-                continue
-            colour = COLOURS[form]
-            style = Style(
-                colour, 0.8, DASHES[number % len(DASHES)], MARKERS[form], 4.0, colour, colour
-            )
+            colour, dashes = COLOURS[form], DASHES[number % len(DASHES)]
+            style = Style(colour, 0.8, dashes, MARKERS[form], 4.0, colour, colour)
             at = f", {speed / RPM:g} rev/min" if len(speeds) > 1 else ""
-            lines.append(Line(over(*zip(*found, strict=True)), style, f"{form}{at}"))
+            lines += _course(found, style, f"{form}{at}")
     return lines
 
 
@@ -535,11 +525,8 @@ def octaves(
     lines = []
     for row, colour, marker in zip(rows, cycle(TOLERANCE_COLOURS), cycle(TOLERANCE_MARKERS)):
         found = [(2.0**octave, value) for octave, value in enumerate(row.octaves) if value > 0.0]
-        if found:
-            style = Style(colour, 1.2, marker=marker, size=4.0)
-            lines.append(
-                Line(over(*zip(*found, strict=True)), style, f"{row.tolerance:.6g} {length}")
-            )
+        style = Style(colour, 1.2, marker=marker, size=4.0)
+        lines += _course(found, style, f"{row.tolerance:.6g} {length}")
     low, high = log_limits(heights(lines))
     count = max((len(row.octaves) for row in rows), default=1)
     ticks = tuple(2.0**octave for octave in range(count))
@@ -556,7 +543,7 @@ def octaves(
         Axis((max(low, high / DECADES), high), label, log=True),
         tuple(lines),
         title=title,
-        legend=Legend(entries(lines), "upper left", (1.02, 1.0), size=7.5, gap=0.0),
+        legend=_beside(lines),
     )
 
 

@@ -122,11 +122,7 @@ def figure(product: Product, size: Size | None = None) -> Figure:
     frames = grid(size, (EDGE, EDGE, HEAD, EDGE + foot), 1, 2, (0.0, 0.02))
     for number, (frame, (phi, sketch)) in enumerate(zip(frames, sketches, strict=True)):
         turn = cmath.exp(1j * product.cam.rotation * phi)
-        marks: list[Mark] = []
-        for part in parts[:1]:
-            marks += disc.whole(part, turn, sagitta)[0]
-        for part in parts[1:]:
-            marks += disc.behind(part, turn, sagitta)
+        marks = _disc_bodies(parts, turn, sagitta)
         measures: list[Mark] = []
         if number == 0:
             left, bottom, right, top = frame
@@ -418,22 +414,26 @@ def _discs(product: Product, *, moving: bool) -> list[Mark]:
 
     Chords are sampled and not proved: an animation follows a drag.
     """
+    sagitta = CHORDS * product.cam.follower.base_radius
     if moving:
         try:
-            return _disc_bodies(product, tuple(each.drawn.untrimmed for each in product.discs))
+            parts = tuple(each.drawn.untrimmed for each in product.discs)
+            return _disc_bodies(parts, 1.0, sagitta, sampled=True)
         except CamgeoError:  # undercut, for one: what is left of the disc takes longer
             pass
-    return _disc_bodies(product, parts_of(product))
+    return _disc_bodies(parts_of(product), 1.0, sagitta, sampled=True)
 
 
-def _disc_bodies(product: Product, parts: tuple[Part, ...]) -> list[Mark]:
-    """The parts of the main disc and of those behind it."""
-    sagitta = CHORDS * product.cam.follower.base_radius
+def _disc_bodies(
+    parts: tuple[Part, ...], turn: complex, sagitta: float, *, sampled: bool = False
+) -> list[Mark]:
+    """The main disc and those behind it, see `disc.whole`."""
     marks: list[Mark] = []
-    for part in parts[:1]:
-        marks += disc.whole(part, 1.0, sagitta, sampled=True)[0]
-    for part in parts[1:]:
-        marks += disc.behind(part, 1.0, sagitta, sampled=True)
+    for number, part in enumerate(parts):
+        if number:
+            marks += disc.behind(part, turn, sagitta, sampled=sampled)
+        else:
+            marks += disc.whole(part, turn, sagitta, sampled=sampled)[0]
     return marks
 
 
