@@ -19,8 +19,7 @@ from camgeo.kinematics.mechanism.sketch import Dimension, Guide, MechanismSketch
 from camgeo.numeric.arrays import FloatArray, frozen
 from camgeo.part.boundaries import largest_radius
 from camgeo.part.part import Part
-from camgeo.pictures import cam as flanks
-from camgeo.pictures import disc
+from camgeo.pictures import cam as pictured
 from camgeo.pictures.model import (
     AUXILIARY,
     Area,
@@ -397,7 +396,7 @@ def _turning(product: Product, *, moving: bool) -> tuple[tuple[Mark, ...], float
     marks = _discs(product, moving=moving)
     if not marks:
         try:
-            drawn = flanks.whole_flanks(product, product.pictured.cut_off, 1.0)[0]
+            drawn = pictured.whole_flanks(product, product.pictured.cut_off, 1.0)[0]
         except CamgeoError:  # the findings say so
             drawn = []
         note = next((mark.text for mark in drawn if isinstance(mark, Text)), "no disc")
@@ -427,13 +426,13 @@ def _discs(product: Product, *, moving: bool) -> list[Mark]:
 def _disc_bodies(
     parts: tuple[Part, ...], turn: complex, sagitta: float, *, sampled: bool = False
 ) -> list[Mark]:
-    """The main disc and those behind it, see `disc.whole`."""
+    """The main disc and those behind it, see `whole_disc` there."""
     marks: list[Mark] = []
     for number, part in enumerate(parts):
         if number:
-            marks += disc.behind(part, turn, sagitta, sampled=sampled)
+            marks += pictured.disc_behind(part, turn, sagitta, sampled=sampled)
         else:
-            marks += disc.whole(part, turn, sagitta, sampled=sampled)[0]
+            marks += pictured.whole_disc(part, turn, sagitta, sampled=sampled)[0]
     return marks
 
 

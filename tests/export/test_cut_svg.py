@@ -17,8 +17,7 @@ from camgeo.errors import FileError
 from camgeo.scene.formats.dxf import DxfSpec
 from camgeo.units import LengthUnit
 from camgeo_export import svg
-from camgeo_export.svg import WRITER
-from camgeo_export.svg_reader import drawing_of
+from camgeo_export.svg import WRITER, drawing_of
 from camgeo_export.verify.svg import VERIFIER
 from tests.effects.scenes import SCENES
 from tests.export.stub_product import CircleBoundary, StubProduct

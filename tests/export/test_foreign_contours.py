@@ -28,7 +28,7 @@ from camgeo.studies.inspection import read_points
 from camgeo.units import LengthUnit
 from camgeo_export.contour_csv import READER as CSV
 from camgeo_export.dxf.reader import NEAR, READER, Curve, drawing_of
-from camgeo_export.svg_reader import READER as SVG
+from camgeo_export.svg import READER as SVG
 from tests.measuring import Outline
 
 GAP = 1e-3

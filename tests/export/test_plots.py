@@ -49,9 +49,8 @@ from camgeo.pictures.model import (
 )
 from camgeo.pictures.plots import OWN, find, stacked
 from camgeo.units import LengthUnit
-from camgeo_export import picture as picture_module
-from camgeo_export.picture import PNG, SVG, PictureWriter
-from camgeo_export.plots import drawn, render, saved
+from camgeo_export import plots
+from camgeo_export.plots import PNG, SVG, PictureWriter, drawn, render, saved
 from camgeo_export.table import WRITER as CSV
 from tests.export.stub_product import StubProduct, there_and_back
 
@@ -404,7 +403,7 @@ def test_both_pictures_are_of_one_page(monkeypatch: pytest.MonkeyPatch) -> None:
         made.append(wanted)
         return stacked(product, wanted)
 
-    monkeypatch.setattr(picture_module, "stacked", counted)
+    monkeypatch.setattr(plots, "stacked", counted)
     for order in ((SVG, PNG), (PNG, SVG)):
         product = StubProduct(groove=True)
         assert all(each.write(product, 0.001).data == alone[each] for each in order)

@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 import camgeo
 from camgeo.design.design import Design
 from camgeo.numeric.arrays import ComplexArray
-from camgeo.pictures import cam, disc
+from camgeo.pictures import cam
 from camgeo.scene.scene import load_scene
 from camgeo.units import TURN
 from tests.export.stub_product import StubProduct
@@ -56,7 +56,7 @@ def inset(axes: Axes) -> Axes | None:
 
 def dashed(axes: Axes) -> list[ComplexArray]:
     """The lines drawn as cut off."""
-    lines = [line for line in axes.lines if line.get_color() == disc.CUT]
+    lines = [line for line in axes.lines if line.get_color() == cam.CUT]
     rows = [np.asarray(line.get_xydata()) for line in lines if line.get_marker() == "None"]
     return [row[:, 0] + 1j * row[:, 1] for row in rows]
 
@@ -116,7 +116,7 @@ def test_what_is_small_is_enlarged_where_nothing_else_is(scene: str, limit: str)
     assert x[0] < largest.course.real.min() < largest.course.real.max() < x[1]
     assert y[0] < largest.course.imag.min() < largest.course.imag.max() < y[1]
     # An edge of the disc, or a flank, passes through the corner.
-    edges = [line for line in small.lines if line.get_color() != disc.CUT]
+    edges = [line for line in small.lines if line.get_color() != cam.CUT]
     points = np.concatenate([np.asarray(line.get_xydata()) for line in edges])
     gaps = np.abs(points[:, 0] + 1j * points[:, 1] - largest.corner)
     assert np.nanmin(gaps) < 1e-3 * (x[1] - x[0])
@@ -191,6 +191,6 @@ def test_clipping_keeps_the_area_within(
     ring = np.array(radii) * np.exp(1j * TURN * np.arange(len(radii)) / len(radii))
     half = 0.5 * width
     wanted = polygon(ring).intersection(shapely.box(x - half, y - half, x + half, y + half)).area
-    found = disc.clipped(ring, complex(x, y), width)
+    found = cam.clipped(ring, complex(x, y), width)
     area = 0.5 * float(np.sum((found.conj() * np.roll(found, -1)).imag)) if len(found) else 0.0
     assert area == pytest.approx(wanted, abs=1e-12 * 30.0)
