@@ -11,17 +11,15 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo import reading
 from camgeo.design.verify import Against, Reading, Wanted, verify_files
 from camgeo.errors import FileError
 from camgeo.scene.formats.dxf import DxfSpec
 from camgeo.units import LengthUnit
-from camgeo_export import svg
 from camgeo_export.svg import WRITER, drawing_of
 from camgeo_export.verify.svg import VERIFIER
 from tests.effects.scenes import SCENES
 from tests.export.stub_product import CircleBoundary, StubProduct
-from tests.export.test_drawing_pages import svg_runs
+from tests.export.test_drawing import svg_runs
 from tests.export.verified import TOLERANCE, checked, faults
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -198,13 +196,6 @@ def test_what_may_not_be_parsed_is_refused(data: bytes, message: str) -> None:
     with pytest.raises(FileError, match=message):
         drawing_of(data)
     assert message in VERIFIER.origin(data).damage or message.startswith(("its", "not"))
-
-
-def test_nothing_is_written_that_would_not_be_read(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(svg, "SVG_PIECES", 20)
-    with pytest.raises(FileError, match="at most 20 are allowed"):
-        WRITER.write(StubProduct(), TOLERANCE)
-    assert reading.SVG_PIECES > 20
 
 
 @pytest.mark.parametrize("unit", ["mm", "inch"])

@@ -40,14 +40,12 @@ from camgeo.pictures import (
 )
 from camgeo.pictures.model import (
     Area,
-    Arrow,
     Axis,
     Band,
     Circle,
     Entry,
     Field,
     Figure,
-    Fill,
     Inset,
     Legend,
     Line,
@@ -222,68 +220,17 @@ def test_there_is_one_renderer() -> None:
 
 
 SQUARE = over([0.2, 0.8, 0.8, 0.2], [0.2, 0.2, 0.8, 0.8])
-CELLS = np.linspace(0.0, 1.0, 5)
-BAND = Band("y", CELLS, CELLS * 0.2, CELLS * 0.2 + 0.5, Fill("#c9dcee"))
-EVERY_MARK: tuple[Mark, ...] = (
-    Line(SQUARE, Style("black", marker="o")),
-    Rule("x", 0.5, Style("black")),
-    BAND,
-    Area((SQUARE, 0.5 * SQUARE + 0.25), Fill("#c9dcee")),
-    Circle((0.5, 0.5), 0.2, Fill(edge="black")),
-    Arrow(SQUARE, Style("black"), 12.0),
-    Field(CELLS, CELLS, np.add.outer(CELLS, CELLS), (0.5, 1.0), Fill("#f0b8b4"), BAND),
-    Text("words", (0.5, 0.5), 9.0),
-)
 
 
 def panel(*marked: Mark | Inset) -> Panel:
     return Panel((0.1, 0.1, 0.9, 0.9), Axis((0.0, 1.0)), Axis((0.0, 1.0)), marked)
 
 
-def test_every_mark_is_tried() -> None:
-    assert {type(mark) for mark in EVERY_MARK} == set(get_args(Mark))
-
-
-INSET = Inset(panel(EVERY_MARK[0]), (0.6, 0.6), 0.3, (0.1, 0.1, 0.2), Style("black"))
-
-
-@pytest.mark.parametrize("mark", [*EVERY_MARK, INSET], ids=lambda mark: type(mark).__name__)
-def test_every_mark_is_drawn(mark: Mark | Inset) -> None:
-    with_it, without = (
-        render(Figure((2.0, 2.0), (panel(*marked),)), ".svg") for marked in ((mark,), ())
-    )
-    assert len(with_it) > len(without) + 100
-
-
-def test_what_is_no_mark_is_refused() -> None:
+def test_every_mark_is_known_to_what_draws_and_nothing_else() -> None:
+    """How each is drawn, see tests/export/test_plots.py."""
+    assert {*get_args(Mark), Inset} <= draw.registry.keys()
     with pytest.raises(TypeError, match="SimpleNamespace is not a mark"):
         draw(SimpleNamespace(), Page().add_subplot())
-
-
-def test_what_lies_next_to_the_marks_is_drawn() -> None:
-    """Titles, legends, further scales, words on the page, and figures below each other."""
-    plain = panel()
-    legend = Legend((Entry("name", Style("black")), Entry("area", Fill("#c9dcee"))))
-    below = replace(legend, place="lower center")
-    scale = Axis((1.0, 10.0), "scale", log=True, label_place=0.2)
-    figures = [
-        Figure((2.0, 2.0), (replace(plain, **change),))
-        for change in (
-            {},
-            {"title": "title"},
-            {"legend": legend},
-            {"right": scale},
-            {"above": scale},
-            {"bare": True},
-            {"y": replace(plain.y, ticks=(0.5,), names=("half",))},
-            {"y": replace(plain.y, numbered=False)},
-            {"y": Axis((0.0, 1e6), powers=(-3, 3))},
-        )
-    ]
-    text = Text("words", (0.5, 0.5), 9.0, "figure")
-    figures += [Figure((2.0, 2.0), (plain,), (text,)), Figure((2.0, 2.0), (plain,), legend=below)]
-    figures.append(Figure((2.0, 4.0), rows=(figures[0], figures[0])))
-    assert len({render(each, ".svg") for each in figures}) == len(figures)
 
 
 # Layout -------------------------------------------------------------------------------------------
@@ -337,7 +284,8 @@ def test_round_ticks_are_multiples_inside(span: float, middle: float) -> None:
 
 def test_entries_are_of_named_marks_only() -> None:
     named = Line(SQUARE, Style("black"), "name")
-    assert entries([*EVERY_MARK, named]) == (Entry("name", Style("black")),)
+    others = Line(SQUARE, Style("red")), Rule("x", 0.5, Style("black")), Text("a", (0.5, 0.5), 9.0)
+    assert entries([*others, named]) == (Entry("name", Style("black")),)
 
 
 # Plots by their names -----------------------------------------------------------------------------
