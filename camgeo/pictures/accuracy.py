@@ -168,7 +168,10 @@ def figure(
     spectrum = [row for row in own if row.octaves]
     effects = computing and any(row.seconds is not None for row in survey.effects)
     below_others = (HEIGHT + OWN_GAP) * (bool(spectrum) + effects)
-    words = [] if knee is None else _wrapped(knee, length)
+    words = []
+    if knee is not None:
+        sentence = in_unit(": ".join(knee[1:]), length)
+        words = textwrap.wrap(sentence, REASON_WIDTH, break_on_hyphens=False)
     reason_height = len(words) * REASON_LINE
     top = TOP + reason_height / POINTS
     height = top + BOTTOM + count * HEIGHT + (count - 1) * GAP + below_others
@@ -226,11 +229,6 @@ def _tolerances(tolerances: list[float], label: str, *, numbered: bool = True) -
     return Axis(ends, label if numbered else "", log=True, numbered=numbered)
 
 
-def _wrapped(knee: Marked, length: LengthUnit) -> list[str]:
-    sentence = in_unit(": ".join(knee[1:]), length)
-    return textwrap.wrap(sentence, REASON_WIDTH, break_on_hyphens=False)
-
-
 def _above(words: list[str]) -> Text:
     """Lines above a panel, as wide as the figure."""
     start = (0.2 - LEFT) * POINTS
@@ -258,7 +256,11 @@ def _both(
     fits = [row for row in survey.contours if (row.form, row.effort) == (form, EFFORTS[0])]
     built = [(row.tolerance, row.total) for row in survey.bill] if computing else []
     for name, (colour, marker), spent in (
-        ("pieces", COST_STYLES[0], [(row.tolerance, _all_pieces(row)) for row in fits]),
+        (
+            "pieces",
+            COST_STYLES[0],
+            [(row.tolerance, None if row.count is None else row.count.pieces) for row in fits],
+        ),
         ("bytes, DXF", COST_STYLES[1], [(row.tolerance, _drawing_size(row)) for row in fits]),
         ("milled round", COST_STYLES[2], [(row.tolerance, row.round_seconds) for row in fits]),
         ("seconds of a build", COST_STYLES[3], built),
@@ -309,7 +311,12 @@ def _bytes(survey: Survey) -> list[Line]:
         rows = [row for row in fewest if row.form == form]
         lines += _points(rows, _drawing_size, f"DXF, {form}", _style(form, EFFORTS[0]))
     style = replace(_style("arcs", EFFORTS[1]), marker="D", width=0.8, dashes=DOTTED)
-    lines += _points(fewest, _program_size, "G-code", style)
+    lines += _points(
+        fewest,
+        lambda row: None if row.program is None else row.program.size,
+        "G-code",
+        style,
+    )
     for name, (marker, colour) in SOLID_STYLES.items():
         found = [(row.tolerance, row.file.size) for row in survey.solids if row.format == name
                  and row.file is not None]  # fmt: skip
@@ -329,7 +336,13 @@ def _seconds(survey: Survey, *, computing: bool) -> list[Line]:
         for effort in EFFORTS:
             rows = [row for row in survey.contours if (row.form, row.effort) == (form, effort)]
             style = replace(_style(form, effort), width=0.8, dashes=DOTTED, size=3.5)
-            lines += _points(rows, _fit_seconds, f"fit, {form}, {effort}", style)
+            label = f"fit, {form}, {effort}"
+            lines += _points(
+                rows,
+                lambda row: None if row.count is None else row.count.fit_seconds,
+                label,
+                style,
+            )
     return lines
 
 
@@ -353,7 +366,9 @@ def _ripples(survey: Survey) -> list[Line]:
         for effort in EFFORTS:
             rows = [row for row in survey.contours if (row.form, row.effort) == (form, effort)]
             label = f"ripple, {form}, {effort}"
-            lines += _points(rows, _ripple_percent, label, _style(form, effort))
+            lines += _points(
+                rows, lambda row: row.ripple and 100.0 * row.ripple, label, _style(form, effort)
+            )
     return lines
 
 
@@ -391,24 +406,8 @@ def _style(form: Form, effort: str) -> Style:
     )
 
 
-def _all_pieces(row: ContourRow) -> float | None:
-    return None if row.count is None else row.count.pieces
-
-
 def _drawing_size(row: ContourRow) -> float | None:
     return None if row.drawing is None else row.drawing.size
-
-
-def _program_size(row: ContourRow) -> float | None:
-    return None if row.program is None else row.program.size
-
-
-def _fit_seconds(row: ContourRow) -> float | None:
-    return None if row.count is None else row.count.fit_seconds
-
-
-def _ripple_percent(row: ContourRow) -> float | None:
-    return None if row.ripple is None else 100.0 * row.ripple
 
 
 # What is off, alone -------------------------------------------------------------------------------
@@ -446,7 +445,7 @@ def benefit_figure(rows: Sequence[BenefitRow], *, title: str, unit: LiftUnit = "
             _each(rows, speeds, lambda row: row.acceleration),
         ),
         ("contact force is off [N]", _each(rows, speeds, lambda row: row.force)),
-        (LIFTS_OFF, _each(rows, speeds[:1], _lift_off)),
+        (LIFTS_OFF, _each(rows, speeds[:1], lambda row: row.lift_off and row.lift_off / RPM)),
     ]
     drawn = [(label, lines) for label, lines in drawn if lines]
     exact = {row.exact_lift_off for row in rows} - {None, math.inf}
@@ -488,10 +487,6 @@ def _each(
             at = f", {speed / RPM:g} rev/min" if len(speeds) > 1 else ""
             lines += _course(found, style, f"{form}{at}")
     return lines
-
-
-def _lift_off(row: BenefitRow) -> float | None:
-    return None if row.lift_off is None else row.lift_off / RPM
 
 
 def spectrum_figure(rows: Sequence[BenefitRow], *, title: str, unit: LiftUnit = "mm") -> Figure:

@@ -117,6 +117,7 @@ def figure(product: Product, size: Size | None = None) -> Figure:
         size = WIDTH, min(max(pane * up / across, HEIGHTS[0]), HEIGHTS[1]) + HEAD + EDGE + foot
     joint = JOINT * math.sqrt(across * up)
     sagitta = SAGITTA * product.cam.follower.base_radius
+    axis = [_circle(0j, joint), *(_stroke(-way * joint, way * joint) for way in (2.2, 2.2j))]
     panels = []
     frames = grid(size, (EDGE, EDGE, HEAD, EDGE + foot), 1, 2, (0.0, 0.02))
     for number, (frame, (phi, sketch)) in enumerate(zip(frames, sketches, strict=True)):
@@ -132,7 +133,7 @@ def figure(product: Product, size: Size | None = None) -> Figure:
                 frame,
                 Axis((low.real, high.real)),
                 Axis((low.imag, high.imag)),
-                (*marks, *_bodies(sketch, joint), *_axis(joint), *measures),
+                (*marks, *_bodies(sketch, joint), *axis, *measures),
                 f"cam angle {math.degrees(phi):.4g}°",
                 equal=True,
                 bare=True,
@@ -268,10 +269,6 @@ def _shaft(point: complex, joint: float) -> list[Mark]:
         start = left + (right - left) * (k / (HATCHES - 1))
         marks.append(_stroke(start, start - joint * (0.8 + 0.9j)))
     return [*marks, _circle(point, joint)]
-
-
-def _axis(joint: float) -> list[Mark]:
-    return [_circle(0j, joint), *(_stroke(-way * joint, way * joint) for way in (2.2, 2.2j))]
 
 
 def _stroke(start: complex, end: complex) -> Mark:

@@ -93,8 +93,22 @@ class CutSvgWriter:
         return Written("\n".join([*lines, "</svg>", ""]).encode(), facts)
 
     def measure(self, product: Product, data: bytes) -> float:
-        """Read the drawing back and measure it against the exact curves [mm]."""
-        return measure(product, data)
+        """Read the drawing back: largest proved deviation [mm] of all that is drawn.
+
+        Raises FileError if the drawing is incomplete, foreign or not at true size.
+        """
+        drawing = drawing_of(data)
+        layers = layered(product)
+        if drawing.scale != 1.0:
+            raise FileError(f"a unit of the drawing is {drawing.scale:g} mm, not 1 mm")
+        foreign = [name for name in drawing.layers if name not in layers]
+        if foreign:
+            group = foreign[0][:40]
+            raise FileError(f"a contour in the group {group!r} is not part of the drawing")
+        return max(
+            deviation(drawing.layers.get(name, ()), boundaries)
+            for name, boundaries in layers.items()
+        )
 
 
 def path_of(contour: Contour) -> str:
@@ -125,32 +139,6 @@ def _decimal(value: float) -> str:
 
 
 WRITER = CutSvgWriter()
-
-
-# -- measure --------------------------------------------------------------------------------------
-# An SVG drawing read back and compared with the exact curves.
-
-
-def measure(product: Product, data: bytes) -> float:
-    """Largest proved deviation [mm] of all that is drawn.
-
-    Raises FileError if the drawing is incomplete, foreign or not at true size.
-    """
-    drawing = drawing_of(data)
-    layers = layered(product)
-    check_contents(drawing, tuple(layers))
-    return max(
-        deviation(drawing.layers.get(name, ()), boundaries) for name, boundaries in layers.items()
-    )
-
-
-def check_contents(drawing: SvgDrawing, layers: tuple[str, ...]) -> None:
-    """Raise FileError unless the drawing has these layers alone, one unit to the millimetre."""
-    if drawing.scale != 1.0:
-        raise FileError(f"a unit of the drawing is {drawing.scale:g} mm, not 1 mm")
-    foreign = [name for name in drawing.layers if name not in layers]
-    if foreign:
-        raise FileError(f"a contour in the group {foreign[0][:40]!r} is not part of the drawing")
 
 
 # -- reader ----------------------------------------------------------------------------------------
@@ -482,14 +470,9 @@ class SvgReader:
         if CUT in names:
             names = of_the_part(names)
         found = [each for name in names for each in drawing.layers[name]]
-        found.sort(key=lambda each: (-each.area, *_place(each)))
+        # Which of two equal ones is first, their first vertices say.
+        found.sort(key=lambda each: (-each.area, each.vertices[0].real, each.vertices[0].imag))
         return Outlines(tuple(found))
-
-
-def _place(contour: Contour) -> tuple[float, float]:
-    """Which of two equal ones is first."""
-    first = complex(contour.vertices[0])
-    return first.real, first.imag
 
 
 READER = SvgReader()

@@ -365,18 +365,16 @@ class Ink:
 def together(inks: Iterable[Ink]) -> Ink:
     """What all of them cover."""
     found = list(inks)
-    sets = [
-        Boxes(*(np.concatenate([getattr(b, name) for b in own]) for name in Boxes.__slots__))
-        for own in (
-            [each.texts for each in found],
-            [each.bars for each in found],
-            [each.frames for each in found],
-        )
-    ]
-    lines = ([each.wide for each in found], [each.thin for each in found],
-             [each.axes for each in found])  # fmt: skip
-    texts, bars, frames = sets
-    return Ink(texts, bars, frames, *(np.concatenate([NO_LINES, *own]) for own in lines))
+
+    def all_of(kind: str) -> Boxes:
+        own = [getattr(each, kind) for each in found]
+        return Boxes(*(np.concatenate([getattr(b, name) for b in own]) for name in Boxes.__slots__))
+
+    def lines_of(kind: str) -> ComplexArray:
+        return np.concatenate([NO_LINES, *(getattr(each, kind) for each in found)])
+
+    texts, bars, frames = map(all_of, ("texts", "bars", "frames"))
+    return Ink(texts, bars, frames, lines_of("wide"), lines_of("thin"), lines_of("axes"))
 
 
 def crossings(one: ComplexArray, other: ComplexArray) -> int:

@@ -83,7 +83,9 @@ def section(shape: Shape) -> list[Mark]:
     for k, own in enumerate(seen):
         for index, away in enumerate(own):
             if away == 0.0:
-                marks.append(_face(heights[k], heights[k + 1], places[index], places[index + 1]))
+                (z0, z1), (y0, y1) = heights[k : k + 2], places[index : index + 2]
+                sides = [z0 + 1j * y0, z1 + 1j * y0, z1 + 1j * y1, z0 + 1j * y1]
+                marks.append(Hatched(np.array(sides)))
     nothing = [NOTHING] * len(middles)
     for k, height in enumerate(heights):
         below = seen[k - 1] if k else nothing
@@ -95,10 +97,6 @@ def section(shape: Shape) -> list[Mark]:
         for first, last, layer in _stretches(drawn):
             marks.append(line(heights[first] + 1j * y, heights[last] + 1j * y, layer))
     return marks
-
-
-def _face(z0: float, z1: float, y0: float, y1: float) -> Hatched:
-    return Hatched(np.array([z0 + 1j * y0, z1 + 1j * y0, z1 + 1j * y1, z0 + 1j * y1]))
 
 
 def _places(
@@ -641,15 +639,7 @@ def keyway_width(key: Keyway, bench: Bench) -> Options:
 
 def keyway_depth(key: Keyway, bench: Bench) -> Options:
     """The depth of a keyway, measured through the bore."""
-    ends = {1.0: key.left, -1.0: key.right}
-    for sense, near in ends.items():
-        aside = sense * 1j * key.outward
-        upper = TURNED if aside.imag > 0.0 else 0.0
-        for price, place in bench.places(key.radius):
-            mark = Distance(key.far, near, aside * place, phase(key.outward),
-                            decimals=EXACT[bench.unit])  # fmt: skip
-            for more, marks in placed(mark, bench.scale, bench.unit, -key.outward):
-                yield price + more + upper, marks
+    yield from _through_bore(key.far, (key.left, key.right), key.outward, key.radius, bench)
 
 
 def of_flat(edge: Edge, bench: Bench) -> Options:
@@ -661,11 +651,19 @@ def of_flat(edge: Edge, bench: Bench) -> Options:
     ends = [complex(each[flats[0]]) for each in (contour.vertices, contour.ends)]
     middle = 0.5 * (ends[0] + ends[1]) - circle[0]
     outward = middle / abs(middle)
-    far = circle[0] - circle[1] * outward
+    yield from _through_bore(circle[0] - circle[1] * outward, ends, outward, circle[1], bench)
+
+
+def _through_bore(
+    far: complex, ends: Sequence[complex], outward: complex, radius: float, bench: Bench
+) -> Options:
+    """A distance along `outward` from the point of a bore that is `far`, to the one of two `ends`
+    on the side on which its line stands.
+    """
     for aside in (1j * outward, -1j * outward):
         near = max(ends, key=lambda end: (end * aside.conjugate()).real)
         upper = TURNED if aside.imag > 0.0 else 0.0
-        for price, place in bench.places(circle[1]):
+        for price, place in bench.places(radius):
             mark = Distance(far, near, aside * place, phase(outward), decimals=EXACT[bench.unit])
             for more, marks in placed(mark, bench.scale, bench.unit, -outward):
                 yield price + more + upper, marks

@@ -21,7 +21,6 @@ from ezdxf.addons.drawing.properties import BackendProperties, RenderContext
 from ezdxf.addons.drawing.type_hints import Color
 from ezdxf.document import Drawing
 from ezdxf.entities.dimstyleoverride import DimStyleOverride
-from ezdxf.entities.dxfgfx import DXFGraphic
 from ezdxf.enums import TextEntityAlignment
 from ezdxf.fonts import fonts
 from ezdxf.layouts.layout import Modelspace
@@ -31,7 +30,7 @@ from ezdxf.path import Curve3To, Curve4To, LineTo
 from camgeo.design.product import Product
 from camgeo.design.writing import Written
 from camgeo.errors import FileError
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.arrays import ComplexArray
 from camgeo.pictures.sheet.front import dashed_stretch
 from camgeo.pictures.sheet.marks import (
     ARROW,
@@ -125,6 +124,19 @@ SIZES: Final = {
 }
 """Of dimensions [mm of paper]: text, arrows, extension lines beyond and before, gap."""
 
+TEXTS: Final = {
+    "dimzin": 8,  # no zeros at the end
+    "dimlunit": 2,  # decimal
+    "dimtad": 1,  # text above its line,
+    "dimtih": 0,  # and along it
+    "dimtoh": 0,
+    "dimtix": 1,  # nowhere but where it was placed,
+    "dimtofl": 1,  # the line also between arrows that are outside
+    "dimlwd": 25,
+    "dimlwe": 25,
+}
+"""Of dimensions: how their texts and lines stand, and how wide lines are [1/100 mm]."""
+
 APART: Final = 20.0
 """Between sheets side by side [mm of paper]."""
 
@@ -179,22 +191,13 @@ class _Drawing:
                 continue
             self._document.layers.add(layer, color=colour, linetype=kind, lineweight=width)
         self._document.styles.add(STYLE, font=FONT, dxfattribs={"width": NARROWED})
-        style = self._document.dimstyles.new(STYLE)
-        for name, size in SIZES.items():
-            style.set_dxf_attrib(name, size)
-        style.dxf.dimscale = self._paper
-        for name, size in {**SIZES, "dimscale": self._paper, "dimlfac": 1.0}.items():
+        scaled = {**SIZES, "dimscale": self._paper, "dimlfac": 1.0}
+        for name, size in scaled.items():
             self._document.header[f"${name.upper()}"] = size  # some programs know no styles
-        style.dxf.dimlfac = 1.0
-        style.dxf.dimtxsty = STYLE
-        style.dxf.dimdsep = ord("," if self._sheet.comma else ".")
-        style.dxf.dimzin = 8  # no zeros at the end
-        style.dxf.dimlunit = 2  # decimal
-        style.dxf.dimtad = 1  # text above its line,
-        style.dxf.dimtih = style.dxf.dimtoh = 0  # and along it
-        style.dxf.dimtix = 1  # nowhere but where it was placed,
-        style.dxf.dimtofl = 1  # the line also between arrows that are outside
-        style.dxf.dimlwd = style.dxf.dimlwe = 25
+        sign = ord("," if self._sheet.comma else ".")
+        style = self._document.dimstyles.new(STYLE)
+        for name, value in {**scaled, "dimtxsty": STYLE, "dimdsep": sign, **TEXTS}.items():
+            style.set_dxf_attrib(name, value)
 
     def extents(self, count: int) -> None:
         """What programs show when the drawing is opened: all sheets."""
@@ -380,7 +383,7 @@ def _svg_page(page: Strokes, number: int) -> Iterator[str]:
         yield f'<use href="#s{number}-{name}" x="{at.real:.0f}" y="{top - at.imag:.0f}"/>'
 
 
-def _svg_stroke(stroke: Stroke, top: int) -> str:
+def _svg_stroke(stroke: Chain, top: int) -> str:
     pieces = _pieces(stroke)
     if not pieces:
         return ""
@@ -417,7 +420,7 @@ def _signed(value: float) -> str:
     return text if text.startswith("-") else f" {text}"
 
 
-def _pieces(stroke: Stroke) -> Pieces:
+def _pieces(stroke: Chain) -> Pieces:
     """The pieces of a stroke that are longer than a grain."""
     points = [rounded(each) for each in stroke.vertices.tolist()]
     sweeps = stroke.sweeps.tolist()
@@ -479,7 +482,7 @@ def _xy(point: complex) -> str:
     return f"{_number(point.real)} {_number(point.imag)}"
 
 
-def _pdf_stroke(stroke: Stroke) -> Iterator[str]:
+def _pdf_stroke(stroke: Chain) -> Iterator[str]:
     pieces = _pieces(stroke)
     if not pieces:
         return
@@ -535,21 +538,6 @@ Outline = tuple[tuple[str, tuple[complex, ...]], ...]
 """A filled outline: commands "M", "L", "Q", "C" and "Z" with their points, in grains."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Stroke:
-    """Lines and arcs end to end [grains].
-
-    Attributes
-    ----------
-    vertices : (n,) complex.
-    sweeps : (n,) angle turned to the next [rad], 0 is a line; the last one counts if it is closed.
-    """
-
-    vertices: ComplexArray
-    sweeps: FloatArray
-    closed: bool = False
-
-
 @dataclass(slots=True)
 class Strokes:
     """What is drawn on a page.
@@ -557,18 +545,18 @@ class Strokes:
     Attributes
     ----------
     width, height : of the page [mm].
-    lines : by the width of the line [1/100 mm].
+    lines : by the width of the line [1/100 mm], in grains.
     shapes : filled outlines, each from its own first point.
     places : number of each filled outline, and where its first point is [grains].
     """
 
     width: float
     height: float
-    lines: dict[int, list[Stroke]] = field(default_factory=dict)
+    lines: dict[int, list[Chain]] = field(default_factory=dict)
     shapes: dict[Outline, int] = field(default_factory=dict)
     places: list[tuple[int, complex]] = field(default_factory=list)
 
-    def add(self, width: int, stroke: Stroke) -> None:
+    def add(self, width: int, stroke: Chain) -> None:
         """A line of some width [1/100 mm]."""
         self.lines.setdefault(width, []).append(stroke)
 
@@ -597,15 +585,13 @@ def know_the_font() -> None:
 def strokes_of(document: Drawing, sheet: Sheet) -> Strokes:
     """What is drawn on a sheet; `document` has it alone."""
     found = Strokes(sheet.width, sheet.height)
-    for view in sheet.views:
-        for mark in view.marks:
-            for layer, stroke in _strokes(mark, view.at, sheet.scale):
-                found.add(layer, stroke)
-    for mark in sheet.marks:
-        for layer, stroke in _strokes(mark, 0j, 1.0):
-            found.add(layer, stroke)
-    for marks, at, scale in ((sheet.marks, 0j, 1.0),
-                             *((v.marks, v.at, sheet.scale) for v in sheet.views)):  # fmt: skip
+    views = [(view.marks, view.at, sheet.scale) for view in sheet.views]
+    own = (sheet.marks, 0j, 1.0)
+    for marks, at, scale in (*views, own):
+        for mark in marks:
+            for stroke in _strokes(mark, at, scale):
+                found.add(LAYERS[stroke.layer][2], stroke)
+    for marks, at, scale in (own, *views):
         for mark in marks:
             if isinstance(mark, Filled):
                 found.fill(_polygon([(at + scale * each) / GRAIN for each in mark.corners]))
@@ -616,31 +602,28 @@ def strokes_of(document: Drawing, sheet: Sheet) -> Strokes:
         min_lineweight=0.0,
     )  # fmt: skip
     Frontend(RenderContext(document), backend, config=config).draw_layout(
-        document.modelspace(), finalize=False, filter_func=_is_written
+        document.modelspace(),
+        finalize=False,
+        filter_func=lambda entity: entity.dxftype() in WRITTEN,
     )
     return found
 
 
-def _is_written(entity: DXFGraphic) -> bool:
-    return entity.dxftype() in WRITTEN
-
-
-def _strokes(mark: Mark, at: complex, scale: float) -> Iterator[tuple[int, Stroke]]:
-    """The lines of a mark, hidden ones in dashes, and their widths [1/100 mm]."""
+def _strokes(mark: Mark, at: complex, scale: float) -> Iterator[Chain]:
+    """The lines of a mark [grains], hidden ones in dashes."""
     if isinstance(mark, Round):
         points = (at + scale * (mark.centre + mark.radius * QUARTERS)) / GRAIN
-        yield LAYERS[mark.layer][2], Stroke(points, np.full(4, 0.5 * np.pi), closed=True)
+        yield Chain(points, np.full(4, 0.5 * np.pi), mark.layer, closed=True)
     elif isinstance(mark, Hatched):
         for ends in hatching(mark, HATCHING / scale):
             points = np.array([(at + scale * end) / GRAIN for end in ends], np.complex128)
-            yield LAYERS["HATCH"][2], Stroke(points, np.zeros(2))
+            yield Chain(points, np.zeros(2), "HATCH")
     elif isinstance(mark, Chain):
         chains: Iterable[Chain] = (mark,)
         if mark.layer == "HIDDEN":
             chains = dashed_stretch(mark, scale, (HIDDEN[1], -HIDDEN[2]))
         for each in chains:
-            points = (at + scale * each.vertices) / GRAIN
-            yield LAYERS[each.layer][2], Stroke(points, each.sweeps, each.closed)
+            yield replace(each, vertices=(at + scale * each.vertices) / GRAIN)
 
 
 def hatching(face: Hatched, step: float) -> Iterator[tuple[complex, complex]]:
@@ -697,7 +680,8 @@ class _Taken(Backend):
     def draw_line(self, start: Vec2, end: Vec2, properties: BackendProperties) -> None:
         """A line of a dimension."""
         ends = np.array([self._at(start), self._at(end)], np.complex128)
-        self._found.add(round(100.0 * properties.lineweight), Stroke(ends, np.zeros(2)))
+        line = Chain(ends, np.zeros(2), "DIMENSION")
+        self._found.add(round(100.0 * properties.lineweight), line)
 
     def draw_filled_paths(self, paths: Iterable[BkPath2d], properties: BackendProperties) -> None:
         """Letters, each by itself."""

@@ -750,8 +750,11 @@ class _Shown:
     count: int = 0
 
     def __post_init__(self) -> None:
-        records = filter(_is_off, self.drawing.layers)
-        self.off = frozenset(record.text(2).lower() for record in records)
+        self.off = frozenset(
+            record.text(2).lower()
+            for record in self.drawing.layers
+            if record.number(62, 7.0) < 0.0 or int(record.number(70, 0.0)) & FROZEN
+        )
 
     def runs(self, place: Placement) -> Iterator[Run]:
         """The curves, as far as they have any length, where `place` puts them."""
@@ -836,10 +839,6 @@ class _Shown:
                 yield f"{name}: {count}: {'; '.join(places)}{'; ...' * (len(each) > SHOWN)}"
         if kinds := Counter(run.kind for run in runs if not run.exact):
             yield f"{name}: {_listed(kinds)} followed by cubics within {NEAR:g} mm"
-
-
-def _is_off(record: Item) -> bool:
-    return record.number(62, 7.0) < 0.0 or int(record.number(70, 0.0)) & FROZEN != 0
 
 
 def _listed(kinds: Counter[str]) -> str:

@@ -78,8 +78,29 @@ class DxfWriter:
         return Written(bytes_of(document), _facts(product, curves))
 
     def measure(self, product: Product, data: bytes) -> float:
-        """Read the drawing back, without ezdxf, and measure it against the exact curves [mm]."""
-        return measure(product, data)
+        """Read the drawing back, without ezdxf: largest proved deviation [mm] of all that is drawn.
+
+        Raises FileError if the drawing is incomplete, foreign or in the wrong unit.
+        """
+        drawing = drawing_of(data)
+        _check(drawing, product)
+        largest = max(
+            deviation(drawing.contours(name), boundaries)
+            for name, boundaries in layered(product).items()
+        )
+        if not product.options[FORMAT].auxiliary:
+            return largest
+        scale = drawing.scale()
+        circles = [item for item in drawing.items if item.layer == "BASE_CIRCLE"]
+        pitch = drawing.contours("PITCH_CURVE") if product.drawn.has_pitch_curve else ()
+        if len(pitch) > 1 or len(circles) != 1:
+            raise FileError("the drawing must have one base circle, and one pitch curve at most")
+        x, y, radius = (circles[0].number(code) * scale for code in (10, 20, 40))
+        largest = max(largest, abs(complex(x, y)) + abs(radius - product.drawn.base_radius))
+        for contour in pitch:
+            assert isinstance(contour, Contour)  # a polyline, by `_check`
+            largest = max(largest, product.drawn.pitch_deviation(contour))
+        return largest
 
 
 def _limit(pieces: int) -> None:
@@ -368,32 +389,6 @@ PART_KINDS: dict[str, tuple[str, ...]] = {
 """What the layers of the part hold, by the option `entity`."""
 
 MEASUREMENT = {"mm": "1", "inch": "0"}
-
-
-def measure(product: Product, data: bytes) -> float:
-    """Largest proved deviation [mm] of all that is drawn.
-
-    Raises FileError if the drawing is incomplete, foreign or in the wrong unit.
-    """
-    drawing = drawing_of(data)
-    _check(drawing, product)
-    largest = max(
-        deviation(drawing.contours(name), boundaries)
-        for name, boundaries in layered(product).items()
-    )
-    if not product.options[FORMAT].auxiliary:
-        return largest
-    scale = drawing.scale()
-    circles = [item for item in drawing.items if item.layer == "BASE_CIRCLE"]
-    pitch = drawing.contours("PITCH_CURVE") if product.drawn.has_pitch_curve else ()
-    if len(pitch) > 1 or len(circles) != 1:
-        raise FileError("the drawing must have one base circle, and one pitch curve at most")
-    x, y, radius = (circles[0].number(code) * scale for code in (10, 20, 40))
-    largest = max(largest, abs(complex(x, y)) + abs(radius - product.drawn.base_radius))
-    for contour in pitch:
-        assert isinstance(contour, Contour)  # a polyline, by `_check`
-        largest = max(largest, product.drawn.pitch_deviation(contour))
-    return largest
 
 
 def _check(drawing: Drawing, product: Product) -> None:
