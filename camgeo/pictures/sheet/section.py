@@ -362,14 +362,10 @@ def hole_centres(shape: Shape, scale: float) -> Iterator[Mark]:
 
 def _diameter(each: Turned, thickness: float, bench: Bench) -> Options:
     height = 1j * each.radius
-    for price, place in _dimension_places(thickness, bench):
-        mark = Distance(each.z1 - height, each.z1 + height, complex(place), 0.5 * math.pi,
-                        DIAMETER, fit(each, bench.spec), EXACT[bench.unit])  # fmt: skip
-        for more, marks in placed(mark, bench.scale, bench.unit, 1j):
-            if each.is_bore and bench.spec.flank_tolerance is not None:
-                yield from with_datum((price + more, marks), "A", bench.scale)
-            else:
-                yield price + more, marks
+    mark = Distance(each.z1 - height, each.z1 + height, 0j, 0.5 * math.pi,
+                    DIAMETER, fit(each, bench.spec), EXACT[bench.unit])  # fmt: skip
+    options = dimension_options(mark, 1.0 + 0.0j, _dimension_places(thickness, bench), 1j, bench)
+    return with_datum(options, "A", bench) if each.is_bore else options
 
 
 def _dimension_places(start: float, bench: Bench) -> Iterator[tuple[float, float]]:
@@ -415,10 +411,8 @@ def heights(
 
 
 def _height(ends: tuple[complex, complex], way: complex, edge: float, bench: Bench) -> Options:
-    for price, place in _dimension_places(edge, bench):
-        mark = Distance(*ends, way * place, decimals=EXACT[bench.unit])
-        for more, marks in placed(mark, bench.scale, bench.unit, -1.0):
-            yield price + more, marks
+    mark = Distance(*ends, 0j, decimals=EXACT[bench.unit])
+    return dimension_options(mark, way, _dimension_places(edge, bench), -1.0, bench)
 
 
 def _lowest(drawn: Sequence[Mark], z0: float, z1: float) -> float:
@@ -607,34 +601,49 @@ def middle_of(mark: Distance) -> complex:
     return mark.line + along * (between * along.conjugate()).real
 
 
-def with_datum(option: Option, name: str, scale: float) -> Iterator[Option]:
-    """The option's dimension with a datum at either end of its line where no text is, in place of
-    an arrow that would be there.
+def dimension_options(
+    mark: Distance,
+    way: complex,
+    places: Iterable[tuple[float, float]],
+    towards: complex,
+    bench: Bench,
+) -> Iterator[Option]:
+    """The dimension with its line through each of the `places` along `way`, after their cost, and
+    its text as `placed` has it.
     """
-    price, (mark, *rest) = option
-    assert isinstance(mark, Distance)
-    along = cmath.rect(1.0, mark.angle)
-    for bare, end, way in ((1, mark.first, -along), (2, mark.second, along)):
-        if mark.aside and (mark.aside > 0.0) == (bare == 2):
-            continue
-        foot = mark.line + along * ((end - mark.line) * along.conjugate()).real
-        own = replace(mark, bare=bare) if has_arrows_outside(mark, scale) else mark
-        yield price, (own, *rest, *moved(datum(0j, way, name), foot, scale))
+    for price, place in places:
+        own = replace(mark, line=way * place)
+        for more, marks in placed(own, bench.scale, bench.unit, towards):
+            yield price + more, marks
+
+
+def with_datum(options: Iterable[Option], name: str, bench: Bench) -> Iterator[Option]:
+    """If there are datums, each option's dimension with one at either end of its line where no text
+    is, in place of an arrow that would be there.
+    """
+    if bench.spec.flank_tolerance is None:
+        yield from options
+        return
+    for price, (mark, *rest) in options:
+        assert isinstance(mark, Distance)
+        along = cmath.rect(1.0, mark.angle)
+        for bare, end, way in ((1, mark.first, -along), (2, mark.second, along)):
+            if mark.aside and (mark.aside > 0.0) == (bare == 2):
+                continue
+            foot = mark.line + along * ((end - mark.line) * along.conjugate()).real
+            own = replace(mark, bare=bare) if has_arrows_outside(mark, bench.scale) else mark
+            yield price, (own, *rest, *moved(datum(0j, way, name), foot, bench.scale))
 
 
 def keyway_width(key: Keyway, bench: Bench) -> Options:
     """The width of a keyway, with the datum B if there are datums."""
     across = phase(key.outward) + 0.5 * math.pi
     suffix = f" {bench.spec.keyway_fit}" if bench.spec.keyway_fit else ""
-    for price, beyond in bench.places(key.bottom):
-        mark = Distance(key.right, key.left, key.outward * beyond, across, suffix=suffix,
-                        decimals=EXACT[bench.unit])  # fmt: skip
-        for more, marks in placed(mark, bench.scale, bench.unit, 1j * key.outward):
-            option = price + more, marks
-            if bench.spec.flank_tolerance is None:
-                yield option
-            else:
-                yield from with_datum(option, "B", bench.scale)
+    mark = Distance(key.right, key.left, 0j, across, suffix=suffix, decimals=EXACT[bench.unit])
+    places = bench.places(key.bottom)
+    return with_datum(
+        dimension_options(mark, key.outward, places, 1j * key.outward, bench), "B", bench
+    )
 
 
 def keyway_depth(key: Keyway, bench: Bench) -> Options:
@@ -663,10 +672,9 @@ def _through_bore(
     for aside in (1j * outward, -1j * outward):
         near = max(ends, key=lambda end: (end * aside.conjugate()).real)
         upper = TURNED if aside.imag > 0.0 else 0.0
-        for price, place in bench.places(radius):
-            mark = Distance(far, near, aside * place, phase(outward), decimals=EXACT[bench.unit])
-            for more, marks in placed(mark, bench.scale, bench.unit, -outward):
-                yield price + more + upper, marks
+        mark = Distance(far, near, 0j, phase(outward), decimals=EXACT[bench.unit])
+        for price, marks in dimension_options(mark, aside, bench.places(radius), -outward, bench):
+            yield price + upper, marks
 
 
 def overall(shape: Shape, box: tuple[complex, complex], bench: Bench) -> Iterator[Options]:
@@ -689,12 +697,13 @@ def _along(
     far: tuple[complex, float], decimals: int, bench: Bench,
 ) -> Options:  # fmt: skip
     """The distance of two ends along `way`, beyond the view on one side or the other."""
+    mark = Distance(*ends, 0j, phase(way), "(", ")", decimals)
     for later, (aside, edge) in enumerate((near, far)):
-        for number in range(8):
-            place = aside * (edge + (STEP + FINER * number) / bench.scale)
-            mark = Distance(*ends, place, phase(way), "(", ")", decimals)
-            for more, marks in placed(mark, bench.scale, bench.unit, way):
-                yield FARTHER * FINER * number + 2.0 * later + more, marks
+        places = [
+            (FARTHER * FINER * number + 2.0 * later, edge + (STEP + FINER * number) / bench.scale)
+            for number in range(8)
+        ]
+        yield from dimension_options(mark, aside, places, way, bench)
 
 
 @dataclass(frozen=True, slots=True)
