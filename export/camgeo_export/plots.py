@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import singledispatch
-from typing import Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 from matplotlib import rc_context
@@ -40,9 +41,12 @@ from camgeo.pictures.model import (
     Style,
     Text,
 )
-from camgeo.pictures.plots import stacked
+from camgeo.pictures.plots import of_design, stacked
 from camgeo.scene.formats import format as plain
 from camgeo.scene.formats.format import Format
+
+if TYPE_CHECKING:
+    from camgeo.design.design import Design
 
 RC: Any = {
     "font.family": "DejaVu Sans",  # comes with matplotlib: the same bytes on each machine
@@ -119,6 +123,13 @@ def saved(made: Page, suffix: str) -> bytes:
         stream = io.BytesIO()
         made.savefig(stream, format=kind, dpi=RESOLUTION, metadata=METADATA[kind])
     return stream.getvalue()
+
+
+def plot(design: Design, names: Sequence[str]) -> Picture:
+    """The plots of those names, as `camgeo plot` draws them; see
+    `camgeo.design.design.Design.plot`.
+    """
+    return drawn(of_design(design, names)[0])
 
 
 def page(figure: Figure) -> Picture:
