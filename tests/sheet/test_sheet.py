@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from itertools import groupby
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,7 +24,7 @@ import camgeo
 from camgeo.design.design import Design
 from camgeo.errors import SceneError
 from camgeo.numeric.arrays import ComplexArray
-from camgeo.pictures.sheet import placing
+from camgeo.pictures.sheet import placing, texts
 from camgeo.pictures.sheet.marks import (
     NARROWED,
     Chain,
@@ -44,7 +45,7 @@ from camgeo.pictures.sheet.marks import (
 from camgeo.pictures.sheet.placing import Ink, Options, across, boxes, cleared, dots, findings_of
 from camgeo.pictures.sheet.section import placed
 from camgeo.pictures.sheet.sheet import scale_of, scales, sheets_of, spelled
-from camgeo.pictures.sheet.texts import LEFT, MARGIN, wrapped
+from camgeo.pictures.sheet.texts import LEFT, MARGIN, TABLE, wrapped
 from camgeo.scene.scene import load_scene, parse_scene
 from camgeo.units import LengthUnit
 from tests import kept
@@ -184,6 +185,14 @@ def test_the_example_of_the_page_is_a_table() -> None:
     table = tomllib.loads(page.partition("```toml\n")[2].partition("```")[0])["drawing"]
     assert table.keys() >= FULL.keys()
     sheets_of(Design(parse_scene(HUBBED).with_values(edited(table))).disc, TOLERANCE)
+
+
+def test_every_word_is_used_and_has_the_same_places_in_both_languages() -> None:
+    used = re.findall(r"\bwords\[['\"](\w+)['\"]\]", Path(texts.__file__).read_text("utf-8"))
+    assert set(used) == TABLE.keys()
+    for found in TABLE.values():
+        english, german = (sorted(re.findall(r"\{\w+\}", each)) for each in found)
+        assert english == german
 
 
 def test_nothing_is_invented() -> None:
