@@ -19,7 +19,7 @@ from camgeo.design.design import Design
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.ocv import FIELDS, RANGES, import_project, project_numbers
 from camgeo.scene.scene import parse_scene
-from camgeo_export.asc import COLUMNS, POINTS, point_columns
+from camgeo_export.table import COLUMNS, POINTS, point_columns
 
 PAGE = Path(__file__).with_name("opticurv.md")
 

@@ -300,7 +300,7 @@ CLOSED: dict[str, dict[str, str]] = {
     "camgeo/design/pictured.py": {
         "np.linspace(first, last, SAMPLES)": PICTURE,
     },
-    "camgeo/pictures/sheet/sheet.py": {
+    "camgeo/pictures/sheet/texts.py": {
         "np.linspace(0.0, TURN, SAMPLES)": PICTURE,
     },
     "camgeo/pictures/sheet/front.py": {

@@ -168,7 +168,10 @@ def figure(
     spectrum = [row for row in own if row.octaves]
     effects = computing and any(row.seconds is not None for row in survey.effects)
     below_others = (HEIGHT + OWN_GAP) * (bool(spectrum) + effects)
-    words = [] if knee is None else _wrapped(knee, length)
+    words = []
+    if knee is not None:
+        sentence = in_unit(": ".join(knee[1:]), length)
+        words = textwrap.wrap(sentence, REASON_WIDTH, break_on_hyphens=False)
     reason_height = len(words) * REASON_LINE
     top = TOP + reason_height / POINTS
     height = top + BOTTOM + count * HEIGHT + (count - 1) * GAP + below_others
@@ -211,24 +214,19 @@ def _panel(bottom: float, height: float, x: Axis, label: str, lines: list[Line])
     if high < LEAST_RANGE * low:  # a few per cent must not look like a large change
         wider = math.sqrt(LEAST_RANGE * low / high)
         low, high = low / wider, high * wider
-    named = entries(lines)
-    return Panel(
-        _frame(bottom, height),
-        x,
-        Axis((low, high), label, log=True),
-        tuple(lines),
-        legend=Legend(named, "upper left", (1.02, 1.0), size=7.5, gap=0.0) if named else None,
-    )
+    y = Axis((low, high), label, log=True)
+    legend = _beside(lines) if entries(lines) else None
+    return Panel(_frame(bottom, height), x, y, tuple(lines), legend=legend)
+
+
+def _beside(lines: Sequence[Line]) -> Legend:
+    """The names of lines, on the right of their panel."""
+    return Legend(entries(lines), "upper left", (1.02, 1.0), size=7.5, gap=0.0)
 
 
 def _tolerances(tolerances: list[float], label: str, *, numbered: bool = True) -> Axis:
     ends = (max(tolerances) * 1.8, min(tolerances) / 1.8) if tolerances else log_limits([])
     return Axis(ends, label if numbered else "", log=True, numbered=numbered)
-
-
-def _wrapped(knee: Marked, length: LengthUnit) -> list[str]:
-    sentence = in_unit(": ".join(knee[1:]), length)
-    return textwrap.wrap(sentence, REASON_WIDTH, break_on_hyphens=False)
 
 
 def _above(words: list[str]) -> Text:
@@ -252,24 +250,24 @@ def _both(
         ("lift-off speed lost", OFF_STYLES[2], [row.lift_off_share for row in known]),
     ):
         shown = [(x, 100.0 * y) for x, y in zip(tolerances, off, strict=True) if y]
-        if shown:
-            style = Style(colour, 1.4, marker=marker, size=5.0)
-            lines.append(Line(over(*zip(*shown, strict=True)), style, name))
+        lines += _course(shown, Style(colour, 1.4, marker=marker, size=5.0), name)
     if not lines:
         return []
     fits = [row for row in survey.contours if (row.form, row.effort) == (form, EFFORTS[0])]
     built = [(row.tolerance, row.total) for row in survey.bill] if computing else []
     for name, (colour, marker), spent in (
-        ("pieces", COST_STYLES[0], [(row.tolerance, _all_pieces(row)) for row in fits]),
+        (
+            "pieces",
+            COST_STYLES[0],
+            [(row.tolerance, None if row.count is None else row.count.pieces) for row in fits],
+        ),
         ("bytes, DXF", COST_STYLES[1], [(row.tolerance, _drawing_size(row)) for row in fits]),
         ("milled round", COST_STYLES[2], [(row.tolerance, row.round_seconds) for row in fits]),
         ("seconds of a build", COST_STYLES[3], built),
     ):
         costs = sorted(((x, y) for x, y in spent if y), reverse=True)
-        if costs:
-            style = Style(colour, 1.0, (4.0, 2.0), marker, 5.0, "white", colour)
-            times = [(x, y / costs[0][1]) for x, y in costs]
-            lines.append(Line(over(*zip(*times, strict=True)), style, name))
+        style = Style(colour, 1.0, (4.0, 2.0), marker, 5.0, "white", colour)
+        lines += _course([(x, y / costs[0][1]) for x, y in costs], style, name)
     return lines
 
 
@@ -279,9 +277,7 @@ def _off(benefits: Sequence[BenefitRow]) -> list[Line]:
     for form in FORMS:
         found = [(row.tolerance, 100.0 * row.ripple) for row in benefits
                  if row.form == form and row.ripple]  # fmt: skip
-        if found:
-            points = over(*zip(*found, strict=True))
-            lines.append(Line(points, _style(form, EFFORTS[0]), f"acceleration off, {form}"))
+        lines += _course(found, _style(form, EFFORTS[0]), f"acceleration off, {form}")
     return lines
 
 
@@ -315,13 +311,16 @@ def _bytes(survey: Survey) -> list[Line]:
         rows = [row for row in fewest if row.form == form]
         lines += _points(rows, _drawing_size, f"DXF, {form}", _style(form, EFFORTS[0]))
     style = replace(_style("arcs", EFFORTS[1]), marker="D", width=0.8, dashes=DOTTED)
-    lines += _points(fewest, _program_size, "G-code", style)
+    lines += _points(
+        fewest,
+        lambda row: None if row.program is None else row.program.size,
+        "G-code",
+        style,
+    )
     for name, (marker, colour) in SOLID_STYLES.items():
         found = [(row.tolerance, row.file.size) for row in survey.solids if row.format == name
                  and row.file is not None]  # fmt: skip
-        if found:
-            style = Style(colour, 0.8, (4.0, 2.0), marker, 5.0)
-            lines.append(Line(over(*zip(*found, strict=True)), style, name.upper()))
+        lines += _course(found, Style(colour, 0.8, (4.0, 2.0), marker, 5.0), name.upper())
     return lines
 
 
@@ -337,7 +336,13 @@ def _seconds(survey: Survey, *, computing: bool) -> list[Line]:
         for effort in EFFORTS:
             rows = [row for row in survey.contours if (row.form, row.effort) == (form, effort)]
             style = replace(_style(form, effort), width=0.8, dashes=DOTTED, size=3.5)
-            lines += _points(rows, _fit_seconds, f"fit, {form}, {effort}", style)
+            label = f"fit, {form}, {effort}"
+            lines += _points(
+                rows,
+                lambda row: None if row.count is None else row.count.fit_seconds,
+                label,
+                style,
+            )
     return lines
 
 
@@ -361,7 +366,9 @@ def _ripples(survey: Survey) -> list[Line]:
         for effort in EFFORTS:
             rows = [row for row in survey.contours if (row.form, row.effort) == (form, effort)]
             label = f"ripple, {form}, {effort}"
-            lines += _points(rows, _ripple_percent, label, _style(form, effort))
+            lines += _points(
+                rows, lambda row: row.ripple and 100.0 * row.ripple, label, _style(form, effort)
+            )
     return lines
 
 
@@ -371,17 +378,20 @@ def _effects(survey: Survey) -> list[Line]:
     for number, name in enumerate(dict.fromkeys(row.effect for row in survey.effects)):
         found = [(row.tolerance, row.seconds) for row in survey.effects
                  if row.effect == name and row.seconds is not None]  # fmt: skip
-        if found:
-            marker = EFFECT_MARKERS[number % len(EFFECT_MARKERS)]
-            style = Style(LINE, 0.8, DOTTED, marker, 5.0)
-            lines.append(Line(over(*zip(*found, strict=True)), style, name))
+        marker = EFFECT_MARKERS[number % len(EFFECT_MARKERS)]
+        lines += _course(found, Style(LINE, 0.8, DOTTED, marker, 5.0), name)
     return lines
 
 
 def _points(rows: Sequence[ContourRow], value: Value, label: str, style: Style) -> list[Line]:
     found = [(row.tolerance, value(row)) for row in rows]
     positive = [(x, y) for x, y in found if y is not None and y > 0.0]
-    return [Line(over(*zip(*positive, strict=True)), style, label)] if positive else []
+    return _course(positive, style, label)
+
+
+def _course(points: Sequence[tuple[float, float]], style: Style, label: str) -> list[Line]:
+    """A line through points, if there are any."""
+    return [Line(over(*zip(*points, strict=True)), style, label)] if points else []
 
 
 def _style(form: Form, effort: str) -> Style:
@@ -396,24 +406,8 @@ def _style(form: Form, effort: str) -> Style:
     )
 
 
-def _all_pieces(row: ContourRow) -> float | None:
-    return None if row.count is None else row.count.pieces
-
-
 def _drawing_size(row: ContourRow) -> float | None:
     return None if row.drawing is None else row.drawing.size
-
-
-def _program_size(row: ContourRow) -> float | None:
-    return None if row.program is None else row.program.size
-
-
-def _fit_seconds(row: ContourRow) -> float | None:
-    return None if row.count is None else row.count.fit_seconds
-
-
-def _ripple_percent(row: ContourRow) -> float | None:
-    return None if row.ripple is None else 100.0 * row.ripple
 
 
 # What is off, alone -------------------------------------------------------------------------------
@@ -451,7 +445,7 @@ def benefit_figure(rows: Sequence[BenefitRow], *, title: str, unit: LiftUnit = "
             _each(rows, speeds, lambda row: row.acceleration),
         ),
         ("contact force is off [N]", _each(rows, speeds, lambda row: row.force)),
-        (LIFTS_OFF, _each(rows, speeds[:1], _lift_off)),
+        (LIFTS_OFF, _each(rows, speeds[:1], lambda row: row.lift_off and row.lift_off / RPM)),
     ]
     drawn = [(label, lines) for label, lines in drawn if lines]
     exact = {row.exact_lift_off for row in rows} - {None, math.inf}
@@ -462,7 +456,6 @@ def benefit_figure(rows: Sequence[BenefitRow], *, title: str, unit: LiftUnit = "
         rules = [Rule("y", each / RPM, ADVICE) for each in exact if each and label == LIFTS_OFF]
         tolerances = [row.tolerance for row in rows]
         low, high = log_limits(heights(lines))
-        named = entries(lines)
         panels.append(
             Panel(
                 frame,
@@ -470,7 +463,7 @@ def benefit_figure(rows: Sequence[BenefitRow], *, title: str, unit: LiftUnit = "
                 Axis((low, max(high, *(1.2 * each.at for each in rules), 0.0)), label, log=True),
                 (*lines, *rules),
                 title="" if number else title,
-                legend=Legend(named, "upper left", (1.02, 1.0), size=7.5, gap=0.0),
+                legend=_beside(lines),
             )
         )
     return Figure((WIDTH, height), tuple(panels))
@@ -489,19 +482,11 @@ def _each(
                 and (shown := value(row)) is not None
                 and 0.0 < shown < math.inf
             ]
-            if not found:
-                continue
-            colour = COLOURS[form]
-            style = Style(
-                colour, 0.8, DASHES[number % len(DASHES)], MARKERS[form], 4.0, colour, colour
-            )
+            colour, dashes = COLOURS[form], DASHES[number % len(DASHES)]
+            style = Style(colour, 0.8, dashes, MARKERS[form], 4.0, colour, colour)
             at = f", {speed / RPM:g} rev/min" if len(speeds) > 1 else ""
-            lines.append(Line(over(*zip(*found, strict=True)), style, f"{form}{at}"))
+            lines += _course(found, style, f"{form}{at}")
     return lines
-
-
-def _lift_off(row: BenefitRow) -> float | None:
-    return None if row.lift_off is None else row.lift_off / RPM
 
 
 def spectrum_figure(rows: Sequence[BenefitRow], *, title: str, unit: LiftUnit = "mm") -> Figure:
@@ -535,11 +520,8 @@ def octaves(
     lines = []
     for row, colour, marker in zip(rows, cycle(TOLERANCE_COLOURS), cycle(TOLERANCE_MARKERS)):
         found = [(2.0**octave, value) for octave, value in enumerate(row.octaves) if value > 0.0]
-        if found:
-            style = Style(colour, 1.2, marker=marker, size=4.0)
-            lines.append(
-                Line(over(*zip(*found, strict=True)), style, f"{row.tolerance:.6g} {length}")
-            )
+        style = Style(colour, 1.2, marker=marker, size=4.0)
+        lines += _course(found, style, f"{row.tolerance:.6g} {length}")
     low, high = log_limits(heights(lines))
     count = max((len(row.octaves) for row in rows), default=1)
     ticks = tuple(2.0**octave for octave in range(count))
@@ -556,7 +538,7 @@ def octaves(
         Axis((max(low, high / DECADES), high), label, log=True),
         tuple(lines),
         title=title,
-        legend=Legend(entries(lines), "upper left", (1.02, 1.0), size=7.5, gap=0.0),
+        legend=_beside(lines),
     )
 
 

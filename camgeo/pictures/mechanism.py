@@ -19,8 +19,7 @@ from camgeo.kinematics.mechanism.sketch import Dimension, Guide, MechanismSketch
 from camgeo.numeric.arrays import FloatArray, frozen
 from camgeo.part.boundaries import largest_radius
 from camgeo.part.part import Part
-from camgeo.pictures import cam as flanks
-from camgeo.pictures import disc
+from camgeo.pictures import cam as pictured
 from camgeo.pictures.model import (
     AUXILIARY,
     Area,
@@ -118,15 +117,12 @@ def figure(product: Product, size: Size | None = None) -> Figure:
         size = WIDTH, min(max(pane * up / across, HEIGHTS[0]), HEIGHTS[1]) + HEAD + EDGE + foot
     joint = JOINT * math.sqrt(across * up)
     sagitta = SAGITTA * product.cam.follower.base_radius
+    axis = [_circle(0j, joint), *(_stroke(-way * joint, way * joint) for way in (2.2, 2.2j))]
     panels = []
     frames = grid(size, (EDGE, EDGE, HEAD, EDGE + foot), 1, 2, (0.0, 0.02))
     for number, (frame, (phi, sketch)) in enumerate(zip(frames, sketches, strict=True)):
         turn = cmath.exp(1j * product.cam.rotation * phi)
-        marks: list[Mark] = []
-        for part in parts[:1]:
-            marks += disc.whole(part, turn, sagitta)[0]
-        for part in parts[1:]:
-            marks += disc.behind(part, turn, sagitta)
+        marks = _disc_bodies(parts, turn, sagitta)
         measures: list[Mark] = []
         if number == 0:
             left, bottom, right, top = frame
@@ -137,7 +133,7 @@ def figure(product: Product, size: Size | None = None) -> Figure:
                 frame,
                 Axis((low.real, high.real)),
                 Axis((low.imag, high.imag)),
-                (*marks, *_bodies(sketch, joint), *_axis(joint), *measures),
+                (*marks, *_bodies(sketch, joint), *axis, *measures),
                 f"cam angle {math.degrees(phi):.4g}°",
                 equal=True,
                 bare=True,
@@ -275,10 +271,6 @@ def _shaft(point: complex, joint: float) -> list[Mark]:
     return [*marks, _circle(point, joint)]
 
 
-def _axis(joint: float) -> list[Mark]:
-    return [_circle(0j, joint), *(_stroke(-way * joint, way * joint) for way in (2.2, 2.2j))]
-
-
 def _stroke(start: complex, end: complex) -> Mark:
     return Line(plane([start, end]), THIN, layer=4.0)
 
@@ -401,7 +393,7 @@ def _turning(product: Product, *, moving: bool) -> tuple[tuple[Mark, ...], float
     marks = _discs(product, moving=moving)
     if not marks:
         try:
-            drawn = flanks.whole_flanks(product, product.pictured.cut_off, 1.0)[0]
+            drawn = pictured.whole_flanks(product, product.pictured.cut_off, 1.0)[0]
         except CamgeoError:  # the findings say so
             drawn = []
         note = next((mark.text for mark in drawn if isinstance(mark, Text)), "no disc")
@@ -418,22 +410,26 @@ def _discs(product: Product, *, moving: bool) -> list[Mark]:
 
     Chords are sampled and not proved: an animation follows a drag.
     """
+    sagitta = CHORDS * product.cam.follower.base_radius
     if moving:
         try:
-            return _disc_bodies(product, tuple(each.drawn.untrimmed for each in product.discs))
+            parts = tuple(each.drawn.untrimmed for each in product.discs)
+            return _disc_bodies(parts, 1.0, sagitta, sampled=True)
         except CamgeoError:  # undercut, for one: what is left of the disc takes longer
             pass
-    return _disc_bodies(product, parts_of(product))
+    return _disc_bodies(parts_of(product), 1.0, sagitta, sampled=True)
 
 
-def _disc_bodies(product: Product, parts: tuple[Part, ...]) -> list[Mark]:
-    """The parts of the main disc and of those behind it."""
-    sagitta = CHORDS * product.cam.follower.base_radius
+def _disc_bodies(
+    parts: tuple[Part, ...], turn: complex, sagitta: float, *, sampled: bool = False
+) -> list[Mark]:
+    """The main disc and those behind it, see `whole_disc` there."""
     marks: list[Mark] = []
-    for part in parts[:1]:
-        marks += disc.whole(part, 1.0, sagitta, sampled=True)[0]
-    for part in parts[1:]:
-        marks += disc.behind(part, 1.0, sagitta, sampled=True)
+    for number, part in enumerate(parts):
+        if number:
+            marks += pictured.disc_behind(part, turn, sagitta, sampled=sampled)
+        else:
+            marks += pictured.whole_disc(part, turn, sagitta, sampled=sampled)[0]
     return marks
 
 

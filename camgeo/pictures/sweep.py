@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -197,8 +197,7 @@ def _heights(column: Column) -> FloatArray:
 
 
 def _ends(column: Column) -> tuple[float, float]:
-    known = column.values[np.isfinite(column.values)]
-    low, high = (float(np.min(known)), float(np.max(known))) if len(known) else (0.0, 1.0)
+    low, high = column.extent or (0.0, 1.0)
     space = EDGE * (high - low) or max(abs(high), 1.0) * EDGE
     return low - space, high + space
 
@@ -209,9 +208,7 @@ def _scale(place: float, column: Column) -> list[Mark]:
     if column.words:
         named = [(float(k), word) for k, word in enumerate(column.words)]
     else:
-        known = column.values[np.isfinite(column.values)]
-        ends = (float(np.min(known)), float(np.max(known))) if len(known) else ()
-        named = [(end, f"{end:.4g}") for end in dict.fromkeys(ends)]
+        named = [(end, f"{end:.4g}") for end in dict.fromkeys(column.extent or ())]
     marks: list[Mark] = []
     for at, text in named:
         spot = (place, (at - low) / (high - low))
@@ -316,6 +313,12 @@ class Column:
         object.__setattr__(self, "values", frozen(self.values, np.float64))
 
     @property
+    def extent(self) -> tuple[float, float] | None:
+        """Smallest and largest value; None if there is none."""
+        known = self.values[np.isfinite(self.values)]
+        return (float(np.min(known)), float(np.max(known))) if len(known) else None
+
+    @property
     def room(self) -> float:
         """Width of its words [inch], for the margin beside a vertical axis."""
         return LETTER * max(map(len, self.words), default=0)
@@ -333,10 +336,9 @@ class Column:
         """(k + 1,) borders of the ranges that colours stand for, equal in width."""
         if self.words:
             return np.arange(float(len(self.words) + 1)) - 0.5
-        known = self.values[np.isfinite(self.values)]
-        if not len(known):
+        if self.extent is None:
             return np.array([0.0, 1.0])
-        low, high = float(np.min(known)), float(np.max(known))
+        low, high = self.extent
         found: FloatArray = np.linspace(low, high, len(COLOURS) + 1 if high > low else 2)
         return found
 
@@ -391,11 +393,8 @@ def column(label: str, values: Sequence[object]) -> Column:
         places = {word: float(place) for place, word in enumerate(words)}
         numbers = [np.nan if value is None else places[_word(value)] for value in values]
         return Column(label, np.array(numbers), tuple(words))
-    return Column(label, np.array(list(_numbers(values))))
-
-
-def _numbers(values: Iterable[object]) -> Iterable[float]:
-    return (float(value) if isinstance(value, int | float) else np.nan for value in values)
+    numbers = [float(value) if isinstance(value, int | float) else np.nan for value in values]
+    return Column(label, np.array(numbers))
 
 
 def _word(value: object) -> str:
@@ -465,13 +464,11 @@ def of_search(found: Found, units: Sequence[str]) -> Figure:
     if not np.isnan(chosen.costs).any():
         marks.append(Line(over(across([chosen]), up([chosen])), CHOSEN, layer=4.0))
         entries.append(Entry("chosen" if chosen.feasible else "nearest", CHOSEN))
-    width = LEFT + ACROSS + RIGHT
-    frame = box(LEFT / width, BOTTOM / HEIGHT, ACROSS / width, 1.0 - (TOP + BOTTOM) / HEIGHT)
     seen = [*shown, *found.front]
     x = Axis(limits([across(seen)]), labels[0] if several else "design")
     y = Axis(limits([up(seen)]), labels[1 if several else 0])
     legend = Legend(tuple(entries), "upper left", (1.02, 1.0), size=7.5, gap=0.0)
-    return Figure((width, HEIGHT), (Panel(frame, x, y, tuple(marks), title, legend=legend),))
+    return _page((x, y), marks, title, 0.0, legend)
 
 
 def _answers(trials: Sequence[Trial], place: int) -> FloatArray:

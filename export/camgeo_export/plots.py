@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import singledispatch
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 from matplotlib import rc_context
@@ -20,6 +22,8 @@ from matplotlib.patches import FancyArrowPatch, Patch, PathPatch, Rectangle
 from matplotlib.path import Path
 from matplotlib.transforms import Bbox
 
+from camgeo.design.product import Product
+from camgeo.design.writing import Written
 from camgeo.pictures.model import (
     Area,
     Arrow,
@@ -37,6 +41,12 @@ from camgeo.pictures.model import (
     Style,
     Text,
 )
+from camgeo.pictures.plots import of_design, stacked
+from camgeo.scene.formats import format as plain
+from camgeo.scene.formats.format import Format
+
+if TYPE_CHECKING:
+    from camgeo.design.design import Design
 
 RC: Any = {
     "font.family": "DejaVu Sans",  # comes with matplotlib: the same bytes on each machine
@@ -113,6 +123,13 @@ def saved(made: Page, suffix: str) -> bytes:
         stream = io.BytesIO()
         made.savefig(stream, format=kind, dpi=RESOLUTION, metadata=METADATA[kind])
     return stream.getvalue()
+
+
+def plot(design: Design, names: Sequence[str]) -> Picture:
+    """The plots of those names, as `camgeo plot` draws them; see
+    `camgeo.design.design.Design.plot`.
+    """
+    return drawn(of_design(design, names)[0])
 
 
 def page(figure: Figure) -> Picture:
@@ -351,3 +368,36 @@ def _(mark: Inset, axes: Axes) -> None:
         (x, y, seen, seen), inset,
         edgecolor=style.color, linewidth=style.width, alpha=1.0, zorder=mark.layer - 0.5,
     )  # fmt: skip
+
+
+# -- writer ----------------------------------------------------------------------------------------
+# SVG and PNG: a picture of the cam, for papers and web pages. For manufacturing use the DXF.
+
+
+PAGE: Final = "picture"
+
+
+@dataclass(frozen=True, slots=True)
+class PictureWriter:
+    """Writes a picture of the cam.
+
+    Attributes
+    ----------
+    format : of the picture.
+    """
+
+    format: Format[None]
+
+    def write(self, product: Product, tolerance: float) -> Written:
+        """The picture; no tolerance applies to it."""
+        known = product.pictured.known
+        if PAGE not in known:
+            known[PAGE] = drawn(stacked(product, ["cam"]))
+        return Written(saved(known[PAGE], self.format.suffix))
+
+    def measure(self, product: Product, data: bytes) -> None:
+        """None: a picture is not meant to be measured."""
+
+
+SVG = PictureWriter(plain.SVG)
+PNG = PictureWriter(plain.PNG)

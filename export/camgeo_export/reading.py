@@ -7,7 +7,6 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -87,16 +86,17 @@ def paired(contours: Sequence[AnyContour], outlines: Sequence[Contour]) -> list[
     The order of the areas distinguishes boundaries that lie inside each other; those of about the
     same size, such as the holes of a bolt circle and letters, lie at different places.
     """
-    wanted, given = _Measured.of(outlines), _Measured.of(contours)
-    order = np.argsort(wanted.areas, kind="stable").tolist()
-    free = np.argsort(given.areas, kind="stable").tolist()
+    (wanted, middles), (given, places) = map(_areas_and_middles, (outlines, contours))
+    unsure = [TOPOLOGY_TOLERANCE * each.length for each in outlines]
+    order = np.argsort(wanted, kind="stable").tolist()
+    free = np.argsort(given, kind="stable").tolist()
     found: dict[int, AnyContour] = {}
     while order:
-        alike = _alike([(wanted.areas[k], wanted.unsure[k]) for k in order])
+        alike = _alike([(wanted[k], unsure[k]) for k in order])
         ours, free = free[:alike], free[alike:]
         for k in order[:alike]:
-            away = np.abs(given.middles[ours] - wanted.middles[k])
-            away += np.abs(np.sqrt(given.areas[ours]) - np.sqrt(wanted.areas[k]))
+            away = np.abs(places[ours] - middles[k])
+            away += np.abs(np.sqrt(given[ours]) - np.sqrt(wanted[k]))
             found[k] = contours[ours.pop(int(np.argmin(away)))]
         order = order[alike:]
     return [found[k] for k in range(len(outlines))]
@@ -115,28 +115,10 @@ def _alike(areas: Sequence[tuple[float, float]]) -> int:
     return count
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Measured:
-    """Contours by what tells them apart.
-
-    Attributes
-    ----------
-    areas : (n,) [mm^2].
-    unsure : (n,) [mm^2] by which the areas of approximate ones may be off.
-    middles : (n,) complex [mm].
-    """
-
-    areas: FloatArray
-    unsure: FloatArray
-    middles: ComplexArray
-
-    @classmethod
-    def of(cls, contours: Sequence[AnyContour]) -> _Measured:
-        return cls(
-            np.array([abs(each.area) for each in contours]),
-            np.array([TOPOLOGY_TOLERANCE * each.length for each in contours]),
-            np.array([_middle(each) for each in contours]),
-        )
+def _areas_and_middles(contours: Sequence[AnyContour]) -> tuple[FloatArray, ComplexArray]:
+    """(n,), (n,) complex areas [mm^2] and middles [mm] of contours."""
+    areas = np.array([abs(each.area) for each in contours])
+    return areas, np.array([_middle(each) for each in contours])
 
 
 def _middle(contour: AnyContour) -> complex:

@@ -7,8 +7,13 @@ transformed. One group for each layer of `camgeo_export.reading`, hairlines with
 
 from __future__ import annotations
 
+import io
 import math
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
 from typing import Final
+from xml.etree import ElementTree as ET
 from xml.sax.saxutils import escape
 
 import numpy as np
@@ -17,13 +22,14 @@ from camgeo.design.product import Product, title_of
 from camgeo.design.writing import Written
 from camgeo.errors import FileError
 from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.foreign import Outlines
+from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.boundaries import largest_radius
 from camgeo.part.part import written_contour
-from camgeo.reading import SVG_PIECES
+from camgeo.reading import CONTOURS, SVG, SVG_ELEMENTS, SVG_PIECES, beyond, check_size, number_of
 from camgeo.scene.formats.format import CUT_SVG
-from camgeo.units import counted
-from camgeo_export.reading import CUT, deviation, layered
-from camgeo_export.svg_reader import SvgDrawing, drawing_of
+from camgeo.units import LengthUnit, counted
+from camgeo_export.reading import CUT, deviation, layered, of_the_part
 
 WIDEST: Final = 0.5 * math.pi
 """Widest arc [rad]: an arc is given by its ends and its radius, from which the centre of one near
@@ -87,8 +93,22 @@ class CutSvgWriter:
         return Written("\n".join([*lines, "</svg>", ""]).encode(), facts)
 
     def measure(self, product: Product, data: bytes) -> float:
-        """Read the drawing back and measure it against the exact curves [mm]."""
-        return measure(product, data)
+        """Read the drawing back: largest proved deviation [mm] of all that is drawn.
+
+        Raises FileError if the drawing is incomplete, foreign or not at true size.
+        """
+        drawing = drawing_of(data)
+        layers = layered(product)
+        if drawing.scale != 1.0:
+            raise FileError(f"a unit of the drawing is {drawing.scale:g} mm, not 1 mm")
+        foreign = [name for name in drawing.layers if name not in layers]
+        if foreign:
+            group = foreign[0][:40]
+            raise FileError(f"a contour in the group {group!r} is not part of the drawing")
+        return max(
+            deviation(drawing.layers.get(name, ()), boundaries)
+            for name, boundaries in layers.items()
+        )
 
 
 def path_of(contour: Contour) -> str:
@@ -101,7 +121,7 @@ def path_of(contour: Contour) -> str:
     for end, sweep, radius in pieces:
         if sweep:
             turn = 0 if sweep > 0.0 else 1  # counter-clockwise is against growing angles here
-            size = _number(radius)
+            size = _decimal(radius)
             words.append(f"A{size} {size} 0 0 {turn} {_point(end)}")
         else:
             words.append(f"L{_point(end)}")
@@ -109,10 +129,10 @@ def path_of(contour: Contour) -> str:
 
 
 def _point(point: complex) -> str:
-    return f"{_number(point.real)} {_number(-point.imag)}"
+    return f"{_decimal(point.real)} {_decimal(-point.imag)}"
 
 
-def _number(value: float) -> str:
+def _decimal(value: float) -> str:
     """The shortest decimal that reads back the same, without an exponent."""
     rounded = round(value, DECIMALS) + 0.0  # + 0.0 turns -0.0 into 0.0
     return np.format_float_positional(rounded, trim="-")
@@ -121,27 +141,338 @@ def _number(value: float) -> str:
 WRITER = CutSvgWriter()
 
 
-# -- measure --------------------------------------------------------------------------------------
-# An SVG drawing read back and compared with the exact curves.
+# -- reader ----------------------------------------------------------------------------------------
+# Closed contours of lines and arcs in an SVG drawing, at the size that it states.
+#
+# Read are paths of lines and circular arcs, polygons and circles, in groups. What would need
+# another size or place (transformations, other units along x than along y) and other curves are
+# refused.
 
 
-def measure(product: Product, data: bytes) -> float:
-    """Largest proved deviation [mm] of all that is drawn.
+NAMESPACE: Final = "{http://www.w3.org/2000/svg}"
 
-    Raises FileError if the drawing is incomplete, foreign or not at true size.
+MM_PER_UNIT: Final = {
+    "mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72.0, "pc": 25.4 / 6.0,
+    "px": 25.4 / 96.0, "": 25.4 / 96.0,
+}  # fmt: skip
+"""Millimetres of the units of CSS; a number without one counts in pixels, 96 to the inch."""
+
+LENGTH: Final = re.compile(r"\s*([-+.0-9eE]{1,60}?)\s*([a-z]{0,2})\s*")
+
+TOKEN: Final = re.compile(r"[A-Za-z]|[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+
+BETWEEN: Final = re.compile(r"[\s,]*")
+
+COUNTS: Final = {"M": 2, "L": 2, "H": 1, "V": 1, "A": 7, "Z": 0}
+"""Numbers after each letter of a path."""
+
+SILENT: Final = ("title", "desc", "metadata", "defs", "style", "namedview")
+"""Elements that show nothing by themselves; they are passed over with all that they hold."""
+
+ROUND: Final = 1e-9
+"""Radii of an arc along x and y, and scales, that differ by a larger fraction are different."""
+
+JOINED: Final = 1e-12
+"""An end as near to the start, as a fraction of the reach, closes a path like Z."""
+
+
+@dataclass(frozen=True, slots=True)
+class SvgDrawing:
+    """A drawing that was read.
+
+    Attributes
+    ----------
+    scale : millimetres per unit of the drawing.
+    note : the text of its description.
+    layers : closed contours [mm], y upward and counter-clockwise, by the id of the group around
+        them; those without a group have the layer "".
     """
-    drawing = drawing_of(data)
-    layers = layered(product)
-    check_contents(drawing, tuple(layers))
-    return max(
-        deviation(drawing.layers.get(name, ()), boundaries) for name, boundaries in layers.items()
-    )
+
+    scale: float
+    note: str
+    layers: dict[str, list[Contour]] = field(default_factory=dict)
+
+    @property
+    def contours(self) -> tuple[Contour, ...]:
+        """All contours."""
+        return tuple(each for contours in self.layers.values() for each in contours)
 
 
-def check_contents(drawing: SvgDrawing, layers: tuple[str, ...]) -> None:
-    """Raise FileError unless the drawing has these layers alone, one unit to the millimetre."""
-    if drawing.scale != 1.0:
-        raise FileError(f"a unit of the drawing is {drawing.scale:g} mm, not 1 mm")
-    foreign = [name for name in drawing.layers if name not in layers]
-    if foreign:
-        raise FileError(f"a contour in the group {foreign[0][:40]!r} is not part of the drawing")
+def drawing_of(data: bytes, name: str = "the drawing") -> SvgDrawing:
+    """The drawing in the file `name`; FileError if it is not an SVG that is read."""
+    root = _root(data, name)
+    scale = _scale(root, name)
+    note = next((each.text or "" for each in root.iter(f"{NAMESPACE}desc")), "")
+    found = SvgDrawing(scale, note)
+    pieces = count = 0
+    for layer, item in _shown(root, "", name):
+        for contour in _contours(item, scale, name):
+            found.layers.setdefault(layer, []).append(contour)
+            count, pieces = count + 1, pieces + len(contour)
+            if count > CONTOURS:
+                raise beyond(name, counted(count, "closed contour"), CONTOURS, SVG)
+            if pieces > SVG_PIECES:
+                raise beyond(
+                    name, counted(pieces, "line or arc", "lines and arcs"), SVG_PIECES, SVG
+                )
+    if not found.layers:
+        raise FileError(f"{name}: no contour found; read are paths, polygons and circles")
+    return found
+
+
+def check_xml(data: bytes, name: str) -> None:
+    """Raise FileError unless the file may be parsed: UTF-8, without references, not too large."""
+    check_size(len(data), SVG, name)
+    if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
+        raise FileError(f"{name}: has a document type declaration, which is not read")
+    try:
+        data.decode("utf-8")
+    except UnicodeDecodeError:
+        raise FileError(f"{name}: is not encoded as UTF-8") from None
+    head = data[:200].lower()
+    if b"\0" in data or (b"encoding=" in head and b"utf-8" not in head):
+        raise FileError(f"{name}: is not encoded as UTF-8")
+    count = data.count(b"<")
+    if count > 2 * SVG_ELEMENTS:
+        raise beyond(name, counted(count, "tag"), 2 * SVG_ELEMENTS, SVG)
+    if data.count(b"=") > 20 * SVG_ELEMENTS:
+        raise beyond(name, counted(data.count(b"="), "attribute"), 20 * SVG_ELEMENTS, SVG)
+
+
+def _root(data: bytes, name: str) -> ET.Element:
+    check_xml(data, name)
+    try:
+        root = ET.parse(io.BytesIO(data)).getroot()
+    except (SyntaxError, ValueError) as error:
+        raise FileError(f"{name}: is not XML: {error}") from None
+    if root.tag != f"{NAMESPACE}svg":
+        raise FileError(f"{name}: is not an SVG drawing: its root is {root.tag[:60]}")
+    return root
+
+
+def _scale(root: ET.Element, name: str) -> float:
+    """Millimetres per unit of the drawing."""
+    sides = [_length(root.get(key, ""), key, name) for key in ("width", "height")]
+    box = root.get("viewBox")
+    if box is None:
+        return MM_PER_UNIT["px"]
+    numbers = _numbers(box, "viewBox", name)
+    if len(numbers) != 4 or min(numbers[2:]) <= 0.0:
+        raise FileError(f"{name}: viewBox must have four numbers, its sides above 0")
+    scales = [side / box_side for side, box_side in zip(sides, numbers[2:], strict=True)]
+    if abs(scales[0] - scales[1]) > ROUND * scales[0]:
+        raise FileError(f"{name}: width, height and viewBox scale x and y differently")
+    return scales[0]
+
+
+def _length(text: str, key: str, name: str) -> float:
+    """A length [mm] of the root."""
+    found = LENGTH.fullmatch(text) if len(text) <= 100 else None
+    number = None if found is None else number_of(found[1])
+    if found is None or number is None or found[2] not in MM_PER_UNIT or number <= 0.0:
+        raise FileError(f"{name}: states no {key} as a length: {text[:40]!r}")
+    return number * MM_PER_UNIT[found[2]]
+
+
+def _shown(root: ET.Element, layer: str, name: str) -> Iterator[tuple[str, ET.Element]]:
+    """The elements that are drawn, each with the id of the innermost group that has one."""
+    waiting = [(layer, root)]
+    while waiting:
+        own, element = waiting.pop()
+        for item in element:
+            kind = str(item.tag).removeprefix(NAMESPACE)
+            if kind.rpartition("}")[2] in SILENT:
+                continue
+            if item.get("transform", "").strip() or "transform" in item.get("style", ""):
+                raise FileError(f"{name}: {kind} has a transformation, which is not read")
+            if kind == "g":
+                waiting.append((item.get("id", own), item))
+            elif kind in ("path", "polygon", "circle"):
+                yield own, item
+            else:
+                allowed = "paths, polygons and circles"
+                raise FileError(f"{name}: {kind[:40]} is not read; only {allowed} are")
+
+
+def _contours(item: ET.Element, scale: float, name: str) -> Iterator[Contour]:
+    """The closed contours of an element [mm], counter-clockwise, one by one."""
+    kind = item.tag.removeprefix(NAMESPACE)
+    if kind == "circle":
+        x, y, r = (_number(item.get(key, "0"), key, name) for key in ("cx", "cy", "r"))
+        if not r > 0.0:
+            raise FileError(f"{name}: a circle needs a radius above 0")
+        yield Contour.circle(r * scale, complex(x, -y) * scale)
+    elif kind == "polygon":
+        numbers = _numbers(item.get("points", ""), "points", name)
+        if len(numbers) % 2:
+            raise FileError(f"{name}: points has an odd number of coordinates")
+        corners = [complex(x, y) for x, y in zip(numbers[::2], numbers[1::2], strict=True)]
+        yield _contour(corners, [0.0] * len(corners), scale, name)
+    else:
+        for points, sweeps in _runs(_words(item.get("d", ""), name), name):
+            yield _contour(points, sweeps, scale, name)
+
+
+def _contour(
+    points: Sequence[complex], sweeps: Sequence[float], scale: float, name: str
+) -> Contour:
+    vertices: ComplexArray = np.conj(np.array(points, dtype=np.complex128)) * np.complex128(scale)
+    if len(points) < 2:
+        raise FileError(f"{name}: a contour encloses nothing")
+    found = Contour.through(vertices, -np.array(sweeps))
+    if not math.isfinite(found.area) or found.area == 0.0:
+        raise FileError(f"{name}: a contour encloses no area")
+    return found.counter_clockwise()
+
+
+def _words(text: str, name: str) -> list[str]:
+    """The letters and numbers of path data."""
+    words, place = [], 0
+    for token in TOKEN.finditer(text):
+        gap = BETWEEN.match(text, place)
+        if gap is None or gap.end() < token.start():
+            break
+        words.append(token[0])
+        place = token.end()
+        if len(words) > 8 * SVG_PIECES:
+            raise beyond(name, "many numbers in a path", 8 * SVG_PIECES, SVG)
+    if text[place:].strip(" \t\r\n,"):
+        raise FileError(f"{name}: path data cannot be read at {text[place : place + 20]!r}")
+    return words
+
+
+def _runs(words: Sequence[str], name: str) -> Iterator[tuple[list[complex], list[float]]]:
+    """Vertices and sweeps of each closed subpath, y downward, in units of the drawing."""
+    points: list[complex] = []
+    sweeps: list[float] = []
+    here = start = 0j
+    letter, place = "", 0
+    while place < len(words):
+        if words[place].isalpha():
+            letter, place = words[place], place + 1
+        kind, relative = letter.upper(), letter.islower()
+        if kind not in COUNTS or (kind != "M" and not points and kind != "Z"):
+            raise FileError(
+                f"{name}: {letter or 'a number'} in a path is not read; M L H V A Z are"
+            )
+        numbers = [_number(each, kind, name) for each in words[place : place + COUNTS[kind]]]
+        if len(numbers) < COUNTS[kind]:
+            raise FileError(f"{name}: {letter} in a path needs {counted(COUNTS[kind], 'number')}")
+        place += COUNTS[kind]
+        if kind == "Z":
+            yield from _closed(points, sweeps, here, start, name, ended=True)
+            here, points, sweeps = start, [start], []
+            letter = ""
+            continue
+        end = _end(kind, numbers, here if relative else 0j, here)
+        if kind == "M":
+            yield from _closed(points, sweeps, here, start, name, ended=False)
+            start, points, sweeps = end, [end], []
+            letter = "l" if relative else "L"  # of further numbers
+        elif end != here:
+            sweeps.append(_sweep(numbers, here, end, name) if kind == "A" else 0.0)
+            points.append(end)
+        here = end
+    yield from _closed(points, sweeps, here, start, name, ended=False)
+
+
+def _end(kind: str, numbers: Sequence[float], origin: complex, here: complex) -> complex:
+    if kind == "H":
+        return complex(origin.real + numbers[0], here.imag)
+    if kind == "V":
+        return complex(here.real, origin.imag + numbers[0])
+    return origin + complex(*numbers[-2:])
+
+
+def _closed(
+    points: list[complex],
+    sweeps: list[float],
+    here: complex,
+    start: complex,
+    name: str,
+    *,
+    ended: bool,
+) -> Iterator[tuple[list[complex], list[float]]]:
+    """A subpath, closed by Z if it `ended` so, or by its own end."""
+    if not sweeps:
+        return
+    near = abs(here - start) <= JOINED * max(abs(start), abs(here))
+    if not (ended or near):
+        raise FileError(f"{name}: a path is not closed")
+    if near:
+        yield points[:-1], sweeps
+    else:
+        yield points, [*sweeps, 0.0]
+
+
+def _sweep(numbers: Sequence[float], start: complex, end: complex, name: str) -> float:
+    """The angle that an arc turns [rad], positive towards growing angles, y downward.
+
+    A radius that is too small for the chord counts as half of it (SVG 2, 9.5.1).
+    """
+    across, down, _, large, positive = numbers[:5]
+    radius = abs(across)
+    if abs(radius - abs(down)) > ROUND * radius:
+        raise FileError(f"{name}: an arc of an ellipse is not read")
+    if large not in (0.0, 1.0) or positive not in (0.0, 1.0):
+        raise FileError(f"{name}: flags of an arc must be 0 or 1")
+    if radius == 0.0:
+        return 0.0
+    half = math.asin(min(1.0, 0.5 * abs(end - start) / radius))
+    turned = 2.0 * (math.pi - half if large else half)
+    return turned if positive else -turned
+
+
+def _number(text: str, what: str, name: str) -> float:
+    found = number_of(text)
+    if found is None:
+        raise FileError(f"{name}: {what} has {text[:40]!r}, which is not a number of a drawing")
+    return found
+
+
+def _numbers(text: str, what: str, name: str) -> list[float]:
+    words = text.replace(",", " ").split()
+    if len(words) > 2 * SVG_PIECES:
+        raise beyond(name, f"many numbers in {what}", 2 * SVG_PIECES, SVG)
+    return [_number(each, what, name) for each in words]
+
+
+# -- contours -------------------------------------------------------------------------------------
+# Contours of an SVG drawing at true size, for replay.
+
+
+class SvgReader:
+    """Reads contours from SVG; its groups with an id are its layers."""
+
+    def read(
+        self,
+        data: bytes,
+        name: str,
+        *,
+        layer: str | None,
+        unit: LengthUnit | None,
+        gap: float,
+        progress: Callable[[str], object] = lambda _: None,
+    ) -> Outlines:
+        """The closed contours [mm], counter-clockwise, the largest first, of the group `layer`;
+        without one of the part's edges if there is a group CUT, else all.
+
+        Raises FileError if the drawing is not read, has no such group, or a unit is given: its size
+        is stated.
+        """
+        drawing = drawing_of(data, name)
+        if unit is not None:
+            raise FileError(f"{name}: an SVG drawing states its size; leave out the unit {unit}")
+        if layer is not None and layer not in drawing.layers:
+            known = ", ".join(repr(each) for each in sorted(drawing.layers) if each) or "none"
+            raise FileError(f"{name}: has no contour in a group {layer!r}; groups: {known[:200]}")
+        names = set(drawing.layers) if layer is None else {layer}
+        if CUT in names:
+            names = of_the_part(names)
+        found = [each for name in names for each in drawing.layers[name]]
+        # Which of two equal ones is first, their first vertices say.
+        found.sort(key=lambda each: (-each.area, each.vertices[0].real, each.vertices[0].imag))
+        return Outlines(tuple(found))
+
+
+READER = SvgReader()

@@ -16,12 +16,12 @@ from camgeo.app.designing.children import Job, Refused
 from camgeo.scene.toml import template
 from tests.designer.served import Served, computing, served
 from tests.judges import axe
-from tests.judges.chromium import CHROMIUM, SLOW
+from tests.judges.chromium import CHROMIUM, SLOW, launched
 from tests.waiting import PATIENCE
 
 pytest.importorskip("playwright", reason="needs playwright: pip install playwright")
 
-from playwright.sync_api import Browser, ConsoleMessage, Page, sync_playwright
+from playwright.sync_api import Browser, ConsoleMessage, Page
 
 pytestmark = pytest.mark.skipif(bool(CHROMIUM.absent()), reason=CHROMIUM.absent() or "is there")
 
@@ -62,14 +62,8 @@ HIDDEN: Final = """() => new Promise((done) => setTimeout(() => {
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    with sync_playwright() as playwright:
-        program = playwright.chromium.launch(
-            executable_path=CHROMIUM.path,
-            args=["--no-sandbox", "--enable-unsafe-swiftshader"],
-            timeout=1e3 * PATIENCE,
-        )
+    with launched("--enable-unsafe-swiftshader") as program:
         yield program
-        program.close()
 
 
 @pytest.fixture

@@ -2,18 +2,32 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
+import json
 import threading
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
 from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from camgeo.app.designing.children import Job, Refused
-from camgeo_export.designer import messages, session
-from camgeo_export.designer.session import NamedFiles
-from tests.designer.served import Clock, Served, computed, served
+from camgeo.app.designing.children import Job, Refused, Result
+from camgeo.app.designing.desk import Desk
+from camgeo_export.designer import session
+from camgeo_export.designer.session import Jobs, NamedFiles, head_of
+from tests.designer.served import Client, Clock, Served, computed, served
 from tests.waiting import happened, until
+
+
+@contextlib.contextmanager
+def greeted(*given: Any) -> Generator[Client]:
+    """A page of a server that has said hello."""
+    with served(*given) as server, server.page() as page:
+        page.say("hello")
+        yield page
 
 
 @pytest.fixture
@@ -26,8 +40,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_a_page_sees_the_scene_and_what_it_changes(folder: Path) -> None:
-    with served(folder, "cam.toml") as server, server.page() as page:
-        page.say("hello")
+    with greeted(folder, "cam.toml") as page:
         state = page.hear("state")
         assert (state["file"], state["text"], state["saved"]) == ("cam.toml", "a = 1\n", True)
         assert state["folder_files"] == ["cam.toml", "other.toml"]
@@ -79,8 +92,7 @@ def test_a_drag_is_one_step_and_its_latest_place_wins(folder: Path) -> None:
             happened("the end of the drag", going)
         return computed(job, seconds)
 
-    with served(folder, "cam.toml", slow) as server, server.page() as page:
-        page.say("hello")
+    with greeted(folder, "cam.toml", slow) as page:
         page.hear("curves", revision=0)
         for value in range(50):
             page.say("change", id=value, edits={"a": value}, gesture="drag")
@@ -98,7 +110,7 @@ def test_a_drag_is_one_step_and_its_latest_place_wins(folder: Path) -> None:
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     """The time by which a session tells a pause."""
     clock = Clock()
-    monkeypatch.setattr(messages, "time", clock)
+    monkeypatch.setattr(session, "time", clock)
     return clock
 
 
@@ -145,8 +157,7 @@ def test_findings_wait_for_a_pause_and_are_of_the_newest_text(folder: Path, cloc
             asked.append(job.text)
         return computed(job, seconds)
 
-    with served(folder, "cam.toml", counted) as server, server.page() as page:
-        page.say("hello")
+    with greeted(folder, "cam.toml", counted) as page:
         page.hear("curves", revision=0)
         clock.now += 2.0 * session.PAUSE
         page.hear("findings", revision=0)
@@ -165,8 +176,7 @@ def test_a_job_that_is_too_slow_is_told_and_the_text_stays(folder: Path) -> None
             raise Refused(f"{job.kind}: took longer than {seconds:g} s")
         return computed(job, seconds)
 
-    with served(folder, "cam.toml", never) as server, server.page() as page:
-        page.say("hello")
+    with greeted(folder, "cam.toml", never) as page:
         page.say("text", id=1, text="slow = 1\n")
         curves = page.hear("curves", answers=1)
         assert curves["refused"] == "the picture (curves: took longer than 10 s)"
@@ -235,8 +245,7 @@ REFUSED: tuple[tuple[str, dict[str, Any], str], ...] = (
 
 
 def test_refusals_are_sentences(folder: Path) -> None:
-    with served(folder, "cam.toml") as server, server.page() as page:
-        page.say("hello")
+    with greeted(folder, "cam.toml") as page:
         for number, (kind, arguments, sentence) in enumerate(REFUSED):
             page.say(kind, id=number, **arguments)
             assert sentence in page.hear("refused", id=number)["message"]
@@ -274,8 +283,7 @@ def test_a_scene_is_shown_anew_when_a_file_that_it_names_has_changed(
     def reading(job: Job, seconds: float) -> Mapping[str, Any]:
         return {**computed(job, seconds), "read": (Path(job.folder) / "lift.csv").read_text()}
 
-    with served(folder, "cam.toml", reading) as server, server.page() as page:
-        page.say("hello")
+    with greeted(folder, "cam.toml", reading) as page:
         page.hear("findings", read="0, 0\n")
         seen = len(looks)
         until("a look at the files", lambda: len(looks) > seen + 1)
@@ -288,8 +296,7 @@ def test_a_file_changed_on_disk_is_told_and_not_overwritten(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("camgeo_export.designer.session.EVERY", 0.02)
-    with served(folder, "cam.toml") as server, server.page() as page:
-        page.say("hello")
+    with greeted(folder, "cam.toml") as page:
         page.say("change", id=1, edits={"a": 2})
         (folder / "cam.toml").write_bytes(b"a = 9\n")
         page.hear("state", disk="changed")
@@ -308,8 +315,7 @@ def test_a_file_changed_on_disk_is_told_and_not_overwritten(
 
 
 def test_without_a_scene_there_are_templates_and_the_folder(folder: Path) -> None:
-    with served(folder) as server, server.page() as page:
-        page.say("hello")
+    with greeted(folder) as page:
         state = page.hear("state")
         assert (state["file"], state["text"], state["saved"]) == (None, "", True)
         assert page.hear("curves")["charts"] == []
@@ -387,3 +393,82 @@ def test_names_of_files_stay_names(folder: Path, name: str) -> None:
             assert reply.text == b"cam"  # type: ignore[attr-defined]  # see Served.get
             assert reply.headers["content-disposition"].startswith("attachment; ")
             assert "X" not in reply.headers
+
+
+# Jobs ---------------------------------------------------------------------------------------------
+# Jobs of a session: their heads are read without the rest, and what is outdated is given up.
+
+
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.text(max_size=4),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=3), inner),
+    max_leaves=6,
+)
+
+
+SEPARATORS = st.sampled_from([(",", ":"), (" , ", " : ")])
+
+
+@given(st.dictionaries(st.text(max_size=4), VALUES), st.text(max_size=4), SEPARATORS)
+def test_the_head_is_what_stands_before(
+    table: dict[str, Any], last: str, separators: tuple[str, str]
+) -> None:
+    text = json.dumps(table, separators=separators).encode()
+    keys = [*table]
+    expected = keys[: keys.index(last) + 1] if last in table else keys
+    assert head_of(text, (last,)) == {key: table[key] for key in expected}
+
+
+def test_what_follows_the_head_is_not_read() -> None:
+    assert head_of(b'{"faults": [], "text": "a", "label": "b", nonsense', ("label",)) == {
+        "faults": [], "text": "a", "label": "b",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("other", [False, True])
+def test_a_job_that_takes_too_long_is_given_up_for_a_newer_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, other: bool
+) -> None:
+    """Unless the process does another kind of job as well, which might be ended in its place."""
+    ended = threading.Event()
+    begun = {kind: threading.Event() for kind in ("findings", "solid")}
+    cancelled: list[str] = []
+    clock = Clock()
+    monkeypatch.setattr(session, "time", clock)
+
+    def compute(job: Job, _: float) -> Result:
+        begun[job.kind].set()
+        happened("the end of the job", ended)
+        if cancelled:
+            raise Refused("was cancelled")
+        return Result(b"{}")
+
+    def cancel(kind: str) -> None:
+        cancelled.append(kind)
+        ended.set()
+
+    async def ask() -> Result:
+        jobs = Jobs(Desk(tmp_path, tmp_path / "states"), compute, cancel)
+        asked = asyncio.create_task(jobs.do("findings"))
+        more = [asyncio.create_task(jobs.do("solid"))] if other else []
+        for kind in ("findings", *["solid"] * other):
+            await asyncio.to_thread(happened, kind, begun[kind])
+        clock.now += 5.0
+        jobs.give_up("findings", 5.0)
+        assert cancelled == []
+        clock.now += 0.5
+        jobs.give_up("findings", 5.0, unless="solid")
+        if other:
+            ended.set()
+            await asyncio.gather(*more)
+        try:
+            return await asked
+        finally:
+            jobs.close()
+
+    if other:
+        assert asyncio.run(ask()).data == {}
+    else:
+        with pytest.raises(Refused):
+            asyncio.run(ask())
+    assert cancelled == ([] if other else ["findings"])

@@ -10,8 +10,8 @@ import pytest
 
 import camgeo
 from camgeo.app.cli.main import main
-from camgeo.pictures.sheet.sheet import notes_of
-from camgeo.pictures.sheet.views import drawn_of
+from camgeo.pictures.sheet.sheet import drawn_of
+from camgeo.pictures.sheet.texts import notes_of
 
 PAIR = Path(__file__).parents[2] / "fixtures" / "pairs" / "conjugate_pair.toml"
 

@@ -192,6 +192,7 @@ class StubProduct(Product):
     scene_hash: str = "0123456789abcdef" * 4
     version: str = "0.0.test"
     second_tool: Tool | None = None
+    has_pitch_curve: bool = True
     findings: tuple[Finding, ...] = field(
         default=(Finding("transmission-angle", "ok", "fine", 70.0, 60.0, "deg"),)
     )
@@ -220,10 +221,6 @@ class StubProduct(Product):
         return cast("DrawnDisc", self)
 
     @property
-    def untrimmed(self) -> Part:
-        return self.part
-
-    @property
     def printed(self) -> PrintedDisc:
         return PrintedDisc(lambda _: self.part, PartSpec(), None)
 
@@ -239,10 +236,6 @@ class StubProduct(Product):
     @property
     def tabulated(self) -> TabulatedCam:
         return cast("TabulatedCam", self)
-
-    @property
-    def has_pitch_curve(self) -> bool:
-        return True
 
     @property
     def centre(self) -> complex:
@@ -279,6 +272,8 @@ class StubProduct(Product):
         body = (rim, bore)
         return Part((Layer(bottom, -3.0, body), Layer(-3.0, 0.0, body + flanks, "groove")))
 
+    untrimmed = part
+
     def pitch_contour(self, tolerance: float) -> Fit:
         contour = bulged(self.pitch_radius, self.centre, tolerance)
         return Fit(contour, SPEND * tolerance, tolerance)
@@ -309,9 +304,7 @@ class StubProduct(Product):
             for each, tool in zip((bore, outline), self.tools, strict=True)
         )
 
-    @property
-    def contour_cuts(self) -> tuple[ContourCut, ...]:
-        return self.cuts
+    contour_cuts = cuts
 
     @property
     def sequence(self) -> Sequence:
@@ -339,15 +332,6 @@ class StubProduct(Product):
             operations.append(Operation(cut, tuple(divided(moves, largest))))
         return Toolpath(Heights.of(self.gcode.clearance_height), tuple(operations))
 
-    def stated(self) -> Table:
-        return self.table()
-
-    written = stated
-
-    @property
-    def value_table(self) -> Table:
-        return self.table()
-
     def table(self) -> Table:
         phi = np.linspace(0.0, 2.0 * math.pi, 73)
         radius = self.pitch_radius - self.roller_radius
@@ -356,6 +340,9 @@ class StubProduct(Product):
         lengths = np.column_stack((lift, points.real, points.imag)) / MM_PER[self.unit]
         names = ("phi [deg]", *(f"{what} [{self.unit}]" for what in ("s", "inner x", "inner y")))
         return Table(names, np.column_stack((np.degrees(phi), lengths)))
+
+    stated = written = table
+    value_table = property(table)
 
 
 DEPTHS = (-4.0, -8.0)

@@ -19,7 +19,9 @@ from camgeo.errors import FileError, SceneError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.ocv import import_project
 from camgeo.scene.scene import parse_scene
-from camgeo_export.asc import COLUMNS, POINTS, SECOND, WRITER, AscWriter
+from camgeo_export.table import ASC_SECOND as SECOND
+from camgeo_export.table import ASC_WRITER as WRITER
+from camgeo_export.table import COLUMNS, POINTS, AscWriter
 from tests.inches import in_inches
 from tests.reference import THESIS_CAMS, pitch_curve_of, reference, thesis_params
 

@@ -63,12 +63,8 @@ def test_each_source_is_in_a_bundle() -> None:
 
 def test_stale_bundles_are_found(tmp_path: Path) -> None:
     name = "designer.js"
-    for each in (BROWSER / "src").rglob("*.ts"):
-        copy = tmp_path / each.relative_to(BROWSER)
-        copy.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(each, copy)
-    for also in ("build.mjs", "package.json", "package-lock.json", "tsconfig.json"):
-        shutil.copy(BROWSER / also, tmp_path)
+    kept = shutil.ignore_patterns("node_modules", "bundle")
+    shutil.copytree(BROWSER, tmp_path, ignore=kept, dirs_exist_ok=True)
     text = bundle(name)
     assert faults(tmp_path, text) == []
     assert "by hand" in faults(tmp_path, f"{text};")[0]

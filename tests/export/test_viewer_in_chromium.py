@@ -19,13 +19,13 @@ from camgeo.app.designing.recent import Recent
 from camgeo_export.browser.bundles import bundle
 from tests.hostile_scene import ALL_AT_ONCE, HOSTILE
 from tests.judges import axe
-from tests.judges.chromium import CHROMIUM
+from tests.judges.chromium import CHROMIUM, launched
 from tests.long_form import LONG
 from tests.waiting import PATIENCE
 
 pytest.importorskip("playwright", reason="needs playwright: pip install playwright")
 
-from playwright.sync_api import Browser, Dialog, Page, sync_playwright
+from playwright.sync_api import Browser, Dialog, Page
 
 pytestmark = pytest.mark.skipif(bool(CHROMIUM.absent()), reason=CHROMIUM.absent() or "is there")
 
@@ -59,12 +59,8 @@ FREE: Final = ("title", "sentence", "name", "low", "high", "text", "label", "not
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    with sync_playwright() as playwright:
-        program = playwright.chromium.launch(
-            executable_path=CHROMIUM.path, args=["--no-sandbox"], timeout=1e3 * PATIENCE
-        )
+    with launched() as program:
         yield program
-        program.close()
 
 
 @pytest.fixture

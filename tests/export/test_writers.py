@@ -33,7 +33,6 @@ from camgeo.scene.formats.dxf import ENTITIES, DxfSpec, Entity
 from camgeo.scene.formats.step import StepSpec
 from camgeo.units import LengthUnit
 from camgeo_export import svg as svg_writer
-from camgeo_export import svg_reader
 from camgeo_export.dxf import reader as dxf_reader
 from camgeo_export.dxf import writer as dxf_writer
 from camgeo_export.dxf.writer import WRITER as DXF
@@ -367,9 +366,9 @@ LIMITS: dict[str, tuple[object, str, int, Callable[[], object], str]] = {
     "contours of a dxf": (dxf_reader, "CONTOURS", 2, read_drawing, "2 closed contours"),
     "svg": (svg_writer, "SVG_PIECES", 2 * PIECES,
             lambda: SVG.write(DISC, COARSE), "would have 24 pieces"),
-    "contours of an svg": (svg_reader, "CONTOURS", 5, lambda: svg_reader.drawing_of(squares(5)),
+    "contours of an svg": (svg_writer, "CONTOURS", 5, lambda: svg_writer.drawing_of(squares(5)),
                            "5 closed contours"),
-    "pieces of an svg": (svg_reader, "SVG_PIECES", 20, lambda: svg_reader.drawing_of(squares(5)),
+    "pieces of an svg": (svg_writer, "SVG_PIECES", 20, lambda: svg_writer.drawing_of(squares(5)),
                          "20 lines and arcs"),
     "entities of a step": (step_text, "INSTANCES", STEPPED.count(b"\n#"), read_step,
                            "more entities"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import json
+import pkgutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -18,6 +19,7 @@ import pytest
 from matplotlib.figure import Figure as Page
 
 import camgeo
+from camgeo import pictures
 from camgeo.app.cli import plot
 from camgeo.app.cli.plot import RENDERERS
 from camgeo.cam.cam import Disc
@@ -30,24 +32,21 @@ from camgeo.kinematics.laws.comparison import compare
 from camgeo.kinematics.mechanism.slotted_lever import DrivenLever, SlottedLever
 from camgeo.pictures import (
     accuracy,
-    inspection,
+    deviations,
     laws,
     plots,
-    replay,
     size,
     slotted_lever,
     sweep,  # noqa: F401  what `sweep` draws
 )
 from camgeo.pictures.model import (
     Area,
-    Arrow,
     Axis,
     Band,
     Circle,
     Entry,
     Field,
     Figure,
-    Fill,
     Inset,
     Legend,
     Line,
@@ -86,7 +85,7 @@ def of_disc(name: str) -> Disc:
 def of_replay() -> Figure:
     disc = of_disc("swallow_tail")
     found = replay_outline(disc.pitch_curve, disc.outline("inner").path, step=np.radians(1.0))
-    return replay.figure(found, title="replay", unit="mm", scale=1.0, joints=(0.0, 1.0))
+    return deviations.replay_figure(found, title="replay", unit="mm", scale=1.0, joints=(0.0, 1.0))
 
 
 def of_stability() -> Figure:
@@ -98,7 +97,7 @@ def of_inspection() -> Figure:
     flank = ExactFlank(of_disc("plate_translating").outline("inner").path, Flank.INNER)
     places = flank.at(np.linspace(0.0, 6.0, 40))
     found = Deviations(places, 0.004 * np.sin(places.phi), Gap(0.3, 6.0))
-    return inspection.figure(
+    return deviations.inspection_figure(
         found,
         lift_errors(flank, found),
         title="measured",
@@ -204,10 +203,10 @@ def test_figures_are_as_kept() -> None:
 
 
 def test_no_builder_loads_what_draws() -> None:
-    modules = [name.replace("-", "_") for name in OF_DATA if name != "stability"]
-    modules += [builder.partition(":")[0] for builder in plots.OWN.values()]
+    modules = [each.name for each in pkgutil.iter_modules(pictures.__path__)]
+    assert {"plots", "deviations"} <= {*modules}
     code = (
-        f"import sys; from camgeo.pictures import {', '.join(modules)}, plots;"
+        f"import sys; from camgeo.pictures import {', '.join(modules)};"
         "sys.exit('matplotlib' in sys.modules or 'camgeo_export' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], capture_output=True).returncode == 0
@@ -222,68 +221,17 @@ def test_there_is_one_renderer() -> None:
 
 
 SQUARE = over([0.2, 0.8, 0.8, 0.2], [0.2, 0.2, 0.8, 0.8])
-CELLS = np.linspace(0.0, 1.0, 5)
-BAND = Band("y", CELLS, CELLS * 0.2, CELLS * 0.2 + 0.5, Fill("#c9dcee"))
-EVERY_MARK: tuple[Mark, ...] = (
-    Line(SQUARE, Style("black", marker="o")),
-    Rule("x", 0.5, Style("black")),
-    BAND,
-    Area((SQUARE, 0.5 * SQUARE + 0.25), Fill("#c9dcee")),
-    Circle((0.5, 0.5), 0.2, Fill(edge="black")),
-    Arrow(SQUARE, Style("black"), 12.0),
-    Field(CELLS, CELLS, np.add.outer(CELLS, CELLS), (0.5, 1.0), Fill("#f0b8b4"), BAND),
-    Text("words", (0.5, 0.5), 9.0),
-)
 
 
 def panel(*marked: Mark | Inset) -> Panel:
     return Panel((0.1, 0.1, 0.9, 0.9), Axis((0.0, 1.0)), Axis((0.0, 1.0)), marked)
 
 
-def test_every_mark_is_tried() -> None:
-    assert {type(mark) for mark in EVERY_MARK} == set(get_args(Mark))
-
-
-INSET = Inset(panel(EVERY_MARK[0]), (0.6, 0.6), 0.3, (0.1, 0.1, 0.2), Style("black"))
-
-
-@pytest.mark.parametrize("mark", [*EVERY_MARK, INSET], ids=lambda mark: type(mark).__name__)
-def test_every_mark_is_drawn(mark: Mark | Inset) -> None:
-    with_it, without = (
-        render(Figure((2.0, 2.0), (panel(*marked),)), ".svg") for marked in ((mark,), ())
-    )
-    assert len(with_it) > len(without) + 100
-
-
-def test_what_is_no_mark_is_refused() -> None:
+def test_every_mark_is_known_to_what_draws_and_nothing_else() -> None:
+    """How each is drawn, see tests/export/test_plots.py."""
+    assert {*get_args(Mark), Inset} <= draw.registry.keys()
     with pytest.raises(TypeError, match="SimpleNamespace is not a mark"):
         draw(SimpleNamespace(), Page().add_subplot())
-
-
-def test_what_lies_next_to_the_marks_is_drawn() -> None:
-    """Titles, legends, further scales, words on the page, and figures below each other."""
-    plain = panel()
-    legend = Legend((Entry("name", Style("black")), Entry("area", Fill("#c9dcee"))))
-    below = replace(legend, place="lower center")
-    scale = Axis((1.0, 10.0), "scale", log=True, label_place=0.2)
-    figures = [
-        Figure((2.0, 2.0), (replace(plain, **change),))
-        for change in (
-            {},
-            {"title": "title"},
-            {"legend": legend},
-            {"right": scale},
-            {"above": scale},
-            {"bare": True},
-            {"y": replace(plain.y, ticks=(0.5,), names=("half",))},
-            {"y": replace(plain.y, numbered=False)},
-            {"y": Axis((0.0, 1e6), powers=(-3, 3))},
-        )
-    ]
-    text = Text("words", (0.5, 0.5), 9.0, "figure")
-    figures += [Figure((2.0, 2.0), (plain,), (text,)), Figure((2.0, 2.0), (plain,), legend=below)]
-    figures.append(Figure((2.0, 4.0), rows=(figures[0], figures[0])))
-    assert len({render(each, ".svg") for each in figures}) == len(figures)
 
 
 # Layout -------------------------------------------------------------------------------------------
@@ -337,7 +285,8 @@ def test_round_ticks_are_multiples_inside(span: float, middle: float) -> None:
 
 def test_entries_are_of_named_marks_only() -> None:
     named = Line(SQUARE, Style("black"), "name")
-    assert entries([*EVERY_MARK, named]) == (Entry("name", Style("black")),)
+    others = Line(SQUARE, Style("red")), Rule("x", 0.5, Style("black")), Text("a", (0.5, 0.5), 9.0)
+    assert entries([*others, named]) == (Entry("name", Style("black")),)
 
 
 # Plots by their names -----------------------------------------------------------------------------

@@ -1,21 +1,35 @@
-"""The picture of a mechanism and its turn: lengths can be read, what turns stays in the window."""
+"""Pictures of a cam and its mechanism: the real disc, lengths to be read, what turns."""
 
 from __future__ import annotations
 
 import itertools
 import math
+from decimal import Decimal
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import pytest
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+from matplotlib.axes import Axes
 
 import camgeo
+from camgeo.design.design import Design
 from camgeo.kinematics.mechanism.sketch import Dimension, MechanismSketch
-from camgeo.pictures import mechanism
+from camgeo.numeric.arrays import ComplexArray
+from camgeo.pictures import cam, mechanism
 from camgeo.pictures.mechanism import animation
 from camgeo.pictures.model import Area, Line, Text
+from camgeo.scene.scene import load_scene
+from camgeo.units import TURN
 from tests import kept
+from tests.export.stub_product import StubProduct
+from tests.figure import drawing
+from tests.measuring import DensePath, polygon
+from tests.reference import hard_case
+from tests.strategies import attack
 
 SCENES = sorted((Path(__file__).parents[2] / "fixtures" / "scenes").glob("*.toml"))
 
@@ -97,3 +111,176 @@ def test_turns_are_as_kept() -> None:
             for moving in (False, True)
         ),
     )
+
+
+# Cut off ------------------------------------------------------------------------------------------
+# The picture of a cam shows the real disc, with what is cut off or would be.
+
+
+CORNERS = {"swallow_tail": 1, "cut_lobe": 1, "trimmed_ring": 2, "straight_moves": 2}
+TRIMMED = sorted(CORNERS)
+
+
+def edited(scene: str, **edits: Any) -> Design:
+    """The design of a scene with other values."""
+    return Design(load_scene(FIXTURES / "scenes" / f"{scene}.toml").with_values(edits))
+
+
+def drawn(design: Any) -> Axes:
+    """The picture's axes."""
+    (axes,) = drawing.drawn(cam.figure(design)).axes
+    return axes
+
+
+def labels(axes: Axes) -> set[str]:
+    legend = axes.get_legend()
+    assert legend is not None
+    return {text.get_text() for text in legend.get_texts()}
+
+
+def inset(axes: Axes) -> Axes | None:
+    found = [child for child in axes.child_axes if isinstance(child, Axes)]
+    assert len(found) <= 1
+    return found[0] if found else None
+
+
+def dashed(axes: Axes) -> list[ComplexArray]:
+    """The lines drawn as cut off."""
+    lines = [line for line in axes.lines if line.get_color() == cam.CUT]
+    rows = [np.asarray(line.get_xydata()) for line in lines if line.get_marker() == "None"]
+    return [row[:, 0] + 1j * row[:, 1] for row in rows]
+
+
+@pytest.mark.parametrize("scene", TRIMMED)
+def test_what_is_cut_off_begins_and_ends_in_the_corner(scene: str) -> None:
+    design = camgeo.load(FIXTURES / "scenes" / f"{scene}.toml")
+    found = design.disc.pictured.cut_off
+    assert len(found) == CORNERS[scene]
+    for each in found:
+        assert each.course[0] == each.course[-1] == each.corner
+        # The flank continues from the corner without a jump: no step is much longer than others.
+        steps = np.abs(np.diff(each.course))
+        assert np.max(steps) < 0.02 * np.sum(steps)
+        for phi in (each.start, each.end):
+            (x, y), *_ = design.disc.pictured.curve(each.flank, np.array([phi]))
+            assert abs(complex(x, y) - each.corner) < 1e-9
+    for each in found:
+        assert 0.0 <= each.start < TURN
+        assert each.start < each.end < each.start + TURN
+
+
+def test_the_corner_is_that_of_the_hard_case() -> None:
+    (found,) = camgeo.load(FIXTURES / "scenes" / "swallow_tail.toml").disc.pictured.cut_off
+    _, expected = hard_case("HC21c")
+    x, y = map(float, expected["crossing_point"])
+    assert abs(found.corner - complex(x, y)) < 1e-12
+    assert np.degrees(found.start) == pytest.approx(float(expected["crossing_phi1_deg"]), abs=1e-9)
+    assert np.degrees(found.end) == pytest.approx(float(expected["crossing_phi2_deg"]), abs=1e-9)
+
+
+@pytest.mark.parametrize("scene", ["swallow_tail", "trimmed_ring", "straight_moves"])
+def test_none_of_a_tail_is_farther_from_the_pitch_curve_than_the_roller(scene: str) -> None:
+    design = camgeo.load(FIXTURES / "scenes" / f"{scene}.toml")
+    rows = design.disc.pictured.curve("pitch", np.linspace(0.0, TURN, 100_000, endpoint=False))
+    pitch = DensePath(rows[:, 0] + 1j * rows[:, 1])
+    for each in design.disc.pictured.cut_off:
+        away = pitch.distances(each.course) - design.cam.follower.roller_radius
+        # The chord that bridges a corner of the pitch curve is 7e-3 mm long, and less is it off;
+        # elsewhere chords are 1e-6 mm off.
+        assert np.max(away) < 7e-3 * (scene == "straight_moves") + 1e-6
+        assert np.min(away) < -1e-4
+
+
+@pytest.mark.parametrize("scene", TRIMMED)
+@pytest.mark.parametrize("limit", ["trim", "refuse"])
+def test_what_is_small_is_enlarged_where_nothing_else_is(scene: str, limit: str) -> None:
+    design = edited(scene, **{"limits.undercut": limit})
+    axes = drawn(design.disc)
+    small = inset(axes)
+    if scene == "cut_lobe":
+        assert small is None  # the lobe is larger than the disc
+        return
+    assert small is not None
+    largest = max(design.disc.pictured.cut_off, key=lambda each: float(np.ptp(each.course.real)))
+    x, y = small.get_xlim(), small.get_ylim()
+    assert x[0] < largest.course.real.min() < largest.course.real.max() < x[1]
+    assert y[0] < largest.course.imag.min() < largest.course.imag.max() < y[1]
+    # An edge of the disc, or a flank, passes through the corner.
+    edges = [line for line in small.lines if line.get_color() != cam.CUT]
+    points = np.concatenate([np.asarray(line.get_xydata()) for line in edges])
+    gaps = np.abs(points[:, 0] + 1j * points[:, 1] - largest.corner)
+    assert np.nanmin(gaps) < 1e-3 * (x[1] - x[0])
+    # No line of the picture runs below the inset.
+    box = small.get_window_extent()
+    for line in axes.lines:
+        there = axes.transData.transform(np.asarray(line.get_xydata()))
+        assert not np.any(
+            (there[:, 0] > box.x0)
+            & (there[:, 0] < box.x1)
+            & (there[:, 1] > box.y0)
+            & (there[:, 1] < box.y1)
+        )
+    frame = axes.get_window_extent()
+    assert frame.x0 <= box.x0 < box.x1 <= frame.x1
+    assert frame.y0 <= box.y0 < box.y1 <= frame.y1
+
+
+@pytest.mark.parametrize("scene", TRIMMED)
+def test_a_refused_cam_shows_what_would_be_cut_off(scene: str) -> None:
+    design = edited(scene, **{"limits.undercut": "refuse"})
+    axes = drawn(design.disc)
+    assert {"flanks", "would be cut off", "corner"} <= labels(axes)
+    assert "edges of the disc" not in labels(axes)
+    assert "no outline: undercut" in {text.get_text() for text in axes.texts}
+    assert len(dashed(axes)) == CORNERS[scene]
+
+
+@pytest.mark.parametrize(
+    ("radius", "label"),
+    [("26", "undercut"), ("14.1365177403931773714700629489", "cusp")],
+    ids=["over-the-axis", "cusp"],
+)
+def test_undercut_of_which_nothing_can_be_cut_off(radius: str, label: str) -> None:
+    """A roller larger than the base circle leaves no disc; a cusp has no loop."""
+    edits = {"limits.undercut": "refuse", "follower.roller_radius": Decimal(radius)}
+    design = edited("swallow_tail", **edits)
+    assert design.disc.pictured.cut_off == ()
+    axes = drawn(design.disc)
+    assert label in labels(axes)
+    assert inset(axes) is None
+
+
+def test_a_tail_below_all_digits_is_only_marked() -> None:
+    """HC21b: 1.5e-8 mm wide."""
+    radius = Decimal("14.136531876910917764647434419")
+    axes = drawn(edited("swallow_tail", **{"follower.roller_radius": radius}).disc)
+    assert "corner" in labels(axes)
+    assert inset(axes) is None
+
+
+def test_a_whole_disc_has_no_such_entries() -> None:
+    assert labels(drawn(StubProduct())) == {
+        "edges of the disc",
+        "pitch curve",
+        "base circle",
+        "roller at φ = 0",
+    }
+
+
+@attack
+@given(
+    radii=st.lists(st.floats(0.2, 3.0), min_size=3, max_size=24),
+    x=st.floats(-2.0, 2.0),
+    y=st.floats(-2.0, 2.0),
+    width=st.floats(0.1, 5.0),
+)
+def test_clipping_keeps_the_area_within(
+    radii: list[float], x: float, y: float, width: float
+) -> None:
+    """Of stars, against shapely; also where the star falls apart."""
+    ring = np.array(radii) * np.exp(1j * TURN * np.arange(len(radii)) / len(radii))
+    half = 0.5 * width
+    wanted = polygon(ring).intersection(shapely.box(x - half, y - half, x + half, y + half)).area
+    found = cam.clipped(ring, complex(x, y), width)
+    area = 0.5 * float(np.sum((found.conj() * np.roll(found, -1)).imag)) if len(found) else 0.0
+    assert area == pytest.approx(wanted, abs=1e-12 * 30.0)

@@ -25,7 +25,6 @@ from camgeo.kinematics.plan import Dwell, MotionPlan, Move, breaks
 from camgeo.numeric.arrays import FloatArray
 from camgeo.pictures import motion
 from camgeo.pictures.motion import plan_sketch, spread
-from camgeo_export.plots import render
 from tests.export.stub_product import CAM, StubProduct
 from tests.figure import drawing
 
@@ -219,14 +218,6 @@ def test_names_of_laws_do_not_lie_on_each_other(scene: Path) -> None:
         (text.get_window_extent().x0, text.get_window_extent().x1) for text in names.texts
     )
     assert all(left[1] <= right[0] for left, right in itertools.pairwise(boxes))
-
-
-@pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
-def test_the_same_bytes_each_time(suffix: str) -> None:
-    one, other, stub = (
-        render(motion.figure(product), suffix) for product in (planned(), planned(), StubProduct())
-    )
-    assert one == other != stub
 
 
 PLACES = st.lists(st.floats(0.0, 360.0), min_size=1, max_size=30).map(sorted)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import closing
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -22,9 +21,9 @@ from camgeo.pictures.sweep import (
     pareto,
     require,
 )
-from camgeo.studies.sweep.family import Family, Sample, family_of
+from camgeo.studies.sweep.family import Sample, family_of
 from camgeo.studies.sweep.rows import Row
-from camgeo.studies.sweep.sweep import Result, sweep
+from camgeo.studies.sweep.sweep import Result
 from camgeo_export.plots import render
 from tests.sweep.families import SETZHUB, family
 
@@ -138,10 +137,3 @@ def test_words_and_numbers_alike() -> None:
     same = column("x", [2, 2.0])
     assert same.colour(same.level(2.0)) == COLOURS[0]
     assert column("none", [None, None]).axis.limits == (0.0, 1.0)
-
-
-def test_a_real_sweep_is_drawn() -> None:
-    designs: Family = family("follower.base_radius=45,50", "motion.2.law=cycloidal,no-law")
-    with closing(sweep(designs, ["largest-acceleration"])) as result:
-        assert len(cells(map_of(result))) == 4
-        assert len([line for line in lines(parallel(result)) if len(line.points) == 3]) == 2

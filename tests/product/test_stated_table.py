@@ -17,7 +17,7 @@ from camgeo.design.design import Design
 from camgeo.design.value_table import Table, rounded
 from camgeo.errors import FileError, GeometryError, SceneError, ToleranceError
 from camgeo.scene.formats.csv import CsvSpec
-from camgeo_export.asc import WRITER as ASC
+from camgeo_export.table import ASC_WRITER as ASC
 from camgeo_export.table import WRITER
 from tests.effects.scenes import SCENES
 

@@ -1,23 +1,54 @@
-"""Every fixture scene's sheet: all in its frame, no text across another, true dimensions."""
+"""Every fixture scene's sheet: in its frame, readable, with true dimensions; some as kept."""
 
 from __future__ import annotations
 
+import cmath
+import math
 import re
 import tomllib
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from itertools import groupby
+from pathlib import Path
 
 import numpy as np
 import pytest
 import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import TextPath
 
+import camgeo
 from camgeo.design.design import Design
 from camgeo.errors import SceneError
 from camgeo.numeric.arrays import ComplexArray
-from camgeo.pictures.sheet import placing
-from camgeo.pictures.sheet.marks import Chain, Diameter, Distance, Label, Mark, Round, Sheet, View
-from camgeo.pictures.sheet.placing import Ink, Options
-from camgeo.pictures.sheet.sheet import LEFT, MARGIN, measured, scales, sheets_of
-from camgeo.scene.scene import parse_scene
+from camgeo.pictures.sheet import placing, texts
+from camgeo.pictures.sheet.marks import (
+    NARROWED,
+    Chain,
+    Diameter,
+    Distance,
+    Filled,
+    Hatched,
+    Label,
+    Mark,
+    Round,
+    Sheet,
+    View,
+    line,
+    number_of,
+    squeeze,
+    width_of,
+)
+from camgeo.pictures.sheet.placing import Ink, Options, across, boxes, cleared, dots, findings_of
+from camgeo.pictures.sheet.section import placed
+from camgeo.pictures.sheet.sheet import scale_of, scales, sheets_of, spelled
+from camgeo.pictures.sheet.texts import LEFT, MARGIN, TABLE, wrapped
+from camgeo.scene.scene import load_scene, parse_scene
 from camgeo.units import LengthUnit
+from tests import kept
 from tests.long_form import LONG
 from tests.sheet.sheets import (
     EDGES,
@@ -105,7 +136,7 @@ def test_dimensions_measure_the_part(name: str, size: str, language: str) -> Non
     for product, sheet in zip(
         products(name, size, language), sheets(name, size, language), strict=True
     ):
-        found = [each.measure for each in measured(sheet)]
+        found = [each.measure for each in sheet.dimensions]
         spec = product.scene.part
         assert spec is not None
         stated = [spec.thickness, spec.rim]
@@ -142,7 +173,7 @@ hub ="""
     scene = parse_scene(HUBBED.replace("hub =", bolts.replace("\n", " ", 1)))
     (sheet,) = sheets_of(Design(scene.with_values(edited(FULL))).disc, TOLERANCE)
     assert overlaps(text_boxes(sheet)) == []
-    found = [text_of(each, sheet) for each in measured(sheet)]
+    found = [text_of(each, sheet) for each in sheet.dimensions]
     assert {"4x %%c4", "4x %%c7.5"} <= set(found)
     assert found.count("%%c52") == 1  # one pitch circle of both
     texts = " ".join(mark.text for mark in sheet.marks if isinstance(mark, Label))
@@ -156,6 +187,14 @@ def test_the_example_of_the_page_is_a_table() -> None:
     sheets_of(Design(parse_scene(HUBBED).with_values(edited(table))).disc, TOLERANCE)
 
 
+def test_every_word_is_used_and_has_the_same_places_in_both_languages() -> None:
+    used = re.findall(r"\bwords\[['\"](\w+)['\"]\]", Path(texts.__file__).read_text("utf-8"))
+    assert set(used) == TABLE.keys()
+    for found in TABLE.values():
+        english, german = (sorted(re.findall(r"\{\w+\}", each)) for each in found)
+        assert english == german
+
+
 def test_nothing_is_invented() -> None:
     """A scene without [drawing] has empty fields, and no tolerance or symbol."""
     design = Design(parse_scene(HUBBED).with_values({"output.fit": "fast"}))
@@ -164,14 +203,14 @@ def test_nothing_is_invented() -> None:
         mark.text for mark in (*sheet.marks, *sheet.views[0].marks) if isinstance(mark, Label)
     )
     assert not re.search(r"H7|JS9|Ra|20\d\d-|ISO 2768|HRC", texts)
-    assert {each.suffix for each in measured(sheet)} <= {"", ")"}
+    assert {each.suffix for each in sheet.dimensions} <= {"", ")"}
 
 
 def test_a_part_without_thickness_has_one_view() -> None:
     text = HUBBED.partition("[part]")[0] + "[part]\nbore = 16\n"
     (sheet,) = sheets_of(Design(parse_scene(text)).disc, TOLERANCE)
     assert len(sheet.views) == 1
-    assert [each.measure for each in measured(sheet) if isinstance(each, Diameter)] == [16.0]
+    assert [each.measure for each in sheet.dimensions if isinstance(each, Diameter)] == [16.0]
 
 
 def test_what_does_not_fit_is_refused_with_its_key() -> None:
@@ -187,7 +226,7 @@ def test_only_a_sheet_with_brackets_explains_them() -> None:
             found = any("in brackets" in mark.text for mark in sheet.marks
                         if isinstance(mark, Label))  # fmt: skip
             assert found == explained
-            assert found == any(mark.prefix == "(" for mark in measured(sheet))
+            assert found == any(mark.prefix == "(" for mark in sheet.dimensions)
 
 
 def test_curves_far_larger_than_the_part_are_left_out_with_a_note() -> None:
@@ -273,3 +312,182 @@ def test_surfaces_that_differ_are_announced_in_brackets() -> None:
         texts = [each.text for each in sheet.marks if isinstance(each, Label)]
         assert ("(" in texts) == there
         assert "Ra 3.2" in texts
+
+
+# Kept ---------------------------------------------------------------------------------------------
+# Whole sheets, mark by mark: views, dimensions, notes, tables, frame and title block.
+
+
+CHAMFERED = HUBBED.replace(
+    "keyway = { width = 5, depth = 2.3, angle = 90 }",
+    """d_shaft = { across = 14, angle = 20 }
+bolt_circle = { count = 4, circle = 50, hole = 4 }
+chamfers = { outline = { width = 0.5, edges = "upper" }, bore = { width = 1 } }""",
+)
+
+
+def kept_sheets() -> Iterator[tuple[str, Sequence[Sheet]]]:
+    """Of a part with a hub, holes and all that a scene can state; of one in inches in German, with
+    a table on a sheet of its own; of one with chamfers and a flat; of a pair in one piece.
+    """
+    keys = edited(dict(FULL))
+    full = load_scene(FIXTURES / "scenes" / "hub_and_holes.toml").with_values(keys)
+    yield "hub and holes", sheets_of(Design(full).disc, TOLERANCE)
+    keys = edited({**FULL, "sheet": "A4", "language": "de", "step": 5})
+    inch = load_scene(FIXTURES / "scenes" / "inch.toml").with_values(keys)
+    yield "inches on A4 in German", sheets_of(Design(inch).disc, TOLERANCE)
+    chamfered = parse_scene(CHAMFERED).with_values(edited({"step": 0, "motion": False}))
+    yield "chamfers and a flat", sheets_of(Design(chamfered).disc, TOLERANCE)
+    scene = camgeo.load(FIXTURES / "pairs" / "conjugate_pair.toml").scene
+    pair = Design(scene.with_values(edited({"material": "C45"}))).disc.pair
+    assert pair is not None
+    yield "a pair in one piece", sheets_of(pair, TOLERANCE)
+
+
+def lines_of(marks: Sequence[Mark]) -> Iterator[str]:
+    """Marks, one a line, of chains and polygons those of one kind and layer together."""
+
+    def kind(mark: Mark) -> tuple[str, ...]:
+        drawn = isinstance(mark, (Chain, Filled, Hatched))
+        return (type(mark).__name__, getattr(mark, "layer", "")) if drawn else ("",)
+
+    for key, group in groupby(sorted(marks, key=kind), kind):
+        if key == ("",):
+            yield from map(kept.marks, group)
+            continue
+        every = list(group)
+        points = [each.vertices if isinstance(each, Chain) else np.array(each.corners)
+                  for each in every if isinstance(each, (Chain, Filled, Hatched))]  # fmt: skip
+        sweeps = [each.sweeps for each in every if isinstance(each, Chain)]
+        closed = sum(isinstance(each, Chain) and each.closed for each in every)
+        yield " ".join((
+            *key, f"{len(every)}, closed {closed}", kept.marks(np.concatenate(points)),
+            *([kept.marks(np.concatenate(sweeps))] if sweeps else []),
+        ))  # fmt: skip
+
+
+def test_sheets_are_as_kept() -> None:
+    def parts() -> Iterator[tuple[str, str]]:
+        for name, found in kept_sheets():
+            for number, sheet in enumerate(found, 1):
+                head = f"{name}, sheet {number}: {sheet.width:g} x {sheet.height:g} mm,"
+                yield (
+                    f"{head} scale {kept.short(sheet.scale)}, {sheet.unit}, comma {sheet.comma}",
+                    "\n".join(lines_of(sheet.marks)),
+                )
+                for view in sheet.views:
+                    yield f"view at {kept.marks(view.at)}", "\n".join(lines_of(view.marks))
+
+    kept.compare("sheet/sheets.txt", parts())
+
+
+# Places -------------------------------------------------------------------------------------------
+# Texts of a sheet: their widths, where they stand, and what cannot be read.
+
+
+@pytest.mark.parametrize("text", ["0123456789", "The quick brown fox", "Rolle 14 mm (88.84)"])
+def test_widths_are_those_of_the_font(text: str) -> None:
+    font = FontProperties(family="DejaVu Sans")
+    capital = TextPath((0, 0), "H", size=100.0, prop=font).get_extents().height
+    wide = TextPath((0, 0), f"|{text}|", size=100.0, prop=font).get_extents().width
+    bars = TextPath((0, 0), "||", size=100.0, prop=font).get_extents().width
+    assert width_of(text, 1.0) == pytest.approx(NARROWED * (wide - bars) / capital, rel=0.03)
+
+
+def test_long_texts_are_narrowed_or_wrapped() -> None:
+    text = "a text that is much too long for its field"
+    assert width_of(text, 2.5) * squeeze(text, 2.5, 20.0) == pytest.approx(20.0)
+    assert squeeze("short", 2.5, 20.0) == squeeze(text, 2.5, 0.0) == 1.0
+    lines = wrapped(text, 2.5, 30.0)
+    assert " ".join(lines) == text
+    assert all(width_of(each, 2.5) <= 30.0 for each in lines)
+
+
+def test_scales_are_those_of_the_standard() -> None:
+    """ISO 5455, table 1, and its decades."""
+    found = scales()
+    assert list(found) == sorted(found, reverse=True)
+    stated = ["50:1", "20:1", "10:1", "5:1", "2:1", "1:1", "1:2", "1:5", "1:10", "1:20", "1:50"]
+    assert [spelled(each) for each in found[:11]] == stated
+    assert all(scale_of(spelled(each)) == each for each in found)
+    assert scale_of("1:2") == Fraction(1, 2)
+
+
+BOX = boxes([(10 + 0j, 1.0 + 0j, 6.0, 2.0)])
+
+
+def test_lines_are_interrupted_at_texts_and_nothing_else_is() -> None:
+    found = list(cleared([line(0j, 20 + 0j, "CENTRE")], Ink(frames=BOX), 1.0))
+    ends = [[complex(end) for end in each.vertices] for each in found if isinstance(each, Chain)]
+    assert ends == [[0j, pytest.approx(7)], [pytest.approx(13), 20 + 0j]]
+    away = line(5j, 20 + 5j, "CENTRE")
+    outline = line(0j, 20 + 0j, "OUTLINE")
+    assert list(cleared([away, outline], Ink(frames=BOX), 1.0)) == [away, outline]
+
+
+@given(
+    size=st.floats(0.1, 500.0), turn=st.floats(-7.0, 7.0), scale=st.sampled_from([0.1, 1.0, 10.0])
+)
+def test_placing_changes_no_measure_and_keeps_texts_upright(
+    size: float, turn: float, scale: float
+) -> None:
+    along = cmath.rect(1.0, turn)
+    mark = Distance(3 + 4j, 3 + 4j + size * along, 5 + 5j, turn)
+    for price, (first, *rest) in placed(mark, scale, "mm", along):
+        assert isinstance(first, Distance)
+        assert first.measure == pytest.approx(size, rel=1e-9)
+        assert -0.5 * math.pi < first.angle <= 0.5 * math.pi + 1e-9
+        assert {first.first, first.second} == {mark.first, mark.second}
+        assert bool(first.aside) == bool(rest)
+        assert price >= 0.0
+
+
+@pytest.mark.parametrize(
+    ("size", "unit", "decimals", "text"),
+    [(16.0, "mm", 4, "16"), (18.30000001, "mm", 3, "18.3"), (100.0, "mm", 0, "100"),
+     (4.7625, "inch", 5, "0.1875"), (1200.0, "mm", 2, "1200")],
+)  # fmt: skip
+def test_numbers_have_no_zeros_at_their_end(
+    size: float, unit: str, decimals: int, text: str
+) -> None:
+    mark = Distance(0j, size + 0j, 0j, prefix="%%c", suffix=" H7", decimals=decimals)
+    assert number_of(mark, "inch" if unit == "inch" else "mm") == f"%%c{text} H7"
+
+
+def with_marks(sheet: Sheet, *marks: Chain | Distance) -> Sheet:
+    view = sheet.views[0]
+    return replace(sheet, views=(replace(view, marks=(*view.marks, *marks)), *sheet.views[1:]))
+
+
+def test_usual_sheets_are_readable() -> None:
+    for name in ("setzhub", "ring", "inch"):
+        assert [list(findings_of(each)) for each in sheets(name)] == [[]]
+
+
+def test_a_line_across_a_text_is_told() -> None:
+    (sheet,) = sheets("setzhub")
+    distances = [each for each in sheet.views[0].marks if isinstance(each, Distance)]
+    (mark,) = (each for each in distances if each.prefix == "(" and each.angle == 0.0)
+    middle = 0.5 * (mark.first.real + mark.second.real) + 1j * mark.line.imag
+    wrong = with_marks(sheet, line(middle, middle + 10j, "OUTLINE"))
+    assert list(across(wrong.views[0], wrong)) == ["(69.53)"]
+    (found,) = findings_of(wrong)
+    assert found.severity == "warning"
+    assert 'lines across 1 text ("(69.53)")' in found.sentence
+
+
+def test_two_texts_in_one_place_are_told() -> None:
+    (sheet,) = sheets("setzhub")
+    view = View(0j, tuple(Distance(0j, 40 + 0j, 10j + 1j * lift) for lift in (0.0, 1.0)))
+    assert list(across(view, sheet)) == ["40", "40"]
+
+
+def test_outlines_that_are_dots_are_told_with_their_place() -> None:
+    """A dot of 2 mm at radius 25 and 30 degrees, at 1 : 5."""
+    (sheet,) = sheets_of(part("hub and bolts", 30, sheet="A3", scale="1:5"), TOLERANCE)
+    ((width, at),) = dots(sheet)
+    assert width == pytest.approx(0.4, abs=0.01)
+    assert at == pytest.approx(25.0 * (0.75**0.5 + 0.5j), abs=0.01)
+    sentences = [each.sentence for each in findings_of(sheet)]
+    assert any("1 outline as a dot, 0.4 mm wide on paper, at (21.65 / 12.5)" in each
+               for each in sentences)  # fmt: skip

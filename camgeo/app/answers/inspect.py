@@ -614,10 +614,10 @@ def table(answer: Inspection) -> Table:
 
 def figure(answer: Inspection) -> Figure:
     """Deviations and lift errors over the cam angle."""
-    from camgeo.pictures import inspection
+    from camgeo.pictures.deviations import inspection_figure
 
     mm, lift = MM_PER[answer.scene.unit], answer.lift
-    return inspection.figure(
+    return inspection_figure(
         answer.deviations,
         None if lift is None else lift.errors,
         title=f"{answer.disc.name}: {answer.flank} flank, {answer.file}, {_fitted(answer)}",

@@ -532,10 +532,10 @@ def table(answer: FollowerReplay) -> Table:
 
 def figure(answer: FollowerReplay) -> Figure:
     """Lift, velocity and acceleration on the first disc."""
-    from camgeo.pictures import replay
+    from camgeo.pictures.deviations import replay_figure
 
     first = answer.discs[0]
-    return replay.figure(
+    return replay_figure(
         first.replay,
         title=f"{first.disc.name}: replay, {answer.flank} flank, {first.contour}",
         unit=first.unit,

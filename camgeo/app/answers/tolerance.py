@@ -599,9 +599,9 @@ def table(answer: ToleranceAnalysis) -> Table:
 
 def figure(answer: ToleranceAnalysis) -> Figure:
     """The band of errors, and the variance by source, over the cam angle."""
-    from camgeo.pictures.tolerance import of_analysis
+    from camgeo.pictures.deviations import tolerance_figure
 
-    return of_analysis(
+    return tolerance_figure(
         answer.linear, answer.sampled, answer.scene.name, unit=answer.unit, factor=answer.factor
     )
 

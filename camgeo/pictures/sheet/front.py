@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import pairwise
@@ -11,7 +12,7 @@ import numpy as np
 
 from camgeo.geometry.contour.contour import Contour
 from camgeo.numeric.arrays import ComplexArray
-from camgeo.pictures.sheet.marks import Chain, Label, Layer, Mark, Round, cut_out, line
+from camgeo.pictures.sheet.marks import Chain, Label, Layer, Mark, Round, line
 from camgeo.pictures.sheet.shape import COARSE, Edge, Shape, enclosing
 
 DASH_DOT = (8.4, 1.05, 0.25, 1.05)
@@ -38,16 +39,12 @@ def hole_centres(shape: Shape, scale: float) -> list[Mark]:
     """Centre lines of round boundaries off the cam axis: radial and along their pitch circle."""
     marks: list[Mark] = []
     circles: set[float] = set()
-    for edge in shape.edges:
-        if edge.circle is None or abs(edge.circle[0]) <= 1e-9 * shape.size:
-            continue
-        centre, radius = edge.circle
+    holes = shape.holes
+    for centre, radius in holes:
         outward = centre / abs(centre)
         far = radius + SMALL_BEYOND / scale
         marks.append(line(centre - far * outward, centre + far * outward, "CENTRE"))
-        alike = [other for other in shape.edges if other.circle is not None
-                 and math.isclose(abs(other.circle[0]), abs(centre), rel_tol=1e-9)]  # fmt: skip
-        if len(alike) > 1:
+        if sum(math.isclose(abs(each), abs(centre), rel_tol=1e-9) for each, _ in holes) > 1:
             if not any(math.isclose(each, abs(centre), rel_tol=1e-9) for each in circles):
                 circles.add(abs(centre))
                 marks.append(Round(0j, abs(centre), "CENTRE"))
@@ -128,6 +125,35 @@ def _dashes(
         if number % 2 == 0:
             yield place, size
         place += size
+
+
+def cut_out(contour: Contour, first: float, size: float, layer: Layer) -> Chain:
+    """The stretch of the length `size` that begins at the length `first` [mm], below the whole."""
+    lengths = contour.lengths
+    starts = np.concatenate(([0.0], np.cumsum(lengths)))
+    index = min(int(np.searchsorted(starts, first, side="right")) - 1, len(contour) - 1)
+    inside = first - float(starts[index])
+    vertices, sweeps, left = [], [], size
+    while True:
+        share = inside / lengths[index] if lengths[index] else 0.0
+        taken = min(left, float(lengths[index]) - inside)
+        part = taken / float(lengths[index]) if lengths[index] else 0.0
+        vertices.append(on(contour, index, share))
+        sweeps.append(float(contour.sweeps[index]) * part)
+        left -= taken
+        if left <= 1e-12 * size:
+            vertices.append(on(contour, index, share + part))
+            return Chain(np.array(vertices), np.array([*sweeps, 0.0]), layer)
+        index, inside = (index + 1) % len(contour), 0.0
+
+
+def on(contour: Contour, index: int, share: float) -> complex:
+    """The point of a piece at a share of its length."""
+    start, sweep = complex(contour.vertices[index]), float(contour.sweeps[index])
+    if sweep == 0.0:
+        return start + share * (complex(contour.ends[index]) - start)
+    centre = complex(contour.centres[index])
+    return centre + (start - centre) * cmath.exp(1j * sweep * share)
 
 
 # -- hidden ---------------------------------------------------------------------------------------

@@ -6,17 +6,15 @@ are in millimetres of the part. Heights of texts are always those on paper.
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
 
-from camgeo.geometry.contour.contour import Contour
 from camgeo.numeric.arrays import ComplexArray, FloatArray, frozen
-from camgeo.units import LengthUnit
+from camgeo.units import MM_PER, LengthUnit
 
 Layer = Literal[
     "OUTLINE", "HIDDEN", "SECTION", "EDGES", "CENTRE", "PITCH_CURVE", "BASE_CIRCLE",
@@ -166,6 +164,30 @@ class Diameter:
         return 2.0 * self.radius
 
 
+LETTERS: Final = 3.5
+"""Height of the texts of dimensions [mm of paper]."""
+
+
+ARROW: Final = 3.0
+"""Length of their arrows [mm of paper]."""
+
+
+LIFTED: Final = 0.8
+"""Of texts above the dimension line, and the gap beside arrows [mm of paper]."""
+
+
+BEFORE, BEHIND = 0.8, 1.5
+"""From the part to its extension line, and from the dimension line to its end [mm of paper]."""
+
+
+BEFORE, BEHIND = 0.8, 1.5
+"""From the part to its extension line, and from the dimension line to its end [mm of paper]."""
+
+
+QUARTERS: Final[ComplexArray] = frozen([1.0, 1j, -1.0, -1j], np.complex128)
+"""Unit vectors to the quarters of a circle."""
+
+
 Mark = Chain | Round | Label | Filled | Hatched | Distance | Diameter
 
 
@@ -191,6 +213,7 @@ class Sheet:
     ----------
     width, height : trimmed [mm].
     scale : millimetres of paper for each millimetre of the part.
+    ratio : the same as the title block states it, "1:2".
     unit : of the dimensions.
     comma : whether decimals follow a comma.
     views : the first one is the front view, whose origin is the cam axis.
@@ -200,10 +223,31 @@ class Sheet:
     width: float
     height: float
     scale: float
+    ratio: str
     unit: LengthUnit
     comma: bool
     views: tuple[View, ...]
-    marks: tuple[Mark, ...] = field(default=())
+    marks: tuple[Mark, ...] = ()
+
+    @property
+    def dimensions(self) -> tuple[Distance | Diameter, ...]:
+        """Those of all views."""
+        marks = (mark for view in self.views for mark in view.marks)
+        return tuple(mark for mark in marks if isinstance(mark, Distance | Diameter))
+
+
+def number_of(mark: Distance | Diameter, unit: LengthUnit) -> str:
+    """The text of a dimension, with a decimal point."""
+    text = f"{mark.measure / MM_PER[unit]:.{mark.decimals}f}"
+    text = text.rstrip("0").rstrip(".") if "." in text else text
+    return f"{mark.prefix}{text}{mark.suffix}"
+
+
+def shelf_of(text: str) -> float:
+    """Length of the line below the text of a diameter [mm of paper]: as if all letters were as wide
+    as high, before they are narrowed.
+    """
+    return NARROWED * LETTERS * len(text.replace(DIAMETER, "O"))
 
 
 def line(start: complex, end: complex, layer: Layer) -> Chain:
@@ -220,16 +264,6 @@ def rectangle(corner: complex, width: float, height: float, layer: Layer) -> Cha
     """A rectangle by its lower left corner."""
     across, up = complex(width), 1j * height
     return path((corner, corner + across, corner + across + up, corner + up), layer, closed=True)
-
-
-def arc(centre: complex, start: complex, sweep: float, layer: Layer) -> Chain:
-    """An arc from `start` that turns by `sweep` [rad], in quarters at most: half circles are turned
-    over by some programs.
-    """
-    count = math.ceil(abs(sweep) / (0.5 * math.pi) - 1e-9)
-    turns = np.exp(1j * sweep * np.arange(count + 1) / count)
-    sweeps = np.full(count + 1, sweep / count)
-    return Chain(centre + (start - centre) * turns, sweeps, layer)
 
 
 def arrow(tip: complex, direction: complex, layer: Layer = "SYMBOL", size: float = 3.0) -> Filled:
@@ -255,35 +289,6 @@ def moved(marks: Sequence[Mark], at: complex, scale: float) -> list[Mark]:
 
 # -- stretch --------------------------------------------------------------------------------------
 # Stretches of a contour, cut from its lines and arcs.
-
-
-def cut_out(contour: Contour, first: float, size: float, layer: Layer) -> Chain:
-    """The stretch of the length `size` that begins at the length `first` [mm], below the whole."""
-    lengths = contour.lengths
-    starts = np.concatenate(([0.0], np.cumsum(lengths)))
-    index = min(int(np.searchsorted(starts, first, side="right")) - 1, len(contour) - 1)
-    inside = first - float(starts[index])
-    vertices, sweeps, left = [], [], size
-    while True:
-        share = inside / lengths[index] if lengths[index] else 0.0
-        taken = min(left, float(lengths[index]) - inside)
-        part = taken / float(lengths[index]) if lengths[index] else 0.0
-        vertices.append(on(contour, index, share))
-        sweeps.append(float(contour.sweeps[index]) * part)
-        left -= taken
-        if left <= 1e-12 * size:
-            vertices.append(on(contour, index, share + part))
-            return Chain(np.array(vertices), np.array([*sweeps, 0.0]), layer)
-        index, inside = (index + 1) % len(contour), 0.0
-
-
-def on(contour: Contour, index: int, share: float) -> complex:
-    """The point of a piece at a share of its length."""
-    start, sweep = complex(contour.vertices[index]), float(contour.sweeps[index])
-    if sweep == 0.0:
-        return start + share * (complex(contour.ends[index]) - start)
-    centre = complex(contour.centres[index])
-    return centre + (start - centre) * cmath.exp(1j * sweep * share)
 
 
 # -- lettering ------------------------------------------------------------------------------------
@@ -325,18 +330,6 @@ def squeeze(text: str, height: float, width: float) -> float:
     return 1.0 if not width or wide <= width else width / wide
 
 
-def wrapped(text: str, height: float, width: float) -> tuple[str, ...]:
-    """The text in lines at most `width` [mm] wide, broken at spaces; longer words stay whole."""
-    lines: list[str] = []
-    for word in text.split(" "):
-        longer = f"{lines[-1]} {word}" if lines else word
-        if lines and width_of(longer, height) <= width:
-            lines[-1] = longer
-        else:
-            lines.append(word)
-    return tuple(lines)
-
-
 # -- symbols --------------------------------------------------------------------------------------
 # Symbols of technical drawings [mm of paper], made of lines so that every program shows them.
 
@@ -346,61 +339,6 @@ LETTER = 3.5
 
 CELL = 7.0
 """Height of a frame, and the least width of its cells: twice the letters (ISO 7083)."""
-
-SINK = 0.5 * (CELL - LETTER)
-
-
-def first_angle(middle: complex) -> list[Mark]:
-    """The symbol of first-angle projection (ISO 5456-2), about 16 wide and 8 high."""
-    left, right = middle - 6.5, middle - 0.5
-    cone = (left - 1.5j, right - 3.0j, right + 3.0j, left + 1.5j)
-    rings = middle + 4.5
-    return [
-        path(cone, "SYMBOL", closed=True),
-        Round(rings, 1.5, "SYMBOL"),
-        Round(rings, 3.0, "SYMBOL"),
-        line(left - 0.8, right + 0.8, "CENTRE"),
-        line(rings - 3.8, rings + 3.8, "CENTRE"),
-        line(rings - 3.8j, rings + 3.8j, "CENTRE"),
-    ]
-
-
-def tolerance_frame(corner: complex, value: str, datums: Sequence[str]) -> list[Mark]:
-    """A frame of ISO 1101 for the profile of a surface, by its lower left corner."""
-    marks: list[Mark] = []
-    widths = [CELL, width_of(value, LETTER) + 3.0, *(CELL for _ in datums)]
-    start = corner
-    for width in widths:
-        marks.append(rectangle(start, width, CELL, "SYMBOL"))
-        start += width
-    middle = corner + complex(0.5 * CELL, 2.2)
-    half = 2.2
-    marks.append(line(middle - half, middle + half, "SYMBOL"))
-    marks.append(arc(middle, middle + half, math.pi, "SYMBOL"))
-    start = corner + CELL
-    for text, width in zip((value, *datums), widths[1:], strict=True):
-        marks.append(Label(text, start + complex(0.5 * width, SINK), LETTER, "centre", "SYMBOL"))
-        start += width
-    return marks
-
-
-def frame_width(value: str, datums: Sequence[str]) -> float:
-    """Width of such a frame [mm]."""
-    return CELL * (1 + len(datums)) + width_of(value, LETTER) + 3.0
-
-
-def datum(at: complex, outward: complex, name: str) -> list[Mark]:
-    """A datum (ISO 5459): the triangle stands on a line at `at`, its letter is along `outward`."""
-    foot = arrow(at + 3.0 * outward, outward, size=3.0)
-    base = (at + 1.7j * outward, at - 1.7j * outward, at + 3.0 * outward)
-    middle = at + (7.0 + 0.5 * CELL) * outward
-    corner = middle - complex(0.5 * CELL, 0.5 * CELL)
-    return [
-        type(foot)(base),
-        line(at + 3.0 * outward, at + 7.0 * outward, "SYMBOL"),
-        rectangle(corner, CELL, CELL, "SYMBOL"),
-        Label(name, middle - 0.5j * LETTER, LETTER, "centre", "SYMBOL"),
-    ]
 
 
 def texture(at: complex, text: str, letter: float = 2.5) -> list[Mark]:
@@ -414,33 +352,4 @@ def texture(at: complex, text: str, letter: float = 2.5) -> list[Mark]:
         path((left, at, top, end), "SYMBOL"),
         line(left, level, "SYMBOL"),
         Label(text, top + complex(1.0, -1.5 * letter), letter, layer="SYMBOL"),
-    ]
-
-
-def texture_width(text: str, letter: float = 2.5) -> float:
-    """From the tip of that symbol to its right end [mm]."""
-    return 3.0 * letter * math.tan(math.pi / 6.0) + width_of(text, letter) + 1.5
-
-
-def others(at: complex, letter: float = 2.5) -> list[Mark]:
-    """The basic symbol in brackets, behind the texture of all surfaces: some state another one. Its
-    tip is at `at`.
-    """
-    aside = 1.4 * letter * complex(math.tan(math.pi / 6.0), 1.0)
-    end = at + 2.6 * letter * complex(math.tan(math.pi / 6.0), 1.0)
-    low = at + 0.3j * letter
-    return [
-        path((at - aside.conjugate(), at, end), "SYMBOL"),
-        Label("(", low - 1.2 * letter, 1.6 * letter, "right", "SYMBOL"),
-        Label(")", low + 1.8 * letter, 1.6 * letter, "left", "SYMBOL"),
-    ]
-
-
-def edges(at: complex, text: str, letter: float = 2.5) -> list[Mark]:
-    """The symbol of ISO 13715 for edges of undefined shape, its corner at `at`."""
-    tip = at + complex(2.0, 2.0) * letter / 2.5
-    return [
-        path((at - 1.5, at, at - 1.5j), "SYMBOL"),
-        path((at, tip, tip + width_of(text, letter) + 1.0), "SYMBOL"),
-        Label(text, tip + complex(0.7, 0.8), letter, layer="SYMBOL"),
     ]

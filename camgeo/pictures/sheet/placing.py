@@ -14,8 +14,13 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, frozen
 from camgeo.pictures.sheet.marks import (
+    ARROW,
+    BEFORE,
+    BEHIND,
     DIAMETER,
-    NARROWED,
+    LETTERS,
+    LIFTED,
+    QUARTERS,
     Chain,
     Diameter,
     Distance,
@@ -27,13 +32,12 @@ from camgeo.pictures.sheet.marks import (
     Sheet,
     View,
     line,
+    number_of,
+    shelf_of,
     squeeze,
     width_of,
 )
 from camgeo.units import MM_PER, LengthUnit, counted, listed
-
-UPRIGHT: Final = 1e-9
-"""Angles [rad] that are meant to be 0 or a quarter turn; programs turn texts over at those."""
 
 CLEAR: Final = 0.7
 """Around a text, where no line is drawn [mm of paper]."""
@@ -122,63 +126,13 @@ def settled(
     return [*fixed, *(mark for marks in places for mark in marks)]
 
 
-def has_room(mark: Distance, scale: float, unit: LengthUnit) -> bool:
-    """Whether the text of a dimension fits between its extension lines."""
-    return width_of(number_of(mark, unit), LETTERS) + 1.0 <= mark.measure * scale
-
-
-def has_arrows_outside(mark: Distance, scale: float) -> bool:
-    """Whether the arrows of a dimension point at it from outside."""
-    return mark.measure * scale < 2.0 * ARROW + LIFTED
-
-
-def upright(mark: Distance) -> Distance:
-    """The same dimension, its text to be read from below or from the right, its first end first."""
-    angle = math.remainder(mark.angle, math.pi)
-    if abs(angle + 0.5 * math.pi) < UPRIGHT:
-        angle = 0.5 * math.pi
-    angle = 0.0 if abs(angle) < UPRIGHT else angle
-    along = cmath.rect(1.0, angle)
-    ends = sorted((mark.first, mark.second), key=lambda end: (end * along.conjugate()).real)
-    return replace(mark, angle=angle, first=ends[0], second=ends[1])
-
-
-def placed(mark: Distance, scale: float, unit: LengthUnit, towards: complex) -> Iterator[Option]:
-    """The dimension with its text in the middle, if there is room, and outside, rather in the
-    direction `towards`.
-
-    Its line goes on below a text outside.
+def cleared(marks: Iterable[Mark], ink: Ink, scale: float) -> Iterator[Mark]:
+    """The marks, with straight lines of `AXES` interrupted, and short chains of them left out,
+    where they would go through a text or a frame of the `ink`.
     """
-    mark = upright(mark)
-    along = cmath.rect(1.0, mark.angle)
-    inside = has_room(mark, scale, unit)
-    if inside:
-        yield 0.0, (mark,)
-    wide, room = width_of(number_of(mark, unit), LETTERS), mark.measure * scale
-    better = 1.0 if (towards * along.conjugate()).real >= 0.0 else -1.0
-    for sense in (better, -better):
-        price = (1.0 if inside else 0.0) + (0.5 if sense != better else 0.0)
-        moved = replace(mark, aside=sense * (0.5 * room + TEXT_OUTSIDE + 0.5 * wide))
-        start = middle_of(moved) + sense * along * (0.5 * room + 0.5 * ARROW) / scale
-        end = middle_of(moved) + sense * along * (0.5 * room + TEXT_OUTSIDE + wide) / scale
-        yield price, (moved, line(start, end, "DIMENSION"))
-
-
-def middle_of(mark: Distance) -> complex:
-    """The middle of the measured stretch on the dimension line."""
-    along = cmath.rect(1.0, mark.angle)
-    between = 0.5 * (mark.first + mark.second) - mark.line
-    return mark.line + along * (between * along.conjugate()).real
-
-
-def cleared(
-    marks: Iterable[Mark], rooms: Sequence[Boxes], layers: Sequence[str], scale: float
-) -> Iterator[Mark]:
-    """The marks, with straight lines of some `layers` interrupted, and short chains left out, where
-    they would go through a room [mm of paper].
-    """
+    rooms = (ink.texts.around(CLEAR), ink.frames)
     for mark in marks:
-        if not (isinstance(mark, Chain) and mark.layer in layers):
+        if not (isinstance(mark, Chain) and mark.layer in AXES):
             yield mark
             continue
         lines = chords(scale * mark.vertices, mark.sweeps, closed=mark.closed)
@@ -271,20 +225,6 @@ def dots(sheet: Sheet) -> Iterator[tuple[float, complex]]:
 SAGITTA: Final = 0.01
 """By which chords may leave their arcs [mm of paper]."""
 
-LETTERS: Final = 3.5
-"""Height of the texts of dimensions [mm of paper]."""
-
-ARROW: Final = 3.0
-"""Length of their arrows [mm of paper]."""
-
-LIFTED: Final = 0.8
-"""Of texts above the dimension line, and the gap beside arrows [mm of paper]."""
-
-BEFORE, BEHIND = 0.8, 1.5
-"""From the part to its extension line, and from the dimension line to its end [mm of paper]."""
-
-TEXT_OUTSIDE: Final = 7.5
-"""From the measured stretch to a text outside of it: an arrow with its tail [mm of paper]."""
 
 BAR: Final = 1.0
 """Half the width of a dimension line with its arrows [mm of paper]."""
@@ -389,8 +329,6 @@ def boxes(found: Sequence[tuple[complex, complex, float, float]]) -> Boxes:
 
 NONE: Final = Boxes(*(np.zeros(0, dtype=np.complex128) for _ in range(3)))
 
-QUARTERS: Final[ComplexArray] = frozen([1.0, 1j, -1.0, -1j], np.complex128)
-"""Unit vectors to the quarters of a circle."""
 
 NO_LINES: Final[ComplexArray] = frozen(np.zeros((0, 2)), np.complex128)
 
@@ -427,18 +365,16 @@ class Ink:
 def together(inks: Iterable[Ink]) -> Ink:
     """What all of them cover."""
     found = list(inks)
-    sets = [
-        Boxes(*(np.concatenate([getattr(b, name) for b in own]) for name in Boxes.__slots__))
-        for own in (
-            [each.texts for each in found],
-            [each.bars for each in found],
-            [each.frames for each in found],
-        )
-    ]
-    lines = ([each.wide for each in found], [each.thin for each in found],
-             [each.axes for each in found])  # fmt: skip
-    texts, bars, frames = sets
-    return Ink(texts, bars, frames, *(np.concatenate([NO_LINES, *own]) for own in lines))
+
+    def all_of(kind: str) -> Boxes:
+        own = [getattr(each, kind) for each in found]
+        return Boxes(*(np.concatenate([getattr(b, name) for b in own]) for name in Boxes.__slots__))
+
+    def lines_of(kind: str) -> ComplexArray:
+        return np.concatenate([NO_LINES, *(getattr(each, kind) for each in found)])
+
+    texts, bars, frames = map(all_of, ("texts", "bars", "frames"))
+    return Ink(texts, bars, frames, lines_of("wide"), lines_of("thin"), lines_of("axes"))
 
 
 def crossings(one: ComplexArray, other: ComplexArray) -> int:
@@ -454,20 +390,6 @@ def crossings(one: ComplexArray, other: ComplexArray) -> int:
 
     across = (side(a, b, c) * side(a, b, d) < 0.0) & (side(c, d, a) * side(c, d, b) < 0.0)
     return int(np.count_nonzero(across))
-
-
-def number_of(mark: Distance | Diameter, unit: LengthUnit) -> str:
-    """The text of a dimension, with a decimal point."""
-    text = f"{mark.measure / MM_PER[unit]:.{mark.decimals}f}"
-    text = text.rstrip("0").rstrip(".") if "." in text else text
-    return f"{mark.prefix}{text}{mark.suffix}"
-
-
-def shelf_of(text: str) -> float:
-    """Length of the line below the text of a diameter [mm of paper]: as if all letters were as wide
-    as high, before they are narrowed.
-    """
-    return NARROWED * LETTERS * len(text.replace(DIAMETER, "O"))
 
 
 def ink_of(marks: Iterable[object], scale: float, unit: LengthUnit) -> Ink:

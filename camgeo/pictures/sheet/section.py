@@ -12,45 +12,42 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import count, islice, pairwise, takewhile
+from itertools import count, groupby, islice, pairwise, takewhile
 from typing import Final
 
 import numpy as np
 
+from camgeo.geometry.contour.contour import Contour, Effort
+from camgeo.geometry.contour.parallel import corners, parallel, steps_to
 from camgeo.numeric.arrays import ComplexArray, phase
+from camgeo.part.part import WRITTEN_SHARE, Bevel, Boundary, written_contour
 from camgeo.pictures.sheet.front import SMALL_BEYOND
 from camgeo.pictures.sheet.marks import (
+    ARROW,
+    CELL,
     DIAMETER,
+    LETTER,
+    LETTERS,
+    LIFTED,
     Chain,
     Diameter,
     Distance,
+    Filled,
     Hatched,
+    Label,
     Layer,
     Mark,
-    datum,
     line,
     moved,
-)
-from camgeo.pictures.sheet.placing import (
-    Option,
-    Options,
-    has_arrows_outside,
     number_of,
-    placed,
+    rectangle,
     shelf_of,
+    width_of,
 )
-from camgeo.pictures.sheet.shape import (
-    COARSE,
-    NEAR,
-    Edge,
-    Shape,
-    corners_of,
-    crossings,
-    extreme,
-    kinks,
-)
+from camgeo.pictures.sheet.placing import Option, Options
+from camgeo.pictures.sheet.shape import COARSE, Edge, Shape, crossings, extreme
 from camgeo.scene.formats.drawing import DrawingSpec
 from camgeo.units import LengthUnit
 
@@ -63,8 +60,13 @@ SAME = 1e-6
 JUMP = 0.02
 """Fraction of the size by which the distance of the first material jumps at an edge."""
 
-RECTANGLE = 4
-"""Corners of a face without chamfers."""
+
+NEAR: Final = 30.0 * COARSE
+"""Share of the size of a part within which places of a section are the same."""
+
+
+CORNER = 0.1
+"""Smallest turn of a contour's direction that is seen as an edge from the side [rad]."""
 
 
 def section(shape: Shape) -> list[Mark]:
@@ -81,62 +83,20 @@ def section(shape: Shape) -> list[Mark]:
     for k, own in enumerate(seen):
         for index, away in enumerate(own):
             if away == 0.0:
-                marks.append(_face(heights[k], heights[k + 1], places[index], places[index + 1]))
+                (z0, z1), (y0, y1) = heights[k : k + 2], places[index : index + 2]
+                sides = [z0 + 1j * y0, z1 + 1j * y0, z1 + 1j * y1, z0 + 1j * y1]
+                marks.append(Hatched(np.array(sides)))
     nothing = [NOTHING] * len(middles)
     for k, height in enumerate(heights):
         below = seen[k - 1] if k else nothing
         above = seen[k] if k < len(seen) else nothing
-        for first, last, layer in _runs(below, above, SAME * size):
+        for first, last, layer in _stretches(_between(below, above, SAME * size)):
             marks.append(line(height + 1j * places[first], height + 1j * places[last], layer))
     for y in places:
         drawn = [_edge(own, tips, y, size) for own, tips in zip(rings, sharp, strict=True)]
-        start = 0
-        while start < len(drawn):
-            end = start
-            while end < len(drawn) and drawn[end] == drawn[start]:
-                end += 1
-            found = drawn[start]
-            if found is not None:
-                marks.append(line(heights[start] + 1j * y, heights[end] + 1j * y, found))
-            start = end
+        for first, last, layer in _stretches(drawn):
+            marks.append(line(heights[first] + 1j * y, heights[last] + 1j * y, layer))
     return marks
-
-
-def hatching(face: Hatched, step: float) -> Iterator[tuple[complex, complex]]:
-    """The lines of a cut face, at 45 degrees and `step` [mm] apart, through the same points in all
-    faces of a view.
-    """
-    x0, x1 = float(face.corners.real.min()), float(face.corners.real.max())
-    y0, y1 = float(face.corners.imag.min()), float(face.corners.imag.max())
-    along = step * math.sqrt(2.0)
-    for number in range(math.ceil((y0 - x1) / along), math.floor((y1 - x0) / along) + 1):
-        rise = number * along
-        start, end = max(x0, y0 - rise), min(x1, y1 - rise)
-        if len(face.corners) != RECTANGLE:
-            start, end = _inside(face.corners, rise, start, end)
-        if start < end:
-            yield complex(start, start + rise), complex(end, end + rise)
-
-
-def _inside(corners: ComplexArray, rise: float, start: float, end: float) -> tuple[float, float]:
-    """What of the line y = x + `rise`, x from `start` to `end`, lies in a convex polygon that runs
-    counter-clockwise.
-    """
-    for one, other in zip(corners.tolist(), np.roll(corners, -1).tolist(), strict=True):
-        normal = 1j * (other - one)  # inwards
-        at_zero = ((complex(0.0, rise) - one) * normal.conjugate()).real
-        pace = normal.real + normal.imag
-        if pace > 0.0:
-            start = max(start, -at_zero / pace)
-        elif pace < 0.0:
-            end = min(end, -at_zero / pace)
-        elif at_zero < 0.0:
-            return 0.0, 0.0
-    return start, end
-
-
-def _face(z0: float, z1: float, y0: float, y1: float) -> Hatched:
-    return Hatched(np.array([z0 + 1j * y0, z1 + 1j * y0, z1 + 1j * y1, z0 + 1j * y1]))
 
 
 def _places(
@@ -166,24 +126,22 @@ def _first(rings: Sequence[ComplexArray], y: float) -> float:
     return min(ahead, default=NOTHING)
 
 
-def _runs(
-    below: Sequence[float], above: Sequence[float], same: float
-) -> Iterator[tuple[int, int, Layer]]:
-    """Where a line separates two layers: first and last place, and what the line is."""
-    kinds: list[Layer | None] = []
+def _between(below: Sequence[float], above: Sequence[float], same: float) -> Iterator[Layer | None]:
+    """What the line between two layers is at each place, None where there is none."""
     for one, other in zip(below, above, strict=True):
         if one == other or abs(one - other) <= same:
-            kinds.append(None)
+            yield None
         else:
-            kinds.append("SECTION" if 0.0 in (one, other) else "EDGES")
+            yield "SECTION" if 0.0 in (one, other) else "EDGES"
+
+
+def _stretches(lines: Iterable[Layer | None]) -> Iterator[tuple[int, int, Layer]]:
+    """Where a line begins and ends and what it is, of what is at each of many places."""
     start = 0
-    while start < len(kinds):
-        end = start
-        while end < len(kinds) and kinds[end] == kinds[start]:
-            end += 1
-        kind = kinds[start]
-        if kind is not None:
-            yield start, end, kind
+    for layer, group in groupby(lines):
+        end = start + len(list(group))
+        if layer is not None:
+            yield start, end, layer
         start = end
 
 
@@ -201,6 +159,178 @@ def _edge(
     edges = sharp[np.abs(sharp.imag - y) <= step]
     cornered = bool(np.any(np.abs(edges.real - near) <= JUMP * size))
     return "EDGES" if cornered or abs(one - other) > JUMP * size else None
+
+
+def kinks(contour: Contour) -> ComplexArray:
+    """(k,) vertices at which the direction of the contour jumps [mm]."""
+    chord = contour.ends - contour.vertices
+    first = np.angle(chord) - 0.5 * contour.sweeps
+    last = np.roll(first + contour.sweeps, 1)
+    turn = np.abs((first - last + np.pi) % (2.0 * np.pi) - np.pi)
+    return contour.vertices[turn > CORNER]
+
+
+# -- chamfers -------------------------------------------------------------------------------------
+# The edges of chamfers from above, and the section with its corners cut off.
+
+
+@dataclass(frozen=True, slots=True)
+class Corner:
+    """A corner of the section that a chamfer cuts off; across is the height, up is y [mm].
+
+    Attributes
+    ----------
+    sharp : where it would be.
+    on_face, on_wall : the ends of the chamfer.
+    hole : whether the wall is that of a hole.
+    """
+
+    sharp: complex
+    on_face: complex
+    on_wall: complex
+    hole: bool
+
+    def has(self, point: complex, near: float) -> bool:
+        """Whether a point is the corner."""
+        return abs(point - self.sharp) <= near
+
+
+def edges_above(shape: Shape, tolerance: float, effort: Effort) -> Iterator[Chain]:
+    """The edges of chamfers on faces that look up, each a wide line within `tolerance` [mm]."""
+    for bevel in shape.part.bevels:
+        if bevel.upper:
+            contour = written_contour(bevel.edge, "arcs", effort, tolerance).contour
+            yield Chain(contour.vertices, contour.sweeps, "EDGES", closed=True)
+            yield from _mitres(bevel, WRITTEN_SHARE * tolerance)
+
+
+def _mitres(bevel: Bevel, tolerance: float) -> Iterator[Chain]:
+    """The edges between the faces of a chamfer, along corners of its boundary."""
+    if bevel.boundary.corner_radius is None:
+        return
+    contour = bevel.boundary.arcs(tolerance).contour
+    by = bevel.width if bevel.boundary.hole else -bevel.width
+    shares = np.linspace(0.0, 1.0, steps_to(contour, by, tolerance) + 1).tolist()
+    ways = np.array([parallel(contour, share * by).vertices for share in shares])
+    for k in np.flatnonzero(corners(contour)):
+        yield Chain(ways[:, k], np.zeros(len(shares)), "EDGES")
+
+
+def corners_of(shape: Shape) -> list[Corner]:
+    """The corners of the section at which there are chamfers."""
+    found = []
+    base, size = shape.part.layers[0].z0, shape.size
+    for bevel in shape.part.bevels:
+        near = _crossings(bevel.edge, size)
+        for y in _crossings(bevel.boundary, size):
+            ends = [end for end in near if abs(end - y) <= 4.0 * bevel.width]
+            if ends:
+                end = min(ends, key=lambda each: abs(each - y))
+                found.append(
+                    Corner(
+                        complex(bevel.z - base, y),
+                        complex(bevel.z - base, end),
+                        complex(bevel.foot - base, y),
+                        bevel.boundary.hole,
+                    )
+                )
+    return found
+
+
+def _crossings(boundary: Boundary, size: float) -> list[float]:
+    """Where a boundary crosses the plane of the section [mm], ascending."""
+    ring = boundary.beside(COARSE * size).contour.points(COARSE * size)
+    return sorted(crossings(1j * ring.conj(), 0.0).tolist())
+
+
+def bevelled(marks: Sequence[Mark], shape: Shape) -> list[Mark]:
+    """The marks of a section with its chamfers."""
+    corners, near = corners_of(shape), NEAR * shape.size
+    found: list[Mark] = []
+    for mark in marks:
+        if isinstance(mark, Hatched):
+            found.append(_cut(mark, corners))
+        elif isinstance(mark, Chain) and mark.layer == "SECTION":
+            found.append(_shortened(mark, corners, near))
+        else:
+            found.append(mark)
+    for corner in corners:
+        found.append(line(corner.on_face, corner.on_wall, "SECTION"))
+        if corner.hole:  # behind the plane the edge on the face goes on
+            found.append(line(corner.sharp, corner.on_face, "EDGES"))
+    found += _feet(shape)
+    return found
+
+
+def _cut(face: Hatched, corners: Sequence[Corner]) -> Hatched:
+    """A face without the corners that chamfers cut off."""
+    points = face.corners
+    for each in corners:
+        z = sorted((each.on_wall.real, each.sharp.real))
+        y = sorted((each.on_face.imag, each.sharp.imag))
+        low, high = min(points.real), max(points.real)
+        left, right = min(points.imag), max(points.imag)
+        if min(z[1], high) > max(z[0], low) and min(y[1], right) > max(y[0], left):
+            points = _clipped(points, each.on_face, each.on_wall, each.sharp)
+    return Hatched(points)
+
+
+def _clipped(points: ComplexArray, one: complex, other: complex, out: complex) -> ComplexArray:
+    """A convex polygon (n,) without what lies beyond a line, on the side of `out`."""
+    way = other - one
+    side = np.sign(((out - one) * way.conjugate()).imag)
+    beyond = ((points - one) * np.conj(way)).imag * side
+    kept: list[complex] = []
+    for k, point in enumerate(points.tolist()):
+        after = (k + 1) % len(points)
+        if beyond[k] <= 0.0:
+            kept.append(point)
+        if (beyond[k] > 0.0) != (beyond[after] > 0.0):
+            share = beyond[k] / (beyond[k] - beyond[after])
+            kept.append(complex(point + share * (points[after] - point)))
+    return np.array(kept, dtype=np.complex128)
+
+
+def _shortened(chain: Chain, corners: Sequence[Corner], near: float) -> Chain:
+    """A line up to the chamfers at its ends."""
+    ends = chain.vertices.tolist()
+    for k in (0, 1):
+        for each in corners:
+            if not each.has(ends[k], near):
+                continue
+            along = ends[1 - k] - ends[k]
+            for end in (each.on_face, each.on_wall):
+                way = end - each.sharp
+                if (along * way.conjugate()).real > 0.5 * abs(along) * abs(way):
+                    ends[k] = end
+    return Chain(np.array(ends), chain.sweeps, chain.layer, chain.closed)
+
+
+def _feet(shape: Shape) -> Iterator[Mark]:
+    """The edges between the chamfers of holes and their walls, seen behind the plane; not where
+    something else stands in the hole.
+    """
+    base, size = shape.part.layers[0].z0, shape.size
+    for bevel in shape.part.bevels:
+        if not bevel.boundary.hole:
+            continue
+        own = _crossings(bevel.boundary, size)
+        others = [y for each in _beside(shape, bevel) for y in _crossings(each, size)]
+        for low, high in zip(own[::2], own[1::2], strict=False):
+            if not any(low < y < high for y in others):
+                z = bevel.foot - base
+                yield line(complex(z, low), complex(z, high), "EDGES")
+
+
+def _beside(shape: Shape, bevel: Bevel) -> list[Boundary]:
+    """The other boundaries at the height of a chamfer's foot."""
+    return [
+        each
+        for layer in shape.part.layers
+        if layer.z0 <= bevel.foot <= layer.z1
+        for each in layer.boundaries
+        if each != bevel.boundary
+    ]
 
 
 # -- section dimensions ---------------------------------------------------------------------------
@@ -232,14 +362,10 @@ def hole_centres(shape: Shape, scale: float) -> Iterator[Mark]:
 
 def _diameter(each: Turned, thickness: float, bench: Bench) -> Options:
     height = 1j * each.radius
-    for price, place in _dimension_places(thickness, bench):
-        mark = Distance(each.z1 - height, each.z1 + height, complex(place), 0.5 * math.pi,
-                        DIAMETER, fit(each, bench.spec), EXACT[bench.unit])  # fmt: skip
-        for more, marks in placed(mark, bench.scale, bench.unit, 1j):
-            if each.is_bore and bench.spec.flank_tolerance is not None:
-                yield from with_datum((price + more, marks), "A", bench.scale)
-            else:
-                yield price + more, marks
+    mark = Distance(each.z1 - height, each.z1 + height, 0j, 0.5 * math.pi,
+                    DIAMETER, fit(each, bench.spec), EXACT[bench.unit])  # fmt: skip
+    options = dimension_options(mark, 1.0 + 0.0j, _dimension_places(thickness, bench), 1j, bench)
+    return with_datum(options, "A", bench) if each.is_bore else options
 
 
 def _dimension_places(start: float, bench: Bench) -> Iterator[tuple[float, float]]:
@@ -285,10 +411,8 @@ def heights(
 
 
 def _height(ends: tuple[complex, complex], way: complex, edge: float, bench: Bench) -> Options:
-    for price, place in _dimension_places(edge, bench):
-        mark = Distance(*ends, way * place, decimals=EXACT[bench.unit])
-        for more, marks in placed(mark, bench.scale, bench.unit, -1.0):
-            yield price + more, marks
+    mark = Distance(*ends, 0j, decimals=EXACT[bench.unit])
+    return dimension_options(mark, way, _dimension_places(edge, bench), -1.0, bench)
 
 
 def _lowest(drawn: Sequence[Mark], z0: float, z1: float) -> float:
@@ -340,6 +464,14 @@ LEANING: Final = 0.06
 
 MOST_HOLES: Final = 12
 """Of a pattern, at which its dimension may stand."""
+
+
+UPRIGHT: Final = 1e-9
+"""Angles [rad] that are meant to be 0 or a quarter turn; programs turn texts over at those."""
+
+
+TEXT_OUTSIDE: Final = 7.5
+"""From the measured stretch to a text outside of it: an arrow with its tail [mm of paper]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -407,47 +539,116 @@ def keyway_of(edge: Edge) -> Keyway | None:
     return Keyway(corners[1], corners[0], circle[0] - circle[1] * outward, outward, circle[1])
 
 
-def with_datum(option: Option, name: str, scale: float) -> Iterator[Option]:
-    """The option's dimension with a datum at either end of its line where no text is, in place of
-    an arrow that would be there.
+def datum(at: complex, outward: complex, name: str) -> list[Mark]:
+    """A datum (ISO 5459): the triangle stands on a line at `at`, its letter is along `outward`."""
+    base = (at + 1.7j * outward, at - 1.7j * outward, at + 3.0 * outward)
+    middle = at + (7.0 + 0.5 * CELL) * outward
+    corner = middle - complex(0.5 * CELL, 0.5 * CELL)
+    return [
+        Filled(base),
+        line(at + 3.0 * outward, at + 7.0 * outward, "SYMBOL"),
+        rectangle(corner, CELL, CELL, "SYMBOL"),
+        Label(name, middle - 0.5j * LETTER, LETTER, "centre", "SYMBOL"),
+    ]
+
+
+def has_room(mark: Distance, scale: float, unit: LengthUnit) -> bool:
+    """Whether the text of a dimension fits between its extension lines."""
+    return width_of(number_of(mark, unit), LETTERS) + 1.0 <= mark.measure * scale
+
+
+def has_arrows_outside(mark: Distance, scale: float) -> bool:
+    """Whether the arrows of a dimension point at it from outside."""
+    return mark.measure * scale < 2.0 * ARROW + LIFTED
+
+
+def upright(mark: Distance) -> Distance:
+    """The same dimension, its text to be read from below or from the right, its first end first."""
+    angle = math.remainder(mark.angle, math.pi)
+    if abs(angle + 0.5 * math.pi) < UPRIGHT:
+        angle = 0.5 * math.pi
+    angle = 0.0 if abs(angle) < UPRIGHT else angle
+    along = cmath.rect(1.0, angle)
+    ends = sorted((mark.first, mark.second), key=lambda end: (end * along.conjugate()).real)
+    return replace(mark, angle=angle, first=ends[0], second=ends[1])
+
+
+def placed(mark: Distance, scale: float, unit: LengthUnit, towards: complex) -> Iterator[Option]:
+    """The dimension with its text in the middle, if there is room, and outside, rather in the
+    direction `towards`.
+
+    Its line goes on below a text outside.
     """
-    price, (mark, *rest) = option
-    assert isinstance(mark, Distance)
+    mark = upright(mark)
     along = cmath.rect(1.0, mark.angle)
-    for bare, end, way in ((1, mark.first, -along), (2, mark.second, along)):
-        if mark.aside and (mark.aside > 0.0) == (bare == 2):
-            continue
-        foot = mark.line + along * ((end - mark.line) * along.conjugate()).real
-        own = replace(mark, bare=bare) if has_arrows_outside(mark, scale) else mark
-        yield price, (own, *rest, *moved(datum(0j, way, name), foot, scale))
+    inside = has_room(mark, scale, unit)
+    if inside:
+        yield 0.0, (mark,)
+    wide, room = width_of(number_of(mark, unit), LETTERS), mark.measure * scale
+    better = 1.0 if (towards * along.conjugate()).real >= 0.0 else -1.0
+    for sense in (better, -better):
+        price = (1.0 if inside else 0.0) + (0.5 if sense != better else 0.0)
+        moved = replace(mark, aside=sense * (0.5 * room + TEXT_OUTSIDE + 0.5 * wide))
+        start = middle_of(moved) + sense * along * (0.5 * room + 0.5 * ARROW) / scale
+        end = middle_of(moved) + sense * along * (0.5 * room + TEXT_OUTSIDE + wide) / scale
+        yield price, (moved, line(start, end, "DIMENSION"))
+
+
+def middle_of(mark: Distance) -> complex:
+    """The middle of the measured stretch on the dimension line."""
+    along = cmath.rect(1.0, mark.angle)
+    between = 0.5 * (mark.first + mark.second) - mark.line
+    return mark.line + along * (between * along.conjugate()).real
+
+
+def dimension_options(
+    mark: Distance,
+    way: complex,
+    places: Iterable[tuple[float, float]],
+    towards: complex,
+    bench: Bench,
+) -> Iterator[Option]:
+    """The dimension with its line through each of the `places` along `way`, after their cost, and
+    its text as `placed` has it.
+    """
+    for price, place in places:
+        own = replace(mark, line=way * place)
+        for more, marks in placed(own, bench.scale, bench.unit, towards):
+            yield price + more, marks
+
+
+def with_datum(options: Iterable[Option], name: str, bench: Bench) -> Iterator[Option]:
+    """If there are datums, each option's dimension with one at either end of its line where no text
+    is, in place of an arrow that would be there.
+    """
+    if bench.spec.flank_tolerance is None:
+        yield from options
+        return
+    for price, (mark, *rest) in options:
+        assert isinstance(mark, Distance)
+        along = cmath.rect(1.0, mark.angle)
+        for bare, end, way in ((1, mark.first, -along), (2, mark.second, along)):
+            if mark.aside and (mark.aside > 0.0) == (bare == 2):
+                continue
+            foot = mark.line + along * ((end - mark.line) * along.conjugate()).real
+            own = replace(mark, bare=bare) if has_arrows_outside(mark, bench.scale) else mark
+            yield price, (own, *rest, *moved(datum(0j, way, name), foot, bench.scale))
 
 
 def keyway_width(key: Keyway, bench: Bench) -> Options:
     """The width of a keyway, with the datum B if there are datums."""
     across = phase(key.outward) + 0.5 * math.pi
     suffix = f" {bench.spec.keyway_fit}" if bench.spec.keyway_fit else ""
-    for price, beyond in bench.places(key.bottom):
-        mark = Distance(key.right, key.left, key.outward * beyond, across, suffix=suffix,
-                        decimals=EXACT[bench.unit])  # fmt: skip
-        for more, marks in placed(mark, bench.scale, bench.unit, 1j * key.outward):
-            option = price + more, marks
-            if bench.spec.flank_tolerance is None:
-                yield option
-            else:
-                yield from with_datum(option, "B", bench.scale)
+    mark = Distance(key.right, key.left, 0j, across, suffix=suffix, decimals=EXACT[bench.unit])
+    places = bench.places(key.bottom)
+    return with_datum(
+        dimension_options(mark, key.outward, places, 1j * key.outward, bench), "B", bench
+    )
 
 
 def keyway_depth(key: Keyway, bench: Bench) -> Options:
     """The depth of a keyway, measured through the bore."""
-    ends = {1.0: key.left, -1.0: key.right}
-    for sense, near in ends.items():
-        aside = sense * 1j * key.outward
-        upper = TURNED if aside.imag > 0.0 else 0.0
-        for price, place in bench.places(key.radius):
-            mark = Distance(key.far, near, aside * place, phase(key.outward),
-                            decimals=EXACT[bench.unit])  # fmt: skip
-            for more, marks in placed(mark, bench.scale, bench.unit, -key.outward):
-                yield price + more + upper, marks
+    yield from _through_bore(key.far, (key.left, key.right), key.outward, key.radius, bench)
 
 
 def of_flat(edge: Edge, bench: Bench) -> Options:
@@ -459,14 +660,21 @@ def of_flat(edge: Edge, bench: Bench) -> Options:
     ends = [complex(each[flats[0]]) for each in (contour.vertices, contour.ends)]
     middle = 0.5 * (ends[0] + ends[1]) - circle[0]
     outward = middle / abs(middle)
-    far = circle[0] - circle[1] * outward
+    yield from _through_bore(circle[0] - circle[1] * outward, ends, outward, circle[1], bench)
+
+
+def _through_bore(
+    far: complex, ends: Sequence[complex], outward: complex, radius: float, bench: Bench
+) -> Options:
+    """A distance along `outward` from the point of a bore that is `far`, to the one of two `ends`
+    on the side on which its line stands.
+    """
     for aside in (1j * outward, -1j * outward):
         near = max(ends, key=lambda end: (end * aside.conjugate()).real)
         upper = TURNED if aside.imag > 0.0 else 0.0
-        for price, place in bench.places(circle[1]):
-            mark = Distance(far, near, aside * place, phase(outward), decimals=EXACT[bench.unit])
-            for more, marks in placed(mark, bench.scale, bench.unit, -outward):
-                yield price + more + upper, marks
+        mark = Distance(far, near, 0j, phase(outward), decimals=EXACT[bench.unit])
+        for price, marks in dimension_options(mark, aside, bench.places(radius), -outward, bench):
+            yield price + upper, marks
 
 
 def overall(shape: Shape, box: tuple[complex, complex], bench: Bench) -> Iterator[Options]:
@@ -489,12 +697,13 @@ def _along(
     far: tuple[complex, float], decimals: int, bench: Bench,
 ) -> Options:  # fmt: skip
     """The distance of two ends along `way`, beyond the view on one side or the other."""
+    mark = Distance(*ends, 0j, phase(way), "(", ")", decimals)
     for later, (aside, edge) in enumerate((near, far)):
-        for number in range(8):
-            place = aside * (edge + (STEP + FINER * number) / bench.scale)
-            mark = Distance(*ends, place, phase(way), "(", ")", decimals)
-            for more, marks in placed(mark, bench.scale, bench.unit, way):
-                yield FARTHER * FINER * number + 2.0 * later + more, marks
+        places = [
+            (FARTHER * FINER * number + 2.0 * later, edge + (STEP + FINER * number) / bench.scale)
+            for number in range(8)
+        ]
+        yield from dimension_options(mark, aside, places, way, bench)
 
 
 @dataclass(frozen=True, slots=True)
@@ -541,14 +750,12 @@ def fit(each: Turned, spec: DrawingSpec) -> str:
 
 def of_round(each: Turned, bench: Bench) -> Options:
     """A diameter about the cam axis in the front view, with the datum A at that of the bore."""
-    has_datum = each.is_bore and bench.spec.flank_tolerance is not None
-    text = fit(each, bench.spec)
     ways = [SLANTED + math.radians(each) for each in (0, 15, -15, 30, -30, 105, 120, 180, 225, 240)]
-    for price, mark in leaders(0j, each.radius, ways, text, bench):
-        if not has_datum:
-            yield price, (mark,)
-            continue
-        yield price, (mark, *moved(datum(0j, -1j, "A"), _shelf(mark, bench), bench.scale))
+    for price, mark in leaders(0j, each.radius, ways, fit(each, bench.spec), bench):
+        marks: list[Mark] = [mark]
+        if each.is_bore and bench.spec.flank_tolerance is not None:
+            marks += moved(datum(0j, -1j, "A"), _shelf(mark, bench), bench.scale)
+        yield price, marks
 
 
 def _shelf(mark: Diameter, bench: Bench) -> complex:
@@ -574,10 +781,8 @@ def leaders(
 def of_holes(shape: Shape, bench: Bench) -> Iterator[Options]:
     """Round holes off the cam axis: one of each kind, after their number, and each pitch circle."""
     kinds: dict[tuple[float, float], list[complex]] = {}
-    for edge in shape.edges:
-        if edge.circle is not None and abs(edge.circle[0]) > 1e-9 * shape.size:
-            centre, radius = edge.circle
-            kinds.setdefault((round(radius, 9), round(abs(centre), 9)), []).append(edge.circle[0])
+    for centre, radius in shape.holes:
+        kinds.setdefault((round(radius, 9), round(abs(centre), 9)), []).append(centre)
     for (radius, _), found in kinds.items():
         yield _of_hole(found, radius, bench)
     circles = {size: found for (_, size), found in reversed(kinds.items()) if len(found) > 1}

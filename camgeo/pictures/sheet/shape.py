@@ -1,28 +1,22 @@
-"""The part as a sheet needs it: its contours, where they end, what is seen, and its chamfers."""
+"""The part as a sheet needs it: its contours, where they end, and what is seen."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Final
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from camgeo.geometry.contour.contour import Contour, Effort
-from camgeo.geometry.contour.parallel import corners, parallel, steps_to
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.part.part import WRITTEN_SHARE, Bevel, Boundary, Layer, Part, written_contour
+from camgeo.part.part import Boundary, Layer, Part, written_contour
 from camgeo.part.spec import text_of
-from camgeo.pictures.sheet.marks import Chain, Hatched, Mark, line
+from camgeo.pictures.sheet.marks import Mark
+from camgeo.units import LengthUnit
 
 COARSE = 1e-5
 """Of the size of a part, by which chords may leave its arcs where it is only asked what is seen."""
 
-NEAR: Final = 30.0 * COARSE
-"""Share of the size of a part within which places of a section are the same."""
-
-CORNER = 0.1
-"""Smallest turn of a contour's direction that is seen as an edge from the side [rad]."""
 
 FLANKS = frozenset(("outline", "return outline", "inner flank", "outer flank"))
 """Boundaries on which a follower runs."""
@@ -73,11 +67,8 @@ class Edge:
         """Whether a point of its circle is on the boundary, not cut away by a keyway or a flat."""
         contour = self.contour
         bent = contour.sweeps != 0.0
-        starts, sweeps, centres = (
-            contour.vertices[bent],
-            contour.sweeps[bent],
-            contour.centres[bent],
-        )
+        starts, sweeps = contour.vertices[bent], contour.sweeps[bent]
+        centres = contour.centres[bent]
         turned = np.angle((point - centres) / (starts - centres)) * np.sign(sweeps)
         return bool(np.any(turned % (2.0 * np.pi) <= np.abs(sweeps)))
 
@@ -109,6 +100,12 @@ class Shape:
     def has_heights(self) -> bool:
         """Whether the part has a thickness, and each of its layers."""
         return all(layer.z1 > layer.z0 for layer in self.part.layers)
+
+    @property
+    def holes(self) -> list[tuple[complex, float]]:
+        """Centre and radius [mm] of the round boundaries off the cam axis."""
+        circles = [edge.circle for edge in self.edges]
+        return [each for each in circles if each is not None and abs(each[0]) > ROUND * self.size]
 
     def edge(self, boundary: Boundary) -> Edge:
         """The edge along a boundary."""
@@ -160,11 +157,8 @@ def extreme(contours: Sequence[Contour], direction: complex) -> complex:
     best, far = 0j, -np.inf
     for contour in contours:
         bent = contour.sweeps != 0.0
-        starts, sweeps, centres = (
-            contour.vertices[bent],
-            contour.sweeps[bent],
-            contour.centres[bent],
-        )
+        starts, sweeps = contour.vertices[bent], contour.sweeps[bent]
+        centres = contour.centres[bent]
         turned = np.angle(direction / (starts - centres)) * np.sign(sweeps) % (2.0 * np.pi)
         reached = turned <= np.abs(sweeps)
         tops = (centres + np.abs(starts - centres) * direction)[reached]
@@ -175,172 +169,39 @@ def extreme(contours: Sequence[Contour], direction: complex) -> complex:
     return best
 
 
-def kinks(contour: Contour) -> ComplexArray:
-    """(k,) vertices at which the direction of the contour jumps [mm]."""
-    chord = contour.ends - contour.vertices
-    first = np.angle(chord) - 0.5 * contour.sweeps
-    last = np.roll(first + contour.sweeps, 1)
-    turn = np.abs((first - last + np.pi) % (2.0 * np.pi) - np.pi)
-    return contour.vertices[turn > CORNER]
-
-
-# Chamfers ---------------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True, slots=True)
-class Corner:
-    """A corner of the section that a chamfer cuts off; across is the height, up is y [mm].
+class Drawn:
+    """What the views are made of.
 
     Attributes
     ----------
-    sharp : where it would be.
-    on_face, on_wall : the ends of the chamfer.
-    hole : whether the wall is that of a hole.
+    shape : the part.
+    pitch : the pitch curve; None if it is the outline.
+    base_radius : of the base circle [mm]; None if it is not drawn: a pair in one piece has two.
+    cut : the marks of the section, with sharp edges; empty without thickness.
+    unit : of the dimensions.
+    edges : of chamfers that are seen from above.
     """
 
-    sharp: complex
-    on_face: complex
-    on_wall: complex
-    hole: bool
+    shape: Shape
+    pitch: Contour | None
+    base_radius: float | None
+    cut: tuple[Mark, ...]
+    unit: LengthUnit
+    edges: tuple[Mark, ...] = ()
 
-    def has(self, point: complex, near: float) -> bool:
-        """Whether a point is the corner."""
-        return abs(point - self.sharp) <= near
+    @property
+    def box(self) -> tuple[complex, complex]:
+        """Lower left and upper right corner of all that the front view shows [mm]."""
+        contours = [edge.contour for edge in self.shape.edges]
+        if self.base_radius is not None:
+            contours.append(Contour.circle(self.base_radius))
+        if self.pitch is not None:
+            contours.append(self.pitch)
+        left, right, low, high = (extreme(contours, way) for way in (-1.0, 1.0, -1j, 1j))
+        return complex(left.real, low.imag), complex(right.real, high.imag)
 
-
-def edges_above(shape: Shape, tolerance: float, effort: Effort) -> Iterator[Chain]:
-    """The edges of chamfers on faces that look up, each a wide line within `tolerance` [mm]."""
-    for bevel in shape.part.bevels:
-        if bevel.upper:
-            contour = written_contour(bevel.edge, "arcs", effort, tolerance).contour
-            yield Chain(contour.vertices, contour.sweeps, "EDGES", closed=True)
-            yield from _mitres(bevel, WRITTEN_SHARE * tolerance)
-
-
-def _mitres(bevel: Bevel, tolerance: float) -> Iterator[Chain]:
-    """The edges between the faces of a chamfer, along corners of its boundary."""
-    if bevel.boundary.corner_radius is None:
-        return
-    contour = bevel.boundary.arcs(tolerance).contour
-    by = bevel.width if bevel.boundary.hole else -bevel.width
-    shares = np.linspace(0.0, 1.0, steps_to(contour, by, tolerance) + 1).tolist()
-    ways = np.array([parallel(contour, share * by).vertices for share in shares])
-    for k in np.flatnonzero(corners(contour)):
-        yield Chain(ways[:, k], np.zeros(len(shares)), "EDGES")
-
-
-def corners_of(shape: Shape) -> list[Corner]:
-    """The corners of the section at which there are chamfers."""
-    found = []
-    base, size = shape.part.layers[0].z0, shape.size
-    for bevel in shape.part.bevels:
-        near = _crossings(bevel.edge, size)
-        for y in _crossings(bevel.boundary, size):
-            ends = [end for end in near if abs(end - y) <= 4.0 * bevel.width]
-            if ends:
-                end = min(ends, key=lambda each: abs(each - y))
-                found.append(
-                    Corner(
-                        complex(bevel.z - base, y),
-                        complex(bevel.z - base, end),
-                        complex(bevel.foot - base, y),
-                        bevel.boundary.hole,
-                    )
-                )
-    return found
-
-
-def _crossings(boundary: Boundary, size: float) -> list[float]:
-    """Where a boundary crosses the plane of the section [mm], ascending."""
-    ring = boundary.beside(COARSE * size).contour.points(COARSE * size)
-    return sorted(crossings(1j * ring.conj(), 0.0).tolist())
-
-
-def bevelled(marks: Sequence[Mark], shape: Shape) -> list[Mark]:
-    """The marks of a section with its chamfers."""
-    corners, near = corners_of(shape), NEAR * shape.size
-    found: list[Mark] = []
-    for mark in marks:
-        if isinstance(mark, Hatched):
-            found.append(_cut(mark, corners))
-        elif isinstance(mark, Chain) and mark.layer == "SECTION":
-            found.append(_shortened(mark, corners, near))
-        else:
-            found.append(mark)
-    for corner in corners:
-        found.append(line(corner.on_face, corner.on_wall, "SECTION"))
-        if corner.hole:  # behind the plane the edge on the face goes on
-            found.append(line(corner.sharp, corner.on_face, "EDGES"))
-    found += _feet(shape)
-    return found
-
-
-def _cut(face: Hatched, corners: Sequence[Corner]) -> Hatched:
-    """A face without the corners that chamfers cut off."""
-    points = face.corners
-    for each in corners:
-        z = sorted((each.on_wall.real, each.sharp.real))
-        y = sorted((each.on_face.imag, each.sharp.imag))
-        low, high = min(points.real), max(points.real)
-        left, right = min(points.imag), max(points.imag)
-        if min(z[1], high) > max(z[0], low) and min(y[1], right) > max(y[0], left):
-            points = _clipped(points, each.on_face, each.on_wall, each.sharp)
-    return Hatched(points)
-
-
-def _clipped(points: ComplexArray, one: complex, other: complex, out: complex) -> ComplexArray:
-    """A convex polygon (n,) without what lies beyond a line, on the side of `out`."""
-    way = other - one
-    side = np.sign(((out - one) * way.conjugate()).imag)
-    beyond = ((points - one) * np.conj(way)).imag * side
-    kept: list[complex] = []
-    for k, point in enumerate(points.tolist()):
-        after = (k + 1) % len(points)
-        if beyond[k] <= 0.0:
-            kept.append(point)
-        if (beyond[k] > 0.0) != (beyond[after] > 0.0):
-            share = beyond[k] / (beyond[k] - beyond[after])
-            kept.append(complex(point + share * (points[after] - point)))
-    return np.array(kept, dtype=np.complex128)
-
-
-def _shortened(chain: Chain, corners: Sequence[Corner], near: float) -> Chain:
-    """A line up to the chamfers at its ends."""
-    ends = chain.vertices.tolist()
-    for k in (0, 1):
-        for each in corners:
-            if not each.has(ends[k], near):
-                continue
-            along = ends[1 - k] - ends[k]
-            for end in (each.on_face, each.on_wall):
-                way = end - each.sharp
-                if (along * way.conjugate()).real > 0.5 * abs(along) * abs(way):
-                    ends[k] = end
-    return Chain(np.array(ends), chain.sweeps, chain.layer, chain.closed)
-
-
-def _feet(shape: Shape) -> Iterator[Mark]:
-    """The edges between the chamfers of holes and their walls, seen behind the plane; not where
-    something else stands in the hole.
-    """
-    base, size = shape.part.layers[0].z0, shape.size
-    for bevel in shape.part.bevels:
-        if not bevel.boundary.hole:
-            continue
-        own = _crossings(bevel.boundary, size)
-        others = [y for each in _beside(shape, bevel) for y in _crossings(each, size)]
-        for low, high in zip(own[::2], own[1::2], strict=False):
-            if not any(low < y < high for y in others):
-                z = bevel.foot - base
-                yield line(complex(z, low), complex(z, high), "EDGES")
-
-
-def _beside(shape: Shape, bevel: Bevel) -> list[Boundary]:
-    """The other boundaries at the height of a chamfer's foot."""
-    return [
-        each
-        for layer in shape.part.layers
-        if layer.z0 <= bevel.foot <= layer.z1
-        for each in layer.boundaries
-        if each != bevel.boundary
-    ]
+    @property
+    def alone(self) -> Drawn:
+        """The part without pitch curve and base circle."""
+        return replace(self, pitch=None, base_radius=None)

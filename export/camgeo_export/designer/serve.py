@@ -7,6 +7,7 @@ import contextlib
 import ipaddress
 import logging
 import os
+import re
 import secrets
 import socket
 import sys
@@ -17,7 +18,7 @@ from dataclasses import dataclass, field
 from http import HTTPStatus
 from importlib.resources import files
 from typing import Final
-from urllib.parse import parse_qsl
+from urllib.parse import parse_qsl, quote
 
 import uvicorn
 from starlette.applications import Starlette
@@ -32,8 +33,7 @@ from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIO
 from camgeo.app.designing.children import Children
 from camgeo.app.designing.desk import Desk
 from camgeo.errors import CamgeoError, unreadable
-from camgeo_export.designer.messages import LARGEST, Jobs
-from camgeo_export.designer.session import Page, Session, disposition
+from camgeo_export.designer.session import LARGEST, Jobs, Page, Session
 
 MOST_CONNECTIONS: Final = 64
 """Most connections at the same time; a page needs two or three. For each one more, the oldest that
@@ -223,7 +223,7 @@ def application(session: Session, address: Address, keys: Keys) -> Guard:
         data = session.files.get(name, request.query_params.get("build", ""))
         if data is None:
             return PlainTextResponse("This file is not of the last build.\n", 404)
-        headers = {"content-disposition": disposition(name)}
+        headers = {"content-disposition": _disposition(name)}
         return Response(data, media_type="application/octet-stream", headers=headers)
 
     routes = [
@@ -236,6 +236,12 @@ def application(session: Session, address: Address, keys: Keys) -> Guard:
         WebSocketRoute("/ws", socket),
     ]
     return Guard(Starlette(routes=routes), address, keys)
+
+
+def _disposition(name: str) -> str:
+    """The header that makes a browser save a file under its name."""
+    plain = re.sub(r"[^A-Za-z0-9._-]", "_", name)
+    return f"attachment; filename=\"{plain}\"; filename*=UTF-8''{quote(name, safe='')}"
 
 
 def _source(name: str) -> Callable[[Request], Awaitable[Response]]:

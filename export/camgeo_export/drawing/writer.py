@@ -8,7 +8,6 @@ import pathlib
 import zlib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from fractions import Fraction
 from functools import singledispatchmethod
 from itertools import pairwise
 from typing import Final
@@ -22,9 +21,7 @@ from ezdxf.addons.drawing.properties import BackendProperties, RenderContext
 from ezdxf.addons.drawing.type_hints import Color
 from ezdxf.document import Drawing
 from ezdxf.entities.dimstyleoverride import DimStyleOverride
-from ezdxf.entities.dxfgfx import DXFGraphic
 from ezdxf.enums import TextEntityAlignment
-from ezdxf.filemanagement import new
 from ezdxf.fonts import fonts
 from ezdxf.layouts.layout import Modelspace
 from ezdxf.math import Vec2
@@ -33,11 +30,17 @@ from ezdxf.path import Curve3To, Curve4To, LineTo
 from camgeo.design.product import Product
 from camgeo.design.writing import Written
 from camgeo.errors import FileError
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.numeric.arrays import ComplexArray
 from camgeo.pictures.sheet.front import dashed_stretch
 from camgeo.pictures.sheet.marks import (
+    ARROW,
+    BEFORE,
+    BEHIND,
     DIAMETER,
+    LETTERS,
+    LIFTED,
     NARROWED,
+    QUARTERS,
     Chain,
     Diameter,
     Distance,
@@ -48,26 +51,16 @@ from camgeo.pictures.sheet.marks import (
     Mark,
     Round,
     Sheet,
+    number_of,
     squeeze,
 )
-from camgeo.pictures.sheet.placing import (
-    ARROW,
-    BEFORE,
-    BEHIND,
-    LETTERS,
-    LIFTED,
-    QUARTERS,
-    findings_of,
-    number_of,
-)
-from camgeo.pictures.sheet.section import hatching
-from camgeo.pictures.sheet.sheet import SMALLEST, measured, sheets_of, spelled
+from camgeo.pictures.sheet.placing import findings_of
+from camgeo.pictures.sheet.sheet import sheets_of
 from camgeo.scene.formats.drawing import FORMAT
 from camgeo.scene.formats.format import Format
 from camgeo.units import MM_PER
-from camgeo_export.dxf.items import Item
-from camgeo_export.dxf.reader import drawing_of
-from camgeo_export.dxf.writer import INSUNITS, UNITS_OF_HEADER, bytes_of, describe, fixed_metadata
+from camgeo_export.dxf.reader import Item, drawing_of
+from camgeo_export.dxf.writer import bytes_of, new_document
 from camgeo_export.reading import deviation
 
 # -- document -------------------------------------------------------------------------------------
@@ -131,18 +124,29 @@ SIZES: Final = {
 }
 """Of dimensions [mm of paper]: text, arrows, extension lines beyond and before, gap."""
 
+TEXTS: Final = {
+    "dimzin": 8,  # no zeros at the end
+    "dimlunit": 2,  # decimal
+    "dimtad": 1,  # text above its line,
+    "dimtih": 0,  # and along it
+    "dimtoh": 0,
+    "dimtix": 1,  # nowhere but where it was placed,
+    "dimtofl": 1,  # the line also between arrows that are outside
+    "dimlwd": 25,
+    "dimlwe": 25,
+}
+"""Of dimensions: how their texts and lines stand, and how wide lines are [1/100 mm]."""
+
 APART: Final = 20.0
 """Between sheets side by side [mm of paper]."""
 
 JUSTIFIED: Final = {"left": "LEFT", "centre": "CENTER", "right": "RIGHT"}
 
 
-def document_of(sheets: Sequence[Sheet]) -> Drawing:
-    """The document of sheets side by side; to be made and written with `fixed_metadata`."""
-    first = sheets[0]
-    document = new("R2010", units=INSUNITS[first.unit])
-    document.header["$MEASUREMENT"] = UNITS_OF_HEADER[first.unit]
-    drawing = _Drawing(document, first)
+def document_of(sheets: Sequence[Sheet], product: Product, tolerance: float) -> Drawing:
+    """The document of sheets of a product side by side."""
+    document = new_document(product, tolerance)
+    drawing = _Drawing(document, sheets[0])
     drawing.tables()
     for sheet, at in zip(sheets, corners(sheets), strict=True):
         for view in sheet.views:
@@ -187,22 +191,13 @@ class _Drawing:
                 continue
             self._document.layers.add(layer, color=colour, linetype=kind, lineweight=width)
         self._document.styles.add(STYLE, font=FONT, dxfattribs={"width": NARROWED})
-        style = self._document.dimstyles.new(STYLE)
-        for name, size in SIZES.items():
-            style.set_dxf_attrib(name, size)
-        style.dxf.dimscale = self._paper
-        for name, size in {**SIZES, "dimscale": self._paper, "dimlfac": 1.0}.items():
+        scaled = {**SIZES, "dimscale": self._paper, "dimlfac": 1.0}
+        for name, size in scaled.items():
             self._document.header[f"${name.upper()}"] = size  # some programs know no styles
-        style.dxf.dimlfac = 1.0
-        style.dxf.dimtxsty = STYLE
-        style.dxf.dimdsep = ord("," if self._sheet.comma else ".")
-        style.dxf.dimzin = 8  # no zeros at the end
-        style.dxf.dimlunit = 2  # decimal
-        style.dxf.dimtad = 1  # text above its line,
-        style.dxf.dimtih = style.dxf.dimtoh = 0  # and along it
-        style.dxf.dimtix = 1  # nowhere but where it was placed,
-        style.dxf.dimtofl = 1  # the line also between arrows that are outside
-        style.dxf.dimlwd = style.dxf.dimlwe = 25
+        sign = ord("," if self._sheet.comma else ".")
+        style = self._document.dimstyles.new(STYLE)
+        for name, value in {**scaled, "dimtxsty": STYLE, "dimdsep": sign, **TEXTS}.items():
+            style.set_dxf_attrib(name, value)
 
     def extents(self, count: int) -> None:
         """What programs show when the drawing is opened: all sheets."""
@@ -288,7 +283,7 @@ class _Drawing:
 
     @_add.register
     def _(self, mark: Distance) -> None:
-        override = self._override(mark.prefix, mark)
+        override = self._override(mark)
         if mark.bare:
             names = ["", ""]
             names[mark.bare - 1] = "NONE"
@@ -310,7 +305,7 @@ class _Drawing:
     def _(self, mark: Diameter) -> None:
         text = number_of(mark, self._sheet.unit).replace(DIAMETER, "Ø")
         own = {"dimtmove": 1, "dimtoh": 1, "dimtad": 1, "dimtofl": 0, "dimcen": 0.0}
-        override = {**self._override(mark.prefix, mark), **own}
+        override = {**self._override(mark), **own}
         reach = self._length(mark.radius) + mark.reach * self._paper
         centre = self._at(mark.centre)
         way = (math.cos(mark.angle), math.sin(mark.angle))
@@ -332,8 +327,8 @@ class _Drawing:
         drawn.render()
         drawn.dimension.dxf.actual_measurement = self._length(mark.measure)
 
-    def _override(self, prefix: str, mark: Distance | Diameter) -> dict[str, object]:
-        return {"dimdec": mark.decimals, "dimpost": f"{prefix}<>{mark.suffix}"}
+    def _override(self, mark: Distance | Diameter) -> dict[str, object]:
+        return {"dimdec": mark.decimals, "dimpost": f"{mark.prefix}<>{mark.suffix}"}
 
 
 # -- page -----------------------------------------------------------------------------------------
@@ -388,7 +383,7 @@ def _svg_page(page: Strokes, number: int) -> Iterator[str]:
         yield f'<use href="#s{number}-{name}" x="{at.real:.0f}" y="{top - at.imag:.0f}"/>'
 
 
-def _svg_stroke(stroke: Stroke, top: int) -> str:
+def _svg_stroke(stroke: Chain, top: int) -> str:
     pieces = _pieces(stroke)
     if not pieces:
         return ""
@@ -425,7 +420,7 @@ def _signed(value: float) -> str:
     return text if text.startswith("-") else f" {text}"
 
 
-def _pieces(stroke: Stroke) -> Pieces:
+def _pieces(stroke: Chain) -> Pieces:
     """The pieces of a stroke that are longer than a grain."""
     points = [rounded(each) for each in stroke.vertices.tolist()]
     sweeps = stroke.sweeps.tolist()
@@ -487,7 +482,7 @@ def _xy(point: complex) -> str:
     return f"{_number(point.real)} {_number(point.imag)}"
 
 
-def _pdf_stroke(stroke: Stroke) -> Iterator[str]:
+def _pdf_stroke(stroke: Chain) -> Iterator[str]:
     pieces = _pieces(stroke)
     if not pieces:
         return
@@ -531,26 +526,16 @@ def _pdf_outline(outline: Outline) -> Iterator[str]:
 GRAIN: Final = 0.005
 """Of coordinates on a page [mm]: they are whole multiples."""
 
+
+RECTANGLE = 4
+"""Corners of a face without chamfers."""
+
+
 WRITTEN: Final = frozenset(("TEXT", "DIMENSION"))
 """Entities that ezdxf takes apart."""
 
 Outline = tuple[tuple[str, tuple[complex, ...]], ...]
 """A filled outline: commands "M", "L", "Q", "C" and "Z" with their points, in grains."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Stroke:
-    """Lines and arcs end to end [grains].
-
-    Attributes
-    ----------
-    vertices : (n,) complex.
-    sweeps : (n,) angle turned to the next [rad], 0 is a line; the last one counts if it is closed.
-    """
-
-    vertices: ComplexArray
-    sweeps: FloatArray
-    closed: bool = False
 
 
 @dataclass(slots=True)
@@ -560,18 +545,18 @@ class Strokes:
     Attributes
     ----------
     width, height : of the page [mm].
-    lines : by the width of the line [1/100 mm].
+    lines : by the width of the line [1/100 mm], in grains.
     shapes : filled outlines, each from its own first point.
     places : number of each filled outline, and where its first point is [grains].
     """
 
     width: float
     height: float
-    lines: dict[int, list[Stroke]] = field(default_factory=dict)
+    lines: dict[int, list[Chain]] = field(default_factory=dict)
     shapes: dict[Outline, int] = field(default_factory=dict)
     places: list[tuple[int, complex]] = field(default_factory=list)
 
-    def add(self, width: int, stroke: Stroke) -> None:
+    def add(self, width: int, stroke: Chain) -> None:
         """A line of some width [1/100 mm]."""
         self.lines.setdefault(width, []).append(stroke)
 
@@ -600,15 +585,13 @@ def know_the_font() -> None:
 def strokes_of(document: Drawing, sheet: Sheet) -> Strokes:
     """What is drawn on a sheet; `document` has it alone."""
     found = Strokes(sheet.width, sheet.height)
-    for view in sheet.views:
-        for mark in view.marks:
-            for layer, stroke in _strokes(mark, view.at, sheet.scale):
-                found.add(layer, stroke)
-    for mark in sheet.marks:
-        for layer, stroke in _strokes(mark, 0j, 1.0):
-            found.add(layer, stroke)
-    for marks, at, scale in ((sheet.marks, 0j, 1.0),
-                             *((v.marks, v.at, sheet.scale) for v in sheet.views)):  # fmt: skip
+    views = [(view.marks, view.at, sheet.scale) for view in sheet.views]
+    own = (sheet.marks, 0j, 1.0)
+    for marks, at, scale in (*views, own):
+        for mark in marks:
+            for stroke in _strokes(mark, at, scale):
+                found.add(LAYERS[stroke.layer][2], stroke)
+    for marks, at, scale in (own, *views):
         for mark in marks:
             if isinstance(mark, Filled):
                 found.fill(_polygon([(at + scale * each) / GRAIN for each in mark.corners]))
@@ -619,31 +602,61 @@ def strokes_of(document: Drawing, sheet: Sheet) -> Strokes:
         min_lineweight=0.0,
     )  # fmt: skip
     Frontend(RenderContext(document), backend, config=config).draw_layout(
-        document.modelspace(), finalize=False, filter_func=_is_written
+        document.modelspace(),
+        finalize=False,
+        filter_func=lambda entity: entity.dxftype() in WRITTEN,
     )
     return found
 
 
-def _is_written(entity: DXFGraphic) -> bool:
-    return entity.dxftype() in WRITTEN
-
-
-def _strokes(mark: Mark, at: complex, scale: float) -> Iterator[tuple[int, Stroke]]:
-    """The lines of a mark, hidden ones in dashes, and their widths [1/100 mm]."""
+def _strokes(mark: Mark, at: complex, scale: float) -> Iterator[Chain]:
+    """The lines of a mark [grains], hidden ones in dashes."""
     if isinstance(mark, Round):
         points = (at + scale * (mark.centre + mark.radius * QUARTERS)) / GRAIN
-        yield LAYERS[mark.layer][2], Stroke(points, np.full(4, 0.5 * np.pi), closed=True)
+        yield Chain(points, np.full(4, 0.5 * np.pi), mark.layer, closed=True)
     elif isinstance(mark, Hatched):
         for ends in hatching(mark, HATCHING / scale):
             points = np.array([(at + scale * end) / GRAIN for end in ends], np.complex128)
-            yield LAYERS["HATCH"][2], Stroke(points, np.zeros(2))
+            yield Chain(points, np.zeros(2), "HATCH")
     elif isinstance(mark, Chain):
         chains: Iterable[Chain] = (mark,)
         if mark.layer == "HIDDEN":
             chains = dashed_stretch(mark, scale, (HIDDEN[1], -HIDDEN[2]))
         for each in chains:
-            points = (at + scale * each.vertices) / GRAIN
-            yield LAYERS[each.layer][2], Stroke(points, each.sweeps, each.closed)
+            yield replace(each, vertices=(at + scale * each.vertices) / GRAIN)
+
+
+def hatching(face: Hatched, step: float) -> Iterator[tuple[complex, complex]]:
+    """The lines of a cut face, at 45 degrees and `step` [mm] apart, through the same points in all
+    faces of a view.
+    """
+    x0, x1 = float(face.corners.real.min()), float(face.corners.real.max())
+    y0, y1 = float(face.corners.imag.min()), float(face.corners.imag.max())
+    along = step * math.sqrt(2.0)
+    for number in range(math.ceil((y0 - x1) / along), math.floor((y1 - x0) / along) + 1):
+        rise = number * along
+        start, end = max(x0, y0 - rise), min(x1, y1 - rise)
+        if len(face.corners) != RECTANGLE:
+            start, end = _inside(face.corners, rise, start, end)
+        if start < end:
+            yield complex(start, start + rise), complex(end, end + rise)
+
+
+def _inside(corners: ComplexArray, rise: float, start: float, end: float) -> tuple[float, float]:
+    """What of the line y = x + `rise`, x from `start` to `end`, lies in a convex polygon that runs
+    counter-clockwise.
+    """
+    for one, other in zip(corners.tolist(), np.roll(corners, -1).tolist(), strict=True):
+        normal = 1j * (other - one)  # inwards
+        at_zero = ((complex(0.0, rise) - one) * normal.conjugate()).real
+        pace = normal.real + normal.imag
+        if pace > 0.0:
+            start = max(start, -at_zero / pace)
+        elif pace < 0.0:
+            end = min(end, -at_zero / pace)
+        elif at_zero < 0.0:
+            return 0.0, 0.0
+    return start, end
 
 
 def _polygon(points: list[complex]) -> Iterator[tuple[str, tuple[complex, ...]]]:
@@ -667,7 +680,8 @@ class _Taken(Backend):
     def draw_line(self, start: Vec2, end: Vec2, properties: BackendProperties) -> None:
         """A line of a dimension."""
         ends = np.array([self._at(start), self._at(end)], np.complex128)
-        self._found.add(round(100.0 * properties.lineweight), Stroke(ends, np.zeros(2)))
+        line = Chain(ends, np.zeros(2), "DIMENSION")
+        self._found.add(round(100.0 * properties.lineweight), line)
 
     def draw_filled_paths(self, paths: Iterable[BkPath2d], properties: BackendProperties) -> None:
         """Letters, each by itself."""
@@ -725,10 +739,7 @@ def _made(product: Product, tolerance: float) -> tuple[tuple[Sheet, ...], Drawin
     if name not in known:
         sheets = sheets_of(product, tolerance)
         know_the_font()
-        with fixed_metadata():
-            document = document_of(sheets)
-            describe(document, product, tolerance)
-        known[name] = sheets, document
+        known[name] = sheets, document_of(sheets, product, tolerance)
     made: tuple[tuple[Sheet, ...], Drawing] = known[name]
     return made
 
@@ -739,7 +750,9 @@ def _pages(product: Product, tolerance: float) -> tuple[Strokes, ...]:
     name = f"pages of the {FORMAT.name} within {tolerance!r} mm"
     if name not in known:
         sheets, document = _made(product, tolerance)
-        documents = [document] if len(sheets) == 1 else [document_of([each]) for each in sheets]
+        documents = [document]
+        if len(sheets) > 1:
+            documents = [document_of([each], product, tolerance) for each in sheets]
         known[name] = tuple(map(strokes_of, documents, sheets))
     made: tuple[Strokes, ...] = known[name]
     return made
@@ -795,14 +808,12 @@ class DrawingWriter:
     def write(self, product: Product, tolerance: float) -> Written:
         """The sheet; the edges of the part lie within `tolerance` [mm]."""
         sheets, document = _made(product, tolerance)
-        with fixed_metadata():
-            data = bytes_of(document)
         facts: dict[str, int | float | str] = {
-            "scale": spelled(Fraction(sheets[0].scale).limit_denominator(SMALLEST)),
-            "dimensions": sum(len(measured(sheet)) for sheet in sheets),
+            "scale": sheets[0].ratio,
+            "dimensions": sum(len(sheet.dimensions) for sheet in sheets),
         }
         findings = tuple(each for sheet in sheets for each in findings_of(sheet))
-        return Written(data, facts, findings)
+        return Written(bytes_of(document), facts, findings)
 
     def measure(self, product: Product, data: bytes) -> float:
         """Read the sheet back, without ezdxf: edges and dimensions against the part [mm]."""
@@ -856,10 +867,6 @@ def _stated(item: Item) -> float:
 def apart(item: Item) -> float:
     """What the definition points of a dimension measure, in units of the drawing."""
     if int(item.number(70)) & KIND == DIAMETER_SIGN:
-        return abs(_point(item, 10) - _point(item, 15))
+        return abs(item.point(10) - item.point(15))
     along = cmath.rect(1.0, math.radians(item.number(50, 0.0)))
-    return abs(((_point(item, 14) - _point(item, 13)) * along.conjugate()).real)
-
-
-def _point(item: Item, code: int) -> complex:
-    return complex(item.number(code), item.number(code + 10))
+    return abs(((item.point(14) - item.point(13)) * along.conjugate()).real)

@@ -16,7 +16,7 @@ from contextlib import contextmanager
 
 import numpy as np
 from ezdxf import options  # type: ignore[attr-defined] # exported, but not declared
-from ezdxf.document import Drawing
+from ezdxf.document import Drawing as Document
 from ezdxf.entities.lwpolyline import LWPolylinePoints
 from ezdxf.filemanagement import new
 from ezdxf.layouts.layout import Modelspace
@@ -32,9 +32,8 @@ from camgeo.part.part import WRITTEN_SHARE, Boundary, written_contour
 from camgeo.reading import DRAWING_LINES
 from camgeo.scene.formats.dxf import FORMAT, SINGLE
 from camgeo.units import MM_PER, LengthUnit, counted
-from camgeo_export.dxf.items import Curve
-from camgeo_export.dxf.measure import measure
-from camgeo_export.reading import CUT, layered
+from camgeo_export.dxf.reader import Curve, Drawing, drawing_of
+from camgeo_export.reading import CUT, deviation, layered
 
 PITCH = "PITCH_CURVE"
 
@@ -74,18 +73,34 @@ class DxfWriter:
         has_pitch = drawing.auxiliary and product.drawn.has_pitch_curve
         pitch = _pitch(product, tolerance, straight) if has_pitch else None
         _limit(sum(map(len, (*curves, *([] if pitch is None else [pitch])))))
-        with fixed_metadata():
-            document = new("R2010", units=INSUNITS[product.unit])
-            document.header["$MEASUREMENT"] = UNITS_OF_HEADER[product.unit]
-            describe(document, product, tolerance)
-            space = document.modelspace()
-            _draw(space, product, cut, pitch)
-            data = bytes_of(document)
-        return Written(data, _facts(product, curves))
+        document = new_document(product, tolerance)
+        _draw(document.modelspace(), product, cut, pitch)
+        return Written(bytes_of(document), _facts(product, curves))
 
     def measure(self, product: Product, data: bytes) -> float:
-        """Read the drawing back, without ezdxf, and measure it against the exact curves [mm]."""
-        return measure(product, data)
+        """Read the drawing back, without ezdxf: largest proved deviation [mm] of all that is drawn.
+
+        Raises FileError if the drawing is incomplete, foreign or in the wrong unit.
+        """
+        drawing = drawing_of(data)
+        _check(drawing, product)
+        largest = max(
+            deviation(drawing.contours(name), boundaries)
+            for name, boundaries in layered(product).items()
+        )
+        if not product.options[FORMAT].auxiliary:
+            return largest
+        scale = drawing.scale()
+        circles = [item for item in drawing.items if item.layer == "BASE_CIRCLE"]
+        pitch = drawing.contours("PITCH_CURVE") if product.drawn.has_pitch_curve else ()
+        if len(pitch) > 1 or len(circles) != 1:
+            raise FileError("the drawing must have one base circle, and one pitch curve at most")
+        x, y, radius = (circles[0].number(code) * scale for code in (10, 20, 40))
+        largest = max(largest, abs(complex(x, y)) + abs(radius - product.drawn.base_radius))
+        for contour in pitch:
+            assert isinstance(contour, Contour)  # a polyline, by `_check`
+            largest = max(largest, product.drawn.pitch_deviation(contour))
+        return largest
 
 
 def _limit(pieces: int) -> None:
@@ -315,7 +330,7 @@ UNITS_OF_HEADER: dict[LengthUnit, int] = {"mm": 1, "inch": 0}
 
 
 @contextmanager
-def fixed_metadata() -> Iterator[None]:
+def _fixed_metadata() -> Iterator[None]:
     """Drawings without time stamps and random identifiers, which ezdxf stamps on a file when
     creating and when writing it; its setting is restored.
     """
@@ -327,21 +342,65 @@ def fixed_metadata() -> Iterator[None]:
         options.write_fixed_meta_data_for_testing = before
 
 
-def describe(document: Drawing, product: Product, tolerance: float) -> None:
-    """Record the file's origin as custom document properties: no text enters the drawing."""
+@_fixed_metadata()
+def new_document(product: Product, tolerance: float) -> Document:
+    """An empty drawing in the unit of the product; custom document properties record the file's
+    origin, so that no text enters the drawing.
+    """
+    document = new("R2010", units=INSUNITS[product.unit])
+    document.header["$MEASUREMENT"] = UNITS_OF_HEADER[product.unit]
     properties = document.header.custom_vars
     properties.append("camgeo", product.version)
     properties.append("scene", product.scene_hash)
     properties.append("tolerance mm", repr(tolerance))
     if title_of(product) != product.name:
         properties.append("title", title_of(product))
+    return document
 
 
-def bytes_of(document: Drawing) -> bytes:
-    """The document as a file; to be called with `fixed_metadata`."""
+@_fixed_metadata()
+def bytes_of(document: Document) -> bytes:
+    """The document as a file."""
     # ezdxf declares the classes in use in the order of a set, which differs between runs.
     for kind in sorted(document.entitydb.dxf_types_in_use()):
         document.classes.add_class(kind)
     stream = io.StringIO()
     document.write(stream)
     return stream.getvalue().encode(document.output_encoding)
+
+
+# -- measure ---------------------------------------------------------------------------------------
+# A drawing read back and compared with the exact curves.
+
+
+KINDS: dict[str, tuple[str, ...]] = {
+    "PITCH_CURVE": ("LWPOLYLINE",),
+    "BASE_CIRCLE": ("CIRCLE",),
+    "CENTRE": ("LINE",),
+}
+"""What each auxiliary layer holds; anything else does not belong in the drawing."""
+
+PART_KINDS: dict[str, tuple[str, ...]] = {
+    "arcs": ("LWPOLYLINE",),
+    SINGLE: ("ARC", "LINE"),
+    "polyline": ("LWPOLYLINE",),
+    "spline": ("SPLINE", "ARC", "LINE"),
+}
+"""What the layers of the part hold, by the option `entity`."""
+
+MEASUREMENT = {"mm": "1", "inch": "0"}
+
+
+def _check(drawing: Drawing, product: Product) -> None:
+    options = product.options[FORMAT]
+    kinds = dict(KINDS) if options.auxiliary else {}
+    kinds |= dict.fromkeys(layered(product), PART_KINDS[options.entity])
+    if not product.drawn.has_pitch_curve:
+        kinds.pop("PITCH_CURVE", None)
+    for item in drawing.items:
+        if item.kind not in kinds.get(item.layer, ()):
+            raise FileError(f"{item.kind} on layer {item.layer} is not part of the drawing")
+    if drawing.scale() != MM_PER[product.unit]:
+        raise FileError(f"$INSUNITS does not say {product.unit}")
+    if drawing.value("$MEASUREMENT") != MEASUREMENT[product.unit]:
+        raise FileError(f"$MEASUREMENT does not say {product.unit}")

@@ -424,12 +424,8 @@ def values(table: Table) -> str:
     shown = [*range(count)]
     if count > FIRST_ROWS + LAST_ROWS + 1:
         shown = [*range(FIRST_ROWS), *range(count - LAST_ROWS, count)]
-    rows = [[_number(value) for value in table.values[k].tolist()] for k in shown]
+    rows = [[f"{value + 0.0:.{DIGITS}g}" for value in table.values[k].tolist()] for k in shown]
     if len(shown) < count:
         rows.insert(FIRST_ROWS, ["⋮"] * len(table.names))
     size = f"{counted(count, 'row')}, {counted(len(table.names), 'column')}"
     return rows_of(table.names, rows, numbers=True) + paragraph(size)
-
-
-def _number(value: float) -> str:
-    return f"{value + 0.0:.{DIGITS}g}"

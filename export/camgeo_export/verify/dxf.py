@@ -17,8 +17,7 @@ from camgeo.reading import DRAWING, check_text
 from camgeo.scene.formats.drawing import FORMAT as SHEET
 from camgeo.scene.formats.dxf import FORMAT
 from camgeo_export.drawing.writer import measure
-from camgeo_export.dxf.items import Item, Tag
-from camgeo_export.dxf.reader import Drawing, drawing_of, gaps_up_to
+from camgeo_export.dxf.reader import Drawing, Item, Tag, drawing_of, gaps_up_to
 from camgeo_export.reading import COMPUTED, CUT, AnyContour, text_tokens
 from camgeo_export.verify.plane import (
     Shape,

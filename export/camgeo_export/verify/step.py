@@ -27,7 +27,7 @@ from camgeo.geometry.contour.spline import Arc, CubicSpline
 from camgeo.numeric.arrays import FloatArray, phase
 from camgeo.numeric.quadrature import gauss, nodes_beside
 from camgeo.units import TURN, counted
-from camgeo_export.dxf.items import closed
+from camgeo_export.dxf.reader import closed
 from camgeo_export.part21.solid import (
     ALIGNED,
     Cone,

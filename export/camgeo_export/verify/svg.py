@@ -10,7 +10,7 @@ from camgeo.design.verify import Check, Origin, Reading, failed, length_of, repo
 from camgeo.errors import CamgeoError, FileError
 from camgeo.scene.formats.format import CUT_SVG
 from camgeo_export.reading import OF_ARCS, text_tokens
-from camgeo_export.svg_reader import check_xml, drawing_of
+from camgeo_export.svg import check_xml, drawing_of
 from camgeo_export.verify.plane import contour_checks, matched, shapes_of
 
 NOTE = re.compile(
