@@ -12,8 +12,7 @@ from camgeo import loads
 from camgeo.app.answers.size import size
 from camgeo.design.design import Design
 from camgeo.scene.scene import load_scene
-from camgeo.studies.optimise.optimise import DUMB, IMPOSSIBLE, Judge, Verdict, optimise
-from camgeo.studies.optimise.task import task_of
+from camgeo.studies.optimise.optimise import DUMB, IMPOSSIBLE, Judge, Verdict, optimise, task_of
 from camgeo.studies.sweep.family import Point
 from camgeo.studies.sweep.pool import Pool
 from camgeo.studies.sweep.rows import Chunks, Work, dead

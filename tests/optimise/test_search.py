@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from camgeo.numeric.arrays import FloatArray
-from camgeo.studies.optimise.optimise import Found, directions, optimise
-from camgeo.studies.optimise.task import task_of
+from camgeo.studies.optimise.optimise import Found, directions, optimise, task_of
 from tests.optimise.cams import PLAIN, given
 
 A, B, C = "follower.base_radius", "follower.arm", "cam.speed"

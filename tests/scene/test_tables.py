@@ -11,8 +11,7 @@ from camgeo.part.printing import Foot, PrintSpec, Shrinkage
 from camgeo.scene.formats.drawing import DrawingSpec
 from camgeo.scene.scene import Scene, load_scene, parse_scene
 from camgeo.scene.schema import schema_of_all
-from camgeo.studies.optimise.optimise import optimise
-from camgeo.studies.optimise.task import Effort, task_of
+from camgeo.studies.optimise.optimise import Effort, optimise, task_of
 from camgeo.studies.sweep.family import Sample, family_of, questions_of
 from tests.contour.cams import SCENES
 from tests.optimise.cams import PLAIN

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from camgeo.numeric.arrays import BoolArray, FloatArray
-from camgeo.studies.optimise.task import front
+from camgeo.studies.optimise.optimise import front
 
 COSTS = st.integers(1, 3).flatmap(
     lambda k: arrays(
