@@ -12,6 +12,7 @@ from typing import Final
 import camgeo
 from camgeo.app.answers.inspect import of_points
 from camgeo.app.answers.replay import Reader
+from camgeo.app.cli.import_ import import_project
 from camgeo.design.linting import Bench
 from camgeo.design.product import Product
 from camgeo.design.verify import Against, Wanted, certificate_in, verify_files
@@ -22,7 +23,6 @@ from camgeo.dynamics.effects.speed_fluctuation import read_motor
 from camgeo.errors import CamgeoError
 from camgeo.kinematics.tables import read_lift_table, read_speed_table
 from camgeo.milling.machine import load
-from camgeo.scene.ocv import import_project
 from camgeo.studies.inspection import Align, read_points
 from camgeo_export.contour_csv import READER as CONTOUR
 from camgeo_export.dxf.reader import READER as DRAWING

@@ -14,9 +14,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import camgeo
+from camgeo.app.cli.import_ import FIELDS, RANGES, SIZE, import_project, project_numbers, scene_name
 from camgeo.app.cli.main import main
 from camgeo.errors import SceneError
-from camgeo.scene.ocv import FIELDS, RANGES, SIZE, import_project, project_numbers, scene_name
 from camgeo.scene.scene import parse_scene
 from camgeo.scene.schema import schema, whole_schema
 from tests.reference import THESIS_CAMS, reference
