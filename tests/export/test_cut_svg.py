@@ -12,7 +12,8 @@ import pytest
 
 import camgeo
 from camgeo import reading
-from camgeo.design.verify import Against, Reading, Wanted, verify_files
+from camgeo.app.answers.verify import Against, Wanted, verify_files
+from camgeo.design.verify import Reading
 from camgeo.errors import FileError
 from camgeo.scene.formats.dxf import DxfSpec
 from camgeo.units import LengthUnit

@@ -12,10 +12,10 @@ from typing import Final
 import camgeo
 from camgeo.app.answers.inspect import of_points
 from camgeo.app.answers.replay import Reader
+from camgeo.app.answers.verify import Against, Wanted, certificate_in, verify_files
 from camgeo.app.cli.import_ import import_project
 from camgeo.design.linting import Bench
 from camgeo.design.product import Product
-from camgeo.design.verify import Against, Wanted, certificate_in, verify_files
 from camgeo.design.writing import find_writer
 from camgeo.dynamics.effects.effect import DataFile
 from camgeo.dynamics.effects.load import read_load_table
