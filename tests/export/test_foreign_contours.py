@@ -18,13 +18,13 @@ import pytest
 from ezdxf.filemanagement import new
 from ezdxf.layouts.layout import Modelspace
 
+from camgeo.app.answers.inspect import read_points
 from camgeo.errors import FileError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.foreign import Outlines, by_arcs
 from camgeo.geometry.contour.spline import CubicSpline, SplineContour
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.reading import PLACED
-from camgeo.studies.inspection import read_points
 from camgeo.units import LengthUnit
 from camgeo_export.contour_csv import READER as CSV
 from camgeo_export.dxf.items import NEAR, Curve

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from camgeo.app.answers.inspect import MOST, read_points
 from camgeo.errors import GeometryError
-from camgeo.studies.inspection import MOST, read_points
 
 ROWS = [(float(k), 0.5 * k * k) for k in range(12)]
 

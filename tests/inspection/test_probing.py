@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from camgeo.app.answers.probe import evenly, length_of, points_at_cam_angles
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.path import Flank
-from camgeo.studies.inspection import evenly, length_of, points_at_cam_angles
 from tests.inspection.flanks import KINDS, TRIMMED, disc_of, flank_of
 
 DEGREES = np.radians(np.arange(360.0))
