@@ -28,7 +28,7 @@ from camgeo.kinematics.planning.requests import (
 )
 from camgeo.part.spec import PartSpec, part_of
 from camgeo.reading import SCENE
-from camgeo.scene.formats.drawing import drawing_of
+from camgeo.scene.formats.drawing import DrawingSpec
 from camgeo.scene.formats.format import Options, OutputSpec
 from camgeo.scene.keys import KeyPath, path_of
 from camgeo.scene.rules import broken_rules
@@ -41,7 +41,7 @@ from camgeo.scene.schema import (
     definition,
     schema_for,
 )
-from camgeo.scene.schema_faults import judge
+from camgeo.scene.schema_faults import judged
 from camgeo.scene.values import Document, Inside, Source, ValidValues, far_end_of
 from camgeo.units import RPM, TURN
 
@@ -53,7 +53,6 @@ if TYPE_CHECKING:
     from camgeo.kinematics.time_course import SpeedCurve
     from camgeo.milling.milling import MillingSpec
     from camgeo.part.printing import PrintSpec
-    from camgeo.scene.formats.drawing import DrawingSpec
 
 
 Built = TypeVar("Built")
@@ -78,7 +77,7 @@ def enter(document: Document, source: Source, earlier: Attributes | None = None)
     SceneError
         With all its faults.
     """
-    verdict = judge(document)
+    verdict = judged(document, schema_for(document.plain))
     if (VERSION_KEY,) in verdict.bad and VERSION_KEY in document.exact:
         # A scene of another version has other keys; this schema's messages would mislead.
         found = [f for f in (*document.faults, *verdict.faults) if f.key == VERSION_KEY]
@@ -306,7 +305,7 @@ class Builder:
         return self._engine(("limits",), lambda: Limits(**self._top("limits")))
 
     def _drawing(self) -> DrawingSpec | None:
-        return self._engine(("drawing",), lambda: drawing_of(self._top("drawing")))
+        return self._engine(("drawing",), lambda: DrawingSpec(**self._top("drawing")))
 
     def part(self, effects: Attributes) -> PartSpec | None:
         """The part; the `effects` are those that the scene names."""

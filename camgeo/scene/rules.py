@@ -15,7 +15,7 @@ from camgeo.part.spec import BOTH, ENGRAVING, LOWER, STRAIGHT, din_6885_1
 from camgeo.scene.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE, OutputSpec
 from camgeo.scene.keys import KeyPath
 from camgeo.scene.schema import BY_DATA, EFFECTS_KEY, FINDERS, MILLING, NAMING, SHAPES, schema_for
-from camgeo.scene.values import Broken, Noted, ValidValues, tables_of, unchanged_reads
+from camgeo.scene.values import Broken, Noted, ValidValues, tables_of, unchanged
 from camgeo.scene.varied import (
     FAMILIES,
     SWEEP,
@@ -406,7 +406,7 @@ def broken_rules(values: ValidValues, earlier: ValidValues | None = None) -> lis
     """
     if earlier is None or not values.flawless:
         return [values.scene.fault(*broken) for rule in RULES for broken in rule(values)]
-    values.reads |= unchanged_reads(earlier, values)
+    values.reads |= unchanged(earlier.reads, earlier.scene.exact, values.scene.exact)
     found: list[Fault] = []
     for rule in RULES:
         if rule not in values.reads:

@@ -12,21 +12,23 @@ from decimal import Decimal
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Self
 
 from camgeo.errors import CamgeoError, Fault, GeometryError, SceneError, unreadable
 from camgeo.reading import SCENE, TABLE, read_within
 from camgeo.record import brief, pickled
 from camgeo.scene.door import enter
+from camgeo.scene.formats.format import FORMATS
 from camgeo.scene.keys import path_of, value_at
 from camgeo.scene.schema import (
     EFFECTS_KEY,
     MILLING,
+    OUTPUT,
     Node,
     keys_of,
-    names_a_file,
     resolved,
-    schema_of_all,
+    schema_for,
 )
 from camgeo.scene.values import (
     Document,
@@ -37,7 +39,6 @@ from camgeo.scene.values import (
     document_of,
     document_of_tree,
     edited,
-    read_only,
     without,
 )
 
@@ -167,7 +168,7 @@ class Scene:
     @cached_property
     def values(self) -> Mapping[str, Any]:
         """The values as they are stated, nested as in TOML; decimal numbers are Decimals."""
-        values: Mapping[str, Any] = read_only(self._tree)
+        values: Mapping[str, Any] = _read_only(self._tree)
         return values
 
     @property
@@ -283,6 +284,15 @@ class Scene:
         )  # fmt: skip
 
 
+def _read_only(tree: Any) -> Any:
+    """The same values in mappings and tuples that cannot be changed."""
+    if isinstance(tree, dict):
+        return MappingProxyType({key: _read_only(item) for key, item in tree.items()})
+    if isinstance(tree, list):
+        return tuple(_read_only(item) for item in tree)
+    return tree
+
+
 def _fill(made: Scene, attributes: Mapping[str, Any]) -> None:
     """Set the attributes of a new scene, which is frozen."""
     for name, value in attributes.items():
@@ -349,6 +359,15 @@ def _hash(what: str, tree: Tree, digests: Digests) -> str:
     return hashlib.sha256(f"{FORM}, {what}: {text}".encode()).hexdigest()
 
 
+def schema_of_all(values: Mapping[str, Any]) -> Node:
+    """Return the schema for these values with the tables of all formats of camgeo."""
+    output = values.get(OUTPUT)
+    table = output if isinstance(output, dict) else {}
+    listed = table.get("formats")
+    words = [*FORMATS, *(listed if isinstance(listed, list) else ())]
+    return schema_for({**values, OUTPUT: {**table, "formats": words}}).root
+
+
 class _Canonical:
     """Writes values as text that differs for different values."""
 
@@ -372,7 +391,7 @@ class _Canonical:
             return "true" if value else "false"
         if isinstance(value, int | float | Decimal):
             return _number(value)
-        if names_a_file(node, value):
+        if _names_a_file(node, value):
             return f"<{self._digests(value)}>"
         return json.dumps(value)
 
@@ -394,6 +413,11 @@ class _Canonical:
             return node["x-default-by-law"].get(table.get("law"))
         main = value_at(self._tree, path_of(node.get("x-default-key", "")) or ("",))
         return node.get("default") if main is None else main
+
+
+def _names_a_file(node: Node, value: str) -> bool:
+    """Tell whether the value at a resolved node is the name of a file in the scene's folder."""
+    return ("x-file" in node or "x-path" in node) and value not in node.get("x-values", ())
 
 
 def _number(value: float | Decimal) -> str:

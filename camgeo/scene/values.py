@@ -153,11 +153,6 @@ def far_end_of(values: ValidValues) -> Member | None:
     return LINKAGES[linkage].members.get(values.lift_unit)
 
 
-def unchanged_reads(earlier: ValidValues, now: ValidValues) -> dict[Hashable, Reads]:
-    """What was read of an `earlier` scene and is the same `now`."""
-    return unchanged(earlier.reads, earlier.scene.exact, now.scene.exact)
-
-
 def tables_of(values: ValidValues, *names: str) -> dict[str, Any]:
     """Those of the scene's tables with these names that it has, valid or not."""
     return {name: values.raw(name) for name in names if values.has(name)}
@@ -454,15 +449,6 @@ class Taking:
             return str.__str__(key)
         message = "the names of keys must be text"
         raise SceneError([Fault(spelled(path), repr(key)[:60], message)])
-
-
-def read_only(tree: Any) -> Any:
-    """The same values in mappings and tuples that cannot be changed."""
-    if isinstance(tree, dict):
-        return MappingProxyType({key: read_only(item) for key, item in tree.items()})
-    if isinstance(tree, list):
-        return tuple(read_only(item) for item in tree)
-    return tree
 
 
 def edited(tree: Tree, edits: Mapping[str, Any]) -> Tree:

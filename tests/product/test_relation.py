@@ -11,8 +11,8 @@ import pytest
 
 import camgeo
 from camgeo.check.finding import Finding
-from camgeo.design.judged_part import findings_on, part_of, poor_in
-from camgeo.design.product import bodies_of, relation_of, with_pair
+from camgeo.design.judged_part import findings_on, part_of, poor_in, relation_of
+from camgeo.design.product import bodies_of, with_pair
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
 

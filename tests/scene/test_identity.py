@@ -14,8 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import SceneError
-from camgeo.scene.scene import Scene, identity_of, load_scene, made_of, parse_scene
-from camgeo.scene.schema import keys_of, resolved, schema_of_all
+from camgeo.scene.scene import Scene, identity_of, load_scene, made_of, parse_scene, schema_of_all
+from camgeo.scene.schema import keys_of, resolved
 from camgeo.scene.values import edited
 from tests.long_form import examples
 from tests.scene.scenes import FIXTURES, GROOVE, LINKED, PLATE, ROCKER, leaves, loaded, spoilt

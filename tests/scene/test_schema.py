@@ -23,16 +23,8 @@ from camgeo.scene.formats.csv import CsvSpec
 from camgeo.scene.formats.dxf import DxfSpec
 from camgeo.scene.formats.format import OutputSpec
 from camgeo.scene.keys import key_lines, spelled, value_at
-from camgeo.scene.scene import Scene, parse_scene
-from camgeo.scene.schema import (
-    Node,
-    definition,
-    keys_of,
-    resolved,
-    schema,
-    schema_of_all,
-    whole_schema,
-)
+from camgeo.scene.scene import Scene, parse_scene, schema_of_all
+from camgeo.scene.schema import Node, definition, keys_of, resolved, schema, whole_schema
 from camgeo.scene.toml import TEMPLATE_KINDS, template
 from tests.findings import effect_findings
 

@@ -9,8 +9,7 @@ import pytest
 from camgeo.errors import SceneError
 from camgeo.part.printing import Foot, PrintSpec, Shrinkage
 from camgeo.scene.formats.drawing import DrawingSpec
-from camgeo.scene.scene import Scene, load_scene, parse_scene
-from camgeo.scene.schema import schema_of_all
+from camgeo.scene.scene import Scene, load_scene, parse_scene, schema_of_all
 from camgeo.studies.optimise.optimise import Effort, optimise, task_of
 from camgeo.studies.sweep.family import Sample, family_of, questions_of
 from tests.contour.cams import SCENES

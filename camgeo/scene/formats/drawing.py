@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final, Literal
+from typing import Final, Literal
 
 from camgeo.kinematics.mechanism.values import Length
 from camgeo.numeric.checked import hold, instance, one_of, optional
@@ -79,7 +78,7 @@ class DrawingSpec:
     def __post_init__(self) -> None:
         one_of("drawing.sheet", self.sheet, SHEETS)
         one_of("drawing.language", self.language, LANGUAGES)
-        one_of("drawing.step", self.step, (0, *STEPS))
+        hold(self, step=one_of("drawing.step", self.step, (0, *STEPS)))
         if self.motion is not None:
             instance("drawing.motion", self.motion, bool, "true or false")
         for name in TEXTS:
@@ -90,12 +89,6 @@ class DrawingSpec:
     def has_motion(self) -> bool:
         """Whether the motion diagram is drawn."""
         return self.sheet == "A3" if self.motion is None else self.motion
-
-
-def drawing_of(table: Mapping[str, Any]) -> DrawingSpec:
-    """The drawing that the table `[drawing]` states, lengths in mm."""
-    whole = {"step": int(table["step"])} if "step" in table else {}
-    return DrawingSpec(**{**table, **whole})
 
 
 SCHEMA: Final = {
