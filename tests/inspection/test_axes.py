@@ -6,6 +6,7 @@ import pytest
 
 from camgeo.geometry.outline.path import Flank
 from camgeo.studies.inspection import other_axes
+from tests.findings import known
 from tests.inspection.flanks import every, flank_of, measured
 
 SHIFT, TURN = 12.0 - 5.0j, 1.2
@@ -18,8 +19,7 @@ SHIFT, TURN = 12.0 - 5.0j, 1.2
 def test_they_are_found(name: str, side: Flank, mirrored: bool) -> None:
     flank = flank_of(name, side)
     points = measured(every(flank, 90), 0.0, SHIFT, TURN)
-    found = other_axes(flank, points.conj() if mirrored else points, 5.0)
-    assert found is not None
+    found = known(other_axes(flank, points.conj() if mirrored else points, 5.0))
     assert found.mirrored == mirrored
     assert found.frame.shift == pytest.approx(SHIFT, abs=1e-9)
     assert found.frame.turn == pytest.approx(TURN, abs=1e-9)

@@ -19,6 +19,7 @@ from camgeo.milling.tool import Tool
 from camgeo.part.spec import Chamfer, Chamfers, Engraving, Hub, Keyway, Mark, PartSpec
 from camgeo.scene.formats import csv, gcode
 from camgeo.scene.formats.format import OutputSpec
+from tests.findings import known
 from tests.scene.scenes import GROOVE, LINKED, PLATE, ROCKER, loaded
 
 TOOL = Tool(
@@ -134,9 +135,8 @@ safe_height = 2
     tables = PLATE[PLATE.index("[[tool]]") : PLATE.index("[holding]")]
     scene = loaded(PLATE, ('machine = "linuxcnc"\n', table), (tables, ""))
     assert scene.output.options[gcode.FORMAT].heights == Heights(2.0, 2.0)
-    assert scene.milling is not None
-    assert scene.milling.earlier
-    assert scene.milling.tools == (
+    assert known(scene.milling).earlier
+    assert known(scene.milling).tools == (
         Tool(
             number=3, diameter=8.0, spindle_speed=2500.5, feed=200.0, plunge_feed=50.0,
             stepdown=1.5, plunges=True,
@@ -171,8 +171,7 @@ def test_texts_of_a_part() -> None:
         'along = "straight"\nturn = 45\n'
     )
     scene = loaded(PLATE, ('"mm"', '"inch"'), ("[limits]", f"{texts}[limits]"))
-    assert scene.part is not None
-    assert scene.part.engraving == (
+    assert known(scene.part).engraving == (
         Engraving("plate", 0.2 * 25.4, 0.01 * 25.4, 0.75 * 25.4),
         Engraving(
             "Ø8", 0.1 * 25.4, 0.01 * 25.4, 0.5 * 25.4, math.radians(90.0), "straight",
@@ -192,13 +191,12 @@ def test_inches() -> None:
     assert scene.output.tolerance == 0.0001 * 25.4
     # The default height of traverses is millimetres, whatever the scene's unit.
     assert scene.output.options[gcode.FORMAT] == GcodeSpec()
-    assert scene.milling is not None
-    assert scene.milling.tools == (
+    assert known(scene.milling).tools == (
         replace(
             TOOL, diameter=254.0, flute_length=22 * 25.4, feed=300 * 25.4, plunge_feed=100 * 25.4,
             stepdown=3 * 25.4,
         ),
     )  # fmt: skip
-    assert scene.milling.holding == Holding(kind="fixture", through=0.5 * 25.4)
+    assert known(scene.milling).holding == Holding(kind="fixture", through=0.5 * 25.4)
     assert scene.output.options[csv.FORMAT].step == Decimal("0.25")
     assert scene.speed == loaded(PLATE).speed

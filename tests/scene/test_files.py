@@ -16,6 +16,7 @@ from camgeo.reading import SCENE
 from camgeo.scene.keys import key_lines, line_of, spelled
 from camgeo.scene.scene import load_scene, parse_scene
 from camgeo.scene.values import named, stamp, value_path
+from tests.findings import known
 from tests.scene.scenes import FIXTURES, GROOVE, LINKED, PLATE, ROCKER, refusal_by, values_in
 
 BYTES = [
@@ -225,8 +226,7 @@ def test_every_key_has_its_line(text: str) -> None:
     rows = text.splitlines()
     for path, _ in values_in(tomllib.loads(text)):
         if isinstance(path[-1], str):
-            line = line_of(path, lines)
-            assert line is not None
+            line = known(line_of(path, lines))
             assert path[-1] in rows[line - 1]
 
 

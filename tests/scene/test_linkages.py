@@ -20,7 +20,7 @@ from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from camgeo.scene.formats.format import find_format
 from camgeo.scene.scene import parse_scene
 from camgeo.scene.toml import template
-from tests.findings import effect_findings
+from tests.findings import effect_findings, known
 from tests.scene.scenes import LINKED, refusal_by, refusal_of, spoilt
 
 FIXTURES = Path(__file__).parents[2] / "fixtures" / "scenes"
@@ -157,8 +157,7 @@ def test_the_table_has_both_motions(text: str, angle: str) -> None:
     assert columns[f"{angle} [deg]"] == pytest.approx(np.degrees(made.drive.plan.jet(phi)[0]))
     own = "psi' [1]" if made.cam.lift_unit == "rad" else "s' [mm/rad]"
     assert columns[own] == pytest.approx(made.drive.motion.jet(phi)[1])
-    speed = made.scene.speed
-    assert speed is not None
+    speed = known(made.scene.speed)
     assert columns[f"omega_{angle} [deg/s]"] == pytest.approx(
         np.degrees(made.drive.plan.jet(phi)[1]) * speed
     )
@@ -208,8 +207,7 @@ def test_effects_at_the_follower_itself_work(text: str, tables: str, prefix: str
     names = {column.name: column for column in made.disc.columns()}
     phi = np.radians(np.arange(0.5, 360.0, 7.0))
     own = names[f"{prefix} velocity"].values(phi, "right")
-    speed = made.scene.speed
-    assert speed is not None
+    speed = known(made.scene.speed)
     scale = math.degrees(1.0) if made.cam.lift_unit == "rad" else 1.0
     assert own == pytest.approx(scale * speed * made.drive.motion.jet(phi)[1], abs=1e-9)
     # Kinetic energy of what moves with the follower: its own, whatever the linkage.
