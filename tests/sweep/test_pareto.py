@@ -32,10 +32,3 @@ def by_definition(costs: FloatArray) -> BoolArray:
 @given(COSTS)
 def test_no_other_row_dominates(costs: FloatArray) -> None:
     assert np.array_equal(front(costs), by_definition(costs))
-
-
-def test_a_curve_and_what_lies_behind_it() -> None:
-    x = np.linspace(0.1, 1.0, 50)
-    costs = np.concatenate((np.column_stack((x, 1.0 / x)), np.column_stack((x, 1.0 / x + 0.1))))
-    assert list(np.flatnonzero(front(costs)[:50])) == [*range(50)]
-    assert np.array_equal(front(costs), by_definition(costs))
