@@ -246,11 +246,6 @@ def test_faults_of_a_library_are_those_of_its_key(tmp_path: Path) -> None:
     messages = "\n".join(fault.message for fault in caught.faults)
     assert "line 3: tool[1].diameter: must be a positive number" in messages
     assert "tool[1].feeds: is not a known key" in messages
-    with pytest.raises(SceneError, match=r"shop\.toml.*cannot be read|cannot be read"):
-        parse_scene(
-            HEAD.replace('machine = "linuxcnc"', 'tools = "none.toml"') + HOLDING,
-            str(tmp_path / "s.toml"),
-        )
 
 
 @pytest.mark.parametrize(
@@ -283,3 +278,4 @@ def test_a_library_that_cannot_be_read_is_one_fault(tmp_path: Path) -> None:
     operation = '[[operation]]\nkind = "rough"\nboundary = "outline"\ntool = 3\n'
     (fault,) = refusal_of(stated + HOLDING + operation, str(tmp_path / "s.toml")).faults
     assert fault.key == "output.gcode.tools"
+    assert "cannot be read" in fault.message
