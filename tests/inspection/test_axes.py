@@ -26,14 +26,9 @@ def test_they_are_found(name: str, side: Flank, mirrored: bool) -> None:
     assert found.left < 1e-9
 
 
-def test_none_are_sought_for_errors_of_making() -> None:
+def test_none_are_sought_for_errors_of_making_nor_found_of_another_disc() -> None:
     flank = flank_of("plate_translating", Flank.INNER)
     points = measured(every(flank, 90), 0.0, SHIFT, TURN)
     assert other_axes(flank, points, 0.05) is None
     assert other_axes(flank, points[:10], 5.0) is None
-
-
-def test_points_of_another_disc_have_none() -> None:
-    flank = flank_of("plate_translating", Flank.INNER)
-    other = every(flank_of("ring", Flank.OUTER), 90).points
-    assert other_axes(flank, other, 20.0) is None
+    assert other_axes(flank, every(flank_of("ring", Flank.OUTER), 90).points, 20.0) is None
