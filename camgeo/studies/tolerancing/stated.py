@@ -459,7 +459,9 @@ def dimensions_of(machine: Machine, second: Machine | None = None) -> dict[str, 
         for key, each in found.items():
             if each.unit.freedom.way in mine:
                 found[key] = each.of_side(Hold.MAIN)
-        others = _yoke(second) if mount is None else _returning(second.cam.follower, second)
+        own = _yoke(second) if mount is None else _returning(second.cam.follower, second)
+        table = "follower.yoke" if mount is None else "follower.return"
+        others = {f"{table}.{key}": each for key, each in own.items()}
         if mount is not None:
             others |= {f"return.{key}": each for key, each in MOUNTED.items() if "mount" in key}
         found.update({key: each.of_side(Hold.RETURN) for key, each in others.items()})
@@ -536,22 +538,20 @@ def _(follower: OscillatingFlat, _: Machine) -> dict[str, Dimension]:
 
 
 def _yoke(second: Machine) -> dict[str, Dimension]:
-    """Of the second side of a yoke."""
+    """Of the second side of a yoke, by their keys in its table."""
     follower = second.cam.follower
     place = follower.traced_point(0.0)
     breadth = _length(
         Way.BODY, "the second side lies farther from the first",
         second.cam.yoke_breadth, place / abs(place),
     )  # fmt: skip
-    found = {"breadth": breadth}
     own = _follower(follower, second)
-    found |= {key: each for key, each in own.items() if key == "roller_radius"}
-    return {f"follower.yoke.{key}": each for key, each in found.items()}
+    return {"breadth": breadth} | {key: own[key] for key in own if key == "roller_radius"}
 
 
 @singledispatch
 def _returning(_: Follower, __: Machine) -> dict[str, Dimension]:
-    """Of the return roller of a pair."""
+    """Of the return roller of a pair, by their keys in its table."""
     return {}
 
 
@@ -561,14 +561,13 @@ def _(follower: TranslatingRoller, second: Machine) -> dict[str, Dimension]:
     right = 1j * follower.outward  # the main roller looks the other way
     offset = Unit(Freedom(Way.BODY), right)
     spacing = dict(second.cam.mount.given)["spacing"]
-    found = {
+    return {
         "spacing": _length(
             Way.BODY, "the return roller lies farther from the main one", spacing, follower.outward
         ),
         "offset": Dimension(offset, "the return roller's path lies farther to the right"),
         **_radius(follower, second),
     }
-    return {f"follower.return.{key}": each for key, each in found.items()}
 
 
 @_returning.register
@@ -579,12 +578,11 @@ def _(follower: OscillatingRoller, second: Machine) -> dict[str, Dimension]:
         "the return arm is turned counter-clockwise against the main one",
         is_angle=True,
     )
-    found = {
+    return {
         "arm": _length(Way.BODY, "the return arm is longer", follower.arm, along),
         "arm_angle": turned,
         **_radius(follower, second),
     }
-    return {f"follower.return.{key}": each for key, each in found.items()}
 
 
 @singledispatch
