@@ -63,21 +63,20 @@ def test_every_form_effort_and_tolerance_has_its_row() -> None:
 @pytest.mark.parametrize("tolerance", TOLERANCES)
 def test_counts_files_and_proofs(form: str, effort: str, tolerance: float) -> None:
     row = found(form, effort, tolerance)
-    assert row.count is not None
-    assert row.drawing is not None
-    assert 0.0 < row.count.deviation <= tolerance
-    assert known(row.drawing.deviation) <= tolerance
-    assert row.count.forced == (0 if form == "polyline" else 2)  # Two rests of the motion plan.
+    count, drawing = known(row.count), known(row.drawing)
+    assert 0.0 < count.deviation <= tolerance
+    assert known(drawing.deviation) <= tolerance
+    assert count.forced == (0 if form == "polyline" else 2)  # Two rests of the motion plan.
     # A limit for small tolerances; where pieces are few it is passed a little.
-    assert 0.7 < known(row.count.ratio) < 4.0
-    assert min(row.count.fit_seconds, row.count.proof_seconds) > 0.0
+    assert 0.7 < known(count.ratio) < 4.0
+    assert min(count.fit_seconds, count.proof_seconds) > 0.0
     assert (row.program is not None) == (form == "arcs")
     # Of the boundaries of the part only the bore is no flank.
-    facts = row.drawing.facts
+    facts = drawing.facts
     entities = int(facts.get("cubics", 0)) + int(facts["arcs"]) + int(facts["lines"])
     (bore,) = (each for each in load("setzhub").disc.drawn.part.boundaries if each.name == "bore")
     own: Any = (form, effort, tolerance)
-    assert entities == row.count.pieces + len(written_contour(bore, *own).contour)
+    assert entities == count.pieces + len(written_contour(bore, *own).contour)
     assert row.decimals == 4
     if row.program is not None:
         assert row.program.facts["decimals"] == row.decimals
@@ -112,9 +111,7 @@ def test_the_ripple_is_that_of_the_replay() -> None:
     assert found("arcs", "fewest", 1e-3).ripple == ripple
     assert found("spline", "fewest", 1e-3).ripple is None
     ripples = [found("arcs", "fewest", tolerance).ripple for tolerance in TOLERANCES]
-    assert ripples[0] is not None
-    assert ripples[1] is not None
-    assert ripples[1] < ripples[0]
+    assert known(ripples[1]) < known(ripples[0])
 
 
 def test_no_ripple_unless_it_is_asked_for() -> None:
