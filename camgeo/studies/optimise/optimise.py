@@ -1107,6 +1107,9 @@ class Trial(Verdict):
     number: int = 0
     place: FloatArray | None = None
 
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
+
     @property
     def feasible(self) -> bool:
         """Whether it keeps all limits."""
