@@ -406,7 +406,7 @@ def broken_rules(values: ValidValues, earlier: ValidValues | None = None) -> lis
     """
     if earlier is None or not values.flawless:
         return [values.scene.fault(*broken) for rule in RULES for broken in rule(values)]
-    values.reads |= unchanged(earlier.reads, earlier.scene.exact, values.scene.exact)
+    values.reads |= unchanged(earlier, values)
     found: list[Fault] = []
     for rule in RULES:
         if rule not in values.reads:

@@ -584,7 +584,9 @@ class Builder:
         return self._engine(("limits",), lambda: Limits(**self._top("limits")))
 
     def _drawing(self) -> DrawingSpec | None:
-        return self._engine(("drawing",), lambda: DrawingSpec(**self._top("drawing")))
+        table = self._top("drawing")
+        whole = {"step": int(table["step"])} if "step" in table else {}
+        return self._engine(("drawing",), lambda: DrawingSpec(**{**table, **whole}))
 
     def part(self, effects: Attributes) -> PartSpec | None:
         """The part; the `effects` are those that the scene names."""

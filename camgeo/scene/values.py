@@ -585,12 +585,12 @@ class Reads:
         return any(change[:end] in self._places for end in range(len(change) + 1))
 
 
-def unchanged(
-    reads: Mapping[Hashable, Reads], then: Mapping[str, Any], now: Mapping[str, Any]
-) -> dict[Hashable, Reads]:
-    """Those of `reads` whose places have the same values in the trees `then` and `now`."""
-    changed = list(changes(then, now))
-    return {name: each for name, each in reads.items() if not any(map(each.touched, changed))}
+def unchanged(earlier: ValidValues, now: ValidValues) -> dict[Hashable, Reads]:
+    """What was read of an `earlier` scene and is the same `now`."""
+    changed = list(changes(earlier.scene.exact, now.scene.exact))
+    return {
+        name: each for name, each in earlier.reads.items() if not any(map(each.touched, changed))
+    }
 
 
 def changes(then: Any, now: Any, path: KeyPath = ()) -> Iterator[KeyPath]:

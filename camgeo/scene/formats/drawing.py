@@ -78,7 +78,7 @@ class DrawingSpec:
     def __post_init__(self) -> None:
         one_of("drawing.sheet", self.sheet, SHEETS)
         one_of("drawing.language", self.language, LANGUAGES)
-        hold(self, step=one_of("drawing.step", self.step, (0, *STEPS)))
+        one_of("drawing.step", self.step, (0, *STEPS))
         if self.motion is not None:
             instance("drawing.motion", self.motion, bool, "true or false")
         for name in TEXTS:
