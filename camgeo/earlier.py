@@ -25,6 +25,8 @@ NOW: Final = {
     "mechanism": "kinematics.mechanism",
     "motion": "kinematics",
     "optimise": "studies.optimise",
+    "optimise.task": "studies.optimise.optimise",
+    "studies.optimise.task": "studies.optimise.optimise",
     "sweep": "studies.sweep",
     "sweep.engine": "studies.sweep.rows",
     "sweep.stated": "studies.sweep.family",

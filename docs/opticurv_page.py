@@ -15,9 +15,9 @@ from typing import Final
 
 import numpy as np
 
+from camgeo.app.cli.import_ import FIELDS, RANGES, import_project, project_numbers
 from camgeo.design.design import Design
 from camgeo.numeric.arrays import FloatArray
-from camgeo.scene.ocv import FIELDS, RANGES, import_project, project_numbers
 from camgeo.scene.scene import parse_scene
 from camgeo_export.table import COLUMNS, POINTS, point_columns
 

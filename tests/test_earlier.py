@@ -25,6 +25,7 @@ DOCUMENTED = {
     "camgeo.motion.laws": "make_law",
     "camgeo.optimise.optimise": "optimise",
     "camgeo.optimise.task": "task_of",
+    "camgeo.studies.optimise.task": "task_of",
     "camgeo.sweep.engine": "Engine",
     "camgeo.sweep.stated": "family_of",
     "camgeo.sweep.sweep": "sweep",

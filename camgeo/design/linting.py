@@ -1,27 +1,8 @@
-"""Programs of any origin run through the interpreter of a machine profile: findings by line.
-
-The interpreter registers as the entry point `gcode` of the group ``camgeo.linters``; it loads an
-object that is a `Linter`.
-"""
+"""What is found in milling programs of any origin, by line, and what such programs do not say."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib.metadata import entry_points
-from typing import Final, Protocol
-
-from camgeo.design.product import Product
-from camgeo.errors import FileError
-from camgeo.milling.machine import Machine
-
-GROUP: Final = "camgeo.linters"
-
-VERIFIERS: Final = "camgeo.verifiers"
-
-NAME: Final = "gcode"
-
-MOST: Final = 1_000
-"""Findings of one program; after as many it is not read further."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,35 +73,3 @@ class Linted:
     texts: dict[int, str]
     moves: int
     complete: bool
-
-
-class Linter(Protocol):
-    """Runs programs."""
-
-    def lint(self, data: bytes, machine: Machine, bench: Bench) -> Linted:
-        """All findings; FileError for data beyond the limits of a program."""
-
-
-class WorkJudge(Protocol):
-    """Says what programs do to the blank and the part of a scene."""
-
-    def worked(self, product: Product, data: bytes, machine: Machine) -> tuple[LineFinding, ...]:
-        """Findings on the work, by line."""
-
-
-def work_judge() -> WorkJudge:
-    """The verifier of programs; FileError if it is not installed."""
-    found = entry_points(group=VERIFIERS, name=NAME)
-    if not found:
-        raise FileError("the verifier of programs is not installed: install camgeo again")
-    loaded: WorkJudge = next(iter(found)).load()
-    return loaded
-
-
-def linter() -> Linter:
-    """The interpreter of programs; FileError if it is not installed."""
-    found = entry_points(group=GROUP, name=NAME)
-    if not found:
-        raise FileError("the interpreter of programs is not installed: install camgeo again")
-    loaded: Linter = next(iter(found)).load()
-    return loaded

@@ -13,22 +13,14 @@ from camgeo.part.boundaries import ExactBoundary, largest_radius
 from camgeo.part.compensation import compensated
 from camgeo.part.part import Layer, Part
 from camgeo.part.printing import PrintSpec
-from camgeo.scene.formats.threemf import (
-    CAM,
-    FORMAT,
-    RETURN_CAM,
-    RETURN_ROLLER,
-    ROLLER,
-    TEST_RING,
-    ThreeMfSpec,
-)
+from camgeo.scene.formats.threemf import FORMAT, Body, ThreeMfSpec
 
-COLOURS: Final = {
-    CAM: "#3B6FB6",
-    RETURN_CAM: "#C44E52",
-    ROLLER: "#8C8C8C",
-    RETURN_ROLLER: "#B0B0B0",
-    TEST_RING: "#E0A030",
+COLOURS: Final[dict[str, str]] = {
+    Body.CAM: "#3B6FB6",
+    Body.RETURN_CAM: "#C44E52",
+    Body.ROLLER: "#8C8C8C",
+    Body.RETURN_ROLLER: "#B0B0B0",
+    Body.TEST_RING: "#E0A030",
 }
 """On the screen, red, green and blue."""
 
@@ -46,7 +38,7 @@ class Piece:
 
     Attributes
     ----------
-    kind : what it is, one of `camgeo.scene.formats.threemf.BODIES`.
+    kind : what it is, one of `camgeo.scene.formats.threemf.Body`.
     name : what people call it.
     part : the body, compensated, about an axis of its own.
     reach : radius of the circle about that axis in which it lies [mm].
@@ -96,15 +88,15 @@ def _up(place: float) -> float:
 
 def _body(kind: str, product: Product, options: ThreeMfSpec) -> tuple[str, Part]:
     """The name of a body, and the body."""
-    missing = not product.others or (kind == RETURN_CAM and product.is_pair)
-    if kind in (RETURN_CAM, RETURN_ROLLER) and missing:
+    missing = not product.others or (kind == Body.RETURN_CAM and product.is_pair)
+    if kind in (Body.RETURN_CAM, Body.RETURN_ROLLER) and missing:
         message = f'there is no return disc of its own for "{kind}"'
         raise GeometryError(message, key="output.3mf.plate")
-    disc = product.others[0] if kind in (RETURN_CAM, RETURN_ROLLER) else product
-    if kind in (CAM, RETURN_CAM):
+    disc = product.others[0] if kind in (Body.RETURN_CAM, Body.RETURN_ROLLER) else product
+    if kind in (Body.CAM, Body.RETURN_CAM):
         return title_of(disc), disc.drawn.printed.target
     spec, fitted = product.scene.printing, product.drawn.printed.fitted
-    if kind == TEST_RING:
+    if kind == Body.TEST_RING:
         part = ring_part(fitted)
     else:
         stated = product.scene.part

@@ -31,8 +31,7 @@ from camgeo.pictures.model import (
     limits,
     over,
 )
-from camgeo.studies.optimise.optimise import Found, Trial
-from camgeo.studies.optimise.task import front
+from camgeo.studies.optimise.optimise import Found, Trial, front
 from camgeo.studies.sweep.family import Family
 from camgeo.studies.sweep.rows import canonical
 from camgeo.studies.sweep.sweep import Result

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from functools import cache
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from camgeo.errors import Fault, GeometryError, SceneError
@@ -23,9 +24,9 @@ from camgeo.milling.milling import (
 from camgeo.milling.tool import END_MILL, Tool, ToolError
 from camgeo.scene.formats.gcode import misfits, tables_are_whole
 from camgeo.scene.keys import KeyPath, path_of
-from camgeo.scene.schema import MILLING, library_schema, milling_tables
+from camgeo.scene.schema import MILLING, Composed, milling_tables, schema
 from camgeo.scene.schema_faults import judged
-from camgeo.scene.values import Inside, ValidValues, document
+from camgeo.scene.values import Broken, Inside, ValidValues, document
 
 if TYPE_CHECKING:
     from camgeo.milling.holding import Holding
@@ -42,8 +43,6 @@ LIBRARY: Final = (*PROGRAM, "tools")
 
 OPERATIONS: Final = ("operation", f"{SECOND_SIDE}.operation")
 """Tables with operations, which name their tools."""
-
-Broken = tuple[KeyPath, str]
 
 Built = TypeVar("Built")
 
@@ -230,6 +229,21 @@ def _earlier_tool(program: GcodeSpec | None) -> Tool | None:
         return None
 
 
+@cache
+def _library_schema() -> Composed:
+    """The schema of a file of tools."""
+    units = schema()["properties"]["units"]
+    keys = {"units": {**units, "properties": {"length": units["properties"]["length"]}}}
+    root = {
+        "type": "object",
+        "required": ["tool"],
+        "additionalProperties": False,
+        "properties": {**keys, "tool": milling_tables()["tool"]},
+        "$defs": schema()["$defs"],
+    }
+    return Composed(root, (), ())
+
+
 def tools_of(data: bytes) -> list[Tool]:
     """The tools of a library, a TOML file with `[[tool]]` like those of a scene, and `[units]`.
 
@@ -239,7 +253,7 @@ def tools_of(data: bytes) -> list[Tool]:
         With all its faults.
     """
     found = document(data)
-    verdict = judged(found, library_schema())
+    verdict = judged(found, _library_schema())
     values = ValidValues(found, verdict.bad, verdict.meant)
     faults: list[Fault] = [*found.faults, *verdict.faults]
     faults += [found.fault(*each) for each in broken_tables(values, whole=True)]

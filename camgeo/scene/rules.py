@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from decimal import Context, Decimal, Inexact
-from typing import Final
+from typing import Final, Literal
 
 from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.kinematics.laws import find_family
@@ -15,7 +15,7 @@ from camgeo.part.spec import BOTH, ENGRAVING, LOWER, STRAIGHT, din_6885_1
 from camgeo.scene.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE, OutputSpec
 from camgeo.scene.keys import KeyPath
 from camgeo.scene.schema import BY_DATA, EFFECTS_KEY, FINDERS, MILLING, NAMING, SHAPES, schema_for
-from camgeo.scene.values import Broken, Noted, ValidValues, tables_of, unchanged_reads
+from camgeo.scene.values import Broken, Noted, ValidValues, tables_of, unchanged
 from camgeo.scene.varied import (
     FAMILIES,
     SWEEP,
@@ -118,14 +118,11 @@ def contact_and_part_agree(values: ValidValues) -> Iterator[Broken]:
 
 def part_is_possible(values: ValidValues) -> Iterator[Broken]:
     """Groove, mark and texts within the thickness, keyway within the bore, bore within the hub."""
-    thickness = values.get("part", "thickness")
     texts = values.get("part", ENGRAVING) or ()
     yield from _texts_have_a_place(values, len(texts))
     depths = [("part", ENGRAVING, number, "depth") for number in range(len(texts))]
     for place in (("part", "groove_depth"), ("part", "mark", "depth"), *depths):
-        depth = values.get(*place)
-        if depth is not None and thickness is not None and not depth < thickness:
-            yield place, f"must be less than the thickness, {thickness:g}"
+        yield from _compared(values, place, "less", "thickness")
     for key in ("keyway", "d_shaft"):
         if values.has("part", key) and values.lacks("part", "bore"):
             yield ("part", key), "needs [part] bore"
@@ -133,24 +130,27 @@ def part_is_possible(values: ValidValues) -> Iterator[Broken]:
         yield ("part", "d_shaft"), "contradicts keyway; a bore has one of them"
     bore = values.get("part", "bore")
     yield from _keyway_is_stated_once(values, bore)
-    width = values.get("part", "keyway", "width")
-    if bore is not None and width is not None and not width < bore:
-        yield ("part", "keyway", "width"), f"must be less than the bore, {bore:g}"
+    yield from _compared(values, ("part", "keyway", "width"), "less", "bore")
     across = values.get("part", "d_shaft", "across")
     if bore is not None and across is not None and not 0.5 * bore < across < bore:
         yield ("part", "d_shaft", "across"), f"must be more than {0.5 * bore:g}, less than {bore:g}"
-    hub = values.get("part", "hub", "diameter")
-    if bore is not None and hub is not None and not hub > bore:
-        yield ("part", "hub", "diameter"), f"must be more than the bore, {bore:g}"
+    yield from _compared(values, ("part", "hub", "diameter"), "more", "bore")
     yield from _set_screw_fits(values)
-    yield from _pair_is_possible(values, bore)
-    place = ("part", "bolt_circle", "counterbore")
-    wide, hole = values.get(*place, "diameter"), values.get("part", "bolt_circle", "hole")
-    if wide is not None and hole is not None and not wide > hole:
-        yield (*place, "diameter"), f"must be more than the hole, {hole:g}"
-    length, width = (values.get("part", "mark", key) for key in ("length", "width"))
-    if length is not None and width is not None and not length > width:
-        yield ("part", "mark", "length"), f"must be more than the width, {width:g}"
+    yield from _pair_is_possible(values)
+    wide = ("part", "bolt_circle", "counterbore", "diameter")
+    yield from _compared(values, wide, "more", "bolt_circle", "hole")
+    yield from _compared(values, ("part", "mark", "length"), "more", "mark", "width")
+
+
+def _compared(
+    values: ValidValues, place: KeyPath, relation: Literal["less", "more"], *other: str
+) -> Iterator[Broken]:
+    """The length at `place` is less or more than another one of the part, if both are known."""
+    length, limit = values.get(*place), values.get("part", *other)
+    if length is None or limit is None:
+        return
+    if not (length < limit if relation == "less" else length > limit):
+        yield place, f"must be {relation} than the {other[-1]}, {limit:g}"
 
 
 def _texts_have_a_place(values: ValidValues, count: int) -> Iterator[Broken]:
@@ -203,7 +203,7 @@ def _keyway_is_stated_once(values: ValidValues, bore: float | None) -> Iterator[
             yield (*place, "standard"), f"{error.message}; width and depth state another"
 
 
-def _pair_is_possible(values: ValidValues, bore: float | None) -> Iterator[Broken]:
+def _pair_is_possible(values: ValidValues) -> Iterator[Broken]:
     """Two discs of known thickness, and a spacer around the bore."""
     place = ("part", "pair")
     if not values.has(*place):
@@ -212,9 +212,7 @@ def _pair_is_possible(values: ValidValues, bore: float | None) -> Iterator[Broke
         yield place, "belongs to a conjugate pair: it needs [follower.return]"
     if values.lacks("part", "thickness"):
         yield place, "needs [part] thickness"
-    spacer = values.get(*place, "spacer")
-    if bore is not None and spacer is not None and not spacer > bore:
-        yield (*place, "spacer"), f"must be more than the bore, {bore:g}"
+    yield from _compared(values, (*place, "spacer"), "more", "bore")
 
 
 def _set_screw_fits(values: ValidValues) -> Iterator[Broken]:
@@ -270,6 +268,14 @@ def a_found_speed_is_sought(values: ValidValues) -> Iterator[Broken]:
     yield from (((EFFECTS_KEY, each), f"contradicts [effects.{named[0]}]") for each in named[1:])
 
 
+FLANKS: Final = {
+    "main": ("is a disc of a conjugate pair or a side of a yoke", ("return", "yoke")),
+    "return": ("is a disc of a conjugate pair", ("return",)),
+    "opposite": ("is a side of a yoke", ("yoke",)),
+}
+"""What a flank is, and the tables of the follower of which it needs one."""
+
+
 def a_flank_is_one_of_two(values: ValidValues) -> Iterator[Broken]:
     """Only a follower that is held both ways has a choice of sides."""
     flank = values.get("state", "flank")
@@ -278,16 +284,10 @@ def a_flank_is_one_of_two(values: ValidValues) -> Iterator[Broken]:
     place = ("state", "flank")
     if values.get("state", "motion") != "written":
         yield place, 'belongs to motion = "written"; another motion is the same on both sides'
-    elif flank == "main":
-        if values.lacks("follower", "return") and values.lacks("follower", "yoke"):
-            what = "is a disc of a conjugate pair or a side of a yoke"
-            yield place, f"{what}: it needs [follower.return] or [follower.yoke]"
-    elif flank == "return":
-        if values.lacks("follower", "return"):
-            yield place, "is a disc of a conjugate pair: it needs [follower.return]"
-    elif flank == "opposite":
-        if values.lacks("follower", "yoke"):
-            yield place, "is a side of a yoke: it needs [follower.yoke]"
+    elif flank in FLANKS:
+        what, keys = FLANKS[flank]
+        if all(values.lacks("follower", key) for key in keys):
+            yield place, f"{what}: it needs [follower.{'] or [follower.'.join(keys)}]"
     elif values.contact is not None and not values.contact.closed_by_form:
         yield place, 'is a flank of a groove: it needs contact = "groove"'
 
@@ -406,7 +406,7 @@ def broken_rules(values: ValidValues, earlier: ValidValues | None = None) -> lis
     """
     if earlier is None or not values.flawless:
         return [values.scene.fault(*broken) for rule in RULES for broken in rule(values)]
-    values.reads |= unchanged_reads(earlier, values)
+    values.reads |= unchanged(earlier, values)
     found: list[Fault] = []
     for rule in RULES:
         if rule not in values.reads:

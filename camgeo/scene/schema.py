@@ -201,21 +201,6 @@ def milling_tables() -> Node:
     return tables()
 
 
-@functools.cache
-def library_schema() -> Composed:
-    """Return the schema of a file of tools."""
-    units = schema()["properties"]["units"]
-    keys = {"units": {**units, "properties": {"length": units["properties"]["length"]}}}
-    root = {
-        "type": "object",
-        "required": ["tool"],
-        "additionalProperties": False,
-        "properties": {**keys, "tool": milling_tables()["tool"]},
-        "$defs": schema()["$defs"],
-    }
-    return Composed(root, (), ())
-
-
 def _effects(named: Any) -> Named[Effect]:
     if not isinstance(named, dict) or not named:
         return ()
@@ -268,15 +253,6 @@ def _with_tables(effects: Tables, formats: Tables, milling: Tables) -> Node:
 def _optional(table: Mapping[str, Any]) -> Node:
     """The table of a format; where it may be empty, a missing one means the same."""
     return dict(table) if "required" in table or not table else {**table, "default": {}}
-
-
-def schema_of_all(values: Mapping[str, Any]) -> Node:
-    """Return the schema for these values with the tables of all formats of camgeo."""
-    output = values.get(OUTPUT)
-    table = output if isinstance(output, dict) else {}
-    listed = table.get("formats")
-    words = [*FORMATS, *(listed if isinstance(listed, list) else ())]
-    return schema_for({**values, OUTPUT: {**table, "formats": words}}).root
 
 
 def whole_schema(names: Iterable[str] = ()) -> Node:
@@ -334,14 +310,6 @@ def definition(name: str) -> Node:
     return node
 
 
-def node_at(root: Node, evaluation: list[str | int]) -> Node:
-    """Return the node of `root` on whose last keyword an evaluation path of the validator ends."""
-    node: Any = root
-    for step in evaluation[:-1]:
-        node = referred(node) if step == "$ref" else node[step]
-    return node if isinstance(node, dict) else {}
-
-
 def resolved(node: Node | bool) -> Node:
     """Return a property's node with its references followed."""
     if isinstance(node, bool):
@@ -374,8 +342,3 @@ def _meets(condition: Node, table: Node) -> bool:
     return all(key in table for key in condition["required"]) and all(
         table.get(key) == value for key, value in constants.items()
     )
-
-
-def names_a_file(node: Node, value: str) -> bool:
-    """Tell whether the value at a resolved node is the name of a file in the scene's folder."""
-    return ("x-file" in node or "x-path" in node) and value not in node.get("x-values", ())

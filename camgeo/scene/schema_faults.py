@@ -11,7 +11,7 @@ from jsonschema_rs import ValidationError
 from camgeo.errors import Fault, meant, nearest
 from camgeo.record import allowed
 from camgeo.scene.keys import KeyPath, quoted
-from camgeo.scene.schema import Composed, Node, definition, node_at, resolved, schema, schema_for
+from camgeo.scene.schema import Composed, Node, definition, referred, resolved, schema
 from camgeo.scene.values import Document
 
 UNKNOWN: Final = "additionalProperties"
@@ -37,15 +37,10 @@ class Verdict:
     meant: frozenset[KeyPath]
 
 
-def judge(scene: Document) -> Verdict:
-    """Check a scene against the schema."""
-    return judged(scene, schema_for(scene.plain))
-
-
 def judged(scene: Document, schema: Composed) -> Verdict:
-    """Check a document against a schema."""
+    """Check a document against a schema, which for a scene is that of what it names."""
     found = itertools.islice(schema.validator.iter_errors(scene.plain), MOST_FAULTS)
-    errors = [(tuple(each.instance_path), each, node_at(schema.root, each.evaluation_path))
+    errors = [(tuple(each.instance_path), each, _node_at(schema.root, each.evaluation_path))
               for each in found]  # fmt: skip
     faults: list[Fault] = []
     bad = set(scene.bad)
@@ -78,6 +73,14 @@ def judged(scene: Document, schema: Composed) -> Verdict:
             Fault("", "", "there are more faults than are listed here"),
         ]
     return Verdict(tuple(faults), frozenset(bad), frozenset(meant))
+
+
+def _node_at(root: Node, evaluation: list[str | int]) -> Node:
+    """The node of `root` on whose last keyword an evaluation path of the validator ends."""
+    node: Any = root
+    for step in evaluation[:-1]:
+        node = referred(node) if step == "$ref" else node[step]
+    return node if isinstance(node, dict) else {}
 
 
 def _missing(scene: Document, path: KeyPath, table: Node) -> Fault:

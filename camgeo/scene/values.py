@@ -153,11 +153,6 @@ def far_end_of(values: ValidValues) -> Member | None:
     return LINKAGES[linkage].members.get(values.lift_unit)
 
 
-def unchanged_reads(earlier: ValidValues, now: ValidValues) -> dict[Hashable, Reads]:
-    """What was read of an `earlier` scene and is the same `now`."""
-    return unchanged(earlier.reads, earlier.scene.exact, now.scene.exact)
-
-
 def tables_of(values: ValidValues, *names: str) -> dict[str, Any]:
     """Those of the scene's tables with these names that it has, valid or not."""
     return {name: values.raw(name) for name in names if values.has(name)}
@@ -456,15 +451,6 @@ class Taking:
         raise SceneError([Fault(spelled(path), repr(key)[:60], message)])
 
 
-def read_only(tree: Any) -> Any:
-    """The same values in mappings and tuples that cannot be changed."""
-    if isinstance(tree, dict):
-        return MappingProxyType({key: read_only(item) for key, item in tree.items()})
-    if isinstance(tree, list):
-        return tuple(read_only(item) for item in tree)
-    return tree
-
-
 def edited(tree: Tree, edits: Mapping[str, Any]) -> Tree:
     """The tree with other values at keys that are spelled as messages do; None removes a key.
 
@@ -599,12 +585,12 @@ class Reads:
         return any(change[:end] in self._places for end in range(len(change) + 1))
 
 
-def unchanged(
-    reads: Mapping[Hashable, Reads], then: Mapping[str, Any], now: Mapping[str, Any]
-) -> dict[Hashable, Reads]:
-    """Those of `reads` whose places have the same values in the trees `then` and `now`."""
-    changed = list(changes(then, now))
-    return {name: each for name, each in reads.items() if not any(map(each.touched, changed))}
+def unchanged(earlier: ValidValues, now: ValidValues) -> dict[Hashable, Reads]:
+    """What was read of an `earlier` scene and is the same `now`."""
+    changed = list(changes(earlier.scene.exact, now.scene.exact))
+    return {
+        name: each for name, each in earlier.reads.items() if not any(map(each.touched, changed))
+    }
 
 
 def changes(then: Any, now: Any, path: KeyPath = ()) -> Iterator[KeyPath]:

@@ -1,4 +1,4 @@
-"""A measured disc: its points, how they lie on the exact flank, and what their deviations do.
+"""A measured disc: how its points lie on the exact flank, and what their deviations do.
 
 A measured point is P = S + exp(i alpha) Q, with Q its place in cam coordinates, S the shift and
 alpha the turn of the part, counter-clockwise positive. A fit minimizes the sum of the squares of
@@ -27,14 +27,11 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.outline.exact_flank import ExactFlank, Feet, Places
-from camgeo.geometry.outline.path import Stretch
 from camgeo.geometry.outline.replay import edges_between, replay_contour, replay_outline
-from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, dot, frozen, joined, taken
-from camgeo.numeric.columns import Asked, Columns, NumberColumn, fault, read_columns
-from camgeo.numeric.extremes import Extreme, Extremes, extremes_of, inverse, piecewise_extremes
-from camgeo.numeric.quadrature import gauss
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, dot, joined, taken
+from camgeo.numeric.columns import Columns, NumberColumn, fault
+from camgeo.numeric.extremes import Extreme, Extremes, extremes_of, piecewise_extremes
 from camgeo.reading import COORDINATE
-from camgeo.record import Pickled
 from camgeo.units import MM_PER, TURN, LengthUnit
 
 # -- robust ---------------------------------------------------------------------------------------
@@ -630,11 +627,8 @@ def _uncertainties(
 
 
 # -- measured -------------------------------------------------------------------------------------
-# Measured points from a CSV file: x, y and, if it has them, normals nx, ny.
+# The columns x and y of a CSV file.
 
-
-FEWEST: Final = 12
-MOST: Final = 50_000
 
 UNITS: Final[dict[str, LengthUnit]] = {
     "mm": "mm", "inch": "inch", "in": "inch", '"': "inch"
@@ -644,29 +638,6 @@ LENGTHS: Final = tuple(
     NumberColumn(name, (name, f"{name} measured", f"measured {name}"), tuple(UNITS), "mm or inch")
     for name in "xy"
 )
-
-NORMALS: Final = (NumberColumn("nx", ("nx", "i")), NumberColumn("ny", ("ny", "j")))
-
-ASKED: Final = Asked(LENGTHS, NORMALS, FEWEST, MOST)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class MeasuredPoints(Pickled):
-    """Points as measured.
-
-    Attributes
-    ----------
-    points : (n,) complex [mm].
-    normals : (n,) complex, as stated, of any length but 0; None if there are none.
-    """
-
-    points: ComplexArray
-    normals: ComplexArray | None = None
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "points", frozen(self.points, np.complex128))
-        if self.normals is not None:
-            object.__setattr__(self, "normals", frozen(self.normals, np.complex128))
 
 
 def places_of(found: Columns, file: str, unit: LengthUnit) -> ComplexArray:
@@ -686,38 +657,6 @@ def places_of(found: Columns, file: str, unit: LengthUnit) -> ComplexArray:
             raise fault(file, found.lines[row], repr(float(values[row])), message)
     places: ComplexArray = (x + 1j * y) * MM_PER[units.pop() if units else unit]
     return places
-
-
-def read_points(data: bytes | str, file: str, unit: LengthUnit = "mm") -> MeasuredPoints:
-    """Read measured points.
-
-    The format is that of `camgeo.numeric.columns`: x and y, or x, y, nx and ny; a heading may have
-    further columns and may call the normals i and j, and may state mm or inch in brackets.
-
-    Parameters
-    ----------
-    unit : of a file whose heading states none.
-
-    Raises
-    ------
-    GeometryError
-        With file and line, if the table is not as described, x and y have different units, a
-        coordinate is too large or a normal is zero, or there are fewer than 12 different points.
-    """
-    found = read_columns(data, file, ASKED)
-    points = places_of(found, file, unit)
-    stated = found.values[len(LENGTHS) :]
-    if len(np.unique(points)) < FEWEST:
-        message = f"fewer than {FEWEST} different points; allowed: {FEWEST} or more"
-        raise fault(file, found.lines[-1], "", message)
-    if not len(stated):
-        return MeasuredPoints(points)
-    size = np.hypot(*stated)
-    normals = np.divide(stated[0] + 1j * stated[1], size, out=np.zeros_like(points), where=size > 0)
-    if not np.all(size > 0.0):
-        row = int(np.flatnonzero(size == 0.0)[0])
-        raise fault(file, found.lines[row], "", "a normal of no length; allowed: a direction")
-    return MeasuredPoints(points, normals)
 
 
 # -- normals --------------------------------------------------------------------------------------
@@ -828,150 +767,3 @@ def other_axes(
     # A flank that is its own mirror image is not seen from the other side by rounding.
     best = min(tried, key=lambda each: (1.0 + each.mirrored) * each.left, default=None)
     return best if best is not None and best.left < BETTER * deviation else None
-
-
-# -- probing --------------------------------------------------------------------------------------
-# Points of an exact flank to be measured, with their true normals.
-#
-# At a step of the cam angle, or evenly along the flank: the arc length of each cell is Gauss's
-# integral of the pace ds/dphi, an exact function of the cam angle, and Newton's method finds the
-# cam angle of a length.
-
-
-MOST_PROBED: Final = 200_000
-"""Points of a flank."""
-
-NODES: Final = 8
-"""Of Gauss's rule on a cell of a quarter of a degree: exact to rounding between the breaks."""
-
-ROOM: Final = 1e-9
-"""The ball fits if no place of the flank is nearer to its centre than its radius less this share
-of the flank's size."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ProbePoints:
-    """Points of one flank to be measured.
-
-    Attributes
-    ----------
-    flank : of which they are.
-    places : (n,) of the points, in the order of the path.
-    missing : number of steps at which the disc has nothing of the flank.
-    ball : radius of the measuring ball [mm], 0 for a point.
-    """
-
-    flank: ExactFlank
-    places: Places
-    missing: int = 0
-    ball: float = 0.0
-
-    @property
-    def centres(self) -> ComplexArray:
-        """(n,) complex [mm] of the ball when it touches the points."""
-        found: ComplexArray = self.places.points + self.ball * self.places.normals
-        return found
-
-    @property
-    def off_radius(self) -> Extreme:
-        """The largest angle [rad] between a normal and the radius, with its cam angle."""
-        angles = np.abs(off_radius(self._feet))
-        worst = int(np.argmax(angles))
-        return Extreme(float(angles[worst]), float(self.places.phi[worst]))
-
-    @property
-    def feigned(self) -> float:
-        """The largest deviation [mm] that radial normals would feign with this ball."""
-        return float(np.max(false_share(off_radius(self._feet)))) * self.ball
-
-    @property
-    def obstructed(self) -> Extreme | None:
-        """How much nearer [mm] than its radius another place of the flank is to the ball where it
-        fits worst, with the cam angle; None if it fits everywhere.
-        """
-        if self.ball == 0.0:
-            return None
-        short = self.ball - self.flank.feet(self.centres).distances
-        worst = int(np.argmax(short))
-        if short[worst] <= ROOM * self.flank.size:
-            return None
-        return Extreme(float(short[worst]), float(self.places.phi[worst]))
-
-    @property
-    def _feet(self) -> Feet:
-        return Feet(self.places, np.zeros(len(self.places)))
-
-
-def points_at_cam_angles(flank: ExactFlank, phi: FloatArray, ball: float = 0.0) -> ProbePoints:
-    """Points at the cam angles `phi` (n,) [rad] in [0, 2 pi), ascending.
-
-    Raises GeometryError if the disc has nothing of the flank at any of them.
-    """
-    course = flank.course_of(phi)
-    there = ~np.isnan(course)
-    if not np.any(there):
-        raise GeometryError("the disc has nothing of the flank at any of these cam angles")
-    places = flank.at(course[there])
-    # As asked for: a turn added and taken away again would round it.
-    places.phi[:] = phi[there]
-    return ProbePoints(flank, places, int(np.count_nonzero(~there)), ball)
-
-
-def evenly(flank: ExactFlank, spacing: float, ball: float = 0.0) -> ProbePoints:
-    """Points as far apart along the flank as possible, at most `spacing` [mm], all equally.
-
-    The first one is at the start of the path, or half a spacing from it where that is a corner.
-
-    Raises GeometryError if these would be more than `MOST`.
-    """
-    nodes, lengths = flank.nodes, _lengths(flank)
-    total = float(lengths[-1])
-    if total > MOST_PROBED * spacing:
-        raise GeometryError(
-            f"points {spacing:g} mm apart on a flank of {total:.6g} mm would be more than"
-            f" {MOST_PROBED:,}"
-        )
-    count = max(1, math.ceil(total / spacing))
-    first = 0.0 if flank.path.is_whole else 0.5
-    wanted: FloatArray = (np.arange(count, dtype=np.float64) + first) * (total / count)
-    used = np.concatenate(([True], np.diff(lengths) > 0.0))  # the second of two at a corner is not
-    edges, marks = nodes.course[used], lengths[used]
-
-    def length(course: FloatArray) -> FloatArray:
-        cell = np.clip(np.searchsorted(edges, course, side="right") - 1, 0, len(edges) - 2)
-        return marks[cell] + _integrals(flank, edges[cell], course)
-
-    course = inverse(length, lambda u: _paces(flank, u), edges, wanted)
-    return ProbePoints(flank, flank.at(course), 0, ball)
-
-
-def length_of(flank: ExactFlank) -> float:
-    """Length of the flank [mm]."""
-    return float(_lengths(flank)[-1])
-
-
-def _lengths(flank: ExactFlank) -> FloatArray:
-    """(k,) [mm] from the start of the path to each of its nodes."""
-    course = flank.nodes.course
-    return np.concatenate(([0.0], np.cumsum(_integrals(flank, course[:-1], course[1:]))))
-
-
-def _integrals(flank: ExactFlank, low: FloatArray, high: FloatArray) -> FloatArray:
-    """(n,) lengths [mm] of the path from `low` (n,) to `high` (n,) [rad], within a cell each."""
-    places, half, weights = gauss(low, high, NODES)
-    return np.asarray(half * (_paces(flank, places.ravel()).reshape(places.shape) @ weights))
-
-
-def _paces(flank: ExactFlank, course: FloatArray) -> FloatArray:
-    """(n,) length per position u [mm/rad]."""
-    element, along = flank.element_at(course)
-    found = np.empty(len(course))
-    for number, each in enumerate(flank.path.elements):
-        which = element == number
-        if not np.any(which):
-            continue
-        if isinstance(each, Stretch):
-            found[which] = flank.curve.pace(each.start + along[which])
-        else:
-            found[which] = abs(each.distance)
-    return found

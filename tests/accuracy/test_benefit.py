@@ -19,6 +19,7 @@ from camgeo.studies.accuracy.benefit import BenefitRow, benefit_rows, exact_moti
 from camgeo.units import RPM
 from tests.answers.documents import FIXTURES
 from tests.effects.scenes import design
+from tests.findings import known
 
 LOADED: Final = (
     "[effects.inertia]\nmoment_of_inertia = 0.02\n[effects.spring]\nstiffness = 3\npreload = 480\n"
@@ -47,9 +48,8 @@ def test_the_deviation_is_that_of_dense_samples(form: Form) -> None:
     state, demanded = written(form, 1e-1).effects.subject.state, setzhub().drive.plan
     phi = np.linspace(0.0, 2.0 * math.pi, 40001)
     off = SPEEDS[0] ** 2 * np.abs(state.output.jet(phi)[2] - demanded.jet(phi)[2])
-    assert row.acceleration is not None
-    assert np.max(off) <= row.acceleration * (1.0 + 1e-12)
-    assert np.max(off) == pytest.approx(row.acceleration, rel=1e-2)
+    assert np.max(off) <= known(row.acceleration) * (1.0 + 1e-12)
+    assert np.max(off) == pytest.approx(known(row.acceleration), rel=1e-2)
     jumps = []
     for shock in state.shocks:
         before, after = (state.output.jet(np.array([shock]), side)[1, 0] for side in SIDES)
@@ -61,8 +61,7 @@ def test_the_deviation_is_that_of_dense_samples(form: Form) -> None:
 def test_acceleration_goes_with_the_square_of_the_speed_and_lift_off_does_not() -> None:
     for form in ("arcs", "polyline"):
         slow, fast, *_ = rows(form)
-        assert slow.acceleration is not None
-        assert fast.acceleration == pytest.approx(9.0 * slow.acceleration, rel=1e-12)
+        assert fast.acceleration == pytest.approx(9.0 * known(slow.acceleration), rel=1e-12)
         assert fast.jump == pytest.approx(3.0 * slow.jump, rel=1e-12) if slow.jump else True
         assert fast.lift_off == slow.lift_off
         assert fast.ripple == pytest.approx(slow.ripple)
@@ -70,12 +69,9 @@ def test_acceleration_goes_with_the_square_of_the_speed_and_lift_off_does_not() 
 
 def test_at_the_speed_of_lift_off_the_lowest_force_is_none() -> None:
     (first, *_) = benefit_rows(setzhub(), (1e-2,), (10.0,), forms=("arcs",))
-    assert first.lift_off is not None
-    (there,) = benefit_rows(setzhub(), (1e-2,), (first.lift_off,), forms=("arcs",))
-    assert there.lowest is not None
-    assert there.highest is not None
-    assert abs(there.lowest) <= 1e-9 * there.highest
-    assert there.lift_off == pytest.approx(first.lift_off, rel=1e-9)
+    (there,) = benefit_rows(setzhub(), (1e-2,), (known(first.lift_off),), forms=("arcs",))
+    assert abs(known(there.lowest)) <= 1e-9 * known(there.highest)
+    assert there.lift_off == pytest.approx(known(first.lift_off), rel=1e-9)
 
 
 def test_arcs_come_nearer_with_the_third_root_and_chords_do_not() -> None:
@@ -83,32 +79,24 @@ def test_arcs_come_nearer_with_the_third_root_and_chords_do_not() -> None:
     by that of a roller that turns about vertices.
     """
     coarse, fine = rows("arcs")[0], rows("arcs")[2]
-    assert coarse.ripple is not None
-    assert fine.ripple is not None
-    assert 0.5 < coarse.ripple / fine.ripple / 100.0 ** (1.0 / 3.0) < 2.0
+    assert 0.5 < known(coarse.ripple) / known(fine.ripple) / 100.0 ** (1.0 / 3.0) < 2.0
     coarse, fine = rows("polyline")[0], rows("polyline")[2]
-    assert coarse.ripple is not None
-    assert fine.ripple is not None
-    assert fine.ripple > 1.0
-    assert 0.5 < coarse.ripple / fine.ripple < 2.0
+    assert known(fine.ripple) > 1.0
+    assert 0.5 < known(coarse.ripple) / known(fine.ripple) < 2.0
 
 
 def test_cubics_come_nearer_with_the_square_root() -> None:
     coarse, fine = rows("spline")[0], rows("spline")[2]
-    assert coarse.ripple is not None
-    assert fine.ripple is not None
-    assert 0.3 < coarse.ripple / fine.ripple / 100.0**0.5 < 3.0
+    assert 0.3 < known(coarse.ripple) / known(fine.ripple) / 100.0**0.5 < 3.0
     assert coarse.jump == fine.jump == 0.0
 
 
 def test_the_force_is_off_by_the_inertia_of_what_the_acceleration_is_off() -> None:
     """At twice the speed the static forces cancel: dN grows with the acceleration alone."""
     made = benefit_rows(setzhub(), (1e-3,), (100.0, 200.0), forms=("arcs",))
-    assert made[0].force is not None
-    assert made[1].force == pytest.approx(4.0 * made[0].force, rel=1e-2)
-    assert made[0].lowest is not None
-    assert made[0].exact_lowest is not None
-    assert abs(made[0].lowest - made[0].exact_lowest) <= made[0].force * (1.0 + 1e-9)
+    force = known(made[0].force)
+    assert made[1].force == pytest.approx(4.0 * force, rel=1e-2)
+    assert abs(known(made[0].lowest) - known(made[0].exact_lowest)) <= force * (1.0 + 1e-9)
 
 
 @pytest.mark.parametrize("scene", ["querhub", "tappet", "flat_rocker"])
@@ -134,8 +122,7 @@ def test_joints_with_a_jump_of_the_acceleration_do_not_count_as_ripple() -> None
         "plate_translating", "", ('law = "modified-sine"', 'law = "quadratic-parabola"')
     )
     made = benefit_rows(parabolic, (1e-3,), (10.0,), forms=("arcs",))
-    assert made[0].ripple is not None
-    assert made[0].ripple < 0.5
+    assert known(made[0].ripple) < 0.5
 
 
 def pressing(**state: str) -> Design:
@@ -149,8 +136,7 @@ def test_forces_are_those_at_the_speed_asked_for_with_the_train_of_the_scene(out
     """Whatever speed the motor of the scene finds; off by roundings of the largest force."""
     found = exact_motion(pressing(output=output), 300.0 * RPM)
     stated = pressing(output=output, speed="stated").effects.result(CONTACT_FORCE)
-    assert found.contact is not None
-    assert (found.contact.behind is None) == (output == "rigid")
+    assert (known(found.contact).behind is None) == (output == "rigid")
     phi = np.linspace(0.1, 6.2, 97)
     off = found.force(300.0 * RPM)(phi, "right") - stated.normal(phi, "right")
     assert np.max(np.abs(off)) <= 1e-12 * stated.extremes.magnitude
@@ -187,18 +173,16 @@ def test_forces_on_a_follower_that_is_held_both_ways_are_those_of_the_effect(nam
         assert (row.lowest, row.highest) == (own.extremes.lowest.value, own.extremes.highest.value)
         assert row.exact_lowest == pytest.approx(exact.extremes.lowest.value, abs=1e-9)
         assert row.exact_highest == pytest.approx(exact.extremes.highest.value, rel=1e-12)
-        assert row.force is not None
         assert row.exact_force == pytest.approx(exact.extremes.magnitude, rel=1e-12)
         assert row.lift_off is row.exact_lift_off is None
         assert row.fault == ""
         phi = np.linspace(0.0, 2.0 * math.pi, 20001)
         off = np.abs(own.normal(phi, "right") - exact.normal(phi, "right"))
         # Beside the joints at which the exact acceleration jumps; there the two are not compared.
-        assert np.quantile(off, 0.999) <= row.force <= 1.1 * np.max(off)
+        assert np.quantile(off, 0.999) <= known(row.force) <= 1.1 * np.max(off)
 
 
 def test_the_strongest_octave_has_most_of_what_is_off() -> None:
     for row in rows("arcs"):
-        assert row.strongest_octave is not None
-        assert row.octaves[row.strongest_octave] == max(row.octaves)
+        assert row.octaves[known(row.strongest_octave)] == max(row.octaves)
     assert [harmonics(octave) for octave in range(4)] == ["1", "2-3", "4-7", "8-15"]

@@ -27,6 +27,7 @@ from camgeo.studies.accuracy.contours import (
     drawn_as,
     flanks_of,
 )
+from tests.findings import known
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
@@ -62,23 +63,20 @@ def test_every_form_effort_and_tolerance_has_its_row() -> None:
 @pytest.mark.parametrize("tolerance", TOLERANCES)
 def test_counts_files_and_proofs(form: str, effort: str, tolerance: float) -> None:
     row = found(form, effort, tolerance)
-    assert row.count is not None
-    assert row.drawing is not None
-    assert 0.0 < row.count.deviation <= tolerance
-    assert row.drawing.deviation is not None
-    assert row.drawing.deviation <= tolerance
-    assert row.count.forced == (0 if form == "polyline" else 2)  # Two rests of the motion plan.
-    assert row.count.ratio is not None
+    count, drawing = known(row.count), known(row.drawing)
+    assert 0.0 < count.deviation <= tolerance
+    assert known(drawing.deviation) <= tolerance
+    assert count.forced == (0 if form == "polyline" else 2)  # Two rests of the motion plan.
     # A limit for small tolerances; where pieces are few it is passed a little.
-    assert 0.7 < row.count.ratio < 4.0
-    assert min(row.count.fit_seconds, row.count.proof_seconds) > 0.0
+    assert 0.7 < known(count.ratio) < 4.0
+    assert min(count.fit_seconds, count.proof_seconds) > 0.0
     assert (row.program is not None) == (form == "arcs")
     # Of the boundaries of the part only the bore is no flank.
-    facts = row.drawing.facts
+    facts = drawing.facts
     entities = int(facts.get("cubics", 0)) + int(facts["arcs"]) + int(facts["lines"])
     (bore,) = (each for each in load("setzhub").disc.drawn.part.boundaries if each.name == "bore")
     own: Any = (form, effort, tolerance)
-    assert entities == row.count.pieces + len(written_contour(bore, *own).contour)
+    assert entities == count.pieces + len(written_contour(bore, *own).contour)
     assert row.decimals == 4
     if row.program is not None:
         assert row.program.facts["decimals"] == row.decimals
@@ -88,10 +86,9 @@ def test_counts_files_and_proofs(form: str, effort: str, tolerance: float) -> No
 def test_pieces_are_those_of_the_boundary(effort: Any) -> None:
     (flank,) = flanks_of(load("setzhub"))
     for tolerance in TOLERANCES:
-        row = found("arcs", effort, tolerance)
-        assert row.count is not None
-        assert row.count.pieces == len(written_contour(flank, "arcs", effort, tolerance).contour)
-        assert row.count.forced == forced_pieces(flank.path, math.pi)
+        count = known(found("arcs", effort, tolerance).count)
+        assert count.pieces == len(written_contour(flank, "arcs", effort, tolerance).contour)
+        assert count.forced == forced_pieces(flank.path, math.pi)
 
 
 def test_the_round_takes_at_least_its_length_over_the_feed() -> None:
@@ -100,8 +97,7 @@ def test_the_round_takes_at_least_its_length_over_the_feed() -> None:
     # The controller sees 50 arcs ahead, which bend with more than 0.05 mm.
     for tolerance in TOLERANCES:
         length = flank.arcs(WRITTEN_SHARE * tolerance, "fewest").contour.length
-        seconds = found("arcs", "fewest", tolerance).round_seconds
-        assert seconds is not None
+        seconds = known(found("arcs", "fewest", tolerance).round_seconds)
         # An axis has 508 mm/s^2, a line at an angle up to sqrt(2) of it.
         assert 5.0 / 508.0 / 1.5 < seconds - length / 5.0 < 5.0 / 508.0 * (1.0 + ROUNDING)
         assert found("spline", "fewest", tolerance).round_seconds is None
@@ -115,9 +111,7 @@ def test_the_ripple_is_that_of_the_replay() -> None:
     assert found("arcs", "fewest", 1e-3).ripple == ripple
     assert found("spline", "fewest", 1e-3).ripple is None
     ripples = [found("arcs", "fewest", tolerance).ripple for tolerance in TOLERANCES]
-    assert ripples[0] is not None
-    assert ripples[1] is not None
-    assert ripples[1] < ripples[0]
+    assert known(ripples[1]) < known(ripples[0])
 
 
 def test_no_ripple_unless_it_is_asked_for() -> None:
@@ -177,8 +171,7 @@ def test_rings_and_grooves_are_replayed_on_their_flanks() -> None:
     design = load("groove")
     flanks = flanks_of(design)
     ripple = measuring._ripple(design, flanks, [f.arcs(1e-3, "fast").contour for f in flanks])
-    assert ripple is not None
-    assert 0.0 < ripple < 1.0
+    assert 0.0 < known(ripple) < 1.0
 
 
 def test_solids_and_what_single_precision_cannot_hold(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -188,8 +181,7 @@ def test_solids_and_what_single_precision_cannot_hold(monkeypatch: pytest.Monkey
     assert (coarse.format, coarse.tolerance) == ("stl", 1e-2)
     assert coarse.file is not None
     assert coarse.file.size == 84 + 50 * int(coarse.file.facts["triangles"])
-    assert coarse.file.deviation is not None
-    assert coarse.file.deviation <= 1e-2
+    assert known(coarse.file.deviation) <= 1e-2
     assert fine.file is None
     assert "too coarse" in fine.fault
     assert reported == ["stl, 0.01 mm", "stl, 1e-07 mm"]
@@ -207,8 +199,7 @@ def test_solids_are_of_all_formats_and_one_that_is_too_large_is_told(
     for name in ("stl", "3mf"):
         assert found[name].file is None
         assert "at most 100 are allowed" in found[name].fault
-    step = found["step"].file
-    assert step is not None
+    step = known(found["step"].file)
     assert int(step.facts["faces"]) > 10
 
 

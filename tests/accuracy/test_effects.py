@@ -35,6 +35,7 @@ from camgeo_export.plots import render
 from tests import kept
 from tests.effects.fakes import fake
 from tests.effects.scenes import SCENES, design
+from tests.findings import known
 
 Capture = pytest.CaptureFixture[str]
 
@@ -149,12 +150,6 @@ def test_a_row_for_each_numerical_effect_and_tolerance(made: Made) -> None:
         assert made.calls.count((name, 1e-4 / TIGHTER)) == 1
 
 
-def test_tolerances_are_one_a_decade() -> None:
-    assert [f"{each:g}" for each in TOLERANCES_OF_EFFECTS] == ["0.01", "0.001", "0.0001"] + [
-        f"1e-{k:02}" for k in range(5, 11)
-    ]
-
-
 @pytest.mark.parametrize(("compute", "figure"), [(with_column, "torque"), (with_findings, "rest")])
 def test_every_figure_is_compared_with_a_much_tighter_result(
     made: Made, compute: Callable[[Request[Any]], Result], figure: str
@@ -190,8 +185,7 @@ def test_an_effect_that_reaches_rounding_at_once_has_one_row(made: Made) -> None
     assert row.rounded
     assert row.tolerance == TOLERANCES_OF_EFFECTS[0]
     assert row.error == 2e-13 / 50.0
-    assert row.difference is not None
-    assert 0.0 < row.difference <= row.error
+    assert 0.0 < known(row.difference) <= row.error
     assert {tolerance for _, tolerance in made.calls} == {
         TOLERANCES_OF_EFFECTS[0],
         TOLERANCES_OF_EFFECTS[-1] / TIGHTER,
@@ -225,22 +219,19 @@ def test_rows_too_near_the_tightest_that_has_an_answer_are_not_compared(made: Ma
     assert (rows[2].seconds, rows[2].difference, rows[2].error) == (None, None, None)
 
 
-def test_missing_data_are_a_reason_too(made: Made) -> None:
+@pytest.mark.parametrize("error", [GeometryError("no spring without it"), ZeroDivisionError()])
+def test_missing_data_are_a_reason_too_and_other_errors_are_not_hidden(
+    made: Made, error: Exception
+) -> None:
     def compute(request: Request[Any]) -> Any:
-        raise GeometryError("is missing: no spring without it", key="effects.spring.anchor")
+        raise error
 
     made.add("effect", compute)
-    (row,) = made.rows("effect", tolerances=(1e-2,))
-    assert row.fault == "is missing: no spring without it"
-
-
-def test_other_errors_are_not_hidden(made: Made) -> None:
-    def compute(request: Request[Any]) -> Any:
-        raise ZeroDivisionError
-
-    made.add("effect", compute)
-    with pytest.raises(ZeroDivisionError):
-        made.rows("effect", tolerances=(1e-2,))
+    if isinstance(error, GeometryError):
+        assert [row.fault for row in made.rows("effect", tolerances=(1e-2,))] == [str(error)]
+    else:
+        with pytest.raises(ZeroDivisionError):
+            made.rows("effect", tolerances=(1e-2,))
 
 
 # Comparing ----------------------------------------------------------------------------------------
@@ -251,20 +242,23 @@ def of_value(value: float, *, bound: Bound | None = None) -> Result:
     return Result(findings=(finding,), errors={} if bound is None else {"force": bound})
 
 
-def test_shares_are_of_the_scale_of_each_figure() -> None:
-    (found,) = compared(of_value(2.0, bound=Bound(1.5, 100.0)), of_value(1.0))
-    assert (found.figure, found.off, found.share, found.holds) == ("force", 1.0, 0.01, True)
-    (found,) = compared(of_value(2.0, bound=Bound(0.5, 100.0)), of_value(1.0))
-    assert not found.holds
-
-
-def test_a_figure_without_a_bound_may_differ_by_rounding() -> None:
-    (found,) = compared(of_value(1.0), of_value(1.0 + 2.0**-50))
-    assert found.holds
-    (found,) = compared(of_value(1.0), of_value(1.0 + 1e-12))
-    assert not found.holds
-    (found,) = compared(of_value(0.0), of_value(0.0))
-    assert (found.share, found.holds) == (0.0, True)
+@pytest.mark.parametrize(
+    ("value", "bound", "exact", "share", "holds"),
+    [
+        (2.0, Bound(1.5, 100.0), 1.0, 0.01, True),
+        (2.0, Bound(0.5, 100.0), 1.0, 0.01, False),
+        # Without a bound it may differ by rounding.
+        (1.0, None, 1.0 + 2.0**-50, 2.0**-50, True),
+        (1.0, None, 1.0 + 1e-12, 1e-12, False),
+        (0.0, None, 0.0, 0.0, True),
+    ],
+)
+def test_shares_are_of_the_scale_of_each_figure(
+    value: float, bound: Bound | None, exact: float, share: float, holds: bool
+) -> None:
+    (found,) = compared(of_value(value, bound=bound), of_value(exact))
+    assert (found.figure, found.off, found.holds) == ("force", abs(value - exact), holds)
+    assert found.share == pytest.approx(share, rel=1e-3)
 
 
 def test_what_is_not_in_both_is_not_compared() -> None:

@@ -8,6 +8,7 @@ import pytest
 
 from camgeo.studies.accuracy.benefit import BenefitRow
 from camgeo.studies.accuracy.knee import SHARE, enough, of_each_form, words
+from tests.findings import known
 
 
 def row(tolerance: float, off: float, lift_off: float = 90.0) -> BenefitRow:
@@ -18,8 +19,7 @@ def row(tolerance: float, off: float, lift_off: float = 90.0) -> BenefitRow:
 
 def test_the_loosest_beyond_which_nothing_changes() -> None:
     rows = [row(1e-1, 0.5), row(1e-2, 0.2), row(1e-3, 0.04), row(1e-4, 0.02)]
-    found = enough(rows[::-1])
-    assert found is not None
+    found = known(enough(rows[::-1]))
     assert (found.row, found.last) == (rows[2], False)
     assert found.gain == pytest.approx(0.02)
     assert "0.001 mm" in words(found)
@@ -28,8 +28,7 @@ def test_the_loosest_beyond_which_nothing_changes() -> None:
 @pytest.mark.parametrize("over", [0.9, 1.1])
 def test_the_lift_off_speed_counts_too(over: float) -> None:
     loose, tight = row(1e-2, 0.02, 90.0), row(1e-3, 0.02, 90.0 + over * SHARE * 100.0)
-    found = enough([loose, tight])
-    assert found is not None
+    found = known(enough([loose, tight]))
     assert found.row == (loose if over < 1.0 else tight)
     assert found.last == (over > 1.0)
 

@@ -10,6 +10,7 @@ from camgeo.studies.accuracy.benefit import BenefitRow
 from camgeo.studies.accuracy.contours import ContourRow
 from camgeo.studies.accuracy.knee import SLACK, End, advice, knee_of, step_sentence
 from tests.accuracy.rows import file, missing, row
+from tests.findings import known
 
 
 def milled(*times: tuple[float, float, int]) -> list[ContourRow]:
@@ -31,37 +32,48 @@ def costing(*costs: tuple[int, int, float]) -> list[ContourRow]:
     ]
 
 
-def test_the_tightest_tolerance_that_is_still_milled_quickly() -> None:
-    rows = milled((1e-2, 50, 4), (1e-3, 50.1, 4), (1e-4, 53, 4), (1e-5, 60, 4))
-    knee = knee_of(rows)
-    assert knee is not None
-    assert (knee.row, knee.end, knee.quick) == (rows[1], "time", 1e-3)
-    assert knee.step == (rows[0], rows[1])
-    assert "more slowly" in advice(knee)
+QUICKER = milled((1e-2, 50, 4), (1e-3, 50.1, 4), (1e-4, 53, 4), (1e-5, 60, 4))
+
+COARSER = milled((1e-2, 50, 4), (1e-3, 50, 4), (1e-4, 50, 5), (1e-5, 50, 6))
+
+SPLINES = [row("spline", 1e-2, 5, decimals=4), row("spline", 1e-3, 6, decimals=5)]
+
+CHEAP = costing((10, 10, 1.0), (11, 10, 1.0), (12, 10, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("rows", "place", "end", "quick", "said"),
+    [
+        (QUICKER, 1, "time", 1e-3, "more slowly"),
+        (COARSER, 1, "decimals", 1e-5, "arcs (fewest) within 0.001 mm: 11 pieces"),
+        (COARSER, 1, "decimals", 1e-5, "no slower down to 1e-05 mm, but need more decimals than 4"),
+        (SPLINES, 0, "decimals", None, "tighter programs need more decimals than 4"),
+        (CHEAP, 2, "range", None, "that is the end of what was tried, not a knee"),
+        ([row("arcs", 1e-2, 5)], 0, "range", None, ""),
+        ([row("arcs", 1e-2, 5), missing("arcs", 1e-3)], 0, "reach", None, ""),
+        (
+            [row("arcs", 1e-2, 5), missing("arcs", 1e-3), row("arcs", 1e-4, 99, size=999_999)],
+            0,
+            "cost",
+            None,
+            "",
+        ),
+    ],
+)
+def test_where_it_is_and_why_it_is_not_tighter(
+    rows: list[ContourRow], place: int, end: End, quick: float | None, said: str
+) -> None:
+    """A spline is milled by no round, but has decimals."""
+    knee = known(knee_of(rows))
+    assert knee.row is rows[place]
+    assert (knee.end, knee.quick) == (end, quick)
+    assert said in advice(knee)
 
 
 @pytest.mark.parametrize("over", [-1e-9, 1e-9])
 def test_five_per_cent_are_the_border(over: float) -> None:
-    knee = knee_of(milled((1e-2, 50, 4), (1e-3, 50 * (SLACK + over), 4)))
-    assert knee is not None
+    knee = known(knee_of(milled((1e-2, 50, 4), (1e-3, 50 * (SLACK + over), 4))))
     assert knee.row.tolerance == (1e-2 if over > 0.0 else 1e-3)
-
-
-def test_more_decimals_than_the_controller_asks_for_buy_nothing() -> None:
-    knee = knee_of(milled((1e-2, 50, 4), (1e-3, 50, 4), (1e-4, 50, 5), (1e-5, 50, 6)))
-    assert knee is not None
-    assert (knee.row.tolerance, knee.end, knee.quick) == (1e-3, "decimals", 1e-5)
-    text = advice(knee)
-    assert text.startswith("arcs (fewest) within 0.001 mm: 11 pieces")
-    assert "no slower down to 1e-05 mm, but need more decimals than 4" in text
-
-
-def test_a_spline_is_milled_by_no_round_but_has_decimals() -> None:
-    rows = [row("spline", 1e-2, 5, decimals=4), row("spline", 1e-3, 6, decimals=5)]
-    knee = knee_of(rows)
-    assert knee is not None
-    assert (knee.row, knee.end, knee.quick) == (rows[0], "decimals", None)
-    assert "tighter programs need more decimals than 4" in advice(knee)
 
 
 def test_a_ripple_that_falls_no_more_is_an_end_and_cost_is_none_then() -> None:
@@ -70,8 +82,7 @@ def test_a_ripple_that_falls_no_more_is_an_end_and_cost_is_none_then() -> None:
         row("arcs", tolerance, 10**number, seconds=50.0, decimals=4, ripple=ripple)
         for number, (tolerance, ripple) in enumerate(ripples.items(), start=1)
     ]
-    knee = knee_of(rows)
-    assert knee is not None
+    knee = known(knee_of(rows))
     assert (knee.row.tolerance, knee.end) == (1e-3, "ripple")
     assert knee.bought == pytest.approx(0.1)
     assert "ripple 10 %" in advice(knee)
@@ -85,13 +96,11 @@ def benefits(*off: float) -> list[BenefitRow]:
 
 def test_where_the_benefit_is_known_it_decides_and_not_the_cost() -> None:
     rows = costing((10, 10, 1.0), (100, 100, 10.0), (1000, 1000, 100.0), (10**4, 10**4, 1e3))
-    knee = knee_of(rows, benefits(0.8, 0.4, 0.1, 0.06))
-    assert knee is not None
+    knee = known(knee_of(rows, benefits(0.8, 0.4, 0.1, 0.06)))
     assert (knee.row, knee.end, knee.step) == (rows[2], "benefit", (rows[1], rows[2]))
     assert knee.bought == pytest.approx(0.3)
     assert advice(knee).endswith("at most 5 %")
-    cheap = knee_of(rows, [replace(each, acceleration=None) for each in benefits(0.8, 0.4)])
-    assert cheap is not None
+    cheap = known(knee_of(rows, [replace(each, acceleration=None) for each in benefits(0.8, 0.4)]))
     assert (cheap.row, cheap.end) == (rows[0], "cost")
 
 
@@ -109,8 +118,7 @@ def test_two_steps_of_a_half_more_are_the_border_of_what_all_costs_together(
     last: tuple[int, int, float], tolerance: float
 ) -> None:
     """1.5^2 = 2.25, of the geometric mean: 2000^2 * 2.8475 is 2250^2 * 2.25."""
-    knee = knee_of(costing((1_000, 1_000, 1.0), last, (10**6, 10**6, 1e3)))
-    assert knee is not None
+    knee = known(knee_of(costing((1_000, 1_000, 1.0), last, (10**6, 10**6, 1e3))))
     assert knee.row.tolerance == pytest.approx(tolerance)
     assert knee.end == "cost"
     assert advice(knee).endswith("tighter ones cost more than 2.25 times as much as the cheapest")
@@ -118,17 +126,8 @@ def test_two_steps_of_a_half_more_are_the_border_of_what_all_costs_together(
 
 def test_seconds_of_a_machine_count_only_if_asked_for() -> None:
     rows = costing((10, 10, 1.0), (15, 15, 50.0), (100, 100, 100.0))
-    for timed, tolerance in ((True, 1e-1), (False, 1e-2)):
-        knee = knee_of(rows, timed=timed)
-        assert knee is not None
-        assert knee.row.tolerance == tolerance
-
-
-def test_the_end_of_a_range_is_no_knee() -> None:
-    knee = knee_of(costing((10, 10, 1.0), (11, 10, 1.0), (12, 10, 1.0)))
-    assert knee is not None
-    assert (knee.row.tolerance, knee.end) == (1e-3, "range")
-    assert advice(knee).endswith("that is the end of what was tried, not a knee")
+    for timed, place in ((True, 0), (False, 1)):
+        assert known(knee_of(rows, timed=timed)).row is rows[place]
 
 
 def test_a_step_in_words() -> None:
@@ -143,24 +142,6 @@ def test_a_step_in_words() -> None:
         "from 0.01 mm to 0.001 mm costs 1 piece, no time and 0 kB, machining 20.0 s longer"
     )
     assert step_sentence(knee_of(rows[:1])) == step_sentence(None) == ""
-
-
-@pytest.mark.parametrize(
-    ("rows", "end"),
-    [
-        ([row("arcs", 1e-2, 5)], "range"),
-        ([row("arcs", 1e-2, 5), missing("arcs", 1e-3)], "reach"),
-        (
-            [row("arcs", 1e-2, 5), missing("arcs", 1e-3), row("arcs", 1e-4, 99, size=999_999)],
-            "cost",
-        ),
-    ],
-)
-def test_why_it_is_not_tighter(rows: list[ContourRow], end: End) -> None:
-    knee = knee_of(rows)
-    assert knee is not None
-    assert knee.row is rows[0]
-    assert knee.end == end
 
 
 def test_nothing_that_can_be_reached() -> None:

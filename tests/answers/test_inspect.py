@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from camgeo.app.answers.answer import figure, table, text
-from camgeo.app.answers.inspect import Inspection, inspect, of_points
+from camgeo.app.answers.inspect import Inspection, MeasuredPoints, inspect, of_points
 from camgeo.app.answers.probe import probe
 from camgeo.design.design import Design
 from camgeo.geometry.outline.exact_flank import ExactFlank
@@ -17,7 +17,7 @@ from camgeo.geometry.outline.path import Flank
 from camgeo.numeric.arrays import FloatArray
 from camgeo.pictures.model import Line
 from camgeo.scene.scene import load_scene
-from camgeo.studies.inspection import Align, MeasuredPoints
+from camgeo.studies.inspection import Align
 from tests.answers.documents import FIXTURES, document
 from tests.inspection.flanks import bump, disc_of, every, flank_of, measured
 

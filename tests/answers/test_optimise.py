@@ -7,8 +7,7 @@ import io
 
 from camgeo.app.answers.answer import figure, text
 from camgeo.app.answers.optimise import Optimum, comma_separated
-from camgeo.studies.optimise.optimise import optimise
-from camgeo.studies.optimise.task import task_of
+from camgeo.studies.optimise.optimise import optimise, task_of
 from tests.answers.documents import document
 from tests.optimise.cams import PLAIN
 

@@ -27,7 +27,7 @@ from typing import Any, Final
 import numpy as np
 
 import camgeo
-from camgeo.design.verify import NUMBER
+from camgeo.app.answers.verify import NUMBER
 from camgeo.design.writing import find_writer, writer_names
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray

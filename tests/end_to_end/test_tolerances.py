@@ -16,8 +16,8 @@ from typing import Final
 import pytest
 
 import camgeo
+from camgeo.app.answers.verify import Against, Wanted, files_in, verify_files
 from camgeo.design.design import Design
-from camgeo.design.verify import Against, Wanted, files_in, verify_files
 from camgeo.design.writing import Report
 from camgeo.geometry.contour.contour import Form
 from camgeo.studies.accuracy.contours import FORMS, drawn_as

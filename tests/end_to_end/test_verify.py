@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from camgeo.app.answers.verify import Against, Verdict, Wanted, verify_files
 from camgeo.app.cli.main import main
 from camgeo.design.design import Design
-from camgeo.design.verify import Against, Verdict, Wanted, verify_files
 from camgeo.scene.scene import load_scene
 from tests.answers.documents import validator
 from tests.end_to_end import damage as d

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 import camgeo
+from camgeo.app.cli.import_ import import_project
 from camgeo.app.cli.main import main
 from camgeo.design.design import Design
 from camgeo.design.product import Product
 from camgeo.design.writing import make_files
 from camgeo.errors import FileError, SceneError
 from camgeo.numeric.arrays import FloatArray
-from camgeo.scene.ocv import import_project
 from camgeo.scene.scene import parse_scene
 from camgeo_export.table import ASC_SECOND as SECOND
 from camgeo_export.table import ASC_WRITER as WRITER

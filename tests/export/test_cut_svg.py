@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.design.verify import Against, Reading, Wanted, verify_files
+from camgeo import reading
+from camgeo.app.answers.verify import Against, Wanted, verify_files
+from camgeo.design.verify import Reading
 from camgeo.errors import FileError
 from camgeo.scene.formats.dxf import DxfSpec
 from camgeo.units import LengthUnit

@@ -22,13 +22,13 @@ from ezdxf.layouts.base import BaseLayout
 from ezdxf.layouts.layout import Modelspace
 from ezdxf.math import ConstructionArc, Matrix44, rational_bspline_from_arc
 
+from camgeo.app.answers.inspect import read_points
 from camgeo.errors import FileError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.foreign import Outlines, by_arcs
 from camgeo.geometry.contour.spline import CubicSpline, SplineContour
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.reading import PLACED
-from camgeo.studies.inspection import read_points
 from camgeo.units import LengthUnit
 from camgeo_export.contour_csv import READER as CSV
 from camgeo_export.dxf.reader import NEAR, READER, Curve, drawing_of

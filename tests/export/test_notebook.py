@@ -33,7 +33,7 @@ from camgeo.app.answers.report import Report, report
 from camgeo.app.answers.size import size
 from camgeo.app.answers.sweep import Sweep, answer_of
 from camgeo.app.answers.table import ValueTable, table_of_scene
-from camgeo.app.answers.verify import Verification, verify
+from camgeo.app.answers.verify import Verdict, Verification, verify
 from camgeo.app.cli.main import main
 from camgeo.app.designing.painting import painted
 from camgeo.app.designing.recent import Recent
@@ -41,7 +41,6 @@ from camgeo.check.finding import Finding, Findings, Severity
 from camgeo.design.design import Design
 from camgeo.design.value_table import Table
 from camgeo.design.verify import Check as Checked
-from camgeo.design.verify import Verdict
 from camgeo.design.writing import FileReport
 from camgeo.design.writing import Report as Written
 from camgeo.errors import CamgeoError, GeometryError, SceneError

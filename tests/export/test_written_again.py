@@ -15,16 +15,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import camgeo
+from camgeo.app.answers.verify import Against, Verdict, Wanted, first_difference, verify_files
 from camgeo.design.design import Design
-from camgeo.design.verify import (
-    Against,
-    Check,
-    Verdict,
-    Verifier,
-    Wanted,
-    first_difference,
-    verify_files,
-)
+from camgeo.design.verify import Check, Verifier
 from camgeo.design.writing import CERTIFICATE, make_files
 from camgeo_export.reading import TOKEN
 from camgeo_export.stl import FACET, PREFIX

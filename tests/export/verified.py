@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 import trimesh
 
+from camgeo.app.answers.verify import first_difference
 from camgeo.design.product import Product
-from camgeo.design.verify import Check, Reading, Verifier, failed, first_difference
+from camgeo.design.verify import Check, Reading, Verifier, failed
 from camgeo.design.writing import Writer, Written, find_writer
 from camgeo.part.mass import solid
 from camgeo.part.part import Part

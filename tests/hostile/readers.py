@@ -10,11 +10,12 @@ from pathlib import Path
 from typing import Final
 
 import camgeo
-from camgeo.app.answers.inspect import of_points
+from camgeo.app.answers.inspect import of_points, read_points
 from camgeo.app.answers.replay import Reader
+from camgeo.app.answers.verify import Against, Wanted, certificate_in, verify_files
+from camgeo.app.cli.import_ import import_project
 from camgeo.design.linting import Bench
 from camgeo.design.product import Product
-from camgeo.design.verify import Against, Wanted, certificate_in, verify_files
 from camgeo.design.writing import find_writer
 from camgeo.dynamics.effects.effect import DataFile
 from camgeo.dynamics.effects.load import read_load_table
@@ -22,8 +23,7 @@ from camgeo.dynamics.effects.speed_fluctuation import read_motor
 from camgeo.errors import CamgeoError
 from camgeo.kinematics.tables import read_lift_table, read_speed_table
 from camgeo.milling.machine import load
-from camgeo.scene.ocv import import_project
-from camgeo.studies.inspection import Align, read_points
+from camgeo.studies.inspection import Align
 from camgeo_export.contour_csv import READER as CONTOUR
 from camgeo_export.dxf.reader import READER as DRAWING
 from camgeo_export.interpreter.run import LINTER

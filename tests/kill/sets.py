@@ -8,7 +8,7 @@ import random
 from pathlib import Path
 from typing import Final
 
-from camgeo.design.verify import certificate_in
+from camgeo.app.answers.verify import certificate_in
 from camgeo.design.writing import CERTIFICATE, STAGING, interrupted
 
 Files = dict[str, bytes]

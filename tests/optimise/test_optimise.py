@@ -12,12 +12,12 @@ from camgeo import loads
 from camgeo.app.answers.size import size
 from camgeo.design.design import Design
 from camgeo.scene.scene import load_scene
-from camgeo.studies.optimise.optimise import DUMB, IMPOSSIBLE, Judge, Verdict, optimise
-from camgeo.studies.optimise.task import task_of
+from camgeo.studies.optimise.optimise import DUMB, IMPOSSIBLE, Judge, Verdict, optimise, task_of
 from camgeo.studies.sweep.family import Point
 from camgeo.studies.sweep.pool import Pool
 from camgeo.studies.sweep.rows import Chunks, Work, dead
 from tests.answers.documents import RING, UNHELD
+from tests.findings import known
 from tests.long_form import LONG
 from tests.optimise.cams import PLAIN, bare
 
@@ -33,17 +33,15 @@ def test_the_radius_of_camgeo_size() -> None:
     near = 1e-6 if LONG else 5e-3
     assert found.best.feasible
     assert found.best.point[0] == pytest.approx(exact, rel=near)
-    assert found.made is not None
-    assert found.made.point[0] == pytest.approx(exact, rel=near)
-    assert float(found.made.point[0]) >= exact * (1.0 - 1e-6)
+    assert known(found.made).point[0] == pytest.approx(exact, rel=near)
+    assert float(known(found.made).point[0]) >= exact * (1.0 - 1e-6)
 
 
 @pytest.mark.skipif(not LONG, reason="2,000 designs; CAMGEO_LONG=1 runs them")
 def test_the_radius_and_offset_of_camgeo_size() -> None:
     """Where the transmission angles of rise and return reach their limit at once."""
     scene = bare("plate_translating")
-    answer = size(Design(scene)).sizing.answer
-    assert answer is not None
+    answer = known(size(Design(scene)).sizing.answer)
     vary = ["follower.base_radius=20:40", "follower.offset=-5:10"]
     found = optimise(task_of(scene, vary, least=["diameter"]), evaluations=3000)
     assert found.best.point == pytest.approx((answer.base_radius, answer.place.real), rel=1e-6)
@@ -66,10 +64,9 @@ def test_no_design_of_a_grid_is_better() -> None:
         keep=["transmission-angle>=40"],
     )
     found = optimise(free, evaluations=300 if LONG else 40)
-    assert found.made is not None
     best = min(each.costs[0] for each in kept)
     step = 2.0 * 3.0  # of the diameter for that of the radius
-    assert best - step < found.made.costs[0] < best + (0.0 if LONG else 0.2)
+    assert best - step < known(found.made).costs[0] < best + (0.0 if LONG else 0.2)
 
 
 @pytest.mark.long  # tests/sweep/test_pool.py has rows of the loop
@@ -129,9 +126,8 @@ def test_the_limits_of_the_scene_hold_unless_they_do_not_count() -> None:
     vary = ["follower.base_radius=48,49.199"]
     assert optimise(task_of(PLAIN, vary, least=["diameter"])).made is None
     ignoring = optimise(task_of(PLAIN, vary, least=["diameter"], ignore=["transmission-angle"]))
-    assert ignoring.made is not None
-    assert ignoring.made.point == (48,)
-    assert ["below 41 deg" in each for each in ignoring.made.remarks] == [True]
+    assert known(ignoring.made).point == (48,)
+    assert ["below 41 deg" in each for each in known(ignoring.made).remarks] == [True]
 
 
 def test_a_program_that_must_not_be_run_is_not_the_shortest() -> None:
@@ -142,8 +138,7 @@ def test_a_program_that_must_not_be_run_is_not_the_shortest() -> None:
     assert found.made is None
     assert ["nothing holds it" in each.broken[0] for each in found.trials] == [True] * 2
     held = load_scene(RING)
-    shortest = optimise(task_of(held, vary, least=["machining-time"])).made
-    assert shortest is not None
+    shortest = known(optimise(task_of(held, vary, least=["machining-time"])).made)
     assert shortest.point == (2000,)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from camgeo.errors import CamgeoError
-from camgeo.studies.optimise.task import task_of
+from camgeo.studies.optimise.optimise import task_of
 from tests.sweep.families import SETZHUB
 
 RANGE = "follower.base_radius=40:60"

@@ -9,8 +9,9 @@ import pytest
 
 import camgeo
 from camgeo.design.plate import STEP, Piece, plate_of
-from camgeo.errors import GeometryError
 from tests.contour.cams import SCENES
+from tests.findings import known
+from tests.part.parts import refused
 
 
 def _plate(name: str, values: dict[str, Any]) -> tuple[Piece, ...]:
@@ -77,8 +78,7 @@ def test_a_pair_in_one_piece() -> None:
     design = camgeo.load(SCENES / "conjugate_carriage.toml")
     kinds = ["cam", "return-roller", "test-ring"]
     scene = design.scene.with_values({**values, "output.3mf.plate": kinds})
-    pair = camgeo.Design(scene).disc.pair
-    assert pair is not None
+    pair = known(camgeo.Design(scene).disc.pair)
     cam, roller, ring = plate_of(pair)
     assert cam.part is pair.drawn.printed.target
     assert cam.part.thickness == 14.0 + 8.0 + 14.0
@@ -90,6 +90,5 @@ def test_a_disc_without_another() -> None:
     disc = camgeo.load(SCENES / "conjugate_carriage.toml")
     scene = disc.scene.with_values({"output.3mf.plate": ["return-cam"]})
     alone = camgeo.Design(scene).discs[1]
-    with pytest.raises(GeometryError, match="no return disc of its own") as caught:
+    with refused("output.3mf.plate", "no return disc of its own"):
         plate_of(alone)
-    assert caught.value.key == "output.3mf.plate"

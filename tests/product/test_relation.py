@@ -11,8 +11,9 @@ import pytest
 
 import camgeo
 from camgeo.check.finding import Finding
-from camgeo.design.judged_part import findings_on, part_of, poor_in
-from camgeo.design.product import bodies_of, relation_of, with_pair
+from camgeo.design.judged_part import findings_on, part_of, poor_in, relation_of
+from camgeo.design.product import bodies_of, with_pair
+from tests.findings import known
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
 
@@ -94,8 +95,7 @@ def test_the_pair_is_a_piece_of_its_own() -> None:
     assert (
         "the return disc at 0 deg to the main disc, below it, with a gap of 9 mm" in told.sentence
     )
-    whole, *_ = (part_of(pair).body,)
-    assert whole is not None
+    whole = known(part_of(pair).body)
     parts = [part_of(each).body for each in (main, other)]
     assert whole.solid.volume > sum(each.solid.volume for each in parts if each is not None)
     two = design(PAIR, pair=None)
@@ -109,8 +109,7 @@ def test_the_pair_is_a_piece_of_its_own() -> None:
 def test_rollers_need_room_beside_the_other_disc(width: float | None, severity: str) -> None:
     """Discs 10 mm thick, 9 mm apart: a roller in the middle of one is clear up to 28 mm."""
     made = design(PAIR, pair={"gap": 9, "spacer": 54, **({"roller_width": width} if width else {})})
-    pair = made.disc.pair
-    assert pair is not None
+    pair = known(made.disc.pair)
     found = of(relation_of(pair), "roller-width")
     assert found.severity == severity
     assert found.value == (width or 28.0)
@@ -120,14 +119,11 @@ def test_rollers_need_room_beside_the_other_disc(width: float | None, severity: 
 def test_rollers_beside_each_other_need_more_room() -> None:
     """On a short lever their circles overlap, seen along the shaft: then 19 mm is the most."""
     made = design(PAIR)
-    pair = made.disc.pair
-    assert pair is not None
     one, two = (each.follower for each in made.cams)
     apart = abs(one.traced_point(0.0) - two.traced_point(0.0))
     assert apart > one.roller_radius + two.roller_radius
     radius = apart - one.roller_radius + 0.1
     wide = camgeo.Design(made.scene.with_values({"follower.return.roller_radius": radius}))
-    assert wide.disc.pair is not None
-    found = of(relation_of(wide.disc.pair), "roller-width")
+    found = of(relation_of(known(wide.disc.pair)), "roller-width")
     assert found.limit == pytest.approx(19.0)
     assert "the rollers reach each other" in found.sentence

@@ -20,6 +20,7 @@ from camgeo.numeric.arrays import FloatArray
 from camgeo.part.mass import solid, thinnest_of_each
 from camgeo.studies.sweep.rows import asked_of, read
 from tests.contour.cams import SCENES
+from tests.findings import known
 
 FOUND = Path(__file__).parents[2] / "fixtures" / "found"
 
@@ -53,8 +54,7 @@ def test_the_part_is_weighed_in_the_units_of_the_scene(scene: str) -> None:
     assert found.body.stated_density == pytest.approx(7850.0, rel=1e-12)
     assert found.body.mass == pytest.approx(weight * exact.volume, rel=1e-12)
     assert found.body.axial_inertia == pytest.approx(weight * exact.axial, rel=1e-12)
-    assert found.body.inertia is not None
-    assert np.allclose(found.body.inertia, weight * exact.inertia, rtol=1e-12, atol=0.0)
+    assert np.allclose(known(found.body.inertia), weight * exact.inertia, rtol=1e-12, atol=0.0)
     volume = math.fsum(each.area * (each.z1 - each.z0) for each in found.layers)
     assert volume == pytest.approx(solid(disc.drawn.part.sharp).volume, rel=1e-9)
     assert [each.name for each in found.layers] == [each.name for each in disc.drawn.part.layers]
@@ -96,8 +96,7 @@ def test_limits_of_a_part_hold_at_the_value_and_break_beyond_it(
     limit: str, name: str, least: bool
 ) -> None:
     plain = {**DENSE, "part.keyway": None}
-    value = by_name(findings_on(design("plate_translating", plain).disc))[name].value
-    assert value is not None
+    value = known(by_name(findings_on(design("plate_translating", plain).disc))[name].value)
     off = -1e-6 if least else 1e-6
     inside, beyond = 1.0 + off, 1.0 - off
     for share, severity in ((inside, "ok"), (beyond, "broken")):

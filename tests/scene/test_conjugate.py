@@ -18,7 +18,7 @@ from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.scene.scene import parse_scene
 from camgeo.units import TURN
 from tests.effects.scenes import only_for
-from tests.findings import effect_findings
+from tests.findings import effect_findings, known
 from tests.pairs import lever_of
 from tests.scene.scenes import FIXTURES, refusal_of, spoilt
 
@@ -186,6 +186,8 @@ TEXT = (SCENES / "constant_breadth.toml").read_text(encoding="utf-8")
 
 PLATE = (SCENES / "plate_translating.toml").read_text(encoding="utf-8")
 
+SHUTTLE = (SCENES / "shuttle.toml").read_text(encoding="utf-8")
+
 YOKE = "[follower.yoke]\nbreadth = 66\n"
 
 EVEN = "[[motion]]\ndwell = 20\n[[motion]]\nlaw = 'modified-sine'\nspan = 160\nto = 20\n"
@@ -241,8 +243,7 @@ def test_a_motion_that_does_not_undo_itself_is_reported() -> None:
     text = TEXT.replace("dwell = 50", "dwell = 40", 1).replace("span = 130", "span = 140", 1)
     finding = closing(text)
     assert finding.severity == "broken"
-    assert finding.value is not None
-    assert finding.value > 0.1
+    assert known(finding.value) > 0.1
 
 
 @pytest.mark.parametrize(
@@ -267,6 +268,7 @@ def test_a_motion_that_does_not_undo_itself_is_reported() -> None:
             PLATE + "[limits]\nclosing_error = 0.01\n",
             "it needs [follower.return] or [follower.yoke]",
         ),
+        (SHUTTLE.replace("roller_radius = 10", "roller_radius = 10\nyoke = {}"), "yoke"),
     ],
 )
 def test_what_does_not_go_with_a_yoke_is_refused(text: str, reported: str) -> None:
@@ -278,9 +280,3 @@ def test_for_a_refused_effect_nothing_missing_is_reported() -> None:
     (fault,) = refusal_of(TEXT + table).faults
     assert fault.key == "effects.roller-spin"
     assert fault.message.startswith("is for roller followers")
-
-
-def test_a_rocker_has_no_yoke() -> None:
-    text = (SCENES / "shuttle.toml").read_text(encoding="utf-8")
-    with pytest.raises(SceneError, match="yoke"):
-        parse_scene(text.replace("roller_radius = 10", "roller_radius = 10\nyoke = {}"))

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from decimal import Decimal
+from typing import Any
 
 import pytest
 
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
-from camgeo.kinematics.plan import Dwell, Move
+from camgeo.kinematics.plan import Dwell
 from camgeo.milling.holding import Holding
 from camgeo.milling.milling import GcodeSpec, MillingSpec, Stock
 from camgeo.milling.moves import Heights
@@ -19,6 +20,7 @@ from camgeo.milling.tool import Tool
 from camgeo.part.spec import Chamfer, Chamfers, Engraving, Hub, Keyway, Mark, PartSpec
 from camgeo.scene.formats import csv, gcode
 from camgeo.scene.formats.format import OutputSpec
+from tests.findings import known
 from tests.scene.scenes import GROOVE, LINKED, PLATE, ROCKER, loaded
 
 TOOL = Tool(
@@ -51,12 +53,11 @@ def test_plate() -> None:
 
 
 def test_motion() -> None:
-    first, rise, second, fall, third = loaded(PLATE).plan.segments
+    segments: Any = loaded(PLATE).plan.segments
+    first, rise, second, fall, third = segments
     assert (first, second, third) == (Dwell(Decimal(30)), Dwell(Decimal(40)), Dwell(Decimal(70)))
-    assert isinstance(rise, Move)
-    assert isinstance(fall, Move)
-    assert (rise.span, rise.to, rise.law.name) == (Decimal(100), 20.0, "modified-sine")
-    assert rise.law.inflection == 0.5
+    assert (rise.span, rise.to) == (Decimal(100), 20.0)
+    assert (rise.law.name, rise.law.inflection) == ("modified-sine", 0.5)
     assert (fall.law.name, fall.law.inflection) == ("polynomial-345", 0.4)
 
 
@@ -134,9 +135,8 @@ safe_height = 2
     tables = PLATE[PLATE.index("[[tool]]") : PLATE.index("[holding]")]
     scene = loaded(PLATE, ('machine = "linuxcnc"\n', table), (tables, ""))
     assert scene.output.options[gcode.FORMAT].heights == Heights(2.0, 2.0)
-    assert scene.milling is not None
-    assert scene.milling.earlier
-    assert scene.milling.tools == (
+    assert known(scene.milling).earlier
+    assert known(scene.milling).tools == (
         Tool(
             number=3, diameter=8.0, spindle_speed=2500.5, feed=200.0, plunge_feed=50.0,
             stepdown=1.5, plunges=True,
@@ -171,8 +171,7 @@ def test_texts_of_a_part() -> None:
         'along = "straight"\nturn = 45\n'
     )
     scene = loaded(PLATE, ('"mm"', '"inch"'), ("[limits]", f"{texts}[limits]"))
-    assert scene.part is not None
-    assert scene.part.engraving == (
+    assert known(scene.part).engraving == (
         Engraving("plate", 0.2 * 25.4, 0.01 * 25.4, 0.75 * 25.4),
         Engraving(
             "Ø8", 0.1 * 25.4, 0.01 * 25.4, 0.5 * 25.4, math.radians(90.0), "straight",
@@ -192,13 +191,12 @@ def test_inches() -> None:
     assert scene.output.tolerance == 0.0001 * 25.4
     # The default height of traverses is millimetres, whatever the scene's unit.
     assert scene.output.options[gcode.FORMAT] == GcodeSpec()
-    assert scene.milling is not None
-    assert scene.milling.tools == (
+    assert known(scene.milling).tools == (
         replace(
             TOOL, diameter=254.0, flute_length=22 * 25.4, feed=300 * 25.4, plunge_feed=100 * 25.4,
             stepdown=3 * 25.4,
         ),
     )  # fmt: skip
-    assert scene.milling.holding == Holding(kind="fixture", through=0.5 * 25.4)
+    assert known(scene.milling).holding == Holding(kind="fixture", through=0.5 * 25.4)
     assert scene.output.options[csv.FORMAT].step == Decimal("0.25")
     assert scene.speed == loaded(PLATE).speed

@@ -340,6 +340,8 @@ def test_without_effects_it_is_the_hash_of_the_file() -> None:
     # Not even a comment or an empty line is left out.
     text = f"# no [effects]\n\n{PLATE}\n\n# end\n\n"
     assert hash_of(text) == hashlib.sha256(text.encode()).hexdigest()
+    # A file with the line ends of Windows has a hash of its own.
+    assert hash_of(PLATE.replace("\n", "\r\n")) != hash_of(PLATE)
 
 
 HEADS = [
@@ -369,6 +371,7 @@ BODIES = [
 @pytest.mark.parametrize("body", BODIES)
 def test_at_the_end(head: str, body: str, of_plate: str) -> None:
     assert hash_of(f"{PLATE}{head}{body}") == of_plate
+    assert kept(f"{PLATE}{head}{body}".replace("\n", "\r\n")) == PLATE.replace("\n", "\r\n")
 
 
 @pytest.mark.parametrize(
@@ -384,30 +387,21 @@ def test_dotted_keys_at_the_top(text: str) -> None:
     assert hash_of(f"{head}{text}[units]\n{rest}") == hash_of(PLATE)
 
 
-def test_with_the_line_ends_of_windows() -> None:
-    """A file with them has a hash of its own, and keeps it."""
-    plain = PLATE.replace("\n", "\r\n")
-    for head in HEADS:
-        for body in BODIES:
-            text = f"{PLATE}{head}{body}".replace("\n", "\r\n")
-            assert kept(text) == plain, text
-    assert hash_of(plain) != hash_of(PLATE)
+BEFORE, AFTER = PLATE.split("[limits]\n")
 
 
-def test_comments_of_what_comes_after_stay() -> None:
-    before, after = PLATE.split("[limits]\n")
-    commented = f"{before}# what is allowed\n[limits]\n{after}"
-    assert kept(f"{before}{SPRING}\n# what is allowed\n[limits]\n{after}") == commented
-    assert kept(f"{before}{SPRING}# what is allowed\n[limits]\n{after}") == commented
-
-
-def test_empty_lines_between_others_stay() -> None:
-    before, after = PLATE.split("[limits]\n")
-    assert kept(f"{before}\n\n{SPRING}\n[limits]\n{after}") == f"{before}\n\n[limits]\n{after}"
-
-
-def test_a_last_line_without_an_end() -> None:
-    assert kept(f"{PLATE}\n{SPRING}".rstrip("\n")) == PLATE
+@pytest.mark.parametrize(
+    ("text", "left"),
+    [
+        (f"{BEFORE}{SPRING}\n# all\n[limits]\n{AFTER}", f"{BEFORE}# all\n[limits]\n{AFTER}"),
+        (f"{BEFORE}{SPRING}# all\n[limits]\n{AFTER}", f"{BEFORE}# all\n[limits]\n{AFTER}"),
+        (f"{BEFORE}\n\n{SPRING}\n[limits]\n{AFTER}", f"{BEFORE}\n\n[limits]\n{AFTER}"),
+        (f"{PLATE}\n{SPRING}".rstrip("\n"), PLATE),
+    ],
+    ids=["comment after a line", "comment", "empty lines", "no last line end"],
+)
+def test_what_belongs_to_others_stays(text: str, left: str) -> None:
+    assert kept(text) == left
 
 
 @pytest.mark.parametrize(

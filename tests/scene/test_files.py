@@ -16,6 +16,7 @@ from camgeo.reading import SCENE
 from camgeo.scene.keys import key_lines, line_of, spelled
 from camgeo.scene.scene import load_scene, parse_scene
 from camgeo.scene.values import named, stamp, value_path
+from tests.findings import known
 from tests.scene.scenes import FIXTURES, GROOVE, LINKED, PLATE, ROCKER, refusal_by, values_in
 
 BYTES = [
@@ -100,18 +101,24 @@ def test_the_source_is_named(tmp_path: pathlib.Path) -> None:
 FOLDER = Path("/scenes")
 
 
-def test_any_text_of_a_scene_may_be_a_name() -> None:
-    text = 'name = "a"\n[[motion]]\nfile = "b/c.csv"\n[x]\ny = ["d", 1, {z = "e"}]\n'
-    assert named(text, FOLDER) == tuple(FOLDER / name for name in ("a", "b/c.csv", "d", "e"))
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [
+        (
+            'name = "a"\n[[motion]]\nfile = "b/c.csv"\n[x]\ny = ["d", 1, {z = "e"}]\n',
+            ("a", "b/c.csv", "d", "e"),
+        ),
+        # None leaves the folder.
+        ('a = "../b"\nc = "/etc/passwd"\nd = ""\ne = "f\\u0000"\n', ()),
+    ],
+)
+def test_any_text_of_a_scene_may_be_a_name(text: str, names: tuple[str, ...]) -> None:
+    assert named(text, FOLDER) == tuple(FOLDER / name for name in names)
 
 
-def test_names_that_leave_the_folder_are_none() -> None:
-    assert named('a = "../b"\nc = "/etc/passwd"\nd = ""\ne = "f\\u0000"\n', FOLDER) == ()
-
-
-def test_a_text_that_is_no_toml_names_nothing_new() -> None:
-    for text in ("a = [", "a = 1\na = 2\n", f"{'[' * 5000}", f"a{'.a' * 50} = 1"):
-        assert named(text, FOLDER) is None
+@pytest.mark.parametrize("text", ["a = [", "a = 1\na = 2\n", "[" * 5000, f"a{'.a' * 50} = 1"])
+def test_a_text_that_is_no_toml_names_nothing_new(text: str) -> None:
+    assert named(text, FOLDER) is None
 
 
 @given(st.text(max_size=30))
@@ -193,6 +200,8 @@ EXPECTED = {
 def test_tricky_file() -> None:
     tomllib.loads(TRICKY)
     assert key_lines(TRICKY) == EXPECTED
+    # It gives up on an escape in a key.
+    assert key_lines('a = 1\n"b\\n" = 2\nc = 3\n') == {("a",): 1}
 
 
 def test_nearest_line_around_a_key() -> None:
@@ -203,10 +212,6 @@ def test_nearest_line_around_a_key() -> None:
     without_header = key_lines("a = 1\n[effects.spring]\n[effects.load]\n")
     assert line_of(("effects", "inertia"), without_header) == 2
     assert line_of((), lines) is None
-
-
-def test_gives_up_on_an_escape_in_a_key() -> None:
-    assert key_lines('a = 1\n"b\\n" = 2\nc = 3\n') == {("a",): 1}
 
 
 def test_paths_are_counted_from_one() -> None:
@@ -225,8 +230,7 @@ def test_every_key_has_its_line(text: str) -> None:
     rows = text.splitlines()
     for path, _ in values_in(tomllib.loads(text)):
         if isinstance(path[-1], str):
-            line = line_of(path, lines)
-            assert line is not None
+            line = known(line_of(path, lines))
             assert path[-1] in rows[line - 1]
 
 

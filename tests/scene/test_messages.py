@@ -18,6 +18,7 @@ from camgeo.scene.formats.format import find_format
 from camgeo.scene.formats.gcode import FORMAT
 from camgeo.scene.scene import Scene, load_scene, parse_scene
 from tests import kept
+from tests.findings import known
 from tests.scene.scenes import FIXTURES, GROOVE, LINKED, PLATE, ROCKER, leaves, refusal_of, spoilt
 
 Change = tuple[str, str]
@@ -272,8 +273,7 @@ def test_what_a_format_lacks_is_no_fault_of_the_scene(
     (fault,) = parse_scene(text).lacking([find_format(name)])
     assert fault.message.startswith(message)
     assert fault.value == f'"{name}"'
-    assert fault.line is not None
-    assert text.splitlines()[fault.line - 1].startswith("formats = ")
+    assert text.splitlines()[known(fault.line) - 1].startswith("formats = ")
 
 
 def test_all_faults_at_once_in_the_order_of_the_file() -> None:

@@ -15,8 +15,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import SceneError
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
-from camgeo.kinematics.plan import Move
 from camgeo.scene.scene import load_scene, parse_scene
 from tests.scene.scenes import FIXTURES, GROOVE, LINKED, PLATE, ROCKER, loaded
 
@@ -148,20 +146,13 @@ motion = [
 ]
 """.replace("0.0,\n", "0.0,")
 
-    inch = parse_scene(scene("inch", Decimal(1)))
-    mm = parse_scene(scene("mm", Decimal("25.4")))
-    assert isinstance(inch.follower, TranslatingRoller)
-    assert isinstance(mm.follower, TranslatingRoller)
-    assert inch.follower.base_radius == pytest.approx(mm.follower.base_radius, rel=1e-15)
-    assert inch.follower.roller_radius == pytest.approx(mm.follower.roller_radius, rel=1e-15)
-    assert inch.part is not None
-    assert mm.part is not None
-    assert inch.part.thickness == pytest.approx(mm.part.thickness, rel=1e-15)
-    assert inch.output.tolerance == pytest.approx(mm.output.tolerance, rel=1e-15)
-    rise, lift = inch.plan.segments[0], mm.plan.segments[0]
-    assert isinstance(rise, Move)
-    assert isinstance(lift, Move)
-    assert rise.to == pytest.approx(lift.to, rel=1e-15)
+    def lengths(found: Any) -> list[float]:
+        follower, tolerance = found.follower, found.output.tolerance
+        radii = (follower.base_radius, follower.roller_radius)
+        return [*radii, found.part.thickness, tolerance, found.plan.segments[0].to]
+
+    inch = lengths(parse_scene(scene("inch", Decimal(1))))
+    assert inch == pytest.approx(lengths(parse_scene(scene("mm", Decimal("25.4")))), rel=1e-15)
 
 
 @given(st.lists(st.decimals(min_value=Decimal("0.001"), max_value=30, places=6), max_size=11))

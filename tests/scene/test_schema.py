@@ -23,16 +23,8 @@ from camgeo.scene.formats.csv import CsvSpec
 from camgeo.scene.formats.dxf import DxfSpec
 from camgeo.scene.formats.format import OutputSpec
 from camgeo.scene.keys import key_lines, spelled, value_at
-from camgeo.scene.scene import Scene, parse_scene
-from camgeo.scene.schema import (
-    Node,
-    definition,
-    keys_of,
-    resolved,
-    schema,
-    schema_of_all,
-    whole_schema,
-)
+from camgeo.scene.scene import Scene, parse_scene, schema_of_all
+from camgeo.scene.schema import Node, definition, keys_of, resolved, schema, whole_schema
 from camgeo.scene.toml import TEMPLATE_KINDS, template
 from tests.findings import effect_findings
 
@@ -111,7 +103,8 @@ def test_template_loads(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", TEMPLATE_KINDS)
-def test_template_explains_each_key(kind: str) -> None:
+def test_template_explains_each_key_and_fits_a_screen(kind: str) -> None:
+    assert max(map(len, template(kind).splitlines())) <= 100
     known: set[str] = set()
     for line in template(kind).splitlines():
         key, _, rest = line.partition("=")
@@ -169,11 +162,6 @@ def test_effects_that_are_offered_work(kind: str) -> None:
         core |= {"contact-force", "lift-off"}
     assert core <= set(design.scene.effects)
     assert [f for f in effect_findings(design) if f.severity not in ("ok", "warning")] == []
-
-
-@pytest.mark.parametrize("kind", TEMPLATE_KINDS)
-def test_template_fits_a_screen(kind: str) -> None:
-    assert max(map(len, template(kind).splitlines())) <= 100
 
 
 def test_unknown_kind() -> None:

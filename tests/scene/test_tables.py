@@ -9,10 +9,8 @@ import pytest
 from camgeo.errors import SceneError
 from camgeo.part.printing import Foot, PrintSpec, Shrinkage
 from camgeo.scene.formats.drawing import DrawingSpec
-from camgeo.scene.scene import Scene, load_scene, parse_scene
-from camgeo.scene.schema import schema_of_all
-from camgeo.studies.optimise.optimise import optimise
-from camgeo.studies.optimise.task import Effort, task_of
+from camgeo.scene.scene import Scene, load_scene, parse_scene, schema_of_all
+from camgeo.studies.optimise.optimise import Effort, optimise, task_of
 from camgeo.studies.sweep.family import Sample, family_of, questions_of
 from tests.contour.cams import SCENES
 from tests.optimise.cams import PLAIN
@@ -66,11 +64,8 @@ def plate() -> Scene:
     return load_scene(SCENES / "plate_translating.toml").with_values({"part.bore": 20})
 
 
-def test_a_scene_without_it_prints_as_it_is(plate: Scene) -> None:
-    assert plate.printing is None
-
-
 def test_the_table_is_converted(plate: Scene) -> None:
+    assert plate.printing is None
     found = plate.with_values(WHOLE).printing
     assert found == PrintSpec(0.2, None, Foot(0.2, 0.4, 2), Shrinkage(0.5, 0.0))
     inches = load_scene(SCENES / "inch.toml").with_values({**WHOLE, "print.bore_clearance": 0.01})
@@ -182,14 +177,6 @@ def test_samples_are_stated_too() -> None:
     assert family_of(scene).count == 8
 
 
-def test_a_family_changes_no_file_but_tells_scenes_apart() -> None:
-    scene = stated()
-    assert scene.made == SETZHUB.made
-    assert scene.identity != SETZHUB.identity
-    assert parse_scene(scene.to_toml()) == scene
-    assert Scene(scene.values) == scene
-
-
 def test_all_faults_are_told_at_once() -> None:
     wrong = FAMILY.replace("to = 60", "to = 45").replace("motion.2.law", "motion.2.lew")
     text = (TEXT + wrong).replace("roller_radius = 7.0", "roller_radius = -7.0")
@@ -271,11 +258,12 @@ def test_the_search_takes_as_long_as_the_file_says() -> None:
     assert optimise(task, seed=0, evaluations=1).most == 1
 
 
-def test_what_is_sought_changes_no_file_but_tells_scenes_apart() -> None:
-    scene = searching()
+@pytest.mark.parametrize("tables", [FAMILY, SOUGHT])
+def test_they_change_no_file_but_tell_scenes_apart(tables: str) -> None:
+    scene = parse_scene(TEXT + tables)
     assert scene.made == SETZHUB.made
     assert scene.identity != SETZHUB.identity
-    assert parse_scene(scene.to_toml()) == scene
+    assert parse_scene(scene.to_toml()) == Scene(scene.values) == scene
 
 
 @pytest.mark.parametrize(

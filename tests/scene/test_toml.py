@@ -46,8 +46,9 @@ def test_values_are_written_without_a_text(file: pathlib.Path) -> None:
     text = load_scene(file)
     scene = Scene(text.values, folder=text.source.folder)
     found = read_back(scene)
-    assert found == scene
-    assert found.made == text.made
+    assert scene == found == text
+    assert scene.made == found.made == text.made
+    assert (scene.follower, scene.files) == (text.follower, text.files)
 
 
 @pytest.mark.parametrize("file", FILES, ids=NAMES)

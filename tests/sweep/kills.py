@@ -29,6 +29,7 @@ from typing import IO, Final, Literal
 from camgeo.design.design import Design
 from camgeo.studies.sweep.rows import AHEAD, Work, asked_of, rows_of
 from camgeo.studies.sweep.sweep import sweep
+from tests.findings import known
 from tests.seeds import add_seed, moment
 from tests.sweep.driver import ASK, in_chunk, killed_family
 from tests.sweep.processes import ROOT, WORKERS, Processes
@@ -102,15 +103,13 @@ def swept(
             [*words, str(log)], cwd=ROOT, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
             env={**os.environ, "PYTHONPATH": str(ROOT)},
         ) as driver:  # fmt: skip
-            assert driver.stdin is not None
-            assert driver.stdout is not None
-            for line in driver.stdout:
+            for line in known(driver.stdout):
                 done, *own = map(int, line.split())
                 helpers.update(own)
                 before = done
                 now = bool(left) and done >= left[0][0]
                 if not now or not waiting:
-                    _go_on(driver.stdin)
+                    _go_on(known(driver.stdin))
                 if now:
                     if not waiting:
                         moment(chosen, DELAY)
@@ -119,7 +118,7 @@ def swept(
                     told(f"{victim} killed at {done:,} rows")
                     _kill(driver.pid if victim == "driver" else _one_of(computing, own, chosen))
                     if waiting:
-                        _go_on(driver.stdin)
+                        _go_on(known(driver.stdin))
         code = driver.returncode
         _require_ended(helpers)
         _require_whole(store, count, done=before or 0)

@@ -8,7 +8,6 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import closing
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -111,16 +110,6 @@ def become(version: str) -> None:
     vars(rows)["__version__"] = version
 
 
-@pytest.mark.parametrize("name", ["camgeo", "numpy", "python"])
-def test_a_worker_of_another_version_is_refused_by_name(name: str, processes: Processes) -> None:
-    found = family()
-    work = work_on(found, "laws")
-    other = replace(work, versions=replace(work.versions, **{name: "0.1"}))
-    words = rf"a worker has (?i:{name}) \S+, the sweep was started with 0\.1; .*worker tcp://127"
-    with pytest.raises(VersionError, match=words):
-        list(Cluster(processes.address).rows(other, found.points()))
-
-
 def test_one_worker_of_another_version_is_enough(processes: Processes) -> None:
     found = family("follower.base_radius=45:60:16")
     work = work_on(found, "laws")
@@ -148,19 +137,36 @@ def test_a_store_that_a_cluster_began_is_resumed(processes: Processes, tmp_path:
 # Bad addresses ------------------------------------------------------------------------------------
 
 
+NO_ADDRESS = r"cluster = .*: must be tcp://HOST:PORT"
+
+OPEN = r"cluster = tcp://.*: leaves this machine without TLS"
+
+HOSTS = ("10.0.0.5", "0.0.0.0", "node-7.example", "[2001:db8::1]")
+
+OWN_HOSTS = ("127.0.0.1", "127.1.2.3", "localhost", "[::1]")
+
+
 @pytest.mark.parametrize(
-    "address", ["localhost", "127.0.0.1:8786", "http://a:1", "tcp://a:0", "tcp://a:99999"]
+    ("address", "message"),
+    [
+        ("localhost", NO_ADDRESS),
+        ("127.0.0.1:8786", NO_ADDRESS),
+        ("http://a:1", NO_ADDRESS),
+        ("tcp://a:0", NO_ADDRESS),
+        ("tcp://a:99999", NO_ADDRESS),
+        *((f"tcp://{host}:8786", OPEN) for host in HOSTS),
+    ],
 )
-def test_what_is_no_address_is_refused(address: str) -> None:
-    with pytest.raises(GeometryError, match=r"cluster = .*: must be tcp://HOST:PORT"):
+def test_addresses_that_are_refused(address: str, message: str) -> None:
+    with pytest.raises(GeometryError, match=message):
         Cluster(address)
 
 
-@pytest.mark.parametrize("host", ["10.0.0.5", "0.0.0.0", "node-7.example", "[2001:db8::1]"])
-def test_other_machines_are_not_reached_without_tls(host: str) -> None:
-    with pytest.raises(GeometryError, match=r"cluster = tcp://.*: leaves this machine without TLS"):
+def test_this_machine_is_reached_without_tls_and_others_with_it() -> None:
+    for host in HOSTS:
+        Cluster(f"tls://{host}:8786")
+    for host in OWN_HOSTS:
         Cluster(f"tcp://{host}:8786")
-    Cluster(f"tls://{host}:8786")
 
 
 def test_dask_says_nothing_of_its_own() -> None:
@@ -169,11 +175,6 @@ def test_dask_says_nothing_of_its_own() -> None:
     with cluster._quiet():
         assert not logger.isEnabledFor(logging.CRITICAL)
     assert logger.isEnabledFor(logging.CRITICAL)
-
-
-@pytest.mark.parametrize("host", ["127.0.0.1", "127.1.2.3", "localhost", "[::1]"])
-def test_this_machine_is_reached_without_tls(host: str) -> None:
-    Cluster(f"tcp://{host}:8786")
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from camgeo.numeric.arrays import BoolArray, FloatArray
-from camgeo.studies.optimise.task import front
+from camgeo.studies.optimise.optimise import front
 
 COSTS = st.integers(1, 3).flatmap(
     lambda k: arrays(
@@ -31,11 +31,4 @@ def by_definition(costs: FloatArray) -> BoolArray:
 
 @given(COSTS)
 def test_no_other_row_dominates(costs: FloatArray) -> None:
-    assert np.array_equal(front(costs), by_definition(costs))
-
-
-def test_a_curve_and_what_lies_behind_it() -> None:
-    x = np.linspace(0.1, 1.0, 50)
-    costs = np.concatenate((np.column_stack((x, 1.0 / x)), np.column_stack((x, 1.0 / x + 0.1))))
-    assert list(np.flatnonzero(front(costs)[:50])) == [*range(50)]
     assert np.array_equal(front(costs), by_definition(costs))

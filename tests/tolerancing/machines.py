@@ -10,10 +10,8 @@ import numpy as np
 from camgeo.design.design import Design
 from camgeo.geometry.outline.path import Flank
 from camgeo.scene.scene import Scene, load_scene
-from camgeo.studies.tolerancing.linear import Linear
-from camgeo.studies.tolerancing.replay import replayed
-from camgeo.studies.tolerancing.sensitivity import Machine, Sensitivities
-from camgeo.studies.tolerancing.sources import Deviations, Unit
+from camgeo.studies.tolerancing.linear import Linear, replayed
+from camgeo.studies.tolerancing.sensitivity import Deviations, Machine, Sensitivities, Unit
 from camgeo.studies.tolerancing.stated import stated_of
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"

@@ -10,19 +10,18 @@ from camgeo.design.design import Design
 from camgeo.dynamics.effects.results import CONTACT_FORCE
 from camgeo.geometry.outline.path import Flank
 from camgeo.scene.scene import load_scene
-from camgeo.studies.tolerancing.linear import contact_forces
-from camgeo.studies.tolerancing.replay import replayed
-from camgeo.studies.tolerancing.sources import Deviations
+from camgeo.studies.tolerancing.linear import contact_forces, replayed
+from camgeo.studies.tolerancing.sensitivity import Deviations
 from camgeo.studies.tolerancing.stated import dimensions_of
 from tests.answers.documents import document
+from tests.findings import known
 from tests.tolerancing.machines import ANGLES, LEVER, sensitivities
 
 
 def test_force_per_acceleration_is_that_of_the_moving_mass() -> None:
     """At constant speed and mass the cam at rest lacks M q'' omega^2 / B, and nothing else."""
     design = Design(load_scene(LEVER))
-    found = contact_forces(design, Flank.INNER, ANGLES)
-    assert found is not None
+    found = known(contact_forces(design, Flank.INNER, ANGLES))
     force = design.effects.result(CONTACT_FORCE)
     at_rest = force.normal_at(ANGLES, "right", np.zeros((2, len(ANGLES))))
     second = design.drive.motion.jet(ANGLES)[2]
@@ -36,8 +35,7 @@ def test_a_disc_that_runs_ahead_has_the_same_forces_earlier() -> None:
     """But for the spring, which gives way by the error and is left out: a tenth of the change."""
     design, turned = Design(load_scene(LEVER)), 1e-3
     nominal = sensitivities(design.scene)
-    found = contact_forces(design, Flank.INNER, ANGLES)
-    assert found is not None
+    found = known(contact_forces(design, Flank.INNER, ANGLES))
     unit = dimensions_of(nominal.machine)["mounting.angle"].unit
     machines = replayed(nominal, Deviations(1, {unit.freedom: np.full(1, turned + 0j)}))
     off = machines.follower - nominal.lifts[:3, np.newaxis]

@@ -10,9 +10,8 @@ import pytest
 
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.numeric.arrays import ComplexArray
-from camgeo.studies.tolerancing.replay import replayed
-from camgeo.studies.tolerancing.sensitivity import Sensitivities
-from camgeo.studies.tolerancing.sources import Deviations, Freedom
+from camgeo.studies.tolerancing.linear import replayed
+from camgeo.studies.tolerancing.sensitivity import Deviations, Freedom, Sensitivities
 from camgeo.studies.tolerancing.stated import dimensions_of
 from tests.tolerancing.machines import errors, fixture
 

@@ -20,8 +20,9 @@ from camgeo.design.design import Design
 from camgeo.kinematics.mechanism.follower import Follower
 from camgeo.scene.scene import Scene, load_scene
 from camgeo.studies.tolerancing.linear import Play, deviations_of
-from camgeo.studies.tolerancing.sources import Deviations
+from camgeo.studies.tolerancing.sensitivity import Deviations
 from camgeo.studies.tolerancing.stated import dimensions_of, machines_of, stated_of
+from tests.findings import known
 from tests.tolerancing.machines import FIXTURES, LEVER
 
 Array = np.ndarray
@@ -108,8 +109,7 @@ class Model:
     def gaps(self, phi: float) -> list[Callable[[float], float]]:
         """How far each side is off its disc at a coordinate [mm]."""
         cams = self.design.cams
-        second = cams[1] if len(cams) > 1 else cams[0].opposite
-        assert second is not None
+        second = known(cams[1] if len(cams) > 1 else cams[0].opposite)
         if "roller_radius" not in self.scene.values["follower"]:
             return self.of_faces(phi)
         own, other = self.rollers
@@ -200,13 +200,14 @@ class Model:
 @pytest.mark.parametrize("name", SCENES)
 def test_play_is_that_of_distances_between_rollers_or_faces_and_discs(name: str) -> None:
     scene = toleranced(scene_of(name))
-    known = dimensions_of(*machines_of(Design(scene)))
-    keys = [key for key in known if not key.endswith("base_radius") and "linkage" not in key]
+    dimensions = dimensions_of(*machines_of(Design(scene)))
+    keys = [key for key in dimensions if not key.endswith("base_radius") and "linkage" not in key]
     rng = np.random.default_rng(40)
     play = play_of(scene)
     for _ in range(2):
         by = {
-            key: rng.uniform(-1.0, 1.0) * (0.0005 if known[key].is_angle else 0.05) for key in keys
+            key: rng.uniform(-1.0, 1.0) * (0.0005 if dimensions[key].is_angle else 0.05)
+            for key in keys
         }
         deviations = deviations_of(
             tuple(each for each in play.stated.sources if each.name in by),
@@ -277,16 +278,14 @@ def test_a_wider_or_narrower_yoke_has_that_play() -> None:
     scene = scene_of("constant_breadth").with_values({"follower.yoke.breadth": 66.3})
     key = {"key": "follower.yoke.breadth", "limits": [-0.1, 0.2], "distribution": "uniform"}
     found = tolerance(Design(scene.with_values({"tolerance": {"dimension": [key]}})), count=256)
-    play, machines = found.play, found.machines
-    assert play is not None
-    assert machines is not None
-    assert machines.least_play is not None
+    play, machines = known(found.play), known(found.machines)
+    least = known(machines.least_play)
     assert play.unit == "mm"
     sigma = 0.3 / np.sqrt(12.0)
     assert play.least.value == pytest.approx(0.35 - 3.0 * sigma)
     assert play.most.value == pytest.approx(0.35 + 3.0 * sigma)
-    assert machines.least_play.nominal == pytest.approx(0.3)
-    assert machines.least_play.machines == pytest.approx((0.203, 0.35, 0.497), abs=2e-3)
+    assert least.nominal == pytest.approx(0.3)
+    assert least.machines == pytest.approx((0.203, 0.35, 0.497), abs=2e-3)
     assert machines.squeezed == 0.0
 
 
@@ -294,8 +293,7 @@ def test_a_yoke_that_may_be_too_narrow_is_squeezed_as_often() -> None:
     key = {"key": "follower.yoke.breadth", "limits": [-0.01, 0.03], "distribution": "uniform"}
     scene = scene_of("constant_breadth").with_values({"tolerance": {"dimension": [key]}})
     machines = tolerance(Design(scene), count=256).machines
-    assert machines is not None
-    assert machines.squeezed == pytest.approx(0.25, abs=4e-3)
+    assert known(machines).squeezed == pytest.approx(0.25, abs=4e-3)
 
 
 def test_a_pair_of_the_return_side_changes_its_play_alone() -> None:
@@ -304,7 +302,7 @@ def test_a_pair_of_the_return_side_changes_its_play_alone() -> None:
     of_return = [each for each in found.sources if "return" in each.name or "[2]" in each.name]
     assert len(of_return) == 6
     assert {each.share for each in of_return} == {0.0}
-    assert found.play is not None
-    assert min(each.share for each in found.play.sources) > 0.0
-    assert sum(each.share for each in found.play.sources) == pytest.approx(1.0)
-    assert found.play.least.value < 0.0 < found.play.most.value
+    play = known(found.play)
+    assert min(each.share for each in play.sources) > 0.0
+    assert sum(each.share for each in play.sources) == pytest.approx(1.0)
+    assert play.least.value < 0.0 < play.most.value

@@ -14,10 +14,9 @@ from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.studies.tolerancing import replay
-from camgeo.studies.tolerancing.replay import replayed
-from camgeo.studies.tolerancing.sensitivity import Sensitivities
-from camgeo.studies.tolerancing.sources import Deviations, Freedom, Unit, Way
+from camgeo.studies.tolerancing import linear
+from camgeo.studies.tolerancing.linear import replayed
+from camgeo.studies.tolerancing.sensitivity import Deviations, Freedom, Sensitivities, Unit, Way
 from camgeo.studies.tolerancing.stated import dimensions_of
 from camgeo.units import TURN
 from tests.tolerancing.machines import ANGLES, errors, fixture
@@ -69,7 +68,7 @@ def test_exact_sensitivities_are_the_limits_of_differences(name: str) -> None:
 
 def test_what_does_not_settle_is_told_with_its_place(monkeypatch: pytest.MonkeyPatch) -> None:
     """The first step is the linear error."""
-    monkeypatch.setattr(replay, "STEPS", 1)
+    monkeypatch.setattr(linear, "STEPS", 1)
     nominal = fixture("tappet")
     unit = dimensions_of(nominal.machine)["mounting.x"].unit
     worst = np.degrees(nominal.phi[np.argmax(np.abs(nominal.of(unit)))])

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from camgeo.app.answers.check import check
+from camgeo.app.answers.verify import Against, Wanted, files_in, verify_files
 from camgeo.app.cli.main import main
 from camgeo.design.design import Design
-from camgeo.design.verify import Against, Wanted, files_in, verify_files
 from camgeo.design.writing import make_files, write_files
 from camgeo.errors import SceneError, UndercutError
 from camgeo.milling import machine

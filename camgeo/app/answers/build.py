@@ -14,7 +14,7 @@ from camgeo.app.cli.command import add_scene, number, opened, settle, show
 from camgeo.app.cli.streams import notify
 from camgeo.check.finding import Finding
 from camgeo.design.design import Design
-from camgeo.design.product import in_one_piece
+from camgeo.design.judged_part import in_one_piece
 from camgeo.design.writing import FileReport, write_files
 from camgeo.scene.scene import Scene
 from camgeo.units import MM_PER, LengthUnit, counted

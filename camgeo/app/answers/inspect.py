@@ -46,24 +46,27 @@ from camgeo.design.value_table import Table
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.exact_flank import ExactFlank
 from camgeo.geometry.outline.path import Flank
+from camgeo.numeric.arrays import ComplexArray, frozen
+from camgeo.numeric.columns import Asked, NumberColumn, fault, read_columns
 from camgeo.numeric.extremes import Extremes
 from camgeo.reading import TABLE
+from camgeo.record import Pickled
 from camgeo.scene.scene import Scene
 from camgeo.studies.inspection import (
     CONFIDENCE,
+    LENGTHS,
     TELLING,
     Align,
     Alignment,
     Deviations,
     LiftErrors,
-    MeasuredPoints,
     aligned,
     deviations_of,
     false_share,
     lift_errors,
     off_radius,
     other_axes,
-    read_points,
+    places_of,
     stated_normals,
 )
 from camgeo.units import (
@@ -424,6 +427,69 @@ def _normals(alignment: Alignment, measured: MeasuredPoints) -> Iterator[Finding
         yield Finding(
             "normals-inward", "warning", "those of the file point into the material", None
         )
+
+
+# -- measured -------------------------------------------------------------------------------------
+# Measured points from a CSV file: x, y and, if it has them, normals nx, ny.
+
+
+FEWEST: Final = 12
+MOST: Final = 50_000
+
+NORMALS: Final = (NumberColumn("nx", ("nx", "i")), NumberColumn("ny", ("ny", "j")))
+
+ASKED: Final = Asked(LENGTHS, NORMALS, FEWEST, MOST)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeasuredPoints(Pickled):
+    """Points as measured.
+
+    Attributes
+    ----------
+    points : (n,) complex [mm].
+    normals : (n,) complex, as stated, of any length but 0; None if there are none.
+    """
+
+    points: ComplexArray
+    normals: ComplexArray | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "points", frozen(self.points, np.complex128))
+        if self.normals is not None:
+            object.__setattr__(self, "normals", frozen(self.normals, np.complex128))
+
+
+def read_points(data: bytes | str, file: str, unit: LengthUnit = "mm") -> MeasuredPoints:
+    """Read measured points.
+
+    The format is that of `camgeo.numeric.columns`: x and y, or x, y, nx and ny; a heading may have
+    further columns and may call the normals i and j, and may state mm or inch in brackets.
+
+    Parameters
+    ----------
+    unit : of a file whose heading states none.
+
+    Raises
+    ------
+    GeometryError
+        With file and line, if the table is not as described, x and y have different units, a
+        coordinate is too large or a normal is zero, or there are fewer than 12 different points.
+    """
+    found = read_columns(data, file, ASKED)
+    points = places_of(found, file, unit)
+    stated = found.values[len(LENGTHS) :]
+    if len(np.unique(points)) < FEWEST:
+        message = f"fewer than {FEWEST} different points; allowed: {FEWEST} or more"
+        raise fault(file, found.lines[-1], "", message)
+    if not len(stated):
+        return MeasuredPoints(points)
+    size = np.hypot(*stated)
+    normals = np.divide(stated[0] + 1j * stated[1], size, out=np.zeros_like(points), where=size > 0)
+    if not np.all(size > 0.0):
+        row = int(np.flatnonzero(size == 0.0)[0])
+        raise fault(file, found.lines[row], "", "a normal of no length; allowed: a direction")
+    return MeasuredPoints(points, normals)
 
 
 # -- document -------------------------------------------------------------------------------------

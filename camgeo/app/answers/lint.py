@@ -7,13 +7,14 @@ import math
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from importlib.metadata import entry_points
 from pathlib import Path
-from typing import ClassVar, Final, Literal
+from typing import Any, ClassVar, Final, Literal, Protocol
 
 from camgeo.app.answers.answer import BROKEN, FINE, WRONG, Answer, Key
 from camgeo.app.cli.command import CallError, add_json, number, opened, show
 from camgeo.design.design import Design
-from camgeo.design.linting import Bench, LineFinding, Linted, Linter, linter, work_judge
+from camgeo.design.linting import Bench, LineFinding, Linted
 from camgeo.design.product import Product, disc_of, sides_of
 from camgeo.errors import Fault, FileError, SceneError, unreadable
 from camgeo.milling.machine import Machine, load
@@ -143,7 +144,8 @@ def lint(
     SceneError
         If there is no such profile, or it is wrong; if the scene's own program cannot be planned.
     """
-    profile, work, runs = load(machine, "machine"), bench or Bench(), linter()
+    profile, work = load(machine, "machine"), bench or Bench()
+    runs: Linter = _installed("camgeo.linters", "interpreter")
     if design is not None and not design.scene.states_milling:
         fault = Fault("tool", "", "is not stated: nothing is known of the work")
         raise SceneError([fault], design.scene.source.file)
@@ -161,6 +163,28 @@ def lint(
     return Lint(profile, work, found, None if design is None else design.scene)
 
 
+class Linter(Protocol):
+    """Runs programs; registered as the entry point `gcode` of the group ``camgeo.linters``."""
+
+    def lint(self, data: bytes, machine: Machine, bench: Bench) -> Linted:
+        """All findings; FileError for data beyond the limits of a program."""
+
+
+class WorkJudge(Protocol):
+    """Says what programs do to the blank and the part of a scene."""
+
+    def worked(self, product: Product, data: bytes, machine: Machine) -> tuple[LineFinding, ...]:
+        """Findings on the work, by line."""
+
+
+def _installed(group: str, what: str) -> Any:
+    """What is registered for programs in a group of entry points; FileError if nothing is."""
+    found = entry_points(group=group, name="gcode")
+    if not found:
+        raise FileError(f"the {what} of programs is not installed: install camgeo again")
+    return next(iter(found)).load()
+
+
 def _program(
     path: Path, machine: Machine, bench: Bench, runs: Linter, product: Product | None
 ) -> Program:
@@ -168,7 +192,8 @@ def _program(
         data = read_within(path, PROGRAM)
         found = runs.lint(data, machine, bench)
         if product is not None:
-            found = _with(found, work_judge().worked(product, data, machine), data)
+            judge: WorkJudge = _installed("camgeo.verifiers", "verifier")
+            found = _with(found, judge.worked(product, data, machine), data)
         return Program(path, found=found)
     except FileError as error:
         return Program(path, str(error))

@@ -445,8 +445,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Search, print the answer, and write what was found."""
     from camgeo.scene.scene import load_scene
-    from camgeo.studies.optimise.optimise import optimise
-    from camgeo.studies.optimise.task import task_of
+    from camgeo.studies.optimise.optimise import optimise, task_of
     from camgeo.studies.sweep.family import names_in
 
     files = [Path(name) for name in arguments.output]

@@ -49,8 +49,7 @@ from camgeo.studies.tolerancing.linear import (
     contact_forces,
     sampled,
 )
-from camgeo.studies.tolerancing.sources import SIGMAS
-from camgeo.studies.tolerancing.stated import stated_of
+from camgeo.studies.tolerancing.stated import SIGMAS, stated_of
 from camgeo.units import at_cam_angles, cam_angle, counted, small
 
 if TYPE_CHECKING:

@@ -9,7 +9,8 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.design.product import ANGLE, Product
+from camgeo.design.judged_part import ANGLE
+from camgeo.design.product import Product
 from camgeo.kinematics.motion import lift_range
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray
 from camgeo.part.spec import BOTH, LOWER, MAIN, UPPER, Chamfers, PartSpec

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final, Literal
+from typing import Final, Literal
 
 from camgeo.kinematics.mechanism.values import Length
 from camgeo.numeric.checked import hold, instance, one_of, optional
@@ -90,12 +89,6 @@ class DrawingSpec:
     def has_motion(self) -> bool:
         """Whether the motion diagram is drawn."""
         return self.sheet == "A3" if self.motion is None else self.motion
-
-
-def drawing_of(table: Mapping[str, Any]) -> DrawingSpec:
-    """The drawing that the table `[drawing]` states, lengths in mm."""
-    whole = {"step": int(table["step"])} if "step" in table else {}
-    return DrawingSpec(**{**table, **whole})
 
 
 SCHEMA: Final = {

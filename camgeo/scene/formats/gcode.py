@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from camgeo.milling.milling import AXIS, EARLIER, NEEDED, STATE, GcodeSpec
 from camgeo.record import schema_beside
-from camgeo.scene.formats.format import Format, Values, groove_has_a_depth
+from camgeo.scene.formats.format import BODY, Format, Values
 
 TABLE: Final = ("output", "gcode")
 
@@ -148,14 +148,16 @@ def program_suffix(spec: GcodeSpec) -> str:
     return load(spec.machine).extension
 
 
+NEEDS_OF_BODY, RULES_OF_BODY = BODY
+
 FORMAT: Final = Format(
     "gcode",
     ".ngc",
     parse,
     schema_beside(__file__),
-    ("follower", "part.thickness"),
+    ("follower", *NEEDS_OF_BODY),
     (
-        groove_has_a_depth,
+        *RULES_OF_BODY,
         milling_has_a_tool,
         a_through_cut_is_held,
         earlier_keys_state_a_whole_tool,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import Any, Final
 
 from camgeo.errors import GeometryError
@@ -12,14 +13,16 @@ from camgeo.numeric.checked import check_fields, instance, one_of, shown
 from camgeo.record import schema_beside
 from camgeo.scene.formats.format import BODY, Format, Values
 
-CAM: Final = "cam"
-RETURN_CAM: Final = "return-cam"
-ROLLER: Final = "roller"
-RETURN_ROLLER: Final = "return-roller"
-TEST_RING: Final = "test-ring"
 
-BODIES: Final = (CAM, RETURN_CAM, ROLLER, RETURN_ROLLER, TEST_RING)
-"""What may lie on a plate."""
+class Body(StrEnum):
+    """What may lie on a plate."""
+
+    CAM = "cam"
+    RETURN_CAM = "return-cam"
+    ROLLER = "roller"
+    RETURN_ROLLER = "return-roller"
+    TEST_RING = "test-ring"
+
 
 TABLE: Final = ("output", "3mf")
 
@@ -30,7 +33,7 @@ class ThreeMfSpec:
 
     Attributes
     ----------
-    plate : some of `BODIES`, in their order on the plate; empty for a file with the disc alone.
+    plate : names of bodies, in their order on the plate; empty for a file with the disc alone.
     gap : between the circles about the bodies [mm].
     roller_width : of the rollers [mm]; None for that of a pair in one piece, or the
         thickness of the disc.
@@ -50,7 +53,7 @@ class ThreeMfSpec:
     def __post_init__(self) -> None:
         check_fields(self, "output.3mf.")
         for each in instance("output.3mf.plate", self.plate, tuple, "a tuple of names"):
-            one_of("output.3mf.plate", each, BODIES)
+            one_of("output.3mf.plate", each, [body.value for body in Body])
         if len(set(self.plate)) < len(self.plate):
             raise GeometryError("each is named once", "output.3mf.plate", shown(self.plate))
 
@@ -64,19 +67,20 @@ def parse(table: Mapping[str, Any]) -> ThreeMfSpec:
 def what_lies_on_the_plate_exists(values: Values) -> Iterator[tuple[str, str]]:
     """The scene has the discs, rollers and bores of the plate, and rollers for their options."""
     plate = values.get(*TABLE, "plate") or ()
-    rollers = [name for name in plate if name in (ROLLER, RETURN_ROLLER)]
+    rollers = [name for name in plate if name in (Body.ROLLER, Body.RETURN_ROLLER)]
     key = ("follower", "roller_radius")
     if rollers and values.valid("follower") and values.lacks(*key):
         yield "plate", f'has no "{rollers[0]}": the follower has no roller'
-    elif ROLLER in plate and values.get(*key) == 0:
-        yield "plate", f'has no "{ROLLER}": the follower is a knife edge'
-    for name in (RETURN_CAM, RETURN_ROLLER):
+    elif Body.ROLLER in plate and values.get(*key) == 0:
+        yield "plate", f'has no "{Body.ROLLER}": the follower is a knife edge'
+    for name in (Body.RETURN_CAM, Body.RETURN_ROLLER):
         if name in plate and values.lacks("follower", "return"):
             yield "plate", f'needs [follower.return] for "{name}"'
-    if RETURN_CAM in plate and values.get("part", "pair") is not None:
-        yield "plate", f'has no "{RETURN_CAM}": it is one piece with "{CAM}", by [part.pair]'
-    if TEST_RING in plate and values.lacks("part", "bore"):
-        yield "plate", f'needs [part] bore for "{TEST_RING}"'
+    if Body.RETURN_CAM in plate and values.get("part", "pair") is not None:
+        one_piece = f'it is one piece with "{Body.CAM}", by [part.pair]'
+        yield "plate", f'has no "{Body.RETURN_CAM}": {one_piece}'
+    if Body.TEST_RING in plate and values.lacks("part", "bore"):
+        yield "plate", f'needs [part] bore for "{Body.TEST_RING}"'
     for each in ("roller_width", "roller_bore"):
         if values.get(*TABLE, each) is not None and not rollers:
             yield each, "needs a roller on the plate"

@@ -33,7 +33,7 @@ from camgeo.milling.machine import Machine, load
 from camgeo.milling.machining_time import contour_time
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import written_contour
-from camgeo.scene.formats import gcode
+from camgeo.scene.formats.gcode import FORMAT
 
 # -- rows -----------------------------------------------------------------------------------------
 # The rows measured: one for each form of the contour, each solid, table step and effect.
@@ -387,9 +387,9 @@ def _row(design: Design, row: ContourRow, *, ripple: bool, programs: bool, runs:
     """The row with all values that exist."""
     form, effort, tolerance = row.form, row.effort, row.tolerance
     # Machine of the scene, or the default; without a tool there is no feed, and no time.
-    spec = design.disc.options[gcode.FORMAT]
+    spec = design.disc.options[FORMAT]
     machine = load(spec.machine)
-    flanks, milled = flanks_of(design), not gcode.FORMAT.lacking(design.disc.values)
+    flanks, milled = flanks_of(design), not FORMAT.lacking(design.disc.values)
 
     def fitted_and_proved(clock: Clock) -> list[Fit | SplineFit]:
         forget(design.disc, tolerance)

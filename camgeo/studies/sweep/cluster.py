@@ -28,7 +28,7 @@ from typing import Any, Final
 
 from camgeo.errors import CamgeoError, GeometryError
 from camgeo.studies.sweep.family import Point
-from camgeo.studies.sweep.rows import AHEAD, Chunks, Pace, Row, Versions, Work, dead, rows_of
+from camgeo.studies.sweep.rows import AHEAD, Chunks, Pace, Row, Versions, Work, dead, timed_rows_of
 
 ADDRESS: Final = re.compile(
     r"(?P<protocol>tcp|tls)://(?P<host>[\w.-]+|\[[0-9a-fA-F:]+\]):(?P<port>\d{1,5})"
@@ -280,9 +280,7 @@ def computed(versions: tuple[str, str, str], work: bytes, chunk: bytes) -> Compu
         address = get_worker().address
         raise VersionError(f"{error} (worker {address} on {platform.node()})") from None
     with _ONE:
-        start = time.perf_counter()
-        found = rows_of(_work_of(work), pickle.loads(chunk))
-        return found, time.perf_counter() - start
+        return timed_rows_of(_work_of(work), pickle.loads(chunk))
 
 
 @lru_cache(maxsize=1)

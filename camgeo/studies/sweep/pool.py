@@ -7,7 +7,6 @@ import multiprocessing
 import os
 import signal
 import threading
-import time
 from collections import deque
 from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
@@ -18,7 +17,7 @@ from typing import Any, Final
 
 from camgeo.errors import CamgeoError, GeometryError
 from camgeo.studies.sweep.family import Point
-from camgeo.studies.sweep.rows import AHEAD, Chunks, Pace, Row, Work, dead, rows_of
+from camgeo.studies.sweep.rows import AHEAD, Chunks, Pace, Row, Work, dead, timed_rows_of
 
 THREADS: Final = (
     "OPENBLAS_NUM_THREADS",
@@ -157,9 +156,9 @@ class _Processes:
         try:
             with _one_thread():
                 try:
-                    return self._running.submit(_computed, work, chunk)
+                    return self._running.submit(timed_rows_of, work, chunk)
                 except OSError:  # a process died as another was started; now the pool is broken
-                    return self._running.submit(_computed, work, chunk)
+                    return self._running.submit(timed_rows_of, work, chunk)
         except BrokenProcessPool as error:  # a process died while none of its chunks was waited for
             failed: Computed = Future()
             failed.set_exception(error)
@@ -216,13 +215,6 @@ def _one_thread() -> Iterator[None]:
                 del os.environ[name]
             else:
                 os.environ[name] = value
-
-
-def _computed(work: Work, chunk: Chunk) -> tuple[tuple[Row, ...], float]:
-    """The rows of a chunk, and the seconds that they took."""
-    start = time.perf_counter()
-    found = rows_of(work, chunk)
-    return found, time.perf_counter() - start
 
 
 def _begin() -> None:

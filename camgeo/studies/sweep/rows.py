@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, Protocol
 import numpy as np
 
 from camgeo._version import __version__
-from camgeo.cam.cam import Disc, Drive, discs_together, drives_together
+from camgeo.cam.cam import discs_together, drives_together
 from camgeo.check.finding import Finding, forbidding
 from camgeo.check.flank import (
     check_standstill,
@@ -51,7 +51,7 @@ from camgeo.numeric.extremes import Extremes, extremes_of_each, piecewise_extrem
 from camgeo.scene.scene import Scene
 from camgeo.scene.values import Source, document, document_of_tree, edited
 from camgeo.studies.sweep.family import Family, Point
-from camgeo.units import LengthUnit, counted, shortened
+from camgeo.units import counted, shortened
 
 if TYPE_CHECKING:
     from camgeo.lazy import Ledger
@@ -265,6 +265,12 @@ def rows_of(work: Work, points: Iterable[Point]) -> tuple[Row, ...]:
     return tuple(found)
 
 
+def timed_rows_of(work: Work, points: Iterable[Point]) -> tuple[tuple[Row, ...], float]:
+    """The same, with the seconds that they took."""
+    start = time.perf_counter()
+    return rows_of(work, points), time.perf_counter() - start
+
+
 @lru_cache(maxsize=1)
 def _known(work: Work) -> Work:
     """The work as it came first, with its scene: each chunk brings another copy."""
@@ -354,9 +360,8 @@ class Loop:
         """See `Engine.rows`."""
         pace = Pace()
         while chunk := pace.take(points):
-            start = time.perf_counter()
-            found = rows_of(work, chunk)
-            pace.note(len(chunk), time.perf_counter() - start)
+            found, seconds = timed_rows_of(work, chunk)
+            pace.note(len(chunk), seconds)
             yield found
 
     def held(self) -> AbstractContextManager[None]:
@@ -593,61 +598,47 @@ def _curves(design: Design, asked: Asked) -> Reading:
 def _curves_of_each(designs: Sequence[Design], asked: Asked) -> list[Reading]:
     """The extreme of a column for designs that are alike."""
     first = designs[0]
-    drive, scene = first.drive, first.scene
-    for place, (heading, quantity) in enumerate(_of_drive(scene, drive)):
+    scene = first.scene
+    of_drive = partial(quantities_of_drive, lift_unit=scene.lift_unit, unit=scene.unit)
+    for place, (heading, quantity) in enumerate(of_drive(first.drive)):
         if hyphened(bare(heading)) == asked.name:
-            if all(design.drive.motion is drive.motion for design in designs):
+            if all(design.drive.motion is first.drive.motion for design in designs):
                 return [_extreme(first, asked, heading, quantity)] * len(designs)
-            of_drive = partial(_quantity_of_drive, place, scene)
-            found = _extremes_of_each(designs, _drives, of_drive)
+            drives = [design.drive for design in designs]
+            found = _extremes_of_each(designs, drives, drives_together, _nth(of_drive, place))
             return [_read(each, asked, heading) for each in found]
     if scene.follower is not None:
-        disc = first.cam.disc
-        for place, (heading, _) in enumerate(quantities_of_disc(disc, scene.unit)):
+        of_disc = partial(quantities_of_disc, unit=scene.unit)
+        for place, (heading, _) in enumerate(of_disc(first.cam.disc)):
             if hyphened(bare(heading)) == asked.name:
-                of_disc = partial(_quantity_of_disc, place, scene.unit)
-                found = _extremes_of_each(designs, _discs, of_disc)
+                discs = [design.cam.disc for design in designs]
+                found = _extremes_of_each(designs, discs, discs_together, _nth(of_disc, place))
                 return [_read(each, asked, heading) for each in found]
     raise NoValueError(f'has no column "{asked.name}"')
 
 
-def _of_drive(scene: Scene, drive: Drive) -> Columns:
-    return quantities_of_drive(drive, scene.lift_unit, scene.unit)
-
-
-def _quantity_of_drive(place: int, scene: Scene, drive: Drive) -> Quantity:
-    return _of_drive(scene, drive)[place][1]
-
-
-def _quantity_of_disc(place: int, unit: LengthUnit, disc: Disc) -> Quantity:
-    return quantities_of_disc(disc, unit)[place][1]
-
-
-def _drives(designs: Sequence[Design]) -> Together[Drive]:
-    return drives_together([design.drive for design in designs])
-
-
-def _discs(designs: Sequence[Design]) -> Together[Disc]:
-    return discs_together([design.cam.disc for design in designs])
+def _nth(columns: Callable[[Member], Columns], place: int) -> Callable[[Member], Quantity]:
+    return lambda member: columns(member)[place][1]
 
 
 def _extremes_of_each(
     designs: Sequence[Design],
-    together: Callable[[Sequence[Design]], Together[Member]],
+    members: Sequence[Member],
+    together: Callable[[Sequence[Member]], Together[Member]],
     quantity: Callable[[Member], Quantity],
 ) -> list[Extremes]:
-    """The extremes of a quantity for designs that are alike, at once for those of them whose motion
-    is smooth between the same angles.
+    """The extremes of a quantity for `members` of designs that are alike, at once for those of them
+    whose motion is smooth between the same angles.
     """
     groups: dict[bytes, list[int]] = {}
     for number, design in enumerate(designs):
         groups.setdefault(design.drive.smooth_angles.tobytes(), []).append(number)
     found: dict[int, Extremes] = {}
     for numbers in groups.values():
-        some = [designs[number] for number in numbers]
+        edges = designs[numbers[0]].drive.smooth_angles
+        some = together([members[number] for number in numbers])
         with np.errstate(all="ignore"):  # a value that is not finite has a reason
-            each = extremes_of_each(together(some), quantity, some[0].drive.smooth_angles)
-        found |= zip(numbers, each, strict=True)
+            found |= zip(numbers, extremes_of_each(some, quantity, edges), strict=True)
     return [found[number] for number in range(len(designs))]
 
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 import re
 from bisect import bisect_left
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, singledispatch
-from typing import Any, Final
+from functools import cache, partial, singledispatch
+from typing import Any, Final, Literal
+
+import numpy as np
 
 from camgeo.design.design import Design
 from camgeo.errors import GeometryError, SceneError, meant
@@ -20,28 +22,58 @@ from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.numeric.arrays import FloatArray
 from camgeo.record import schema_beside
 from camgeo.scene.keys import KeyPath, spelled
 from camgeo.scene.rules import TOLERANCE
 from camgeo.scene.scene import Scene
-from camgeo.studies.tolerancing.sensitivity import Machine
-from camgeo.studies.tolerancing.sources import (
-    Distribution,
-    Fit,
-    FormError,
+from camgeo.studies.tolerancing.sensitivity import (
     Freedom,
     Hold,
-    LooseClearance,
-    PressedClearance,
-    Shape,
-    Source,
-    ToleratedDimension,
+    Machine,
     Unit,
     Way,
 )
-from camgeo.units import MM_PER, listed
+from camgeo.units import MM_PER, TURN, listed
 
 Table = Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Moments:
+    """Of a random number: its mean and its variance."""
+
+    mean: float
+    variance: float
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Something random that machines deviate by: a dimension, a clearance, an error of form.
+
+    Attributes
+    ----------
+    name : its key.
+    sense : what a positive deviation is, in words.
+    units : of the numbers by which machines deviate.
+    moments : of each of these numbers, which are uncorrelated; of two, in a random direction, the
+        mean is 0.
+    draws : uniformly distributed numbers that make one machine.
+    numbers : gives (units, m) numbers from shares (draws, m), within (0, 1).
+    limits : of what is stated [mm or rad].
+    shape : of its distribution, in a word.
+    is_angle : whether it is in rad.
+    """
+
+    name: str
+    sense: str
+    units: tuple[Unit, ...]
+    moments: Moments
+    draws: int
+    numbers: Callable[[FloatArray], FloatArray]
+    limits: tuple[float, float]
+    shape: str
+    is_angle: bool = False
 
 
 @dataclass(frozen=True)
@@ -141,8 +173,16 @@ def _dimensions(sides: Sides, table: Table) -> Iterator[Source]:
             raise _refused(scene, (*place, "key"), message, meant(key, known))
         dimension = known[key]
         distribution = _distribution(scene, place, each, dimension)
-        yield ToleratedDimension(
-            key, dimension.sense, dimension.unit, distribution, dimension.is_angle
+        yield Source(
+            key,
+            dimension.sense,
+            (dimension.unit,),
+            Moments(distribution.mean, distribution.variance),
+            1,
+            distribution.quantile,
+            (distribution.low, distribution.high),
+            distribution.shape,
+            dimension.is_angle,
         )
 
 
@@ -214,13 +254,22 @@ def _clearance(
     limits: Mapping[str, tuple[float, float]],
 ) -> Source:
     shape: Shape = table.get("distribution", "normal")
-    fit = Fit(*(Distribution(*limits[key], shape) for key in ("hole", "shaft")))
+    hole, shaft = (Distribution(*limits[key], shape) for key in ("hole", "shaft"))
+    # Of half the clearance, by which one may lie off the other.
+    half = Moments(0.5 * (hole.mean - shaft.mean), 0.25 * (hole.variance + shaft.variance))
+    ends = hole.low - shaft.high, hole.high - shaft.low
     name = f"{spelled(place[1:])} {table['hole']}/{table['shaft']}"
     at_cam = table["at"] == "cam"
     if at_cam and table.get("shifted", "anywhere") == "anywhere":
-        return LooseClearance(name, "the cam lies anywhere in its clearance", fit, hold)
-    what = "cam" if at_cam else "roller"
-    return PressedClearance(name, f"the load pushes the {what} back", fit, hold, flank.sign)
+        axes = _both_axes(Freedom(Way.SEAT, hold=hold))
+        # Half the mean square of the distance in each direction, which turns with the cam.
+        moments = Moments(0.0, 0.5 * (half.mean**2 + half.variance))
+        what, numbers = "the cam lies anywhere in its clearance", partial(_anywhere, hole, shaft)
+        return Source(name, what, axes, moments, 3, numbers, ends, shape)
+    what = f"the load pushes the {'cam' if at_cam else 'roller'} back"
+    # The follower comes nearer to the material by half the clearance.
+    unit = Unit(Freedom(Way.GROWTH, hold=hold), float(flank.sign))
+    return Source(name, what, (unit,), half, 2, partial(_pressed, hole, shaft), ends, shape)
 
 
 def _forms(sides: Sides, table: Table) -> Iterator[Source]:
@@ -228,7 +277,120 @@ def _forms(sides: Sides, table: Table) -> Iterator[Source]:
         height = float(each["plus_minus"]) * MM_PER[sides.scene.unit]
         waves = int(each["waves"])
         hold = sides.hold_of((TOLERANCE, "form", index), each, is_disc=True)
-        yield FormError(f"form[{index + 1}]", f"{waves} waves on the flank", height, waves, hold)
+        yield Source(
+            f"form[{index + 1}]",
+            f"{waves} waves on the flank",
+            _both_axes(Freedom(Way.WAVE, waves, hold)),  # in phase and a quarter of a wave later
+            Moments(0.0, 0.5 * height**2),  # at any place the phase is uniformly distributed
+            1,
+            partial(_in_any_phase, height),
+            (-height, height),
+            "random phase",
+        )
+
+
+def _both_axes(freedom: Freedom) -> tuple[Unit, ...]:
+    return Unit(freedom), Unit(freedom, 1j)
+
+
+def _pressed(hole: Distribution, shaft: Distribution, shares: FloatArray) -> FloatArray:
+    """(1, m) half the clearance [mm]; a normal distribution may pass its limits, not 0."""
+    clearance = hole.quantile(shares[0]) - shaft.quantile(shares[1])
+    return (0.5 * np.maximum(clearance, 0.0))[np.newaxis]
+
+
+def _anywhere(hole: Distribution, shaft: Distribution, shares: FloatArray) -> FloatArray:
+    (sizes,) = _pressed(hole, shaft, shares[:2])
+    return _in_direction(sizes, shares[2])
+
+
+def _in_any_phase(height: float, shares: FloatArray) -> FloatArray:
+    return _in_direction(np.full(shares.shape[1], height), shares[0])
+
+
+def _in_direction(sizes: FloatArray, shares: FloatArray) -> FloatArray:
+    """(2, m) components of vectors of these sizes (m,), at shares (m,) of a turn."""
+    angle = TURN * shares
+    return np.stack((sizes * np.cos(angle), sizes * np.sin(angle)))
+
+
+# -- distribution ---------------------------------------------------------------------------------
+# How a deviation is distributed between its limits.
+
+
+Shape = Literal["normal", "uniform", "triangular"]
+
+SHAPES: Final[tuple[Shape, ...]] = ("normal", "uniform", "triangular")
+
+SIGMAS: Final = 3.0
+"""Standard deviations of a normal distribution from its mean to a limit, unless one is stated."""
+
+WIDTHS: Final[dict[Shape, float]] = {
+    "normal": SIGMAS,
+    "uniform": math.sqrt(3.0),
+    "triangular": math.sqrt(6.0),
+}
+"""Half the range between the limits, in standard deviations."""
+
+
+@dataclass(frozen=True, slots=True)
+class Distribution:
+    """A random deviation [mm or rad].
+
+    Attributes
+    ----------
+    low, high : its limits; a normal distribution goes beyond them.
+    shape : symmetric about the middle of the limits.
+    stated : the standard deviation, if it is not what limits and shape say; else None.
+    """
+
+    low: float
+    high: float
+    shape: Shape = "normal"
+    stated: float | None = None
+
+    @property
+    def mean(self) -> float:
+        """Its expected value."""
+        return 0.5 * (self.low + self.high)
+
+    @property
+    def sigma(self) -> float:
+        """Its standard deviation."""
+        if self.stated is not None:
+            return self.stated
+        return 0.5 * (self.high - self.low) / WIDTHS[self.shape]
+
+    @property
+    def variance(self) -> float:
+        """Its variance."""
+        return self.sigma**2
+
+    def quantile(self, share: FloatArray) -> FloatArray:
+        """(n,) values below which the shares (n,), within (0, 1), of all values lie."""
+        unit = _NORMALISED[self.shape](share)
+        return self.mean + self.sigma * unit
+
+
+def _normal(share: FloatArray) -> FloatArray:
+    from scipy.special import ndtri  # where nothing is drawn, nothing is loaded
+
+    return np.asarray(ndtri(share))
+
+
+def _uniform(share: FloatArray) -> FloatArray:
+    return WIDTHS["uniform"] * (2.0 * share - 1.0)
+
+
+def _triangular(share: FloatArray) -> FloatArray:
+    low = share < 0.5
+    tail = np.where(low, share, 1.0 - share)
+    rest = WIDTHS["triangular"] * (1.0 - np.sqrt(2.0 * tail))
+    return np.where(low, -rest, rest)
+
+
+_NORMALISED: Final = {"normal": _normal, "uniform": _uniform, "triangular": _triangular}
+"""Quantiles with the mean 0 and the standard deviation 1."""
 
 
 # -- dimensions -----------------------------------------------------------------------------------
@@ -297,7 +459,9 @@ def dimensions_of(machine: Machine, second: Machine | None = None) -> dict[str, 
         for key, each in found.items():
             if each.unit.freedom.way in mine:
                 found[key] = each.of_side(Hold.MAIN)
-        others = _yoke(second) if mount is None else _returning(second.cam.follower, second)
+        own = _yoke(second) if mount is None else _returning(second.cam.follower, second)
+        table = "follower.yoke" if mount is None else "follower.return"
+        others = {f"{table}.{key}": each for key, each in own.items()}
         if mount is not None:
             others |= {f"return.{key}": each for key, each in MOUNTED.items() if "mount" in key}
         found.update({key: each.of_side(Hold.RETURN) for key, each in others.items()})
@@ -374,22 +538,20 @@ def _(follower: OscillatingFlat, _: Machine) -> dict[str, Dimension]:
 
 
 def _yoke(second: Machine) -> dict[str, Dimension]:
-    """Of the second side of a yoke."""
+    """Of the second side of a yoke, by their keys in its table."""
     follower = second.cam.follower
     place = follower.traced_point(0.0)
     breadth = _length(
         Way.BODY, "the second side lies farther from the first",
         second.cam.yoke_breadth, place / abs(place),
     )  # fmt: skip
-    found = {"breadth": breadth}
     own = _follower(follower, second)
-    found |= {key: each for key, each in own.items() if key == "roller_radius"}
-    return {f"follower.yoke.{key}": each for key, each in found.items()}
+    return {"breadth": breadth} | {key: own[key] for key in own if key == "roller_radius"}
 
 
 @singledispatch
 def _returning(_: Follower, __: Machine) -> dict[str, Dimension]:
-    """Of the return roller of a pair."""
+    """Of the return roller of a pair, by their keys in its table."""
     return {}
 
 
@@ -399,14 +561,13 @@ def _(follower: TranslatingRoller, second: Machine) -> dict[str, Dimension]:
     right = 1j * follower.outward  # the main roller looks the other way
     offset = Unit(Freedom(Way.BODY), right)
     spacing = dict(second.cam.mount.given)["spacing"]
-    found = {
+    return {
         "spacing": _length(
             Way.BODY, "the return roller lies farther from the main one", spacing, follower.outward
         ),
         "offset": Dimension(offset, "the return roller's path lies farther to the right"),
         **_radius(follower, second),
     }
-    return {f"follower.return.{key}": each for key, each in found.items()}
 
 
 @_returning.register
@@ -417,12 +578,11 @@ def _(follower: OscillatingRoller, second: Machine) -> dict[str, Dimension]:
         "the return arm is turned counter-clockwise against the main one",
         is_angle=True,
     )
-    found = {
+    return {
         "arm": _length(Way.BODY, "the return arm is longer", follower.arm, along),
         "arm_angle": turned,
         **_radius(follower, second),
     }
-    return {f"follower.return.{key}": each for key, each in found.items()}
 
 
 @singledispatch

@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
-from camgeo.design.linting import MOST, Bench, LineFinding, Linted
+from camgeo.design.linting import Bench, LineFinding, Linted
 from camgeo.errors import FileError
 from camgeo.milling.holding import OTHER
 from camgeo.milling.machine import LONGEST_LINE, Machine
@@ -31,6 +31,9 @@ from camgeo_export.interpreter.iso import (
     words_of,
 )
 from camgeo_export.interpreter.motion import Mover
+
+MOST: Final = 1_000
+"""Findings of one program; after as many it is not read further."""
 
 NOTE: Final = re.compile(r"\(([^()]*)\)|;(.*)")
 """A comment in brackets, or one up to the end of the line, in whatever dialect."""
