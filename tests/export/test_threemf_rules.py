@@ -14,8 +14,7 @@ from typing import Final
 import lib3mf  # type: ignore[import-untyped]  # it has no types
 import pytest
 
-from camgeo_export.threemf.parts import packed, parts_of
-from camgeo_export.verify.threemf import VERIFIER, package_checks
+from camgeo_export.verify.threemf import VERIFIER, package_checks, packed, parts_of
 from tests.long_form import LONG
 
 Edits = tuple[tuple[str, str, str], ...]

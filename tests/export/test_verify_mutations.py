@@ -10,17 +10,19 @@ import numpy as np
 import pytest
 
 from camgeo.design.verify import Reading
-from camgeo_export.stl import FACET, PREFIX
 from camgeo_export.stl import WRITER as STL
-from camgeo_export.threemf.parts import PRODUCTION, packed, parts_of
-from camgeo_export.threemf.writer import (
+from camgeo_export.threemf.writer import WRITER as THREEMF
+from camgeo_export.verify.stl import FACET, PREFIX
+from camgeo_export.verify.stl import VERIFIER as STL_VERIFIER
+from camgeo_export.verify.threemf import (
     CONTENT_TYPES_PATH,
     MODEL_PATH,
     MODEL_RELATION,
+    PRODUCTION,
     RELATIONSHIPS_PATH,
+    packed,
+    parts_of,
 )
-from camgeo_export.threemf.writer import WRITER as THREEMF
-from camgeo_export.verify.stl import VERIFIER as STL_VERIFIER
 from camgeo_export.verify.threemf import VERIFIER as THREEMF_VERIFIER
 from tests.export.stub_product import StubProduct
 from tests.export.verified import TOLERANCE, checked, faults

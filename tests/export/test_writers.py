@@ -49,9 +49,8 @@ from camgeo_export.step.writer import WRITER as STEP
 from camgeo_export.stl import WRITER as STL
 from camgeo_export.svg import WRITER as SVG
 from camgeo_export.table import WRITER as CSV
-from camgeo_export.threemf.parts import parts_of
-from camgeo_export.threemf.writer import MODEL_PATH
 from camgeo_export.threemf.writer import WRITER as THREEMF
+from camgeo_export.verify.threemf import MODEL_PATH, parts_of
 from tests.export.stub_product import PIECES, StubProduct, StubScene
 from tests.export.verified import TOLERANCE, measured, read_back
 from tests.part.parts import made

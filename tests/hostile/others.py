@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from camgeo_export.stl import FACET, PREFIX
-from camgeo_export.threemf.writer import (
+from camgeo_export.verify.stl import FACET, PREFIX
+from camgeo_export.verify.threemf import (
     CONTENT_TYPES_PATH,
     CORE,
     MODEL_PATH,
