@@ -16,7 +16,7 @@ import pytest
 
 from camgeo.errors import FileError
 from camgeo.milling.machine import load
-from camgeo_export.interpreter.run import Run, run, run_bytes
+from camgeo_export.interpreter.run import Run, run
 from tests.interpreter.programs import GOOD
 
 FOLDER: Final = Path(__file__).parents[2] / "fixtures" / "found" / "programs"
@@ -54,14 +54,14 @@ def test_all_of_them_are_here() -> None:
 @pytest.mark.parametrize("name", RIGHT)
 def test_what_is_said_is_what_the_control_does(name: str) -> None:
     path = FOLDER / name
-    found = run_bytes(path.read_bytes(), load(MACHINES[path.suffix])).findings
+    found = run(path.read_bytes(), load(MACHINES[path.suffix])).findings
     said = {(each.line, each.rule) for each in found if each.rule != "unit-change"}
     assert said == set(RIGHT[name])
 
 
 def feeds(name: str) -> list[float]:
     path = FOLDER / name
-    moves = run_bytes(path.read_bytes(), load(MACHINES[path.suffix])).moves
+    moves = run(path.read_bytes(), load(MACHINES[path.suffix])).moves
     return [move.feed for move in moves if move.kind == "line"]
 
 
@@ -74,7 +74,7 @@ def test_f_counts_in_the_unit_before_where_the_control_reads_it_first() -> None:
 
 def test_a_corner_is_rounded_by_a_tangent_arc() -> None:
     """The radius about the centre, and right angles at both ends, of the corner at (10, 0)."""
-    moves = run_bytes((FOLDER / "msg.mpf").read_bytes(), load("sinumerik")).moves
+    moves = run((FOLDER / "msg.mpf").read_bytes(), load("sinumerik")).moves
     before, arc, after = [move for move in moves if move.z_end == -1.0][1:4]
     ends = [before.end, arc.end, after.end, arc.centre]
     assert ends == pytest.approx([8 + 0j, 10 + 2j, 10 + 10j, 8 + 2j])
@@ -175,7 +175,7 @@ def test_what_takes_the_coordinates_of_its_block_moves_nothing() -> None:
 def test_a_byte_order_mark_is_told_where_it_is_read() -> None:
     for machine, told in (("grbl", False), ("linuxcnc", True), ("fanuc", True)):
         data = b"\xef\xbb\xbf" + GOOD[machine].encode()
-        found = {each.rule for each in run_bytes(data, load(machine)).findings}
+        found = {each.rule for each in run(data, load(machine)).findings}
         assert found == ({"characters"} if told else set())
 
 

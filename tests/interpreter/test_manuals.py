@@ -18,7 +18,7 @@ import pytest
 
 from camgeo.milling.machine import load
 from camgeo.numeric.arrays import phase
-from camgeo_export.gcode.moves import CutterMove
+from camgeo_export.interpreter.moves import CutterMove
 from camgeo_export.interpreter.run import run
 
 INCH = 25.4
