@@ -89,14 +89,9 @@ def collinear(facets: Any) -> None:
     ],
 )
 def test_an_stl_that_is_changed(data: bytes, check: str, note: str) -> None:
-    """Each field of the format: header, count, normals, corners, attributes."""
-    assert not faults(STL_VERIFIER, PRODUCT, MESH)
+    """Each field of the format: header, count, normals, corners, attributes; not the version."""
+    assert not faults(STL_VERIFIER, PRODUCT, MESH.replace(b"0.0.test", b"9.9.test"))
     assert note in {each.name: each.note for each in faults(STL_VERIFIER, PRODUCT, data)}[check]
-
-
-@pytest.mark.parametrize("version", [b"0.0.test", b"9.9.test"])
-def test_the_version_in_an_stl_is_harmless(version: bytes) -> None:
-    assert not faults(STL_VERIFIER, PRODUCT, MESH.replace(b"0.0.test", version))
 
 
 def test_normals_of_other_programs_may_be_zero_but_not_wrong() -> None:

@@ -121,6 +121,10 @@ PUT_IN: Final = (
     ("linuxcnc", "G41 D1 G1 X9.0\nG18", "compensation"),
     ("linuxcnc", "G41 D1 G1 X9.0\nG17\nG40 G1 X10.0", ""),
     ("linuxcnc", "G41 D1 G1 X9.0\nG81 X1 Y1 Z-4 R2", "compensation"),
+    ("linuxcnc", "G81 X9.0 Z-5.0", "missing-word"),
+    ("linuxcnc", "G81 X9.0 Z-5.0 R-6.0", "conflict"),
+    ("linuxcnc", "G81 X9.0 Z-5.0 R1.0 L0", "number"),
+    ("linuxcnc", "G81 X9.0 Z-5.0 R1.0 Q1.0", "unused-word"),
     ("linuxcnc", "G1 X9.0\rY5.0\nG1 X10.0", "line-end"),
     ("linuxcnc", "G1 X9.0\rG1 X10.0", "repeated-word"),
     ("linuxcnc", "G2 X10.0 Y5.0 R3.0 I1.0", "no-arc"),  # Mixed radius-ijk format for arc
@@ -148,6 +152,11 @@ PUT_IN: Final = (
     ("fanuc", "G81 X9.0 Y5.0 Z-4.0 R-2.0 L2", "unused-word"),
     ("fanuc", "G1 X9.0\rG1 X10.0", "line-end"),
     ("fanuc", "G2 I-3.0 J0.0", ""),
+    # Fanuc 16/18/160/180-C, machining centre, cncmanuals.com page 293: G02 and G03 cannot begin it.
+    ("fanuc", "G41 D1 G3 X9.0 Y6.0 I-1.0 J0.0", "compensation"),
+    ("fanuc", "G41 D1 G1 X9.0\nG40 G1 X10.0", ""),
+    # SINUMERIK ISO Milling 04.07, page 2-30, and B-63324EN, page 71: a spiral would result.
+    ("fanuc", "G1 X100.0 Y0.0\nG3 X-50.0 I-100.0", "arc-radius"),
     ("sinumerik", "TRANS", ""),
     ("sinumerik", "TRANS X10 Y5", "unsupported"),
     ("sinumerik", "STOPRE\nFFWON\nSOFT\nCFTCP\nG450\nG601", ""),
@@ -278,13 +287,3 @@ def test_a_rounding_is_of_the_next_move_alone() -> None:
     for between in ("N85 G0 Z10\n", "N86 SUPA G0 Z0\n", "N87 G18 G2 X12 Z-1 CR=1\n"):
         found = run(text.replace("N90 G1 Y10\n", f"{between}N90 G17 G1 Y10\n"), load("sinumerik"))
         assert not any(move.kind == "arc" for move in found.moves)
-
-
-def test_what_a_cycle_of_holes_needs() -> None:
-    def rules(block: str) -> set[str]:
-        return {each.rule for each in with_block("linuxcnc", block).findings}
-
-    assert "missing-word" in rules("G81 X9.0 Z-5.0")
-    assert "conflict" in rules("G81 X9.0 Z-5.0 R-6.0")
-    assert "number" in rules("G81 X9.0 Z-5.0 R1.0 L0")
-    assert "unused-word" in rules("G81 X9.0 Z-5.0 R1.0 Q1.0")
