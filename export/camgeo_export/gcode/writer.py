@@ -13,7 +13,6 @@ from functools import partial
 from itertools import zip_longest
 from typing import Final
 
-from camgeo.check.finding import Finding
 from camgeo.design.product import SECOND as NAME
 from camgeo.design.product import Product, title_of
 from camgeo.design.writing import Written
@@ -70,7 +69,11 @@ class GcodeWriter:
         setup = setup_of(product, spec, machine)
         shares = budget(machine, product.unit, tolerance)
         toolpath = product.milled.toolpath(shares.fit)
-        watched = _safe(product, shares.fit, tolerance, toolpath)
+        whole = product.milled.whole
+        if whole is None:
+            watched = product.milled.safe(toolpath, tolerance)
+        else:  # of all programs it is told with the first
+            watched = () if product.program else whole.safe(whole.toolpath(shares.fit), tolerance)
         cuts = [operation.cut for operation in toolpath.operations]
         _check_tools(cuts, machine)
         about = about_program(product, machine, shares, cuts, product.scene_hash)
@@ -110,16 +113,6 @@ class GcodeWriter:
     def pieces(self, product: Product) -> tuple[Product, ...]:
         """The disc, or one for each program where the machine cannot change tools."""
         return product.programs
-
-
-def _safe(
-    product: Product, fit: float, tolerance: float, toolpath: Toolpath
-) -> tuple[Finding, ...]:
-    """What is to be watched in all programs, told with the first; raises UnsafeError like it."""
-    whole = product.milled.whole
-    if whole is None:
-        return product.milled.safe(toolpath, tolerance)
-    return () if product.program else whole.safe(whole.toolpath(fit), tolerance)
 
 
 def setup_of(product: Product, spec: GcodeSpec, machine: Machine) -> Setup:

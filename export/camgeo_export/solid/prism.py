@@ -210,10 +210,7 @@ def _parallel(polygon: ComplexArray, by: float) -> ComplexArray:
     normals = 1j * sides / np.abs(sides)
     before = np.roll(normals, 1)
     # Both sides at a vertex move by as much along their normals.
-    found: ComplexArray = polygon + by * (before + normals) / (
-        1.0 + (before * np.conj(normals)).real
-    )
-    return found
+    return np.asarray(polygon + by * (before + normals) / (1.0 + (before * np.conj(normals)).real))
 
 
 def _winds_up(ring: ComplexArray, rings: list[ComplexArray]) -> bool:
@@ -508,10 +505,9 @@ def _apart(
     p: complex, q: complex, a: ComplexArray | complex, b: ComplexArray | complex
 ) -> BoolArray:
     """Whether segments pq and ab are proved disjoint: one lies on one side of the other's line."""
-    found: BoolArray = (_side(p, q, a) * _side(p, q, b) > 0.0) | (
-        _side(a, b, p) * _side(a, b, q) > 0.0
+    return np.asarray(
+        (_side(p, q, a) * _side(p, q, b) > 0.0) | (_side(a, b, p) * _side(a, b, q) > 0.0)
     )
-    return found
 
 
 def _side(
@@ -522,8 +518,7 @@ def _side(
     left, right = along.real * to.imag, along.imag * to.real
     product = left - right
     proved = np.abs(product) > ROUNDING * (np.abs(left) + np.abs(right))
-    found: FloatArray = np.where(proved, np.sign(product), 0.0)
-    return found
+    return np.asarray(np.where(proved, np.sign(product), 0.0))
 
 
 # -- apart ----------------------------------------------------------------------------------------

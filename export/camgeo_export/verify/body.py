@@ -265,8 +265,7 @@ def heights(corners: FloatArray) -> FloatArray:
     sides = corners - np.roll(corners, 1, axis=1)
     longest = np.linalg.norm(sides, axis=2).max(axis=1)
     doubled = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
-    found: FloatArray = doubled / np.where(longest > 0.0, longest, 1.0)
-    return found
+    return np.asarray(doubled / np.where(longest > 0.0, longest, 1.0))
 
 
 def volume(vertices: FloatArray, triangles: IntArray) -> float:
@@ -316,8 +315,7 @@ def upright_facets(corners: FloatArray, within: float = 0.0) -> BoolArray:
     steep = np.abs(plane - np.roll(plane, 1, axis=1)) <= within
     # A short edge of a flat border is not one.
     steep &= np.abs(corners[:, :, 2] - np.roll(corners[:, :, 2], 1, axis=1)) > within
-    found: BoolArray = steep.any(axis=1)
-    return found
+    return np.asarray(steep.any(axis=1))
 
 
 def upright(corners: FloatArray, within: float = 0.0) -> Check:

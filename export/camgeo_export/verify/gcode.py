@@ -246,8 +246,7 @@ def near(z: FloatArray, heights: Iterable[float], slack: float) -> BoolArray:
     """(n,) whether each of `z` (n,) is one of `heights` within a `slack` [mm]."""
     known = np.sort(np.array([*heights, -np.inf, np.inf]))
     place = np.clip(np.searchsorted(known, z), 1, len(known) - 1)  # which NaN exceeds
-    found: BoolArray = (z - known[place - 1] <= slack) | (known[place] - z <= slack)
-    return found
+    return np.asarray((z - known[place - 1] <= slack) | (known[place] - z <= slack))
 
 
 VERIFIER = GcodeVerifier()
@@ -665,8 +664,7 @@ def _near(whole: Course, places: ComplexArray, radii: FloatArray) -> BoolArray:
     half = 0.5 * np.abs(whole.ends - whole.starts)
     centre = complex(np.mean(places))
     wide = float(np.max(np.abs(places - centre)))
-    found: BoolArray = np.abs(middle - centre) <= half + radii + wide
-    return found
+    return np.asarray(np.abs(middle - centre) <= half + radii + wide)
 
 
 def _cleared(
@@ -681,8 +679,7 @@ def _cleared(
     some = taken(whole, picked)
     over = some.apart(places[:, None]) < (1.0 - 2.0 * RIM) * radii[picked]
     over &= picked[None, :] < order[:, None]
-    found: FloatArray = np.min(np.where(over, some.lowest[None, :], np.inf), axis=1, initial=np.inf)
-    return found
+    return np.asarray(np.min(np.where(over, some.lowest[None, :], np.inf), axis=1, initial=np.inf))
 
 
 # -- measure --------------------------------------------------------------------------------------
