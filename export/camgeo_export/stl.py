@@ -9,8 +9,8 @@ from camgeo.design.writing import Written
 from camgeo.errors import FileError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.formats.format import STL
-from camgeo_export.solid.measure import measure
 from camgeo_export.solid.prism import body
+from camgeo_export.verify.body import measure
 
 HEADER_BYTES = 80
 
@@ -24,6 +24,7 @@ class StlWriter:
     """Writes a binary STL."""
 
     format = STL
+    pieces = staticmethod(bodies_of)  # the disc, or the pair that it is one piece with
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The body [mm] within `tolerance` [mm], including the rounding to STL's single floats."""
@@ -40,10 +41,6 @@ class StlWriter:
         }
         file = f"{product.name}{self.format.suffix}"
         return Written(data, facts, product.drawn.printed.findings(file))
-
-    def pieces(self, product: Product) -> tuple[Product, ...]:
-        """The disc, or the pair that it is one piece with."""
-        return bodies_of(product)
 
     def measure(self, product: Product, data: bytes) -> float:
         """Read the mesh back and measure it against the exact boundaries [mm].

@@ -14,8 +14,8 @@ import pytest
 import camgeo
 from camgeo.app.answers.verify import verify
 from camgeo.reading import VERIFIED
-from camgeo_export.stl import FACET, PREFIX
 from camgeo_export.verify.dxf import VERIFIER
+from camgeo_export.verify.stl import FACET, PREFIX
 from tests.cli.calling import SCENES, Called, called
 
 SCENE = SCENES / "vorschub.toml"

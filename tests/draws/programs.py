@@ -20,7 +20,7 @@ from random import Random
 from typing import Final
 
 from camgeo.milling.machine import load
-from camgeo_export.interpreter.run import Run, run_bytes
+from camgeo_export.interpreter.run import Run, run
 from tests.draws.run import Case, parser_of, run_cases
 from tests.judges import grbl, rs274
 from tests.judges.paths import Leg, difference
@@ -340,7 +340,7 @@ def compared(text: str, control: str) -> tuple[str, str]:
     "refused", "run", or not read to its end, "unread".
     """
     refused, said, legs = CONTROLS[control][1](text)
-    found = run_bytes(text.encode(), load(control), most=10_000)
+    found = run(text.encode(), load(control), most=10_000)
     line, why, unread = ours(found, control)
     became = "unread" if unread is not None else "run" if refused is None else "refused"
     last = min(math.inf if each in (None, 0) else each for each in (refused, line, unread))

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from camgeo.numeric.arrays import FloatArray
-from camgeo_export.stl import FACET, PREFIX
+from camgeo_export.verify.stl import FACET, PREFIX
 from tests.packages import repacked
 
 TOLERANCE = 1e-3

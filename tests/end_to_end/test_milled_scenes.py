@@ -27,9 +27,9 @@ from camgeo.design.product import sides_of
 from camgeo.milling import machine as machines
 from camgeo.scene.formats.gcode import FORMAT
 from camgeo.scene.scene import parse_scene
-from camgeo_export.gcode.measure import bench_of
 from camgeo_export.gcode.writer import WRITER
-from camgeo_export.interpreter.run import run, run_bytes
+from camgeo_export.interpreter.run import run
+from camgeo_export.verify.gcode import bench_of
 from tests.judges import grbl, rs274
 from tests.judges.paths import difference
 from tests.long_form import LONG
@@ -124,7 +124,7 @@ PAIRS: Final = [
 def test_nothing_is_found_on_any_controller(path: Path, machine: str, folder: Path) -> None:
     profile = machines.load(machine)
     for product, data in programs_for(folder, path, machine):
-        assert run_bytes(data, profile, bench_of(product, profile)).findings == ()
+        assert run(data, profile, bench_of(product, profile)).findings == ()
         if LONG or not profile.tool_change.change:  # then of several programs, each by itself
             assert WRITER.measure(product, data) <= COARSE
 

@@ -15,7 +15,7 @@ from camgeo.units import MM_PER
 from camgeo_export.part21.solid import Model, Solid, solid_of
 from camgeo_export.part21.text import exchange_of
 from camgeo_export.step.writer import WRITER
-from camgeo_export.verify.step import bounds_of, is_flat, volume_of
+from camgeo_export.verify.step import bounds_of, volume_of
 from tests.end_to_end.built import SCENES, Built
 
 READ: dict[str, Solid] = {}
@@ -38,7 +38,7 @@ def _facts(built: Built) -> dict[str, Any]:
 
 def test_each_piece_of_the_drawing_is_a_wall(built: Built, solid: Solid) -> None:
     """And the flat faces are one at each height, but for what a groove leaves."""
-    walls = [face for face in solid.faces if not is_flat(face)]
+    walls = [face for face in solid.faces if not face.is_level]
     assert len(solid.faces) == _facts(built)["faces"]
     # What a groove leaves inside has an upper face of its own.
     grooved = built.design.cam.contact == "groove"
@@ -51,7 +51,7 @@ def test_each_piece_of_the_drawing_is_a_wall(built: Built, solid: Solid) -> None
 
 
 def test_its_volume_is_that_of_its_arcs(built: Built, solid: Solid) -> None:
-    found = volume_of(bounds_of(solid))
+    found = volume_of(bounds_of(solid), ())
     assert found == pytest.approx(_facts(built)["volume_mm3"], rel=1e-12)
     assert found == pytest.approx(built.volume, abs=built.tolerance * built.length * built.height)
     assert solid.unit == MM_PER[built.design.scene.unit]
@@ -59,18 +59,18 @@ def test_its_volume_is_that_of_its_arcs(built: Built, solid: Solid) -> None:
 
 def test_areas_and_centroids_are_those_of_the_cam(built: Built, solid: Solid) -> None:
     """Of all loops of all flat faces."""
-    for bound in bounds_of(solid):
-        assert isinstance(bound.contour, Contour)
-        moments = bound.contour.moments
+    for _, contour in bounds_of(solid):
+        assert isinstance(contour, Contour)
+        moments = contour.moments
         centroid = moments.first / moments.area
         exact = min(
             built.boundaries,
             key=lambda each: (
-                abs(each.area - abs(bound.area)) / each.length + abs(each.centroid - centroid)
+                abs(each.area - abs(contour.area)) / each.length + abs(each.centroid - centroid)
             ),
         )
         slack = built.tolerance * exact.length
-        assert abs(bound.area) == pytest.approx(exact.area, abs=slack)
+        assert abs(contour.area) == pytest.approx(exact.area, abs=slack)
         off = abs(centroid - exact.centroid)
         assert off <= slack * float(np.max(np.abs(exact.points))) / exact.area
 
@@ -88,13 +88,13 @@ def test_all_features_of_a_part_are_faces_of_one_solid() -> None:
     written = WRITER.write(product, 0.01)
     assert WRITER.measure(product, written.data) <= 0.01
     solid = solid_of(Model.of(exchange_of(written.data)))
-    walls = Counter(face.name for face in solid.faces if not is_flat(face))
+    walls = Counter(face.name for face in solid.faces if not face.is_level)
     assert {name: walls[name] for name in walls if name != "outline"} == {
         "bore": 3, "lower hub": 2, "hub": 2, "mark": 4,
         **{f"lightening hole {k}": 2 for k in range(1, 6)},
     }  # fmt: skip
-    flat = Counter(face.name for face in solid.faces if is_flat(face))
+    flat = Counter(face.name for face in solid.faces if face.is_level)
     levels = [level.name for level in product.drawn.part.levels]
     assert flat == Counter(levels)
     assert len(levels) == 5
-    assert volume_of(bounds_of(solid)) == pytest.approx(written.facts["volume_mm3"], rel=1e-12)
+    assert volume_of(bounds_of(solid), ()) == pytest.approx(written.facts["volume_mm3"], rel=1e-12)

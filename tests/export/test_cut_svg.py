@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo import reading
 from camgeo.app.answers.verify import Against, Wanted, verify_files
 from camgeo.design.verify import Reading
 from camgeo.errors import FileError

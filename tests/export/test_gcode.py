@@ -18,8 +18,18 @@ from camgeo.milling.machine import Machine
 from camgeo.milling.milling import GcodeSpec
 from camgeo.milling.moves import ArcFeed, Feed, Heights, Operation, Rapid, Stop, Toolpath
 from camgeo.units import LengthUnit
-from camgeo_export.gcode.comments import Budget, Grid, budget
-from camgeo_export.gcode.writer import WRITER, Iso, Program, Setup, Speller, numbered, written
+from camgeo_export.gcode.writer import (
+    WRITER,
+    Budget,
+    Grid,
+    Iso,
+    Program,
+    Setup,
+    Speller,
+    budget,
+    numbered,
+    written,
+)
 from camgeo_export.interpreter.run import Run, run
 from camgeo_export.verify.gcode import VERIFIER
 from tests.export.stub_product import TOOL, StubProduct

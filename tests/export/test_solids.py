@@ -36,14 +36,13 @@ from camgeo.part.spec import Chamfers, Counterbore, DShaft, Holes, Hub, Keyway, 
 from camgeo.units import LengthUnit
 from camgeo_export.part21.solid import Cone, Model, solid_of
 from camgeo_export.part21.text import exchange_of
-from camgeo_export.solid.measure import measure
 from camgeo_export.solid.prism import FIT_SHARE, body
 from camgeo_export.step.writer import WRITER as STEP
-from camgeo_export.stl import FACET
 from camgeo_export.stl import WRITER as STL
 from camgeo_export.threemf.writer import WRITER as THREEMF
-from camgeo_export.verify.body import _sections, body_checks, polygon, solid_checks, volume
-from camgeo_export.verify.step import bounds_of, is_inclined, volume_of
+from camgeo_export.verify.body import _sections, body_checks, measure, polygon, solid_checks, volume
+from camgeo_export.verify.step import bounds_of, volume_of
+from camgeo_export.verify.stl import FACET
 from tests.effects.scenes import design
 from tests.export.stub_product import CircleBoundary, StubProduct
 from tests.export.verified import TOLERANCE, VERIFIERS, faults, measured, read_back
@@ -318,7 +317,7 @@ def test_step_files_have_cones(unit: LengthUnit) -> None:
     assert written.facts["volume_mm3"] == pytest.approx(VOLUME, rel=1e-12)
     assert solid(PART).volume == pytest.approx(VOLUME, rel=1e-13)
     read = solid_of(Model.of(exchange_of(written.data)))
-    leaning = [face for face in read.faces if is_inclined(face)]
+    leaning = [face for face in read.faces if face.is_inclined]
     assert {face.name for face in leaning} == {each.edge.name for each in PART.bevels}
     assert all(isinstance(face.surface, Cone) for face in leaning)
     assert (written.facts["faces"], written.facts["cones"]) == (12, 6)

@@ -41,7 +41,7 @@ from camgeo_export.part21.solid import Model, Solid, solid_of
 from camgeo_export.part21.text import exchange_of
 from camgeo_export.step import writer
 from camgeo_export.step.writer import WRITER
-from camgeo_export.verify.step import bounds_of, is_flat, shell_checks, volume_of
+from camgeo_export.verify.step import bounds_of, shell_checks, volume_of
 from tests.export.exchange import CLOSE, Exchange, Ref, Surface
 from tests.export.stub_product import PIECES, CircleBoundary, StubProduct
 from tests.export.test_dxf import SPLINES
@@ -92,7 +92,7 @@ def test_layers_of_any_kind_make_one_solid(name: str) -> None:
     written = read_back(WRITER, StubProduct(given=part))
     solid = read(written.data)
     assert all(check.ok for check in shell_checks(solid, 1e-7))
-    flat = [face for face in solid.faces if is_flat(face)]
+    flat = [face for face in solid.faces if face.is_level]
     assert len(solid.faces) - len(flat) == PIECES * len(part.walls)
     assert sum(len(face.loops) for face in flat) == sum(
         len(each.boundaries) for each in part.levels
@@ -104,14 +104,14 @@ def test_layers_of_any_kind_make_one_solid(name: str) -> None:
         for layer in part.layers
         for each in layer.boundaries
     )
-    assert volume_of(bounds_of(solid)) == pytest.approx(layers, rel=1e-12)
+    assert volume_of(bounds_of(solid), ()) == pytest.approx(layers, rel=1e-12)
     assert written.facts["volume_mm3"] == pytest.approx(layers, rel=1e-12)
 
 
 def test_an_island_has_a_face_of_its_own() -> None:
     solid = read(WRITER.write(StubProduct(given=BODIES["pockets round an island"]), 0.01).data)
     loops = sorted(
-        (face.name, len(face.loops), len(face.loops[0])) for face in solid.faces if is_flat(face)
+        (face.name, len(face.loops), len(face.loops[0])) for face in solid.faces if face.is_level
     )
     pocket = "floor of the pocket"
     assert loops == [
@@ -165,7 +165,7 @@ def test_random_layers_are_one_solid_or_are_refused(slices: list[tuple[str, str]
     assert WRITER.measure(product, written.data) <= 0.1
     areas = {SOLID: 0.0, OPEN: 25.0, RINGED: 25.0 - 4.0}
     volume = 2.0 * math.pi * sum(1600.0 - sum(areas[kind] for kind in kinds) for kinds in slices)
-    assert volume_of(bounds_of(read(written.data))) == pytest.approx(volume, rel=0.01)
+    assert volume_of(bounds_of(read(written.data)), ()) == pytest.approx(volume, rel=0.01)
 
 
 def test_names_are_those_of_the_part_in_any_script() -> None:

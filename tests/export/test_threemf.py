@@ -18,6 +18,7 @@ import pytest
 import trimesh
 
 import camgeo
+from camgeo import reading
 from camgeo.design.drawn import COMPENSATED
 from camgeo.design.plate import plate_of
 from camgeo.design.product import Product
@@ -29,10 +30,9 @@ from camgeo.part.part import Part
 from camgeo_export.dxf.writer import WRITER as DXF
 from camgeo_export.step.writer import WRITER as STEP
 from camgeo_export.stl import WRITER as STL
-from camgeo_export.threemf import parts
-from camgeo_export.threemf.parts import check_bodies, packed, parts_of
 from camgeo_export.threemf.writer import WRITER
-from camgeo_export.verify.threemf import VERIFIER
+from camgeo_export.verify import threemf
+from camgeo_export.verify.threemf import VERIFIER, check_bodies, packed, parts_of
 from tests.contour.cams import SCENES
 from tests.export.stub_product import StubProduct
 from tests.export.test_solids import BODIES
@@ -291,9 +291,9 @@ def test_as_much_as_the_limit_is_read_and_no_more(
 ) -> None:
     make, message = LIMITS[limit]
     most = 12
-    monkeypatch.setattr(parts, limit, most)
+    monkeypatch.setattr(reading, limit, most)
     if limit == "TAG":  # which is compiled with it
-        monkeypatch.setattr(parts, "LONG", re.compile(rb"<[^<>!?][^<>]{%d}" % most))
+        monkeypatch.setattr(threemf, "LONG", re.compile(rb"<[^<>!?][^<>]{%d}" % most))
 
     def check(count: int) -> None:
         found = parts_of(package(make(count)))
@@ -306,7 +306,7 @@ def test_as_much_as_the_limit_is_read_and_no_more(
 
 
 def test_all_copies_of_a_body_count(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(parts, "FACETS", 12)
+    monkeypatch.setattr(reading, "FACETS", 12)
     check_bodies(tripled(4))
     with pytest.raises(FileError, match="15 facets"):
         check_bodies(tripled(5))
@@ -316,15 +316,15 @@ def test_the_ratio_of_small_parts_does_not_matter(monkeypatch: pytest.MonkeyPatc
     data = package({"a": b"x" * 5_000}, zipfile.ZIP_DEFLATED)
     with zipfile.ZipFile(io.BytesIO(data)) as file:
         ratio = 5_000 / file.infolist()[0].compress_size
-    monkeypatch.setattr(parts, "SMALL", 4_999)
+    monkeypatch.setattr(threemf, "SMALL", 4_999)
     for allowed, fits in ((math.ceil(ratio), True), (math.ceil(ratio) - 1, False)):
-        monkeypatch.setattr(parts, "RATIO", allowed)
+        monkeypatch.setattr(reading, "RATIO", allowed)
         if fits:
             assert len(parts_of(data)["a"]) == 5_000
             continue
         with pytest.raises(FileError, match=f"unpacks to {ratio:,.0f} times its size; allowed: "):
             parts_of(data)
-    monkeypatch.setattr(parts, "SMALL", 5_000)
+    monkeypatch.setattr(threemf, "SMALL", 5_000)
     assert len(parts_of(data)["a"]) == 5_000
 
 

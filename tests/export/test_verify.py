@@ -31,13 +31,13 @@ from camgeo_export.dxf.writer import WRITER as DXF
 from camgeo_export.gcode.writer import WRITER as GCODE
 from camgeo_export.reading import farthest
 from camgeo_export.stl import WRITER as STL
-from camgeo_export.threemf.writer import MODEL_PATH
 from camgeo_export.threemf.writer import WRITER as THREEMF
-from camgeo_export.verify.body import merged, solid_checks, volume
+from camgeo_export.verify.body import solid_checks
 from camgeo_export.verify.dxf import VERIFIER as DXF_VERIFIER
 from camgeo_export.verify.gcode import VERIFIER as GCODE_VERIFIER
 from camgeo_export.verify.plane import contour_checks, joints_of, shapes_of
 from camgeo_export.verify.stl import VERIFIER as STL_VERIFIER
+from camgeo_export.verify.threemf import MODEL_PATH
 from camgeo_export.verify.threemf import VERIFIER as THREEMF_VERIFIER
 from tests.effects.scenes import SCENES as EFFECTS
 from tests.export.stub_product import StubProduct
@@ -356,14 +356,6 @@ def test_farthest_finds_a_dent() -> None:
 CUBE: Any = trimesh.creation.box((2.0, 3.0, 4.0))
 
 
-def test_correct_mesh() -> None:
-    soup = CUBE.vertices[CUBE.faces].reshape(-1, 3)
-    vertices, triangles = merged(soup, np.arange(36).reshape(-1, 3))
-    assert len(vertices) == 8
-    assert volume(vertices, triangles) == pytest.approx(24.0)
-    assert all(check.ok for check in solid_checks(vertices, triangles))
-
-
 def test_faults_of_meshes_are_named() -> None:
     vertices, triangles = np.array(CUBE.vertices), np.array(CUBE.faces)
 
@@ -571,12 +563,6 @@ def test_moved_vertices_of_a_solid(step: float) -> None:
         # Faces that were alike before are reported together; now each is reported by itself.
         of = name if name in before else name.replace("upper", "lower")
         assert abs(value - before[of]) <= 2.0 * step + SLACK * value
-
-
-@pytest.mark.parametrize("decimals", [3, 4, 5, 6])
-def test_rounded_vertices_of_a_solid(decimals: int) -> None:
-    checks = verified_package(with_numbers(lambda value: round(value, decimals)))
-    assert all(check.ok is not False for check in checks.values())
 
 
 @cache

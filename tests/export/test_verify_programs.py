@@ -10,10 +10,11 @@ from camgeo.design.verify import Check
 from camgeo.milling.machine import load
 from camgeo.milling.milling import GcodeSpec
 from camgeo.milling.moves import ArcFeed, Feed
+from camgeo.milling.stages import Run
 from camgeo.units import LengthUnit
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import run
-from camgeo_export.verify.gcode import runs_in, simulation_checks
+from camgeo_export.verify.gcode import simulation_checks, traced
 from tests.export.stub_product import SECOND_TOOL, StubProduct
 from tests.export.verified import TOLERANCE
 
@@ -32,6 +33,11 @@ PRODUCT = StubProduct(second_tool=SECOND_TOOL)
 PROGRAM = text_of(PRODUCT)
 
 
+def runs_in(text: str) -> list[Run]:
+    program = run(text, load("linuxcnc"))
+    return [each.run for each in traced(PRODUCT, program, PRODUCT.milled.cuts)]
+
+
 @pytest.mark.parametrize("machine", ["linuxcnc", "haas", "grbl", "heidenhain"])
 @pytest.mark.parametrize("unit", ["mm", "inch"])
 def test_a_sound_program(machine: str, unit: LengthUnit) -> None:
@@ -42,7 +48,7 @@ def test_a_sound_program(machine: str, unit: LengthUnit) -> None:
 
 
 def test_moves_are_those_of_the_program() -> None:
-    bore, outline = runs_in(PRODUCT, run(PROGRAM, load("linuxcnc")))
+    bore, outline = runs_in(PROGRAM)
     assert (bore.name, bore.radius) == ("bore", 3.0)
     assert (outline.name, outline.radius) == ("outline", 4.0)
     planned = PRODUCT.toolpath(TOLERANCE).operations[0].moves
@@ -106,7 +112,7 @@ def test_a_program_of_someone_else() -> None:
     assert sound.value == "1 operation"  # in two parts
     (drilled,) = checks(PRODUCT, FOREIGN.format(tool=1).replace("X0 Y-5", "X0 Y-12"))
     assert "tool 1: the cutter goes 5 mm into the part" in drilled.note
-    runs = runs_in(PRODUCT, run(FOREIGN.format(tool=1), load("linuxcnc")))
+    runs = runs_in(FOREIGN.format(tool=1))
     assert [each.name for each in runs] == ["tool 1", "tool 1"]
     assert sum(isinstance(move, ArcFeed) for each in runs for move in each.moves) == 4
 

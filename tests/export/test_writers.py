@@ -37,8 +37,8 @@ from camgeo_export.dxf import reader as dxf_reader
 from camgeo_export.dxf import writer as dxf_writer
 from camgeo_export.dxf.writer import WRITER as DXF
 from camgeo_export.gcode import writer as gcode_writer
-from camgeo_export.gcode.comments import ascii_of, stated
 from camgeo_export.gcode.writer import WRITER as GCODE
+from camgeo_export.gcode.writer import ascii_of
 from camgeo_export.part21 import text as step_text
 from camgeo_export.part21.solid import Extrusion, Model, solid_of
 from camgeo_export.part21.text import exchange_of
@@ -48,9 +48,9 @@ from camgeo_export.step.writer import WRITER as STEP
 from camgeo_export.stl import WRITER as STL
 from camgeo_export.svg import WRITER as SVG
 from camgeo_export.table import WRITER as CSV
-from camgeo_export.threemf.parts import parts_of
-from camgeo_export.threemf.writer import MODEL_PATH
 from camgeo_export.threemf.writer import WRITER as THREEMF
+from camgeo_export.verify.gcode import stated
+from camgeo_export.verify.threemf import MODEL_PATH, parts_of
 from tests.export.stub_product import PIECES, StubProduct, StubScene
 from tests.export.verified import TOLERANCE, measured, read_back
 from tests.part.parts import made

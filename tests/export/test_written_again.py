@@ -20,13 +20,13 @@ from camgeo.design.design import Design
 from camgeo.design.verify import Check, Verifier
 from camgeo.design.writing import CERTIFICATE, make_files
 from camgeo_export.reading import TOKEN
-from camgeo_export.stl import FACET, PREFIX
-from camgeo_export.threemf.writer import MODEL_PATH
 from camgeo_export.verify.dxf import VERIFIER as DXF
 from camgeo_export.verify.gcode import VERIFIER as GCODE
 from camgeo_export.verify.step import VERIFIER as STEP
+from camgeo_export.verify.stl import FACET, PREFIX
 from camgeo_export.verify.stl import VERIFIER as STL
 from camgeo_export.verify.svg import VERIFIER as SVG
+from camgeo_export.verify.threemf import MODEL_PATH
 from camgeo_export.verify.threemf import VERIFIER as THREEMF
 from tests.long_form import examples
 from tests.packages import repacked

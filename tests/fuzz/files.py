@@ -15,7 +15,7 @@ from camgeo.design.design import Design
 from camgeo.milling.machine import names
 from camgeo.scene.scene import load_scene
 from camgeo.studies.inspection import Align
-from camgeo_export.threemf.parts import parts_of
+from camgeo_export.verify.threemf import parts_of
 from tests.fuzz.case import SCENE, Case, Step
 from tests.hostile.mutations import mutated, repacked
 

@@ -21,7 +21,7 @@ from pathlib import Path
 from random import Random
 from typing import Any, Final
 
-from camgeo_export.threemf.parts import parts_of
+from camgeo_export.verify.threemf import parts_of
 from tests.hostile.mutations import mutated, repacked
 from tests.hostile.others import bodies, certificates, packages, profiles, projects, scenes
 from tests.hostile.readers import ENDINGS, READERS, good

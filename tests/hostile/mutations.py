@@ -7,7 +7,7 @@ import re
 from random import Random
 from typing import Final
 
-from camgeo_export.threemf.parts import packed
+from camgeo_export.verify.threemf import packed
 
 WORD: Final = re.compile(rb"[\w.+-]+")
 

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from camgeo_export.stl import FACET, PREFIX
-from camgeo_export.threemf.writer import (
+from camgeo_export.verify.stl import FACET, PREFIX
+from camgeo_export.verify.threemf import (
     CONTENT_TYPES_PATH,
     CORE,
     MODEL_PATH,
@@ -40,10 +40,12 @@ def text_stl(*corners: str, normal: str = "0 0 1") -> bytes:
 def bodies(good: bytes) -> Named:
     yield from damaged(good)
     yield from truncated(good, 0.001, 0.1, 0.5, 0.99)
-    yield "count that lies", facets(1, stated=2**32 - 1)
-    yield "no facet", facets(0)
-    yield "facets of no size", facets(200_000)
-    yield "too many facets", facets(500_000)
+    yield from {
+        "count that lies": facets(1, stated=2**32 - 1),
+        "no facet": facets(0),
+        "facets of no size": facets(200_000),
+        "too many facets": facets(500_000),
+    }.items()
     for fill in (float("nan"), float("inf"), 3e38, 1e-44):
         yield f"coordinates {fill}", facets(100, fill=fill)
     data = np.frombuffer(good, FACET, offset=PREFIX).copy()
@@ -63,11 +65,13 @@ def bodies(good: bytes) -> Named:
     yield from wrong(
         "text normal", lambda z: text_stl("0 0 0", "1 0 0", "0 1 0", normal=f"0 0 {z}")
     )
-    yield "text of two corners", text_stl("0 0 0", "1 0 0")
-    yield "text of many words", text_stl("0 " * 1_000_000, "1 0 0", "0 1 0")
-    yield "text of many corners", text_stl(*("0 0 0",) * 600_003)
-    yield "text that is cut", text_stl("0 0 0", "1 0 0", "0 1 0")[:-9]
-    yield "text at its limit", b"solid a\n" + text_stl("0 0 0", "9 0 0", "0 9 0")[8:-9] * 150_000
+    yield from {
+        "text of two corners": text_stl("0 0 0", "1 0 0"),
+        "text of many words": text_stl("0 " * 1_000_000, "1 0 0", "0 1 0"),
+        "text of many corners": text_stl(*("0 0 0",) * 600_003),
+        "text that is cut": text_stl("0 0 0", "1 0 0", "0 1 0")[:-9],
+        "text at its limit": b"solid a\n" + text_stl("0 0 0", "9 0 0", "0 9 0")[8:-9] * 150_000,
+    }.items()
 
 
 # Packages -----------------------------------------------------------------------------------------
@@ -162,17 +166,21 @@ def packages(good: bytes) -> Named:
             file.writestr(f"a{k}", bytes(10_000_000))
     yield "parts of zeros", stream.getvalue()
     plain = package()
-    yield "size that lies", patched(package(model(head=" " * 50_000_000)), 24, b"\x10\0\0\0")
-    yield "size that lies upwards", patched(plain, 24, b"\xff\xff\xff\x0f")
-    yield "packed size that lies", patched(plain, 20, b"\xff\xff\xff\x0f")
-    yield "checksum", patched(plain, 16, b"\0\1\2\3")
-    yield "place of a part", patched(plain, 42, b"\xff\xff\xff\x7f")
-    yield "encrypted", patched(plain, 8, b"\x01\0")
+    yield from {
+        "size that lies": patched(package(model(head=" " * 50_000_000)), 24, b"\x10\0\0\0"),
+        "size that lies upwards": patched(plain, 24, b"\xff\xff\xff\x0f"),
+        "packed size that lies": patched(plain, 20, b"\xff\xff\xff\x0f"),
+        "checksum": patched(plain, 16, b"\0\1\2\3"),
+        "place of a part": patched(plain, 42, b"\xff\xff\xff\x7f"),
+        "encrypted": patched(plain, 8, b"\x01\0"),
+    }.items()
     for method in (1, 9, 12, 14, 93, 97, 255):
         yield f"compression {method}", patched(plain, 10, struct.pack("<H", method))
-    yield "count of parts", plain[:-14] + b"\xff\xff\xff\xff" + plain[-10:]
-    yield "place of the directory", plain[:-6] + b"\xff\xff\xff\x7f" + plain[-2:]
-    yield "many parts", package(more=tuple((f"p{k}", b"") for k in range(5_000)))
+    yield from {
+        "count of parts": plain[:-14] + b"\xff\xff\xff\xff" + plain[-10:],
+        "place of the directory": plain[:-6] + b"\xff\xff\xff\x7f" + plain[-2:],
+        "many parts": package(more=tuple((f"p{k}", b"") for k in range(5_000))),
+    }.items()
     for name in ("../../etc/passwd", "/etc/passwd", "a\\..\\b", "3D/../../x"):
         yield f"name {name}", package(more=((name, b"x"),))
     yield "a part twice", package(more=((MODEL_PATH.upper(), model()),))
@@ -183,37 +191,43 @@ def packages(good: bytes) -> Named:
     late = " " * 2000 + entities()
     yield "late entities", package(model(head=late, top="<metadata name='Title'>&e9;</metadata>"))
     outside = '<!DOCTYPE a [<!ENTITY x SYSTEM "file:///etc/passwd">]>'
-    yield (
-        "external entity",
-        package(model(head=outside, top="<metadata name='Title'>&x;</metadata>")),
-    )
-    yield "entities in relationships", package(relations=entities() + RELATIONS)
-    yield "entities in types", package(types=entities() + TYPES)
+    yield from {
+        "external entity": package(
+            model(head=outside, top="<metadata name='Title'>&x;</metadata>")
+        ),
+        "entities in relationships": package(relations=entities() + RELATIONS),
+        "entities in types": package(types=entities() + TYPES),
+    }.items()
     for encoding in ("UTF-9", "UTF-16", "cp1252", "utf-7", "x" * 5000):
         yield (
             f"encoding {encoding[:8]}",
             package(model(head=f'<?xml version="1.0" encoding="{encoding}"?>')),
         )
-    yield "model in UTF-16", package(model().decode().encode("utf-16"))
-    yield "NUL", package(model(top="\0"))
-    yield "no XML", package(b"<model")
-    yield "deep", package(b"<a>" * 300_000)
-    yield "elements", package(b"<model>" + b"<a/>" * 800_000 + b"</model>")
+    yield from {
+        "model in UTF-16": package(model().decode().encode("utf-16")),
+        "NUL": package(model(top="\0")),
+        "no XML": package(b"<model"),
+        "deep": package(b"<a>" * 300_000),
+        "elements": package(b"<model>" + b"<a/>" * 800_000 + b"</model>"),
+    }.items()
     attributes = " ".join(f'a{k}="1"' for k in range(900_000))
-    yield "attributes", package(model(build=f"<item {attributes}/>"), method=zipfile.ZIP_STORED)
-    yield (
-        "relationships that refer to themselves",
-        package(relations=RELATIONS.replace(f"/{MODEL_PATH}", f"/{RELATIONSHIPS_PATH}")),
-    )
-    yield "two models", package(relations=RELATIONS.replace("</Rel", "</Rel") * 2)
-    yield "model elsewhere", package(relations=RELATIONS.replace(MODEL_PATH, "../x.model"))
-    yield "no relationships", package(relations="<a/>")
-    yield "no model", package(b"")
+    yield from {
+        "attributes": package(model(build=f"<item {attributes}/>"), method=zipfile.ZIP_STORED),
+        "relationships that refer to themselves": package(
+            relations=RELATIONS.replace(f"/{MODEL_PATH}", f"/{RELATIONSHIPS_PATH}")
+        ),
+        "two models": package(relations=RELATIONS.replace("</Rel", "</Rel") * 2),
+        "model elsewhere": package(relations=RELATIONS.replace(MODEL_PATH, "../x.model")),
+        "no relationships": package(relations="<a/>"),
+        "no model": package(b""),
+    }.items()
     for what, place in (("vertex", 'x="9"'), ("corner", 'v1="2"')):
         yield from wrong(what, partial(with_number, place))
-    yield "corner -1", package(model(thing(TETRAHEDRON.replace('v1="2"', 'v1="-1"'))))
-    yield "no coordinate", package(model(thing(TETRAHEDRON.replace(' x="9"', ""))))
-    yield "object in itself", package(model(thing(holding(component(1)))))
+    yield from {
+        "corner -1": package(model(thing(TETRAHEDRON.replace('v1="2"', 'v1="-1"')))),
+        "no coordinate": package(model(thing(TETRAHEDRON.replace(' x="9"', "")))),
+        "object in itself": package(model(thing(holding(component(1))))),
+    }.items()
     cycle = thing(holding(component(2))) + thing(holding(component(1)), 2)
     yield "objects in each other", package(model(cycle))
     double = "".join(thing(holding(component(k + 1), component(k + 1)), k) for k in range(1, 60))
@@ -226,10 +240,12 @@ def packages(good: bytes) -> Named:
     for transform in ("nan " * 12, "1 0", "1e308 " * 12, "a b c"):
         whole = f'<item objectid="1" transform="{transform.strip()}"/>'
         yield f"transform {transform[:6]}", package(model(build=whole))
-    yield "items", package(model(build='<item objectid="1"/>' * 100_000))
-    yield "component of nothing", package(model(thing(holding(component(7)))))
-    yield "item of nothing", package(model(build='<item objectid="x"/>'))
-    yield "unit", package(model().replace(b"millimeter", b"parsec"))
+    yield from {
+        "items": package(model(build='<item objectid="1"/>' * 100_000)),
+        "component of nothing": package(model(thing(holding(component(7))))),
+        "item of nothing": package(model(build='<item objectid="x"/>')),
+        "unit": package(model().replace(b"millimeter", b"parsec")),
+    }.items()
     vertices = '<vertex x="1" y="2" z="3"/>' * 100_000
     triangles = '<triangle v1="0" v2="1" v3="2"/>' * 200_000
     mesh = f"<mesh><vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh>"
@@ -242,33 +258,35 @@ def packages(good: bytes) -> Named:
 def toml(good: bytes) -> Named:
     """Of any TOML, scene or profile."""
     yield from damaged(good)
-    yield "dotted key", b"a" + b".a" * 30_000 + b" = 1"
-    yield "dotted key with blanks", b"a" + b" . a" * 30_000 + b" = 1"
-    yield "quoted dotted key", b'"a"' + b'."a"' * 30_000 + b" = 1"
-    yield "dotted header", b"[a" + b".a" * 30_000 + b"]"
-    yield "dotted header of an array", b"[[a" + b".a" * 30_000 + b"]]\nb = 1"
-    yield "dotted key in a table", good + b"\nx = {a" + b".a" * 30_000 + b" = 1}"
-    yield "many dotted keys", b"".join(b"k%d" % k + b".a" * 15 + b" = 1\n" for k in range(30_000))
-    yield "many keys", b"".join(b"k%d.a=1\n" % k for k in range(100_000))
-    yield "arrays", b"x = " + b"[" * 100_000
-    yield "empty arrays", b"x = [" + b"[]," * 250_000 + b"]"
-    yield "tables in tables", b"x = " + b"{a=" * 50_000
-    yield "array of tables", b"[[a]]\n" * 100_000
-    yield "numbers", b"x = [" + b"1," * times(299_000) + b"]"
-    yield "integer of 5,000 digits", b"x = " + b"9" * 5000
-    yield "integer of 300,000 digits", b"x = " + b"9" * 300_000
-    yield "hexadecimal digits", b"x = 0x" + b"f" * 1_000_000
-    yield "exponent", b"x = 1e" + b"9" * 100
-    yield "decimals", b"x = 0." + b"1" * 1_000_000
-    yield "quotes", b'"""' * 600_001
-    yield "escaped quotes", b'x = "' + b'\\"' * times(900_000)
-    yield "backslashes", b'x = """' + b"\\" * times(1_900_000)
-    yield "literal quotes", b"x = '''" + b"''x" * 600_000
-    yield "control characters", b"x = '\x1b[2J'"
-    yield "lone surrogate", b'x = "\\ud800"'
-    yield "mark of byte order", b"\xef\xbb\xbf" + good[:40]
-    yield "the same key", b"a = 1\n" * 50_000
-    yield "comment of 2 MB", b"#" * 1_999_999
+    yield from {
+        "dotted key": b"a" + b".a" * 30_000 + b" = 1",
+        "dotted key with blanks": b"a" + b" . a" * 30_000 + b" = 1",
+        "quoted dotted key": b'"a"' + b'."a"' * 30_000 + b" = 1",
+        "dotted header": b"[a" + b".a" * 30_000 + b"]",
+        "dotted header of an array": b"[[a" + b".a" * 30_000 + b"]]\nb = 1",
+        "dotted key in a table": good + b"\nx = {a" + b".a" * 30_000 + b" = 1}",
+        "many dotted keys": b"".join(b"k%d" % k + b".a" * 15 + b" = 1\n" for k in range(30_000)),
+        "many keys": b"".join(b"k%d.a=1\n" % k for k in range(100_000)),
+        "arrays": b"x = " + b"[" * 100_000,
+        "empty arrays": b"x = [" + b"[]," * 250_000 + b"]",
+        "tables in tables": b"x = " + b"{a=" * 50_000,
+        "array of tables": b"[[a]]\n" * 100_000,
+        "numbers": b"x = [" + b"1," * times(299_000) + b"]",
+        "integer of 5,000 digits": b"x = " + b"9" * 5000,
+        "integer of 300,000 digits": b"x = " + b"9" * 300_000,
+        "hexadecimal digits": b"x = 0x" + b"f" * 1_000_000,
+        "exponent": b"x = 1e" + b"9" * 100,
+        "decimals": b"x = 0." + b"1" * 1_000_000,
+        "quotes": b'"""' * 600_001,
+        "escaped quotes": b'x = "' + b'\\"' * times(900_000),
+        "backslashes": b'x = """' + b"\\" * times(1_900_000),
+        "literal quotes": b"x = '''" + b"''x" * 600_000,
+        "control characters": b"x = '\x1b[2J'",
+        "lone surrogate": b'x = "\\ud800"',
+        "mark of byte order": b"\xef\xbb\xbf" + good[:40],
+        "the same key": b"a = 1\n" * 50_000,
+        "comment of 2 MB": b"#" * 1_999_999,
+    }.items()
 
 
 def scenes(good: bytes) -> Named:
@@ -302,12 +320,14 @@ def certificates(good: bytes) -> Named:
     # The standard allows JSON in UTF-16.
     yield from (each for each in damaged(good) if not each[0].startswith("UTF-16"))
     yield from truncated(good, 0.1, 0.5, 0.99)
-    yield "lists", b"[" * 100_000
-    yield "closed lists", b"[" * 100_000 + b"]" * 100_000
-    yield "tables", b'{"a":' * 100_000
-    yield "empty lists", b"[" + b"[]," * times(600_000) + b"[]]"
-    yield "too many bytes", b" " * 2_000_001
-    yield "integer of 5,000 digits", good.replace(b"0.01", b"9" * 5000)
+    yield from {
+        "lists": b"[" * 100_000,
+        "closed lists": b"[" * 100_000 + b"]" * 100_000,
+        "tables": b'{"a":' * 100_000,
+        "empty lists": b"[" + b"[]," * times(600_000) + b"[]]",
+        "too many bytes": b" " * 2_000_001,
+        "integer of 5,000 digits": good.replace(b"0.01", b"9" * 5000),
+    }.items()
     for value in (b"NaN", b"Infinity", b"-1", b"0", b"1e400", b'"0.01"', b"null", b"[]", b"true1"):
         yield f"tolerance {value.decode()}", good.replace(b"0.01", value)
     for name in ("a\0b", "\ud800", "\x1b[2J", ["a"], None, {"a": 1}):
@@ -324,9 +344,11 @@ def certificates(good: bytes) -> Named:
 
 def projects(good: bytes) -> Named:
     yield from damaged(good)
-    yield "one byte less", good[:-1]
-    yield "one byte more", good + b"\0"
-    yield "other byte order", b"".join(good[k : k + 8][::-1] for k in range(0, len(good), 8))
+    yield from {
+        "one byte less": good[:-1],
+        "one byte more": good + b"\0",
+        "other byte order": b"".join(good[k : k + 8][::-1] for k in range(0, len(good), 8)),
+    }.items()
     for value in (float("nan"), float("inf"), 1e308, -1e308, 5e-324):
         for place in (1, 5, 9, 16):
             number = struct.pack("<d", value)

@@ -28,33 +28,39 @@ def solids(good: bytes) -> Named:
 
 def _syntax() -> Named:
     many = times(480_000)
-    yield "nothing", step()
-    yield "no header", step(head="ISO-10303-21;DATA;")
-    yield "header alone", b"ISO-10303-21;HEADER;" + b"A();" * many + TAIL.encode()
-    yield "brackets", step("#1=A(" + "(" * many + ");")
-    yield "empty lists", step("#1=A(" + "()," * (many // 2) + "());")
-    yield "typed in typed", step("#1=A(" + "B(" * many + ")" * many + ");")
-    yield "commas alone", step("#1=A(" + "," * many + ");")
-    yield "values", step("#1=A(" + "1," * many + "1);")
-    yield "references", step("#1=A(" + "#1," * many + "#1);")
-    yield "too many brackets", step("(" * 600_000)
-    yield "types of one instance", step("#1=(" + "A()" * many + ");")
-    yield "instances", step(*(f"#{k}=A();" for k in range(1, times(120_000))))
-    yield "too many instances", step(*(f"#{k}=A();" for k in range(1, 120_000)))
-    yield "the same instance", step(*["#1=A();"] * 1000)
-    yield "number of an instance", step(f"#{'9' * 5000}=A();")
+    yield from {
+        "nothing": step(),
+        "no header": step(head="ISO-10303-21;DATA;"),
+        "header alone": b"ISO-10303-21;HEADER;" + b"A();" * many + TAIL.encode(),
+        "brackets": step("#1=A(" + "(" * many + ");"),
+        "empty lists": step("#1=A(" + "()," * (many // 2) + "());"),
+        "typed in typed": step("#1=A(" + "B(" * many + ")" * many + ");"),
+        "commas alone": step("#1=A(" + "," * many + ");"),
+        "values": step("#1=A(" + "1," * many + "1);"),
+        "references": step("#1=A(" + "#1," * many + "#1);"),
+        "too many brackets": step("(" * 600_000),
+        "types of one instance": step("#1=(" + "A()" * many + ");"),
+        "instances": step(*(f"#{k}=A();" for k in range(1, times(120_000)))),
+        "too many instances": step(*(f"#{k}=A();" for k in range(1, 120_000))),
+        "the same instance": step(*["#1=A();"] * 1000),
+        "number of an instance": step(f"#{'9' * 5000}=A();"),
+    }.items()
     yield from wrong("number", lambda x: step(f"#1=CARTESIAN_POINT('',({x}.,0.,0.));"))
-    yield "string without end", step("#1=A('" + "x" * 7_000_000)
-    yield "quotes in a string", step("#1=A('" + "''" * 3_000_000 + ");")
-    yield "comment without end", step("/*" + "*" * 7_000_000)
-    yield "comments", step("/**/" * 1_700_000)
-    yield "comments that begin", step("/*/" * 2_000_000)
+    yield from {
+        "string without end": step("#1=A('" + "x" * 7_000_000),
+        "quotes in a string": step("#1=A('" + "''" * 3_000_000 + ");"),
+        "comment without end": step("/*" + "*" * 7_000_000),
+        "comments": step("/**/" * 1_700_000),
+        "comments that begin": step("/*/" * 2_000_000),
+    }.items()
     for text in (r"\X2\D800\X0\ ", r"\X4\FFFFFFFF\X0\ ", r"\X2\00", "\\", r"\S", r"\X2\\X0\ "):
         yield f"string {text}", step(f"#1=A('{text}');")
-    yield "directives", step("#1=A('" + r"\X2\0041\X0\ " * 500_000 + "\\');")
-    yield "binary", step('#1=A("' + "F" * 7_000_000)
-    yield "enumeration", step("#1=A(." + "A" * 7_000_000)
-    yield "digits", step("#1=A(" + "1" * 7_000_000 + ");")
+    yield from {
+        "directives": step("#1=A('" + r"\X2\0041\X0\ " * 500_000 + "\\');"),
+        "binary": step('#1=A("' + "F" * 7_000_000),
+        "enumeration": step("#1=A(." + "A" * 7_000_000),
+        "digits": step("#1=A(" + "1" * 7_000_000 + ");"),
+    }.items()
 
 
 def _graph(good: bytes) -> Named:
@@ -65,9 +71,11 @@ def _graph(good: bytes) -> Named:
         number = re.search(rf"#(\d+)={kind}\(", text)
         assert number is not None
         own = re.sub(rf"(#{number[1]}={kind}\(.*?)#\d+", rf"\g<1>#{number[1]}", text, count=1)
-        yield f"{kind} that refers to itself", own.encode()
-        yield f"{kind} of nothing", re.sub(rf"({kind}\('',\(?)#\d+", r"\1#9999999", text).encode()
-        yield f"{kind} without values", re.sub(rf"{kind}\(.*\);", f"{kind}();", text).encode()
+        yield from {
+            f"{kind} that refers to itself": own.encode(),
+            f"{kind} of nothing": re.sub(rf"({kind}\('',\(?)#\d+", r"\1#9999999", text).encode(),
+            f"{kind} without values": re.sub(rf"{kind}\(.*\);", f"{kind}();", text).encode(),
+        }.items()
     unit = re.search(r"#(\d+)=\(LENGTH_UNIT", text)
     assert unit is not None
     loop = (
@@ -79,16 +87,20 @@ def _graph(good: bytes) -> Named:
         other = loop.replace("2.", size).replace(f"),#{unit[1]});", "),#99998);")
         other += "#99998=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT($,.METRE.));\n"
         yield f"unit of {size}", re.sub(r"#\d+=\(LENGTH_UNIT.*\n", other, text).encode()
-    yield "metres", good.replace(b".MILLI.", b"$")
-    yield "another prefix", good.replace(b".MILLI.", b".EXA.")
-    yield "assembly", good.replace(b"DATA;", b"DATA;\n#99999=MAPPED_ITEM('',#1,#1);")
+    yield from {
+        "metres": good.replace(b".MILLI.", b"$"),
+        "another prefix": good.replace(b".MILLI.", b".EXA."),
+        "assembly": good.replace(b"DATA;", b"DATA;\n#99999=MAPPED_ITEM('',#1,#1);"),
+    }.items()
     shell = re.search(r"CLOSED_SHELL\('',\((#\d+)", text)
     assert shell is not None
     often = f"{shell[1]}," * times(400_000)
-    yield "a face many times", text.replace(f"('',({shell[1]}", f"('',({often}{shell[1]}").encode()
-    yield "face without bounds", re.sub(r"(ADVANCED_FACE\('.*?',)\(.*?\)", r"\1()", text).encode()
-    yield "loop without edges", re.sub(r"(EDGE_LOOP\('',)\(.*?\)", r"\1()", text).encode()
-    yield "no faces", re.sub(r"(CLOSED_SHELL\('',)\(.*?\)", r"\1()", text).encode()
+    yield from {
+        "a face many times": text.replace(f"('',({shell[1]}", f"('',({often}{shell[1]}").encode(),
+        "face without bounds": re.sub(r"(ADVANCED_FACE\('.*?',)\(.*?\)", r"\1()", text).encode(),
+        "loop without edges": re.sub(r"(EDGE_LOOP\('',)\(.*?\)", r"\1()", text).encode(),
+        "no faces": re.sub(r"(CLOSED_SHELL\('',)\(.*?\)", r"\1()", text).encode(),
+    }.items()
 
 
 def _geometry(good: bytes) -> Named:

@@ -45,14 +45,16 @@ def truncated(good: bytes, *shares: float) -> Named:
 
 def damaged(good: bytes) -> Named:
     """What can happen to any text."""
-    yield "empty", b""
-    yield "one line end", b"\n"
-    yield "NUL bytes", bytes(10_000)
-    yield "high bytes", b"\xff" * 10_000
-    yield "UTF-16", good.decode("utf-8", "replace").encode("utf-16")
-    yield "UTF-16 without mark", good.decode("utf-8", "replace").encode("utf-16-be")
-    yield "upside down", good[::-1]
-    yield "another file", b"%PDF-1.7\n" + bytes(range(256)) * 40
+    yield from {
+        "empty": b"",
+        "one line end": b"\n",
+        "NUL bytes": bytes(10_000),
+        "high bytes": b"\xff" * 10_000,
+        "UTF-16": good.decode("utf-8", "replace").encode("utf-16"),
+        "UTF-16 without mark": good.decode("utf-8", "replace").encode("utf-16-be"),
+        "upside down": good[::-1],
+        "another file": b"%PDF-1.7\n" + bytes(range(256)) * 40,
+    }.items()
     yield from large().items()
 
 
@@ -86,16 +88,20 @@ def drawings(good: bytes, *, any_text: bool = True) -> Named:
     if any_text:
         yield from damaged(good)
     yield from truncated(good, 0.1, 0.5, 0.9, 0.99)
-    yield "binary", b"AutoCAD Binary DXF\r\n\x1a\x00" + bytes(1000)
-    yield "without EOF", good.replace(b"EOF", b"END")
-    yield "sections in sections", b"0\nSECTION\n2\nENTITIES\n" * times(100_000) + b"0\nEOF\n"
-    yield "header that ends", b"0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n0\nEOF\n"
+    yield from {
+        "binary": b"AutoCAD Binary DXF\r\n\x1a\x00" + bytes(1000),
+        "without EOF": good.replace(b"EOF", b"END"),
+        "sections in sections": b"0\nSECTION\n2\nENTITIES\n" * times(100_000) + b"0\nEOF\n",
+        "header that ends": b"0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n0\nEOF\n",
+    }.items()
     yield from wrong("coordinate", lambda x: dxf(f"0 CIRCLE 8 0 10 {x} 20 0 40 5"))
     yield from wrong("bulge", lambda b: dxf(f"0 LWPOLYLINE 8 0 70 1 10 0 20 0 42 {b} 10 5 20 5"))
-    yield "radius 1e-320", dxf("0 CIRCLE 8 0 10 0 20 0 40 1e-320")
-    yield "negative radius", dxf("0 CIRCLE 8 0 10 0 20 0 40 -1")
-    yield "angle of an arc", dxf("0 ARC 8 0 10 0 20 0 40 1 50 1e300 51 2")
-    yield "unit", dxf("0 CIRCLE 8 0 10 0 20 0 40 1", unit="9" * 400)
+    yield from {
+        "radius 1e-320": dxf("0 CIRCLE 8 0 10 0 20 0 40 1e-320"),
+        "negative radius": dxf("0 CIRCLE 8 0 10 0 20 0 40 -1"),
+        "angle of an arc": dxf("0 ARC 8 0 10 0 20 0 40 1 50 1e300 51 2"),
+        "unit": dxf("0 CIRCLE 8 0 10 0 20 0 40 1", unit="9" * 400),
+    }.items()
     for count in ("-5", "1000000000", "nan", "1e308"):
         yield f"{count} vertices", dxf(f"0 LWPOLYLINE 8 0 90 {count} 70 1 10 0 20 0 10 1 20 1")
     yield "flags", dxf("0 POLYLINE 8 0 70 1e300", "0 VERTEX 8 0 10 1 20 1", "0 SEQEND")
@@ -116,18 +122,20 @@ def drawings(good: bytes, *, any_text: bool = True) -> Named:
         for k in range(1000)
     )
     head = f"0\nSECTION\n2\nBLOCKS\n{blocks}0\nENDSEC\n"
-    yield "blocks that multiply", dxf("0 INSERT 8 0 2 B0 10 0 20 0", head=head)
-    yield "extrusion", dxf("0 CIRCLE 8 0 10 0 20 0 40 1 210 nan")
-    yield "group code of 5,000 digits", dxf("9" * 5000 + " 1")
-    yield "fullwidth group code", dxf("\uff10 LINE")
-    yield "group codes with marks", dxf("1_0 LINE")
-    yield "text of 10 MB", dxf("0 TEXT 1 " + "x" * 10_000_000)
-    yield "layers", dxf(*(f"0 LINE 8 L{k}" for k in range(times(100_000))))
-    yield "one line's end", dxf(line(0, 0, 1e-320, 0), line(1e-320, 0, 0, 0))
-    yield "loose lines", dxf(*(line(k, 0, k, 1) for k in range(100_000)))
-    yield "lines at one place", dxf(*(line(0, 0, 1, k % 3) for k in range(times(100_000))))
-    yield "far and near lines", dxf(line(1e9, 1e9, 1e-9, 0), line(1e-9, 0, 1e9, 1e9))
-    yield "circles", dxf(*(f"0 CIRCLE 8 0 10 {k} 20 0 40 1" for k in range(times(20_000))))
+    yield from {
+        "blocks that multiply": dxf("0 INSERT 8 0 2 B0 10 0 20 0", head=head),
+        "extrusion": dxf("0 CIRCLE 8 0 10 0 20 0 40 1 210 nan"),
+        "group code of 5,000 digits": dxf("9" * 5000 + " 1"),
+        "fullwidth group code": dxf("\uff10 LINE"),
+        "group codes with marks": dxf("1_0 LINE"),
+        "text of 10 MB": dxf("0 TEXT 1 " + "x" * 10_000_000),
+        "layers": dxf(*(f"0 LINE 8 L{k}" for k in range(times(100_000)))),
+        "one line's end": dxf(line(0, 0, 1e-320, 0), line(1e-320, 0, 0, 0)),
+        "loose lines": dxf(*(line(k, 0, k, 1) for k in range(100_000))),
+        "lines at one place": dxf(*(line(0, 0, 1, k % 3) for k in range(times(100_000)))),
+        "far and near lines": dxf(line(1e9, 1e9, 1e-9, 0), line(1e-9, 0, 1e9, 1e9)),
+        "circles": dxf(*(f"0 CIRCLE 8 0 10 {k} 20 0 40 1" for k in range(times(20_000)))),
+    }.items()
     many = " ".join(f"10 {k % 17} 20 {k % 19}" for k in range(times(350_000)))
     yield "open polyline", dxf(f"0 LWPOLYLINE 8 0 70 0 {many}")
     yield "too many lines", b"0\nSECTION\n" + b"0\n" * DRAWING_LINES
@@ -163,41 +171,47 @@ def programs(good: bytes) -> Named:
     yield from truncated(good, 0.1, 0.5, 0.99)
     for letter in "GMXYZIJFSTHNPQ":
         yield f"{letter} of 310 digits", program(f"{letter}1{'0' * 310}")
-    yield "decimals", program("G1 X0." + "0" * 1_000_000 + "1")
-    yield "beyond 1e9", program("G1 X10000000000 Y1")
-    yield "sizes that overflow", program("G0 X999999999", "G1 X-999999999", "G2 I1 J1 X5")
-    yield "exponent", program("G1 X1E308")
-    yield "fullwidth", program("G1 X\uff11")
-    yield "brackets", program("(" * 2_000_000)
-    yield "comment in a comment", program("(" * 500_000 + ")" * 500_000)
-    yield "words", program("X1" * 1_000_000)
-    yield "variables", program("#1=[#1+1]", "O100 CALL", "G1 X[#1/0]")
-    yield "arc of nothing", program("G1 X0 Y0 Z-1", "G2 X0 Y0 I0 J0")
-    yield "another end", program("G1 X1 Y1", end="M2\nM5\nM2\n")
-    yield "no end", program("G1 X1 Y1", end="")
-    yield "tolerance", b"(camgeo 1.0)\n(tolerance 1e300 mm)\n" + program("G1 X1")
-    yield "polar", program("G16", "G1 X1")
-    yield "only a mark", b"%\n" * 100_000
+    yield from {
+        "decimals": program("G1 X0." + "0" * 1_000_000 + "1"),
+        "beyond 1e9": program("G1 X10000000000 Y1"),
+        "sizes that overflow": program("G0 X999999999", "G1 X-999999999", "G2 I1 J1 X5"),
+        "exponent": program("G1 X1E308"),
+        "fullwidth": program("G1 X\uff11"),
+        "brackets": program("(" * 2_000_000),
+        "comment in a comment": program("(" * 500_000 + ")" * 500_000),
+        "words": program("X1" * 1_000_000),
+        "variables": program("#1=[#1+1]", "O100 CALL", "G1 X[#1/0]"),
+        "arc of nothing": program("G1 X0 Y0 Z-1", "G2 X0 Y0 I0 J0"),
+        "another end": program("G1 X1 Y1", end="M2\nM5\nM2\n"),
+        "no end": program("G1 X1 Y1", end=""),
+        "tolerance": b"(camgeo 1.0)\n(tolerance 1e300 mm)\n" + program("G1 X1"),
+        "polar": program("G16", "G1 X1"),
+        "only a mark": b"%\n" * 100_000,
+    }.items()
     within = (f"X{k % 7 * 1e-5:.5f} Y{k % 5 * 1e-5:.5f}" for k in range(times(120_000)))
     yield "moves within the tolerance", program("G0 X0 Y0", "G1 Z-1", *within)
     spiral = (f"X{(k % 2) * 0.01 + k * 1e-7:.7f} Y0" for k in range(times(60_000)))
-    yield "moves to and fro", program("G0 X0 Y0", "G1 Z-1", *spiral)
-    yield "closed paths", program("G0 X0 Y0", "G1 Z-1", *("X1 Y0", "X0 Y0") * times(30_000))
-    yield "comments", program(*("(operation a)",) * times(150_000))
-    yield "too many blocks", program(*("G1 X1",) * 200_001)
+    yield from {
+        "moves to and fro": program("G0 X0 Y0", "G1 Z-1", *spiral),
+        "closed paths": program("G0 X0 Y0", "G1 Z-1", *("X1 Y0", "X0 Y0") * times(30_000)),
+        "comments": program(*("(operation a)",) * times(150_000)),
+        "too many blocks": program(*("G1 X1",) * 200_001),
+    }.items()
 
 
 def contours(good: bytes) -> Named:
     yield from damaged(good)
     yield from wrong("x", lambda x: f"0,0\n{x},1\n1,1\n".encode())
     yield from wrong("bulge", lambda bulge: f"0,0,0\n1,1,{bulge}\n1,0,0\n".encode())
-    yield "no area", b"0,0\n1,1\n2,2\n"
-    yield "1e-320", b"0,0\n1e-320,0\n0,1e-320\n"
-    yield "one place", b"1,1\n" * times(100_000)
-    yield "rows", b"".join(b"%d,%d\n" % (k % 9, k % 11) for k in range(200_001))
-    yield "rows of three", b"0;0;1\n1;0;1\n1;1;1\n"
-    yield "three columns, then two", b"0,0,0\n1,1\n"
-    yield "too few", b"0,0\n1,0\n"
+    yield from {
+        "no area": b"0,0\n1,1\n2,2\n",
+        "1e-320": b"0,0\n1e-320,0\n0,1e-320\n",
+        "one place": b"1,1\n" * times(100_000),
+        "rows": b"".join(b"%d,%d\n" % (k % 9, k % 11) for k in range(200_001)),
+        "rows of three": b"0;0;1\n1;0;1\n1;1;1\n",
+        "three columns, then two": b"0,0,0\n1,1\n",
+        "too few": b"0,0\n1,0\n",
+    }.items()
 
 
 def tables(good: bytes, *, any_text: bool = True) -> Named:
@@ -208,14 +222,16 @@ def tables(good: bytes, *, any_text: bool = True) -> Named:
         yield "comments", b"#\n" * 399_000 + b"0,0\n"
     yield from wrong("first", lambda x: f"0,0\n{x},1\n360,0\n".encode())
     yield from wrong("second", lambda y: f"0,0\n180,{y}\n360,0\n".encode())
-    yield "columns", b"phi," + b"a," * 2_000_000 + b"lift\n" + b"0,0\n" * 10
-    yield "blanks in a heading", b"a" + b" " * 1_000_000 + b"b,lift\n0,0\n1,1\n"
-    yield "bracket in a heading", b"phi [" + b" " * 100_000 + b",lift\n0,0\n1,1\n"
-    yield "equal headings", b"phi,phi\n0,0\n360,0\n"
-    yield "descending", b"0,0\n10,1\n5,2\n360,0\n"
-    yield "mixed decimals", b"0;0\n1,5;1.5\n360;0\n"
-    yield "one row", b"0,0\n"
-    yield "huge", b"0,0\n180,1e31\n360,0\n"
+    yield from {
+        "columns": b"phi," + b"a," * 2_000_000 + b"lift\n" + b"0,0\n" * 10,
+        "blanks in a heading": b"a" + b" " * 1_000_000 + b"b,lift\n0,0\n1,1\n",
+        "bracket in a heading": b"phi [" + b" " * 100_000 + b",lift\n0,0\n1,1\n",
+        "equal headings": b"phi,phi\n0,0\n360,0\n",
+        "descending": b"0,0\n10,1\n5,2\n360,0\n",
+        "mixed decimals": b"0;0\n1,5;1.5\n360;0\n",
+        "one row": b"0,0\n",
+        "huge": b"0,0\n180,1e31\n360,0\n",
+    }.items()
 
 
 def points(good: bytes) -> Named:
@@ -224,21 +240,23 @@ def points(good: bytes) -> Named:
     rows = b"1,2\n" * 11
     yield from wrong("x", lambda x: rows + f"{x},1\n".encode())
     yield from wrong("normal", lambda n: b"1,2,1,0\n" * 11 + f"1,1,0,{n}\n".encode())
-    yield "too few", rows
-    yield "too many", b"".join(b"%d,%d\n" % (k % 9, k % 11) for k in range(50_001))
-    yield "lines", b"0,0\n" * 400_001
-    yield "columns", b"x," + b"a," * 2_000_000 + b"y\n" + rows
-    yield "equal headings", b"x,x\n" + rows
-    yield "another unit", b"x [furlong],y\n" + rows
-    yield "two units", b"x [mm],y [inch]\n" + rows + rows
-    yield "mixed decimals", b"1;2\n" * 11 + b"1,5;2.5\n"
-    yield "normals of no length", b"".join(b"%d,2,0,0\n" % k for k in range(12))
-    yield "half a normal", b"x,y,nx\n" + b"1,2,1\n" * 12
-    yield "one place", b"1,1\n" * 50_000
-    yield "the cam axis", b"0,0\n" * 20
-    yield "far away", b"1e9,-1e9\n" * 40_000
-    yield "far away in a row", b"".join(b"1e8,%d\n" % k for k in range(50_000))
-    yield "beyond 1e9", rows + b"2e9,0\n"
+    yield from {
+        "too few": rows,
+        "too many": b"".join(b"%d,%d\n" % (k % 9, k % 11) for k in range(50_001)),
+        "lines": b"0,0\n" * 400_001,
+        "columns": b"x," + b"a," * 2_000_000 + b"y\n" + rows,
+        "equal headings": b"x,x\n" + rows,
+        "another unit": b"x [furlong],y\n" + rows,
+        "two units": b"x [mm],y [inch]\n" + rows + rows,
+        "mixed decimals": b"1;2\n" * 11 + b"1,5;2.5\n",
+        "normals of no length": b"".join(b"%d,2,0,0\n" % k for k in range(12)),
+        "half a normal": b"x,y,nx\n" + b"1,2,1\n" * 12,
+        "one place": b"1,1\n" * 50_000,
+        "the cam axis": b"0,0\n" * 20,
+        "far away": b"1e9,-1e9\n" * 40_000,
+        "far away in a row": b"".join(b"1e8,%d\n" % k for k in range(50_000)),
+        "beyond 1e9": rows + b"2e9,0\n",
+    }.items()
 
 
 def svg(body: str, head: str = 'width="9mm" height="9mm" viewBox="0 0 9 9"') -> bytes:
@@ -250,29 +268,33 @@ def vectors(good: bytes) -> Named:
     yield from damaged(good)
     yield from truncated(good, 0.1, 0.5, 0.9, 0.99)
     laughs = "".join(f'<!ENTITY a{k} "{f"&a{k - 1};" * 10 if k else "lol"}">' for k in range(10))
-    yield "a billion laughs", f"<!DOCTYPE svg [{laughs}]><svg>&a9;</svg>".encode()
-    yield "an entity of a file", b'<!DOCTYPE s [<!ENTITY a SYSTEM "file:///etc/passwd">]><s>&a;</s>'
-    yield "document types", b"<!DOCTYPE svg " * times(100_000)
-    yield "UTF-16 stated", good.replace(b'"UTF-8"', b'"UTF-16"')
-    yield "deep groups", svg("<g>" * times(9_000) + "</g>" * times(9_000))
-    yield "groups without end", b"<g>" * times(1_000_000)
-    yield "many elements", svg('<circle r="1"/>' * times(400_000))
-    yield "many circles", svg('<circle r="1"/>' * 9_000)
-    yield "many attributes", svg("<g " + " ".join(f'a{k}="1"' for k in range(300_000)) + "/>")
-    yield "a long attribute", svg(f'<g id="{"a" * 8_000_000}"><circle r="1"/></g>')
-    yield "many pieces", svg(f'<path d="M0 0{"H1V2" * times(600_000)}Z"/>')
-    yield "many subpaths", svg(f'<path d="{"M0 0H1V1Z" * times(400_000)}"/>')
-    yield "many letters", svg(f'<path d="{"Z" * times(8_000_000)}"/>')
-    yield "many corners", svg(f'<polygon points="{"1,2 " * times(2_000_000)}"/>')
-    yield "a long number", svg(f'<path d="M0 0L{"9" * 8_000_000} 0 1 1Z"/>')
-    yield "points and signs", svg(f'<path d="M0 0L{"-.+" * 2_000_000}Z"/>')
+    yield from {
+        "a billion laughs": f"<!DOCTYPE svg [{laughs}]><svg>&a9;</svg>".encode(),
+        "an entity of a file": b'<!DOCTYPE s [<!ENTITY a SYSTEM "file:///etc/passwd">]><s>&a;</s>',
+        "document types": b"<!DOCTYPE svg " * times(100_000),
+        "UTF-16 stated": good.replace(b'"UTF-8"', b'"UTF-16"'),
+        "deep groups": svg("<g>" * times(9_000) + "</g>" * times(9_000)),
+        "groups without end": b"<g>" * times(1_000_000),
+        "many elements": svg('<circle r="1"/>' * times(400_000)),
+        "many circles": svg('<circle r="1"/>' * 9_000),
+        "many attributes": svg("<g " + " ".join(f'a{k}="1"' for k in range(300_000)) + "/>"),
+        "a long attribute": svg(f'<g id="{"a" * 8_000_000}"><circle r="1"/></g>'),
+        "many pieces": svg(f'<path d="M0 0{"H1V2" * times(600_000)}Z"/>'),
+        "many subpaths": svg(f'<path d="{"M0 0H1V1Z" * times(400_000)}"/>'),
+        "many letters": svg(f'<path d="{"Z" * times(8_000_000)}"/>'),
+        "many corners": svg(f'<polygon points="{"1,2 " * times(2_000_000)}"/>'),
+        "a long number": svg(f'<path d="M0 0L{"9" * 8_000_000} 0 1 1Z"/>'),
+        "points and signs": svg(f'<path d="M0 0L{"-.+" * 2_000_000}Z"/>'),
+    }.items()
     circle, size = '<circle r="1"/>', 'width="1mm" height="1mm"'
     yield from wrong("coordinate", lambda x: svg(f'<path d="M{x} 0 L 5 5 0 7Z"/>'))
     yield from wrong("radius", lambda radius: svg(f'<circle r="{radius}"/>'))
     yield from wrong("width", lambda width: svg(circle, f'width="{width}mm" height="1mm"'))
     yield from wrong("box", lambda width: svg(circle, f'{size} viewBox="0 0 {width} 1"'))
-    yield "radius 1e-320", svg('<circle r="1e-320"/>')
-    yield "arc of radius 1e-320", svg('<path d="M0 0A1e-320 1e-320 0 0 0 1 1Z"/>')
-    yield "arc that ends at its start", svg('<path d="M1 1A1 1 0 0 0 1 1Z"/>')
-    yield "transformation", svg('<circle r="1" transform="scale(1e300)"/>')
-    yield "use of itself", svg('<g id="a"><use href="#a"/></g>')
+    yield from {
+        "radius 1e-320": svg('<circle r="1e-320"/>'),
+        "arc of radius 1e-320": svg('<path d="M0 0A1e-320 1e-320 0 0 0 1 1Z"/>'),
+        "arc that ends at its start": svg('<path d="M1 1A1 1 0 0 0 1 1Z"/>'),
+        "transformation": svg('<circle r="1" transform="scale(1e300)"/>'),
+        "use of itself": svg('<g id="a"><use href="#a"/></g>'),
+    }.items()

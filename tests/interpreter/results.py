@@ -9,7 +9,7 @@ from typing import Any, Final
 from camgeo.design.linting import Bench
 from camgeo.errors import FileError
 from camgeo.milling.machine import load
-from camgeo_export.gcode.moves import Event
+from camgeo_export.interpreter.moves import Event
 from camgeo_export.interpreter.run import LINTER, run
 from tests.interpreter.programs import GOOD
 

@@ -10,10 +10,9 @@ from camgeo.design.product import Product
 from camgeo.design.verify import Check, Reading
 from camgeo.milling.machine import load
 from camgeo.scene.scene import parse_scene
-from camgeo_export.gcode.measure import bench_of
 from camgeo_export.gcode.writer import WRITER
-from camgeo_export.interpreter.run import Run, run_bytes
-from camgeo_export.verify.gcode import VERIFIER
+from camgeo_export.interpreter.run import Run, run
+from camgeo_export.verify.gcode import VERIFIER, bench_of
 
 TOLERANCE: Final = 0.02
 
@@ -107,7 +106,7 @@ def failing(product: Product, data: bytes, tolerance: float = TOLERANCE) -> list
 def require_clean(product: Product, data: bytes) -> Run:
     """That nothing is found in a program, and it measures and verifies."""
     profile = load(product.milled.gcode.machine)
-    found = run_bytes(data, profile, bench_of(product, profile))
+    found = run(data, profile, bench_of(product, profile))
     assert found.findings == ()
     assert WRITER.measure(product, data) <= TOLERANCE
     assert failing(product, data) == []

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.milling.machine import load, names
-from camgeo_export.interpreter.iso import RULES
+from camgeo_export.interpreter.controller import RULES
 from camgeo_export.interpreter.run import Run, run
 from tests.interpreter.programs import GOOD
 from tests.long_form import examples

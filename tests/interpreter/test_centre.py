@@ -12,9 +12,8 @@ import pytest
 
 from camgeo.design.linting import Bench
 from camgeo.milling.machine import load
-from camgeo_export.gcode.moves import CutterMove
-from camgeo_export.interpreter.compensation import centres, judge
-from camgeo_export.interpreter.iso import Findings
+from camgeo_export.interpreter.controller import Findings
+from camgeo_export.interpreter.moves import CutterMove, centres, judge
 from camgeo_export.interpreter.run import Run, run
 from tests.judges import rs274
 from tests.judges.paths import difference

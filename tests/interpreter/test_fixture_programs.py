@@ -17,9 +17,9 @@ import pytest
 from camgeo.design.product import Product
 from camgeo.errors import ToleranceError
 from camgeo.milling.machine import load, names
-from camgeo_export.gcode.measure import bench_of
 from camgeo_export.gcode.writer import WRITER
-from camgeo_export.interpreter.run import Run, run_bytes
+from camgeo_export.interpreter.run import Run, run
+from camgeo_export.verify.gcode import bench_of
 from tests.interpreter.stated import failing
 from tests.judges.programs import (
     FIXTURES,
@@ -78,7 +78,7 @@ def test_programs_are_clean_and_verify(
     profile = load(machine)
     for product in products(folder, scene, machine):
         data, kept = written(product, tolerance or product.scene.output.tolerance)
-        found = run_bytes(data, profile, bench_of(product, profile))
+        found = run(data, profile, bench_of(product, profile))
         assert found.findings == ()
         assert lifted(found) <= {cut.name for cut in product.milled.cuts if cut.strategy == "drill"}
         if not (LONG or machine == VERIFIED):  # to measure the path takes half a second

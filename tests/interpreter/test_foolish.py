@@ -201,6 +201,8 @@ def test_each_is_found(change: Change) -> None:
         # the length may be named before the tool is changed, and be put out of force for a retract
         ("linuxcnc", "T1 M6\nG43 H1\n", "G43 H1\nT1 M6\n"),
         ("fanuc", "M9\nM5\n", "M9\nG0 G49 Z200.\nM5\n"),
+        # the number of a tool alone stops no spindle
+        ("grbl", "S3000 M3", "S3000 M3\nT1"),
         # D1 holds for the next tool, too
         ("sinumerik", "SUPA G0 Z0 D0\nT1\nM6\nD1\n", "T2\nM6\nD1\nSUPA G0 Z0\nT1\nM6\n"),
     ],
@@ -215,10 +217,6 @@ def test_f_auto_is_the_feed_of_the_tool_call() -> None:
     found = linted(text, "heidenhain")
     assert found.findings == ()
     assert [move.feed for move in found.moves if move.kind != "rapid"][:2] == [100.0, 80.0]
-
-
-def test_the_number_of_a_tool_alone_stops_no_spindle() -> None:
-    assert linted(GOOD["grbl"].replace("S3000 M3", "S3000 M3\nT1"), "grbl").findings == ()
 
 
 def test_a_profile_says_how_far_an_arc_may_turn() -> None:

@@ -16,7 +16,7 @@ import pytest
 
 from camgeo.errors import FileError
 from camgeo.milling.machine import load
-from camgeo_export.interpreter.run import Run, run, run_bytes
+from camgeo_export.interpreter.run import Run, run
 from tests.interpreter.programs import GOOD
 
 FOLDER: Final = Path(__file__).parents[2] / "fixtures" / "found" / "programs"
@@ -54,14 +54,14 @@ def test_all_of_them_are_here() -> None:
 @pytest.mark.parametrize("name", RIGHT)
 def test_what_is_said_is_what_the_control_does(name: str) -> None:
     path = FOLDER / name
-    found = run_bytes(path.read_bytes(), load(MACHINES[path.suffix])).findings
+    found = run(path.read_bytes(), load(MACHINES[path.suffix])).findings
     said = {(each.line, each.rule) for each in found if each.rule != "unit-change"}
     assert said == set(RIGHT[name])
 
 
 def feeds(name: str) -> list[float]:
     path = FOLDER / name
-    moves = run_bytes(path.read_bytes(), load(MACHINES[path.suffix])).moves
+    moves = run(path.read_bytes(), load(MACHINES[path.suffix])).moves
     return [move.feed for move in moves if move.kind == "line"]
 
 
@@ -74,7 +74,7 @@ def test_f_counts_in_the_unit_before_where_the_control_reads_it_first() -> None:
 
 def test_a_corner_is_rounded_by_a_tangent_arc() -> None:
     """The radius about the centre, and right angles at both ends, of the corner at (10, 0)."""
-    moves = run_bytes((FOLDER / "msg.mpf").read_bytes(), load("sinumerik")).moves
+    moves = run((FOLDER / "msg.mpf").read_bytes(), load("sinumerik")).moves
     before, arc, after = [move for move in moves if move.z_end == -1.0][1:4]
     ends = [before.end, arc.end, after.end, arc.centre]
     assert ends == pytest.approx([8 + 0j, 10 + 2j, 10 + 10j, 8 + 2j])
@@ -121,6 +121,10 @@ PUT_IN: Final = (
     ("linuxcnc", "G41 D1 G1 X9.0\nG18", "compensation"),
     ("linuxcnc", "G41 D1 G1 X9.0\nG17\nG40 G1 X10.0", ""),
     ("linuxcnc", "G41 D1 G1 X9.0\nG81 X1 Y1 Z-4 R2", "compensation"),
+    ("linuxcnc", "G81 X9.0 Z-5.0", "missing-word"),
+    ("linuxcnc", "G81 X9.0 Z-5.0 R-6.0", "conflict"),
+    ("linuxcnc", "G81 X9.0 Z-5.0 R1.0 L0", "number"),
+    ("linuxcnc", "G81 X9.0 Z-5.0 R1.0 Q1.0", "unused-word"),
     ("linuxcnc", "G1 X9.0\rY5.0\nG1 X10.0", "line-end"),
     ("linuxcnc", "G1 X9.0\rG1 X10.0", "repeated-word"),
     ("linuxcnc", "G2 X10.0 Y5.0 R3.0 I1.0", "no-arc"),  # Mixed radius-ijk format for arc
@@ -148,6 +152,11 @@ PUT_IN: Final = (
     ("fanuc", "G81 X9.0 Y5.0 Z-4.0 R-2.0 L2", "unused-word"),
     ("fanuc", "G1 X9.0\rG1 X10.0", "line-end"),
     ("fanuc", "G2 I-3.0 J0.0", ""),
+    # Fanuc 16/18/160/180-C, machining centre, cncmanuals.com page 293: G02 and G03 cannot begin it.
+    ("fanuc", "G41 D1 G3 X9.0 Y6.0 I-1.0 J0.0", "compensation"),
+    ("fanuc", "G41 D1 G1 X9.0\nG40 G1 X10.0", ""),
+    # SINUMERIK ISO Milling 04.07, page 2-30, and B-63324EN, page 71: a spiral would result.
+    ("fanuc", "G1 X100.0 Y0.0\nG3 X-50.0 I-100.0", "arc-radius"),
     ("sinumerik", "TRANS", ""),
     ("sinumerik", "TRANS X10 Y5", "unsupported"),
     ("sinumerik", "STOPRE\nFFWON\nSOFT\nCFTCP\nG450\nG601", ""),
@@ -175,7 +184,7 @@ def test_what_takes_the_coordinates_of_its_block_moves_nothing() -> None:
 def test_a_byte_order_mark_is_told_where_it_is_read() -> None:
     for machine, told in (("grbl", False), ("linuxcnc", True), ("fanuc", True)):
         data = b"\xef\xbb\xbf" + GOOD[machine].encode()
-        found = {each.rule for each in run_bytes(data, load(machine)).findings}
+        found = {each.rule for each in run(data, load(machine)).findings}
         assert found == ({"characters"} if told else set())
 
 
@@ -278,13 +287,3 @@ def test_a_rounding_is_of_the_next_move_alone() -> None:
     for between in ("N85 G0 Z10\n", "N86 SUPA G0 Z0\n", "N87 G18 G2 X12 Z-1 CR=1\n"):
         found = run(text.replace("N90 G1 Y10\n", f"{between}N90 G17 G1 Y10\n"), load("sinumerik"))
         assert not any(move.kind == "arc" for move in found.moves)
-
-
-def test_what_a_cycle_of_holes_needs() -> None:
-    def rules(block: str) -> set[str]:
-        return {each.rule for each in with_block("linuxcnc", block).findings}
-
-    assert "missing-word" in rules("G81 X9.0 Z-5.0")
-    assert "conflict" in rules("G81 X9.0 Z-5.0 R-6.0")
-    assert "number" in rules("G81 X9.0 Z-5.0 R1.0 L0")
-    assert "unused-word" in rules("G81 X9.0 Z-5.0 R1.0 Q1.0")

@@ -9,8 +9,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from camgeo_export.gcode.moves import CutterMove, Kind
-from camgeo_export.interpreter.compensation import Parallel, meeting
+from camgeo_export.interpreter.moves import CutterMove, Kind, Parallel, meeting
 
 RADIUS = 1.0
 

@@ -11,8 +11,7 @@ from camgeo.design.verify import Reading
 from camgeo.errors import SceneError
 from camgeo.milling.machine import load
 from camgeo.scene.scene import parse_scene
-from camgeo_export.gcode.measure import bench_of
-from camgeo_export.verify.gcode import VERIFIER
+from camgeo_export.verify.gcode import VERIFIER, bench_of
 from tests.interpreter.stated import (
     CAM,
     SCREWED,

@@ -14,7 +14,7 @@ from camgeo.milling.machine import load, names
 from camgeo.milling.milling import GcodeSpec
 from camgeo.units import LengthUnit
 from camgeo_export.gcode.writer import WRITER
-from camgeo_export.interpreter.run import run, run_bytes
+from camgeo_export.interpreter.run import run
 from camgeo_export.verify.gcode import VERIFIER
 from tests.export.stub_product import TOOL, StubProduct
 from tests.interpreter.stated import TOLERANCE, failing
@@ -30,7 +30,7 @@ def test_programs_are_clean_and_verify(machine: str, unit: LengthUnit) -> None:
     product = StubProduct(gcode=spec, second_tool=second, unit=unit)
     data = WRITER.write(product, TOLERANCE).data
     step = 25.4e-4
-    found = run_bytes(data, load(machine), Bench(clearance=spec.clearance_height - step))
+    found = run(data, load(machine), Bench(clearance=spec.clearance_height - step))
     assert found.findings == ()
     assert found.mm_per_unit == {"mm": 1.0, "inch": 25.4}[unit]
     assert {move.tool for move in found.moves if move.kind != "rapid"} == (
@@ -49,7 +49,7 @@ def test_programs_are_clean_and_verify(machine: str, unit: LengthUnit) -> None:
 def test_only_coordinates_have_the_largest_of_coordinates(machine: str) -> None:
     """A router's spindle turns faster than Grbl's coordinates reach."""
     product = StubProduct(gcode=GcodeSpec(machine=machine), tool=replace(TOOL, spindle_speed=24e3))
-    found = run_bytes(WRITER.write(product, TOLERANCE).data, load(machine))
+    found = run(WRITER.write(product, TOLERANCE).data, load(machine))
     assert found.findings == ()
     far = {"klartext": "0 BEGIN PGM A MM\n1 L X+{} R0 FMAX\n", "iso": "G21 G90 G0 X{}\n"}
     profile = load(machine)

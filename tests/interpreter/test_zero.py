@@ -14,10 +14,9 @@ from camgeo.design.design import Design
 from camgeo.milling.machine import load, names
 from camgeo.milling.milling import CORNERS, HEIGHTS
 from camgeo.scene.scene import parse_scene
-from camgeo_export.gcode.measure import bench_of
 from camgeo_export.gcode.writer import WRITER
-from camgeo_export.interpreter.run import Run, run_bytes
-from camgeo_export.verify.gcode import VERIFIER
+from camgeo_export.interpreter.run import Run, run
+from camgeo_export.verify.gcode import VERIFIER, bench_of
 from tests.interpreter.stated import (
     CAM,
     TOLERANCE,
@@ -75,7 +74,7 @@ def scene(machine: str = "linuxcnc", zero: str = "axis", height: str = "part-top
 
 
 def read(text: str, machine: str) -> Run:
-    return run_bytes(written(text), load(machine), bench_of(product_of(text), load(machine)))
+    return run(written(text), load(machine), bench_of(product_of(text), load(machine)))
 
 
 def test_all_corners_and_faces_are_where_they_say() -> None:
@@ -127,7 +126,7 @@ def test_program_sheet_and_certificate_say_where_it_is() -> None:
     text = scene(zero="front-left", height="blank-top")
     disc = product_of(text)
     sentence = "X 0, Y 0 on the front left corner of the blank, Z 0 on the upper face of the blank"
-    notes = " ".join(run_bytes(written(text), load("linuxcnc")).comments)
+    notes = " ".join(run(written(text), load("linuxcnc")).comments)
     assert f"unit mm, {sentence}" in notes
     assert "cam axis at X 37 Y 37, upper face of the finished disc at Z -1" in notes
     assert "operation bore depths -7.3000" in notes
@@ -148,7 +147,7 @@ def test_the_blank_is_named_and_drawn_by_the_control() -> None:
         "2 BLK FORM 0.2 X+80.0000 Y+70.0000 Z+0.0000",
     ]
     for machine in names() if LONG else ("linuxcnc", "heidenhain", "grbl", "fanuc"):
-        notes = " ".join(run_bytes(written(scene(machine)), load(machine)).comments).lower()
+        notes = " ".join(run(written(scene(machine)), load(machine)).comments).lower()
         said = "plate, 80 x 70 mm, 9 mm high, its upper face at z 1"
         assert f"blank: {said}" in notes.replace("_", ":")
     text = f'{CAM}machine = "heidenhain"\n[holding]\nkind = "fixture"\nthrough = 0.3\n'
@@ -158,7 +157,7 @@ def test_the_blank_is_named_and_drawn_by_the_control() -> None:
 
 
 def test_on_the_axis_and_the_finished_face_nothing_is_said_that_was_not() -> None:
-    notes = run_bytes(written(scene()), load("linuxcnc")).comments
+    notes = run(written(scene()), load("linuxcnc")).comments
     assert "unit mm, Z 0 on the upper face, origin on the cam axis" in notes
     assert not any("cam axis at" in note for note in notes)
 

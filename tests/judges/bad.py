@@ -8,7 +8,7 @@ from typing import Final
 
 from camgeo.design.linting import LineFinding
 from camgeo.milling.machine import load
-from camgeo_export.interpreter.run import run_bytes
+from camgeo_export.interpreter.run import run
 
 VARIABLE: Final = "CAMGEO_LINUXCNC"
 
@@ -33,5 +33,5 @@ def programs() -> list[Path]:
 
 def found(path: Path) -> list[LineFinding]:
     """The findings that say, with a line, why a program must fail."""
-    findings = run_bytes(path.read_bytes(), load("linuxcnc")).findings
+    findings = run(path.read_bytes(), load("linuxcnc")).findings
     return [each for each in findings if each.line and each.concerns in LINES]

@@ -81,14 +81,6 @@ def test_no_clearance_leaves_the_part() -> None:
     assert compensated(part, PrintSpec(bore_clearance=0.3)) is part
 
 
-def test_a_clearance_that_eats_the_keyway() -> None:
-    with refused("print.bore_clearance", "no room for it"):
-        with_clearance(KEYED, PrintSpec(bore_clearance=6.0))
-    tight = replace(KEYED, hub=Hub(20.1, 5.0))
-    with refused("print.bore_clearance", "no room for it"):
-        with_clearance(tight, PrintSpec(bore_clearance=0.3))
-
-
 def test_the_foot_is_drawn_in_step_by_step() -> None:
     part = made(Contact.INNER, replace(KEYED, bolt_circle=Holes(3, 46.0, 5.0)))
     found = compensated(part, PrintSpec(elephant_foot=Foot(0.3, 0.6, 3)))
@@ -124,12 +116,25 @@ def test_a_foot_of_a_lower_hub() -> None:
 
 
 @pytest.mark.parametrize(
-    ("foot", "key"),
-    [(Foot(0.2, 10.0), "height"), (Foot(11.0, 0.2), "inset"), (Foot(40.0, 0.2), "inset")],
-)
-def test_a_foot_without_room(foot: Foot, key: str) -> None:
-    with refused(f"print.elephant_foot.{key}"):
-        compensated(made(Contact.INNER, DISC), PrintSpec(elephant_foot=foot))
+    ("spec", "printed", "key", "message"),
+    [
+        (KEYED, PrintSpec(bore_clearance=6.0), "bore_clearance", "no room for it"),
+        (replace(KEYED, hub=Hub(20.1, 5.0)), PrintSpec(bore_clearance=0.3), "bore_clearance",
+         "no room for it"),
+        (DISC, PrintSpec(elephant_foot=Foot(0.2, 10.0)), "elephant_foot.height", "."),
+        (DISC, PrintSpec(elephant_foot=Foot(11.0, 0.2)), "elephant_foot.inset", "."),
+        (DISC, PrintSpec(elephant_foot=Foot(40.0, 0.2)), "elephant_foot.inset", "."),
+        (replace(DISC, chamfers=Chamfers(outline=Chamfer(1.0))),
+         PrintSpec(elephant_foot=Foot(0.3, 0.2)), "elephant_foot",
+         "edges of the lowest face have chamfers"),
+    ],
+)  # fmt: skip
+def test_what_has_no_room_is_refused(
+    spec: PartSpec, printed: PrintSpec, key: str, message: str
+) -> None:
+    """A keyway that the clearance eats, a hub; a foot, also where there are chamfers."""
+    with refused(f"print.{key}", message):
+        compensated(made(Contact.INNER, with_clearance(spec, printed)), printed)
 
 
 def test_holes_that_a_foot_would_join() -> None:
@@ -187,12 +192,6 @@ def test_chamfers_are_scaled_with_the_part() -> None:
     assert solid(stretched).volume == pytest.approx(xy**2 * z * solid(part).volume, rel=1e-12)
     footed = compensated(part, PrintSpec(elephant_foot=Foot(0.3, 0.2)))
     assert footed.bevels == part.bevels
-
-
-def test_a_foot_is_not_drawn_in_where_there_are_chamfers() -> None:
-    part = made(Contact.INNER, replace(DISC, chamfers=Chamfers(outline=Chamfer(1.0))))
-    with refused("print.elephant_foot", "edges of the lowest face have chamfers"):
-        compensated(part, PrintSpec(elephant_foot=Foot(0.3, 0.2)))
 
 
 FACTOR = 1.02

@@ -13,10 +13,9 @@ from camgeo.design.product import Product, disc_of, programs_of, sides_of
 from camgeo.milling.holding import mirrored
 from camgeo.milling.machine import load, names
 from camgeo.milling.moves import ArcFeed
-from camgeo_export.gcode.comments import budget
-from camgeo_export.gcode.measure import bench_of
-from camgeo_export.gcode.writer import WRITER
+from camgeo_export.gcode.writer import WRITER, budget
 from camgeo_export.interpreter.run import run
+from camgeo_export.verify.gcode import bench_of
 from tests.draws.jobs import read
 from tests.interpreter.stated import failing
 from tests.second_side.scenes import (

@@ -5,23 +5,35 @@ from __future__ import annotations
 import cmath
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+import textwrap
+import unicodedata
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import zip_longest
-from typing import Final, Protocol
+from typing import Final
 
-from camgeo.check.finding import Finding
-from camgeo.design.product import Product
+from camgeo.design.product import SECOND as NAME
+from camgeo.design.product import Product, title_of
 from camgeo.design.writing import Written
 from camgeo.errors import Fault, GeometryError, SceneError, ToleranceError
 from camgeo.milling.compensation import KEY as KEY_OF_COMPENSATION
 from camgeo.milling.compensation import Limit, limits_of, mode_of, programmed
 from camgeo.milling.cut import Cut
-from camgeo.milling.holding import OTHER
-from camgeo.milling.machine import KEY, ArcLimits, Machine, NumberForm, filled, load
+from camgeo.milling.holding import HOW, OTHER
+from camgeo.milling.machine import (
+    KEY,
+    ROUNDING_SHARE,
+    ROUNDING_UNITS,
+    ArcLimits,
+    Machine,
+    NumberForm,
+    TextForm,
+    filled,
+    load,
+)
 from camgeo.milling.machining_time import toolpath_times
-from camgeo.milling.milling import GcodeSpec
+from camgeo.milling.milling import GcodeSpec, Stock
 from camgeo.milling.moves import (
     ArcFeed,
     Feed,
@@ -34,23 +46,12 @@ from camgeo.milling.moves import (
     too_long,
 )
 from camgeo.milling.tool import WEAR, Tool
-from camgeo.milling.zero import OF_THE_PART, Zero, box
+from camgeo.milling.zero import OF_THE_PART, Zero, box, described
 from camgeo.numeric.checked import one_of
 from camgeo.reading import PROGRAM_LINES
 from camgeo.scene.formats.gcode import FORMAT
 from camgeo.units import MM_PER, LengthUnit
-from camgeo_export.gcode.comments import (
-    Budget,
-    Grid,
-    about_operation,
-    about_program,
-    budget,
-    commented,
-    number,
-    side_sentence,
-    spelled,
-)
-from camgeo_export.gcode.measure import measure
+from camgeo_export.verify.gcode import measure as deviation_of
 
 ENDINGS: Final = {"lf": "\n", "crlf": "\r\n"}
 
@@ -59,6 +60,7 @@ class GcodeWriter:
     """Writes a milling program."""
 
     format = FORMAT
+    measure = staticmethod(deviation_of)
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The program, in the product's unit; path blending counts against `tolerance` [mm]."""
@@ -67,17 +69,21 @@ class GcodeWriter:
         setup = setup_of(product, spec, machine)
         shares = budget(machine, product.unit, tolerance)
         toolpath = product.milled.toolpath(shares.fit)
-        watched = _safe(product, shares.fit, tolerance, toolpath)
+        whole = product.milled.whole
+        if whole is None:
+            watched = product.milled.safe(toolpath, tolerance)
+        else:  # of all programs it is told with the first
+            watched = () if product.program else whole.safe(whole.toolpath(shares.fit), tolerance)
         cuts = [operation.cut for operation in toolpath.operations]
         _check_tools(cuts, machine)
         about = about_program(product, machine, shares, cuts, product.scene_hash)
         program = written(toolpath, machine, shares, setup, about)
         lines = numbered(program.lines, machine)
-        _check_length(lines, machine)
-        _check_reach(program, machine)
+        _check_limits(lines, program, machine)
+        side = side_sentence(product)
         facts: dict[str, int | float | str] = {
             "operations": len(toolpath.operations),
-            **({"side": side_sentence(product)} if side_sentence(product) else {}),
+            **({"side": side} if side else {}),
             "zero": setup.zero.sentence,
             "arcs": program.speller.arcs,
             "lines": program.speller.lines,
@@ -108,20 +114,6 @@ class GcodeWriter:
         """The disc, or one for each program where the machine cannot change tools."""
         return product.programs
 
-    def measure(self, product: Product, data: bytes) -> float:
-        """Run the program in our own interpreter and measure the cutter path [mm]."""
-        return measure(product, data)
-
-
-def _safe(
-    product: Product, fit: float, tolerance: float, toolpath: Toolpath
-) -> tuple[Finding, ...]:
-    """What is to be watched in all programs, told with the first; raises UnsafeError like it."""
-    whole = product.milled.whole
-    if whole is None:
-        return product.milled.safe(toolpath, tolerance)
-    return () if product.program else whole.safe(whole.toolpath(fit), tolerance)
-
 
 def setup_of(product: Product, spec: GcodeSpec, machine: Machine) -> Setup:
     """What the scene asks of the program; SceneError for what the machine does not have."""
@@ -139,8 +131,7 @@ def setup_of(product: Product, spec: GcodeSpec, machine: Machine) -> Setup:
         try:
             one_of(key, value, allowed[key.rpartition(".")[2]])
         except GeometryError as error:
-            message = f"{error.message} for {machine.name}"
-            faults.append(Fault(error.key, repr(value), message))
+            faults.append(Fault(error.key, repr(value), f"{error.message} for {machine.name}"))
     if faults:
         raise SceneError(faults)
     spin_up = machine.spindle.spin_up if spec.spin_up is None else spec.spin_up
@@ -166,22 +157,22 @@ def _check_tools(cuts: list[Cut], machine: Machine) -> None:
         named = " and ".join(map(str, tools))
         message = f"a program cannot change tools there, but tools {named} are needed"
         allowed = "write one for each of them, or use a profile with tool_change.change"
-        raise SceneError([Fault(KEY, repr(machine.name), f"{message}: {allowed}")])
+        raise _error(machine, f"{message}: {allowed}")
 
 
-def _check_length(lines: list[str], machine: Machine) -> None:
+def _check_limits(lines: list[str], program: Program, machine: Machine) -> None:
     for line in lines:
         if len(line) > machine.text.line_length:
-            message = f"its text.line_length is too short for the block {line}"
-            raise SceneError([Fault(KEY, repr(machine.name), message)])
-
-
-def _check_reach(program: Program, machine: Machine) -> None:
+            raise _error(machine, f"its text.line_length is too short for the block {line}")
     grid = program.speller.grid
     largest = grid.mm(program.speller.reach) / grid.mm_per_unit
     if largest > machine.numbers.largest:
-        message = f"its numbers.largest is too small for the coordinate {largest:g}"
-        raise SceneError([Fault(KEY, repr(machine.name), message)])
+        raise _error(machine, f"its numbers.largest is too small for the coordinate {largest:g}")
+
+
+def _error(machine: Machine, message: str) -> SceneError:
+    """What a profile does not allow."""
+    return SceneError([Fault(KEY, repr(machine.name), message)])
 
 
 WRITER = GcodeWriter()
@@ -250,9 +241,10 @@ class Program:
     def __post_init__(self) -> None:
         grid = Grid(self.shares.decimals, MM_PER[self.setup.unit])
         machine = self.machine
-        words = dialect(machine.dialect)
-        zero = self.setup.zero
-        self.speller = Speller(grid, self.shares, machine.arcs, words, machine.numbers, zero)
+        words = Klartext() if machine.dialect == "klartext" else Iso()
+        self.speller = Speller(
+            grid, self.shares, machine.arcs, words, machine.numbers, self.setup.zero
+        )
 
     def start(self, about: Iterable[str]) -> None:
         """The first lines and the comments on the whole program."""
@@ -262,27 +254,25 @@ class Program:
             number=f"{self.setup.number:04d}",
             unit=self.machine.unit.of(self.setup.unit),
         )
-        self.lines += self._blank()
+        if self.setup.blank is not None:  # for the controller's graphics
+            grid, signed = self.speller.grid, self.speller.dialect.signed
+            words = {
+                f"{axis}{k}": grid.text(grid.steps(place), signed=signed)
+                for k, corner in enumerate(self.setup.blank)
+                for axis, place in zip("xyz", corner, strict=True)
+            }
+            self.lines += filled(self.machine.program.blank, **words)
         self.lines += self._commented(about)
-
-    def _blank(self) -> list[str]:
-        """The blank for the controller's graphics, if it is known."""
-        if self.setup.blank is None:
-            return []
-        grid, signed = self.speller.grid, self.speller.dialect.signed
-        words = {
-            f"{axis}{k}": grid.text(grid.steps(place), signed=signed)
-            for k, corner in enumerate(self.setup.blank)
-            for axis, place in zip("xyz", corner, strict=True)
-        }
-        return filled(self.machine.program.blank, **words)
 
     def operation(self, operation: Operation, following: Operation | None) -> None:
         """One operation, from its comments to its last move, and away if the operator comes."""
         first = self._tool is None
         said = self._compensate(operation)
         grid, zero = self.speller.grid, self.setup.zero
-        comments = self._commented(about_operation(operation.cut, grid, zero, said))
+        cut = operation.cut
+        depths = " ".join(grid.text(grid.steps(depth - zero.z)) for depth in cut.depths)
+        about = (f"operation {cut.name}", f"depths {depths}", said, cut.note)
+        comments = self._commented(about)
         self.lines += () if first else comments
         moves = programmed(operation)
         before = moves[1] if not first and len(moves) > 1 else None
@@ -421,7 +411,7 @@ class Program:
 
     def _retract(self, z: float) -> None:
         """Up to the machine's retract, or to the height `z` [mm] if it is not there."""
-        if self._plain_retract and self.speller.at_height(z):
+        if self._plain_retract and self.speller.level(z) == self.speller.at[2]:
             return
         self.lines += filled(self.machine.retract.blocks, z=self.speller.height(z))
         if self._plain_retract:
@@ -542,12 +532,14 @@ class Speller:
     arcs, lines : cutting blocks written so far.
     switches : words of the controller's compensation, by what they switch it to on the machine.
     reach : largest magnitude of a coordinate so far, in steps of the grid.
+    place : exact one of the cutter in the plane [mm].
+    at : where it is as printed, in steps; None where that is not known.
     """
 
     grid: Grid
     budget: Budget
     limits: ArcLimits
-    dialect: Dialect
+    dialect: Iso
     numbers: NumberForm
     zero: Zero = OF_THE_PART
     blocks: list[str] = field(default_factory=list)
@@ -555,15 +547,10 @@ class Speller:
     arcs: int = 0
     lines: int = 0
     reach: int = 0
-    _exact: complex = 0j
+    place: complex = 0j
     _exact_z: float = math.nan
-    _at: tuple[int | None, int | None, int | None] = (None, None, None)
+    at: tuple[int | None, int | None, int | None] = (None, None, None)
     _feed: str = ""
-
-    @property
-    def place(self) -> complex:
-        """The cutter's exact place in the plane [mm]."""
-        return self._exact
 
     def take(self) -> list[str]:
         """The blocks written since the last call."""
@@ -572,27 +559,24 @@ class Speller:
 
     def forget(self) -> None:
         """A block of the program's own has moved the cutter along Z, nobody knows where to."""
-        self._at = (*self._at[:2], None)
+        self.at = (*self.at[:2], None)
 
     def restart(self) -> None:
         """State place and feed again in the next blocks, as a program may be started here."""
-        self._at = (None, None, self._at[2])
+        self.at = (None, None, self.at[2])
         self._feed = ""
-
-    def at_height(self, height: float) -> bool:
-        """Whether the cutter is at Z `height` [mm], as printed."""
-        return self._at[2] == self._level(height)
 
     def height(self, height: float) -> str:
         """Z `height` [mm] as printed."""
-        return self.grid.text(self._level(height), signed=self.dialect.signed)
+        return self.grid.text(self.level(height), signed=self.dialect.signed)
 
-    def _level(self, height: float) -> int:
+    def level(self, height: float) -> int:
+        """Z `height` [mm] in steps of the grid."""
         return self.grid.steps(height - self.zero.z)
 
     def reached(self, height: float) -> None:
         """A block of the program's own has moved the cutter to Z `height` [mm]."""
-        self._at = (*self._at[:2], self._level(height))
+        self.at = (*self.at[:2], self.level(height))
         self._exact_z = height
 
     def retract(self, height: float) -> None:
@@ -604,8 +588,8 @@ class Speller:
         """Traverse to X and Y of `end` at the cutter's height, whatever it is."""
         x, y, _ = self._steps(end)
         self.blocks.append(self.dialect.rapid(self._texts((("X", x), ("Y", y)))))
-        self._at = (x, y, self._at[2])
-        self._exact = complex(end[0], end[1])
+        self.at = (x, y, self.at[2])
+        self.place = complex(end[0], end[1])
 
     def move(self, move: Rapid | Feed | ArcFeed) -> None:
         """Write one move; FileError if the program becomes too long to be read."""
@@ -617,7 +601,7 @@ class Speller:
             self._straight(self._steps(move.end), self._feed_text(move.feed), switch)
         else:
             self._arc(move)
-        self._exact, self._exact_z = complex(move.end[0], move.end[1]), move.end[2]
+        self.place, self._exact_z = complex(move.end[0], move.end[1]), move.end[2]
 
     def _steps(self, end: Point) -> Steps:
         x, y, z = self.zero.of_point(end)
@@ -630,11 +614,11 @@ class Speller:
         return [(axis, self.grid.text(value, signed=signed)) for axis, value in values]
 
     def _traverse(self, end: Steps) -> None:
-        if end[2] != self._at[2] and (end[0], end[1]) != self._at[:2]:
+        if end[2] != self.at[2] and (end[0], end[1]) != self.at[:2]:
             raise ValueError("a traverse must move either in Z or in the plane")
         if changes := self._changes(end):
             self.blocks.append(self.dialect.rapid(changes))
-        self._at = end
+        self.at = end
 
     def _straight(self, end: Steps, feed: str, switch: str = "") -> None:
         if changes := self._changes(end):
@@ -642,23 +626,24 @@ class Speller:
             self.lines += 1
             if self.lines > PROGRAM_LINES:
                 raise too_long()
-        self._at = end
+        self.at = end
 
     def _changes(self, end: Steps) -> list[tuple[str, str]]:
         """The coordinates that change, X and Y together; none if the block moves nothing."""
-        plane = (end[0], end[1]) != self._at[:2]
+        plane = (end[0], end[1]) != self.at[:2]
         values: tuple[tuple[str, int], ...] = (("X", end[0]), ("Y", end[1])) if plane else ()
-        return self._texts(values + ((("Z", end[2]),) if end[2] != self._at[2] else ()))
+        return self._texts(values + ((("Z", end[2]),) if end[2] != self.at[2] else ()))
 
     def _arc(self, move: ArcFeed) -> None:
         centre = complex(*move.centre)
         end = complex(move.end[0], move.end[1])
-        arm = self._exact - centre
+        arm = self.place - centre
         radius = abs(arm)
         sweep = arc_sweep(arm, end - centre, ccw=move.ccw)
         feed = self._feed_text(move.feed)
-        helix = self._steps(move.end)[2] != self._at[2]
-        chords = not self.budget.arcs or _sagitta(radius, sweep) <= self.budget.chord
+        helix = self._steps(move.end)[2] != self.at[2]
+        sagitta = 2.0 * radius * math.sin(0.25 * sweep) ** 2
+        chords = not self.budget.arcs or sagitta <= self.budget.chord
         chords = chords or (helix and not self.limits.helical)
         if chords or not self.limits.smallest_radius <= radius <= self.limits.largest_radius:
             low, high = self._exact_z, move.end[2]
@@ -672,7 +657,7 @@ class Speller:
 
     def _printed_arc(self, end: Steps, centre: complex, feed: str, *, ccw: bool) -> None:
         """An arc block between printed points, with a centre recomputed for them and checked."""
-        x, y, z = self._at
+        x, y, z = self.at
         if x is None or y is None or z is None:
             raise ValueError("an arc must start at a known point")
         if (end[0], end[1]) == (x, y):
@@ -700,7 +685,7 @@ class Speller:
         middle = self._texts((("X", i), ("Y", j)))
         self.blocks += self.dialect.arc(self._texts(ends), middle, self._new(feed), ccw=ccw)
         self.arcs += 1
-        self._at = end
+        self.at = end
 
     def _feed_text(self, feed: float) -> str:
         """The feed [mm/min] in program units."""
@@ -722,10 +707,6 @@ class Speller:
         return feed
 
 
-def _sagitta(radius: float, sweep: float) -> float:
-    return 2.0 * radius * math.sin(0.25 * sweep) ** 2
-
-
 def _chord_ends(radius: float, sweep: float, sagitta: float) -> list[float]:
     """Ends of the fewest equal chords within `sagitta` of the arc, as fractions of it up to 1."""
     ratio = math.sqrt(min(1.0, 0.5 * sagitta / radius))
@@ -741,48 +722,36 @@ Coordinates = Sequence[tuple[str, str]]
 """Axes with their printed coordinates."""
 
 
-class Dialect(Protocol):
-    """How blocks of moves are spelled; coordinates are printed already."""
-
-    @property
-    def signed(self) -> bool:
-        """Whether coordinates have a plus sign."""
-
-    def rapid(self, end: Coordinates) -> str:
-        """A traverse to `end`."""
-
-    def line(self, end: Coordinates, feed: str, switch: str = "") -> str:
-        """A straight cut; `feed` is empty where it goes on, `switch` are the words of the
-        controller's compensation that it switches.
-        """
-
-    def arc(self, end: Coordinates, centre: Coordinates, feed: str, *, ccw: bool) -> list[str]:
-        """A circular cut, in one block or two."""
-
-
 class Iso:
-    """G and M words; the centre is written as I and J."""
+    """G and M words; the centre is written as I and J. Coordinates are printed already.
 
-    signed: Final = False
+    Attributes
+    ----------
+    signed : whether coordinates have a plus sign.
+    """
+
+    signed = False
 
     def rapid(self, end: Coordinates) -> str:
-        """As G0."""
+        """A traverse to `end`, as G0."""
         return _spelled("G0", _words(end))
 
     def line(self, end: Coordinates, feed: str, switch: str = "") -> str:
-        """As G1."""
+        """A straight cut, as G1; `feed` is empty where it goes on, `switch` are the words of the
+        controller's compensation that it switches.
+        """
         return _spelled("G1", switch, _words(end), _feed(feed))
 
     def arc(self, end: Coordinates, centre: Coordinates, feed: str, *, ccw: bool) -> list[str]:
-        """As G3 or G2."""
+        """A circular cut, as G3 or G2."""
         own = [("IJ"["XY".index(axis)], value) for axis, value in centre]
         return [_spelled("G3" if ccw else "G2", _words(end), _words(own), _feed(feed))]
 
 
-class Klartext:
+class Klartext(Iso):
     """Heidenhain's conversational blocks; the centre has a block of its own."""
 
-    signed: Final = True
+    signed = True
 
     def __init__(self) -> None:
         self._centre = ""
@@ -807,11 +776,6 @@ class Klartext:
         return found
 
 
-def dialect(name: str) -> Dialect:
-    """That of a machine profile."""
-    return Klartext() if name == "klartext" else Iso()
-
-
 def _words(coordinates: Coordinates) -> str:
     return " ".join(axis + value for axis, value in coordinates)
 
@@ -822,3 +786,240 @@ def _feed(feed: str) -> str:
 
 def _spelled(*parts: str) -> str:
     return " ".join(part for part in parts if part)
+
+
+# -- comments -------------------------------------------------------------------------------------
+# What a program says of itself.
+
+
+SECOND = "second side:"
+"""A comment that begins with it says that a program mills the second side."""
+
+NUMBER_ROOM = 8
+"""Characters of a line left for the number of its block."""
+
+
+def about_program(
+    product: Product, machine: Machine, shares: Budget, cuts: Sequence[Cut], scene: str
+) -> list[str]:
+    """Comments on the whole program, in its unit, exact lengths also in mm; `scene` is the hash of
+    the scene to be named.
+    """
+    unit, zero, milling = product.unit, product.milled.zero, product.milled.spec
+    stock = Stock() if milling is None else milling.stock
+    tools = {cut.tool.number: cut.tool for cut in cuts}
+
+    def length(mm: float) -> str:
+        return f"{mm / MM_PER[unit]:.4g} {unit}"
+
+    blank = described(stock, product.milled.part, zero, unit)
+    tolerance = f"{shares.tolerance!r} mm"
+    if unit != "mm":
+        tolerance = f"{shares.tolerance / MM_PER[unit]:.6g} {unit}, {tolerance}"
+    parts = (
+        f"part {product.name}",
+        side_sentence(product),
+        f"camgeo {product.version}, for {machine.name}",
+        f"scene {scene}" if scene else "",
+        f"unit {unit}, Z 0 on the upper face, origin on the cam axis"
+        if zero.is_of_the_part
+        else f"unit {unit}, {zero.sentence}",
+        *_from(zero, unit),
+        f"{'work' if zero.turned else 'blank'}: {blank}",
+        f"tolerance {tolerance}",
+        f"fit within {length(shares.fit)}, printed within {length(shares.rounding)}",
+        f"chords within {length(shares.chord)}, path blending {length(shares.blending)}",
+        f"arcs run within {length(shares.interpolation)}" if shares.interpolation > 0.0 else "",
+        *(
+            f"tool {each}: {tool.kind.replace('-', ' ')}, diameter {spelled(tool.diameter, unit)}"
+            + (f", {tool.name}" if tool.name else "")
+            for each, tool in tools.items()
+        ),
+        *product.milled.told,
+        ""
+        if title_of(product) == product.name
+        else f"title {title_of(product)}",  # anyone's words: last
+    )
+    return [part for part in parts if part]
+
+
+def side_sentence(product: Product) -> str:
+    """Which side of the part a program mills, and how the work lies; empty if there is but one."""
+    milled = product.milled
+    if milled.first is not None:
+        return f"{SECOND} the work is {HOW[milled.zero.turned]}"
+    return "" if milled.second is None else f"first side: {product.name}-{NAME} follows it"
+
+
+def _from(zero: Zero, unit: LengthUnit) -> Iterator[str]:
+    """Where the part is, seen from another zero than its own."""
+    if not zero.is_of_the_part:
+        axis, top = zero.of(0j), 0.0 - zero.z
+        places = [number(mm / MM_PER[unit]) for mm in (axis.real, axis.imag, top)]
+        face = "lower face of the finished part" if zero.turned else (
+            "upper face of the finished disc"
+        )  # fmt: skip
+        yield "cam axis at X {} Y {}, {} at Z {}".format(*places[:2], face, places[2])
+
+
+def spelled(mm: float, unit: LengthUnit) -> str:
+    """A length in the program's unit, and in mm if that is another."""
+    text = f"{number(mm)} mm"
+    return text if unit == "mm" else f"{number(mm / MM_PER[unit])} {unit}, {text}"
+
+
+def commented(texts: Iterable[str], form: TextForm) -> list[str]:
+    """`texts` as comment lines, wrapped, as the controller can read them: plain ASCII without
+    brackets.
+
+    Characters that it cannot read are replaced.
+    """
+    width = form.line_length - len(form.comment_open) - len(form.comment_close)
+    if form.line_numbers is not None:
+        width -= NUMBER_ROOM
+    replaced = str.maketrans({"(": "[", ")": "]"} | dict.fromkeys(form.forbidden, "_"))
+    lines = []
+    for text in texts:
+        plain = ascii_of(text).translate(replaced)
+        plain = plain.upper() if form.letters == "upper" else plain
+        lines += textwrap.wrap(plain, width)
+    return [form.comment_open + line + form.comment_close for line in lines]
+
+
+SPELLED = str.maketrans(
+    {
+        "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss", "ẞ": "SS",
+        "Ø": "dia. ", "ø": "dia. ", "⌀": "dia. ", "Æ": "Ae", "æ": "ae", "Œ": "Oe", "œ": "oe",
+        "Å": "Aa", "å": "aa", "Ł": "L", "ł": "l", "°": " deg", "±": "+-", "×": "x", "µ": "u",
+        "μ": "u", "–": "-", "—": "-", "’": "'", "…": "...",
+    }
+)  # fmt: skip
+"""Characters of technical texts as ASCII."""
+
+
+def ascii_of(text: str) -> str:
+    """`text` in ASCII: special letters and signs spelled out, accents left off, others as "?"."""
+    spelled_out = unicodedata.normalize("NFC", text).translate(SPELLED)
+    parts = unicodedata.normalize("NFKD", spelled_out)
+    kept = "".join(each for each in parts if not unicodedata.combining(each))
+    return kept.encode("ascii", "replace").decode("ascii")
+
+
+# -- blocks ---------------------------------------------------------------------------------------
+# Printed numbers, and the shares of the tolerance that they and the controller take.
+
+
+FEED_DECIMALS = 4
+"""Decimals of a number that no profile limits, trailing zeros dropped."""
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """Printed coordinates: whole multiples of the last decimal.
+
+    Attributes
+    ----------
+    decimals : printed.
+    mm_per_unit : of the program's unit of length.
+    """
+
+    decimals: int
+    mm_per_unit: float
+
+    @property
+    def _scale(self) -> int:
+        scale: int = 10**self.decimals
+        return scale
+
+    def steps(self, length: float) -> int:
+        """`length` [mm] in units of the last decimal, rounded."""
+        return round(length / self.mm_per_unit * self._scale)
+
+    def mm(self, steps: int) -> float:
+        """What a reader makes of the printed number [mm]."""
+        return steps / self._scale * self.mm_per_unit
+
+    def text(self, steps: int, *, signed: bool = False) -> str:
+        """The printed number; zero has no minus, and a plus only if `signed`."""
+        whole, part = divmod(abs(steps), self._scale)
+        sign = "-" if steps < 0 else "+" if signed else ""
+        return f"{sign}{whole}.{part:0{self.decimals}d}"
+
+
+def number(value: float, decimals: int = FEED_DECIMALS) -> str:
+    """A feed or a speed with as many digits as it has, but at most `decimals` behind the point."""
+    return f"{value:.{decimals}f}".rstrip("0").rstrip(".")
+
+
+CHORD_SHARE = 0.05
+"""Share of the tolerance for arcs that are written as chords: nearly straight ones, and those whose
+radius the machine does not accept."""
+
+PROOF_SHARE = 0.05
+"""Share of the tolerance left for the slack of the bound by which the program is measured."""
+
+LEAST_FIT = 0.1
+"""Least share of the tolerance left for the fit where numbers are coarse."""
+
+SLACK = 1e-6
+"""Of shares: messages name a tolerance with six digits."""
+
+LINE_SHARE = 0.3
+"""Share of the tolerance for chords on a machine that gets lines alone."""
+
+TRUSTED_SHARE = 0.5
+"""A controller whose own arcs take more of the tolerance than this gets lines instead of them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Budget:
+    """Shares of the tolerance; all lengths in mm.
+
+    Attributes
+    ----------
+    tolerance : the whole.
+    decimals : of the printed coordinates, in the program's unit.
+    rounding : largest deviation by printing with these decimals.
+    chord : largest sagitta of an arc written as chords.
+    blending : the P of path blending, 0 for the exact path.
+    fit : what is left for the cutter path's lines and arcs.
+    interpolation : how far the controller's own path departs from an arc.
+    arcs : whether arcs are written as such, if the machine takes them; else as chords.
+    """
+
+    tolerance: float
+    decimals: int
+    rounding: float
+    chord: float
+    blending: float
+    fit: float
+    interpolation: float = 0.0
+    arcs: bool = True
+
+
+def budget(machine: Machine, unit: LengthUnit, tolerance: float) -> Budget:
+    """The shares of `tolerance` [mm] on `machine`."""
+    decimals = machine.decimals(unit, tolerance)
+    step = 10.0**-decimals
+    rounding = ROUNDING_UNITS * step * MM_PER[unit]
+    interpolation = machine.arcs.interpolation
+    arcs = interpolation <= TRUSTED_SHARE * tolerance
+    if not arcs:
+        interpolation = 0.0
+    chord = (CHORD_SHARE if arcs else LINE_SHARE) * tolerance
+    left = tolerance * (1.0 - PROOF_SHARE) - rounding - chord - interpolation
+    # Coarse numbers may leave too little for it.
+    blending = machine.smoothed(tolerance, left - LEAST_FIT * tolerance) or 0.0
+    # rounded down to what is printed
+    blending = math.floor(blending / MM_PER[unit] / step + 1e-9) * step * MM_PER[unit]
+    fit = left - blending
+    # Blending takes no more than leaves this, up to a rounding. A tolerance that a message has
+    # named as the least is enough.
+    if left < (LEAST_FIT - SLACK) * tolerance and rounding > ROUNDING_SHARE * tolerance:
+        least = rounding / (left + rounding - LEAST_FIT * tolerance) * tolerance
+        raise ToleranceError(f"{decimals} decimals in a program are too coarse", tolerance, least)
+    if fit <= 0.0:
+        raise ToleranceError(
+            "nothing of the tolerance is left for the fit", tolerance, tolerance - fit
+        )
+    return Budget(tolerance, decimals, rounding, chord, blending, fit, interpolation, arcs)

@@ -12,11 +12,21 @@ from camgeo.design.linting import Bench
 from camgeo.numeric.arrays import phase
 from camgeo.reading import PROGRAM, PROGRAM_MOVES, beyond
 from camgeo.units import TURN
-from camgeo_export.gcode.moves import CutterMove, Kind
-from camgeo_export.interpreter.compensation import Compensator
-from camgeo_export.interpreter.controller import RETRACTED, UNKNOWN, Controller, State
-from camgeo_export.interpreter.holes import CYCLES, HoleReader, coordinate
-from camgeo_export.interpreter.iso import ARMS, AXES, CYCLE, GROUPS, Block, Findings
+from camgeo_export.interpreter.controller import (
+    ARMS,
+    AXES,
+    CYCLE,
+    CYCLES,
+    GROUPS,
+    RETRACTED,
+    UNKNOWN,
+    Block,
+    BlockReader,
+    Controller,
+    Findings,
+    State,
+)
+from camgeo_export.interpreter.moves import Compensator, CutterMove, Kind
 
 ARCS: Final = ("clockwise arc", "counter-clockwise arc")
 
@@ -25,8 +35,20 @@ STRAIGHT: Final = frozenset({*AXES, "PR", "PA", "RND"})
 ROUND: Final = STRAIGHT | frozenset({*ARMS, "R"})
 """Words that moves take."""
 
+NEEDED: Final = (
+    "unit", "plane", "distance", "feed mode", "compensation", "cycle", "work offset", "centres",
+)  # fmt: skip
+"""Groups of which a program must state one word, if the controller has any: what was left active by
+the program before is not known."""
 
-class Mover:
+MOST_HOLES: Final = 1_000
+"""Of one block of a cycle."""
+
+Step = tuple[Kind, complex, float]
+"""What a move is, and where it ends [mm]."""
+
+
+class Mover(BlockReader):
     """Makes moves of blocks, and judges them.
 
     Attributes
@@ -37,17 +59,13 @@ class Mover:
     def __init__(
         self, controller: Controller, state: State, bench: Bench, findings: Findings
     ) -> None:
+        super().__init__(controller, state, findings)
         self.moves: list[CutterMove] = []
-        self._controller = controller
-        self._state = state
-        self._findings = findings
         self._radii = dict(bench.radii)
         self._hazards = Hazards(controller, bench, findings)
-        self._frame = Frame(controller, findings)
         self._compensator = Compensator(findings)
         self._arcs = ArcReader(controller, state, findings)
-        self._holes = HoleReader(controller, state, findings)
-        self._reading = controller.machine.reading
+        self._framed = False
         self._fine = False
         self._printed: set[tuple[int, float]] = set()
 
@@ -55,8 +73,8 @@ class Mover:
         """Compensation was switched on."""
         if block.codes.get("motion") in ARCS:
             what = "compensation begins with an arc"
-            self._findings.add(block.line, "compensation", what, allowed="a straight move")
-        self._compensator.enter()
+            self._report(block, "compensation", what, allowed="a straight move")
+        self._compensator = Compensator(self._findings)
 
     def skip(self, block: Block) -> None:
         """Go on from the end of a block that is not run."""
@@ -82,7 +100,7 @@ class Mover:
         axes = [axis for axis in AXES if axis in block.values]
         off = state.mode("cycle") == "motion off" and not state.mode("motion")
         if axes and off and not self._reading.cancelled_axes:
-            self._findings.add(block.line, "no-motion", "coordinates behind G80")
+            self._report(block, "no-motion", "coordinates behind G80")
         if "home" in block.actions:
             return self._home(block)
         if block.words.get("length") in self._reading.takes_axes:
@@ -99,7 +117,7 @@ class Mover:
             self._check_bare(block)
             return frozenset()
         if not motion:
-            self._findings.add(block.line, "no-motion", "coordinates before a kind of motion")
+            self._report(block, "no-motion", "coordinates before a kind of motion")
             motion = "rapid"
         self._check_unit(block)
         if "machine position" in block.actions:
@@ -131,7 +149,7 @@ class Mover:
             self._make_chords(block, end, z_end, arc)
             return
         self._make(block, kind, end, z_end, arc)
-        state.rounding = block.value("RND") * self._scale
+        state.rounding = block.value("RND") * self._state.unit
 
     def _round_corner(self, block: Block, kind: Kind, end: complex, z_end: float) -> None:
         """Round the corner between the last move and one to `end`."""
@@ -143,7 +161,7 @@ class Mover:
             found = rounded(before.start, before.end, end, radius)
         if found is None:
             what = "a rounding other than between two lines in the plane that have room for it"
-            self._findings.add(block.line, "unsupported", what)
+            self._report(block, "unsupported", what)
             return
         first, last, arc = found
         self.moves[-1] = replace(before, end=first)
@@ -165,13 +183,13 @@ class Mover:
         state = self._state
         if state.mode("plane") not in ("", "plane XY"):
             what = f"holes in the {state.mode('plane')}: only those along Z are read"
-            self._findings.add(block.line, "unsupported", what)
+            self._report(block, "unsupported", what)
             state.lose()
             return
         if state.side and "cycle of holes" in self._reading.compensated:
             what = f"{block.words.get('motion', state.cycle)} under compensation"
-            self._findings.add(block.line, "compensation", what)
-        found = self._holes.read(block, self._target(block)[0], self._scale)
+            self._report(block, "compensation", what)
+        found = self._holes(block, self._target(block)[0])
         if found is None:
             state.lose()
             return
@@ -179,18 +197,70 @@ class Mover:
             if (place, height) != (state.at, state.z):
                 self._make(block, kind, place, height, None)
 
+    def _holes(self, block: Block, end: complex) -> list[Step] | None:
+        """The moves of a block of a cycle that ends over `end`; None if they cannot be told.
+
+        They are LinuxCNC's (interp_cycles.cc, convert_cycle_xy).
+
+        In a cycle that goes on, R and Z need not be repeated; the height before the first one is
+        kept, and G98 returns to it.
+        """
+        state = self._state
+        word = block.words.get("motion", state.cycle)
+        if word != state.cycle:
+            state.cycle, state.hole = word, {}
+        if math.isnan(state.above):
+            state.above = state.z
+        for letter in block.values.keys() & {"R", "Z"}:
+            state.hole[letter] = self._coordinate(block, letter)
+        for letter in ("R", "Z"):
+            if letter not in state.hole:
+                self._report(block, "missing-word", f"{word} without {letter}")
+        count = int(block.value(self._reading.repeats, 1.0))
+        if not 1 <= count <= MOST_HOLES:
+            self._report(block, "number", f"{word} makes {count} holes", "", f"1 to {MOST_HOLES}")
+        elif len(state.hole) == 2:
+            return self._moves_of_holes(block, end, count)
+        return None
+
+    def _moves_of_holes(self, block: Block, end: complex, count: int) -> list[Step] | None:
+        state = self._state
+        incremental = state.mode("distance") == "incremental"
+        above = state.above
+        r = state.hole["R"] + (above if incremental else 0.0)
+        bottom = state.hole["Z"] + (r if incremental else 0.0)
+        if r < bottom:
+            what = f"{state.cycle} with R, Z {r:g} mm, below the bottom of the hole"
+            self._report(block, "conflict", what, allowed=f"Z {bottom:g} mm or more")
+            return None
+        step = end - state.at if incremental else 0j
+        found: list[Step] = []
+        height = state.z
+        if above < r:
+            found.append(("rapid", state.at, r))
+            above = height = r
+        clear = r if state.mode("return") == "return to R" else above
+        for k in range(count):
+            place = end + k * step
+            height = height if k == 0 and height > r else clear
+            found += [("rapid", place, height), ("rapid", place, r), ("line", place, bottom)]
+            if state.mode("motion") == "bores":
+                found.append(("line", place, r))
+            found.append(("rapid", place, clear))
+        return found
+
     def _target(self, block: Block) -> tuple[complex, float]:
         """End of the move [mm]; where it stays along an axis, the present position."""
         state = self._state
         polar = block.arc == "polar" or not block.values.keys().isdisjoint(("PR", "PA"))
         at = self._polar(block) if polar else state.at
         found = {"X": at.real, "Y": at.imag, "Z": state.z}
-        scale, unit = self._scale, state.mode("unit")
+        scale = state.unit
         incremental = state.mode("distance") == "incremental"
         for axis in AXES:
             if axis not in block.values:
                 continue
-            value = coordinate(block, axis, self._controller, unit) * scale
+            value = self._coordinate(block, axis)
             printed = (block.values[axis].decimals, scale)
             if printed not in self._printed:
                 self._printed.add(printed)
@@ -202,19 +272,19 @@ class Mover:
     def _polar(self, block: Block) -> complex:
         state = self._state
         arm = state.at - state.pole
-        radius = block.value("PR") * self._scale if "PR" in block.values else abs(arm)
+        radius = block.value("PR") * self._state.unit if "PR" in block.values else abs(arm)
         angle = math.degrees(phase(arm)) if not cmath.isnan(arm) else math.nan
         if "PA" in block.values:
             relative = block.relative.get("PA", False)
             angle = block.value("PA") + (angle if relative else 0.0)
-        return about_pole(state.pole, radius, angle)
+        return state.pole + cmath.rect(radius, math.radians(angle))
 
     def _home(self, block: Block) -> Set[str]:
         """To the reference, by way of the position that the block states."""
         state = self._state
         axes = [axis for axis in AXES if axis in block.values]
         if state.side:
-            self._findings.add(block.line, "compensation", "a traverse home under compensation")
+            self._report(block, "compensation", "a traverse home under compensation")
         if any(self._leads_away(block, axis) for axis in axes):
             self._check_unit(block)
             self._make(block, "rapid", *self._target(block), None)
@@ -230,15 +300,14 @@ class Mover:
         if block.relative.get(axis, incremental):
             return block.value(axis) != 0.0
         at = {"X": self._state.at.real, "Y": self._state.at.imag, "Z": self._state.z}[axis]
-        return block.value(axis) * self._scale != at
+        return block.value(axis) * self._state.unit != at
 
     def _machine_position(self, block: Block, motion: str) -> Set[str]:
         """To a position in the machine's own coordinates: Z is at its top there."""
         state, word = self._state, block.words["machine position"]
         add = self._findings.add
         if motion != "rapid" and not (motion == "line" and "cut" in self._reading.machine_position):
-            what = f"{word} with a cut: machine positions are for traverses"
-            add(block.line, "conflict", what)
+            add(block.line, "conflict", f"{word} with a cut: machine positions are for traverses")
             motion = "rapid"
         if state.side:
             add(block.line, "compensation", f"{word} under compensation")
@@ -281,7 +350,7 @@ class Mover:
         )
         self._hazards.judge(move, state)
         if kind != "rapid":
-            self._frame.check(state, block.line)
+            self._check_frame(block)
             if math.isnan(state.cut_scale):
                 state.cut_scale = state.scale
             state.cut_blending = max(state.cut_blending, state.blending)
@@ -289,22 +358,18 @@ class Mover:
         self._compensate(move)
         self.moves.append(move)
         if end != state.at:
-            state.heading = heading_after(state.at, end, arc)
+            way = move.course.heading(end)
+            state.heading = way / abs(way) if way else UNKNOWN
         state.at, state.z = end, z_end
 
     # -- checks ---------------------------------------------------------------------------------
-
-    @property
-    def _scale(self) -> float:
-        """mm in a unit; before one is stated a millimetre."""
-        return 1.0 if math.isnan(self._state.scale) else self._state.scale
 
     def _check_unit(self, block: Block) -> None:
         state = self._state
         if math.isnan(state.scale) and any(block.value(axis) for axis in (*AXES, *ARMS, "R")):
             what = "coordinates before their unit is stated: taken as mm"
             words = self._controller.machine.unit
-            self._findings.add(block.line, "unit", what, allowed=f"{words.mm} or {words.inch}")
+            self._report(block, "unit", what, allowed=f"{words.mm} or {words.inch}")
             state.scale = 1.0
 
     def _check_decimals(self, block: Block, axis: str, decimals: int) -> None:
@@ -315,23 +380,46 @@ class Mover:
             self._fine = True
             text = f"{axis}{block.values[axis].text}"
             what = "more decimals than the controller reads"
-            self._findings.add(block.line, "decimals", what, text, f"at most {allowed}")
+            self._report(block, "decimals", what, text, f"at most {allowed}")
 
     def _check_bare(self, block: Block) -> None:
         """A block without coordinates must not ask for a motion that needs them."""
         motion = block.codes.get("motion", "")
         if motion == "line" and not self._state.feed > 0.0:
             word = block.words["motion"]
-            self._findings.add(block.line, "no-feed", f"{word} without a feed F")
+            self._report(block, "no-feed", f"{word} without a feed F")
         if motion in ARCS:
-            self._findings.add(block.line, "missing-word", "an arc without its end and its centre")
+            self._report(block, "missing-word", "an arc without its end and its centre")
         elif motion in CYCLES:
-            what = f"{block.words['motion']} without coordinates"
-            self._findings.add(block.line, "missing-word", what)
+            self._report(block, "missing-word", f"{block.words['motion']} without coordinates")
         elif block.words.get("machine position") == "G53" and not (
             motion or ("G53" in self._reading.bare and self._state.mode("motion") not in ARCS)
         ):
-            self._findings.add(block.line, "missing-word", "G53 without coordinates")
+            self._report(block, "missing-word", "G53 without coordinates")
+
+    def _check_frame(self, block: Block) -> None:
+        """Find, once, what was not stated before the first cut."""
+        if self._framed:
+            return
+        self._framed = True
+        missing = [word for group in NEEDED if (word := self._missing(group))]
+        if missing:
+            self._report(block, "frame", f"cut without {', '.join(missing)}")
+
+    def _missing(self, group: str) -> str:
+        """The word of a group that the profile's own programs state, if one is missing."""
+        controller, state = self._controller, self._state
+        if state.mode(group) or group not in controller.groups:
+            return ""
+        if group == "unit" and not math.isnan(state.scale):
+            return ""  # found at the first coordinate
+        words = [word for word, each in controller.meanings.items() if each in GROUPS[group]]
+        if group == "centres" and len(words) < 2:
+            return ""  # there is no choice
+        program = controller.machine.program
+        stated = " ".join((*program.safe_start, *controller.machine.work_offsets.values())).split()
+        usual = [word for word in stated if word in words]
+        return usual[0] if usual else min(words, key=lambda word: (len(word), word))
 
     def _compensate(self, move: CutterMove) -> None:
         state = self._state
@@ -345,50 +433,6 @@ class Mover:
             radius = self._radii.get(move.tool, math.nan) + state.oversize
             self._compensator.leave(move, radius)
             state.left_compensation = 0
-
-
-# -- frame ----------------------------------------------------------------------------------------
-# What a program must have stated before its first cut.
-
-
-NEEDED: Final = (
-    "unit", "plane", "distance", "feed mode", "compensation", "cycle", "work offset", "centres",
-)  # fmt: skip
-"""Groups of which a program must state one word, if the controller has any: what was left active by
-the program before is not known."""
-
-
-class Frame:
-    """Checks the modal frame once, at the first cut."""
-
-    def __init__(self, controller: Controller, findings: Findings) -> None:
-        self._controller = controller
-        self._findings = findings
-        self._done = False
-
-    def check(self, state: State, line: int) -> None:
-        """Find what was not stated before the cut in `line`."""
-        if self._done:
-            return
-        self._done = True
-        missing = [word for group in NEEDED if (word := self._missing(group, state))]
-        if missing:
-            self._findings.add(line, "frame", f"cut without {', '.join(missing)}")
-
-    def _missing(self, group: str, state: State) -> str:
-        """The word of a group that the profile's own programs state, if one is missing."""
-        controller = self._controller
-        if state.mode(group) or group not in controller.groups:
-            return ""
-        if group == "unit" and not math.isnan(state.scale):
-            return ""  # found at the first coordinate
-        words = [word for word, each in controller.meanings.items() if each in GROUPS[group]]
-        if group == "centres" and len(words) < 2:
-            return ""  # there is no choice
-        program = controller.machine.program
-        stated = " ".join((*program.safe_start, *controller.machine.work_offsets.values())).split()
-        usual = [word for word in stated if word in words]
-        return usual[0] if usual else min(words, key=lambda word: (len(word), word))
 
 
 # -- hazards --------------------------------------------------------------------------------------
@@ -622,22 +666,6 @@ def chords(start: complex, end: complex, arc: Arc) -> list[complex]:
     return [*found, end]
 
 
-def heading_after(start: complex, end: complex, arc: Arc | None) -> complex:
-    """The direction at the end of a move, of length 1; NaN if it has none in the plane."""
-    if arc is not None:
-        arm = (end - arc.centre) * (1j if arc.sweep > 0.0 else -1j)
-        return arm / abs(arm) if arm else complex(math.nan, math.nan)
-    way = end - start
-    if cmath.isnan(way) or not way:
-        return complex(math.nan, math.nan)
-    return way / abs(way)
-
-
-def about_pole(pole: complex, radius: float, angle: float) -> complex:
-    """The point at polar coordinates about a pole; the angle in degrees."""
-    return pole + cmath.rect(radius, math.radians(angle))
-
-
 # -- arc words ------------------------------------------------------------------------------------
 # What the words of a block say of an arc, and whether the controller takes such an arc.
 
@@ -654,14 +682,11 @@ HALF = 0.5 * TURN
 """Sweep up to which a profile divides arcs where the controller takes larger ones [rad]."""
 
 
-class ArcReader:
+class ArcReader(BlockReader):
     """Reads arcs."""
 
     def __init__(self, controller: Controller, state: State, findings: Findings) -> None:
-        self._controller = controller
-        self._state = state
-        self._findings = findings
-        self._reading = controller.machine.reading
+        super().__init__(controller, state, findings)
         self._plane = PLANES["plane XY"]
         self._start = state.at
 
@@ -675,8 +700,7 @@ class ArcReader:
         finish, last = self._plane.drop(end, z_end)
         if cmath.isnan(self._start) or cmath.isnan(finish):
             if not state.lost:
-                what = "an arc from an unknown position"
-                self._findings.add(block.line, "unknown-position", what)
+                self._report(block, "unknown-position", "an arc from an unknown position")
             state.lost = True
             return None
         if block.arc == "tangent":
@@ -690,11 +714,11 @@ class ArcReader:
                 return None
             arc = found
         self._check(block, finish, arc)
-        helix = self._controller.machine.reading.helix
+        helix = self._reading.helix
         rises = abs(last - height) > 0.0  # not where one of them is unknown
         if rises and helix != "any" and (helix, block.arc) != ("polar", "polar"):
             allowed = "with CP" if helix == "polar" else "arcs at constant Z"
-            self._findings.add(block.line, "helix", "an arc that changes Z", allowed=allowed)
+            self._report(block, "helix", "an arc that changes Z", allowed=allowed)
         return end, arc
 
     def _of_words(self, block: Block, end: complex, *, ccw: bool) -> Arc | None:
@@ -711,11 +735,16 @@ class ArcReader:
             if not self._form(block, what, "one of them", "radius with centre"):
                 return None
         if self._reading.circle == "never" and block.values.keys().isdisjoint(plane.axes):
-            self._none(block, f"an arc without {' or '.join(plane.axes)}", "the end of the arc")
+            self._report(
+                block,
+                "no-arc",
+                f"an arc without {' or '.join(plane.axes)}",
+                allowed="the end of the arc",
+            )
             return None
         if block.arc == "pole":
             if cmath.isnan(self._state.pole):
-                self._none(block, "an arc before its centre is stated", "CC")
+                self._report(block, "no-arc", "an arc before its centre is stated", allowed="CC")
                 return None
             return swept(start, end, self._state.pole, ccw=ccw)
         if arms and "R" not in block.values:  # with both, R counts (Fanuc 15i, B-63324EN, 4.4)
@@ -724,23 +753,26 @@ class ArcReader:
             if centre is None:
                 return None
             if centre in (start, end) or min(abs(start - centre), abs(end - centre)) < least:
-                self._none(block, "an arc with its centre at its start or its end", "")
+                self._report(block, "no-arc", "an arc with its centre at its start or its end")
                 return None
             return swept(start, end, centre, ccw=ccw, turns=self._turns(block))
         if "R" not in block.values:
-            self._none(
-                block, "an arc without centre or radius", f"{' and '.join(plane.arms)}, or R"
+            self._report(
+                block,
+                "no-arc",
+                "an arc without centre or radius",
+                allowed=f"{' and '.join(plane.arms)}, or R",
             )
             return None
-        radius = coordinate(block, "R", self._controller, self._state.mode("unit")) * self._scale
+        radius = self._coordinate(block, "R")
         if start == end:
             what = "an arc of which only the radius is stated, that ends where it begins"
-            self._none(block, what, "its centre")
+            self._report(block, "no-arc", what, allowed="its centre")
             return None
         arc = by_radius(start, end, radius, ccw=ccw, turns=self._turns(block))
         if arc.mismatch > self._difference(self._reading.short_radius) + ARC_SLACK:
             what = f"the radius of the arc is too short by {arc.mismatch:.6g} mm"
-            self._findings.add(block.line, "arc-radius", what)
+            self._report(block, "arc-radius", what)
         turn = abs(arc.sweep)
         if abs(turn - math.pi) < AMBIGUOUS or TURN - turn < AMBIGUOUS:
             what = f"an arc of {math.degrees(turn):.1f} degrees stated by its radius is ill defined"
@@ -762,7 +794,7 @@ class ArcReader:
                         return None
                 parts.append(at)
                 continue
-            value = coordinate(block, arm, self._controller, state.mode("unit")) * self._scale
+            value = self._coordinate(block, arm)
             parts.append(value + (0.0 if own else at))
         return complex(*parts)
 
@@ -775,8 +807,7 @@ class ArcReader:
             return 0
         if count.value < 1.0 or count.value % 1.0 or count.value > MOST_TURNS:
             what = "P of an arc, its number of turns, must be whole"
-            allowed = f"1 to {MOST_TURNS}"
-            self._findings.add(block.line, "number", what, count.text, allowed)
+            self._report(block, "number", what, count.text, f"1 to {MOST_TURNS}")
             return 0
         return int(count.value) - 1
 
@@ -794,7 +825,7 @@ class ArcReader:
     def _tangent(self, block: Block, end: complex) -> Arc | None:
         heading = self._state.heading
         if cmath.isnan(heading):
-            self._none(block, "a tangential arc without a move before it", "")
+            self._report(block, "no-arc", "a tangential arc without a move before it")
             return None
         return tangent(self._state.at, end, heading)
 
@@ -812,11 +843,14 @@ class ArcReader:
         most = max(least, min(limit.relative * larger, MUCH * least)) if limit else least
         if "R" not in block.values and arc.mismatch > most + ARC_SLACK:
             what = f"the radii of the arc differ by {arc.mismatch:.6g} mm"
-            self._findings.add(block.line, "arc-radius", what, allowed=f"at most {most:g} mm")
+            self._report(block, "arc-radius", what, allowed=f"at most {most:g} mm")
         self._check_sweep(block, end, abs(arc.sweep))
 
     def _check_sweep(self, block: Block, end: complex, turn: float) -> None:
         limits, add = self._controller.machine.arcs, self._findings.add
+        step, chord = self._state.step, abs(end - self._start)
+        # What rounding of the printed points may add to the sweep [rad].
+        slack = 3.0 * step / chord if chord and math.isfinite(step) else 0.0
         if self._start == end and block.arc != "polar":
             if not limits.full_circle:
                 what = "an arc that ends where it begins"
@@ -825,25 +859,12 @@ class ArcReader:
         if turn <= NO_ARC or (TURN - NEARLY_FULL < turn < TURN and block.arc != "polar"):
             what = f"an arc of {math.degrees(turn):.6g} degrees between ends that nearly coincide"
             add(block.line, "full-circle", what, allowed="a line")
-        elif limits.largest_turn < HALF and turn > limits.largest_turn + self._slack(end):
+        elif limits.largest_turn < HALF and turn > limits.largest_turn + slack:
             what = f"an arc of {math.degrees(turn):.6g} degrees"
             add(block.line, "arc-sweep", what, allowed=f"at most {limits.largest_sweep:g} degrees")
-
-    def _slack(self, end: complex) -> float:
-        """What rounding of the printed points may add to a sweep [rad]."""
-        step = self._state.step
-        chord = abs(end - self._start)
-        return 3.0 * step / chord if chord and math.isfinite(step) else 0.0
-
-    @property
-    def _scale(self) -> float:
-        return 1.0 if math.isnan(self._state.scale) else self._state.scale
-
-    def _none(self, block: Block, what: str, allowed: str) -> None:
-        self._findings.add(block.line, "no-arc", what, allowed=allowed)
 
     def _form(self, block: Block, what: str, allowed: str, form: str = "") -> bool:
         """Find the form of an arc; whether the controller takes it nevertheless."""
         refused = form in self._reading.arc_forms
-        self._findings.add(block.line, "no-arc" if refused else "arc-form", what, allowed=allowed)
+        self._report(block, "no-arc" if refused else "arc-form", what, allowed=allowed)
         return not refused

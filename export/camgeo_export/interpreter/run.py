@@ -16,21 +16,24 @@ from camgeo.milling.machine import LONGEST_LINE, Machine
 from camgeo.milling.zero import Zero
 from camgeo.reading import PROGRAM, check_text, lines_of
 from camgeo.units import MM_PER
-from camgeo_export.gcode.moves import CutterMove, Event, Loop, closed_paths
-from camgeo_export.interpreter.compensation import Radius, centres
-from camgeo_export.interpreter.controller import UNKNOWN, Controller, State, controller_of
-from camgeo_export.interpreter.decode import Klartext, decode, unused
-from camgeo_export.interpreter.holes import in_increments
-from camgeo_export.interpreter.iso import (
+from camgeo_export.interpreter.controller import (
     AXES,
+    UNKNOWN,
     Block,
+    BlockReader,
+    Controller,
     Enough,
     Findings,
-    Words,
+    State,
+    controller_of,
+)
+from camgeo_export.interpreter.decode import (
+    Decoder,
+    Klartext,
     without_comments,
-    words_of,
 )
 from camgeo_export.interpreter.motion import Mover
+from camgeo_export.interpreter.moves import CutterMove, Event, Loop, Radius, centres, closed_paths
 
 MOST: Final = 1_000
 """Findings of one program; after as many it is not read further."""
@@ -89,7 +92,7 @@ class Run:
     central: bool = False
 
     def loops(self, gap: float = 0.0) -> list[Loop]:
-        """Closed runs of cuts, see `camgeo_export.gcode.moves`."""
+        """Closed runs of cuts, see `closed_paths`."""
         return closed_paths(self.moves, gap)
 
     @property
@@ -132,7 +135,7 @@ class Run:
 
 
 def run(
-    text: str,
+    program: str | bytes,
     machine: Machine,
     bench: Bench | None = None,
     most: int = MOST,
@@ -142,7 +145,7 @@ def run(
 
     Parameters
     ----------
-    text : of the program.
+    program : its text, or its bytes.
     machine : profile of the controller.
     bench : what the program does not say of the work; by default Z 0 is the top of the stock.
     most : findings after which the program is not read further.
@@ -153,29 +156,19 @@ def run(
     FileError
         If the program is beyond the limits of what is read.
     """
-    return run_bytes(text.encode("utf-8", "replace"), machine, bench, most, fatal)
-
-
-def run_bytes(
-    data: bytes,
-    machine: Machine,
-    bench: Bench | None = None,
-    most: int = MOST,
-    fatal: Collection[str] = (),
-) -> Run:
-    """Run a program given as bytes, like `run`."""
+    data = program.encode("utf-8", "replace") if isinstance(program, str) else program
     check_text(data, PROGRAM, "the program")
     findings = Findings(most, fatal)
-    program = _Program(machine, bench or Bench(), findings)
+    reader = _Program(machine, bench or Bench(), findings)
     complete = True
     try:
         check_ends(data, machine, findings)
         for number, line in enumerate(_lines_of(data, machine), start=1):
-            program.read(number, line)
-        program.finish()
+            reader.read(number, line)
+        reader.finish()
     except Enough:
         complete = False
-    return program.result(complete)
+    return reader.result(complete)
 
 
 def _lines_of(data: bytes, machine: Machine) -> Iterator[str]:
@@ -205,6 +198,7 @@ class _Program:
             self._state.blending = self._state.naive_cam = 0.0
         self._mover = Mover(self._controller, self._state, bench, self._findings)
         self._executor = Executor(self._controller, self._mover, self._state, self._findings)
+        self._decoder = Decoder(self._controller, self._state, self._findings)
         self._klartext = Klartext(self._controller, self._state, self._findings)
         self._names = {name.upper(): name for name in bench.operations}
         self._comments: list[str] = []
@@ -237,7 +231,10 @@ class _Program:
             return
         if self._state.ended and klartext and self._klartext.is_end(block):
             return
-        if self._ended(number):
+        if self._state.ended:
+            if not self._said_after:
+                self._findings.add(number, "after-end", "block after the end of the program")
+            self._said_after = True
             return
         self._blocks += 1
         self._check_dialect(number, block, klartext)
@@ -279,13 +276,11 @@ class _Program:
             self._executor.run(known.at_line(number))
             return
         before = len(self._findings.found)
-        words = words_of(number, block, self._controller.extended, self._findings)
-        if words is None:
+        decoded = self._decoder.block_of(number, block)
+        if decoded is None:
             if not ASSIGNMENT.match(block):
                 self._state.lose()
             return
-        check_number(words, self._machine.reading.largest_number, self._findings)
-        decoded = decode(words, self._controller, self._findings)
         if len(self._findings.found) == before and len(self._known) < KEPT:
             self._known[block] = decoded.at_line(number)
         self._executor.run(decoded)
@@ -301,7 +296,8 @@ class _Program:
         if self._controller.changes_tools or state.tool:
             return
         if found := IN_SPINDLE.match(note):
-            self._executor.put_in(int(found[1]))
+            # In the spindle from the start, its length set.
+            state.chosen = state.tool = state.offset = int(found[1])
 
     def _control(self, number: int, block: str) -> None:
         """`%` begins a program, and ends it if it began one."""
@@ -319,14 +315,6 @@ class _Program:
             self._state.ended = True
             self._findings.add(number, "no-end", "% ends the program before M2 or M30 does")
         self._percent += 1
-
-    def _ended(self, number: int) -> bool:
-        if not self._state.ended:
-            return False
-        if not self._said_after:
-            self._findings.add(number, "after-end", "block after the end of the program")
-            self._said_after = True
-        return True
 
     def finish(self) -> None:
         """Judge the end of the program."""
@@ -364,7 +352,7 @@ class GcodeLinter:
 
     def lint(self, data: bytes, machine: Machine, bench: Bench) -> Linted:
         """All findings; FileError for data beyond the limits of a program."""
-        found = run_bytes(data, machine, bench)
+        found = run(data, machine, bench)
         wanted = {finding.line for finding in found.findings}
         texts = {
             number: line.removesuffix("\r").replace("\r", " ")
@@ -426,14 +414,6 @@ def check_ends(data: bytes, machine: Machine, findings: Findings) -> None:
         findings.add(line, "line-end", f"a carriage return without a line feed, {what}")
 
 
-def check_number(words: Words, largest: int, findings: Findings) -> None:
-    """Find the number of a block that is too large."""
-    for letter, number in words.words:
-        if letter == "N" and number.value > largest:
-            what, allowed = f"N{number.text} is too large", f"at most {largest}"
-            findings.add(words.line, "line-number", what, allowed=allowed)
-
-
 # -- blocks ---------------------------------------------------------------------------------------
 # One block run by the controller, in the order in which controllers take its words.
 #
@@ -459,28 +439,27 @@ MOTION: Final = frozenset({"motion"})
 TOOLS: Final = frozenset({"D", "H", "T", "OFFN"})
 """Words that do something without a G or M word."""
 
+SHORTEST_DWELL, LONGEST_DWELL = 0.05, 60.0
+"""Seconds that a dwell may reasonably take; others are in another unit, probably."""
+
 SIMPLE: Final = ("plane", "distance", "centres", "cycle", "return")
 """Groups of which a word changes nothing but the mode."""
 
 
-class Executor:
+class Executor(BlockReader):
     """Runs blocks on one state.
 
     Attributes
     ----------
-    state : of the controller.
     events : stops, tool changes and dwells so far.
     """
 
     def __init__(
         self, controller: Controller, mover: Mover, state: State, findings: Findings
     ) -> None:
-        self.state = state
+        super().__init__(controller, state, findings)
         self.events: list[Event] = []
-        self._controller = controller
-        self._reading = controller.machine.reading
         self._mover = mover
-        self._findings = findings
         self._used: set[str] = set()
 
     def run(self, block: Block) -> None:
@@ -507,7 +486,10 @@ class Executor:
                 self._spindle(block, off=True)
                 self._coolant(block, off=True)
             self._flow(block)
-        unused(block, self._used, self._findings)
+        for letter in block.values:
+            if letter not in self._used and letter != "tolerance":
+                what = f"nothing in the block takes the word {letter}"
+                self._report(block, "unused-word", what, block.values[letter].text)
 
     @property
     def _ends_late(self) -> bool:
@@ -523,11 +505,11 @@ class Executor:
             self._spindle(block, off=True)
             self._coolant(block, off=True)
         self._dwell(block)
-        if block.codes.get("plane", "plane XY") != (self.state.mode("plane") or "plane XY"):
+        if block.codes.get("plane", "plane XY") != (self._state.mode("plane") or "plane XY"):
             self._check_compensated(block, ("plane",))
         for group in SIMPLE:
             if group in block.codes:
-                self.state.modes[group] = block.codes[group]
+                self._state.modes[group] = block.codes[group]
         if "cycle" in block.codes:
             self._mover.end_cycle(block)
         self._compensation(block)
@@ -536,13 +518,10 @@ class Executor:
         self._work_offset(block)
         self._path_mode(block)
 
-    def _report(self, block: Block, rule: str, what: str, value: str = "", ok: str = "") -> None:
-        self._findings.add(block.line, rule, what, value, ok)
-
     def _check_compensated(self, block: Block, groups: tuple[str, ...]) -> None:
         """Find what the controller does not change under compensation."""
         for group in groups:
-            if self.state.side and group in block.codes and group in self._reading.compensated:
+            if self._state.side and group in block.codes and group in self._reading.compensated:
                 self._report(block, "compensation", f"{block.words[group]} under compensation")
 
     def _check_order(self, block: Block) -> None:
@@ -552,16 +531,16 @@ class Executor:
             for group in ("spindle", "coolant")
             if block.codes.get(group) in ("spindle off", "coolant off")
         ]
-        cutting = block.codes.get("motion", self.state.mode("motion")) not in ("", "rapid")
+        cutting = block.codes.get("motion", self._state.mode("motion")) not in ("", "rapid")
         moving = any(axis in block.values for axis in AXES)
         if off and moving and cutting and self._controller.machine.dialect != "klartext":
             what = f"{off[0]} in a block that cuts: controllers differ in what comes first"
-            self._report(block, "order", what, ok="a block of its own")
-        unit = block.codes.get("unit", self.state.mode("unit"))
-        changes = "F" in block.values and unit != (self.state.mode("unit") or unit)
+            self._report(block, "order", what, allowed="a block of its own")
+        unit = block.codes.get("unit", self._state.mode("unit"))
+        changes = "F" in block.values and unit != (self._state.mode("unit") or unit)
         if changes and self._reading.feed_unit == "before":
             what = f"F with {block.words['unit']}: it counts in the unit before, not in the new one"
-            self._report(block, "order", what, ok="F in the next block")
+            self._report(block, "order", what, allowed="F in the next block")
 
     # -- words, in the order of execution ---------------------------------------------------------
 
@@ -570,18 +549,13 @@ class Executor:
             return
         unit = block.codes["unit"]
         scale = MM_PER["inch"] if unit == "inch" else MM_PER["mm"]
-        if self.state.scale not in (scale, math.inf) and not math.isnan(self.state.scale):
+        if self._state.scale not in (scale, math.inf) and not math.isnan(self._state.scale):
             self._report(block, "unit-change", "the unit changes within the program")
-        self.state.scale = scale
-        self.state.modes["unit"] = unit
-
-    @property
-    def _scale(self) -> float:
-        """mm in a unit; before one is stated a millimetre."""
-        return 1.0 if math.isnan(self.state.scale) else self.state.scale
+        self._state.scale = scale
+        self._state.modes["unit"] = unit
 
     def _feed_and_speed(self, block: Block) -> None:
-        state = self.state
+        state = self._state
         mode = block.codes.get("feed mode")
         again = self._reading.feed_mode == "resets"
         if mode is not None and (again or mode != state.mode("feed mode")):
@@ -598,25 +572,25 @@ class Executor:
             numbers = self._controller.machine.numbers
             unit = state.mode("unit")
             part = numbers.inch_feed if unit == "inch" else 1.0
-            value = in_increments(block.values["F"], numbers.feed_increment, unit)
+            value = block.values["F"].in_increments(numbers.feed_increment, unit)
             if value != block.value("F"):
                 text = f"F{block.values['F'].text}"
                 what = f"{text} without a decimal point counts in increments: {value:g} a minute"
-                self._report(block, "decimal-point", what, ok=f"{text}.")
-            state.feed = value * self._scale * part * (state.speed if per_turn else 1.0)
+                self._report(block, "decimal-point", what, allowed=f"{text}.")
+            state.feed = value * self._state.unit * part * (state.speed if per_turn else 1.0)
             self._check_feed(block)
 
     def _check_feed(self, block: Block) -> None:
         dynamics = self._controller.machine.dynamics
-        if dynamics is not None and self.state.feed > dynamics.rapid_feed:
+        if dynamics is not None and self._state.feed > dynamics.rapid_feed:
             what = "the feed is faster than the traverses of the machine"
             self._report(
-                block, "feed", what, f"{self.state.feed:g} mm/min",
+                block, "feed", what, f"{self._state.feed:g} mm/min",
                 f"at most {dynamics.rapid_feed:g} mm/min",
             )  # fmt: skip
 
     def _tool(self, block: Block) -> None:
-        state = self.state
+        state = self._state
         if "T" in block.values:
             state.chosen = int(max(block.value("T"), 0.0))
         self._used |= set("T")
@@ -636,13 +610,9 @@ class Executor:
             state.modes["spindle"] = "spindle off"  # controllers stop it
             self._event(block, "tool change")
 
-    def put_in(self, number: int) -> None:
-        """Say which tool is in the spindle from the start, its length set."""
-        self.state.chosen = self.state.tool = self.state.offset = number
-
     def _leave_tool(self) -> None:
         """Judge the coolant of the tool that leaves the spindle."""
-        state = self.state
+        state = self._state
         if state.dry and state.used_coolant:
             what = "a cut without the coolant that the tool has elsewhere"
             self._findings.add(state.dry, "coolant", what)
@@ -655,32 +625,49 @@ class Executor:
             return
         if spindle == "spindle off":
             self._event(block, "spindle off")
-        elif not self.state.speed > 0.0:
+        elif not self._state.speed > 0.0:
             self._report(block, "no-spindle", f"{block.words['spindle']} without a speed S")
         if spindle == "spindle counter-clockwise":
             what = "the spindle turns counter-clockwise: cutters cut clockwise"
             self._report(block, "spindle-sense", what)
-        self.state.modes["spindle"] = spindle
+        self._state.modes["spindle"] = spindle
 
     def _coolant(self, block: Block, *, off: bool) -> None:
         """Switch the coolant, if the block switches it `off`, or on."""
         coolant = block.codes.get("coolant")
         if coolant is not None and (coolant == "coolant off") == off:
-            self.state.modes["coolant"] = block.codes["coolant"]
-            self.state.used_coolant |= self.state.coolant != "off"
+            self._state.modes["coolant"] = block.codes["coolant"]
+            self._state.used_coolant |= self._state.coolant != "off"
 
     def _dwell(self, block: Block) -> None:
+        """Wait; the word that states how long is taken from the block."""
         if "dwell" not in block.actions:
             return
-        seconds = dwell_of(block, self._controller, self.state.speed, self._findings)
-        if seconds is not None:
-            self._event(block, "dwell", seconds)
+        letters, form = self._controller.dwell_letters, self._controller.machine.dwell
+        letter = next((each for each in letters if each in block.values), "")
+        if not letter:
+            what = f"{block.words['dwell']} without its time"
+            self._report(block, "missing-word", what, allowed=letters)
+            return
+        number = block.values.pop(letter)
+        text, seconds = f"{letter}{number.text}", number.value
+        if letter == "S":  # revolutions of the spindle
+            seconds *= 60.0 / (self._state.speed or math.inf)
+        elif letter == letters[0] and form.unit != "s":
+            if number.has_point and not form.point_seconds:
+                what = "a dwell in whole milliseconds takes no decimal point"
+                self._report(block, "number", what, text)
+            seconds /= 1.0 if number.has_point and form.point_seconds else 1000.0
+        if seconds != 0.0 and not SHORTEST_DWELL <= seconds <= LONGEST_DWELL:
+            what = f"a dwell of {seconds:g} s: {text} counts in {form.unit} here"
+            self._report(block, "dwell", what, allowed=f"{SHORTEST_DWELL:g} to {LONGEST_DWELL:g} s")
+        self._event(block, "dwell", seconds)
 
     def _compensation(self, block: Block) -> None:
-        state = self.state
+        state = self._state
         if "OFFN" in block.values:
             self._used.add("OFFN")
-            state.oversize = block.value("OFFN") * self._scale
+            state.oversize = block.value("OFFN") * self._state.unit
         found = block.codes.get("compensation")
         if found is None:
             return
@@ -696,7 +683,7 @@ class Executor:
         word = block.words["compensation"]
         state.stated_radius = math.nan
         if word.endswith(".1"):  # D is the diameter itself
-            state.stated_radius = 0.5 * block.value("D") * self._scale
+            state.stated_radius = 0.5 * block.value("D") * self._state.unit
         elif "D" in block.values:
             if block.value("D") % 1.0:
                 text = block.values["D"].text
@@ -708,7 +695,7 @@ class Executor:
         self._mover.enter(block)
 
     def _length(self, block: Block) -> None:
-        state = self.state
+        state = self._state
         if self._controller.length_letter == "D" and "D" in block.values:
             self._used |= set("D")
             self._put_length(state.tool if block.value("D") > 0.0 else 0)
@@ -720,12 +707,12 @@ class Executor:
             number = int(max(block.value("H", state.tool), 0.0))
             if state.tool and number != state.tool:
                 what = f"the length of tool {number} is put into force with tool {state.tool}"
-                self._report(block, "tool-length", what, ok=f"H{state.tool}")
+                self._report(block, "tool-length", what, allowed=f"H{state.tool}")
             self._put_length(number)
 
     def _put_length(self, number: int) -> None:
         """Put a tool's length into force: where the spindle was, Z is another number now."""
-        state = self.state
+        state = self._state
         if not self._controller.changes_tools:
             number = state.tool  # Z was set with it
         state.measured = state.tool if number else state.measured
@@ -734,7 +721,7 @@ class Executor:
         state.offset = number
 
     def _work_offset(self, block: Block) -> None:
-        state = self.state
+        state = self._state
         if "work offset" not in block.codes:
             return
         word = block.words["work offset"]
@@ -745,7 +732,7 @@ class Executor:
         state.modes["work offset"] = "work offset"
 
     def _path_mode(self, block: Block) -> None:
-        state = self.state
+        state = self._state
         mode = block.codes.get("path mode")
         if mode is not None:
             state.modes["path mode"] = mode
@@ -755,14 +742,14 @@ class Executor:
                 # Without P the controller keeps its speed at any deviation; without Q, Q is P.
                 smooth = self._controller.smoothing_letter(block.words["path mode"])
                 p = block.value("P", math.inf) if smooth else math.inf
-                state.blending = p * self._scale
+                state.blending = p * self._state.unit
                 q = block.value("Q", p) if self._controller.groups & {"centres"} else 0.0
-                state.naive_cam = q * self._scale if math.isfinite(q) else state.blending
+                state.naive_cam = q * self._state.unit if math.isfinite(q) else state.blending
         if "smoothing" in block.codes:
             self._smoothing(block)
 
     def _smoothing(self, block: Block) -> None:
-        state = self.state
+        state = self._state
         letter = self._controller.smoothing_letter(block.words["smoothing"])
         self._used |= set(f"PQER{letter}")
         number = block.values.get("tolerance") or (block.values.get(letter) if letter else None)
@@ -770,10 +757,10 @@ class Executor:
         if block.names.get("smoothing") == "off" or number is None:
             state.blending = 0.0
         else:
-            state.blending = number.value * self._scale
+            state.blending = number.value * self._state.unit
 
     def _flow(self, block: Block) -> None:
-        state = self.state
+        state = self._state
         flow = block.codes.get("flow")
         if flow is None or flow == "optional stop":
             return
@@ -792,40 +779,7 @@ class Executor:
         state.ended = True
 
     def _event(self, block: Block, kind: str, seconds: float = 0.0) -> None:
-        state = self.state
+        state = self._state
         word = block.words.get(EVENTS[kind]) or block.words.get("flow", kind)
         z = state.z_before if math.isnan(state.z) else state.z
         self.events.append(Event(kind, word, state.at, z, state.tool, seconds, block.line))
-
-
-SHORTEST_DWELL, LONGEST_DWELL = 0.05, 60.0
-"""Seconds that a dwell may reasonably take; others are in another unit, probably."""
-
-
-def dwell_of(
-    block: Block, controller: Controller, speed: float, findings: Findings
-) -> float | None:
-    """Seconds that a block waits, with the spindle at a `speed` [rev/min]; None without its time.
-
-    The word that states it is taken from the block.
-    """
-    letter = next((each for each in controller.dwell_letters if each in block.values), "")
-    if not letter:
-        what = f"{block.words['dwell']} without its time"
-        findings.add(block.line, "missing-word", what, allowed=controller.dwell_letters)
-        return None
-    number = block.values.pop(letter)
-    text, form = f"{letter}{number.text}", controller.machine.dwell
-    seconds = number.value
-    if letter == "S":  # revolutions of the spindle
-        seconds *= 60.0 / (speed or math.inf)
-    elif letter == controller.dwell_letters[0] and form.unit != "s":
-        if number.has_point and not form.point_seconds:
-            what = "a dwell in whole milliseconds takes no decimal point"
-            findings.add(block.line, "number", what, text)
-        seconds /= 1.0 if number.has_point and form.point_seconds else 1000.0
-    if seconds != 0.0 and not SHORTEST_DWELL <= seconds <= LONGEST_DWELL:
-        what = f"a dwell of {seconds:g} s: {text} counts in {form.unit} here"
-        allowed = f"{SHORTEST_DWELL:g} to {LONGEST_DWELL:g} s"
-        findings.add(block.line, "dwell", what, allowed=allowed)
-    return seconds

@@ -6,7 +6,7 @@ import cmath
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import Any, TypeVar
 
 import numpy as np
@@ -69,6 +69,20 @@ class Edge:
         """Height of a level edge [mm]."""
         return self.places[0].z
 
+    @property
+    def foot(self) -> int:
+        """The vertex at the lower end of an edge between two heights."""
+        one, other = self.places
+        return self.ends[0] if one.z < other.z else self.ends[1]
+
+    def place_at(self, z: float) -> complex:
+        """Where an edge between two heights is at one of them [mm]."""
+        if self.bend is not None:
+            return self.bend.place_at(z)
+        one, other = self.places
+        share = (z - one.z) / (other.z - one.z)
+        return (1.0 - share) * one.place + share * other.place
+
 
 @dataclass(frozen=True, slots=True)
 class Use:
@@ -104,6 +118,88 @@ class Face:
     def told(self) -> str:
         """Its number and name in messages."""
         return f"face #{self.number}" + (f" ({self.name[:40]})" if self.name else "")
+
+    @property
+    def uses(self) -> tuple[Use, ...]:
+        """Those of all loops."""
+        return tuple(chain.from_iterable(self.loops))
+
+    @property
+    def heights(self) -> tuple[float, float]:
+        """The lowest and the highest place [mm]."""
+        heights = [point.z for use in self.uses for point in use.edge.places]
+        return min(heights), max(heights)
+
+    @property
+    def is_level(self) -> bool:
+        """Whether it is level."""
+        return isinstance(self.surface, Plane) and abs(self.surface.normal.place) <= ALIGNED
+
+    @property
+    def is_inclined(self) -> bool:
+        """Whether it is neither level nor upright."""
+        if isinstance(self.surface, Plane):
+            normal = self.surface.normal
+            return min(abs(normal.place), abs(normal.z)) > ALIGNED
+        return isinstance(self.surface, Cone)
+
+    @property
+    def looks_up(self) -> bool:
+        """Whether the normal of a level one points upwards."""
+        return isinstance(self.surface, Plane) and (self.surface.normal.z > 0.0) == self.same
+
+    def distance_from(self, edge: Edge) -> float:
+        """How far [mm] an edge of it is from its surface."""
+        surface = self.surface
+        if edge.bend is not None:
+            # By how much a cone misses it is of the fourth degree: it vanishes if five values do.
+            points = [edge.bend.at(share) for share in (0.0, 0.25, 0.5, 0.75, 1.0)]
+        elif not edge.strands:
+            one, other = edge.places
+            middle = Point(0.5 * (one.place + other.place), 0.5 * (one.z + other.z))
+            points = [one, middle, other]
+        else:
+            points = list(edge.places)
+        off = [off_surface(surface, point.place, point.z) for point in points]
+        for strand in edge.strands:
+            if isinstance(surface, Extrusion):
+                off.append(_off_extrusion(surface, strand))
+            elif isinstance(strand, Arc):
+                off.append(off_surface(surface, _middle(strand), edge.z))
+            elif isinstance(surface, Cylinder | Cone):
+                off.append(math.inf)  # no spline follows a circle
+            else:
+                off += [off_surface(surface, each, edge.z) for each in strand.controls.tolist()]
+        if isinstance(surface, Extrusion) and not edge.strands:
+            ends = (surface.curve.start, surface.curve.end)
+            off.append(min(abs(end - edge.places[0].place) for end in ends))
+        return max(off)
+
+    def has_up_on_left_of(self, strand: Strand) -> bool:
+        """Whether up is on the left of a strand seen from outside the face."""
+        surface = self.surface
+        if isinstance(surface, Extrusion):
+            ahead = isinstance(strand, CubicSpline) and (
+                apart(surface.curve, strand) <= apart(surface.curve, strand.reversed())
+            )
+            return (surface.up > 0.0) == (self.same == ahead)
+        place, heading = strand.start, strand.end - strand.start
+        if isinstance(strand, Arc):
+            place = _middle(strand)
+            heading = strand.heading(place)
+        normal = surface.normal.place if isinstance(surface, Plane) else place - surface.centre
+        return ((normal.conjugate() * heading).imag > 0.0) == self.same
+
+
+def _off_extrusion(surface: Extrusion, strand: Strand) -> float:
+    if isinstance(strand, Arc):
+        return math.inf
+    return min(apart(surface.curve, strand), apart(surface.curve, strand.reversed()))
+
+
+def _middle(arc: Arc) -> complex:
+    """The point in its middle, at which it is compared with surfaces and their senses."""
+    return complex(arc.at(np.array([0.5]))[0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,7 +241,7 @@ def solid_of(model: Model) -> Solid:
     context = _context(model, solid.number)
     unit = _unit(model, context)
     shell = model.entity(solid.ref(1), "CLOSED_SHELL")
-    builder = _Builder(model, Geometry(model, unit, _angle(model, context)))
+    builder = _Builder(Geometry(model, unit, _angle(model, context)))
     faces = tuple(builder.face(ref) for ref in shell.refs(1))
     products = tuple(each.text(1) for each in model.all_of("PRODUCT"))
     uncertainty = _uncertainty(model, context)
@@ -189,25 +285,17 @@ def _millimetres(model: Model, ref: int) -> float:
     for _ in range(CONVERTED):
         found = model.entity(ref, "SI_UNIT", "CONVERSION_BASED_UNIT")
         if found.kind == "SI_UNIT":
-            return _checked(found, factor * _metres(found))
+            prefix = None if found.values[:1] == (None,) else found.word(0)
+            if found.word(1) != "METRE" or prefix not in PREFIXES:
+                raise found.fault("is not a unit of length that can be read")
+            size = factor * PREFIXES[prefix]
+            if not 1e-6 <= size <= 1e6:
+                raise found.fault(f"is {size:g} mm")
+            return size
         measure = model.entity(found.ref(1), "LENGTH_MEASURE_WITH_UNIT", "MEASURE_WITH_UNIT")
         factor *= measure.measure(0)
         ref = measure.ref(1)
     raise FileError(f"#{ref}: units are stated by units more than {CONVERTED} times")
-
-
-def _metres(unit: Entity) -> float:
-    """Millimetres in a unit of the SI."""
-    prefix = None if unit.values[:1] == (None,) else unit.word(0)
-    if unit.word(1) != "METRE" or prefix not in PREFIXES:
-        raise unit.fault("is not a unit of length that can be read")
-    return PREFIXES[prefix]
-
-
-def _checked(unit: Entity, size: float) -> float:
-    if not 1e-6 <= size <= 1e6:
-        raise unit.fault(f"is {size:g} mm")
-    return size
 
 
 def _uncertainty(model: Model, context: int) -> float | None:
@@ -225,14 +313,13 @@ def _uncertainty(model: Model, context: int) -> float | None:
 class _Builder:
     """Builds faces; edges that are shared are built once."""
 
-    model: Model
     geometry: Geometry
     edges: dict[int, Edge] = field(default_factory=dict)
     used: set[int] = field(default_factory=set)
 
     def face(self, ref: int) -> Face:
         self._once(ref)
-        found = self.model.entity(ref, "ADVANCED_FACE", "FACE_SURFACE")
+        found = self.geometry.model.entity(ref, "ADVANCED_FACE", "FACE_SURFACE")
         surface = self.geometry.surface(found.ref(2))
         loops = tuple(self._loop(bound) for bound in found.refs(1))
         if not loops:
@@ -247,8 +334,8 @@ class _Builder:
 
     def _loop(self, ref: int) -> tuple[Use, ...]:
         self._once(ref)
-        bound = self.model.entity(ref, "FACE_OUTER_BOUND", "FACE_BOUND")
-        loop = self.model.entity(bound.ref(1), "EDGE_LOOP")
+        bound = self.geometry.model.entity(ref, "FACE_OUTER_BOUND", "FACE_BOUND")
+        loop = self.geometry.model.entity(bound.ref(1), "EDGE_LOOP")
         uses = tuple(self._use(each) for each in loop.refs(1))
         if not uses:
             raise loop.fault("has no edges")
@@ -258,14 +345,14 @@ class _Builder:
 
     def _use(self, ref: int) -> Use:
         self._once(ref)
-        found = self.model.entity(ref, "ORIENTED_EDGE")
+        found = self.geometry.model.entity(ref, "ORIENTED_EDGE")
         number = found.ref(3)
         if number not in self.edges:
             self.edges[number] = self._edge(number)
         return Use(self.edges[number], found.flag(4))
 
     def _edge(self, ref: int) -> Edge:
-        found = self.model.entity(ref, "EDGE_CURVE")
+        found = self.geometry.model.entity(ref, "EDGE_CURVE")
         ends = (int(found.ref(1)), int(found.ref(2)))
         places = (self._vertex(ends[0]), self._vertex(ends[1]))
         start, end = places
@@ -277,13 +364,7 @@ class _Builder:
         return Edge(ref, ends, places, strands, max(off, abs(end.z - start.z)))
 
     def _vertex(self, ref: int) -> Point:
-        return self.geometry.point(self.model.entity(ref, "VERTEX_POINT").ref(1))
-
-
-def swept(face: Face) -> tuple[float, float]:
-    """The lowest and the highest place of a face [mm]."""
-    heights = [point.z for loop in face.loops for use in loop for point in use.edge.places]
-    return min(heights), max(heights)
+        return self.geometry.point(self.geometry.model.entity(ref, "VERTEX_POINT").ref(1))
 
 
 # -- parabola -------------------------------------------------------------------------------------
@@ -364,14 +445,6 @@ RATIONAL = 1e-12
 
 KNOTS = 100_000
 """Most knots of a spline with all multiplicities."""
-
-
-@dataclass(frozen=True, slots=True)
-class Axes:
-    """Origin and third axis of a placement; where the first points does not matter here."""
-
-    origin: Point
-    axis: Point
 
 
 @dataclass(frozen=True, slots=True)
@@ -474,8 +547,10 @@ class Geometry:
             raise found.fault("is of length 0")
         return Point(complex(x / size, y / size), z / size)
 
-    def axes(self, ref: int) -> Axes:
-        """A placement; without an axis it stands along Z, and without a first one it has some."""
+    def axes(self, ref: int) -> tuple[Point, Point]:
+        """Origin and third axis of a placement, which without one stands along Z; where the first
+        one points does not matter here.
+        """
         found = self.model.entity(ref, "AXIS2_PLACEMENT_3D")
         axis, first = (
             self.direction(found.ref(place)) if found.values[place : place + 1] != (None,) else None
@@ -486,7 +561,7 @@ class Geometry:
             along = (first.place * axis.place.conjugate()).real + first.z * axis.z
             if not abs(along) < 1.0 - ALIGNED:
                 raise found.fault("has its first axis along its third")
-        return Axes(self.point(found.ref(1)), axis)
+        return self.point(found.ref(1)), axis
 
     def curve(self, ref: int) -> Curve:
         """The curve of an edge; that of a curve on surfaces is its own in space."""
@@ -499,11 +574,10 @@ class Geometry:
             vector = self.model.entity(found.ref(2), "VECTOR")
             return Line(self.point(found.ref(1)), self.direction(vector.ref(1)))
         if found.kind == "CIRCLE":
-            axes = self.axes(found.ref(1))
-            if abs(axes.axis.place) > ALIGNED:
+            centre, axis = self.axes(found.ref(1))
+            if abs(axis.place) > ALIGNED:
                 raise found.fault("is not level: only upright solids can be read")
-            radius = self._radius(found)
-            return Circle(axes.origin, radius, math.copysign(1.0, axes.axis.z))
+            return Circle(centre, self._radius(found), math.copysign(1.0, axis.z))
         return self._spline(found.number)
 
     def surface(self, ref: int) -> Surface:
@@ -520,19 +594,18 @@ class Geometry:
             if not isinstance(curve, Spline):
                 raise found.fault("is not of a spline")
             return Extrusion(curve.curve, math.copysign(1.0, way.z))
-        axes = self.axes(found.ref(1))
+        origin, axis = self.axes(found.ref(1))
         if found.kind == "PLANE":
-            return Plane(axes.origin, axes.axis)
-        if abs(axes.axis.place) > ALIGNED:
+            return Plane(origin, axis)
+        if abs(axis.place) > ALIGNED:
             raise found.fault("does not stand along Z: only upright solids can be read")
         if found.kind == "CYLINDRICAL_SURFACE":
-            return Cylinder(axes.origin.place, self._radius(found))
+            return Cylinder(origin.place, self._radius(found))
         angle = found.number_at(3) * self.angle
         if not 0.0 < angle < 0.5 * math.pi:
             raise found.fault("is no cone between a cylinder and a plane")
         radius = found.number_at(2) * self.scale
-        rise = math.copysign(math.tan(angle), axes.axis.z)
-        return Cone(axes.origin.place, radius, axes.origin.z, rise)
+        return Cone(origin.place, radius, origin.z, math.copysign(math.tan(angle), axis.z))
 
     def _triple(self, found: Entity) -> list[float]:
         numbers = found.numbers(1)
@@ -664,7 +737,7 @@ def off_rising(line: Curve, start: Point, end: Point, *, same: bool) -> float:
 
 
 def off_surface(surface: Surface, place: complex, z: float) -> float:
-    """Distance [mm] of a point from a surface; of an extrusion see `same_curve`."""
+    """Distance [mm] of a point from a surface; of an extrusion see `apart`."""
     if isinstance(surface, Plane):
         apart, normal = place - surface.origin.place, surface.normal
         return abs((apart * normal.place.conjugate()).real + (z - surface.origin.z) * normal.z)

@@ -210,10 +210,7 @@ def _parallel(polygon: ComplexArray, by: float) -> ComplexArray:
     normals = 1j * sides / np.abs(sides)
     before = np.roll(normals, 1)
     # Both sides at a vertex move by as much along their normals.
-    found: ComplexArray = polygon + by * (before + normals) / (
-        1.0 + (before * np.conj(normals)).real
-    )
-    return found
+    return np.asarray(polygon + by * (before + normals) / (1.0 + (before * np.conj(normals)).real))
 
 
 def _winds_up(ring: ComplexArray, rings: list[ComplexArray]) -> bool:
@@ -427,7 +424,8 @@ def _across(face: _Face, at: ComplexArray, seen: ComplexArray) -> list[_Face]:
             seen[ring[start]], seen[np.roll(ring, -start)], least, count - least + 1
         )
     ]
-    for i, j in sorted(pairs, key=lambda pair: _length(seen, ring[pair[0]], ring[pair[1]])):
+    around = seen[ring]
+    for i, j in sorted(pairs, key=lambda pair: float(abs(around[pair[0]] - around[pair[1]]))):
         parts = [_along(ring, i, j), _along(ring, j, i)]
         # A diagonal outside of the ring would leave one of them clockwise.
         if all(_turns_left(at[part]) for part in parts) and _clear(face, at, ring[i], ring[j]):
@@ -481,10 +479,6 @@ def _along(ring: IntArray, i: int, j: int) -> IntArray:
     return ring[i : j + 1] if i < j else np.concatenate((ring[i:], ring[: j + 1]))
 
 
-def _length(points: ComplexArray, i: int, j: int) -> float:
-    return float(abs(points[i] - points[j]))
-
-
 def _area(ring: ComplexArray) -> float:
     """Of a polygon, positive counter-clockwise."""
     arms = ring - ring[0]
@@ -511,10 +505,9 @@ def _apart(
     p: complex, q: complex, a: ComplexArray | complex, b: ComplexArray | complex
 ) -> BoolArray:
     """Whether segments pq and ab are proved disjoint: one lies on one side of the other's line."""
-    found: BoolArray = (_side(p, q, a) * _side(p, q, b) > 0.0) | (
-        _side(a, b, p) * _side(a, b, q) > 0.0
+    return np.asarray(
+        (_side(p, q, a) * _side(p, q, b) > 0.0) | (_side(a, b, p) * _side(a, b, q) > 0.0)
     )
-    return found
 
 
 def _side(
@@ -525,8 +518,7 @@ def _side(
     left, right = along.real * to.imag, along.imag * to.real
     product = left - right
     proved = np.abs(product) > ROUNDING * (np.abs(left) + np.abs(right))
-    found: FloatArray = np.where(proved, np.sign(product), 0.0)
-    return found
+    return np.asarray(np.where(proved, np.sign(product), 0.0))
 
 
 # -- apart ----------------------------------------------------------------------------------------
@@ -542,7 +534,10 @@ def require_apart(part: Part, nearest: Nearest, tolerance: float) -> None:
     """Raise GeometryError with key "part" and the place if two walls, or edges at one height, come
     within `tolerance` [mm], that of the rings: no file of it tells them apart.
     """
-    for one, other in _together(part):
+    groups: list[Iterable[Boundary]] = [layer.boundaries for layer in part.layers]
+    groups += [level.boundaries for level in part.levels]
+    pairs = ((one.name, other.name) for group in groups for one, other in combinations(group, 2))
+    for one, other in dict.fromkeys(pairs):
         if (found := nearest(one, other)) is not None:
             apart, place = found
             message = (
@@ -551,16 +546,6 @@ def require_apart(part: Part, nearest: Nearest, tolerance: float) -> None:
                 " smaller tolerance"
             )
             raise GeometryError(message, key="part")
-
-
-def _together(part: Part) -> list[tuple[str, str]]:
-    """Names of boundaries that are in one layer, or end or begin at one height."""
-    groups: list[Iterable[Boundary]] = [layer.boundaries for layer in part.layers]
-    groups += [level.boundaries for level in part.levels]
-    found = {
-        (one.name, other.name): None for group in groups for one, other in combinations(group, 2)
-    }
-    return list(found)
 
 
 def of_polygons(rings: Mapping[str, ComplexArray], tolerance: float) -> Nearest:

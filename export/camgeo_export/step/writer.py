@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import groupby, pairwise
 from typing import Union
@@ -28,8 +28,8 @@ from camgeo.part.part import Band, Bevel, Boundary, Level, Part, written_contour
 from camgeo.reading import INSTANCES
 from camgeo.scene.formats.step import FORMAT
 from camgeo.units import MM_PER, LengthUnit, counted
-from camgeo_export.part21.measure import measure
 from camgeo_export.solid.prism import of_contours, require_apart
+from camgeo_export.verify.step import measure as deviation_of
 
 ENTITIES = 20
 """Entities of a file for each piece of a wall, at least."""
@@ -39,6 +39,8 @@ class StepWriter:
     """Writes a STEP file."""
 
     format = FORMAT
+    pieces = staticmethod(bodies_of)  # the disc, or the pair that it is one piece with
+    measure = staticmethod(deviation_of)
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The solid, in the unit of the product, within `tolerance` [mm].
@@ -53,7 +55,13 @@ class StepWriter:
         for bevel in part.bevels:
             if bevel.edge.name not in rings:
                 rings[bevel.edge.name] = edge_of(bevel, rings[bevel.boundary.name])
-        _limit(sum(len(rings[band.wall.name].strands) for band in part.bands))
+        pieces = sum(len(rings[band.wall.name].strands) for band in part.bands)
+        if ENTITIES * pieces > INSTANCES:  # such a solid would not be read back
+            raise FileError(
+                f"the solid would have walls of {counted(pieces, 'piece')}, of {ENTITIES} entities"
+                f" each; at most {INSTANCES:,} are allowed in a STEP file that is read; a larger"
+                " tolerance needs fewer"
+            )
         contours = {name: ring.contour for name, ring in rings.items()}
         require_apart(part, of_contours(contours, tolerance), tolerance)
         file = Entities()
@@ -68,26 +76,6 @@ class StepWriter:
         file.add("SHAPE_DEFINITION_REPRESENTATION", shape, representation)
         text = "\n".join([*header(product, tolerance), *file.lines, *END, ""])
         return Written(text.encode("ascii"), _facts(part, rings, len(shell.faces)))
-
-    def pieces(self, product: Product) -> tuple[Product, ...]:
-        """The disc, or the pair that it is one piece with."""
-        return bodies_of(product)
-
-    def measure(self, product: Product, data: bytes) -> float:
-        """Read the solid back, without what wrote it, and measure it against the exact curves
-        [mm].
-        """
-        return measure(product, data)
-
-
-def _limit(pieces: int) -> None:
-    """Raise FileError if a solid with walls of so many pieces would not be read back."""
-    if ENTITIES * pieces > INSTANCES:
-        raise FileError(
-            f"the solid would have walls of {counted(pieces, 'piece')}, of {ENTITIES} entities"
-            f" each; at most {INSTANCES:,} are allowed in a STEP file that is read; a larger"
-            " tolerance needs fewer"
-        )
 
 
 def _facts(part: Part, rings: dict[str, Ring], faces: int) -> dict[str, int | float | str]:
@@ -260,18 +248,15 @@ def require_one_body(part: Part, faces: dict[float, list[FlatFace]]) -> None:
         groups |= {(z, face): {(z, face)} for face in flat}
     for bands in courses_of(part):
         feet = (bands[0].z0, bands[0].lower.name), (bands[-1].z1, bands[-1].upper.name)
-        ends = ((z, _face_of(faces[z], name)) for z, name in feet)
-        one, other = (groups[each] for each in ends)
+        one, other = (
+            groups[z, next(face for face in faces[z] if name in face.names)] for z, name in feet
+        )
         if one is not other:
             one |= other
             groups |= dict.fromkeys(other, one)
     if len({id(group) for group in groups.values()}) > 1:
         message = "a STEP file holds one body without closed cavities, which this part is not"
         raise GeometryError(message, key="part")
-
-
-def _face_of(faces: Iterable[FlatFace], name: str) -> FlatFace:
-    return next(face for face in faces if name in face.names)
 
 
 def courses_of(part: Part) -> list[list[Band]]:
@@ -346,18 +331,16 @@ class Shell:
         for k, strand in enumerate(strands):
             after = (k + 1) % len(strands)
             ends = [Ends(z, row[k], row[after]) for z, row in zip(heights, points, strict=True)]
-            piece = self.pen.piece(strand, *ends)
-            below, above = piece.curves
-            same = flag(piece.same)
-            lower.append(file.add("EDGE_CURVE", "", feet[k], feet[after], below, same))
-            upper.append(file.add("EDGE_CURVE", "", heads[k], heads[after], above, same))
+            (below, above), surface, ahead = self.pen.piece(strand, *ends)
+            lower.append(file.add("EDGE_CURVE", "", feet[k], feet[after], below, flag(ahead)))
+            upper.append(file.add("EDGE_CURVE", "", heads[k], heads[after], above, flag(ahead)))
             around = [
                 (lower[k], True),
                 (posts[after], True),
                 (upper[k], False),
                 (posts[k], False),
             ]
-            self._face(name, [self._loop(around)], piece.surface, piece.outwards)
+            self._face(name, [self._loop(around)], surface, ahead)
         self.edges |= {(name, wall.z0): lower, (name, wall.z1): upper}
 
     def _flat(self, level: Level, face: FlatFace, ends: set[str]) -> None:
@@ -366,7 +349,8 @@ class Shell:
         for name in face.names:
             edges = [(edge, name in ends) for edge in self.edges[name, level.z]]
             loops.append(self._loop(edges if name in ends else edges[::-1]))
-        surface = self.pen.level_plane(level.z - self.bottom, upwards=face.upwards)
+        axes = self.pen.axes(level.z - self.bottom, UP if face.upwards else DOWN)
+        surface = self.pen.file.add("PLANE", "", axes)
         self._face(level.name, loops, surface, same=True)
 
     def _loop(self, edges: Iterable[tuple[Ref, bool]]) -> Ref:
@@ -408,24 +392,6 @@ class Ends:
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
-    """The geometry of one face of a wall.
-
-    Attributes
-    ----------
-    curves : of its lower and its upper edge.
-    same : whether they have the direction of the strand.
-    surface : of the face.
-    outwards : whether its normal points to the strand's right.
-    """
-
-    curves: tuple[Ref, Ref]
-    same: bool
-    surface: Ref
-    outwards: bool
-
-
-@dataclass(frozen=True, slots=True)
 class Pen:
     """What adds geometry to a file in its unit.
 
@@ -446,10 +412,6 @@ class Pen:
     def axes(self, z: float, axis: tuple[float, float, float] = UP) -> Ref:
         """Axes on the cam axis at a height [mm], the third one up or down."""
         return self._placement(self.point(0j, z), self._fixed(axis), self._fixed(ACROSS))
-
-    def level_plane(self, z: float, *, upwards: bool) -> Ref:
-        """The plane at a height [mm] and where its normal points."""
-        return self.file.add("PLANE", "", self.axes(z, UP if upwards else DOWN))
 
     def post(self, foot: Ref) -> Ref:
         """The vertical line through a point."""
@@ -504,22 +466,21 @@ class Pen:
             "PLANE", "", self._placement(through, axis, self._direction(way))
         )  # fmt: skip
 
-    def cone(self, base: Ref, radius: float, angle: float) -> Ref:
-        """The cone about the third axis of `base`, of a radius [mm] there that grows along it."""
-        return self.file.add("CONICAL_SURFACE", "", base, radius / self.scale, angle)
-
     def placement(
         self, centre: complex, z: float, axis: tuple[float, float, float], first: complex
     ) -> Ref:
         """Axes at a place [mm], the third one up or down, the first one level."""
         return self._placement(self.point(centre, z), self._fixed(axis), self._direction(first))
 
-    def piece(self, strand: Strand, lower: Ends, upper: Ends) -> Piece:
-        """The face on a strand between two heights."""
+    def piece(self, strand: Strand, lower: Ends, upper: Ends) -> tuple[tuple[Ref, Ref], Ref, bool]:
+        """The face on a strand between two heights: the curves of its lower and its upper edge, its
+        surface, and whether the curves have the direction of the strand and the normal points to
+        its right.
+        """
         if isinstance(strand, CubicSpline):
             curves = (self._spline(strand, lower), self._spline(strand, upper))
             surface = self.file.add("SURFACE_OF_LINEAR_EXTRUSION", "", curves[0], self._up())
-            return Piece(curves, True, surface, True)
+            return curves, surface, True
         if not strand.sweep:
             return self._straight(strand, lower, upper)
         radius = radius_of(strand) / self.scale
@@ -534,15 +495,15 @@ class Pen:
         below, above = (self.file.add("CIRCLE", "", each, radius) for each in axes)
         surface = self.file.add("CYLINDRICAL_SURFACE", "", axes[0], radius)
         ahead = strand.sweep > 0.0
-        return Piece((below, above), ahead, surface, ahead)
+        return (below, above), surface, ahead
 
-    def _straight(self, line: Arc, lower: Ends, upper: Ends) -> Piece:
+    def _straight(self, line: Arc, lower: Ends, upper: Ends) -> tuple[tuple[Ref, Ref], Ref, bool]:
         along = line.end - line.start
         way, normal = self._direction(along), self._direction(-1j * along)
         vector = self.file.add("VECTOR", "", way, 1.0)
         below, above = (self.file.add("LINE", "", ends.start, vector) for ends in (lower, upper))
         surface = self.file.add("PLANE", "", self._placement(lower.start, normal, way))
-        return Piece((below, above), True, surface, True)
+        return (below, above), surface, True
 
     def _spline(self, spline: CubicSpline, ends: Ends) -> Ref:
         inner = [self.point(each, ends.z) for each in spline.controls[1:-1].tolist()]
@@ -749,15 +710,17 @@ def surface_of(pen: Pen, lower: Row, upper: Row, k: int) -> tuple[Ref, bool]:
     longer = one if abs(one.sweep) >= abs(other.sweep) else other
     first = (longer.start if ahead else longer.end) - one.centre
     base = pen.placement(one.centre, lower.z if grows else upper.z, UP if grows else DOWN, first)
-    return pen.cone(base, min(radii), angle), one.sweep > 0.0
+    # About the third axis of its base, with the radius there, which grows along it.
+    surface = pen.file.add("CONICAL_SURFACE", "", base, min(radii) / pen.scale, angle)
+    return surface, one.sweep > 0.0
 
 
 # -- text -----------------------------------------------------------------------------------------
 # Text of a STEP file by ISO 10303-21: numbers, strings, and entities with their numbers.
 
 
-PLAIN = re.compile(r"[ -~]")
-"""A character that a string holds as it is; quotes and backslashes are doubled."""
+CODED = re.compile("[^ -~\U00010000-\U0010ffff]+|[\U00010000-\U0010ffff]+")
+"""Characters that a string does not hold as they are, of four hexadecimal digits or of eight."""
 
 
 class Ref(int):
@@ -773,12 +736,12 @@ class Word(str):
 Value = Union[Ref, Word, str, int, float, "Typed", Sequence["Value"]]
 
 
+@dataclass(frozen=True, slots=True)
 class Typed:
     """A value that names its type."""
 
-    def __init__(self, kind: str, value: Value) -> None:
-        self.kind = kind
-        self.value = value
+    kind: str
+    value: Value
 
 
 NONE, DERIVED = Word("$"), Word("*")
@@ -817,24 +780,16 @@ def real(value: float) -> str:
 
 
 def encoded(text: str) -> str:
-    """A string in the characters of ISO 646, with directives for all others."""
-    return "".join(_runs(text))
+    """A string in the characters of ISO 646, with directives for all others; quotes and backslashes
+    are doubled.
+    """
+    return CODED.sub(_directive, text.replace("\\", "\\\\").replace("'", "''"))
 
 
-def _runs(text: str) -> Iterator[str]:
-    for digits, run in groupby(text, _digits):
-        if not digits:
-            yield "".join(run).replace("\\", "\\\\").replace("'", "''")
-        else:
-            codes = "".join(f"{ord(each):0{digits}X}" for each in run)
-            yield f"\\X{digits // 2}\\{codes}\\X0\\"
-
-
-def _digits(character: str) -> int:
-    """Hexadecimal digits of a character; 0 if it needs none."""
-    if PLAIN.fullmatch(character):
-        return 0
-    return 4 if ord(character) <= 0xFFFF else 8
+def _directive(found: re.Match[str]) -> str:
+    digits = 4 if found[0][0] <= "\uffff" else 8
+    codes = "".join(f"{ord(each):0{digits}X}" for each in found[0])
+    return f"\\X{digits // 2}\\{codes}\\X0\\"
 
 
 class Entities:

@@ -12,25 +12,33 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from camgeo.design.plate import Piece, plate_of
+from camgeo.design.plate import plate_of
 from camgeo.design.product import Product, bodies_of, title_of
 from camgeo.design.writing import Written
 from camgeo.errors import FileError
 from camgeo.numeric.arrays import FloatArray, IntArray
 from camgeo.part.part import Part
 from camgeo.scene.formats.threemf import FORMAT
-from camgeo_export.solid.measure import measure
 from camgeo_export.solid.prism import Body, body, limit_facets
+from camgeo_export.verify.body import measure
 
 CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
-CONTENT_TYPES = "http://schemas.openxmlformats.org/package/2006/content-types"
-RELATIONSHIPS = "http://schemas.openxmlformats.org/package/2006/relationships"
-MODEL_TYPE = "application/vnd.ms-package.3dmanufacturing-3dmodel+xml"
-RELATIONSHIP_TYPE = "application/vnd.openxmlformats-package.relationships+xml"
-MODEL_RELATION = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
 MODEL_PATH = "3D/3dmodel.model"
-CONTENT_TYPES_PATH = "[Content_Types].xml"
-RELATIONSHIPS_PATH = "_rels/.rels"
+
+FRAME = {
+    "[Content_Types].xml": b"<?xml version='1.0' encoding='UTF-8'?>\n"
+    b'<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">'
+    b'<Default Extension="rels"'
+    b' ContentType="application/vnd.openxmlformats-package.relationships+xml" />'
+    b'<Default Extension="model"'
+    b' ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml" /></Types>',
+    "_rels/.rels": b"<?xml version='1.0' encoding='UTF-8'?>\n"
+    b'<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">'
+    b'<Relationship Target="/3D/3dmodel.model" Id="model"'
+    b' Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel" /></Relationships>',
+}
+"""The parts around the model, which are the same in all packages: the types of parts by their
+endings, and which part is the model."""
 
 NAMESPACE = "urn:camgeo:2026"
 """Namespace of our metadata; names outside the core specification must have one."""
@@ -71,12 +79,10 @@ def items_of(product: Product) -> tuple[Item, ...]:
     plate = plate_of(product)
     if not plate:
         return (Item(title_of(product), product.drawn.printed.target),)
-    return tuple(Item(each.name, each.part, each.colour, _moved(each)) for each in plate)
-
-
-def _moved(piece: Piece) -> str:
-    """The matrix of a shift, row by row."""
-    return f"1 0 0 0 1 0 0 0 1 {piece.x!r} {piece.y!r} 0"
+    return tuple(  # with the matrix of a shift, row by row
+        Item(each.name, each.part, each.colour, f"1 0 0 0 1 0 0 0 1 {each.x!r} {each.y!r} 0")
+        for each in plate
+    )
 
 
 class ThreeMfWriter:
@@ -97,9 +103,12 @@ class ThreeMfWriter:
         limit_facets(triangles, "the bodies would have")
         stream = io.BytesIO()
         with zipfile.ZipFile(stream, "w") as package:
-            _store(package, CONTENT_TYPES_PATH, _xml(_content_types()))
-            _store(package, RELATIONSHIPS_PATH, _xml(_relationships()))
-            _store(package, MODEL_PATH, _model(product, tolerance, items, bodies))
+            parts = FRAME | {MODEL_PATH: _model(product, tolerance, items, bodies)}
+            for path, data in parts.items():
+                entry = zipfile.ZipInfo(path, FIXED_DATE)
+                entry.compress_type = zipfile.ZIP_DEFLATED
+                entry.create_system = UNIX
+                package.writestr(entry, data)
         plate = product.options[FORMAT].plate
         facts: dict[str, int | float | str] = {
             **({"bodies": ", ".join(plate)} if plate else {}),
@@ -118,11 +127,11 @@ class ThreeMfWriter:
         """
         items, found = items_of(product), meshes_of(data)
         places = [(each.name, each.transform) for each in items]
-        if [(each.name, each.transform) for each in found] != places:
+        if [(name, transform) for name, transform, *_ in found] != places:
             raise FileError("the 3MF model has other objects, or not where they should be")
         return max(
-            measure(item.part, mesh.vertices, mesh.triangles)
-            for item, mesh in zip(items, found, strict=True)
+            measure(item.part, vertices, triangles)
+            for item, (*_, vertices, triangles) in zip(items, found, strict=True)
         )
 
 
@@ -130,38 +139,11 @@ def _exact(values: FloatArray) -> FloatArray:
     return values + 0.0  # -0.0 becomes 0.0
 
 
-def _xml(root: ET.Element) -> bytes:
-    found: bytes = ET.tostring(root, "UTF-8", xml_declaration=True)
-    return found
-
-
-def _store(package: zipfile.ZipFile, path: str, data: bytes) -> None:
-    entry = zipfile.ZipInfo(path, FIXED_DATE)
-    entry.compress_type = zipfile.ZIP_DEFLATED
-    entry.create_system = UNIX
-    package.writestr(entry, data)
-
-
-def _content_types() -> ET.Element:
-    root = ET.Element("Types", {"xmlns": CONTENT_TYPES})
-    for extension, kind in (("rels", RELATIONSHIP_TYPE), ("model", MODEL_TYPE)):
-        attributes = {"Extension": extension, "ContentType": kind}
-        ET.SubElement(root, "Default", attributes)
-    return root
-
-
-def _relationships() -> ET.Element:
-    root = ET.Element("Relationships", {"xmlns": RELATIONSHIPS})
-    attributes = {"Target": f"/{MODEL_PATH}", "Id": "model", "Type": MODEL_RELATION}
-    ET.SubElement(root, "Relationship", attributes)
-    return root
-
-
 def _model(
     product: Product, tolerance: float, items: Sequence[Item], bodies: Sequence[Body]
 ) -> bytes:
     """The model; an object for each of its vertices and triangles would take most of the time."""
-    frame = _xml(_frame(product, tolerance, items)).decode()
+    frame = ET.tostring(_frame(product, tolerance, items), "UTF-8", xml_declaration=True).decode()
     before, *parts = re.split(f"{VERTICES}|{TRIANGLES}", frame)
     written = [before]
     for solid, between, after in zip(bodies, parts[::2], parts[1::2], strict=True):
@@ -219,22 +201,9 @@ def _frame(product: Product, tolerance: float, items: Sequence[Item]) -> ET.Elem
     return root
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Mesh:
-    """An object of a package as it is read back.
-
-    Attributes
-    ----------
-    name : of the object.
-    transform : of the item, as in the file; None for none.
-    vertices : (n, 3) [mm], not transformed.
-    triangles : (m, 3) indices.
-    """
-
-    name: str
-    transform: str | None
-    vertices: FloatArray
-    triangles: IntArray
+Mesh = tuple[str, str | None, FloatArray, IntArray]
+"""Of an object its name, the transform of its item as in the file, None for none, its vertices
+(n, 3) [mm], not transformed, and its triangles (m, 3)."""
 
 
 def meshes_of(data: bytes) -> tuple[Mesh, ...]:
@@ -264,7 +233,7 @@ def _mesh(each: ET.Element, item: ET.Element) -> Mesh:
     (mesh,) = each.findall(f"{{{CORE}}}mesh")
     vertices = np.array(_numbers(mesh, "vertices", "vertex", ("x", "y", "z")), np.float64)
     triangles = np.array(_numbers(mesh, "triangles", "triangle", ("v1", "v2", "v3")), np.int64)
-    return Mesh(each.get("name", ""), item.get("transform"), vertices, triangles)
+    return each.get("name", ""), item.get("transform"), vertices, triangles
 
 
 def _numbers(mesh: ET.Element, group: str, tag: str, names: tuple[str, ...]) -> list[list[str]]:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import TypeVar
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from camgeo.part.mass import volume_within
 from camgeo.part.part import Band, Boundary, Part
 from camgeo.reading import COORDINATE
 from camgeo.units import counted
-from camgeo_export.reading import AnyContour
+from camgeo_export.reading import AnyContour, deviation
 from camgeo_export.verify.plane import Shape, contour_checks, matched, shapes_of
 
 PLACES = ("lower edge", "half way up", "upper edge")
@@ -192,8 +193,7 @@ def _level_checks(
     try:
         found = [each.counter_clockwise() for each in contours()]
     except (CamgeoError, KeyError) as error:
-        note = f"the boundary of the face cannot be traced: {error}"
-        return [failed("deviation", note, name)]
+        return [failed("deviation", f"the boundary of the face cannot be traced: {error}", name)]
     pairs, count = matched(found, shapes)
     checks = (
         []
@@ -243,6 +243,8 @@ def _area(boundaries: tuple[Boundary, ...], shapes: dict[str, Shape]) -> float:
 # Whether a mesh is one closed, outward body, or where it is not; the boundaries of its faces.
 
 
+Vertex = TypeVar("Vertex")
+
 ROUNDING = 2.0**-52 * 4.0
 """Height below which a facet has no area, as a fraction of the mesh's reach."""
 
@@ -263,8 +265,7 @@ def heights(corners: FloatArray) -> FloatArray:
     sides = corners - np.roll(corners, 1, axis=1)
     longest = np.linalg.norm(sides, axis=2).max(axis=1)
     doubled = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
-    found: FloatArray = doubled / np.where(longest > 0.0, longest, 1.0)
-    return found
+    return np.asarray(doubled / np.where(longest > 0.0, longest, 1.0))
 
 
 def volume(vertices: FloatArray, triangles: IntArray) -> float:
@@ -285,8 +286,8 @@ def solid_checks(vertices: FloatArray, triangles: IntArray) -> list[Check]:
     single = np.flatnonzero(used != 2)
     note = ""
     if len(single):
-        edge = _edge_text(vertices, int(edges[single[0]]), count)
-        note = f"the edge {edge} has {used[single[0]]} of 2 facets"
+        ends = [point_text(vertices[k]) for k in divmod(int(edges[single[0]]), count)]
+        note = f"the edge from {ends[0]} mm to {ends[1]} mm has {used[single[0]]} of 2 facets"
     checks.append(
         Check("closed", "", float(len(single)), None, 0.0, "open edges", not len(single), note)
     )
@@ -295,7 +296,10 @@ def solid_checks(vertices: FloatArray, triangles: IntArray) -> list[Check]:
     same = (used == 2) & (turned != 0.0)
     note = ""
     if np.any(same):
-        note = _flipped_text(vertices, triangles, place, same)
+        # It is oriented against most of its neighbours.
+        facet = int(np.argmax(same[place].reshape(-1, 3).sum(axis=1)))
+        middle = point_text(vertices[triangles[facet]].mean(axis=0))
+        note = f"facet {facet + 1}, near {middle} mm, is turned against its neighbours"
     wrong = int(np.count_nonzero(same))
     checks.append(
         Check("oriented", "", float(wrong), None, 0.0, "edges run twice", not wrong, note)
@@ -311,8 +315,7 @@ def upright_facets(corners: FloatArray, within: float = 0.0) -> BoolArray:
     steep = np.abs(plane - np.roll(plane, 1, axis=1)) <= within
     # A short edge of a flat border is not one.
     steep &= np.abs(corners[:, :, 2] - np.roll(corners[:, :, 2], 1, axis=1)) > within
-    found: BoolArray = steep.any(axis=1)
-    return found
+    return np.asarray(steep.any(axis=1))
 
 
 def upright(corners: FloatArray, within: float = 0.0) -> Check:
@@ -347,15 +350,18 @@ def border_loops(triangles: IntArray) -> list[list[int]]:
     after = dict(border)
     if len(after) != len(border):
         raise FileError("boundaries of the mesh touch each other")
-    loops = []
+    return list(_rings(after))
+
+
+def _rings(after: dict[Vertex, Vertex]) -> Iterator[list[Vertex]]:
+    """The closed chains in which each place is followed by one; KeyError if one is not closed."""
     while after:
         first, following = after.popitem()
-        loop = [first]
+        ring = [first]
         while following != first:
-            loop.append(following)
+            ring.append(following)
             following = after.pop(following)
-        loops.append(loop)
-    return loops
+        yield ring
 
 
 def _facets(vertices: FloatArray, triangles: IntArray) -> Check:
@@ -367,24 +373,6 @@ def _facets(vertices: FloatArray, triangles: IntArray) -> Check:
         place = point_text(vertices[triangles[bad[0], 0]])
         note = f"{len(bad)} of them have no area, facet {bad[0] + 1} at {place} mm among them"
     return Check("facets", "", float(len(triangles)), ok=not len(bad), note=note)
-
-
-def _flipped_text(
-    vertices: FloatArray,
-    triangles: IntArray,
-    place: IntArray,
-    same: np.ndarray[tuple[int], np.dtype[np.bool_]],
-) -> str:
-    """Which facet is oriented against most of its neighbours."""
-    against = same[place].reshape(-1, 3).sum(axis=1)
-    facet = int(np.argmax(against))
-    middle = vertices[triangles[facet]].mean(axis=0)
-    return f"facet {facet + 1}, near {point_text(middle)} mm, is turned against its neighbours"
-
-
-def _edge_text(vertices: FloatArray, key: int, count: int) -> str:
-    one, other = divmod(key, count)
-    return f"from {point_text(vertices[one])} mm to {point_text(vertices[other])} mm"
 
 
 def point_text(point: FloatArray) -> str:
@@ -499,15 +487,81 @@ def _sections(vertices: FloatArray, triangles: IntArray, z: float) -> Iterator[F
             elif above[one] and not above[other]:
                 down = (other, one)
         after[up] = down
-    while after:
-        first, following = after.popitem()
-        loop = [first]
-        while following != first:
-            if following not in after:
-                raise FileError("the facets of a chamfer do not go round")
-            loop.append(following)
-            following = after.pop(following)
-        low, high = vertices[np.array(loop).T]
+    try:
+        rings = list(_rings(after))
+    except KeyError:
+        raise FileError("the facets of a chamfer do not go round") from None
+    for ring in rings:
+        low, high = vertices[np.array(ring).T]
         share = (z - low[:, 2:]) / (high[:, 2:] - low[:, 2:])
         points = low + share * (high - low)
         yield points[np.any(points != np.roll(points, 1, axis=0), axis=1)]
+
+
+# -- measure --------------------------------------------------------------------------------------
+# A mesh read back, split into the boundaries of the part and compared with them.
+
+
+SAME = 1e-6
+"""Share of its size by which the heights of the edges of a chamfer may be rounded in a file."""
+
+
+def measure(part: Part, vertices: FloatArray, triangles: IntArray) -> float:
+    """Largest proved deviation [mm] of a body from the `part` that it should be, in the plane and
+    in height.
+
+    `vertices` (n, 3) [mm] and `triangles` (m, 3) as in the file. Raises FileError unless
+    they form one closed, outward oriented body of flat faces, upright walls and chamfers.
+    """
+    try:
+        part.require_heights()
+    except GeometryError as error:
+        raise FileError(f"no body to compare this with: {error.message}") from None
+    if not np.isfinite(vertices).all():
+        raise FileError("the mesh has coordinates that are not finite")
+    vertices, triangles = merged(vertices, triangles)
+    corners = vertices[triangles]
+    flat = (corners[:, :, 2] == corners[:, :1, 2]).all(axis=1)
+    slopes = slopes_of(part)
+    within = SAME * (1.0 + np.abs(vertices).max())
+    numbers = sloping(vertices, triangles, ~flat, slopes, within)
+    walls = upright(corners[~flat & (numbers < 0)])
+    for check in (*solid_checks(vertices, triangles), walls):
+        if not check.ok:
+            raise FileError(f"the mesh fails the check '{check.name}': {check.note}")
+    heights = np.unique(corners[flat][:, 0, 2])
+
+    def contours(number: int) -> list[AnyContour]:
+        level = triangles[flat & (corners[:, 0, 2] == heights[number])]
+        return [polygon(vertices[loop]) for loop in border_loops(level)]
+
+    edges = [contours_of(vertices, triangles[numbers == k]) for k in range(len(slopes))]
+    return largest_deviation(part, heights[:, None], contours, edges)
+
+
+def largest_deviation(
+    part: Part,
+    ranges: FloatArray,
+    contours: Callable[[int], Sequence[AnyContour]],
+    chamfers: Iterable[Iterable[Sequence[AnyContour]]],
+    extra: float = 0.0,
+) -> float:
+    """Largest proved deviation [mm] of flat faces and chamfers, in the plane and in height.
+
+    Parameters
+    ----------
+    part : that the body should be.
+    ranges, contours, extra : see `level_checks`; heights from that of the lowest face.
+    chamfers : the contours of each, see `slope_checks`.
+    """
+    wanted = part.levels
+    if len(ranges) != len(wanted):
+        raise FileError(f"flat faces at {counted(len(ranges), 'height')}, expected {len(wanted)}")
+    largest = 0.0
+    for number, level in enumerate(wanted):
+        off = float(np.abs(ranges[number] - (level.z - wanted[0].z)).max())
+        largest = max(largest, off, deviation(contours(number), level.boundaries) + extra)
+    for slope, edges in zip(slopes_of(part), chamfers, strict=True):
+        for place, found in enumerate(edges):
+            largest = max(largest, deviation(found, slope.edges(place)) + extra)
+    return largest

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import Final
 
 from camgeo.design.product import Product
@@ -30,6 +30,9 @@ from camgeo_export.verify.plane import (
 HEAD_BYTES = 200_000
 """Part of a drawing that holds its header."""
 
+FRAME: Final = re.compile(rb"\n *8\r?\nFRAME\r?\n")
+"""What is on a layer that only our sheets have."""
+
 NAMES = {"4": "mm", "1": "inch"}
 """Names of the units that $INSUNITS states."""
 
@@ -39,10 +42,7 @@ class DxfVerifier:
 
     format = "dxf"
     slack = COMPUTED
-
-    def tokens(self, data: bytes) -> Iterator[tuple[str, str]]:
-        """Those of its lines."""
-        return text_tokens(data)
+    tokens = staticmethod(text_tokens)
 
     def origin(self, data: bytes) -> Origin:
         """From the custom document properties."""
@@ -74,7 +74,12 @@ class DxfVerifier:
             return (failed("file", str(error)),)
         checks = [_unit(drawing, reading)]
         if _is_sheet(data):
-            return (*checks, *sheet_checks(product, data, tolerance))
+            try:  # the edges of the front view and the dimensions against the part
+                off = measure(product, data)
+            except CamgeoError as error:
+                return (*checks, failed("contents", str(error)))
+            note = "of edges and dimensions"
+            return (*checks, at_most("deviation", off, tolerance, "mm", note=note))
         try:
             gaps = gaps_up_to(tolerance)
             found = drawing.outlines(reading.layer, reading.unit, gaps).about(reading.origin)
@@ -227,20 +232,3 @@ def _at_most(name: str, item: Item, tag: Tag, scale: float, limit: float) -> Che
 
 def _size(check: Check) -> float:
     return check.value if isinstance(check.value, float) else math.inf
-
-
-# -- sheet ----------------------------------------------------------------------------------------
-# Verification of a sheet: its edges, and what its dimensions state.
-
-
-FRAME: Final = re.compile(rb"\n *8\r?\nFRAME\r?\n")
-"""What is on a layer that only our sheets have."""
-
-
-def sheet_checks(product: Product, data: bytes, tolerance: float) -> tuple[Check, ...]:
-    """The edges of the front view and the dimensions against the part."""
-    try:
-        largest = measure(product, data)
-    except CamgeoError as error:
-        return (failed("contents", str(error)),)
-    return (at_most("deviation", largest, tolerance, "mm", note="of edges and dimensions"),)

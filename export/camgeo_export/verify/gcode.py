@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import cmath
 import math
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -21,33 +22,40 @@ import shapely
 from camgeo.design.linting import Bench, LineFinding
 from camgeo.design.milled import job
 from camgeo.design.product import Product, programs_of, sides_of
-from camgeo.design.verify import Check, Origin, Reading, at_most, failed, reported, unit_check
+from camgeo.design.verify import (
+    Check,
+    Origin,
+    Reading,
+    at_most,
+    failed,
+    length_of,
+    reported,
+    unit_check,
+)
 from camgeo.errors import FileError, SceneError
-from camgeo.geometry.contour.contour import HALF_TURN, Contour, Pieces, distances
-from camgeo.geometry.contour.spline import Arc
+from camgeo.geometry.contour.contour import HALF_TURN, Contour, Pieces, distances, least_distance
+from camgeo.geometry.contour.spline import SplineContour
 from camgeo.milling.areas import inside
 from camgeo.milling.bench import Bench as Workbench
 from camgeo.milling.compensation import mode_of, side_of
 from camgeo.milling.course import Course, course_of
 from camgeo.milling.cut import AreaCut, ContourCut, Cut, LetterCut
-from camgeo.milling.holding import Obstacle
 from camgeo.milling.judged import Side, run_with, runs_of
 from camgeo.milling.machine import Machine, load
 from camgeo.milling.milling import MillingSpec
-from camgeo.milling.moves import ArcFeed, Feed, Move, Point, Rapid, Stop
+from camgeo.milling.moves import ArcFeed, Feed, Move, Point, Rapid
 from camgeo.milling.simulation import ALLOWED, Done, settled, simulated
 from camgeo.milling.stages import Flaw, Run, Setup
-from camgeo.milling.tool import END_MILL, Tool
+from camgeo.milling.tool import END_MILL, WEAR, Tool
 from camgeo.milling.track import Track
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, joined, taken
 from camgeo.reading import PROGRAM, check_text
 from camgeo.scene.formats.gcode import FORMAT
-from camgeo.units import counted
-from camgeo_export.gcode.comments import stated
-from camgeo_export.gcode.measure import bench_of, beyond_slack, centred, fault_of, too_near
-from camgeo_export.gcode.moves import CutterMove, Loop
+from camgeo.units import MM_PER, counted
+from camgeo_export.interpreter.controller import Enough, Findings
+from camgeo_export.interpreter.moves import CutterMove, Loop, Radius, judge
 from camgeo_export.interpreter.run import Run as Program
-from camgeo_export.interpreter.run import notes_of, run_bytes
+from camgeo_export.interpreter.run import notes_of, run
 from camgeo_export.reading import COMPUTED, text_tokens
 from camgeo_export.verify.plane import Shape, contour_checks, shapes_of
 
@@ -63,10 +71,7 @@ class GcodeVerifier:
 
     format = "gcode"
     slack = COMPUTED
-
-    def tokens(self, data: bytes) -> Iterator[tuple[str, str]]:
-        """Those of its lines."""
-        return text_tokens(data)
+    tokens = staticmethod(text_tokens)
 
     def origin(self, data: bytes) -> Origin:
         """From the comments."""
@@ -97,7 +102,7 @@ class GcodeVerifier:
         limits = machine.arcs
         bench = bench_of(product, machine) if said.version else Bench()
         try:
-            program = run_bytes(data, machine, bench, fatal=("words", "path"))
+            program = run(data, machine, bench, fatal=("words", "path"))
             program.refuse("words", "path")
             program = program.in_the_part(product.milled.zero)
         except FileError as error:
@@ -128,7 +133,7 @@ class GcodeVerifier:
         """What a program of any origin does to the blank and the part of a scene, by line; nothing
         of one whose path is not known.
         """
-        program = run_bytes(data, machine, Bench())
+        program = run(data, machine, Bench())
         side = _side(product, stated(program.comments).second)
         if side is None:
             note = "it is for a second side, which the scene does not have"
@@ -196,7 +201,8 @@ def _paths(product: Product, program: Program, tolerance: float, extra: float) -
         checks.append(_passes(cut, own, max(program.step, tolerance)))
         same: dict[bytes, list[Loop]] = {}
         for loop in own:
-            same.setdefault(_key(loop.contour), []).append(loop)
+            shape = loop.contour.vertices.tobytes() + loop.contour.sweeps.tobytes()
+            same.setdefault(shape, []).append(loop)
         for alike in same.values():
             heights = sorted((loop.z for loop in alike), reverse=True)
             where = (
@@ -212,10 +218,6 @@ def _paths(product: Product, program: Program, tolerance: float, extra: float) -
             note = f"a closed path at Z {loop.z:g} mm belongs to no operation of the part"
             checks.append(failed("operations", note, name))
     return checks
-
-
-def _key(contour: Contour) -> bytes:
-    return contour.vertices.tobytes() + contour.sweeps.tobytes()
 
 
 def _passes(cut: ContourCut, loops: list[Loop], slack: float) -> Check:
@@ -244,8 +246,7 @@ def near(z: FloatArray, heights: Iterable[float], slack: float) -> BoolArray:
     """(n,) whether each of `z` (n,) is one of `heights` within a `slack` [mm]."""
     known = np.sort(np.array([*heights, -np.inf, np.inf]))
     place = np.clip(np.searchsorted(known, z), 1, len(known) - 1)  # which NaN exceeds
-    found: BoolArray = (z - known[place - 1] <= slack) | (known[place] - z <= slack)
-    return found
+    return np.asarray((z - known[place - 1] <= slack) | (known[place] - z <= slack))
 
 
 VERIFIER = GcodeVerifier()
@@ -263,12 +264,11 @@ def simulation_checks(product: Product, program: Program, tolerance: float) -> l
 
     One check, or one for each flaw. The path may lie within `tolerance` [mm] of the exact one.
     """
-    spec = product.milled.spec
-    assert spec is not None  # for the scene has a tool
     if program.compensated is not None:
         return [reported(NAME, "none", note="the control computes the path of the cutter")]
     try:
-        runs = _among_others(product, runs_in(product, program), tolerance)
+        found = traced(product, program, product.milled.cuts)
+        runs = _among_others(product, tuple(each.run for each in found), tolerance)
     except FileError as error:
         return [failed(NAME, str(error))]
     whole = product.milled if product.milled.whole is None else product.milled.whole
@@ -298,6 +298,12 @@ def _among_others(product: Product, runs: tuple[Run, ...], tolerance: float) -> 
     return (*others[:first], *runs, *others[first:])
 
 
+def _spec(product: Product) -> MillingSpec:
+    spec = product.milled.spec
+    assert spec is not None  # for the scene has a tool
+    return spec
+
+
 @dataclass(frozen=True, slots=True)
 class Traced:
     """What a tool of a program does in one operation.
@@ -314,11 +320,6 @@ class Traced:
     lines: tuple[int, ...]
 
 
-def runs_in(product: Product, program: Program) -> tuple[Run, ...]:
-    """What each tool of a program does, operation by operation; raises like `traced`."""
-    return tuple(each.run for each in traced(product, program, product.milled.cuts))
-
-
 def traced(product: Product, program: Program, cuts: Iterable[Cut]) -> tuple[Traced, ...]:
     """What each tool of a program does, operation by operation, with its lines; `cuts` are those
     that it may name.
@@ -331,10 +332,13 @@ def traced(product: Product, program: Program, cuts: Iterable[Cut]) -> tuple[Tra
     FileError
         If a tool cuts that the scene does not have.
     """
-    spec = product.milled.spec
-    tools = {tool.number: tool for tool in spec.tools} if spec is not None else {}
+    spec = _spec(product)
+    tools = {tool.number: tool for tool in spec.tools}
+    clamps = () if spec.holding is None else spec.holding.clamps
+    always = tuple(each.obstacle for each in clamps if not (each.since or each.until))
     named = {cut.name: cut for cut in cuts}
-    above = max((abs(z) for z in _heights(program.moves)), default=0.0)
+    heights = [abs(z) for move in program.moves for z in (move.z_start, move.z_end)]
+    above = max(filter(math.isfinite, heights), default=0.0)
     above = max(above, product.milled.gcode.heights.clearance)
     found = []
     for (name, number), group in groupby(program.moves, lambda move: (move.operation, move.tool)):
@@ -343,54 +347,36 @@ def traced(product: Product, program: Program, cuts: Iterable[Cut]) -> tuple[Tra
         known = cut.tool if cut is not None and cut.tool.number == number else tools.get(number)
         if known is None and all(move.kind == "rapid" for move in moves):
             continue  # above the blank, before the first tool
-        tool = _required(known, number, moves)
-        obstacles = _always_there(spec) if cut is None else cut.obstacles
+        if known is None:
+            line = next(move.line for move in moves if move.kind != "rapid")
+            what = f"tool {number} is none of the scene's" if number else "no tool is called"
+            raise FileError(f"line {line}: {what}")
+        obstacles = always if cut is None else cut.obstacles  # those that neither come nor go
         title = name or f"tool {number}"
         for start, chain, lines in _chains(moves, above):
-            run = run_with(tool, title, chain, obstacles, start)
-            found.append(Traced(run, tool, lines))
+            run = run_with(known, title, chain, obstacles, start)
+            found.append(Traced(run, known, lines))
     return tuple(found)
-
-
-def _always_there(spec: MillingSpec | None) -> tuple[Obstacle, ...]:
-    """Clamps and screws that neither come nor go."""
-    clamps = () if spec is None or spec.holding is None else spec.holding.clamps
-    return tuple(each.obstacle for each in clamps if not (each.since or each.until))
-
-
-def _required(tool: Tool | None, number: int, moves: Sequence[CutterMove]) -> Tool:
-    if tool is not None:
-        return tool
-    line = next(move.line for move in moves if move.kind != "rapid")
-    what = f"tool {number} is none of the scene's" if number else "no tool is called"
-    raise FileError(f"line {line}: {what}")
-
-
-def _heights(moves: Sequence[CutterMove]) -> Iterator[float]:
-    """All heights of a program that are known [mm]."""
-    return (z for move in moves for z in (move.z_start, move.z_end) if math.isfinite(z))
 
 
 def _chains(
     moves: Sequence[CutterMove], above: float
 ) -> Iterator[tuple[Point, tuple[Move, ...], tuple[int, ...]]]:
     """Moves that join, with their starts and their lines."""
-    start: Point | None = None
-    chain: list[Move] = []
-    lines: list[int] = []
-    for move in moves:
-        begin = _point(move.start, move.z_start, above)
-        end = _point(move.end, move.z_end, above)
-        if begin is None or end is None:
-            if start is not None and chain:
-                yield start, tuple(chain), tuple(lines)
-            start, chain, lines = None, [], []
-            continue
-        start = start or begin
-        chain += _moves(move, begin, end)
-        lines += [move.line] * (len(chain) - len(lines))
-    if start is not None and chain:
-        yield start, tuple(chain), tuple(lines)
+    steps = (_step(move, above) for move in moves)
+    for _, group in groupby(steps, lambda step: step is None):
+        chain = [step for step in group if step is not None]
+        if chain:
+            own = [(move, line) for _, parts, line in chain for move in parts]
+            yield chain[0][0], tuple(move for move, _ in own), tuple(line for _, line in own)
+
+
+def _step(move: CutterMove, above: float) -> tuple[Point, list[Move], int] | None:
+    """The start of a move, its parts and its line; None if one of its ends is not known."""
+    begin, end = _point(move.start, move.z_start, above), _point(move.end, move.z_end, above)
+    if begin is None or end is None:
+        return None
+    return begin, list(_moves(move, begin, end)), move.line
 
 
 def _point(place: complex, z: float, above: float) -> Point | None:
@@ -413,12 +399,9 @@ def _moves(move: CutterMove, start: Point, end: Point) -> Iterator[Move]:
     for k, arc in enumerate(arcs, start=1):
         share = k / len(arcs)
         z = end[2] if k == len(arcs) else start[2] + share * (end[2] - start[2])
-        yield _arc(arc, z, feed)
-
-
-def _arc(arc: Arc, z: float, feed: float) -> ArcFeed:
-    end, centre = complex(arc.end), complex(arc.centre)
-    return ArcFeed((end.real, end.imag, z), (centre.real, centre.imag), arc.sweep > 0.0, feed)
+        place, centre = complex(arc.end), complex(arc.centre)
+        end_of_arc = (place.real, place.imag, z)
+        yield ArcFeed(end_of_arc, (centre.real, centre.imag), arc.sweep > 0.0, feed)
 
 
 # -- lines ----------------------------------------------------------------------------------------
@@ -448,9 +431,6 @@ DEEPER: Final = 1e-3
 
 def work_findings(product: Product, program: Program) -> tuple[LineFinding, ...]:
     """What the tools of the scene, run as the program says, do to its blank and its part."""
-    milled = product.milled
-    spec = milled.spec
-    assert spec is not None  # for the scene has a tool
     cuts = _cuts(product)
     try:
         found = traced(product, program, cuts)
@@ -460,16 +440,20 @@ def work_findings(product: Product, program: Program) -> tuple[LineFinding, ...]
         return (LineFinding(line, "unknown-tool", WORK, what),)
     if not found:
         return ()
-    runs = tuple(_named_apart([each.run for each in found]))
+    # What is wrong is told once for each name.
+    runs = tuple(replace(each.run, name=f"{k} {each.run.name}") for k, each in enumerate(found))
     level = program.step if math.isfinite(program.step) else 0.0
     done = _done(product, cuts, runs, level)
-    bench = Workbench(milled.part, spec)
+    bench = Workbench(product.milled.part, _spec(product))
     told = []
     for side, flaws in zip(done, settled(done), strict=True):
         own = side.side.runs is runs
         for flaw, seen in zip(side.simulation.flaws, flaws, strict=True):
-            if not seen.watched:
-                told.append(_finding(flaw, seen, found, bench) if own else _of_other(seen))
+            if own and not seen.watched:
+                told.append(_finding(flaw, seen, found, bench))
+            elif not seen.watched:  # as it is planned, or what is left after both sides
+                what = f"of the other side, {seen.sentence}"
+                told.append(LineFinding(0, RULES[seen.name], WORK, what))
         told += _too_deep(side.setup, found) if own else ()
     return tuple(sorted(told, key=lambda each: each.line or math.inf))
 
@@ -483,14 +467,8 @@ def _done(
         tolerance = product.scene.output.tolerance
         return job(milled, cuts, runs, tolerance, level=level, allowed=ALLOWED)
     except SceneError:
-        assert milled.spec is not None  # for the scene has a tool
-        side = Side(milled.part, milled.spec, cuts, runs)
+        side = Side(milled.part, _spec(product), cuts, runs)
         return simulated([side], allowed=ALLOWED, level=level, of=1)
-
-
-def _of_other(flaw: Flaw) -> LineFinding:
-    """What goes wrong with the other side of the job, as it is planned, or is left after both."""
-    return LineFinding(0, RULES[flaw.name], WORK, f"of the other side, {flaw.sentence}")
 
 
 def _cuts(product: Product) -> tuple[Cut, ...]:
@@ -498,13 +476,11 @@ def _cuts(product: Product) -> tuple[Cut, ...]:
     try:
         return product.milled.cuts
     except SceneError:
-        spec = product.milled.spec
-        assert spec is not None  # for the scene has a tool
         return tuple(
             ContourCut(
                 name=wall.boundary.name,
                 strategy="profile",
-                tool=spec.tools[0],
+                tool=_spec(product).tools[0],
                 top=wall.z1,
                 depths=(wall.z0,),
                 centre=wall.boundary,
@@ -512,11 +488,6 @@ def _cuts(product: Product) -> tuple[Cut, ...]:
             )
             for wall in product.milled.part.walls
         )
-
-
-def _named_apart(runs: Sequence[Run]) -> list[Run]:
-    """The runs by names of their own: what is wrong is told once for each name."""
-    return [replace(run, name=f"{number} {run.name}") for number, run in enumerate(runs)]
 
 
 def _finding(flaw: Flaw, seen: Flaw, found: Sequence[Traced], bench: Workbench) -> LineFinding:
@@ -543,16 +514,12 @@ def _line(flaw: Flaw, each: Traced) -> int:
     if flaw.name == "rest":
         return 0
     if flaw.name == "loose":
-        return max((line for line, move in _lined(each) if not isinstance(move, Rapid)), default=0)
-    moves = [
-        move if isinstance(move, Stop) or not isinstance(move, Rapid) else Feed(move.end, 1.0)
-        for move in run.moves
-    ]
+        lined = zip(each.lines, run.moves, strict=True)
+        return max((line for line, move in lined if not isinstance(move, Rapid)), default=0)
+    moves = [Feed(move.end, 1.0) if isinstance(move, Rapid) else move for move in run.moves]
     course = course_of(moves, run.start)
-    kind = isinstance
-    wanted = np.array(
-        [kind(run.moves[k], Rapid) == (flaw.name == "rapid") for k in course.moves.tolist()]
-    )
+    rapid = np.array([isinstance(move, Rapid) for move in run.moves])
+    wanted = rapid[course.moves] == (flaw.name == "rapid")
     x, y, z = flaw.place
     away = course.apart(np.full(len(course), complex(x, y)))
     away = np.where(wanted & (course.lowest <= z + DEEPER), away, np.inf)
@@ -560,10 +527,6 @@ def _line(flaw: Flaw, each: Traced) -> int:
         return 0
     touching = np.flatnonzero(away <= max(run.radius, float(np.min(away))) + ALLOWED)
     return each.lines[int(course.moves[touching[0]])]
-
-
-def _lined(each: Traced) -> Iterator[tuple[int, object]]:
-    return zip(each.lines, each.run.moves, strict=True)
 
 
 def _too_deep(setup: Setup, found: Sequence[Traced]) -> Iterator[LineFinding]:
@@ -701,8 +664,7 @@ def _near(whole: Course, places: ComplexArray, radii: FloatArray) -> BoolArray:
     half = 0.5 * np.abs(whole.ends - whole.starts)
     centre = complex(np.mean(places))
     wide = float(np.max(np.abs(places - centre)))
-    found: BoolArray = np.abs(middle - centre) <= half + radii + wide
-    return found
+    return np.asarray(np.abs(middle - centre) <= half + radii + wide)
 
 
 def _cleared(
@@ -717,5 +679,283 @@ def _cleared(
     some = taken(whole, picked)
     over = some.apart(places[:, None]) < (1.0 - 2.0 * RIM) * radii[picked]
     over &= picked[None, :] < order[:, None]
-    found: FloatArray = np.min(np.where(over, some.lowest[None, :], np.inf), axis=1, initial=np.inf)
-    return found
+    return np.asarray(np.min(np.where(over, some.lowest[None, :], np.inf), axis=1, initial=np.inf))
+
+
+# -- measure --------------------------------------------------------------------------------------
+# A program run again and compared with the exact cutter path.
+
+
+def measure(product: Product, data: bytes) -> float:
+    """Largest proved deviation [mm] of the cutter from its exact path.
+
+    That of a roughing counts beyond its slack. Includes path blending, and how far the
+    controller's own path departs from an arc.
+
+    Raises FileError if the program is incomplete, unsafe or in the wrong unit.
+    """
+    spec = product.milled.gcode
+    machine = load(spec.machine)
+    program = run(data, machine, bench_of(product, machine), most=1)
+    program.refuse("words", "path")
+    program = program.in_the_part(product.milled.zero)
+    if program.mm_per_unit != MM_PER[product.unit]:
+        raise FileError(f"the program is not in {product.unit}")
+    program.refuse()
+    said, cuts = stated(program.comments), product.milled.cuts
+    if said.tolerance is None:  # then it could not be verified later
+        raise FileError("the program does not state its tolerance")
+    if fault := fault_of(cuts, program, machine, said):
+        raise FileError(fault)
+    gap = 0.0 if program.compensated is None else program.step
+    program, rest = centred(cuts, program, machine)
+    along = {cut.name: cut for cut in cuts if isinstance(cut, ContourCut)}
+    areas = {cut.name: cut for cut in cuts if isinstance(cut, AreaCut | LetterCut)}
+    others = {cut.name for cut in cuts} - set(along)
+    loops = [loop for loop in program.loops(gap) if loop.operation not in others]
+    _check_complete(cuts, program, loops)
+    for name, area in areas.items():
+        of_area = [move for move in program.moves if move.operation == name]
+        if (short := too_near(area, of_area)) > program.step:
+            raise FileError(f"{name!r} comes {short:.3g} mm too near to a wall")
+    path = max(
+        (
+            loop.mismatch + beyond_slack(along[loop.operation], loop.contour.counter_clockwise())
+            for loop in loops
+        ),
+        default=0.0,  # there may be a face or a drilled hole alone
+    )
+    arcs = any(move.kind == "arc" for move in program.moves)
+    own = machine.arcs.interpolation if arcs else 0.0
+    return path + rest + program.blending + program.naive_cam + own
+
+
+def beyond_slack(cut: ContourCut, contour: Contour | SplineContour) -> float:
+    """Proved deviation [mm] of a counter-clockwise path from the exact one of a cut; of a roughing
+    beyond its slack.
+    """
+    return max(0.0, cut.centre.deviation(contour) - cut.slack)
+
+
+def bench_of(product: Product, machine: Machine) -> Bench:
+    """The work of a program of ours: its blank, and its heights, which are printed rounded; all in
+    its own coordinates.
+    """
+    heights, milling = product.milled.gcode.heights, product.milled.spec
+    z = product.milled.zero.z
+    step = 10.0 ** -machine.numbers.decimals.of(product.unit) * MM_PER[product.unit]
+    names = tuple(cut.name for cut in product.milled.cuts)
+    return Bench(
+        stock_top=(0.0 if milling is None else milling.stock.top) - z,
+        clearance=heights.retract - z - 0.5 * step,
+        operations=names,
+    )
+
+
+def _check_complete(cuts: tuple[Cut, ...], program: Program, loops: list[Loop]) -> None:
+    """Every cut must use its tool, and one along a path must close it at each of its depths."""
+    tools = {cut.name: cut.tool.number for cut in cuts}
+    for loop in loops:
+        if loop.operation not in tools:
+            raise FileError(f"the program cuts {loop.operation!r}, which the part does not have")
+    for move in program.moves:
+        wanted = tools.get(move.operation, move.tool)
+        if move.kind != "rapid" and move.tool != wanted:
+            raise FileError(f"{move.operation!r} is cut with tool {move.tool}, not {wanted}")
+    for cut in cuts:
+        if isinstance(cut, ContourCut):
+            heights = {loop.z for loop in loops if loop.operation == cut.name}
+        else:
+            cutting = (move for move in program.moves if move.kind != "rapid")
+            heights = {move.z_end for move in cutting if move.operation == cut.name}
+        for depth in cut.depths:
+            if not any(abs(height - depth) <= program.step for height in heights):
+                what = "closed path" if isinstance(cut, ContourCut) else "cut"
+                raise FileError(f"no {what} of {cut.name!r} at Z {depth:g} mm")
+
+
+# -- areas ----------------------------------------------------------------------------------------
+# How near a program comes to the walls of an area that it clears.
+
+
+FINE = 1e-3
+"""Tolerance of the walls [mm]; their proved deviation counts in favour of the program."""
+
+
+def too_near(cut: AreaCut | LetterCut, moves: Sequence[CutterMove]) -> float:
+    """By how much [mm] the cuts among `moves` come nearer to a wall than the cutter's radius and
+    the allowance; 0 if none does.
+    """
+    groups = groupby(moves, lambda move: move.kind != "rapid" and move.start != move.end)
+    tracks = [_track(list(group)) for is_cut, group in groups if is_cut]
+    least = [np.inf]
+    for wall in cut.walls:
+        fit = wall.arcs(FINE, "fast")
+        around = Track.around(fit.contour)
+        least += [least_distance(track, around) + fit.deviation for track in tracks]
+    return float(max(0.0, cut.tool.radius + cut.allowance - min(least)))
+
+
+def _track(moves: Sequence[CutterMove]) -> Track:
+    vertices = np.array([moves[0].start, *(move.end for move in moves)])
+    sweeps = np.array([move.sweep for move in moves])
+    return Track(vertices, sweeps, np.array([move.centre for move in moves]))
+
+
+# -- compensated ----------------------------------------------------------------------------------
+# Whether a program of ours compensates for the cutter's radius as its cuts say.
+
+
+def offset_of(cuts: Sequence[Cut], machine: Machine, off: float = 0.0) -> Radius:
+    """The offset of each compensated move [mm], if the tool table holds what it is to hold.
+
+    With `off` [mm] it holds as much more.
+    """
+    table = {cut.tool.number: _of_table(cut, machine) + off for cut in cuts if side_of(cut)}
+    return lambda move: table[move.radius_offset] + move.oversize
+
+
+def centred(cuts: Sequence[Cut], program: Program, machine: Machine) -> tuple[Program, float]:
+    """A program along the cutter's centre, and by how much it is off that [mm].
+
+    A nominal radius that is printed rounded leaves an offset below the last decimal.
+    """
+    offset = offset_of(cuts, machine)
+    sizes = [abs(offset(move)) for move in program.moves if move.compensation]
+    rest = max((size for size in sizes if size <= program.step), default=0.0)
+
+    def printed(move: CutterMove) -> float:
+        size = offset(move)
+        return size if abs(size) > program.step else 0.0
+
+    return program.centred(printed), rest
+
+
+def _of_table(cut: Cut, machine: Machine) -> float:
+    """The radius [mm] that the table holds for the nominal cutter."""
+    words = machine.compensation
+    alone = mode_of(cut) == WEAR and (words is None or not words.nominal)
+    return 0.0 if alone else cut.tool.radius
+
+
+def fault_of(cuts: Sequence[Cut], program: Program, machine: Machine, said: Stated) -> str:
+    """What is wrong with the compensation of a program; empty if nothing is.
+
+    Every cut is compensated as it is to be, from a straight move to another one, with the offset
+    of its tool; and the controller can run it with each offset that its comments allow.
+    """
+    compensated = [cut for cut in cuts if side_of(cut)]
+    names = {cut.name for cut in compensated}
+    for move in program.moves:
+        if move.compensation and move.operation not in names:
+            return f"line {move.line}: compensated by the control"
+    if not compensated:
+        return ""
+    if len(said.offsets) != len(compensated):
+        return "its comments do not say how far the offsets of its tools may be off"
+    for cut, most in zip(compensated, said.offsets, strict=True):
+        own = [move for move in program.moves if move.operation == cut.name]
+        found = _of_cut(cut, own, program.step, machine) or _beyond(cut, own, machine, most)
+        if found:
+            return found
+    return ""
+
+
+def _of_cut(cut: Cut, moves: Sequence[CutterMove], step: float, machine: Machine) -> str:
+    side, tool = side_of(cut), cut.tool
+    flat = [move for move in moves if move.kind != "rapid" and move.start != move.end]
+    oversize = _of_table(cut, machine) and mode_of(cut) == WEAR
+    expected = -tool.radius if oversize else 0.0
+    for number, move in enumerate(flat):
+        if not move.compensation:
+            # Only the way off the path: a line behind a compensated move.
+            if move.kind != "line" or not (number and flat[number - 1].compensation):
+                return f"line {move.line}: {cut.name!r} is cut without compensation"
+        elif move.compensation != side:
+            return f"line {move.line}: the cutter is kept on the {move.compensation}, not {side}"
+        elif move.radius_offset != tool.number:
+            return f"line {move.line}: offset {move.radius_offset}, not that of tool {tool.number}"
+        elif abs(move.oversize - expected) > step:
+            return f"line {move.line}: {move.oversize:g} mm are added, not {expected:g} mm"
+    return ""
+
+
+def _beyond(cut: Cut, moves: Sequence[CutterMove], machine: Machine, most: float) -> str:
+    """What a controller refuses with an offset that the comments allow."""
+    for off in (0.0, most, -most):
+        findings = Findings(1)
+        try:
+            judge(moves, offset_of((cut,), machine, off), findings)
+        except Enough:
+            return f"with an offset {off:g} mm off its nominal one, {findings.found[0]}"
+    return ""
+
+
+# -- comments --------------------------------------------------------------------------------------
+# What the comments of a program state.
+
+
+NUMBER = r"([-+.\de]+)"
+
+TOLERANCE = re.compile(rf"\btolerance (?:{NUMBER} inch, )?{NUMBER} mm", re.IGNORECASE)
+
+ONE_OF = re.compile(r"program (\d{1,4}) of \d{1,4}, run in this order", re.ASCII | re.IGNORECASE)
+
+OFFSET = re.compile(
+    r"\bcompensation (?:wear|control): .{1,200}?"
+    rf"at most (?:{NUMBER} inch, )?{NUMBER} mm either way",
+    re.IGNORECASE,
+)
+
+SCENE = re.compile(r"\bscene ((?:[0-9a-f]+ ?)+)", re.IGNORECASE)
+
+SECOND_SIDE = "second side:"
+"""How a comment begins that says so."""
+
+HASH_DIGITS = 64
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stated:
+    """What the comments of a program state.
+
+    Attributes
+    ----------
+    version : of camgeo, which wrote it; empty if they do not say so.
+    scene : hash of the scene; empty if there is none.
+    tolerance : [mm], or None.
+    program : number from 1 where the machine needs one for each tool; 0 where it holds all.
+    offsets : how far that of each compensated operation may be off [mm], in their order.
+    second : whether it mills the second side.
+    """
+
+    version: str
+    scene: str
+    tolerance: float | None
+    program: int = 0
+    offsets: tuple[float, ...] = ()
+    second: bool = False
+
+
+def stated(notes: Iterable[str]) -> Stated:
+    """What `notes`, the comments of a program without brackets, state; long ones may be wrapped."""
+    lines = [note.strip() for note in notes]
+    text = " ".join(lines)
+    scene, tolerance = SCENE.search(text), TOLERANCE.search(text)
+    named = (re.match(r"camgeo (\S+)", line, re.IGNORECASE) for line in lines)
+    versions = [found[1].rstrip(",").lower() for found in named if found]
+    return Stated(
+        versions[0] if versions else "",
+        scene.group(1).replace(" ", "")[:HASH_DIGITS].lower() if scene else "",
+        length_of(tolerance.group(2).lower()) if tolerance else None,
+        int(one.group(1)) if (one := ONE_OF.search(text)) else 0,
+        tuple(_size(most) for _, most in OFFSET.findall(text)),
+        any(line.lower().startswith(SECOND_SIDE) for line in lines),
+    )
+
+
+def _size(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan

@@ -264,8 +264,7 @@ def corners_of_path(path: Path, tolerance: float) -> ComplexArray:
 def corners_of_contour(contour: Contour) -> ComplexArray:
     """(k,) complex [mm] vertices at which a contour of tangent pieces still has a kink."""
     joints = joints_of(contour)
-    corners: ComplexArray = joints.places[joints.kinks > FLAT]
-    return corners
+    return np.asarray(joints.places[joints.kinks > FLAT])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -328,5 +327,4 @@ def _of_strand(strand: CubicSpline | Arc) -> tuple[ComplexArray, ...]:
 def _first_leg(legs: ComplexArray) -> ComplexArray:
     """(n,) the first of `legs` (n, 3) that is not 0: control points may coincide."""
     index = np.argmax(legs != 0.0, axis=1)
-    leg: ComplexArray = np.take_along_axis(legs, index[:, None], axis=1)[:, 0]
-    return leg
+    return np.asarray(np.take_along_axis(legs, index[:, None], axis=1)[:, 0])

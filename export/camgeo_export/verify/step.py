@@ -6,7 +6,6 @@ import cmath
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -23,31 +22,28 @@ from camgeo.design.verify import (
     unit_check,
 )
 from camgeo.errors import FileError, GeometryError
-from camgeo.geometry.contour.spline import Arc, CubicSpline
+from camgeo.geometry.contour.spline import Arc
 from camgeo.numeric.arrays import FloatArray, phase
 from camgeo.numeric.quadrature import gauss, nodes_beside
-from camgeo.units import TURN, counted
+from camgeo.units import MM_PER, TURN, counted
 from camgeo_export.dxf.reader import closed
 from camgeo_export.part21.solid import (
-    ALIGNED,
-    Cone,
-    Cylinder,
-    Edge,
-    Extrusion,
     Face,
     Model,
-    Plane,
     Solid,
-    Strand,
     Use,
-    apart,
-    off_surface,
     solid_of,
-    swept,
 )
 from camgeo_export.part21.text import Exchange, Record, exchange_of
 from camgeo_export.reading import OF_ARCS, AnyContour, text_tokens
-from camgeo_export.verify.body import level_checks, levels_of, no_body, slope_checks, slopes_of
+from camgeo_export.verify.body import (
+    largest_deviation,
+    level_checks,
+    levels_of,
+    no_body,
+    slope_checks,
+    slopes_of,
+)
 
 OURS, SCENE, TOLERANCE = "camgeo ", "scene ", "tolerance "
 """How the lines of the description in our files begin."""
@@ -61,10 +57,7 @@ class StepVerifier:
 
     format = "step"
     slack = OF_ARCS
-
-    def tokens(self, data: bytes) -> Iterator[tuple[str, str]]:
-        """Those of its lines."""
-        return text_tokens(data)
+    tokens = staticmethod(text_tokens)
 
     def origin(self, data: bytes) -> Origin:
         """From the description in the header."""
@@ -132,25 +125,11 @@ VERIFIER = StepVerifier()
 # chamfers between them, or where not.
 
 
-MIDDLE = np.array([0.5])
-"""Share of an arc at which it is compared with the surfaces of its faces and their senses."""
-
 SAME_VOLUME = 1e-9
 """By how much the volumes by flat faces and by walls may differ, relative."""
 
-
-@dataclass(frozen=True, slots=True)
-class Bound:
-    """A loop of a flat face: its height [mm] and its contour, in its direction from above."""
-
-    z: float
-    contour: AnyContour
-    area: float
-
-
-def is_flat(face: Face) -> bool:
-    """Whether a face is level."""
-    return isinstance(face.surface, Plane) and abs(face.surface.normal.place) <= ALIGNED
+Bound = tuple[float, AnyContour]
+"""Of a loop of a flat face its height [mm] and its contour, in its direction from above."""
 
 
 def shell_checks(solid: Solid, within: float) -> list[Check]:
@@ -176,30 +155,30 @@ def gap(solid: Solid) -> float:
 
 def bounds_of(solid: Solid) -> list[Bound]:
     """The loops of all flat faces, in the order of the file; raises FileError."""
-    return [_bound(loop) for face in solid.faces if is_flat(face) for loop in face.loops]
+    return [_bound(loop) for face in solid.faces if face.is_level for loop in face.loops]
 
 
 def levels(bounds: Sequence[Bound], within: float) -> tuple[FloatArray, list[list[AnyContour]]]:
     """(k, 2) least and greatest height of each level, from 0, and the contours at each."""
     if not bounds:
         return np.zeros((0, 2)), []
-    numbers, ranges = levels_of(np.array([bound.z for bound in bounds]), within)
+    numbers, ranges = levels_of(np.array([z for z, _ in bounds]), within)
     found: list[list[AnyContour]] = [[] for _ in ranges]
-    for bound, number in zip(bounds, numbers.tolist(), strict=True):
-        found[number].append(bound.contour)
+    for (_, contour), number in zip(bounds, numbers.tolist(), strict=True):
+        found[number].append(contour)
     return ranges, found
 
 
-def volume_of(bounds: Iterable[Bound], faces: Iterable[Face] = ()) -> float:
+def volume_of(bounds: Iterable[Bound], faces: Iterable[Face]) -> float:
     """The enclosed volume [mm^3] by flat faces, with the `bounds`, and by the chamfers among the
     `faces`; positive where they look outwards. Raises FileError for one that cannot be read.
     """
-    leaning = (volume_below(face) for face in faces if is_inclined(face))
-    return math.fsum((*(bound.z * bound.area for bound in bounds), *leaning))
+    leaning = (volume_below(face) for face in faces if face.is_inclined)
+    return math.fsum((*(z * contour.area for z, contour in bounds), *leaning))
 
 
 def _uses(solid: Solid) -> Iterator[Use]:
-    return (use for face in solid.faces for loop in face.loops for use in loop)
+    return (use for face in solid.faces for use in face.uses)
 
 
 def _closed(solid: Solid) -> Check:
@@ -212,9 +191,8 @@ def _closed(solid: Solid) -> Check:
                     return failed("closed", f"a loop of {face.told} is open: {what} begins")
     users: dict[int, list[int]] = defaultdict(list)
     for number, face in enumerate(solid.faces):
-        for loop in face.loops:
-            for use in loop:
-                users[use.edge.number].append(number)
+        for use in face.uses:
+            users[use.edge.number].append(number)
     single = [edge for edge, faces in users.items() if len(faces) != 2]
     if single:
         times = len(users[single[0]])
@@ -256,61 +234,18 @@ def _uncertainty(solid: Solid, within: float) -> Check:
     """Ends lie on their curves, edges on the surfaces of their faces."""
     worst, place = 0.0, ""
     for face in solid.faces:
-        for loop in face.loops:
-            for use in loop:
-                off = max(use.edge.off, _off(face, use.edge))
-                if not off <= worst:
-                    worst, place = off, f"edge #{use.edge.number} of {face.told}"
+        for use in face.uses:
+            off = max(use.edge.off, face.distance_from(use.edge))
+            if not off <= worst:
+                worst, place = off, f"edge #{use.edge.number} of {face.told}"
     note = "" if worst <= within else f"{place} does not meet its vertices, or leaves the surface"
     return at_most("uncertainty", worst, within, "mm", note=note)
-
-
-def _off(face: Face, edge: Edge) -> float:
-    """How far [mm] an edge is from the surface of one of its faces."""
-    surface = face.surface
-    off = [off_surface(surface, point.place, point.z) for point in edge.places]
-    if not edge.strands:
-        one, other = edge.places
-        off.append(off_surface(surface, 0.5 * (one.place + other.place), 0.5 * (one.z + other.z)))
-    if edge.bend is not None:
-        # By how much a cone misses it is of the fourth degree: it vanishes if five values do.
-        along = [edge.bend.at(share) for share in (0.0, 0.25, 0.5, 0.75, 1.0)]
-        off = [off_surface(surface, point.place, point.z) for point in along]
-    for strand in edge.strands:
-        if isinstance(surface, Extrusion):
-            off.append(_off_extrusion(surface, strand))
-        elif isinstance(strand, Arc):
-            off.append(off_surface(surface, _middle(strand), edge.z))
-        elif isinstance(surface, Cylinder | Cone):
-            off.append(math.inf)  # no spline follows a circle
-        else:
-            off += [off_surface(surface, each, edge.z) for each in strand.controls.tolist()]
-    if isinstance(surface, Extrusion) and not edge.strands:
-        ends = (surface.curve.start, surface.curve.end)
-        off.append(min(abs(end - edge.places[0].place) for end in ends))
-    return max(off)
-
-
-def _off_extrusion(surface: Extrusion, strand: Strand) -> float:
-    if isinstance(strand, Arc):
-        return math.inf
-    return min(apart(surface.curve, strand), apart(surface.curve, strand.reversed()))
-
-
-def _is_ahead(curve: CubicSpline, strand: CubicSpline) -> bool:
-    """Whether a strand has the direction of the curve that it follows."""
-    return apart(curve, strand) <= apart(curve, strand.reversed())
-
-
-def _middle(arc: Arc) -> complex:
-    """The point in its middle."""
-    return complex(arc.at(MIDDLE)[0])
 
 
 def _walls(solid: Solid, within: float) -> Check:
     """Each face is level, or between two heights, with its normal out of the material."""
     for face in solid.faces:
-        note = _flat_fault(face) if is_flat(face) else _wall_fault(face, within)
+        note = _flat_fault(face) if face.is_level else _wall_fault(face, within)
         if note:
             return failed("walls", f"{face.told} {note}")
     return Check("walls", "", "upright", ok=True)
@@ -318,13 +253,12 @@ def _walls(solid: Solid, within: float) -> Check:
 
 def _flat_fault(face: Face) -> str:
     """What is wrong with a level face: one loop goes round it, the others round its holes."""
-    assert isinstance(face.surface, Plane)
-    up = (face.surface.normal.z > 0.0) == face.same
-    if any(not use.edge.strands for loop in face.loops for use in loop):
+    if not all(use.edge.strands for use in face.uses):
         return "has an upright edge"
-    areas = sorted((_bound(loop).area for loop in face.loops), key=abs)
+    areas = sorted((_bound(loop)[1].area for loop in face.loops), key=abs)
     signs = [area > 0.0 for area in areas]
-    right = signs[-1] == up and all(sign != up for sign in signs[:-1]) and all(areas)
+    holes = [sign != face.looks_up for sign in signs]
+    right = all(holes[:-1]) and not holes[-1] and all(areas)
     return "" if right else "is turned against its edges"
 
 
@@ -332,45 +266,26 @@ def _wall_fault(face: Face, within: float) -> str:
     """What is wrong with one between two heights: the edges below it have it on their left, and so
     have those above.
     """
-    low, high = swept(face)
-    if is_inclined(face):
+    low, high = face.heights
+    if face.is_inclined:
         try:
             rows_of(face)
         except FileError as error:
             return f"cannot be read: {error}"
-    for loop in face.loops:
-        for use in loop:
-            if not use.edge.strands:
-                continue
-            z = use.edge.z
-            below = abs(z - low) <= within
-            if not below and abs(z - high) > within:
-                return f"has edge #{use.edge.number} between its lower and its upper end"
-            for strand in use.strands:
-                if (_left_is_up(face, strand)) != below:
-                    return "is turned against its edges"
+    for use in (each for each in face.uses if each.edge.strands):
+        below = abs(use.edge.z - low) <= within
+        if not below and abs(use.edge.z - high) > within:
+            return f"has edge #{use.edge.number} between its lower and its upper end"
+        if any(face.has_up_on_left_of(strand) != below for strand in use.strands):
+            return "is turned against its edges"
     return ""
-
-
-def _left_is_up(face: Face, strand: Strand) -> bool:
-    """Whether up is on the left of a strand seen from outside the face."""
-    surface = face.surface
-    if isinstance(surface, Extrusion):
-        ahead = isinstance(strand, CubicSpline) and _is_ahead(surface.curve, strand)
-        return (surface.up > 0.0) == (face.same == ahead)
-    place, heading = strand.start, strand.end - strand.start
-    if isinstance(strand, Arc):
-        place = _middle(strand)
-        heading = strand.heading(place)
-    normal = surface.normal.place if isinstance(surface, Plane) else place - surface.centre
-    return ((normal.conjugate() * heading).imag > 0.0) == face.same
 
 
 def _outwards(solid: Solid) -> Check:
     """The volume is positive, and the same by flat faces and by walls."""
     bounds = bounds_of(solid)
     by_levels = volume_of(bounds, solid.faces)
-    by_walls = math.fsum(_volume_of_wall(face) for face in solid.faces if not is_flat(face))
+    by_walls = math.fsum(_volume_of_wall(face) for face in solid.faces if not face.is_level)
     if not by_levels > 0.0:
         return failed("outwards", "the shell is turned inside out")
     return near("outwards", by_walls, by_levels, SAME_VOLUME * by_levels, "mm^3")
@@ -378,13 +293,12 @@ def _outwards(solid: Solid) -> Check:
 
 def _volume_of_wall(face: Face) -> float:
     """The share of a wall in the volume [mm^3]."""
-    if is_inclined(face):
+    if face.is_inclined:
         return volume_within(face)
-    low, high = swept(face)
+    low, high = face.heights
     moments = [
         strand.moment
-        for loop in face.loops
-        for use in loop
+        for use in face.uses
         for strand in use.strands
         if use.edge.z - low < high - use.edge.z
     ]
@@ -392,9 +306,7 @@ def _volume_of_wall(face: Face) -> float:
 
 
 def _bound(loop: Sequence[Use]) -> Bound:
-    strands = [strand for use in loop for strand in use.strands]
-    contour = closed(strands)
-    return Bound(loop[0].edge.z, contour, contour.area)
+    return loop[0].edge.z, closed([strand for use in loop for strand in use.strands])
 
 
 # -- inclined -------------------------------------------------------------------------------------
@@ -408,14 +320,6 @@ Row = tuple[Use, Arc]
 """A strand and the edge that it is of, which runs as the strand does."""
 
 
-def is_inclined(face: Face) -> bool:
-    """Whether a face is neither level nor upright."""
-    if isinstance(face.surface, Plane):
-        normal = face.surface.normal
-        return min(abs(normal.place), abs(normal.z)) > ALIGNED
-    return isinstance(face.surface, Cone)
-
-
 def rows_of(face: Face) -> tuple[list[Row], list[Row]]:
     """As many lower and upper strands of an inclined face, with the material on their left.
 
@@ -424,9 +328,9 @@ def rows_of(face: Face) -> tuple[list[Row], list[Row]]:
     FileError
         If there are not as many, of the same kinds, or splines among them.
     """
-    low, high = swept(face)
+    low, high = face.heights
     rows: tuple[list[Row], list[Row]] = ([], [])
-    for use in (use for loop in face.loops for use in loop if use.edge.strands):
+    for use in (each for each in face.uses if each.edge.strands):
         upper = use.edge.z - low > high - use.edge.z
         way = Use(use.edge, use.forward != upper)
         for strand in way.strands:
@@ -442,20 +346,19 @@ def rows_of(face: Face) -> tuple[list[Row], list[Row]]:
 
 def _is_bent(face: Face) -> bool:
     """Whether some of its edges between lower and upper ones are parabolas."""
-    return any(use.edge.bend is not None for loop in face.loops for use in loop)
+    return any(use.edge.bend is not None for use in face.uses)
 
 
 def _section(face: Face, rows: tuple[list[Row], list[Row]], z: float) -> list[Arc]:
     """The section at a height [mm] of a face with bent edges, in as many pieces as it has below."""
     lower, upper = ([strand for _, strand in row] for row in rows)
-    posts = {_lowest(use.edge): use.edge for loop in face.loops for use in loop
-             if not use.edge.strands}  # fmt: skip
+    posts = {use.edge.foot: use.edge for use in face.uses if not use.edge.strands}
     ends = _chained(rows[0])
     if any(end not in posts for end in ends):
         raise FileError(f"{face.told} has no edges between those below and above")
-    start, end = (_place_at(posts[end], z) for end in ends)
+    start, end = (posts[end].place_at(z) for end in ends)
     shares = [k / len(lower) for k in range(1, len(lower))]
-    low, high = swept(face)
+    low, high = face.heights
     share = (z - low) / (high - low)
     centre = lower[0].centre
     turn = math.fsum((1.0 - share) * a.sweep + share * b.sweep
@@ -470,25 +373,10 @@ def _section(face: Face, rows: tuple[list[Row], list[Row]], z: float) -> list[Ar
     return [Arc(a, b, turn / len(lower), centre) for a, b in places]
 
 
-def _lowest(edge: Edge) -> int:
-    """The vertex at the lower end of an edge between two heights."""
-    one, other = edge.places
-    return edge.ends[0] if one.z < other.z else edge.ends[1]
-
-
-def _place_at(edge: Edge, z: float) -> complex:
-    """Where an edge between two heights is at one of them [mm]."""
-    if edge.bend is not None:
-        return edge.bend.place_at(z)
-    one, other = edge.places
-    share = (z - one.z) / (other.z - one.z)
-    return (1.0 - share) * one.place + share * other.place
-
-
 def _middles(face: Face, rows: tuple[list[Row], list[Row]]) -> list[Arc]:
     """The section half way up."""
     if _is_bent(face):
-        return _section(face, rows, 0.5 * sum(swept(face)))
+        return _section(face, rows, 0.5 * sum(face.heights))
     return [_middle_section(one, other) for (_, one), (_, other) in zip(*rows, strict=True)]
 
 
@@ -508,7 +396,7 @@ def volume_within(face: Face) -> float:
     """The share of an inclined face in the volume [mm^3], by its sections: Simpson's rule, exact as
     these are squares of lengths, or if edges are bent Gauss's one with enough nodes.
     """
-    low, high = swept(face)
+    low, high = face.heights
     if _is_bent(face):
         return _volume_by_sections(face, low, high)
     return (high - low) * math.fsum(
@@ -520,7 +408,7 @@ def volume_within(face: Face) -> float:
 def _volume_by_sections(face: Face, low: float, high: float) -> float:
     """The same for bent edges: sections are analytic in z but where a parabola turns."""
     half = 0.5 * (high - low)
-    bends = [use.edge.bend for loop in face.loops for use in loop if use.edge.bend is not None]
+    bends = [use.edge.bend for use in face.uses if use.edge.bend is not None]
     if not all(each.is_monotonic for each in bends):
         raise FileError(f"{face.told} has an edge that rises and falls")
     place = min(FARTHEST, *(abs(each.turning - low - half) / half for each in bends))
@@ -535,7 +423,7 @@ def _volume_by_sections(face: Face, low: float, high: float) -> float:
 
 def volume_below(face: Face) -> float:
     """The same by heights, as of flat faces: the integral of z over its area seen from above."""
-    low, high = swept(face)
+    low, high = face.heights
     lower, upper = (math.fsum(strand.moment for _, strand in row) for row in rows_of(face))
     return volume_within(face) - (high * upper - low * lower)
 
@@ -546,11 +434,12 @@ def slope_contours(
     """Of the inclined faces from `low` to `high`, `within` a length [mm], the contours of the lower
     edges, of the sections half way up and of the upper edges; raises FileError.
     """
-    faces = []
-    for face in filter(is_inclined, solid.faces):
-        ends = swept(face)
-        if abs(ends[0] - low) <= within and abs(ends[1] - high) <= within:
-            faces.append(face)
+    ends = np.array([low, high])
+    faces = [
+        each
+        for each in solid.faces
+        if each.is_inclined and np.all(np.abs(ends - each.heights) <= within)
+    ]
     if not faces:
         raise FileError("there is no chamfer")
     rows = [rows_of(face) for face in faces]
@@ -590,3 +479,32 @@ def _loops(chains: Iterable[tuple[int, int]]) -> list[list[int]]:
             loop.append(number)
         found.append(loop)
     return found
+
+
+# -- measure --------------------------------------------------------------------------------------
+# A STEP file of ours read back and compared with the exact curves.
+
+
+UNCERTAINTY = 1e-7
+"""That our files state [mm]."""
+
+
+def measure(product: Product, data: bytes) -> float:
+    """Largest proved deviation [mm] of the solid from the part, in the plane and in height.
+
+    Raises FileError unless it is one closed, outward shell along Z in the unit of the product.
+    """
+    part = product.drawn.part
+    try:
+        part.require_heights()
+    except GeometryError as error:
+        raise FileError(f"no solid to compare this with: {error.message}") from None
+    solid = solid_of(Model.of(exchange_of(data)))
+    if solid.unit != MM_PER[product.unit]:
+        raise FileError(f"the solid is in {solid.unit_name}, not in {product.unit}")
+    for check in shell_checks(solid, UNCERTAINTY):
+        if not check.ok:
+            raise FileError(f"the solid fails the check '{check.name}': {check.note}")
+    ranges, contours = levels(bounds_of(solid), UNCERTAINTY)
+    chamfers = (slope_contours(solid, each.z0, each.z1, UNCERTAINTY) for each in slopes_of(part))
+    return largest_deviation(part, ranges, contours.__getitem__, chamfers, gap(solid))

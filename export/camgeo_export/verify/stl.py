@@ -25,8 +25,14 @@ from camgeo.reading import (
 )
 from camgeo.units import MM_PER, LengthUnit, counted
 from camgeo_export.reading import text_tokens
-from camgeo_export.stl import FACET, HEADER_BYTES, PREFIX
 from camgeo_export.verify.body import body_checks, heights, point_text
+
+HEADER_BYTES = 80
+
+PREFIX = HEADER_BYTES + 4
+"""Size in bytes of what precedes the facets: header and number of facets."""
+
+FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 OURS = re.compile(rb"camgeo (\S+) unit (\w+) scene ([0-9a-f]*)")
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 
 from camgeo.design.product import Product
 from camgeo.design.verify import Check, Origin, Reading, failed, length_of, reported
@@ -27,10 +26,7 @@ class CutSvgVerifier:
 
     format = CUT_SVG.name
     slack = OF_ARCS
-
-    def tokens(self, data: bytes) -> Iterator[tuple[str, str]]:
-        """Those of its elements."""
-        return text_tokens(data)
+    tokens = staticmethod(text_tokens)
 
     def origin(self, data: bytes) -> Origin:
         """From the description."""

@@ -2,33 +2,42 @@
 
 from __future__ import annotations
 
+import graphlib
 import io
 import posixpath
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+import struct
+import zipfile
+import zlib
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import chain
 from typing import Final
 from xml.etree import ElementTree as ET
 
+import numpy as np
+
+import camgeo.reading as limits
 from camgeo.design.plate import Piece, plate_of
 from camgeo.design.product import Product
 from camgeo.design.verify import Check, Origin, Reading, failed, length_of, unit_check
 from camgeo.errors import FileError
+from camgeo.numeric.arrays import FloatArray, IntArray
 from camgeo.units import counted
 from camgeo_export.reading import COMPUTED, text_tokens
-from camgeo_export.threemf.parts import PATH, PRODUCTION, check_bodies, packed, parts_of
-from camgeo_export.threemf.writer import (
-    CONTENT_TYPES,
-    CONTENT_TYPES_PATH,
-    CORE,
-    MODEL_PATH,
-    MODEL_RELATION,
-    MODEL_TYPE,
-    RELATIONSHIP_TYPE,
-    RELATIONSHIPS,
-    RELATIONSHIPS_PATH,
-)
-from camgeo_export.verify.body import checks_of_body, compensation_checks, mesh_checks, mesh_in
+from camgeo_export.verify.body import body_checks, checks_of_body, compensation_checks
+
+CORE: Final = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+CONTENT_TYPES: Final = "http://schemas.openxmlformats.org/package/2006/content-types"
+RELATIONSHIPS: Final = "http://schemas.openxmlformats.org/package/2006/relationships"
+MODEL_TYPE: Final = "application/vnd.ms-package.3dmanufacturing-3dmodel+xml"
+RELATIONSHIP_TYPE: Final = "application/vnd.openxmlformats-package.relationships+xml"
+MODEL_RELATION: Final = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+MODEL_PATH: Final = "3D/3dmodel.model"
+CONTENT_TYPES_PATH: Final = "[Content_Types].xml"
+RELATIONSHIPS_PATH: Final = "_rels/.rels"
+"""Names of the specifications, not those of the writer: a slip there must show here."""
 
 MM_PER_UNIT = {
     "micron": 1e-3,
@@ -93,7 +102,8 @@ class ThreeMfVerifier:
             return (*valid, check, *compensation_checks(product), *checks)
         # A name that trimesh looks for, before all others, and that no part of a package has.
         whole = packed({f"/{MODEL_PATH}": _model(parts), **parts})
-        return (*valid, check, *mesh_checks(product, whole, scale, tolerance))
+        compare = partial(body_checks, product, tolerance=tolerance)
+        return (*valid, check, *_mesh_checks(whole, scale, compare))
 
 
 def _head(parts: Mapping[str, bytes]) -> tuple[str, dict[str, str]]:
@@ -124,15 +134,249 @@ def _model(parts: Mapping[str, bytes]) -> bytes:
     return models[0]
 
 
+def _mesh_checks(
+    data: bytes, scale: float, compare: Callable[[FloatArray, IntArray], list[Check]]
+) -> list[Check]:
+    """Those of `compare`, of the vertices (n, 3) [mm] and triangles (m, 3) of a package, whose unit
+    is `scale` [mm]; a failed one if it has no mesh.
+    """
+    import trimesh  # a build measures its meshes without
+
+    try:
+        with np.errstate(all="ignore"):  # transforms may overflow, which is seen in the vertices
+            mesh = trimesh.load_mesh(io.BytesIO(data), file_type="3mf", process=False)
+        vertices, triangles = np.array(mesh.vertices), np.array(mesh.faces)
+    except Exception as error:  # what trimesh raises for damaged files is not documented
+        return [failed("file", f"no mesh: {error}")]
+    return compare(vertices * scale, triangles)
+
+
 VERIFIER = ThreeMfVerifier()
+
+
+# -- parts ----------------------------------------------------------------------------------------
+# The parts of a 3MF package, unpacked within limits, and a check of what its bodies consist of.
+#
+# A damaged package, one that unpacks to more than allowed, and XML that refers to anything outside
+# itself are refused before they are parsed.
+
+
+NAME: Final = "the package"
+
+ENTRY: Final = b"PK\x01\x02"
+"""First bytes of the entry of a file in the directory of a package."""
+
+METHODS: Final = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+"""Compressions that 3MF allows."""
+
+ENCRYPTED: Final = 0x1
+
+DAMAGED: Final = (
+    *(zipfile.BadZipFile, zlib.error, struct.error, EOFError),
+    *(ValueError, OSError, OverflowError),  # places outside the file, names
+)
+"""Errors of zipfile at a package that cannot be unpacked."""
+
+SMALL: Final = 100_000
+"""Bytes of a part that may be packed at any ratio."""
+
+PARSED: Final = (".model", ".rels", ".xml")
+"""Endings of the parts that are parsed."""
+
+ENCODING: Final = re.compile(rb"(?:\xef\xbb\xbf)?\s*<\?xml[^>]{0,200}encoding\s*=\s*['\"]([^'\"]*)")
+
+LONG: Final = re.compile(rb"<[^<>!?][^<>]{%d}" % limits.TAG)
+"""A tag of too many characters; comments may be long."""
+
+UTF8: Final = (b"utf-8", b"utf8")
+
+PRODUCTION: Final = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06"
+"""Namespace of the extension that spreads a model over several parts."""
+
+PATH: Final = f"{{{PRODUCTION}}}path"
+"""Attribute that says in which part the object of a component or an item is."""
+
+VERTEX: Final = f"{{{CORE}}}vertex"
+"""Those of extensions, as of slices, have other coordinates."""
+
+TRANSFORM: Final = 12
+"""Numbers of a transform (3.3 of the 3MF core specification)."""
+
+Key = tuple[str, str]
+"""Part and id of an object."""
+
+
+def parts_of(data: bytes) -> dict[str, bytes]:
+    """The parts of a package by name; raises FileError if it is damaged or beyond the limits."""
+    limits.check_size(len(data), limits.PACKAGE, NAME)
+    count = data.count(ENTRY)
+    if count > limits.MEMBERS:
+        raise limits.beyond(NAME, counted(count, "part"), limits.MEMBERS, limits.PACKAGE)
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as package:
+            entries = package.infolist()
+            _check_entries(entries)
+            parts = {entry.filename: _unpacked(package, entry) for entry in entries}
+    except FileError:
+        raise
+    except DAMAGED as error:
+        raise FileError(f"cannot be unpacked: {error}") from None
+    _check_xml({name: part for name, part in parts.items() if name.lower().endswith(PARSED)})
+    return parts
+
+
+def _check_entries(entries: Collection[zipfile.ZipInfo]) -> None:
+    """Raise FileError unless all parts have proper names, and may be unpacked."""
+    seen: set[str] = set()
+    for entry in entries:
+        name = entry.filename
+        if name.startswith("/") or "\\" in name or ".." in name.split("/") or "\0" in name:
+            raise FileError(f"the name {name[:60]!r} leads out of the package")
+        if name.lower() in seen:
+            raise FileError(f"it has two parts named {name[:60]}")
+        seen.add(name.lower())
+        if entry.flag_bits & ENCRYPTED:
+            raise FileError(f"the part {name[:60]} is encrypted")
+        if entry.compress_type not in METHODS:
+            method = f"the compression method {entry.compress_type}"
+            raise FileError(f"the part {name[:60]} has {method}, which 3MF does not allow")
+        if entry.file_size > max(limits.RATIO * entry.compress_size, SMALL):
+            ratio = (
+                f"unpacks to {entry.file_size / max(entry.compress_size, 1):,.0f} times its size"
+            )
+            raise FileError(f"the part {name[:60]} {ratio}; allowed: {limits.RATIO} times")
+    total = sum(entry.file_size for entry in entries)
+    if total > limits.UNPACKED:
+        raise limits.beyond(
+            NAME, counted(total, "byte") + " unpacked", limits.UNPACKED, limits.PACKAGE
+        )
+
+
+def _unpacked(package: zipfile.ZipFile, entry: zipfile.ZipInfo) -> bytes:
+    """A part; no more of it is unpacked than the directory states."""
+    with package.open(entry) as stream:
+        data = stream.read(entry.file_size + 1)
+    if len(data) != entry.file_size:
+        raise FileError(f"the part {entry.filename[:60]} is not as long as the package states")
+    return data
+
+
+def _check_xml(parts: Mapping[str, bytes]) -> None:
+    """Raise FileError unless the parts may be parsed: UTF-8, without references, not too many
+    elements.
+    """
+    for name, content in parts.items():
+        found = ENCODING.match(content)
+        if (found is not None and found[1].lower() not in UTF8) or b"\0" in content:
+            raise FileError(f"{name}: is not encoded as UTF-8")
+        if b"<!DOCTYPE" in content or b"<!ENTITY" in content:
+            raise FileError(f"{name}: has a document type declaration, which 3MF forbids")
+        if LONG.search(content) is not None:
+            raise FileError(f"{name}: has a tag of more than {limits.TAG:,} characters")
+    for what, mark, most in (
+        ("tag", b"<", 2 * limits.ELEMENTS),
+        ("attribute", b"=", limits.ATTRIBUTES),
+    ):
+        count = sum(content.count(mark) for content in parts.values())
+        if count > most:
+            raise limits.beyond(NAME, counted(count, what), most, limits.PACKAGE)
+
+
+def packed(parts: Mapping[str, bytes]) -> bytes:
+    """A package of these parts, not compressed."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as package:
+        for name, part in parts.items():
+            package.writestr(zipfile.ZipInfo(name), part)
+    return stream.getvalue()
+
+
+def check_bodies(parts: Mapping[str, bytes]) -> None:
+    """Check what is to be built, before anything is.
+
+    Raises
+    ------
+    FileError
+        If an object contains itself, the objects with all their copies have too many facets, or a
+        coordinate is too large. SyntaxError if a model is no XML.
+    """
+    facets: dict[Key, int] = {}
+    inside: dict[Key, list[Key]] = {}
+    built: list[Key] = []
+    for name, content in parts.items():
+        if not name.lower().endswith(".model"):
+            continue
+        for kind, own, number, inner in _bodies(content, name):
+            if kind == "item":
+                built += inner
+                continue
+            if len(facets) >= limits.OBJECTS:
+                raise limits.beyond(
+                    NAME, f"more than {limits.OBJECTS:,} objects", limits.OBJECTS, limits.PACKAGE
+                )
+            facets[own] = facets.get(own, 0) + number
+            inside.setdefault(own, []).extend(inner)
+    absent = next((key for key in (*built, *chain(*inside.values())) if key not in facets), None)
+    if absent is not None:
+        raise FileError(f"it builds the object {absent[1]!r:.40}, which does not exist")
+    try:
+        order = list(graphlib.TopologicalSorter(inside).static_order())
+    except graphlib.CycleError as error:
+        raise FileError(f"the object {error.args[1][0][1]} contains itself") from None
+    for key in order:
+        facets[key] += sum(facets[other] for other in inside[key])
+    total = sum(facets[key] for key in built)
+    if total > limits.FACETS:
+        raise limits.beyond(NAME, counted(total, "facet"), limits.FACETS, limits.PACKAGE)
+
+
+def _bodies(content: bytes, name: str) -> Iterator[tuple[str, Key, int, list[Key]]]:
+    """Each object of a model with its facets and the objects in it; each item with its object."""
+    own, facets, inner = (name, ""), 0, list[Key]()
+    for event, item in ET.iterparse(io.BytesIO(content), events=("start", "end")):
+        tag = item.tag.rpartition("}")[2]
+        if event == "start":
+            if tag == "object":
+                own, facets, inner = (name, item.get("id", "")), 0, []
+            continue
+        if tag == "triangle":
+            facets += 1
+        elif item.tag == VERTEX:
+            _check_numbers((item.get("x"), item.get("y"), item.get("z")), "a vertex")
+        elif tag in ("component", "item"):
+            if "transform" in item.attrib:
+                numbers, what = item.get("transform", "").split(), f"the transform of a {tag}"
+                _check_numbers(numbers, what)
+                if len(numbers) != TRANSFORM:
+                    raise FileError(
+                        f"{what} has {counted(len(numbers), 'number')}, not {TRANSFORM}"
+                    )
+            path = posixpath.normpath(item.get(PATH, name)).removeprefix("/")
+            inner.append((path, item.get("objectid", "")))
+            if tag == "item":
+                yield "item", own, 0, inner
+                inner = []
+        elif tag == "object":
+            yield "object", own, facets, inner
+            own, facets, inner = (name, ""), 0, []
+        item.clear()
+
+
+def _check_numbers(texts: Collection[str | None], what: str) -> None:
+    for text in texts:
+        if text is None or limits.number_of(text) is None:
+            found = "nothing" if text is None else repr(text[:40])
+            raise FileError(
+                f"{what} has {found}, which is not a number of at most {limits.COORDINATE:g}"
+            )
 
 
 # -- model ----------------------------------------------------------------------------------------
 # What the model of a 3MF package must hold, by the clauses of the 3MF core specification 1.3.
 #
 # The rules are those that strict readers like lib3mf apply to the core of a model; what extensions
-# add to it is not read. Coordinates and transforms are looked at before (`threemf.parts`), the mesh
-# itself is compared elsewhere.
+# add to it is not read. Coordinates and transforms are looked at before, the mesh itself
+# is compared elsewhere.
 
 
 XML: Final = "{http://www.w3.org/XML/1998/namespace}"
@@ -393,7 +637,7 @@ def package_checks(parts: Mapping[str, bytes]) -> list[Check]:
     """That the package of these `parts` is complete and valid."""
     try:
         path = model_path(parts)
-        pictures = [f"/{each.target}" for each in _relations(parts, path) if each.type in PICTURES]
+        pictures = [f"/{target}" for kind, target in _relations(parts, path) if kind in PICTURES]
     except (SyntaxError, ValueError) as error:
         return [failed("package", str(error))]
     checks = [Check("package", "", path, ok=True)]
@@ -412,25 +656,21 @@ def model_path(parts: Mapping[str, bytes]) -> str:
         if name not in parts:
             raise FileError(f"it has no {name}: other programs do not read it")
     found = _relations(parts, "")
-    models = [each.target for each in found if each.type == MODEL_RELATION]
+    models = [target for kind, target in found if kind == MODEL_RELATION]
     if len(models) != 1:
         raise FileError(f"{RELATIONSHIPS_PATH}: {len(models)} models are named, not one")
     types = _types(parts)
-    for each in (*found, *_relations(parts, models[0])):
-        _check_type(types, each.target, TYPE_OF.get(each.type, ()))
+    for kind, target in (*found, *_relations(parts, models[0])):
+        _check_type(types, target, TYPE_OF.get(kind, ()))
     _check_type(types, RELATIONSHIPS_PATH, (RELATIONSHIP_TYPE,))
     return models[0]
 
 
-@dataclass(frozen=True, slots=True)
-class _Relation:
-    """A relationship: its type, and the part that it leads to."""
-
-    type: str
-    target: str
+Relation = tuple[str, str]
+"""The type of a relationship, and the part that it leads to."""
 
 
-def _relations(parts: Mapping[str, bytes], source: str) -> list[_Relation]:
+def _relations(parts: Mapping[str, bytes], source: str) -> list[Relation]:
     """The relationships of a part, or of the package, whose name is empty.
 
     By OPC (ECMA-376-2, 9.3) each has an identifier of its own. By 2.1.1 of the core specification
@@ -440,7 +680,7 @@ def _relations(parts: Mapping[str, bytes], source: str) -> list[_Relation]:
     folder, name = posixpath.split(source)
     path = posixpath.join(folder, "_rels", f"{name}.rels")
     seen: set[str] = set()
-    found: dict[_Relation, _Relation] = {}  # by what there may be once
+    found: dict[Relation, Relation] = {}  # by what there may be once
     for element in _children(parts, path, RELATIONSHIPS, "Relationships") if path in parts else ():
         key, kind, target = (element.get(word, "") for word in ("Id", "Type", "Target"))
         if not IDENTIFIER.fullmatch(key) or key in seen:
@@ -449,13 +689,13 @@ def _relations(parts: Mapping[str, bytes], source: str) -> list[_Relation]:
         if not target or element.get("TargetMode") == "External" or SCHEME.match(target):
             raise fault("2.1.1", f"{path}: the target {target!r} is not in the package")
         whole = target if kind == MODEL_RELATION else posixpath.join("/", folder, target)
-        relation = _Relation(kind, posixpath.normpath(whole).removeprefix("/"))
-        if kind in NEEDED and (whole[0] != "/" or relation.target not in parts):
+        part = posixpath.normpath(whole).removeprefix("/")
+        if kind in NEEDED and (whole[0] != "/" or part not in parts):
             raise fault("2.1.1", f"{path}: the target {target!r} is not in the package")
-        once = replace(relation, target="") if kind in ONCE[bool(source)] else relation
+        once = (kind, "" if kind in ONCE[bool(source)] else part)
         if once in found:
             raise fault("2.1", f"{path}: it has two relationships of the type {kind}")
-        found[once] = relation
+        found[once] = (kind, part)
     return list(found.values())
 
 
@@ -520,19 +760,13 @@ def plate_checks(
         return [failed("bodies", f"{count}, expected {len(plate)}")]
     checks: list[Check] = []
     for number, piece in enumerate(plate):
+        compare = partial(checks_of_body, piece.part, piece.reach, tolerance=tolerance)
         alone = packed({f"/{MODEL_PATH}": _alone(model, number), **parts})
         checks += [
             replace(each, of=f"{piece.name}: {each.of}" if each.of else piece.name)
-            for each in _checks(piece, alone, scale, tolerance)
+            for each in _mesh_checks(alone, scale, compare)
         ]
     return checks
-
-
-def _checks(piece: Piece, data: bytes, scale: float, tolerance: float) -> list[Check]:
-    mesh = mesh_in(data, scale)
-    if isinstance(mesh, Check):
-        return [mesh]
-    return checks_of_body(piece.part, piece.reach, *mesh, tolerance)
 
 
 def _alone(model: bytes, number: int) -> bytes:

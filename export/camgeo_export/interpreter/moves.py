@@ -1,21 +1,224 @@
-"""Radius compensation that the control computes: what controls refuse, and what would gouge.
-
-The rules are LinuxCNC's (docs/src/gcode/tool-compensation.adoc); other controls have the same ones,
-or run what breaks them with a gouge.
-"""
+"""Moves of a milling program that was read, and the closed paths that they form."""
 
 from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Final
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+import numpy as np
+
+from camgeo.errors import FileError
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.spline import Arc
+from camgeo.numeric.arrays import IntArray
+from camgeo.reading import PATHS, PROGRAM, beyond
+from camgeo.units import counted
+from camgeo_export.interpreter.controller import Findings
+
+if TYPE_CHECKING:
+    from shapely import STRtree
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 
 from camgeo.numeric.arrays import phase
 from camgeo.units import TURN
-from camgeo_export.gcode.moves import CutterMove
-from camgeo_export.interpreter.iso import Findings
+
+Kind = Literal["rapid", "line", "arc"]
+
+LEAST_LENGTH = 30.0
+"""Least length of a run that is closed with a gap, as a multiple of the gap."""
+
+NEAR: Final = 2_000_000
+"""Pairs of moves, the end of one near the start of the other, that may close a path."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CutterMove:
+    """One move; lengths in mm, feed in mm/min.
+
+    Attributes
+    ----------
+    kind : "rapid", "line" or "arc".
+    start, end : (x + iy); nan + nan i until the program has set a position.
+    z_start, z_end : heights; infinite at the machine's reference.
+    centre : of an arc.
+    sweep : angle turned along an arc [rad], positive counter-clockwise.
+    mismatch : difference of an arc's radii at its ends.
+    feed : 0 for a traverse.
+    speed : of the spindle [rev/min], negative counter-clockwise; 0 while it stands still.
+    operation : the last one named by a comment.
+    tool : number of the current one; 0 before the first change.
+    offset : number of the tool whose length is compensated; 0 before the first.
+    line : in the file, counted from 1.
+    compensation : side of the path on which the control keeps the cutter, "left" or "right", or
+        empty: then the path is that of its centre.
+    radius_offset : number of the offset with which it does so; 0 without.
+    oversize : what the program adds to the radius of that offset [mm].
+    coolant : "flood", "mist", "through" or "off".
+    work_offset : word of the work offset, e.g. "G54"; empty before one is stated.
+    """
+
+    kind: Kind
+    start: complex
+    end: complex
+    z_start: float
+    z_end: float
+    centre: complex
+    sweep: float
+    mismatch: float
+    feed: float
+    speed: float
+    operation: str
+    tool: int
+    offset: int
+    line: int
+    compensation: str = ""
+    radius_offset: int = 0
+    oversize: float = 0.0
+    coolant: str = "off"
+    work_offset: str = ""
+
+    @property
+    def course(self) -> Arc:
+        """Its line or arc in the plane."""
+        return Arc(self.start, self.end, self.sweep, self.centre)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Event:
+    """What a program does between moves.
+
+    Attributes
+    ----------
+    kind : "tool change", "spindle off", "stop", "dwell" or "end".
+    word : that does it.
+    at, z : position [mm]; NaN where unknown, infinite at the reference.
+    tool : number of the one in the spindle, after a change of it.
+    seconds : of a dwell.
+    line : in the file, counted from 1.
+    """
+
+    kind: str
+    word: str
+    at: complex
+    z: float
+    tool: int
+    seconds: float
+    line: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Loop:
+    """A closed run of cuts.
+
+    Attributes
+    ----------
+    operation : its name.
+    z : least height [mm].
+    level : whether all of it runs at that height.
+    contour : path of the tool centre in the direction of cutting; arcs meet their end points.
+    mismatch : largest difference of radii [mm]: the controller's path lies within it of `contour`.
+    """
+
+    operation: str
+    z: float
+    level: bool
+    contour: Contour
+    mismatch: float
+
+
+def nearly_closed(run: list[CutterMove], gap: float) -> list[Loop]:
+    """The part of an open run that comes back to within `gap` [mm] of its beginning, if any."""
+    if not gap or not run:
+        return []
+    import shapely
+
+    starts = np.array([move.start for move in run])
+    ends = np.array([move.end for move in run])
+    along = np.cumsum([0.0, *(move.course.length for move in run)])
+    tree = shapely.STRtree(np.asarray(shapely.points(starts.real, starts.imag)))
+    points = np.asarray(shapely.points(ends.real, ends.imag))
+    last, first = _near(tree, points, gap)
+    long = (last >= first) & (along[last + 1] - along[first] >= LEAST_LENGTH * gap)
+    if not np.any(long):
+        return []
+    first, last = first[long], last[long]
+    best = int(np.argmin(np.abs(starts[first] - ends[last])))
+    apart = abs(starts[first[best]] - ends[last[best]])
+    return [loop_of(run[first[best] : last[best] + 1], float(apart))]
+
+
+def _near(tree: STRtree, points: np.ndarray[Any, Any], gap: float) -> tuple[IntArray, IntArray]:
+    """Numbers of `points` and of those in the `tree` that lie within `gap` [mm] of them.
+
+    Raises FileError if there are too many such pairs: then the moves of the program are far shorter
+    than the gap.
+    """
+    found: list[IntArray] = []
+    left, some = NEAR, max(NEAR // len(points), 1)
+    for first in range(0, len(points), some):
+        pairs = tree.query(points[first : first + some], predicate="dwithin", distance=gap)
+        left -= pairs.shape[1]
+        if left < 0:
+            raise FileError(
+                f"more than {NEAR:,} pairs of moves lie within the tolerance {gap:g} mm of each"
+                " other: closed paths cannot be distinguished"
+            )
+        found.append(pairs + np.array([[first], [0]]))
+    last, earlier = np.concatenate(found, axis=1)
+    return last, earlier
+
+
+def loop_of(run: list[CutterMove], gap: float) -> Loop:
+    """The closed path of a run of moves, with a `gap` [mm] at its end."""
+    vertices = np.array([move.start for move in run])
+    sweeps = np.array([move.sweep for move in run])
+    mismatch = max(move.mismatch for move in run) + gap
+    heights = {run[0].z_start, *(move.z_end for move in run)}
+    contour = Contour.through(vertices, sweeps)
+    return Loop(run[0].operation, min(heights), len(heights) == 1, contour, mismatch)
+
+
+# -- loops ----------------------------------------------------------------------------------------
+# The closed paths that the moves of a program run in the plane, level or not.
+
+
+def closed_paths(moves: Iterable[CutterMove], gap: float = 0.0) -> list[Loop]:
+    """Closed runs of cuts in the plane; leads into and out of them are omitted.
+
+    A run that ends up to `gap` [mm] from where it began is closed, too; its mismatch is larger by
+    that. The cutter may come down along a run, or be lifted over tabs; where it moves along Z alone
+    or traverses, the run ends.
+    """
+    found: list[Loop] = []
+    run: list[CutterMove] = []
+    # A point already visited closes a loop; the search then starts again, so that a path which
+    # overlaps its beginning is found once, and no loop contains another.
+    reached: dict[complex, int] = {}
+    for move in moves:
+        cuts = move.kind != "rapid" and not (move.start == move.end and move.sweep == 0.0)
+        cuts = cuts and not (cmath.isnan(move.start) or math.isnan(move.z_start))
+        if not cuts or (run and run[-1].operation != move.operation):
+            found += nearly_closed(run, gap)
+            run, reached = [], {}
+        if not cuts:
+            continue
+        reached[move.start] = len(run)
+        run.append(move)
+        if len(found) > PATHS:
+            raise beyond("the program", counted(len(found), "closed path"), PATHS, PROGRAM)
+        if move.end in reached:
+            found.append(loop_of(run[reached[move.end] :], 0.0))
+            run, reached = [], {}
+    return found + nearly_closed(run, gap)
+
+
+# -- compensation ---------------------------------------------------------------------------------
+# Radius compensation that the control computes: what controls refuse, and what would gouge.
+
 
 TANGENT: Final = 1e-3
 """Change of direction [rad] up to which two moves go on in one another: printed arcs kink so."""
@@ -26,25 +229,14 @@ SLACK: Final = 1e-9
 """Of a share of a move."""
 
 
-def kept(side: str, radius: float) -> tuple[str, float]:
-    """Side of the path and distance from it [mm], for a negative offset on the other side."""
-    if radius < 0.0:
-        return {"left": "right", "right": "left"}[side], -radius
-    return side, radius
-
-
 class Compensator:
-    """Follows the moves under compensation."""
+    """Follows the moves from where compensation was switched on."""
 
     def __init__(self, findings: Findings) -> None:
         self._findings = findings
-        self._entering = False
+        self._entering = True
         self._before: Parallel | None = None
         self._begun = 0.0
-
-    def enter(self) -> None:
-        """Compensation was switched on."""
-        self._entering, self._before, self._begun = True, None, 0.0
 
     def take(self, move: CutterMove, side: str, radius: float) -> None:
         """Judge a move under compensation.
@@ -53,20 +245,22 @@ class Compensator:
         """
         if move.start == move.end and move.kind != "arc":
             return  # along Z
-        side, radius = kept(side, radius)
+        parallel = parallel_of(move, side, radius)
+        radius = parallel.radius
         if self._entering:
             self._entering = False
             if move.kind == "arc":
-                self._add(move, "compensation", "compensation begins with an arc")
+                self._findings.add(move.line, "compensation", "compensation begins with an arc")
             else:
                 self._check_length(move, "enters", radius)
-                self._before = Parallel(move, 1.0 if side == "left" else -1.0, radius)
+                self._before = parallel
             return
-        parallel = Parallel(move, 1.0 if side == "left" else -1.0, radius)
         if move.kind == "arc" and parallel.room <= 0.0:
             size = abs(move.start - move.centre)
             what = "an inner arc that is not larger than the cutter"
-            self._add(move, "gouge", what, f"radius {size:g} mm", f"above {radius:g} mm")
+            self._findings.add(
+                move.line, "gouge", what, f"radius {size:g} mm", f"above {radius:g} mm"
+            )
             self._before, self._begun = None, 0.0
             return
         if math.isfinite(radius):
@@ -78,7 +272,7 @@ class Compensator:
         radius = abs(radius)
         if move.kind == "arc":
             what = "an arc right after the end of compensation"
-            self._add(move, "compensation", what, "", "a straight move")
+            self._findings.add(move.line, "compensation", what, "", "a straight move")
         elif move.start != move.end:
             self._check_length(move, "leaves", radius)
         self._before, self._begun = None, 0.0
@@ -87,7 +281,9 @@ class Compensator:
         length = abs(move.end - move.start)
         if length <= radius:
             what = f"the move that {does} compensation is not longer than the cutter's radius"
-            self._add(move, "compensation", what, f"{length:g} mm", f"above {radius:g} mm")
+            self._findings.add(
+                move.line, "compensation", what, f"{length:g} mm", f"above {radius:g} mm"
+            )
 
     def _corner(self, after: Parallel) -> None:
         """Judge the corner between the move before and this one, if it is an inner one."""
@@ -113,12 +309,9 @@ class Compensator:
         what = "an inner corner that the cutter cannot reach without gouging"
         shorter = min(before.length, after.length)
         value = f"a move of {shorter:g} mm at a turn of {math.degrees(turn):.0f} deg"
-        self._add(after.move, "gouge", what, value, f"for a cutter of radius {after.radius:g} mm")
-
-    def _add(
-        self, move: CutterMove, rule: str, what: str, value: str = "", allowed: str = ""
-    ) -> None:
-        self._findings.add(move.line, rule, what, value, allowed)
+        self._findings.add(
+            after.move.line, "gouge", what, value, f"for a cutter of radius {after.radius:g} mm"
+        )
 
 
 # -- centre ---------------------------------------------------------------------------------------
@@ -157,7 +350,6 @@ def judge(moves: Sequence[CutterMove], radius: Radius, findings: Findings) -> No
         if not run:
             continue
         compensator = Compensator(findings)
-        compensator.enter()
         for move in run:
             compensator.take(move, move.compensation, radius(move))
         if after is not None:
@@ -180,10 +372,9 @@ def _runs(
 
 
 def _displaced(run: Sequence[CutterMove], radius: float) -> Iterator[CutterMove]:
-    side, size = kept(run[0].compensation, radius)
-    sign = 1.0 if side == "left" else -1.0
+    side = run[0].compensation
     flat = [move for move in run if move.start != move.end or move.kind == "arc"]
-    parallels = iter([Parallel(move, sign, size) for move in flat])
+    parallels = iter([parallel_of(move, side, radius) for move in flat])
     after = next(parallels, None)
     before: Parallel | None = None
     at = run[0].start
@@ -197,7 +388,7 @@ def _displaced(run: Sequence[CutterMove], radius: float) -> Iterator[CutterMove]
             point = own.beside(move.start)
             yield replace(
                 move, kind="arc", start=at, end=point, z_end=move.z_start, centre=move.start,
-                sweep=turn * sign,
+                sweep=turn * own.side,
             )  # fmt: skip
             at = point
         end = own.beside(move.end) if after is None else _joint(own, after)
@@ -252,10 +443,7 @@ class Parallel:
     @property
     def length(self) -> float:
         """Of the programmed move."""
-        move = self.move
-        if move.kind == "arc":
-            return abs(move.sweep) * abs(move.start - move.centre)
-        return abs(move.end - move.start)
+        return self.move.course.length
 
     @property
     def room(self) -> float:
@@ -266,12 +454,8 @@ class Parallel:
 
     def heading(self, point: complex) -> complex:
         """Direction at a point of the programmed move, of length 1."""
-        move = self.move
-        if move.kind == "arc":
-            arm = (point - move.centre) * (1j if move.sweep > 0.0 else -1j)
-        else:
-            arm = move.end - move.start
-        return arm / abs(arm) if arm else 1.0 + 0j
+        way = self.move.course.heading(point)
+        return way / abs(way) if way else 1.0 + 0j
 
     def beside(self, point: complex) -> complex:
         """The centre of the cutter beside a point of the programmed move."""
@@ -289,6 +473,13 @@ class Parallel:
         # Just before the start counts as that, not as a turn less.
         along = along - TURN if along > 0.5 * (abs(move.sweep) + TURN) else along
         return along / abs(move.sweep)
+
+
+def parallel_of(move: CutterMove, side: str, radius: float) -> Parallel:
+    """The parallel on a side, "left" or "right", of the path; a negative `radius` [mm] is an offset
+    on the other one.
+    """
+    return Parallel(move, 1.0 if (side == "left") != (radius < 0.0) else -1.0, abs(radius))
 
 
 def meeting(before: Parallel, after: Parallel) -> complex | None:
