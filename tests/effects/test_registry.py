@@ -16,13 +16,21 @@ import pytest
 
 from camgeo.dynamics.effects.contact_force.result import compute as contact_force
 from camgeo.dynamics.effects.drive_torque.result import compute as drive_torque
-from camgeo.dynamics.effects.effect import GROUP, Effect, Key, Request, Results
+from camgeo.dynamics.effects.effect import (
+    FLATS,
+    ONE_DISC,
+    Effect,
+    Key,
+    Only,
+    Request,
+    Results,
+)
 from camgeo.dynamics.effects.friction.result import compute as friction
 from camgeo.dynamics.effects.graph import Effects
 from camgeo.dynamics.effects.gravity.result import compute as gravity
 from camgeo.dynamics.effects.inertia.result import compute as inertia
 from camgeo.dynamics.effects.load.result import compute as load
-from camgeo.dynamics.effects.registry import EFFECTS, effect_names, find_effect
+from camgeo.dynamics.effects.registry import EFFECTS, GROUP, effect_names, find_effect
 from camgeo.dynamics.effects.results import (
     CONTACT_FORCE,
     DRIVE_TORQUE,
@@ -34,7 +42,6 @@ from camgeo.dynamics.effects.results import (
     VIBRATION,
     Friction,
 )
-from camgeo.dynamics.effects.rules import FLATS, ONE_DISC, Only
 from camgeo.dynamics.effects.spring.result import compute as spring
 from camgeo.dynamics.effects.vibration.result import compute as vibration
 from camgeo.errors import CamgeoError, GeometryError, SceneError, UnknownNameError

@@ -25,12 +25,14 @@ from camgeo.dynamics.effects.effect import (
     Column,
     Effect,
     Key,
+    Machine,
     Request,
     Result,
     Results,
     Subject,
+    Table,
 )
-from camgeo.dynamics.effects.registry import Catalogue, Find, find_effect
+from camgeo.dynamics.effects.registry import Catalogue, find_effect
 from camgeo.dynamics.effects.results import (
     CONTACT_FORCE,
     FINDERS,
@@ -43,7 +45,6 @@ from camgeo.dynamics.effects.results import (
     LostContact,
     Touching,
 )
-from camgeo.dynamics.effects.rules import Machine, Table
 from camgeo.dynamics.effects.wording import angles, at, over
 from camgeo.dynamics.state.state import Speed, Used
 from camgeo.errors import EffectError, GeometryError, ToleranceError
@@ -92,7 +93,7 @@ class Effects:
         subject: Subject,
         tables: Mapping[str, Mapping[str, Any]],
         ledger: Ledger,
-        find: Find = find_effect,
+        find: Callable[[str], Effect] = find_effect,
         speed: Speed | None = None,
     ) -> None:
         self.subject = subject

@@ -6,9 +6,17 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
 
-from camgeo.dynamics.effects.effect import ELASTIC, GIVEN_SPEED, STIFF_SHAFT, Effect, data_of
+from camgeo.dynamics.effects.effect import (
+    ELASTIC,
+    GIVEN_SPEED,
+    ROLLERS,
+    STIFF_SHAFT,
+    Effect,
+    Kind,
+    Only,
+    data_of,
+)
 from camgeo.dynamics.effects.results import CONTACT_FORCE, INERTIA, SPRING
-from camgeo.dynamics.effects.rules import PLAYED, ROLLERS, Only
 from camgeo.record import schema_beside
 
 
@@ -27,6 +35,15 @@ class ContactMargin:
     margin: float = 0.0
     backlash: float | None = None
     restitution: float = 0.0
+
+
+PLAYED: Final = Kind(
+    "yoked",
+    (True,),
+    "is not for a yoke, [follower.yoke], whose play follows from its breadth",
+    "Not with a yoke.",
+    "yoke",
+)
 
 
 EFFECT: Final = Effect(

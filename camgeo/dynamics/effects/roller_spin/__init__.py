@@ -6,9 +6,19 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
-from camgeo.dynamics.effects.effect import ELASTIC, GIVEN_SPEED, SPEED, STIFF_SHAFT, Effect, data_of
+from camgeo.dynamics.effects.effect import (
+    ELASTIC,
+    GIVEN_SPEED,
+    ONE_ROLLER,
+    ROLLERS,
+    ROUND,
+    SPEED,
+    STIFF_SHAFT,
+    Effect,
+    Only,
+    data_of,
+)
 from camgeo.dynamics.effects.results import CONTACT_FORCE
-from camgeo.dynamics.effects.rules import ONE_ROLLER, ROLLERS, ROUND, Only
 from camgeo.record import schema_beside
 
 
