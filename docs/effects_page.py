@@ -28,7 +28,7 @@ from camgeo.dynamics.effects.balance.result import MOST_HOLES
 from camgeo.dynamics.effects.contact_pressure.result import HEAVY, SHEAR_DEPTH, SHEAR_SHARE
 from camgeo.dynamics.effects.friction.result import NEAR
 from camgeo.dynamics.effects.graph import TOLERANCE
-from camgeo.dynamics.effects.gravity import STANDARD_GRAVITY
+from camgeo.dynamics.effects.gravity.result import STANDARD_GRAVITY
 from camgeo.dynamics.effects.lift_off.elastic_speed import MOST_STEPS, SEARCHED
 from camgeo.dynamics.effects.lift_off.flight import (
     MOST_ELASTIC_TURNS,

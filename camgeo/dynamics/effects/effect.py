@@ -480,10 +480,10 @@ class Effect:
         contradictory, `EffectError` if there is no answer for this design.
     schema : JSON Schema of its table, an object. It may refer to the definitions of the scene's
         schema, as {"$ref": "#/$defs/length"}; a number with an "x-unit" is given in that unit.
-    parse : converts the table to `Request.data`, a frozen dataclass; `data_of` does this where the
-        table needs no further checks. Numbers of the table are in the units of this module, angles
-        in radians, files are `DataFile`. It raises GeometryError with the key in the table, e.g.
-        "preload", if data are missing or contradictory.
+    parse : checks the table and converts it to `Request.data`, a frozen dataclass; a table that
+        needs no more checks than its schema is the data itself. Numbers of the table are in the
+        units of this module, angles in radians, files are `DataFile`. It raises GeometryError with
+        the key in the table, e.g. "preload", if data are missing or contradictory.
     rules : which machines the effect, or keys of its table, cannot be combined with.
     needs : effects whose results are required.
     uses : effects whose results are taken into account if the scene names them.

@@ -7,9 +7,9 @@ after the clearance has been crossed.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -22,8 +22,7 @@ from camgeo.dynamics.effects.contact import (
     runs,
     sides_of,
 )
-from camgeo.dynamics.effects.effect import Bound, Request, Subject
-from camgeo.dynamics.effects.lift_off import ContactMargin
+from camgeo.dynamics.effects.effect import Bound, Request, Subject, data_of
 from camgeo.dynamics.effects.lift_off.flank import Flank, least_spring, lift_off_speed, scale_of
 from camgeo.dynamics.effects.results import (
     CONTACT_FORCE,
@@ -49,7 +48,24 @@ if TYPE_CHECKING:
 NAME: Final = "lift-off"
 
 
-def compute(request: Request[ContactMargin]) -> ForceClosed | FormClosed:
+@dataclass(frozen=True, slots=True)
+class ContactMargin:
+    """The contact force that must remain, the clearance of the roller, and how it rebounds.
+
+    Attributes
+    ----------
+    margin : contact force that must remain [N].
+    backlash : clearance of the roller in a groove or, between two discs, of the return roller along
+        its normal [mm]; None for the side clearance in the scene.
+    restitution : of an impact, speed after it by speed before it, 0 to 1.
+    """
+
+    margin: float = 0.0
+    backlash: float | None = None
+    restitution: float = 0.0
+
+
+def compute(request: Request[Mapping[str, Any]]) -> ForceClosed | FormClosed:
     """Where contact is lost, or changes sides.
 
     Raises
@@ -58,7 +74,7 @@ def compute(request: Request[ContactMargin]) -> ForceClosed | FormClosed:
         If the scene gives a margin for a roller in a groove, which changes flanks in operation, a
         backlash for a roller on a single flank, or one that differs from the side clearance.
     """
-    subject, data = request.subject, request.data
+    subject, data = request.subject, data_of(ContactMargin, request.data)
     contact = request.results[CONTACT_FORCE]
     inertia = request.results.get(INERTIA)
     if holds_both_ways(subject):
