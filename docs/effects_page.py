@@ -26,8 +26,8 @@ from camgeo.check.finding import MOST_ALIKE
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.balance.result import MOST_HOLES
 from camgeo.dynamics.effects.contact_pressure.result import HEAVY, SHEAR_DEPTH, SHEAR_SHARE
+from camgeo.dynamics.effects.effect import TOLERANCE
 from camgeo.dynamics.effects.friction.result import NEAR
-from camgeo.dynamics.effects.graph import TOLERANCE
 from camgeo.dynamics.effects.gravity.result import STANDARD_GRAVITY
 from camgeo.dynamics.effects.lift_off.elastic_speed import MOST_STEPS, SEARCHED
 from camgeo.dynamics.effects.lift_off.flight import (

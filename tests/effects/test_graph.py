@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from camgeo.check.finding import Finding
-from camgeo.dynamics.effects.effect import Column, Effect, Request
-from camgeo.dynamics.effects.graph import TOLERANCE, Effects
+from camgeo.dynamics.effects.effect import TOLERANCE, Column, Effect, Request
+from camgeo.dynamics.effects.graph import Effects
 from camgeo.errors import CycleError, EffectError, GeometryError
 from camgeo.lazy import Ledger
 from tests.effects.fakes import fake

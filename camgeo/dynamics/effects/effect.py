@@ -169,6 +169,10 @@ class Results:
         return self._by_name.get(key)
 
 
+TOLERANCE: Final = 1e-6
+"""Default for numerical effects, relative to the largest magnitude of the result."""
+
+
 Data = TypeVar("Data")
 
 

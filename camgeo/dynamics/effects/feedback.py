@@ -32,13 +32,13 @@ from typing import Any, Final
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.dynamics.effects.bearing_friction import with_force
-from camgeo.dynamics.effects.effect import Quantity, Subject
+from camgeo.dynamics.effects.bearing_friction import StuckError, with_force
+from camgeo.dynamics.effects.effect import TOLERANCE, Quantity, Subject
 from camgeo.dynamics.effects.forces import ElasticTrain, Force, unmoved
-from camgeo.dynamics.effects.graph import TOLERANCE, Nodes
+from camgeo.dynamics.effects.graph import Nodes
 from camgeo.dynamics.effects.registry import Catalogue
 from camgeo.dynamics.effects.results import DRIVE_TORQUE, VIBRATION, DriveTorque, Feedback, Turning
-from camgeo.dynamics.effects.shaft import StuckError, collocation, laws_of
+from camgeo.dynamics.effects.shaft import collocation, laws_of
 from camgeo.errors import EffectError
 from camgeo.kinematics.motion import Motion
 from camgeo.kinematics.time_course import TimeCourse

@@ -20,6 +20,7 @@ from camgeo.check.finding import STATED, Finding, Findings, LazyFindings, folded
 from camgeo.check.judge import FINDINGS
 from camgeo.dynamics.effects.contact import FLANKS, INNER, holds_both_ways, sides_of
 from camgeo.dynamics.effects.effect import (
+    TOLERANCE,
     Answer,
     Bound,
     Column,
@@ -368,10 +369,6 @@ class Effects:
 
 # -- nodes ----------------------------------------------------------------------------------------
 # Results of effects for one state of motion: each is computed once, with what it needs.
-
-
-TOLERANCE: Final = 1e-6
-"""Default for numerical effects, relative to the largest magnitude of the result."""
 
 
 TRAIN_OFF: Final = " with the train off by its error"

@@ -9,7 +9,7 @@ from typing import Final, Generic, Protocol, TypeVar
 
 import numpy as np
 
-from camgeo.dynamics.effects.bearing_friction import LINEAR, RubbingLaw, with_reversals
+from camgeo.dynamics.effects.bearing_friction import LINEAR, RubbingLaw, StuckError, with_reversals
 from camgeo.dynamics.effects.effect import Quantity, Subject
 from camgeo.dynamics.effects.forces import torque_shocks
 from camgeo.dynamics.effects.wording import at
@@ -394,10 +394,6 @@ def jamming(inertia: float, mesh: Mesh) -> EffectError:
 # iteration over it. Its root is the only one on the flank that must carry if its kappa is above 0;
 # otherwise no acceleration is certain, and the follower counts as stuck. The linear law at the root
 # has g and R as above, and the slope of alpha.
-
-
-class StuckError(ArithmeticError):
-    """No acceleration satisfies the equation of motion: friction jams or locks the follower."""
 
 
 class Drive(Protocol):

@@ -21,7 +21,7 @@ from typing import Final, Self
 import numpy as np
 
 from camgeo.check.finding import Finding, Severity, held
-from camgeo.dynamics.effects.bearing_friction import linear_law
+from camgeo.dynamics.effects.bearing_friction import StuckError, linear_law
 from camgeo.dynamics.effects.camshaft_windup import ElasticShaft
 from camgeo.dynamics.effects.contact import lost_contact, ranges_below
 from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request
@@ -33,7 +33,6 @@ from camgeo.dynamics.effects.shaft import (
     Mesh,
     Shaft,
     State,
-    StuckError,
     collocation,
     course_of,
     double_mesh,

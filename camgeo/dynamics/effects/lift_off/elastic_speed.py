@@ -21,7 +21,6 @@ from camgeo.dynamics.effects.contact import TOUCH
 from camgeo.dynamics.effects.effect import Quantity
 from camgeo.dynamics.effects.forces import ElasticTrain, Force
 from camgeo.dynamics.effects.lift_off.flank import Flank
-from camgeo.dynamics.oscillator.steady import SOFT
 from camgeo.kinematics.time_course import TimeCourse
 from camgeo.numeric.arrays import SIDES, ComplexArray, FloatArray, Side
 from camgeo.numeric.extremes import (
@@ -94,8 +93,7 @@ def elastic_speed(
     near : the speed at which a train that hardly differs leaves the flank: a crossing beside it is
         the first one too. None if none is known.
     """
-    rates, period = behind.train.rates, behind.response.base.period
-    if np.max(rates.real) >= 0.0:
+    if np.max(behind.train.rates.real) >= 0.0:
         return ElasticSpeed(
             why="without damping the train resonates with a harmonic at ever lower speeds"
         )
@@ -115,8 +113,8 @@ def elastic_speed(
     beside = _beside(search, 1.0 / near.value) if near is not None and near.value else None
     if beside is not None:
         return beside
-    fastest = float(np.min(np.abs(rates))) * period / SOFT
-    end = 1.0 / min(SEARCHED * max(1.0, rigid if np.isfinite(rigid) else 1.0), fastest)
+    most = SEARCHED * max(1.0, rigid if np.isfinite(rigid) else 1.0)
+    end = 1.0 / min(most, behind.response.fastest)
     start = search.start(rest.lowest.value)
     if start is None:
         return ElasticSpeed(why="where its load jumps the train may vibrate off it at any speed")

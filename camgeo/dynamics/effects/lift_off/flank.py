@@ -15,7 +15,7 @@ from camgeo.dynamics.effects.contact import TOUCH, lowest_on_flank
 from camgeo.dynamics.effects.effect import Quantity, Subject
 from camgeo.dynamics.effects.forces import rates_of, smooth_edges
 from camgeo.dynamics.effects.results import ContactForce, Spring
-from camgeo.dynamics.effects.wording import N_M
+from camgeo.dynamics.effects.wording import scale_of
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import SHARE, ComplexArray, FloatArray, Side, merged, read_only
 from camgeo.numeric.extremes import (
@@ -460,11 +460,6 @@ def holding(
         if math.isfinite(enough.value)
     ]
     return f"{' or '.join(values)} of its spring would hold it" if values else ""
-
-
-def scale_of(unit: str) -> float:
-    """From internal units to the `unit` in which a property of a spring is shown."""
-    return N_M if unit.startswith("N m") and not unit.startswith("N mm") else 1.0
 
 
 def _pivot_loads(flank: Flank, spring: Spring) -> tuple[VectorOf | None, VectorOf | None]:

@@ -23,7 +23,7 @@ from camgeo.dynamics.effects.contact import (
     sides_of,
 )
 from camgeo.dynamics.effects.effect import Bound, Request, Subject, data_of
-from camgeo.dynamics.effects.lift_off.flank import Flank, least_spring, lift_off_speed, scale_of
+from camgeo.dynamics.effects.lift_off.flank import Flank, least_spring, lift_off_speed
 from camgeo.dynamics.effects.results import (
     CONTACT_FORCE,
     INERTIA,
@@ -34,7 +34,7 @@ from camgeo.dynamics.effects.results import (
     Range,
     Spring,
 )
-from camgeo.dynamics.effects.wording import angles, at, by_place, degrees, placed
+from camgeo.dynamics.effects.wording import angles, at, by_place, degrees, placed, scale_of
 from camgeo.errors import GeometryError
 from camgeo.kinematics.time_course import TimeCourse, period
 from camgeo.numeric.extremes import Extreme

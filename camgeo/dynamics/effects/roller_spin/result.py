@@ -40,7 +40,7 @@ from camgeo.dynamics.effects.contact import (
 from camgeo.dynamics.effects.effect import Column, Request, Result, Subject, data_of
 from camgeo.dynamics.effects.results import CONTACT_FORCE, ContactForce
 from camgeo.dynamics.effects.wording import N_M, angles, extreme_findings, over, placed
-from camgeo.dynamics.oscillator.steady import DEGREE, Pieces, interpolated, series_values
+from camgeo.dynamics.oscillator.steady import DEGREE, Pieces, interpolated
 from camgeo.kinematics.time_course import TimeCourse, period
 from camgeo.numeric.arrays import SHARE, FloatArray, IntArray, Side, merged
 from camgeo.numeric.extremes import (
@@ -328,7 +328,7 @@ class Cells:
         # from -1 to 1 over the cell, by differences that are exact near its start
         first, share = 2.0 * (low - starts) / (ends - starts), span / (ends - starts)
         x = (first - 1.0)[:, np.newaxis] + share[:, np.newaxis] * (places + 1.0)
-        found: FloatArray = series_values(self.rate.series[:, cell, np.newaxis], x) @ weights
+        found: FloatArray = self.rate.within(cell[:, np.newaxis], x) @ weights
         return 0.5 * span * found
 
     @cached_property
@@ -535,7 +535,7 @@ class Skid:
 
         def impulse(cell: IntArray, phi: FloatArray) -> FloatArray:
             low, high = rate.edges[cell], rate.edges[cell + 1]
-            return series_values(rate.series[:, cell], (2.0 * phi - low - high) / (high - low))
+            return rate.within(cell, (2.0 * phi - low - high) / (high - low))
 
         return self.cells.rolling.data.traction * self._slipped(impulse)
 

@@ -20,8 +20,7 @@ from typing import Final, Self
 import numpy as np
 
 from camgeo.check.finding import Finding, held
-from camgeo.dynamics.effects.bearing_friction import FIXED, LINEAR, PER_LOAD, linear_law
-from camgeo.dynamics.effects.bearing_friction import MOST_STEPS as MOST_TURNS
+from camgeo.dynamics.effects.bearing_friction import LINEAR, StuckError, linear_at, linear_law
 from camgeo.dynamics.effects.contact import lost_contact
 from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request
 from camgeo.dynamics.effects.forces import all_borders, smooth_edges
@@ -32,7 +31,6 @@ from camgeo.dynamics.effects.shaft import (
     Mesh,
     Shaft,
     State,
-    StuckError,
     collocation,
     course_of,
     double_mesh,
@@ -584,7 +582,7 @@ class _March:
         omega = math.sqrt(2.0 * y)
         drive, slope = self.torque(omega)
         if len(law) != LINEAR:
-            law = _linear(law, omega, drive / self.inertia, 1.0 / self.inertia)
+            law = linear_at(law, omega, drive / self.inertia, 1.0 / self.inertia)
         c0, c1, c2, c3, ahead, behind = law
         rest = c0 + omega * (c1 + omega * c2)
         gain = ahead if self.inertia * rest + c3 * drive >= 0.0 else behind
@@ -597,51 +595,6 @@ class _March:
         if omega == 0.0:
             return alpha, 0.0
         return alpha, (slope - gain * (c1 + 2.0 * omega * c2)) / (omega * moment)
-
-
-def _linear(law: list[float], omega: float, alpha: float, slowing: float) -> list[float]:
-    """As `RubbingLaw.linear`, for one cam angle."""
-    count = (len(law) - FIXED) // PER_LOAD
-    real, imag = FIXED, FIXED + 4 * count
-    own = [
-        [complex(law[real + k * count + i], law[imag + k * count + i]) for k in range(4)]
-        for i in range(count)
-    ]
-    demand = law[0] + omega * (law[1] + omega * law[2]) + alpha * law[3]
-    at = [a[0] + omega * (a[1] + omega * a[2]) + alpha * a[3] for a in own]
-    flank = 0 if demand + law[8] * sum(map(abs, at)) >= 0.0 else 1
-    u = 1.0 - 2.0 * flank
-    torque, free, drag = law[4 + flank], u * law[6 + flank], u * law[8]
-    real = FIXED + 8 * count + flank * count
-    per = [complex(law[real + i], law[real + 2 * count + i]) for i in range(count)]
-    slowed = [b - a[3] * torque * slowing for a, b in zip(own, per, strict=True)]
-    moved = free + u * law[3] * torque * slowing
-    least = min(free - drag * sum(map(abs, per)), moved - drag * sum(map(abs, slowed)))
-    if not least > 0.0:
-        raise StuckError
-    n, d = -math.inf if drag > 0.0 else math.inf, [_unit(b, 1.0) for b in slowed]
-    for _ in range(MOST_TURNS):
-        share = sum((e.conjugate() * a).real for e, a in zip(d, at, strict=True))
-        carried = moved - drag * sum(
-            (e.conjugate() * b).real for e, b in zip(d, slowed, strict=True)
-        )
-        new = (u * demand + drag * share) / carried
-        if not drag * (new - n) > 0.0:
-            break
-        n = new
-        d = [_unit(a + b * n, e) for a, b, e in zip(at, slowed, d, strict=True)]
-    shares = [
-        sum((e.conjugate() * a[k]).real for e, a in zip(d, own, strict=True)) for k in range(4)
-    ]
-    carried = law[6 + flank] - law[8] * sum(
-        (e.conjugate() * b).real for e, b in zip(d, per, strict=True)
-    )
-    gain = torque / carried
-    return [*(c + law[8] * each for c, each in zip(law[:4], shares, strict=True)), gain, gain]
-
-
-def _unit(vector: complex, otherwise: complex) -> complex:
-    return vector / abs(vector) if vector else otherwise
 
 
 def _march(shaft: Shaft[Motor], law: Quantity, edges: FloatArray) -> _March:
