@@ -250,7 +250,7 @@ def test_flights_and_trimmed_flanks_are_imported_where_there_are_some(tmp_path: 
     held = "[effects.inertia]\nmass = 0.1\n[effects.spring]\nstiffness = 4\npreload = 300\n"
     loaded = modules_of(f"{held}[effects.lift-off]", tmp_path, "judge")
     assert computing(loaded) >= {"lift-off", "spring"}
-    flown = {"effects.lift_off.flight", "state.outline", "state.written"}
+    flown = {"effects.lift_off.flight", "state.written"}
     assert not loaded & {f"camgeo.dynamics.{each}" for each in flown}
 
 

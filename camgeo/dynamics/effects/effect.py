@@ -93,7 +93,7 @@ class Subject:
             return demanded
         if len(replay.drops):
             return demanded
-        from camgeo.dynamics.state.outline import OfOutline  # few discs are trimmed
+        from camgeo.dynamics.state.written import OfOutline  # few discs are trimmed
 
         found = OfOutline(cam, replay, course)
         return found if found.is_followed else demanded
