@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final, Literal, Protocol, Self
 
 from camgeo.dynamics.effects.effect import Bound, Key, Result
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from camgeo.dynamics.effects.bearing_friction import BearingFriction, Rubbing
     from camgeo.dynamics.effects.effect import Quantity
     from camgeo.dynamics.effects.forces import ElasticTrain, Force
-    from camgeo.dynamics.effects.shaft import Mesh
+    from camgeo.dynamics.effects.shaft import SteadyTurn
     from camgeo.kinematics.time_course import TimeCourse
     from camgeo.numeric.arrays import ComplexArray, Side
     from camgeo.numeric.extremes import Extreme, Extremes
@@ -215,29 +215,20 @@ class Turning(Touching):
 
     Attributes
     ----------
-    course : in the steady state, to the tolerance.
+    turn : the steady state.
+    course : in it, to the tolerance.
     rough_course : less accurate; `course` is off by less than the two differ.
-    mesh : cells of the turn for which it is solved.
     feedback : how an elastic train acts back on it; None if none does.
     """
 
+    turn: SteadyTurn
     course: TimeCourse
     rough_course: TimeCourse
-    mesh: Mesh
     feedback: Feedback | None = None
 
     @property
     def sought(self) -> tuple[Sought, ...]:
         """The d quantities that it is solved for, the speed of the cam [rad/s] first."""
-        raise NotImplementedError
-
-    def linearised(
-        self, phi: FloatArray, rows: FloatArray, other: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """(n, d, d) the derivatives of the rates over the cam angle of `sought` by these, and
-        (n, d) by how much a torque law with the rows `other` changes the rates from those with
-        `rows` (r, n), at n cam angles.
-        """
         raise NotImplementedError
 
     def fed_back(
@@ -250,6 +241,17 @@ class Turning(Touching):
         beside : errors of `sought` besides those of their bounds.
         rough : of another round, farther from the fixed point than this is.
         """
+        own = self.off_by(beside, rough)
+        return replace(
+            own,
+            rough_course=rough.rough_course,
+            feedback=feedback,
+            findings=(*self.findings, told),
+            errors={**own.errors, told.name: own.errors["cam speed"]},
+        )
+
+    def off_by(self, beside: Sequence[float], rough: Self) -> Self:
+        """The same with the errors `beside` added to those of its figures, see `fed_back`."""
         raise NotImplementedError
 
 

@@ -36,23 +36,27 @@ TIMES: Final = 16
 
 
 class SteadyTurn(Protocol):
-    """A turn of the steady state.
-
-    Attributes
-    ----------
-    mesh : cells of the turn.
-    state : y in them.
-    rates : (m, n) alpha at their nodes [rad/s^2].
-    """
+    """A turn of the steady state."""
 
     @property
-    def mesh(self) -> Mesh: ...
+    def mesh(self) -> Mesh:
+        """Cells of the turn."""
 
     @property
-    def state(self) -> State: ...
+    def state(self) -> State:
+        """y in them."""
 
     @property
-    def rates(self) -> FloatArray: ...
+    def rates(self) -> FloatArray:
+        """(m, n) alpha at their nodes [rad/s^2]."""
+
+    def linearised(
+        self, phi: FloatArray, rows: FloatArray, other: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """(n, d, d) the derivatives of the rates over the cam angle of the d quantities that are
+        solved for, the speed of the cam first, by these; and (n, d) by how much a torque law with
+        the rows `other` changes the rates from those with `rows` (r, n), at n cam angles.
+        """
 
 
 @dataclass(frozen=True, eq=False)
@@ -336,6 +340,49 @@ def double_mesh(law: Quantity, edges: FloatArray, longest: float) -> DoubleMesh:
     high = np.concatenate([grid[1:] for grid in grids])
     coarse = Mesh(low, high, laws_of(law, low, high))
     return DoubleMesh(coarse, coarse.halved(law))
+
+
+# -- periodic -------------------------------------------------------------------------------------
+# What both searches for a periodic solution on such a mesh have in common.
+
+
+EPS: Final = float(np.finfo(np.float64).eps)
+
+LONGEST: Final = TURN / 24.0
+"""Largest length of an initial cell [rad]."""
+
+ROUGH: Final = (1e-3, 1e-6)
+"""Tolerances of the turns from which the places of kinks are taken. A kink off its place by d adds
+an error of d^2, and d is as small as the error of the turn that it is taken from."""
+
+FINEST: Final = 256.0 * EPS
+"""Smallest tolerance that is tried for the sake of the torque."""
+
+KEEP: Final = 0.2
+"""Smallest share of y that a Newton step leaves."""
+
+BETWEEN: Final = 4.0
+"""Factor from the change at the nodes to the error between them: where the torque jumps, a stiff
+motor changes the speed within a fraction of a cell, partly before its first node."""
+
+BETWEEN_NODES: Final = 16.0 * EPS
+"""Relative error of a value between the nodes: of the sum of nine polynomials, and of a root."""
+
+ROUNDINGS: Final = 8.0
+"""Number of roundings that the estimate assumes for a rate at a node."""
+
+
+class NoConvergenceError(ArithmeticError):
+    """Newton's method finds no periodic solution, or does not reach the tolerance.
+
+    Attributes
+    ----------
+    reached : the error that was reached, as a share of the largest value; None without a solution.
+    """
+
+    def __init__(self, reached: float | None) -> None:
+        super().__init__("no periodic solution was found")
+        self.reached = reached
 
 
 # -- obstacles ------------------------------------------------------------------------------------
