@@ -12,7 +12,7 @@ import pytest
 
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.effect import DataFile
-from camgeo.dynamics.effects.load import ProcessLoad, parse, read_load_table
+from camgeo.dynamics.effects.load import parse, read_load_table
 from camgeo.dynamics.effects.load.result import profile_of
 from camgeo.errors import GeometryError
 from camgeo.kinematics.plan import Dwell, MotionPlan
@@ -84,7 +84,7 @@ def test_a_rest_of_no_length_has_no_load() -> None:
     assert np.array_equal(c0(made, joints), [-1.0, -2.0, -3.0, -4.0, -5.0])
     assert np.array_equal(c0(made, joints, "left"), [-5.0, -1.0, -2.0, -3.0, -4.0])
     still = Dwell(Decimal(0)), Dwell(Decimal(120)), Dwell(Decimal(0)), Dwell(Decimal(240))
-    steps = profile_of(ProcessLoad(segments=(7.0, 8.0)), MotionPlan(still), "N")
+    steps = profile_of((7.0, 8.0), MotionPlan(still), "N")
     angles = np.radians([0.0, 120.0])
     assert np.array_equal(steps.values(angles, "right"), [7.0, 8.0])
     assert np.array_equal(steps.values(angles, "left"), [8.0, 7.0])

@@ -233,6 +233,11 @@ class Column:
     borders: FloatArray = field(default_factory=lambda: np.empty(0))
 
 
+def scaled(values: Quantity, factor: float) -> Quantity:
+    """`factor` times the `values`."""
+    return lambda phi, side: factor * values(phi, side)
+
+
 @dataclass(frozen=True, slots=True)
 class DataFile:
     """A file that the scene names in the table of an effect.

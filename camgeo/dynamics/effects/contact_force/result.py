@@ -192,16 +192,13 @@ def _columns(
         signed = None if limit is None else subject.cam.contact.push * limit
         return (Column("contact force", "N", normal, signed, borders),)
 
-    def on_main(phi: FloatArray, side: Side) -> FloatArray:
-        return np.maximum(normal(phi, side), 0.0)
-
-    def on_return(phi: FloatArray, side: Side) -> FloatArray:
-        return np.maximum(-normal(phi, side), 0.0)
+    def pushing(sense: int) -> Quantity:
+        return lambda phi, side: np.maximum(sense * normal(phi, side), 0.0)
 
     names, _ = sides_of(subject)
-    return (
-        Column(f"{names[INNER]} contact force", "N", on_main, limit, borders),
-        Column(f"{names[OUTER]} contact force", "N", on_return, limit, borders),
+    return tuple(
+        Column(f"{names[sense]} contact force", "N", pushing(sense), limit, borders)
+        for sense in (INNER, OUTER)
     )
 
 

@@ -18,7 +18,16 @@ import numpy as np
 from camgeo.check.finding import Finding, held
 from camgeo.dynamics.effects.contact import FLANKS, INNER, OUTER, sides_of, with_other_side
 from camgeo.dynamics.effects.contact_pressure import Bearing, PressureRequirements
-from camgeo.dynamics.effects.effect import SPEED, Bound, Column, Quantity, Request, Result, Subject
+from camgeo.dynamics.effects.effect import (
+    SPEED,
+    Bound,
+    Column,
+    Quantity,
+    Request,
+    Result,
+    Subject,
+    scaled,
+)
 from camgeo.dynamics.effects.results import CONTACT_FORCE
 from camgeo.dynamics.effects.wording import at, missed, placed
 from camgeo.errors import EffectError, GeometryError
@@ -79,13 +88,9 @@ def compute(request: Request[PressureRequirements]) -> ContactPressure:
     main = _of_disc(request, subject, force.normal, force.edges)
     if subject.returning is None:
         return main
-
-    def on_return(phi: FloatArray, side: Side) -> FloatArray:
-        return -force.normal(phi, side)
-
     names, noun = sides_of(subject)
     words = f"{names[OUTER]} {noun}"
-    other = _of_return(request, subject.returning, on_return, force.edges, words)
+    other = _of_return(request, subject.returning, scaled(force.normal, -1.0), force.edges, words)
     return replace(with_other_side(subject, main, other), returning=other)
 
 
@@ -116,10 +121,6 @@ def _of_disc(
         life = rolling_life(
             contact, edges, request.course, data.rating, exponent, request.tolerance
         )
-
-    def shear(phi: FloatArray, side: Side) -> FloatArray:
-        return SHEAR_SHARE * contact.pressure(phi, side)
-
     inside = edges[(edges > 0.0) & (edges < TURN)]
     return ContactPressure(
         findings=(
@@ -128,7 +129,7 @@ def _of_disc(
         ),
         columns=(
             Column("contact pressure", "MPa", contact.pressure, data.limit, inside),
-            Column("subsurface shear", "MPa", shear, None, inside),
+            Column("subsurface shear", "MPa", scaled(contact.pressure, SHEAR_SHARE), None, inside),
         ),
         errors={} if life is None else errors_of(life),
         contact=contact,

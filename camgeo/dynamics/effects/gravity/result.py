@@ -15,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.dynamics.effects.effect import Column, Request
+from camgeo.dynamics.effects.effect import Column, Request, scaled
 from camgeo.dynamics.effects.forces import Force, unmoved
 from camgeo.dynamics.effects.results import INERTIA, Gravity
 from camgeo.dynamics.effects.wording import FORCES, extreme_findings
@@ -49,10 +49,7 @@ def compute(request: Request[Mapping[str, Any]]) -> Gravity:
         return out
 
     shown = FORCES[subject.cam.lift_unit]
-
-    def acting(phi: FloatArray, side: Side) -> FloatArray:
-        return on_follower(phi, side) * shown.scale
-
+    acting = scaled(on_follower, shown.scale)
     weight = STANDARD_GRAVITY * sum(each.mass for each in masses)
     extremes = piecewise_extremes(acting, subject.state.smooth_angles)
     return Gravity(

@@ -16,7 +16,7 @@ from camgeo.dynamics.effects.contact import (
     part_of,
     unbalance_force,
 )
-from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request, Result
+from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request, Result, scaled
 from camgeo.dynamics.effects.forces import at_rates, rates_of
 from camgeo.dynamics.effects.loads import Coupler, Loads, guide_ends
 from camgeo.dynamics.effects.reactions import Bearings
@@ -106,10 +106,7 @@ def _of_guide(bodies: Bodies) -> list[Load]:
         ]
     found = [Load("guide force", "force across the guide", end(0))]
     if not bodies.subject.cam.follower.rolls:
-
-        def moment(phi: FloatArray, side: Side) -> FloatArray:
-            return N_M * bodies.tilting(phi, side)
-
+        moment = scaled(bodies.tilting, N_M)
         found.append(Load("guide moment", "moment that tilts the face", moment, "N m"))
     return found
 

@@ -253,10 +253,7 @@ class RestToRest:
 
 def moves_of(subject: Subject, course: TimeCourse) -> list[RestToRest]:
     """All moves from rest to rest, in the order of the cam angle."""
-    return sorted(_moves(subject, course), key=lambda each: each.start)
-
-
-def _moves(subject: Subject, course: TimeCourse) -> Iterator[RestToRest]:
+    found = []
     rests = _rests(subject, course)
     edges = merged(np.concatenate((subject.drive.plan.borders, course.borders, [0.0, TURN])))
     two_turns = np.concatenate((edges[:-1], edges + TURN))
@@ -269,10 +266,12 @@ def _moves(subject: Subject, course: TimeCourse) -> Iterator[RestToRest]:
         moving = merged(np.concatenate(([start], inner, [end])))
         turns = math.floor(start / TURN)
         moving = moving - TURN * turns
-        found = _move(subject, course, moving)
-        if found is not None:
+        move = _move(subject, course, moving)
+        if move is not None:
             even = isinstance(course, ConstantSpeed)
-            yield replace(found, law=_law(subject.drive.plan, joints, moving) if even else None)
+            law = _law(subject.drive.plan, joints, moving) if even else None
+            found.append(replace(move, law=law))
+    return sorted(found, key=lambda each: each.start)
 
 
 def _law(plan: MotionPlan, joints: FloatArray, edges: FloatArray) -> Law | None:
