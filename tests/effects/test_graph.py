@@ -168,11 +168,6 @@ def test_a_use_that_the_scene_does_not_name_closes_no_ring(fakes: Fakes) -> None
         fakes.of({"one": {}}).result("one")
 
 
-def test_there_is_no_such_effect(fakes: Fakes) -> None:
-    with pytest.raises(KeyError):
-        fakes.of().result("sprung")
-
-
 @pytest.mark.parametrize("asked", ["spring", "force"])
 def test_a_missing_table_is_reported_with_its_key(fakes: Fakes, asked: str) -> None:
     fakes.add("spring", tabled=True)

@@ -111,32 +111,18 @@ Register = Callable[[str, Any], Entry]
 
 @pytest.mark.parametrize("name", EFFECTS)
 def test_each_is_an_effect_of_its_name(name: str) -> None:
+    """Its rules are about keys that there are, and it does not need itself, whatever a scene names,
+    all of them at worst.
+    """
     effect = find_effect(name)
     assert isinstance(effect, Effect)
     assert effect.name == name
     assert effect.title
     assert not effect.title.endswith(".")
     assert {*effect.needs, *effect.uses} <= set(EFFECTS) - {name}
-    assert callable(pkgutil.resolve_name(effect.compute))
-
-
-@pytest.mark.parametrize("name", EFFECTS)
-def test_each_has_its_table_and_takes_a_tolerance_if_it_is_numerical(name: str) -> None:
-    effect = find_effect(name)
-    assert ("tolerance" in effect.schema["properties"]) == effect.numerical
-
-
-@pytest.mark.parametrize("name", EFFECTS)
-def test_rules_are_about_keys_that_there_are(name: str) -> None:
-    effect = find_effect(name)
-    for rule in effect.rules:
-        if isinstance(rule, Only):
-            assert set(rule.keys) <= effect.schema["properties"].keys()
-
-
-@pytest.mark.parametrize("name", EFFECTS)
-def test_none_needs_itself(name: str) -> None:
-    """Whatever a scene names, all of them at worst."""
+    keys = effect.schema["properties"].keys()
+    assert ("tolerance" in keys) == effect.numerical
+    assert all(set(rule.keys) <= keys for rule in effect.rules if isinstance(rule, Only))
     everything: dict[str, dict[str, Any]] = {each: {} for each in EFFECTS}
     subject: Any = SimpleNamespace(output="elastic")
     assert name not in Effects(subject, everything, Ledger()).inputs(name)
@@ -268,15 +254,6 @@ def test_a_unit_that_does_not_exist_is_reported_with_the_units_that_do(register:
     message = r'effects\.noise\.mass: the x-unit "stone" of its schema is unknown; known: kg, '
     with pytest.raises(CamgeoError, match=message):
         parse_scene(with_noise("mass = 1"))
-
-
-def test_unknown_names_are_reported_as_before(register: Register) -> None:
-    register(NAME, FOREIGN)
-    scene = f"{PLATE}\n[effects.noisy]\nmass = 1\n"
-    with pytest.raises(
-        SceneError, match=r"effects\.noisy: is not a known key \(did you mean noise"
-    ):
-        parse_scene(scene)
 
 
 def test_where_it_has_no_place_is_reported(register: Register) -> None:
