@@ -243,14 +243,3 @@ def test_a_sum_is_rounding_below_the_bound_of_its_terms() -> None:
     terms = [0.1] * 10 + [-1.0]
     assert sum(terms) != 0.0
     assert resolved(sum(terms), sum(map(abs, terms))) == 0.0
-
-
-def test_a_balanced_disc_has_no_force_on_its_shaft() -> None:
-    """The centre of mass of a ring is off its axis only by rounding."""
-    text = (SCENES / "plate_translating.toml").read_text("utf-8")
-    head, tail = text[: text.index("[[motion]]")], "[part]\nthickness = 15\nbore = 25\n"
-    table = "[effects.balance]\ncounterweight_radius = 30\n"
-    ring = Design(parse_scene(f"{head}[[motion]]\ndwell = 360\n\n{tail}\n{table}"))
-    values = {each.name: each.value for each in ring.effect("balance").findings}
-    for name in ("centre-of-mass", "unbalance", "unbalance-force", "counterweight"):
-        assert values[name] == 0.0

@@ -14,8 +14,8 @@ from camgeo.kinematics.laws import make_law
 from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.units import TURN
-from tests.effects.scenes import course_of, design
-from tests.findings import finding, finding_values
+from tests.effects.scenes import design
+from tests.findings import finding
 from tests.integrals import cells, integrals
 from tests.numeric.shocks import shock_spectrum
 
@@ -141,19 +141,6 @@ def test_a_rocker_has_its_stiffness_and_limit_as_an_angle() -> None:
     for column, own in zip(found.columns[:2], output, strict=True):
         assert column.values(PHI, "right") == pytest.approx(np.degrees(own), rel=1e-14)
     assert (found.columns[0].unit, found.columns[0].limit) == ("deg", error.limit)
-
-
-def test_without_mass_the_train_is_rigid() -> None:
-    mass = "[effects.inertia]\nmass = 0\n"
-    made_ = made("plate_translating", "stiffness = 500", before=mass)
-    found: Vibration = made_.effect("vibration")
-    assert np.all(found.output.deflection(PHI, "right") == 0.0)
-    course = course_of(made_)
-    demanded = in_time(made_.cam.drive.plan.jet(PHI, "right"), course, PHI)
-    assert np.array_equal(found.output.acceleration(PHI, "right"), demanded[2])
-    assert found.error is None
-    top = finding_values(found.findings).keys() - {"largest-motion-error"}
-    assert top == {"largest-output-acceleration"}
 
 
 # -- hard cases ----------------------------------------------------------------------------------
