@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Final, Literal, Protocol
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
@@ -75,74 +75,13 @@ def order_with(output: Motion, course: TimeCourse | None) -> int:
     return 1 if np.any(moving) else FULL_ORDER
 
 
-class State(Protocol):
-    """The motion of follower and output, and how the cam turns.
-
-    Cam angles are in rad, motions in mm or rad over the cam angle.
-
-    Attributes
-    ----------
-    model : whose motion it is.
-    sense : the side on which the follower makes this motion, `FIRST` or `SECOND`; 0 if it is that
-        of no flank, as the demanded one, which is the same on both sides.
-    motion : of the follower.
-    output : of the member with the demanded motion; that of the follower without a linkage.
-    course : how the cam turns in time; None if no speed is given.
-    smooth_angles : (k,) cam angles [rad] from 0 to 2 pi, both included, ascending. Between two
-        neighbours all derivatives of `motion` and `course` are smooth, and the follower's velocity
-        keeps its sign.
-    order : of the highest derivative of `output` over time that is continuous over the turn, -1 to
-        3.
-    shocks : cam angles [rad] in [0, 2 pi), ascending, at which the velocity jumps.
-    """
-
-    @property
-    def model(self) -> Model: ...
-
-    @property
-    def sense(self) -> int: ...
-
-    @property
-    def motion(self) -> Motion: ...
-
-    @property
-    def output(self) -> Motion: ...
-
-    @property
-    def course(self) -> TimeCourse | None: ...
-
-    @property
-    def smooth_angles(self) -> FloatArray: ...
-
-    @property
-    def order(self) -> int: ...
-
-    @property
-    def shocks(self) -> tuple[float, ...]: ...
-
-    @property
-    def curve(self) -> PitchCurve:
-        """The path of the roller centre in the cam with this motion, or of the contact of a flat
-        face; its normals are those of the contact. GeometryError with key "follower" without one.
-        """
-
-    def on_corner(self, phi: FloatArray, side: Side) -> BoolArray:
-        """(n,) whether the follower touches a sharp corner of the disc at `phi` (n,) [rad]."""
-
-    def output_extremes(self, course: TimeCourse) -> TimeExtremes:
-        """Extremes in time of `output` with the cam turning as `course` says."""
-
-    def turning(self, course: TimeCourse) -> State:
-        """The same motion over the cam angle with the cam turning as `course` says."""
-
-
 # -- demanded -------------------------------------------------------------------------------------
 # The demanded motion as the state: the cam does exactly what the scene states.
 
 
 @dataclass(frozen=True)
 class Demanded:
-    """The demanded motion; see `camgeo.dynamics.state.state.State`.
+    """The demanded motion; see `camgeo.dynamics.state.written.State`.
 
     Attributes
     ----------

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Final, Protocol, Self
 import numpy as np
 
 from camgeo.cam.cam import Cam, smooth_angles
-from camgeo.dynamics.state.state import FIRST, SECOND, Model, order_with
+from camgeo.dynamics.state.state import FIRST, SECOND, Demanded, Model, order_with
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, Effort, Form
 from camgeo.geometry.contour.spline import SplineContour
@@ -206,7 +206,7 @@ def _at_dead_centre() -> GeometryError:
 
 @dataclass(frozen=True)
 class OfOutline(OnDisc):
-    """The motion of a follower on its real flank; see `camgeo.dynamics.state.state.State`.
+    """The motion of a follower on its real flank; see `State`.
 
     The roller that turns about a corner of the disc touches it along the normal of the path of its
     centre, as it does on a flank, so that path alone gives the direction of the contact force. A
@@ -434,7 +434,7 @@ class WrittenMotion:
 
 @dataclass(frozen=True)
 class Written(OnDisc):
-    """The motion on a written contour; see `camgeo.dynamics.state.state.State`.
+    """The motion on a written contour; see `State`.
 
     The roller touches a vertex of the contour as it does a piece, along the normal of the path of
     its centre. A flat face touches the convex hull of the contour, see
@@ -475,6 +475,30 @@ class Written(OnDisc):
         if not self.touches:
             return np.zeros(len(phi), dtype=np.bool_)
         return self.motion.on_corner(phi, side)
+
+
+State = Demanded | OfOutline | Written
+"""The motion of follower and output, and how the cam turns.
+
+Cam angles are in rad, motions in mm or rad over the cam angle. Each state has
+
+model : whose motion it is.
+sense : the side on which the follower makes this motion, `FIRST` or `SECOND`; 0 if it is that of no
+    flank, as the demanded one, which is the same on both sides.
+motion : of the follower.
+output : of the member with the demanded motion; that of the follower without a linkage.
+course : how the cam turns in time; None if no speed is given.
+smooth_angles : (k,) cam angles [rad] from 0 to 2 pi, both included, ascending. Between two
+    neighbours all derivatives of `motion` and `course` are smooth, and the follower's velocity
+    keeps its sign.
+order : of the highest derivative of `output` over time that is continuous over the turn, -1 to 3.
+shocks : cam angles [rad] in [0, 2 pi), ascending, at which the velocity jumps.
+curve : the path of the roller centre in the cam with this motion, or of the contact of a flat face;
+    its normals are those of the contact. GeometryError with key "follower" without one.
+on_corner : (n,) whether the follower touches a sharp corner of the disc at n cam angles.
+output_extremes : extremes in time of `output` with the cam turning as a course says.
+turning : the same motion over the cam angle with the cam turning as a course says.
+"""
 
 
 # -- contours -------------------------------------------------------------------------------------

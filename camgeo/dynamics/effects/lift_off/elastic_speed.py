@@ -276,13 +276,14 @@ class LeastReserve:
 
     def weight(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) w."""
-        return self.flank.outwards(phi, side) * self.behind.per_lift(phi, side)
+        return self.flank.known(phi, side).outwards * self.behind.per_lift(phi, side)
 
     def share(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) |w| + |c p|: of P in G at most."""
         passed = np.sum(np.abs(self.flank.passed(phi, side, np.ones(len(phi)))), axis=0)
         return np.asarray(
-            np.abs(self.behind.per_lift(phi, side)) + np.abs(self.flank.drag(phi, side)) * passed
+            np.abs(self.behind.per_lift(phi, side))
+            + np.abs(self.flank.known(phi, side).drag) * passed
         )
 
     def parts(
@@ -297,9 +298,9 @@ class LeastReserve:
         if load is not None:
             pushed[0] += share * load.coefficients(phi, side)[0] + more
         passed = [self.flank.passed(phi, side, push) for push in pushed]
-        loads = self.flank.loads(phi, side) - np.stack(passed)
-        rubbed = np.abs(self.flank.drag(phi, side)) * np.sum(np.abs(loads), axis=1)
-        return self.flank.plain(phi, side)[0] + self.weight(phi, side) * pushed, rubbed
+        loads = self.flank.known(phi, side).loads - np.stack(passed)
+        rubbed = np.abs(self.flank.known(phi, side).drag) * np.sum(np.abs(loads), axis=1)
+        return self.flank.known(phi, side).needed + self.weight(phi, side) * pushed, rubbed
 
     @property
     def weights(self) -> FloatArray:
@@ -316,7 +317,7 @@ class LeastReserve:
         """(n,) the reserve at rest, with `more` (n,) of P."""
         train = self.behind.train
         plain, rubbed = self.parts(phi, side, 1.0 + train.yielding(train.force(0)), more)
-        return np.asarray(plain[0] + np.sign(self.flank.drag(phi, side)) * rubbed[0])
+        return np.asarray(plain[0] + np.sign(self.flank.known(phi, side).drag) * rubbed[0])
 
     def most(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) r0 + w (a y + f) + |c| sum |l0 - p (a y + f)|."""
@@ -333,7 +334,7 @@ class LeastReserve:
             return np.asarray(s * (s * r0 + r1) + r2 - self.weight(phi, side) * push)
 
         def loads(phi: FloatArray, side: Side) -> ComplexArray:
-            l0, l1, l2 = self.flank.loads(phi, side)
+            l0, l1, l2 = self.flank.known(phi, side).loads
             passed = self.flank.passed(phi, side, found.beyond_base(phi, side))
             return np.asarray(s * (s * l0 + l1) + l2 + passed)
 
@@ -353,7 +354,7 @@ class LeastReserve:
             return 0.0
 
         def lacking(phi: FloatArray, side: Side) -> FloatArray:
-            helping = np.maximum(self.flank.drag(phi, side), 0.0)
+            helping = np.maximum(self.flank.known(phi, side).drag, 0.0)
             both = [each.loads(phi, side) for each in (one, other)]
             d = unit_vectors(both[0] + both[1], np.ones_like(both[0]))
             # |V| - Re(conj(d) V) = |V| |V / |V| - d|^2 / 2

@@ -405,11 +405,14 @@ def of_groove(
     tolerance: float,
 ) -> FormClosed:
     """The findings for a groove, pair or yoke; impact speeds to the relative `tolerance`."""
-    sides = _Sides("roller" if subject.returning is None else "follower", *sides_of(subject))
+    who, (names, noun) = "roller" if subject.returning is None else "follower", sides_of(subject)
     first, changes = flank_changes(contact)
-    found = [sides.change(change) for change in changes]
+    found = [_moves(change, who, names, noun) for change in changes]
     if not changes:
-        found.append(sides.steady(first))
+        steady = f"there is no force on either {noun}"
+        if first:
+            steady = f"the {names[first]} {noun} carries over the whole turn"
+        found.append(Finding("flank-change", "ok", steady, 0.0))
     if not changes or backlash == 0.0:
         return FormClosed(first, changes, (), findings=tuple(found))
     from camgeo.dynamics.effects.lift_off.landing import (
@@ -427,40 +430,20 @@ def of_groove(
     )
 
 
-@dataclass(frozen=True, slots=True)
-class _Sides:
-    """The wording of the findings.
-
-    Attributes
-    ----------
-    who : changes sides: "roller" or "follower".
-    names : of the sides.
-    noun : what the sides are: "flank", "disc" or "side".
-    """
-
-    who: str
-    names: dict[int, str]
-    noun: str
-
-    def change(self, change: Change) -> Finding:
-        free = change.leaving != change.carrying
-        until = f", with no force on either until {degrees(change.carrying)}" if free else ""
-        return Finding(
-            name="flank-change",
-            severity="ok",
-            sentence=(
-                f"at cam angle {degrees(change.leaving)} the {self.who} moves from the"
-                f" {self.names[change.sense]} to the {self.names[-change.sense]} {self.noun}{until}"
-            ),
-            cam_angle=change.leaving,
-            cam_range=(change.leaving, change.carrying) if free else None,
-        )
-
-    def steady(self, first: int) -> Finding:
-        sentence = f"there is no force on either {self.noun}"
-        if first:
-            sentence = f"the {self.names[first]} {self.noun} carries over the whole turn"
-        return Finding("flank-change", "ok", sentence, 0.0)
+def _moves(change: Change, who: str, names: Mapping[int, str], noun: str) -> Finding:
+    """That the roller or follower, `who`, changes sides, which are each a `noun`."""
+    free = change.leaving != change.carrying
+    until = f", with no force on either until {degrees(change.carrying)}" if free else ""
+    return Finding(
+        name="flank-change",
+        severity="ok",
+        sentence=(
+            f"at cam angle {degrees(change.leaving)} the {who} moves from the"
+            f" {names[change.sense]} to the {names[-change.sense]} {noun}{until}"
+        ),
+        cam_angle=change.leaving,
+        cam_range=(change.leaving, change.carrying) if free else None,
+    )
 
 
 # -- crossing -------------------------------------------------------------------------------------
