@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final, Literal, Protocol, Self
+from typing import TYPE_CHECKING, Final, Literal, Self
 
 from camgeo.dynamics.effects.effect import Bound, Key, Result
 from camgeo.dynamics.effects.wording import Label
@@ -40,33 +40,29 @@ class Acting(Result):
     force: Force
 
 
-class Mass(Protocol):
-    """A mass at its centre of mass."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Mass:
+    """A mass at its centre of mass.
 
-    @property
-    def name(self) -> str:
-        """Which body: "follower", "roller", "rocker", "slider" or "coupler"."""
+    Attributes
+    ----------
+    name : which body: "follower", "roller", "rocker", "slider" or "coupler".
+    mass : [t].
+    place : (n,) complex [mm] position relative to the cam axis, oriented as in the drawing. For a
+        translating follower this is the centre of its roller, or the foot of the perpendicular from
+        the cam axis to its face; for a slider it is the pin. Any point will do on a body that does
+        not rotate.
+    per_lift : (n,) complex [1 or mm/rad] derivative of the position by the follower's coordinate.
+    rates : (2, n) complex [mm/rad^k] first and second derivative of `place` by the cam angle.
+    per_coordinate : `per_lift` (n,) at n cam angles with the follower at any coordinate q (n,).
+    """
 
-    @property
-    def mass(self) -> float:
-        """[t]."""
-
-    def place(self, phi: FloatArray, side: Side, /) -> ComplexArray:
-        """(n,) complex [mm] position relative to the cam axis, oriented as in the drawing.
-
-        For a translating follower this is the centre of its roller, or the foot of the
-        perpendicular from the cam axis to its face; for a slider it is the pin. Any point will do
-        on a body that does not rotate.
-        """
-
-    def per_lift(self, phi: FloatArray, side: Side, /) -> ComplexArray:
-        """(n,) complex [1 or mm/rad] derivative of the position by the follower's coordinate."""
-
-    def rates(self, phi: FloatArray, side: Side, /) -> ComplexArray:
-        """(2, n) complex [mm/rad^k] first and second derivative of `place` by the cam angle."""
-
-    def per_coordinate(self, phi: FloatArray, q: FloatArray, /) -> ComplexArray:
-        """`per_lift` (n,) with the follower at any coordinate `q` (n,)."""
+    name: str
+    mass: float
+    place: Callable[[FloatArray, Side], ComplexArray]
+    per_lift: Callable[[FloatArray, Side], ComplexArray]
+    rates: Callable[[FloatArray, Side], ComplexArray]
+    per_coordinate: Callable[[FloatArray, FloatArray], ComplexArray]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
