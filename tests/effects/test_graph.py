@@ -277,14 +277,6 @@ def test_only_what_is_renewed_is_computed_again(fakes: Fakes) -> None:
     assert [run.name for run in again.ledger.runs] == ["effects.top"]
 
 
-def test_what_is_needed_is_computed_once_for_all_tolerances(fakes: Fakes) -> None:
-    diamond(fakes)
-    effects = fakes.of({"top": {}})
-    for tolerance in (1e-2, 1e-4, 1e-6):
-        assert effects.recomputed("top", tolerance).result("top").request.tolerance == tolerance
-    assert sorted(fakes.calls) == ["base", "left", "right", "top", "top", "top"]
-
-
 def test_without_its_inputs_it_cannot_be_renewed(fakes: Fakes) -> None:
     fakes.add("force", no_answer)
     fakes.add("torque", needs=("force",), numerical=True)

@@ -99,22 +99,6 @@ def test_a_rocker_has_its_moment_and_the_roller_at_its_arm() -> None:
     assert coefficients[2:] == pytest.approx(-20.64 * jet[[2, 1]], rel=1e-14)
 
 
-def test_columns_show_what_findings_state() -> None:
-    result, subject = inertia_of("setzhub", LINKED)
-    mass, force = result.columns
-    assert (mass.unit, force.unit) == ("kg m^2", "N m")
-    angles = np.concatenate((PHI, subject.cam.drive.smooth_angles))
-    largest = finding(result.findings, "largest-reduced-moment-of-inertia")
-    smallest = finding(result.findings, "smallest-reduced-moment-of-inertia")
-    values = mass.values(angles, "right")
-    slack = 1e-14 * largest.value
-    assert smallest.value - slack <= np.min(values) < np.max(values) <= largest.value + slack
-    worst = finding(result.findings, "largest-inertia-force")
-    assert np.max(np.abs(force.values(angles, "right"))) <= abs(worst.value) * (1.0 + 1e-14)
-    place = np.array([worst.cam_angle])
-    assert force.values(place, "right")[0] == pytest.approx(worst.value, rel=1e-12)
-
-
 def test_without_any_mass_there_is_no_force() -> None:
     result, _ = inertia_of("setzhub", "[effects.inertia]\n")
     assert not np.any(result.force.coefficients(PHI, "right"))

@@ -202,12 +202,6 @@ def with_noise(text: str, scene: str = PLATE) -> str:
     return f"{scene}\n[effects.noise]\n{text}\n"
 
 
-def test_a_scene_that_does_not_name_it_does_not_load_it(register: Register) -> None:
-    entry = register(NAME, FOREIGN)
-    assert parse_scene(PLATE).effects == {}
-    assert entry.loads == 0
-
-
 def test_its_table_is_converted_by_its_schema(register: Register) -> None:
     register(NAME, FOREIGN)
     text = with_noise("mass = 2\ngap = 0.5\nbands = [1, 2.5]")
