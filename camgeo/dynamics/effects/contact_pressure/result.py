@@ -88,9 +88,11 @@ def compute(request: Request[PressureRequirements]) -> ContactPressure:
     main = _of_disc(request, subject, force.normal, force.edges)
     if subject.returning is None:
         return main
-    names, noun = sides_of(subject)
-    words = f"{names[OUTER]} {noun}"
-    other = _of_return(request, subject.returning, scaled(force.normal, -1.0), force.edges, words)
+    try:
+        other = _of_disc(request, subject.returning, scaled(force.normal, -1.0), force.edges)
+    except EffectError as error:  # of the return disc, or of the opposite side
+        names, noun = sides_of(subject)
+        raise replace(error, message=f"{names[OUTER]} {noun}: {error.message}") from error
     return replace(with_other_side(subject, main, other), returning=other)
 
 
@@ -149,20 +151,6 @@ def errors_of(life: Life) -> dict[str, Bound]:
 
 def _relative(value: float, error: float) -> Bound:
     return Bound(error * value, value)
-
-
-def _of_return(
-    request: Request[PressureRequirements],
-    subject: Subject,
-    normal: Quantity,
-    edges: FloatArray,
-    words: str,
-) -> ContactPressure:
-    """As `_of_disc`; its error message names the return disc, or the side, by these `words`."""
-    try:
-        return _of_disc(request, subject, normal, edges)
-    except EffectError as error:
-        raise replace(error, message=f"{words}: {error.message}") from error
 
 
 def _width(subject: Subject, data: PressureRequirements) -> float:
