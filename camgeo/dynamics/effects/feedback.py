@@ -38,7 +38,7 @@ from camgeo.dynamics.effects.forces import ElasticTrain, Force, unmoved
 from camgeo.dynamics.effects.graph import Nodes
 from camgeo.dynamics.effects.registry import Catalogue
 from camgeo.dynamics.effects.results import DRIVE_TORQUE, VIBRATION, DriveTorque, Feedback, Turning
-from camgeo.dynamics.effects.shaft import collocation, laws_of
+from camgeo.dynamics.effects.shaft import Mesh, collocation
 from camgeo.errors import EffectError
 from camgeo.kinematics.motion import Motion
 from camgeo.kinematics.time_course import TimeCourse
@@ -175,7 +175,7 @@ def _spread(turn: Turning, other: DriveTorque) -> tuple[float, ...]:
     """
     mesh = turn.turn.mesh
     shape = mesh.nodes.shape
-    laws = laws_of(other.law, mesh.low, mesh.high)
+    laws = Mesh.with_law(other.law, mesh.low, mesh.high).laws
     rows, others = (each.reshape(len(each), -1) for each in (mesh.laws, laws))
     slopes, off = turn.turn.linearised(mesh.nodes.ravel(), rows, others)
     slopes = slopes.reshape(*shape, *slopes.shape[1:])

@@ -234,6 +234,12 @@ class Mesh:
     high: FloatArray
     laws: FloatArray
 
+    @classmethod
+    def with_law(cls, law: Quantity, low: FloatArray, high: FloatArray) -> Mesh:
+        """The cells [low, high] with the torque law at their nodes, at their ends from inside."""
+        nodes = nodes_of(low, high)
+        return cls(low, high, law(nodes.ravel(), "left").reshape(-1, *nodes.shape))
+
     @property
     def spans(self) -> FloatArray:
         """(m,) lengths of the cells [rad]."""
@@ -256,7 +262,7 @@ class Mesh:
         middle = 0.5 * (self.low + self.high)
         low = np.stack((self.low, middle), axis=1).ravel()
         high = np.stack((middle, self.high), axis=1).ravel()
-        return Mesh(low, high, laws_of(law, low, high))
+        return Mesh.with_law(law, low, high)
 
     def cells(self, which: BoolArray) -> Mesh:
         """The cells selected by `which` (m,)."""
@@ -323,12 +329,6 @@ def nodes_of(low: FloatArray, high: FloatArray) -> FloatArray:
     return nodes
 
 
-def laws_of(law: Quantity, low: FloatArray, high: FloatArray) -> FloatArray:
-    """(6 or more, m, n) the torque law at the nodes of the cells, at their ends from inside."""
-    nodes = nodes_of(low, high)
-    return law(nodes.ravel(), "left").reshape(-1, *nodes.shape)
-
-
 def double_mesh(law: Quantity, edges: FloatArray, longest: float) -> DoubleMesh:
     """Cells between neighbouring `edges`, none longer than `longest` [rad]."""
     counts = np.maximum(np.ceil(np.diff(edges) / longest), 1).astype(np.intp)
@@ -338,7 +338,7 @@ def double_mesh(law: Quantity, edges: FloatArray, longest: float) -> DoubleMesh:
     ]
     low = np.concatenate([grid[:-1] for grid in grids])
     high = np.concatenate([grid[1:] for grid in grids])
-    coarse = Mesh(low, high, laws_of(law, low, high))
+    coarse = Mesh.with_law(law, low, high)
     return DoubleMesh(coarse, coarse.halved(law))
 
 
