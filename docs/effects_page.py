@@ -26,10 +26,9 @@ from camgeo.check.finding import MOST_ALIKE
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.balance.result import MOST_HOLES
 from camgeo.dynamics.effects.contact_pressure.result import HEAVY, SHEAR_DEPTH, SHEAR_SHARE
+from camgeo.dynamics.effects.effect import TOLERANCE
 from camgeo.dynamics.effects.friction.result import NEAR
-from camgeo.dynamics.effects.graph import TOLERANCE
-from camgeo.dynamics.effects.gravity import STANDARD_GRAVITY
-from camgeo.dynamics.effects.helical import STABLE
+from camgeo.dynamics.effects.gravity.result import STANDARD_GRAVITY
 from camgeo.dynamics.effects.lift_off.elastic_speed import MOST_STEPS, SEARCHED
 from camgeo.dynamics.effects.lift_off.flight import (
     MOST_ELASTIC_TURNS,
@@ -38,6 +37,7 @@ from camgeo.dynamics.effects.lift_off.flight import (
     MOST_TURNS,
 )
 from camgeo.dynamics.effects.registry import EFFECTS, find_effect
+from camgeo.dynamics.effects.results import STABLE
 from camgeo.dynamics.effects.shock_spectrum.result import measured
 from camgeo.dynamics.effects.spring_surge.result import CLEAR
 from camgeo.dynamics.effects.spring_surge.result import FARTHEST as FARTHEST_SURGE

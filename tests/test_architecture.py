@@ -70,8 +70,8 @@ LIBRARY_OF = {"camgeo.part.glyphs": "matplotlib", "camgeo.studies.sweep.cluster"
 distributed a cluster."""
 
 EFFECT_FRAME = {
-    "", "bearing_friction", "contact", "effect", "elastic", "feedback", "forces", "graph",
-    "helical", "loads", "registry", "results", "rules", "shaft", "wording",
+    "", "bearing_friction", "contact", "effect", "feedback", "forces", "graph", "loads",
+    "registry", "results", "shaft", "wording",
 }  # fmt: skip
 """Modules of `effects` that are no effects: effects are imported by the registry alone."""
 

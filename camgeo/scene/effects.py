@@ -7,9 +7,8 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Final
 
-from camgeo.dynamics.effects.effect import SPEED, Effect
+from camgeo.dynamics.effects.effect import SPEED, Effect, Machine, Table
 from camgeo.dynamics.effects.registry import find_effect
-from camgeo.dynamics.effects.rules import Machine, Table
 from camgeo.errors import GeometryError
 from camgeo.part.materials import KG_M3, USUAL, density_of, find_material
 from camgeo.part.spec import PartSpec

@@ -42,8 +42,7 @@ from camgeo.kinematics.planning.requests import AUTO
 from camgeo.scene.formats.format import FORMATS, NO_FORMATS, find_format, foreign_names
 
 if TYPE_CHECKING:
-    from camgeo.dynamics.effects.effect import Effect
-    from camgeo.dynamics.effects.rules import Only
+    from camgeo.dynamics.effects.effect import Effect, Only
     from camgeo.scene.formats.format import Format
 
 
@@ -282,7 +281,7 @@ def whole_schema(names: Iterable[str] = ()) -> Node:
 
 
 def _bounds(effect: Effect) -> Iterator[Only]:
-    from camgeo.dynamics.effects.rules import Only
+    from camgeo.dynamics.effects.effect import Only
 
     return (rule for rule in effect.rules if isinstance(rule, Only))
 

@@ -6,9 +6,8 @@ from pathlib import Path
 from typing import Final
 
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.effect import Subject
+from camgeo.dynamics.effects.effect import Kind, Only, Subject
 from camgeo.dynamics.effects.registry import EFFECTS, find_effect
-from camgeo.dynamics.effects.rules import Kind, Only
 from camgeo.kinematics.time_course import TimeCourse
 from camgeo.scene.scene import parse_scene
 

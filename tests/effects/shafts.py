@@ -69,6 +69,34 @@ Rates = Callable[[Lift, list[float]], Sequence[float]]
 """Of states over the cam angle, by the lift there."""
 
 
+def newton(
+    moment: float,
+    drive: Callable[[list[float]], float],
+    train: tuple[float, float] | None = None,
+    others: Callable[[list[float]], list[float]] = lambda _: [],
+) -> Rates:
+    """Of the speed omega, x and v of a train, and `others` over the cam angle, in N, mm, s and t.
+
+    J alpha = T - s' (m (s'' omega^2 + s' alpha) + P + k s) with the torque T of the `drive`. Before
+    a train of the natural frequency w and the damping D the follower has no mass but that of it:
+    J alpha = T - s' (F + P + k s) and m v' = F = m (w^2 (s - x) + 2 D w (s' omega - v)).
+    """
+    mass = 1e-3 * MASS
+
+    def rates(place: Lift, state: list[float]) -> list[float]:
+        (s, s1, s2), omega = place, state[0]
+        left, behind = drive(state) - s1 * (PRELOAD + SPRING * s), []
+        if train is None:
+            alpha = (left - s1 * mass * s2 * omega**2) / (1e3 * moment + mass * s1**2)
+        else:
+            w, (x, v) = TURN * train[0], state[1:3]
+            force = mass * (w * w * (s - x) + 2.0 * train[1] * w * (s1 * omega - v))
+            alpha, behind = (left - s1 * force) / (1e3 * moment), [v / omega, force / mass / omega]
+        return [alpha / omega, *behind, *others(state)]
+
+    return rates
+
+
 def over_turn(rates: Rates, state: FloatArray, **exact: float) -> list[Any]:
     """From a state on, piece by piece of the motion."""
     pieces: list[Any] = []

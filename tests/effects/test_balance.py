@@ -75,10 +75,10 @@ def test_a_disc_without_a_stroke_is_balanced() -> None:
     assert result.mass == pytest.approx(RHO * 12.0 * math.pi * (40.0**2 - 12.5**2), rel=1e-14)
     assert abs(result.unbalance) <= result.unbalance_error
     assert result.unbalance_error < 1e-13 * result.mass * 40.0
-    assert result.counterweight == 0.0
     assert result.holes is None
     found = named(result)
-    assert found["unbalance"].value == found["centre-of-mass"].value == 0.0
+    for name in ("centre-of-mass", "unbalance", "unbalance-force", "counterweight"):
+        assert found[name].value == 0.0  # what is off the axis is rounding
     assert "no counterweight is needed" in found["counterweight"].sentence
     assert all(each.severity == "ok" for each in result.findings)
 
@@ -134,17 +134,6 @@ def test_the_solid_of_the_writers_has_the_same_mass_and_centre(scene: str) -> No
     assert abs(mass - result.mass) <= room
     centre = complex(*mesh.center_mass[:2])
     assert abs(mass * centre - result.unbalance) <= room * largest
-
-
-def test_a_groove_weighs_what_its_depth_takes_off() -> None:
-    """Mass is linear in the depth of the groove, down to the disc without one."""
-    deep = balance("groove")
-    half = balance("groove", "", ("groove_depth = 10", "groove_depth = 5"))
-    shallow = balance("groove", "", ("groove_depth = 10", "groove_depth = 1e-9"))
-    assert half.mass == pytest.approx(0.5 * (deep.mass + shallow.mass), rel=1e-9)
-    assert abs(half.unbalance - 0.5 * (deep.unbalance + shallow.unbalance)) < 1e-9 * deep.mass
-    area = math.pi * (110.0**2 - 15.0**2)
-    assert RHO * 20.0 * (area - 8.0 * 4.0) < shallow.mass < RHO * 20.0 * area  # but for the keyway
 
 
 @settings(max_examples=30, deadline=None)
@@ -286,12 +275,6 @@ def test_the_force_is_minus_mass_times_acceleration_at_any_speed_curve() -> None
     assert largest.value >= np.max(np.hypot(fx, fy)) * (1.0 - 1e-12)
     assert largest.value == pytest.approx(np.max(np.hypot(fx, fy)), rel=1e-4)
     assert largest.cam_angle is not None
-
-
-def test_no_speed_no_force() -> None:
-    result = balance("ring")
-    assert result.columns == ()
-    assert "unbalance-force" not in named(result)
 
 
 def test_a_disc_of_which_nothing_is_left_has_no_balance() -> None:

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.bearing_friction import RubbingLaw, directions, jam_reserve
-from camgeo.dynamics.effects.speed_fluctuation.result import _linear
+from camgeo.dynamics.effects.bearing_friction import RubbingLaw, directions, jam_reserve, linear_at
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.scene import load_scene
 from tests.effects.scenes import SCENES
@@ -77,7 +76,7 @@ def test_one_cam_angle_gives_what_many_do(
     law = RubbingLaw.of(law.rows)
     linear = law.linear(omega, alpha)
     for k in range(2):
-        one = _linear(law.rows[:, k].tolist(), omega, alpha, 0.0)
+        one = linear_at(law.rows[:, k].tolist(), omega, alpha, 0.0)
         assert one == pytest.approx(linear[:, k].tolist(), rel=1e-9, abs=1e-9)
 
     def torque(omega: float, alpha: float) -> FloatArray:

@@ -26,16 +26,13 @@ from camgeo.studies.accuracy.survey import TIGHTER
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import SCENES
 from tests.effects.shafts import (
-    MASS,
     PHI,
-    PRELOAD,
     SCENE,
     SPEED,
-    SPRING,
-    Lift,
     Rates,
     assert_true,
     lift,
+    newton,
     over_turn,
     settled,
     states_at,
@@ -72,29 +69,18 @@ def figures(of: Design, name: str) -> dict[str, Any]:
     return {each.name: each for each in of.effects.findings(name)}
 
 
-def newton(case: Case, train: Train | None = None) -> Rates:
-    """Of the speed and the windup, over the cam angle, in N, mm, s and t.
-
-    (J + m s'^2) alpha = k w + c (Omega - omega) - s' (m s'' omega^2 + P + K s). Before a train with
-    the natural frequency n, whose x and v are states too, the follower has no mass but that of it:
-    J alpha = k w + c (Omega - omega) - s' (F + P + K s), m v' = F = m (n^2 (s - x) + 2 D n (s'
-    omega - v)).
+def shaft_rates(case: Case, train: Train | None = None) -> Rates:
+    """Of the speed, with x and v of a train, and of the windup w: the shaft drives the cam by
+    k w + c (Omega - omega), and dw/dt = Omega - omega.
     """
-    drive, k, j, mass = SPEED * RPM, 1e3 * case[0], 1e3 * case[1], 1e-3 * MASS
-    c = 2.0 * case[2] * math.sqrt(k * j)
-
-    def rates(place: Lift, state: list[float]) -> list[float]:
-        (s, s1, s2), (omega, w, *behind) = place, state
-        moved, rest = k * w + c * (drive - omega) - s1 * (PRELOAD + SPRING * s), []
-        if train is None:
-            alpha = (moved - s1 * mass * s2 * omega**2) / (j + mass * s1**2)
-        else:
-            n, (x, v) = TURN * train[0], behind
-            force = mass * (n * n * (s - x) + 2.0 * train[1] * n * (s1 * omega - v))
-            alpha, rest = (moved - s1 * force) / j, [v / omega, force / mass / omega]
-        return [alpha / omega, drive / omega - 1.0, *rest]
-
-    return rates
+    drive, k = SPEED * RPM, 1e3 * case[0]
+    c = 2.0 * case[2] * math.sqrt(k * 1e3 * case[1])
+    return newton(
+        case[1],
+        lambda state: k * state[-1] + c * (drive - state[0]),
+        train,
+        lambda state: [drive / state[0] - 1.0],
+    )
 
 
 INTEGRATED = 3e-8
@@ -104,7 +90,9 @@ INTEGRATED = 3e-8
 @pytest.mark.parametrize("case", CASES)
 def test_the_motion_is_that_of_newtons_law(case: Case) -> None:
     turn = shaft(case).effect(CAMSHAFT_WINDUP)
-    omega, windup = states_at(settled(newton(case), [SPEED * RPM, 0.0], 2, rtol=1e-12, atol=1e-13))
+    omega, windup = states_at(
+        settled(shaft_rates(case), [SPEED * RPM, 0.0], 2, rtol=1e-12, atol=1e-13)
+    )
     errors, columns = turn.errors, {each.name: each for each in turn.columns}
     own = np.radians(columns["windup"].values(PHI, "right"))
     size = np.max(np.abs(windup))
@@ -124,7 +112,8 @@ def test_before_an_elastic_train_the_motion_is_that_of_the_coupled_equations(
     made = shaft(case, 1e-8, train)
     turn = made.effect(CAMSHAFT_WINDUP)
     start = [SPEED * RPM, 0.0, 0.0, 0.0]
-    wanted = states_at(settled(newton(case, train), start, 4, rtol=1e-11, atol=1e-12))
+    pieces = settled(shaft_rates(case, train), start, 4, rtol=1e-11, atol=1e-12)
+    wanted = states_at(pieces)[[0, -1]]
     for own, each in zip(wanted, turn.sought, strict=False):
         error = each.bound.error + INTEGRATED * np.max(np.abs(own))
         assert np.max(np.abs(each.values(PHI) - own)) <= error, each.label
@@ -278,7 +267,7 @@ def test_a_disturbance_decays_as_stated(case: Case) -> None:
     start = np.array([turn.omega(np.zeros(1))[0], turn.windup(np.zeros(1))[0]])
 
     def after(state: FloatArray) -> Any:
-        return over_turn(newton(case), state, rtol=1e-12, atol=1e-13)[-1].y[:, -1]
+        return over_turn(shaft_rates(case), state, rtol=1e-12, atol=1e-13)[-1].y[:, -1]
 
     steps = np.diag([1e-4 * SPEED * RPM, 1e-6])
     matrix = [(after(start + each) - after(start - each)) / (2.0 * np.max(each)) for each in steps]

@@ -7,7 +7,6 @@ from typing import Final
 
 import pytest
 
-from camgeo.check.finding import Findings
 from camgeo.design.design import Design
 from camgeo.scene.scene import load_scene
 from tests.draws.doors import FIXTURES, contradictions, random_scene
@@ -26,14 +25,6 @@ def test_no_door_says_otherwise(name: str) -> None:
 @pytest.mark.parametrize("seed", [2, 8])
 def test_no_door_says_otherwise_of_a_random_scene(seed: int) -> None:
     assert list(contradictions(*random_scene(Random(seed)), page=False)) == []
-
-
-def test_a_result_tells_that_contact_is_lost() -> None:
-    found = Design(load_scene(LOOSE)).effect("contact-pressure").findings
-    assert found[0].name == "contact-lost"
-    assert all(each.severity != "ok" for each in found if each.value is not None)
-    assert repr(found) == repr(Findings(found))
-    assert "1 broken (contact-lost)" in repr(found)
 
 
 def test_an_effect_that_the_scene_does_not_name_tells_it_too() -> None:

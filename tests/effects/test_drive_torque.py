@@ -45,16 +45,6 @@ def test_a_constant_load_takes_its_peak_where_the_velocity_does() -> None:
     assert found["flywheel"].value == pytest.approx(6.0 / (0.02 * TURN**2), rel=1e-12)
 
 
-def test_root_mean_square_of_a_constant_load() -> None:
-    """The mean square of f' of the polynomial 3-4-5 is 900 B(5, 5) = 10 / 7."""
-    laws = (('law = "modified-sine"', 'law = "polynomial-345"'), ("inflection = 0.4\n", ""))
-    found = findings(drive("plate_translating", CONSTANT, "tolerance = 1e-12", *laws))
-    turns = 1.0 / math.radians(100.0) + 1.0 / math.radians(120.0)
-    rms = 300.0 * 20.0 * math.sqrt(10.0 / 7.0 * turns / TURN)
-    # The rule is exact for the polynomial; what is left is rounding.
-    assert found["rms-torque"].value == pytest.approx(rms / 1000.0, rel=1e-13)
-
-
 def test_root_mean_square_with_a_speed_curve_is_over_time() -> None:
     made = design("points", f"{SPRUNG}[effects.drive-torque]\n")
     result, course = made.effect("drive-torque"), course_of(made)
@@ -110,18 +100,6 @@ def test_the_follower_jams_at_speeds_at_which_the_other_flank_carries() -> None:
     assert (caught.value.finding, caught.value.unit) == ("jamming", "deg")
     assert caught.value.cam_angle is not None
     assert 240.0 < math.degrees(caught.value.cam_angle) < 290.0
-
-
-def test_energy_of_a_sinusoidal_torque() -> None:
-    """T_m + A sin(k phi) lets the energy vary by 2 A / k."""
-
-    def torque(phi: FloatArray) -> FloatArray:
-        return np.asarray(5.0 + 3.0 * np.sin(2.0 * phi))
-
-    stored = stored_energy(torque, 5.0, 0.0, np.linspace(0.0, TURN, 4), 1e-13)
-    assert stored.span == pytest.approx(3.0, rel=1e-13)
-    # E = -(3 / 2) (1 - cos 2 phi): smallest at 90 and 270 degrees
-    assert stored.extremes.lowest.place == pytest.approx(math.pi / 2.0, abs=1e-12)
 
 
 def test_energy_of_a_torque_that_jumps() -> None:

@@ -23,13 +23,12 @@ from camgeo.dynamics.effects.lift_off.flank import Flank
 from camgeo.dynamics.effects.lift_off.flight import (
     MOST_REBOUNDS,
     ElasticFollower,
+    FreeFollower,
     Leaving,
     Nodes,
     Off,
-    carrying,
-    of_state,
+    Wall,
 )
-from camgeo.dynamics.effects.lift_off.landing import free_of
 from camgeo.dynamics.effects.results import CONTACT_FORCE, INERTIA
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import ComplexArray
@@ -209,10 +208,10 @@ def carried(of: Design) -> tuple[ElasticFollower, float]:
         of.effects.subject.state.course,
     )
     assert course is not None
-    walls = (of_state(subject, 1),)
-    free = free_of(contact, of.effect(INERTIA), course, walls)
+    walls = (Wall.of_state(subject, 1),)
+    free = FreeFollower.with_forces(contact, of.effect(INERTIA), course, walls)
     start = contact.lost_contact.ranges[0].start
-    return carrying(free, Flank(subject, contact, 1, 0.0), ()), start
+    return ElasticFollower.with_train(free, Flank(subject, contact, 1, 0.0), ()), start
 
 
 def test_a_flight_keeps_the_energy_of_all_bodies() -> None:

@@ -25,7 +25,6 @@ from camgeo.scene.toml import template
 from camgeo.units import TURN
 from tests.effects.bodies import (
     DIFFERENCE,
-    G,
     along,
     cross,
     friction,
@@ -314,12 +313,3 @@ def test_a_cam_that_is_not_convex_has_no_forces() -> None:
             made.effect(name)
         *_, found = made.effects.findings(name)
         assert found.severity == "broken"
-
-
-def test_a_flat_rocker_has_its_own_masses_and_no_roller() -> None:
-    made = made_of("flat_rocker", ROCKER)
-    phi = np.linspace(0.0, TURN, 97)
-    inertia: Any = made.effect("inertia")
-    assert np.allclose(inertia.to_follower(phi, "right"), 2.0, rtol=1e-15)
-    assert [each.name for each in inertia.masses] == ["rocker"]
-    assert made.effect("gravity").findings[0].value == pytest.approx(0.6e-3 * G, rel=1e-12)

@@ -18,7 +18,7 @@ from camgeo.dynamics.effects.registry import find_effect
 from camgeo.dynamics.effects.results import SPEED_FLUCTUATION
 from camgeo.dynamics.state.state import Used
 from camgeo.errors import EffectError, SceneError
-from camgeo.kinematics.time_course import ConstantSpeed, TimeCourse, period
+from camgeo.kinematics.time_course import TimeCourse, period
 from camgeo.scene.scene import load_scene, parse_scene
 from camgeo.studies.accuracy.survey import TIGHTER
 from camgeo.units import RPM, TURN
@@ -29,10 +29,9 @@ from tests.effects.shafts import (
     PRELOAD,
     SCENE,
     SPRING,
-    Lift,
-    Rates,
     assert_true,
     lift,
+    newton,
     settled,
     states_at,
 )
@@ -46,6 +45,12 @@ TRAIN = {"natural_frequency": 200.0, "damping": 0.05}
 RIGID, ELASTIC = {"output": "rigid"}, {"output": "elastic"}
 
 BASE = parse_scene(SCENE)
+
+
+def motor_torque(state: list[float]) -> float:
+    """Its torque [N mm]."""
+    return 1e3 * STALL * (1.0 - state[0] / (NO_LOAD * RPM))
+
 
 DRIVEN = ("motor", "press", "tappet", "linked_press") if LONG else ("motor",)
 """Scenes with a motor before an elastic train; all but the one above take seconds."""
@@ -64,41 +69,10 @@ def scene(tolerance: float = 1e-11, **edits: Any) -> Design:
     return Design(BASE.with_values(tables))
 
 
-def newton(moment: float, train: tuple[float, float] | None = None) -> Rates:
-    """Of the speed over the cam angle, in N, mm, s and t, and at last of the work of the motor or,
-    without a train, the time.
-
-    J alpha = T_m - s' (m (s'' omega^2 + s' alpha) + P + k s). Before a train of natural frequency
-    w, whose x and v are states too, J alpha = T_m - s' (F + P + k s) and m v' = F = m (w^2 (s - x)
-    + 2 D w (s' omega - v)).
-    """
-    mass = 1e-3 * MASS
-
-    def rates(place: Lift, state: list[float]) -> list[float]:
-        (s, s1, s2), omega = place, state[0]
-        motor = 1e3 * STALL * (1.0 - omega / (NO_LOAD * RPM))
-        left = motor - s1 * (PRELOAD + SPRING * s)
-        if train is None:
-            alpha = (left - s1 * mass * s2 * omega**2) / (1e3 * moment + mass * s1**2)
-            return [alpha / omega, 1.0 / omega]
-        w, (_, x, v, _) = TURN * train[0], state
-        force = mass * (w * w * (s - x) + 2.0 * train[1] * w * (s1 * omega - v))
-        alpha = (left - s1 * force) / (1e3 * moment)
-        return [alpha / omega, v / omega, force / mass / omega, motor]
-
-    return rates
-
-
-@cache
-def integrated() -> Any:
-    """The speed over a turn, and the time."""
-    return settled(newton(MOMENT), [0.9 * NO_LOAD * RPM, 0.0], 1, rtol=1e-12, atol=1e-12)
-
-
 def test_the_contact_force_is_that_of_newtons_law() -> None:
     made = scene()
-    omega, _ = states_at(integrated())
-    rates = newton(MOMENT)
+    rates = newton(MOMENT, motor_torque)
+    (omega,) = states_at(settled(rates, [0.9 * NO_LOAD * RPM], 1, rtol=1e-12, atol=1e-12))
     alpha = [w * rates(lift(phi), [w])[0] for phi, w in zip(PHI, omega, strict=True)]
     s, s1, s2 = np.transpose([lift(each) for each in PHI])
     force = 1e-3 * MASS * (s2 * omega**2 + s1 * alpha) + PRELOAD + SPRING * s
@@ -136,7 +110,7 @@ def test_the_speed_before_an_elastic_train_is_that_of_the_coupled_equations(
     train = {"natural_frequency": frequency, "damping": damping}
     made = scene(state=ELASTIC, effects__vibration=train, moment_of_inertia=moment, tolerance=1e-9)
     start = [NO_LOAD * RPM, 0.0, 0.0, 0.0]
-    rates = newton(moment, (frequency, damping))
+    rates = newton(moment, motor_torque, (frequency, damping), lambda state: [motor_torque(state)])
     pieces = settled(rates, start, 3, rtol=1e-12, atol=1e-9)
     motor, own = made.effect(SPEED_FLUCTUATION), states_at(pieces)[0]
     (speed,) = motor.sought
@@ -163,28 +137,6 @@ def test_a_loop_that_does_not_contract_is_refused_with_the_keys_that_break_it(
     with pytest.raises(EffectError, match=r'after 2 rounds .* output = "rigid"') as error:
         loose.effect(SPEED_FLUCTUATION)
     assert error.value.finding == "feedback"
-
-
-def test_velocity_and_duration_are_those_of_the_integrated_speed() -> None:
-    made = scene()
-    turn = float(integrated()[-1].y[1, -1])
-    times = {each.name: each.value for each in made.effect("kinematics").findings}
-    assert times["turn-time"] == pytest.approx(turn, rel=1e-9)
-    columns = {each.name: each for each in made.effect("kinematics").columns}
-    velocity = columns["velocity"].values(PHI, "right")
-    own = np.array([lift(each)[1] for each in PHI]) * states_at(integrated())[0]
-    assert np.max(np.abs(velocity - own)) <= 1e-8 * np.max(np.abs(own))
-
-
-def test_all_results_say_for_which_state_they_are() -> None:
-    made = scene()
-    dependent = {"inertia", "contact-force", "drive-torque", "kinematics", "vibration"}
-    for name in made.scene.effects:
-        used = made.effect(name).state
-        found = name in {*dependent, SPEED_FLUCTUATION}
-        assert used == Used("demanded", "found" if found else "stated"), name
-        told = [each.name for each in made.effects.findings(name)]
-        assert ("found-speed" in told) == (name in dependent)
 
 
 def test_a_given_speed_changes_nothing_but_where_it_is_meant() -> None:
@@ -277,11 +229,6 @@ def test_alpha_jumps_where_the_law_does_and_nowhere_else() -> None:
     assert np.array_equal(course.borders[jumps], course.jumps)
     assert len(course.jumps)
     assert right[0] == pytest.approx(left[0], rel=1e-9)
-
-
-def test_a_constant_speed_has_no_side() -> None:
-    course = ConstantSpeed(3.0)
-    assert np.array_equal(course.rates(PHI, "left"), course.rates(PHI, "right"))
 
 
 # Errors ------------------------------------------------------------------------------------------

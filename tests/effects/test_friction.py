@@ -165,16 +165,6 @@ def test_a_roller_centre_beyond_the_far_end_of_the_guide() -> None:
     assert force == pytest.approx(0.1 * side * (15.0 + 10.0) / 5.0, rel=1e-12)
 
 
-def test_without_a_length_the_guide_carries_the_side_force() -> None:
-    made = design("ring", "")
-    found = friction(made, guide=0.2)
-    phi = angles(made)
-    slope = made.cam.drive.motion.jet(phi)[1]
-    side = np.sin(made.cam.disc.pitch_curve.pressure_angle(phi))
-    force = found.per_normal(phi, "right", -1)[0]
-    assert force == pytest.approx(-0.2 * np.sign(slope) * side, abs=1e-14)
-
-
 @pytest.mark.parametrize(
     ("share", "severity"), [(0.5, "ok"), (0.999, "warning"), (1.001, "broken")]
 )
@@ -259,18 +249,6 @@ def test_a_rest_is_without_coulomb_s_friction_and_its_ends_have_two_sides() -> N
     side = np.sin(made.cam.disc.pitch_curve.pressure_angle(end))
     assert found.per_normal(end, "left", 1)[0] == pytest.approx(-0.2 * side)
     assert found.per_normal(end, "right", 1)[0] == pytest.approx([0.0, 0.0])
-
-
-@pytest.mark.parametrize(
-    ("scene", "key"), [("plate_translating", "guide_viscous"), ("groove", "pivot_viscous")]
-)
-def test_viscous_friction_of_the_follower(scene: str, key: str) -> None:
-    made = design(scene, "")
-    found = friction(made, **{key: 0.3})
-    phi = angles(made)
-    coefficients = found.force.coefficients(phi, "right")
-    assert coefficients[1] == pytest.approx(-0.3 * made.cam.drive.motion.jet(phi)[1], rel=1e-15)
-    assert np.all(coefficients[[0, 2, 3]] == 0.0)
 
 
 def test_friction_of_a_slider_takes_its_power() -> None:

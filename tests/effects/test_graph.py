@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from camgeo.check.finding import Finding
-from camgeo.dynamics.effects.effect import Column, Effect, Request
-from camgeo.dynamics.effects.graph import TOLERANCE, Effects
+from camgeo.dynamics.effects.effect import TOLERANCE, Column, Effect, Request
+from camgeo.dynamics.effects.graph import Effects
 from camgeo.errors import CycleError, EffectError, GeometryError
 from camgeo.lazy import Ledger
 from tests.effects.fakes import fake
@@ -168,11 +168,6 @@ def test_a_use_that_the_scene_does_not_name_closes_no_ring(fakes: Fakes) -> None
         fakes.of({"one": {}}).result("one")
 
 
-def test_there_is_no_such_effect(fakes: Fakes) -> None:
-    with pytest.raises(KeyError):
-        fakes.of().result("sprung")
-
-
 @pytest.mark.parametrize("asked", ["spring", "force"])
 def test_a_missing_table_is_reported_with_its_key(fakes: Fakes, asked: str) -> None:
     fakes.add("spring", tabled=True)
@@ -280,14 +275,6 @@ def test_only_what_is_renewed_is_computed_again(fakes: Fakes) -> None:
     assert effects.tables["top"]["tolerance"] == 1e-3
     assert len(effects.ledger.runs) == entered
     assert [run.name for run in again.ledger.runs] == ["effects.top"]
-
-
-def test_what_is_needed_is_computed_once_for_all_tolerances(fakes: Fakes) -> None:
-    diamond(fakes)
-    effects = fakes.of({"top": {}})
-    for tolerance in (1e-2, 1e-4, 1e-6):
-        assert effects.recomputed("top", tolerance).result("top").request.tolerance == tolerance
-    assert sorted(fakes.calls) == ["base", "left", "right", "top", "top", "top"]
 
 
 def test_without_its_inputs_it_cannot_be_renewed(fakes: Fakes) -> None:

@@ -99,49 +99,12 @@ def test_a_rocker_has_its_moment_and_the_roller_at_its_arm() -> None:
     assert coefficients[2:] == pytest.approx(-20.64 * jet[[2, 1]], rel=1e-14)
 
 
-def test_the_largest_force_is_that_of_the_closed_form() -> None:
-    """1 kg by a modified sine of 20 mm in 100/360 s: a = C_a h/t^2, C_a = 4 pi^2/(4 + pi)."""
-    result, _ = inertia_of("plate_translating", "[effects.inertia]\nmass = 1\n")
-    c_a = 4.0 * math.pi**2 / (4.0 + math.pi)
-    expected = c_a * 0.020 / (100.0 / 360.0) ** 2
-    found = finding(result.findings, "largest-inertia-force")
-    assert abs(found.value) == pytest.approx(expected, rel=1e-12)
-    assert found.unit == "N"
-
-
-def test_columns_show_what_findings_state() -> None:
-    result, subject = inertia_of("setzhub", LINKED)
-    mass, force = result.columns
-    assert (mass.unit, force.unit) == ("kg m^2", "N m")
-    angles = np.concatenate((PHI, subject.cam.drive.smooth_angles))
-    largest = finding(result.findings, "largest-reduced-moment-of-inertia")
-    smallest = finding(result.findings, "smallest-reduced-moment-of-inertia")
-    values = mass.values(angles, "right")
-    slack = 1e-14 * largest.value
-    assert smallest.value - slack <= np.min(values) < np.max(values) <= largest.value + slack
-    worst = finding(result.findings, "largest-inertia-force")
-    assert np.max(np.abs(force.values(angles, "right"))) <= abs(worst.value) * (1.0 + 1e-14)
-    place = np.array([worst.cam_angle])
-    assert force.values(place, "right")[0] == pytest.approx(worst.value, rel=1e-12)
-
-
 def test_without_any_mass_there_is_no_force() -> None:
     result, _ = inertia_of("setzhub", "[effects.inertia]\n")
     assert not np.any(result.force.coefficients(PHI, "right"))
     assert not np.any(at_cam(train_made("setzhub", "[effects.inertia]\n"), PHI, "right"))
     assert result.masses == ()
     assert all(each.value == 0.0 and math.isfinite(each.value) for each in result.findings)
-
-
-def test_a_shock_is_reported_as_infinite() -> None:
-    """A straight line from rest to rest: the velocity jumps at 30 degrees."""
-    change = ('law = "modified-sine"', 'law = "straight-line"')
-    result, _ = inertia_of("plate_translating", TRANSLATING, change)
-    found = finding(result.findings, "largest-inertia-force")
-    assert found.value is None
-    assert found.severity == "warning"
-    assert found.cam_angle == pytest.approx(math.radians(30.0), rel=1e-15)
-    assert "infinite at a shock at cam angle 30 deg" in found.sentence
 
 
 # Linkages -------------------------------------------------------------------------------------

@@ -40,15 +40,6 @@ def test_the_largest_values_are_those_of_the_law() -> None:
     assert found["turn-time"] == pytest.approx(1.0, rel=1e-15)
 
 
-def test_values_of_a_rocker_are_in_degrees() -> None:
-    """A polynomial 3-4-5 of 18 degrees in 100/360 of 2 s: C_v = 30/16 = 1.875 at half its span."""
-    made = design("groove", EFFECTS)
-    expected = 1.875 * 18.0 / (200.0 / 360.0)
-    assert values(made)["highest-velocity"] == pytest.approx(expected, rel=1e-13)
-    assert columns(made)["velocity"].unit == "deg/s"
-    assert columns(made)["jerk"].unit == "deg/s^3"
-
-
 @pytest.mark.parametrize("scene", ["plate_translating", "points", "setzhub", "shuttle", "measured"])
 def test_each_column_is_the_derivative_of_the_one_before(scene: str) -> None:
     """d/dt = omega d/dphi, integrated over cells: what velocity brings is the way, and so on."""

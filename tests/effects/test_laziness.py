@@ -209,7 +209,7 @@ def test_a_scene_without_effects_imports_nothing_of_them(tmp_path: Path) -> None
 def test_loading_a_scene_with_all_effects_imports_only_what_declares_them(tmp_path: Path) -> None:
     """The frame's own data, each effect's package and what reads its table, nothing else."""
     packages = {name.replace("-", "_") for name in TOGETHER}
-    declaring = {"effect", "registry", "results", "rules", "helical", "wording", *packages}
+    declaring = {"effect", "registry", "results", "wording", *packages}
     prefix = "camgeo.dynamics.effects."
     loaded = modules_of(text_of(TOGETHER), tmp_path)
     found = {each.removeprefix(prefix) for each in loaded if each.startswith(prefix)}
@@ -250,7 +250,7 @@ def test_flights_and_trimmed_flanks_are_imported_where_there_are_some(tmp_path: 
     held = "[effects.inertia]\nmass = 0.1\n[effects.spring]\nstiffness = 4\npreload = 300\n"
     loaded = modules_of(f"{held}[effects.lift-off]", tmp_path, "judge")
     assert computing(loaded) >= {"lift-off", "spring"}
-    flown = {"effects.lift_off.flight", "state.outline", "state.written"}
+    flown = {"effects.lift_off.flight", "state.written"}
     assert not loaded & {f"camgeo.dynamics.{each}" for each in flown}
 
 

@@ -69,13 +69,6 @@ def lowest(subject: Design, factor: float) -> float:
 FAST = ("speed = 60", "speed = 500")
 
 
-def test_contact_is_kept() -> None:
-    found = lift_off(design("plate_translating", effects()))
-    assert finding(found.findings, "lift-off").severity == "ok"
-    assert finding(found.findings, "lift-off").value == found.lowest.value > 0.0
-    assert found.lost == ()
-
-
 def test_contact_is_lost_where_the_force_is_below_0() -> None:
     subject = design("plate_translating", effects(), FAST)
     contact = subject.effect("contact-force")

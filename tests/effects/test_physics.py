@@ -7,14 +7,13 @@ of a beam on two supports.
 
 from __future__ import annotations
 
-from typing import Any, Final, cast
+from typing import Any, Final
 
 import numpy as np
 import pytest
 
 from camgeo.design.design import Design
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
-from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 from tests.effects.bodies import (
@@ -34,7 +33,7 @@ from tests.effects.bodies import (
     slope,
     speed_of,
 )
-from tests.effects.scenes import course_of, design
+from tests.effects.scenes import design
 from tests.integrals import cells, integrals
 
 ROCKER: Final = """
@@ -145,25 +144,6 @@ def test_conservative_torque_does_no_work_over_a_turn(scene: str) -> None:
     peak = np.max(np.abs(drive.torque(np.linspace(0.0, TURN, 2001), "right")))
     assert peak > 0.0
     assert abs(work) <= ROUNDING * peak
-
-
-@pytest.mark.parametrize("rev", [20.0, 200.0])
-@pytest.mark.parametrize("side", [1, -1])
-def test_newton_in_a_guide_with_friction(rev: float, side: int) -> None:
-    """Balance along the guide, with the reactions of the guide that follow from those across it."""
-    table = {**GUIDE, **ROLLER, "guide_viscous": 0.0}
-    turned = [('"ccw"', '"cw"')] if side < 0 else []
-    scene = "plate_translating"
-    made = design(scene, PLATE + friction(table) + TELLING, speed_of(scene, rev), *turned)
-    phi, follower = inside(made), cast(TranslatingRoller, made.cam.follower)
-    at = Bodies(made.cam, phi, made.effect("contact-force").normal(phi, "right"))
-    out, weight = np.exp(1j * follower.guide_angle), 1.3e-3 * pull(-60.0)
-    timed = in_time(made.cam.drive.motion.jet(phi), course_of(made), phi)
-    held = np.sum(np.abs(at.guide_reactions(table, weight)), axis=0)
-    drag = table["guide"] * held * np.sign(np.where(np.abs(timed[1]) > 1e-9, timed[1], 0.0))
-    pressed = along(out, at.load(table) + weight) - 25.0 - (160.0 + 2.5 * timed[0]) - drag
-    largest = np.max(np.abs(at.normal))
-    assert np.max(np.abs(pressed - 1.3e-3 * timed[2])) <= 10.0 * ROUNDING * largest
 
 
 MIRRORS: Final[dict[str, list[tuple[str, str]]]] = {

@@ -324,7 +324,7 @@ def assert_reactions(name: str, rng: Random, *, rubbing: bool = False) -> None:
     phi = angles(made)
     wanted = cut_free(made, phi, given)
     bodies = made.effect("reactions").bodies
-    joints = bodies.pins.at(phi, "right")
+    joints = bodies.loads.coupler.at_speed(phi, "right")
     size = max(float(np.max(np.abs(wanted[each]))) for each in ("A", "B", "N"))
     assert np.max(np.abs(joints.near - wanted["A"])) <= ROUNDING * size
     assert np.max(np.abs(joints.far - wanted["B"])) <= ROUNDING * size
@@ -377,7 +377,7 @@ def test_pins_pass_on_what_an_elastic_train_takes() -> None:
     assert contact.behind is not None
     at = Members(made, phi)
     own, tip = at.jet(made.cam.drive.motion), at.joints()[0]
-    near = made.effect("reactions").bodies.pins.at(phi, "right").near
+    near = made.effect("reactions").bodies.loads.coupler.at_speed(phi, "right").near
     swing = at.turned(at.follower.start_arm, own)[0]
     body = at.turned(complex(given["centre_x"], given["centre_y"]) - at.follower.pivot, own)[0]
     roller, mass = 1e-3 * given["roller_mass"], 1e-3 * given["rocker_mass"]
@@ -388,7 +388,7 @@ def test_pins_pass_on_what_an_elastic_train_takes() -> None:
     size = float(np.max(np.abs(found)))
     assert np.max(np.abs(found - wanted)) <= 10.0 * ROUNDING * size
     rigid = Design(parse_scene(text, str(SCENES.parent / f"{name}.toml")))
-    before = rigid.effect("reactions").bodies.pins.at(phi, "right").near
+    before = rigid.effect("reactions").bodies.loads.coupler.at_speed(phi, "right").near
     assert np.max(np.abs(near - before)) > 1e-3 * np.max(np.abs(before))
 
 

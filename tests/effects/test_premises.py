@@ -140,13 +140,6 @@ def test_a_jump_of_the_velocity_away_from_the_cam_loses_contact() -> None:
     )
 
 
-def test_without_an_effect_that_needs_the_contact_force_it_is_not_computed() -> None:
-    text = "[effects.inertia]\nmass = 1\n[effects.vibration]\nnatural_frequency = 60"
-    alone = design("plate_translating", text)
-    alone.effects.findings("vibration")
-    assert "effects.contact-force" not in {run.name for run in alone.ledger.runs}
-
-
 # The demanded motion ------------------------------------------------------------------------------
 
 SPRUNG: Final = (

@@ -22,11 +22,10 @@ from hypothesis import strategies as st
 
 from camgeo.check.finding import Finding
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.effect import Column
+from camgeo.dynamics.effects.effect import Column, Machine, Only
 from camgeo.dynamics.effects.graph import machine_of
 from camgeo.dynamics.effects.registry import EFFECTS, find_effect
 from camgeo.dynamics.effects.results import FINDERS
-from camgeo.dynamics.effects.rules import Machine, Only
 from camgeo.errors import EffectError, Fault, GeometryError, SceneError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.scene import parse_scene

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import numpy as np
 import pytest
 
+from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.time_course import in_time
 from tests.effects.bodies import (
     GUIDE,
     PLATE,
     ROLLER,
     ROUNDING,
     Bodies,
+    along,
     cross,
     friction,
     inside,
@@ -20,7 +23,8 @@ from tests.effects.bodies import (
     pull,
     speed_of,
 )
-from tests.effects.scenes import design
+from tests.effects.scenes import course_of, design
+from tests.findings import finding
 
 ROCKER: Final = """
 [effects.inertia]
@@ -75,36 +79,34 @@ def test_a_rocker_moves_as_all_that_acts_on_it(rev: float) -> None:
     assert np.max(np.abs(moments - turned)) <= 1e3 * ROUNDING * np.max(np.abs(found))
 
 
+@pytest.mark.parametrize("rev", [20.0, 200.0])
 @pytest.mark.parametrize("way", ["ccw", "cw"])
-def test_ends_of_a_guide_carry_the_side_force_and_the_weight(way: str) -> None:
-    """A beam on two supports under the force of the cam, the weight and the roller's bearing."""
+def test_newton_in_a_guide_with_friction(way: str, rev: float) -> None:
+    """Balance along the guide; across it, it is a beam on two supports under the force of the cam,
+    the weight and the roller's bearing.
+    """
     turned = [('"ccw"', '"cw"')] if way == "cw" else []
-    table = {**GUIDE, **ROLLER}
+    table = {**GUIDE, **ROLLER, "guide_viscous": 0.0}
     text = PLATE + friction(table) + "\n[effects.reactions]"
-    made = design("plate_translating", text, speed_of("plate_translating", 150.0), *turned)
-    phi = inside(made)
+    made = design("plate_translating", text, speed_of("plate_translating", rev), *turned)
+    phi, follower = inside(made), cast(TranslatingRoller, made.cam.follower)
     reactions = made.effect("reactions")
     at = Bodies(made.cam, phi, made.effect("contact-force").normal(phi, "right"))
-    wanted = at.guide_reactions(table, 1.3e-3 * pull(-60.0))
-    pressed = reactions.bodies.of_cam(phi, "right") - at.load(table)
-    assert np.max(np.abs(pressed)) <= 10.0 * ROUNDING * np.max(np.abs(at.normal))
+    out, weight = np.exp(1j * follower.guide_angle), 1.3e-3 * pull(-60.0)
+    wanted, largest = at.guide_reactions(table, weight), np.max(np.abs(at.normal))
+    timed = in_time(made.cam.drive.motion.jet(phi), course_of(made), phi)
+    drag = table["guide"] * np.sum(np.abs(wanted), axis=0)
+    drag *= np.sign(np.where(np.abs(timed[1]) > 1e-9, timed[1], 0.0))
+    pressed = along(out, at.load(table) + weight) - 25.0 - (160.0 + 2.5 * timed[0]) - drag
+    assert np.max(np.abs(pressed - 1.3e-3 * timed[2])) <= 10.0 * ROUNDING * largest
+    off = reactions.bodies.of_cam(phi, "right") - at.load(table)
+    assert np.max(np.abs(off)) <= 10.0 * ROUNDING * largest
     found = reactions.bodies.of_guide(phi, "right")
     assert np.max(np.abs(found - wanted)) <= 10.0 * ROUNDING * np.max(np.abs(wanted))
     for name, force in zip(("near", "far"), found, strict=True):
-        (told,) = (each for each in reactions.findings if each.name == f"largest-{name}-end-force")
+        told = finding(reactions.findings, f"largest-{name}-end-force")
         assert told.value >= np.max(np.abs(force)) * (1.0 - 1e-12)
         assert told.value == pytest.approx(np.max(np.abs(force)), rel=0.02)
-
-
-def test_a_guide_without_ends_has_one_force() -> None:
-    made = design("plate_translating", PLATE + "[effects.reactions]")
-    result = made.effect("reactions")
-    names = {each.name for each in result.findings}
-    assert {"largest-guide-force", "largest-camshaft-load"} <= names
-    phi = inside(made)
-    assert np.all(result.bodies.of_guide(phi, "right")[1] == 0.0)
-    shaft = np.abs(made.effect("contact-force").normal(phi, "right"))
-    assert np.abs(result.bodies.of_cam(phi, "right")) == pytest.approx(shaft, rel=1e-13)
 
 
 MADE: Final = """

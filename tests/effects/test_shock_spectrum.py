@@ -170,11 +170,6 @@ def test_a_cam_that_never_rests_has_no_spectrum(scene: str) -> None:
     assert made.effect("shock-spectrum").spectra == ()
 
 
-def test_a_cam_that_only_rests_has_none_either() -> None:
-    changes = (("to = 20", "to = 0"), ("inflection = 0.4", ""))
-    assert result("plate_translating", "", *changes).spectra == ()
-
-
 @pytest.mark.parametrize(
     ("law", "highest"),
     [("straight-line", 10), ("quadratic-parabola", 4), ("modified-sine", 4), ("modified-sine", 10)],

@@ -201,20 +201,6 @@ def test_no_steady_state_with_a_follower_that_jams(plate: Design) -> None:
     assert caught.value.cam_angle > 3.0
 
 
-def test_where_the_roller_would_have_to_be_pulled(plate: Design) -> None:
-    assert steady(driven(mass=20.0, preload=20.0), 60.0, 4000.0).lost_contact
-    kept = steady(plate, 60.0, 4e3)
-    assert not kept.lost_contact
-    assert all(each.severity == "ok" for each in kept.findings)
-
-
-def test_a_file_of_two_rows_is_the_line(plate: Design) -> None:
-    rpm = NO_LOAD / RPM
-    file = DataFile("m.csv", f"speed [rev/min];torque [N m]\n0;4\n{rpm!r};0\n".encode())
-    by_line, by_file = steady(plate, 60.0, 4000.0), steady(plate, 60.0, 0.0, file=file)
-    assert by_file.mean_speed == pytest.approx(by_line.mean_speed, rel=1e-13)
-
-
 def test_the_motor_goes_on_beyond_its_rows() -> None:
     motor = Motor(np.array([10.0, 20.0, 30.0]), np.array([50.0, 40.0, 10.0]))
     torque, slope = motor.torque(np.array([0.0, 15.0, 20.0, 25.0, 40.0]))

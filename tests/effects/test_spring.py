@@ -17,6 +17,7 @@ from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.units import TURN
 from tests.effects.scenes import design
+from tests.findings import finding
 from tests.integrals import cells, integrals
 
 LINEAR: Final = "stiffness = 5\npreload = 50\n"
@@ -110,48 +111,38 @@ def test_it_presses_the_roller_to_its_flank(name: str) -> None:
     assert "spring-opens-contact" not in {found.name for found in spring.findings}
 
 
-def test_along_a_guide() -> None:
-    """F = P + k s inwards for a lift outwards on the inner flank."""
-    made, spring = spring_of("guide")
-    phi = grid(made)
-    lift = made.cam.drive.motion.jet(phi)[0]
-    assert spring.force.coefficients(phi, "right")[0] == pytest.approx(-(50.0 + 5.0 * lift))
-    found = {each.name: each for each in spring.findings}
-    assert found["largest-spring-force"].value == pytest.approx(150.0)
-    assert found["smallest-spring-force"].value == pytest.approx(50.0)
-    assert found["largest-spring-deflection"].value == pytest.approx(20.0)
-    assert [each.severity for each in spring.findings] == ["ok"] * 3
-    (column,) = spring.columns
-    assert column.unit == "N"
-    assert column.values(phi, "right") == pytest.approx(50.0 + 5.0 * lift)
-
-
-def test_of_a_ring_it_presses_outwards_and_goes_slack() -> None:
-    """F = P - k s: the lift of 12.5 mm is more than the 10 mm by which the preload deflects it."""
+def test_a_lift_of_more_than_the_deflection_by_the_preload_makes_it_slack() -> None:
+    """F = P - k s on the ring, whose lift is 12.5 mm, and 10 mm are those of the preload."""
     made, spring = spring_of("guide, outer flank")
-    phi = grid(made)
-    lift = made.cam.drive.motion.jet(phi)[0]
-    assert spring.force.coefficients(phi, "right")[0] == pytest.approx(50.0 - 5.0 * lift)
-    (slack,) = (each for each in spring.findings if each.name == "slack-spring")
-    assert slack.severity == "warning"
-    assert slack.value == pytest.approx(-12.5)
-    assert slack.cam_range is not None
+    slack = finding(spring.findings, "slack-spring")
+    assert (slack.severity, slack.value) == ("warning", pytest.approx(-12.5))
     ends = made.cam.drive.motion.jet(np.array(slack.cam_range))
     assert ends[0] == pytest.approx([10.0, 10.0], abs=1e-12)
     assert ends[1][0] > 0.0 > ends[1][1]
 
 
-@pytest.mark.parametrize("name", ["slider that draws", "slider that pushes"])
-def test_along_a_slider_it_does_the_slider_s_work(name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "sense", "unit"),
+    [
+        ("guide", -1.0, 1.0),  # outwards, of an inner flank
+        ("guide, outer flank", 1.0, 1.0),
+        ("torsion in a groove", 1.0, 1e3),  # inwards: the spring relaxes
+        ("slider that draws", 1.0, 1.0),  # inwards, of an inner flank
+        ("slider that pushes", -1.0, 1.0),
+    ],
+)
+def test_along_one_way_it_does_the_work_of_its_end(name: str, sense: float, unit: float) -> None:
     """Q q' = F ds/dphi in the sense in which it closes: virtual work, without the linkage."""
     made, spring = spring_of(name)
     phi = grid(made)
     stroke, speed = made.cam.drive.plan.jet(phi)[:2]
-    # A lift inwards closes the contact of an inner flank.
-    sense = 1.0 if name == "slider that draws" else -1.0
+    force = 50.0 - 5.0 * sense * stroke
     work = spring.force.coefficients(phi, "right")[0] * made.cam.drive.motion.jet(phi)[1]
-    wanted = sense * (50.0 - 5.0 * sense * stroke) * speed
+    wanted = sense * unit * force * speed
     assert work == pytest.approx(wanted, abs=1e-11 * float(np.max(np.abs(wanted))))
+    (column,) = spring.columns
+    assert column.unit == ("N" if unit == 1.0 else "N m")
+    assert column.values(phi, "right") == pytest.approx(force)
 
 
 @pytest.mark.parametrize(
@@ -179,13 +170,11 @@ def test_pulling_instead_of_pushing_opens_the_contact() -> None:
     opened = {}
     for kind in ("extension", "compression"):
         made = design("shuttle", f'[effects.spring]\nkind = "{kind}"\n{LINEAR}{ENDS}')
-        found = {each.name: each for each in made.effect("spring").findings}
-        opened[kind] = found.get("spring-opens-contact")
-    assert [kind for kind, each in opened.items() if each is not None] == ["extension"]
-    finding = opened["extension"]
-    assert finding is not None
-    assert finding.severity == "warning"
-    assert finding.cam_range == (0.0, TURN)
+        found = made.effect("spring").findings
+        opened[kind] = [each for each in found if each.name == "spring-opens-contact"]
+    assert not opened["compression"]
+    (told,) = opened["extension"]
+    assert (told.severity, told.cam_range) == ("warning", (0.0, TURN))
 
 
 coordinates = st.complex_numbers(min_magnitude=1.0, max_magnitude=1e3, allow_nan=False)
@@ -210,22 +199,6 @@ def test_a_tiny_elongation_keeps_its_digits(
             # Im(conj(a) r) and sin(half) are rounded each, no difference of lengths is.
             slack = 16.0 * 2.0**-52 * abs(angle) * abs(a) * abs(r) / abs(r - a)
             assert abs(found - wanted) <= slack + 16.0 * 2.0**-52 * abs(wanted)
-
-
-def test_torque_is_in_newton_metres() -> None:
-    made, spring = spring_of("torsion in a groove")
-    phi = grid(made)
-    swing = made.cam.drive.motion.jet(phi)[0]
-    assert (spring.unit_of_preload, spring.unit_of_stiffness) == ("N m", "N m/rad")
-    assert (spring.preload, spring.stiffness) == (50e3, 5e3)
-    (column,) = spring.columns
-    assert column.values(phi, "right") == pytest.approx(50.0 - 5.0 * swing)
-    # A positive swing goes inwards here, and that is where the spring relaxes to.
-    assert spring.force.coefficients(phi, "right")[0] == pytest.approx(50e3 - 5e3 * swing)
-    found = {each.name: each for each in spring.findings}
-    assert found["smallest-spring-torque"].value == pytest.approx(50.0 - 5.0 * math.radians(18.0))
-    assert found["largest-spring-deflection"].value == pytest.approx(18.0)
-    assert found["largest-spring-deflection"].unit == "deg"
 
 
 def test_an_arm_over_the_line_of_centres_cannot_close_by_the_slider() -> None:

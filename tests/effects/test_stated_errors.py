@@ -22,7 +22,7 @@ from camgeo.dynamics.effects.graph import WithTrain
 from camgeo.dynamics.effects.registry import EFFECTS, find_effect
 from camgeo.dynamics.oscillator.steady import Response
 from camgeo.errors import EffectError
-from camgeo.numeric.arrays import SHARE, FloatArray, Side, resolved
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.scene.scene import load_scene, parse_scene
 from camgeo.studies.accuracy.survey import TIGHTER, compared, figures_of
 from camgeo.units import TURN
@@ -233,24 +233,3 @@ def test_conservative_forces_do_no_work() -> None:
     assert values["motor-work"] == 0.0
     assert values["mean-motor-power"] == 0.0
     assert values["largest-motor-torque"] > 0.9
-
-
-def test_a_sum_is_rounding_below_the_bound_of_its_terms() -> None:
-    assert resolved(0.5 * SHARE, 1.0) == 0.0
-    assert resolved(-0.5 * SHARE, 1.0) == 0.0
-    assert resolved(2.0 * SHARE, 1.0) == 2.0 * SHARE
-    assert resolved(1e-300, 0.0) == 1e-300
-    terms = [0.1] * 10 + [-1.0]
-    assert sum(terms) != 0.0
-    assert resolved(sum(terms), sum(map(abs, terms))) == 0.0
-
-
-def test_a_balanced_disc_has_no_force_on_its_shaft() -> None:
-    """The centre of mass of a ring is off its axis only by rounding."""
-    text = (SCENES / "plate_translating.toml").read_text("utf-8")
-    head, tail = text[: text.index("[[motion]]")], "[part]\nthickness = 15\nbore = 25\n"
-    table = "[effects.balance]\ncounterweight_radius = 30\n"
-    ring = Design(parse_scene(f"{head}[[motion]]\ndwell = 360\n\n{tail}\n{table}"))
-    values = {each.name: each.value for each in ring.effect("balance").findings}
-    for name in ("centre-of-mass", "unbalance", "unbalance-force", "counterweight"):
-        assert values[name] == 0.0

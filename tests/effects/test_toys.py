@@ -16,9 +16,8 @@ from tests.effects.scenes import SCENES
 from tests.waiting import PATIENCE
 
 DECLARATION: Final = """
-from camgeo.dynamics.effects.effect import Effect
+from camgeo.dynamics.effects.effect import Effect, ONE_DISC, Only
 from camgeo.dynamics.effects.results import CONTACT_FORCE
-from camgeo.dynamics.effects.rules import ONE_DISC, Only
 
 
 def parse(table):

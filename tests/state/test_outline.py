@@ -14,8 +14,7 @@ import pytest
 
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.results import CONTACT_FORCE
-from camgeo.dynamics.state.outline import OfOutline
-from camgeo.dynamics.state.state import FarMotion
+from camgeo.dynamics.state.written import FarMotion, OfOutline
 from camgeo.errors import GeometryError
 from camgeo.kinematics.motion import Jet
 from camgeo.numeric.arrays import SIDES

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.dynamics.state.outline import ReplayedMotion
+from camgeo.dynamics.state.written import ReplayedMotion
 from camgeo.geometry.outline.roller import AS_DEMANDED
 from camgeo.kinematics.motion import Dwell
 from camgeo.numeric.arrays import FloatArray, IntArray

@@ -28,9 +28,6 @@ from camgeo.scene.scene import load_scene
 from tests.effects.scenes import course_of, design
 from tests.effects.test_trimmed_cams import derivatives, on_rocker, place_of
 
-EFFECTS: Final = "[effects.inertia]\nmass = 2\n[effects.spring]\nstiffness = 9\npreload = 400\n"
-GUIDED: Final = f"{EFFECTS}[effects.contact-force]\n"
-
 
 @cache
 def asked(
@@ -327,14 +324,6 @@ def test_forces_of_a_yoke_come_near_those_of_the_demanded_motion() -> None:
     assert "between the main side and the opposite side" in told["other-contour"].sentence
     assert told["other-contour"].value == pytest.approx(0.01, abs=1e-4)
     assert 'flank = "opposite"' in told["other-side"].sentence
-
-
-def test_figures_say_that_they_are_of_the_written_contour() -> None:
-    made = asked("plate_translating", "arcs", 1e-3, GUIDED)
-    for name in ("inertia", "spring", "contact-force"):
-        (told,) = (each for each in made.effects.findings(name) if each.name == "written-motion")
-        assert told.severity == "ok"
-        assert "lines and arcs within 0.001 mm" in told.sentence
 
 
 def test_many_shocks_are_one_finding() -> None:

@@ -1,4 +1,4 @@
-"""What an effect is, what it receives and what it returns.
+"""What an effect is, which machines it is for, what it receives and what it returns.
 
 Internal units are mm, s, t (1000 kg) and N, with the derived units N mm, MPa = N/mm^2 and, for
 moments of inertia, t mm^2. They are consistent, so formulas need no conversion factors.
@@ -6,7 +6,7 @@ moments of inertia, t mm^2. They are consistent, so formulas need no conversion 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from inspect import signature
@@ -15,22 +15,21 @@ from typing import TYPE_CHECKING, Any, Final, Generic, Literal, TypeVar
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.dynamics.effects.rules import Rule
 from camgeo.errors import GeometryError
+from camgeo.kinematics.mechanism.values import UNIT_OF
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.record import Displayed
 
 if TYPE_CHECKING:  # each effect imports the modules that it computes with
     from camgeo.cam.cam import Cam, Drive
-    from camgeo.dynamics.state.state import Model, State, Train, Used
-    from camgeo.dynamics.state.written import Contours, HasPart, Writing
+    from camgeo.dynamics.state.state import Model, Train, Used
+    from camgeo.dynamics.state.written import Contours, HasPart, State, Writing
+    from camgeo.kinematics.mechanism.linkage import Member
     from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+    from camgeo.kinematics.mechanism.values import Touching
     from camgeo.kinematics.time_course import TimeCourse
     from camgeo.part.spec import PartSpec
     from camgeo.units import LengthUnit, LiftUnit
-
-GROUP: Final = "camgeo.effects"
-"""Group of the entry points of effects from other distributions, named like the effect."""
 
 Quantity = Callable[[FloatArray, Side], FloatArray]
 """(n,) values at n cam angles [rad], approached from the given side."""
@@ -94,7 +93,7 @@ class Subject:
             return demanded
         if len(replay.drops):
             return demanded
-        from camgeo.dynamics.state.outline import OfOutline  # few discs are trimmed
+        from camgeo.dynamics.state.written import OfOutline  # few discs are trimmed
 
         found = OfOutline(cam, replay, course)
         return found if found.is_followed else demanded
@@ -170,6 +169,10 @@ class Results:
         return self._by_name.get(key)
 
 
+TOLERANCE: Final = 1e-6
+"""Default for numerical effects, relative to the largest magnitude of the result."""
+
+
 Data = TypeVar("Data")
 
 
@@ -228,6 +231,11 @@ class Column:
     values: Quantity
     limit: float | None = None
     borders: FloatArray = field(default_factory=lambda: np.empty(0))
+
+
+def scaled(values: Quantity, factor: float) -> Quantity:
+    """`factor` times the `values`."""
+    return lambda phi, side: factor * values(phi, side)
 
 
 @dataclass(frozen=True, slots=True)
@@ -292,6 +300,149 @@ class Result(Displayed):
         return max((each.share for each in self.errors.values()), default=None)
 
 
+# -- rules ----------------------------------------------------------------------------------------
+# Which machines an effect, or keys of its table, can be used with.
+#
+# A rule checks the table of one effect against the machine before anything is computed. Most rules
+# are data, `Only`, from which the descriptions in the schema of the scene are generated too.
+
+
+@dataclass(frozen=True, slots=True)
+class Machine:
+    """The properties of a machine that rules depend on.
+
+    Attributes
+    ----------
+    lift : unit of the follower's lift, "mm" in a guide, "rad" for a rocker; None if unknown.
+    touching : what touches the cam, "roller" or "face"; None if unknown.
+    edged : whether it is a knife edge.
+    far : the far end of its linkage, empty if there is no linkage; None if unknown.
+    paired : whether a return disc holds the follower back.
+    yoked : whether the follower has a second contact beyond the cam axis.
+    """
+
+    lift: LiftUnit | None
+    touching: Touching | None
+    edged: bool = False
+    far: Member | Literal[""] | None = ""
+    paired: bool = False
+    yoked: bool = False
+
+    @property
+    def demanded(self) -> LiftUnit | None:
+        """Unit of the demanded motion; None if unknown."""
+        return UNIT_OF[self.far] if self.far else None if self.far is None else self.lift
+
+    @property
+    def straight(self) -> bool | None:
+        """Whether it has a guided follower or a slider; None if unknown."""
+        units = (self.lift, self.demanded)
+        return True if "mm" in units else None if None in units else False
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """The table of an effect in a scene.
+
+    Attributes
+    ----------
+    values : by key; None where the value is known to be wrong.
+    meant : missing keys that a misspelt key was probably meant to be.
+    """
+
+    values: Mapping[str, Any]
+    meant: Collection[str] = field(default=())
+
+    def lacks(self, key: str) -> bool:
+        """Whether the key is missing, and no misspelt key was meant to be it."""
+        return key not in self.values and key not in self.meant
+
+
+Rule = Callable[[Machine, Table], Iterator[tuple[str, str]]]
+"""Yields the keys of the table at fault, empty for the effect as a whole, with the reason."""
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """A kind of machine.
+
+    Attributes
+    ----------
+    of : the attribute of `Machine` that distinguishes it.
+    others : values of this attribute that certainly mean another kind.
+    refusal : the message for a scene with another kind of machine.
+    description : the same, as a sentence for the schema.
+    barring : key of [follower] in the scene that makes it another kind; empty if there is none.
+    """
+
+    of: str
+    others: tuple[str | bool, ...]
+    refusal: str
+    description: str
+    barring: str = ""
+
+
+@dataclass(frozen=True, slots=True, init=False)
+class Only:
+    """The effect, or the named keys of its table, apply to one kind of machine only."""
+
+    kind: Kind
+    keys: tuple[str, ...]
+
+    def __init__(self, kind: Kind, *keys: str) -> None:
+        object.__setattr__(self, "kind", kind)
+        object.__setattr__(self, "keys", keys)
+
+    def __call__(self, machine: Machine, table: Table) -> Iterator[tuple[str, str]]:
+        """See `Rule`."""
+        if getattr(machine, self.kind.of) in self.kind.others:
+            for key in self.keys or ("",):
+                if not key or key in table.values:
+                    yield key, self.kind.refusal
+
+
+ROCKING: Final = Kind(
+    "lift", ("mm",), "is for rockers, and this follower is translating", "Rockers only."
+)
+ROLLERS: Final = Kind("touching", ("face",), "is for roller followers", "Roller followers only.")
+ROUND: Final = Kind(
+    "edged", (True,), "is for rollers: the follower has a knife edge", "Not with a knife edge."
+)
+FLATS: Final = Kind(
+    "touching", ("roller",), "is for flat-faced followers", "Flat-faced followers only."
+)
+ONE_DISC: Final = Kind(
+    "paired",
+    (True,),
+    "supports a single disc, and a conjugate pair, [follower.return], has two",
+    "Not with a conjugate pair.",
+    "return",
+)
+ONE_ROLLER: Final = Kind(
+    "paired",
+    (True,),
+    "supports a single roller, and a conjugate pair, [follower.return], has two",
+    "Not with a conjugate pair.",
+    "return",
+)
+DRIVING_SLIDER: Final = Kind(
+    "far",
+    ("", "lever", "crank"),
+    "is for a slider that drives a rocker, and the scene has no such linkage",
+    "Only with a slider that drives a rocker.",
+)
+STRAIGHT: Final = Kind(
+    "straight",
+    (False,),
+    DRIVING_SLIDER.refusal,
+    "Translating followers, or sliders that drive rockers, only.",
+)
+
+
+# -- effect ---------------------------------------------------------------------------------------
+# The declaration of an effect.
+
+
 Premise = Literal["contact", "motion", "disc"]
 """What must be true for the figures of an effect: that the follower touches the cam all round and
 makes the motion of the `Subject.state`; that it makes this motion; or nothing but the disc itself.
@@ -316,8 +467,7 @@ class Refinement:
     followed: bool = False
 
 
-RIGID: Final = Refinement("vibration", "a rigid follower")
-ELASTIC: Final = replace(RIGID, followed=True)
+ELASTIC: Final = Refinement("vibration", "a rigid follower", followed=True)
 GIVEN_SPEED: Final = Refinement("speed-fluctuation", "the speed that the scene gives")
 STIFF_SHAFT: Final = Refinement("camshaft-windup", "a camshaft that does not twist")
 
@@ -339,10 +489,10 @@ class Effect:
         contradictory, `EffectError` if there is no answer for this design.
     schema : JSON Schema of its table, an object. It may refer to the definitions of the scene's
         schema, as {"$ref": "#/$defs/length"}; a number with an "x-unit" is given in that unit.
-    parse : converts the table to `Request.data`, a frozen dataclass; `data_of` does this where the
-        table needs no further checks. Numbers of the table are in the units of this module, angles
-        in radians, files are `DataFile`. It raises GeometryError with the key in the table, e.g.
-        "preload", if data are missing or contradictory.
+    parse : checks the table and converts it to `Request.data`, a frozen dataclass; a table that
+        needs no more checks than its schema is the data itself. Numbers of the table are in the
+        units of this module, angles in radians, files are `DataFile`. It raises GeometryError with
+        the key in the table, e.g. "preload", if data are missing or contradictory.
     rules : which machines the effect, or keys of its table, cannot be combined with.
     needs : effects whose results are required.
     uses : effects whose results are taken into account if the scene names them.

@@ -32,13 +32,13 @@ from typing import Any, Final
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.dynamics.effects.bearing_friction import with_force
-from camgeo.dynamics.effects.effect import Quantity, Subject
+from camgeo.dynamics.effects.bearing_friction import StuckError, with_force
+from camgeo.dynamics.effects.effect import TOLERANCE, Quantity, Subject
 from camgeo.dynamics.effects.forces import ElasticTrain, Force, unmoved
-from camgeo.dynamics.effects.graph import TOLERANCE, Nodes
+from camgeo.dynamics.effects.graph import Nodes
 from camgeo.dynamics.effects.registry import Catalogue
 from camgeo.dynamics.effects.results import DRIVE_TORQUE, VIBRATION, DriveTorque, Feedback, Turning
-from camgeo.dynamics.effects.shaft import StuckError, collocation, laws_of
+from camgeo.dynamics.effects.shaft import Mesh, collocation
 from camgeo.errors import EffectError
 from camgeo.kinematics.motion import Motion
 from camgeo.kinematics.time_course import TimeCourse
@@ -74,7 +74,7 @@ class Round:
 
     def change(self, other: Round) -> FloatArray:
         """(d,) the largest differences of what is sought from that of the `other` round."""
-        phi = np.concatenate([each.turn.mesh.nodes.ravel() for each in (self, other)])
+        phi = np.concatenate([each.turn.turn.mesh.nodes.ravel() for each in (self, other)])
         both = zip(self.turn.sought, other.turn.sought, strict=True)
         return np.array([np.max(np.abs(a.values(phi) - b.values(phi))) for a, b in both])
 
@@ -173,11 +173,11 @@ def _spread(turn: Turning, other: DriveTorque) -> tuple[float, ...]:
     """How far what is sought may be off, to first order, if the torque law is off, in either sense
     at each cam angle, by as much as it differs from that of `other`.
     """
-    mesh = turn.mesh
+    mesh = turn.turn.mesh
     shape = mesh.nodes.shape
-    laws = laws_of(other.law, mesh.low, mesh.high)
+    laws = Mesh.with_law(other.law, mesh.low, mesh.high).laws
     rows, others = (each.reshape(len(each), -1) for each in (mesh.laws, laws))
-    slopes, off = turn.linearised(mesh.nodes.ravel(), rows, others)
+    slopes, off = turn.turn.linearised(mesh.nodes.ravel(), rows, others)
     slopes = slopes.reshape(*shape, *slopes.shape[1:])
     found = spread(mesh.spans, slopes, np.abs(off).reshape(*shape, -1))
     return tuple(found.tolist())
@@ -247,7 +247,7 @@ def _rough_of(turns: Sequence[Turning], error: float) -> Turning:
     """
     now = turns[-1].sought[0].values
     for last in turns[-2::-1]:
-        phi = np.concatenate((last.mesh.nodes.ravel(), turns[-1].mesh.nodes.ravel()))
+        phi = np.concatenate((last.turn.mesh.nodes.ravel(), turns[-1].turn.mesh.nodes.ravel()))
         if np.max(np.abs(last.sought[0].values(phi) - now(phi))) >= error:
             return last
     return turns[0]
@@ -264,9 +264,9 @@ def _rough_of(turns: Sequence[Turning], error: float) -> Turning:
 #
 #     (omega D - lambda) du = -dy'' - (du/dphi) domega,    dy'' = 2 s'' omega domega + s' dalpha,
 #
-# with dalpha = D (omega domega); and S' follows from the linear equations of `Turning.linearised`.
-# They are as accurate as the grid: what follows from them is a guess, which never decides an error
-# but by how large it is.
+# with dalpha = D (omega domega); and S' follows from the linear equations of the turn
+# (`SteadyTurn.linearised`). They are as accurate as the grid: what follows from them is a guess,
+# which never decides an error but by how large it is.
 
 
 ANGLES: Final = 383
@@ -421,7 +421,7 @@ def _follow(passed: Passed, derive: FloatArray) -> FloatArray:
 
 
 def _answer(turn: Turning, law: Quantity, other: Quantity, derive: FloatArray) -> FloatArray:
-    slopes, off = turn.linearised(GRID, law(GRID, "right"), other(GRID, "right"))
+    slopes, off = turn.turn.linearised(GRID, law(GRID, "right"), other(GRID, "right"))
     count, size = off.shape
     each = np.arange(count)
     matrix = np.zeros((size, count, size, count))

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Final, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from camgeo.dynamics.oscillator.steady import Response, answered
+from camgeo.dynamics.oscillator.steady import Response
 from camgeo.dynamics.oscillator.train import Train
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import FloatArray, Side, merged
@@ -88,14 +88,6 @@ def rates_of(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
     """(2 or more, n) omega [rad/s] and alpha [rad/s^2] of the scene; 0 if it gives no speed."""
     course = subject.state.course
     return np.zeros((2, len(phi))) if course is None else course.rates(phi, side)
-
-
-def acceleration(jet: NDArray[Scalar]) -> NDArray[Scalar]:
-    """(4, n) coefficients of d^2 x/dt^2 = x'' omega^2 + x' alpha (VDI 2143-1, eq. 2), from x' and
-    x'' (2, n).
-    """
-    still = np.zeros_like(jet[0])
-    return np.stack((still, still, jet[1], jet[0]))
 
 
 def at_rates(coefficients: NDArray[Scalar], rates: FloatArray) -> NDArray[Scalar]:
@@ -361,11 +353,8 @@ class ElasticTrain:
 
     def at(self, factor: float) -> ElasticTrain:
         """The same with the cam running `factor` times as fast as in `response`."""
-        response, load, once = self.response, self.load, factor**-2
-        forced = None if response.load is None else response.load.times(once)
+        load, once = self.load, factor**-2
         if load is not None:
             pressed = load.coefficients
             load = replace(load, coefficients=lambda phi, side: once * pressed(phi, side))
-        train = self.train.in_time(factor)
-        found = answered(train, response.base, response.forcing, forced)
-        return replace(self, response=found, load=load)
+        return replace(self, response=self.response.in_time(factor), load=load)

@@ -20,17 +20,20 @@ from camgeo.check.finding import STATED, Finding, Findings, LazyFindings, folded
 from camgeo.check.judge import FINDINGS
 from camgeo.dynamics.effects.contact import FLANKS, INNER, holds_both_ways, sides_of
 from camgeo.dynamics.effects.effect import (
+    TOLERANCE,
     Answer,
     Bound,
     Column,
     Effect,
     Key,
+    Machine,
     Request,
     Result,
     Results,
     Subject,
+    Table,
 )
-from camgeo.dynamics.effects.registry import Catalogue, Find, find_effect
+from camgeo.dynamics.effects.registry import Catalogue, find_effect
 from camgeo.dynamics.effects.results import (
     CONTACT_FORCE,
     FINDERS,
@@ -43,7 +46,6 @@ from camgeo.dynamics.effects.results import (
     LostContact,
     Touching,
 )
-from camgeo.dynamics.effects.rules import Machine, Table
 from camgeo.dynamics.effects.wording import angles, at, over
 from camgeo.dynamics.state.state import Speed, Used
 from camgeo.errors import EffectError, GeometryError, ToleranceError
@@ -92,7 +94,7 @@ class Effects:
         subject: Subject,
         tables: Mapping[str, Mapping[str, Any]],
         ledger: Ledger,
-        find: Find = find_effect,
+        find: Callable[[str], Effect] = find_effect,
         speed: Speed | None = None,
     ) -> None:
         self.subject = subject
@@ -170,7 +172,8 @@ class Effects:
 
         whole, errors = LazyFindings(found), result.errors
         if isinstance(errors, InheritedErrors):
-            errors = ErrorsWithPremises(errors, whole, lambda: self._computed(CONTACT_FORCE).errors)
+            force = partial(self._computed, CONTACT_FORCE)
+            errors = replace(errors, premises=whole, force=force)
         return replace(result, findings=whole, errors=errors)
 
     def course(self, name: str) -> TimeCourse | None:
@@ -367,10 +370,6 @@ class Effects:
 
 # -- nodes ----------------------------------------------------------------------------------------
 # Results of effects for one state of motion: each is computed once, with what it needs.
-
-
-TOLERANCE: Final = 1e-6
-"""Default for numerical effects, relative to the largest magnitude of the result."""
 
 
 TRAIN_OFF: Final = " with the train off by its error"
@@ -732,27 +731,6 @@ class _Trimmed:
             sorted(phi for phi in jumps if any(_inside(phi, each) for each in self.dropped))
         )
 
-    def followed(self, flank: str) -> str:
-        """That the figures are for the motion of the disc."""
-        return (
-            f"these figures are for the motion that the {flank} makes, which is not the demanded"
-            f" one {over(self.dropped)}"
-        )
-
-    def left_out(self, flank: str) -> str:
-        """That they are for the demanded motion."""
-        return (
-            f"these figures are for the demanded motion, which the {flank} does not make"
-            f" {over(self.dropped)}"
-        )
-
-    def opposite(self, flank: str) -> str:
-        """That they are for the motion on the other side, where this one is missing."""
-        return (
-            f"these figures are for the motion of the other side, where the {flank} has lost what"
-            f" would hold the follower on it {over(self.dropped)}"
-        )
-
     def corners(self, *, included: bool) -> str:
         """What happens at the corners of the disc, and whether it is computed."""
         if not self.shocks:
@@ -782,17 +760,24 @@ def trimming(effect: Effect, subject: Subject) -> Iterator[Finding]:
             if trimmed is None:
                 continue
             loss = trimmed.replay.largest_loss
-            flank = f"trimmed {which}{name} flank"
+            flank, dropped = f"trimmed {which}{name} flank", over(trimmed.dropped)
             follows = _follows(effect, subject)
-            told = trimmed.followed(flank) if follows else trimmed.left_out(flank)
+            whose = f"the demanded motion, which the {flank} does not make {dropped}"
+            if follows:
+                whose = (
+                    f"the motion that the {flank} makes, which is not the demanded one {dropped}"
+                )
             if follows and holds_both_ways(subject) and not _is_of(subject, disc, name):
-                told = trimmed.opposite(flank)
+                whose = (
+                    f"the motion of the other side, where the {flank} has lost what would hold the"
+                    f" follower on it {dropped}"
+                )
                 follows = False
             yield Finding(
                 name="trimmed-motion",
                 severity="warning",
                 sentence=(
-                    f"{told}: up to"
+                    f"these figures are for {whose}: up to"
                     f" {factor * loss.value:.4g} {unit} of the lift are lost, {at(loss.place)};"
                     f" {trimmed.corners(included=follows)}"
                 ),
@@ -977,10 +962,14 @@ class InheritedErrors(Mapping[str, Bound]):
     result : with errors that do not include the inherited ones.
     others : each gives the same result from others that are off; raises EffectError or
         GeometryError if there is none.
+    premises : all findings with those on premises; `OF_FORCE` are as accurate as the contact force.
+    force : gives the contact force.
     """
 
     result: Result
     others: Sequence[Callable[[], Result]]
+    premises: Sequence[Finding] = ()
+    force: Callable[[], Result] | None = None
 
     @cached_property
     def _bounds(self) -> dict[str, Bound]:
@@ -1001,6 +990,8 @@ class InheritedErrors(Mapping[str, Bound]):
         return found
 
     def __getitem__(self, name: str) -> Bound:
+        if self.force is not None and name in self._of_force:
+            return max(self.force().errors.values(), key=lambda bound: bound.error)
         return self._bounds[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -1015,39 +1006,11 @@ class InheritedErrors(Mapping[str, Bound]):
         result = self.result
         valued = [each.name for each in result.findings if each.value is not None]
         columns = [each.name for each in result.columns]
-        return dict.fromkeys([*result.errors, *valued, *columns])
-
-
-@dataclass(frozen=True, eq=False)
-class ErrorsWithPremises(Mapping[str, Bound]):
-    """The errors of figures, and of those that premises add to them.
-
-    Attributes
-    ----------
-    own : of the effect.
-    added : the findings with the premises; `OF_FORCE` are as accurate as the contact force.
-    force : makes the errors of its figures.
-    """
-
-    own: InheritedErrors
-    added: Sequence[Finding]
-    force: Callable[[], Mapping[str, Bound]]
-
-    def __getitem__(self, name: str) -> Bound:
-        if name in self._of_force:
-            return max(self.force().values(), key=lambda bound: bound.error)
-        return self.own[name]
-
-    def __iter__(self) -> Iterator[str]:
-        yield from self.own
-        yield from self._of_force
-
-    def __len__(self) -> int:
-        return len(self.own) + len(self._of_force)
+        return dict.fromkeys([*result.errors, *valued, *columns, *self._of_force])
 
     @property
     def _of_force(self) -> list[str]:
-        return [each.name for each in self.added if each.name in OF_FORCE]
+        return [each.name for each in self.premises if each.name in OF_FORCE]
 
 
 def _moved(own: Figures, other: Callable[[], Result]) -> dict[str, float]:

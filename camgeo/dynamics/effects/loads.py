@@ -30,18 +30,29 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from camgeo.dynamics.effects.forces import acceleration, refuse_locked, shaft_and_turn
+from camgeo.dynamics.effects.forces import at_rates, rates_of, refuse_locked, shaft_and_turn
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, dot
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from camgeo.dynamics.effects.effect import Subject
     from camgeo.dynamics.effects.forces import Force
     from camgeo.dynamics.effects.results import Friction, Gravity, Inertia, Mass, Spring
     from camgeo.kinematics.mechanism.linkage import Linkage
+    from camgeo.numeric.arrays import Number
 
 
 BEYOND: Final = ("slider", "coupler")
 """Names of the masses beyond the follower itself."""
+
+
+def acceleration(jet: NDArray[Number]) -> NDArray[Number]:
+    """(4, n) coefficients of d^2 x/dt^2 = x'' omega^2 + x' alpha (VDI 2143-1, eq. 2), from x' and
+    x'' (2, n).
+    """
+    still = np.zeros_like(jet[0])
+    return np.stack((still, still, jet[1], jet[0]))
 
 
 def guide_ends(
@@ -246,6 +257,11 @@ class Coupler:
         if linkage.unit == "mm":  # friction and load along the guide are no reactions
             held = held - way * dot(way, held)
         return Joints(left - on_far, on_far, held)
+
+    def at_speed(self, phi: FloatArray, side: Side) -> Joints:
+        """The forces (n,) at the speed of the scene."""
+        rates, found = rates_of(self.subject, phi, side), self.joints(phi, side)
+        return Joints(*(at_rates(each, rates) for each in (found.near, found.far, found.held)))
 
     def per_far(self, phi: FloatArray, side: Side) -> ComplexArray:
         """(n,) F_A for one unit more of Q."""

@@ -6,7 +6,7 @@ import importlib
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
-from camgeo.dynamics.effects.effect import GROUP, Effect, Key
+from camgeo.dynamics.effects.effect import Effect, Key
 from camgeo.dynamics.effects.results import FINDERS, Turning
 from camgeo.dynamics.state.state import Train
 from camgeo.errors import CycleError, UnknownNameError
@@ -14,6 +14,9 @@ from camgeo.errors import CycleError, UnknownNameError
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
+
+GROUP: Final = "camgeo.effects"
+"""Group of the entry points of effects from other distributions, named like the effect."""
 
 EFFECTS: Final[tuple[str, ...]] = (
     "kinematics",
@@ -76,9 +79,6 @@ def _foreign() -> dict[str, EntryPoint]:
 # Which effects a scene names, how they are declared, and which of them need which.
 
 
-Find = Callable[[str], Effect]
-
-
 class Catalogue:
     """The effects of a scene, by name.
 
@@ -89,7 +89,9 @@ class Catalogue:
     output : whether effects take the elastic train of another one into account.
     """
 
-    def __init__(self, tables: Mapping[str, Mapping[str, Any]], find: Find, output: Train) -> None:
+    def __init__(
+        self, tables: Mapping[str, Mapping[str, Any]], find: Callable[[str], Effect], output: Train
+    ) -> None:
         self.tables = tables
         self._find = find
         self._output = output

@@ -5,9 +5,10 @@ The result class of an effect that no other effect uses is in the package of tha
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Protocol, Self
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final, Literal, Self
 
 from camgeo.dynamics.effects.effect import Bound, Key, Result
 from camgeo.dynamics.effects.wording import Label
@@ -20,8 +21,7 @@ if TYPE_CHECKING:
     from camgeo.dynamics.effects.bearing_friction import BearingFriction, Rubbing
     from camgeo.dynamics.effects.effect import Quantity
     from camgeo.dynamics.effects.forces import ElasticTrain, Force
-    from camgeo.dynamics.effects.helical import HelicalSpring
-    from camgeo.dynamics.effects.shaft import Mesh
+    from camgeo.dynamics.effects.shaft import SteadyTurn
     from camgeo.kinematics.time_course import TimeCourse
     from camgeo.numeric.arrays import ComplexArray, Side
     from camgeo.numeric.extremes import Extreme, Extremes
@@ -40,33 +40,29 @@ class Acting(Result):
     force: Force
 
 
-class Mass(Protocol):
-    """A mass at its centre of mass."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Mass:
+    """A mass at its centre of mass.
 
-    @property
-    def name(self) -> str:
-        """Which body: "follower", "roller", "rocker", "slider" or "coupler"."""
+    Attributes
+    ----------
+    name : which body: "follower", "roller", "rocker", "slider" or "coupler".
+    mass : [t].
+    place : (n,) complex [mm] position relative to the cam axis, oriented as in the drawing. For a
+        translating follower this is the centre of its roller, or the foot of the perpendicular from
+        the cam axis to its face; for a slider it is the pin. Any point will do on a body that does
+        not rotate.
+    per_lift : (n,) complex [1 or mm/rad] derivative of the position by the follower's coordinate.
+    rates : (2, n) complex [mm/rad^k] first and second derivative of `place` by the cam angle.
+    per_coordinate : `per_lift` (n,) at n cam angles with the follower at any coordinate q (n,).
+    """
 
-    @property
-    def mass(self) -> float:
-        """[t]."""
-
-    def place(self, phi: FloatArray, side: Side, /) -> ComplexArray:
-        """(n,) complex [mm] position relative to the cam axis, oriented as in the drawing.
-
-        For a translating follower this is the centre of its roller, or the foot of the
-        perpendicular from the cam axis to its face; for a slider it is the pin. Any point will do
-        on a body that does not rotate.
-        """
-
-    def per_lift(self, phi: FloatArray, side: Side, /) -> ComplexArray:
-        """(n,) complex [1 or mm/rad] derivative of the position by the follower's coordinate."""
-
-    def rates(self, phi: FloatArray, side: Side, /) -> ComplexArray:
-        """(2, n) complex [mm/rad^k] first and second derivative of `place` by the cam angle."""
-
-    def per_coordinate(self, phi: FloatArray, q: FloatArray, /) -> ComplexArray:
-        """`per_lift` (n,) with the follower at any coordinate `q` (n,)."""
+    name: str
+    mass: float
+    place: Callable[[FloatArray, Side], ComplexArray]
+    per_lift: Callable[[FloatArray, Side], ComplexArray]
+    rates: Callable[[FloatArray, Side], ComplexArray]
+    per_coordinate: Callable[[FloatArray, FloatArray], ComplexArray]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -215,29 +211,20 @@ class Turning(Touching):
 
     Attributes
     ----------
-    course : in the steady state, to the tolerance.
+    turn : the steady state.
+    course : in it, to the tolerance.
     rough_course : less accurate; `course` is off by less than the two differ.
-    mesh : cells of the turn for which it is solved.
     feedback : how an elastic train acts back on it; None if none does.
     """
 
+    turn: SteadyTurn
     course: TimeCourse
     rough_course: TimeCourse
-    mesh: Mesh
     feedback: Feedback | None = None
 
     @property
     def sought(self) -> tuple[Sought, ...]:
         """The d quantities that it is solved for, the speed of the cam [rad/s] first."""
-        raise NotImplementedError
-
-    def linearised(
-        self, phi: FloatArray, rows: FloatArray, other: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """(n, d, d) the derivatives of the rates over the cam angle of `sought` by these, and
-        (n, d) by how much a torque law with the rows `other` changes the rates from those with
-        `rows` (r, n), at n cam angles.
-        """
         raise NotImplementedError
 
     def fed_back(
@@ -250,6 +237,17 @@ class Turning(Touching):
         beside : errors of `sought` besides those of their bounds.
         rough : of another round, farther from the fixed point than this is.
         """
+        own = self.off_by(beside, rough)
+        return replace(
+            own,
+            rough_course=rough.rough_course,
+            feedback=feedback,
+            findings=(*self.findings, told),
+            errors={**own.errors, told.name: own.errors["cam speed"]},
+        )
+
+    def off_by(self, beside: Sequence[float], rough: Self) -> Self:
+        """The same with the errors `beside` added to those of its figures, see `fed_back`."""
         raise NotImplementedError
 
 
@@ -365,6 +363,104 @@ SPEED_FLUCTUATION: Final = Key[Turning]("speed-fluctuation")
 CAMSHAFT_WINDUP: Final = Key[Turning]("camshaft-windup")
 FINDERS: Final = (SPEED_FLUCTUATION, CAMSHAFT_WINDUP)
 """The effects that find how the cam turns, of which a scene names at most one."""
+
+
+# -- helical spring -------------------------------------------------------------------------------
+# A helical compression spring of round wire.
+#
+# With the wire diameter d, the mean coil diameter D, n active coils and the shear modulus G, the
+# spring index C = D/d, and a force F,
+#
+#     k = G d^4 / (8 D^3 n),      tau = K 8 F D / (pi d^3),      K = (4 C - 1)/(4 C - 4) + 0.615/C,
+#
+# with Wahl's factor K for the curvature of the wire and the direct shear. As a rod with waves
+# along its axis, held at one end and driven at the other, it has the natural frequencies j f_1 with
+#
+#     f_1 = 1/2 sqrt(k/m),      m = rho pi^2 d^2 D n / 4,
+#
+# the mass of the active coils. Its ends seated so that a buckled spring has the effective length
+# alpha L_0, a spring of steel is stable at any deflection if its free length L_0 < 2.63 D/alpha.
+# Budynas, Nisbett, Shigley's Mechanical Engineering Design, 8th ed., chapter 10; Wahl, Mechanical
+# Springs, on the factor; Norton, Machine Design, chapter on springs.
+
+
+Seats = Literal["flat", "flat-hinged", "hinged", "flat-free"]
+
+EFFECTIVE: Final[Mapping[Seats, float]] = {
+    "flat": 0.5,
+    "flat-hinged": 0.707,
+    "hinged": 1.0,
+    "flat-free": 2.0,
+}
+"""alpha: effective length of the buckled spring as a share of its length, by its two seats."""
+
+STABLE: Final = 2.63
+"""Free length of a stable spring of steel in coil diameters, for alpha = 1."""
+
+
+@dataclass(frozen=True, slots=True)
+class HelicalSpring:
+    """The spring.
+
+    Attributes
+    ----------
+    wire : d [mm].
+    coil : D [mm], above d.
+    active, total : coils that deflect, n, and all coils.
+    free_length : L_0 [mm], longer than the solid spring.
+    shear_modulus : G [MPa].
+    density : rho [t/mm^3].
+    seats : see `EFFECTIVE`.
+    strength : largest shear stress allowed [MPa]; None for no limit.
+    """
+
+    wire: float
+    coil: float
+    active: float
+    total: float
+    free_length: float
+    shear_modulus: float
+    density: float
+    seats: Seats
+    strength: float | None = None
+
+    @property
+    def index(self) -> float:
+        """C."""
+        return self.coil / self.wire
+
+    @property
+    def stiffness(self) -> float:
+        """k [N/mm]."""
+        return self.shear_modulus * self.wire / (8.0 * self.index**3 * self.active)
+
+    @property
+    def solid_length(self) -> float:
+        """Length with all coils touching and ground ends [mm]."""
+        return self.wire * self.total
+
+    @property
+    def solid_force(self) -> float:
+        """Force at that length [N]."""
+        return self.stiffness * (self.free_length - self.solid_length)
+
+    @property
+    def stress_per_force(self) -> float:
+        """tau/F [1/mm^2]."""
+        index = self.index
+        factor = (4.0 * index - 1.0) / (4.0 * index - 4.0) + 0.615 / index
+        return factor * 8.0 * index / (math.pi * self.wire**2)
+
+    @property
+    def stable_length(self) -> float:
+        """Free length below which it cannot buckle [mm]."""
+        return STABLE * self.coil / EFFECTIVE[self.seats]
+
+    @property
+    def surge_frequency(self) -> float:
+        """2 pi f_1 [rad/s]."""
+        mass = 0.25 * self.density * math.pi**2 * self.wire**2 * self.coil * self.active
+        return math.pi * math.sqrt(self.stiffness / mass)
 
 
 # -- sought ---------------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ from typing import Final, Generic, Protocol, TypeVar
 
 import numpy as np
 
-from camgeo.dynamics.effects.bearing_friction import LINEAR, RubbingLaw, with_reversals
+from camgeo.dynamics.effects.bearing_friction import LINEAR, RubbingLaw, StuckError, with_reversals
 from camgeo.dynamics.effects.effect import Quantity, Subject
 from camgeo.dynamics.effects.forces import torque_shocks
 from camgeo.dynamics.effects.wording import at
@@ -36,23 +36,27 @@ TIMES: Final = 16
 
 
 class SteadyTurn(Protocol):
-    """A turn of the steady state.
-
-    Attributes
-    ----------
-    mesh : cells of the turn.
-    state : y in them.
-    rates : (m, n) alpha at their nodes [rad/s^2].
-    """
+    """A turn of the steady state."""
 
     @property
-    def mesh(self) -> Mesh: ...
+    def mesh(self) -> Mesh:
+        """Cells of the turn."""
 
     @property
-    def state(self) -> State: ...
+    def state(self) -> State:
+        """y in them."""
 
     @property
-    def rates(self) -> FloatArray: ...
+    def rates(self) -> FloatArray:
+        """(m, n) alpha at their nodes [rad/s^2]."""
+
+    def linearised(
+        self, phi: FloatArray, rows: FloatArray, other: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """(n, d, d) the derivatives of the rates over the cam angle of the d quantities that are
+        solved for, the speed of the cam first, by these; and (n, d) by how much a torque law with
+        the rows `other` changes the rates from those with `rows` (r, n), at n cam angles.
+        """
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,6 +234,12 @@ class Mesh:
     high: FloatArray
     laws: FloatArray
 
+    @classmethod
+    def with_law(cls, law: Quantity, low: FloatArray, high: FloatArray) -> Mesh:
+        """The cells [low, high] with the torque law at their nodes, at their ends from inside."""
+        nodes = nodes_of(low, high)
+        return cls(low, high, law(nodes.ravel(), "left").reshape(-1, *nodes.shape))
+
     @property
     def spans(self) -> FloatArray:
         """(m,) lengths of the cells [rad]."""
@@ -252,7 +262,7 @@ class Mesh:
         middle = 0.5 * (self.low + self.high)
         low = np.stack((self.low, middle), axis=1).ravel()
         high = np.stack((middle, self.high), axis=1).ravel()
-        return Mesh(low, high, laws_of(law, low, high))
+        return Mesh.with_law(law, low, high)
 
     def cells(self, which: BoolArray) -> Mesh:
         """The cells selected by `which` (m,)."""
@@ -319,12 +329,6 @@ def nodes_of(low: FloatArray, high: FloatArray) -> FloatArray:
     return nodes
 
 
-def laws_of(law: Quantity, low: FloatArray, high: FloatArray) -> FloatArray:
-    """(6 or more, m, n) the torque law at the nodes of the cells, at their ends from inside."""
-    nodes = nodes_of(low, high)
-    return law(nodes.ravel(), "left").reshape(-1, *nodes.shape)
-
-
 def double_mesh(law: Quantity, edges: FloatArray, longest: float) -> DoubleMesh:
     """Cells between neighbouring `edges`, none longer than `longest` [rad]."""
     counts = np.maximum(np.ceil(np.diff(edges) / longest), 1).astype(np.intp)
@@ -334,8 +338,51 @@ def double_mesh(law: Quantity, edges: FloatArray, longest: float) -> DoubleMesh:
     ]
     low = np.concatenate([grid[:-1] for grid in grids])
     high = np.concatenate([grid[1:] for grid in grids])
-    coarse = Mesh(low, high, laws_of(law, low, high))
+    coarse = Mesh.with_law(law, low, high)
     return DoubleMesh(coarse, coarse.halved(law))
+
+
+# -- periodic -------------------------------------------------------------------------------------
+# What both searches for a periodic solution on such a mesh have in common.
+
+
+EPS: Final = float(np.finfo(np.float64).eps)
+
+LONGEST: Final = TURN / 24.0
+"""Largest length of an initial cell [rad]."""
+
+ROUGH: Final = (1e-3, 1e-6)
+"""Tolerances of the turns from which the places of kinks are taken. A kink off its place by d adds
+an error of d^2, and d is as small as the error of the turn that it is taken from."""
+
+FINEST: Final = 256.0 * EPS
+"""Smallest tolerance that is tried for the sake of the torque."""
+
+KEEP: Final = 0.2
+"""Smallest share of y that a Newton step leaves."""
+
+BETWEEN: Final = 4.0
+"""Factor from the change at the nodes to the error between them: where the torque jumps, a stiff
+motor changes the speed within a fraction of a cell, partly before its first node."""
+
+BETWEEN_NODES: Final = 16.0 * EPS
+"""Relative error of a value between the nodes: of the sum of nine polynomials, and of a root."""
+
+ROUNDINGS: Final = 8.0
+"""Number of roundings that the estimate assumes for a rate at a node."""
+
+
+class NoConvergenceError(ArithmeticError):
+    """Newton's method finds no periodic solution, or does not reach the tolerance.
+
+    Attributes
+    ----------
+    reached : the error that was reached, as a share of the largest value; None without a solution.
+    """
+
+    def __init__(self, reached: float | None) -> None:
+        super().__init__("no periodic solution was found")
+        self.reached = reached
 
 
 # -- obstacles ------------------------------------------------------------------------------------
@@ -394,10 +441,6 @@ def jamming(inertia: float, mesh: Mesh) -> EffectError:
 # iteration over it. Its root is the only one on the flank that must carry if its kappa is above 0;
 # otherwise no acceleration is certain, and the follower counts as stuck. The linear law at the root
 # has g and R as above, and the slope of alpha.
-
-
-class StuckError(ArithmeticError):
-    """No acceleration satisfies the equation of motion: friction jams or locks the follower."""
 
 
 class Drive(Protocol):

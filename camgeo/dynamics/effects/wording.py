@@ -48,6 +48,11 @@ MASSES: Final[Mapping[LiftUnit, Label]] = {
 """The inertia of a follower, by the unit of its lift."""
 
 
+def scale_of(unit: str) -> float:
+    """From internal units to the `unit` in which a property of a spring is shown."""
+    return N_M if unit.startswith("N m") and not unit.startswith("N mm") else 1.0
+
+
 def at(phi: float) -> str:
     """The place `phi` [rad] in words."""
     return at_cam_angles(phi, form=".4f")

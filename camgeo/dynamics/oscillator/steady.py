@@ -278,6 +278,18 @@ class Response:
             moved += self.train.compliance(frequency) * content(self.load)
         return moved
 
+    def in_time(self, factor: float) -> Response:
+        """The response of the train in a time that passes `factor` times as fast, see
+        `Train.in_time`.
+        """
+        load = None if self.load is None else self.load.times(factor**-2)
+        return answered(self.train.in_time(factor), self.base, self.forcing, load)
+
+    @property
+    def fastest(self) -> float:
+        """The factor up to which that has the same kind of forcing, see `SOFT`."""
+        return float(np.min(np.abs(self.train.rates))) * self.base.period / SOFT
+
     def _on_side(self, t: FloatArray, side: Side) -> FloatArray:
         period = self.base.period
         if side == "left":
@@ -459,7 +471,11 @@ class Pieces:
         """(n,) the function at `t` (n,) between the edges."""
         place = np.clip(np.searchsorted(self.edges, t, side) - 1, 0, self.series.shape[1] - 1)
         low, high = self.edges[place], self.edges[place + 1]
-        return series_values(self.series[:, place], (2.0 * t - low - high) / (high - low))
+        return self.within(place, (2.0 * t - low - high) / (high - low))
+
+    def within(self, piece: IntArray, x: FloatArray) -> FloatArray:
+        """The function at `x`, from -1 to 1 over each `piece`; both broadcast."""
+        return series_values(self.series[:, piece], x)
 
 
 def interpolated(

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Final, Literal, Protocol
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
 from camgeo.cam.cam import Cam, Drive, smooth_angles
 from camgeo.errors import GeometryError
 from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.kinematics.mechanism.linkage import Linkage
-from camgeo.kinematics.motion import FULL_ORDER, Dwell, Jet, Motion
+from camgeo.kinematics.motion import FULL_ORDER, Motion
 from camgeo.kinematics.plan import breaks
 from camgeo.kinematics.time_course import TimeCourse, TimeExtremes, plan_extremes
-from camgeo.numeric.arrays import BoolArray, FloatArray, Side, read_only
-from camgeo.numeric.kept import Answers
+from camgeo.numeric.arrays import BoolArray, FloatArray, Side
 
 if TYPE_CHECKING:
     from camgeo.check.finding import Limits
@@ -77,74 +75,13 @@ def order_with(output: Motion, course: TimeCourse | None) -> int:
     return 1 if np.any(moving) else FULL_ORDER
 
 
-class State(Protocol):
-    """The motion of follower and output, and how the cam turns.
-
-    Cam angles are in rad, motions in mm or rad over the cam angle.
-
-    Attributes
-    ----------
-    model : whose motion it is.
-    sense : the side on which the follower makes this motion, `FIRST` or `SECOND`; 0 if it is that
-        of no flank, as the demanded one, which is the same on both sides.
-    motion : of the follower.
-    output : of the member with the demanded motion; that of the follower without a linkage.
-    course : how the cam turns in time; None if no speed is given.
-    smooth_angles : (k,) cam angles [rad] from 0 to 2 pi, both included, ascending. Between two
-        neighbours all derivatives of `motion` and `course` are smooth, and the follower's velocity
-        keeps its sign.
-    order : of the highest derivative of `output` over time that is continuous over the turn, -1 to
-        3.
-    shocks : cam angles [rad] in [0, 2 pi), ascending, at which the velocity jumps.
-    """
-
-    @property
-    def model(self) -> Model: ...
-
-    @property
-    def sense(self) -> int: ...
-
-    @property
-    def motion(self) -> Motion: ...
-
-    @property
-    def output(self) -> Motion: ...
-
-    @property
-    def course(self) -> TimeCourse | None: ...
-
-    @property
-    def smooth_angles(self) -> FloatArray: ...
-
-    @property
-    def order(self) -> int: ...
-
-    @property
-    def shocks(self) -> tuple[float, ...]: ...
-
-    @property
-    def curve(self) -> PitchCurve:
-        """The path of the roller centre in the cam with this motion, or of the contact of a flat
-        face; its normals are those of the contact. GeometryError with key "follower" without one.
-        """
-
-    def on_corner(self, phi: FloatArray, side: Side) -> BoolArray:
-        """(n,) whether the follower touches a sharp corner of the disc at `phi` (n,) [rad]."""
-
-    def output_extremes(self, course: TimeCourse) -> TimeExtremes:
-        """Extremes in time of `output` with the cam turning as `course` says."""
-
-    def turning(self, course: TimeCourse) -> State:
-        """The same motion over the cam angle with the cam turning as `course` says."""
-
-
 # -- demanded -------------------------------------------------------------------------------------
 # The demanded motion as the state: the cam does exactly what the scene states.
 
 
 @dataclass(frozen=True)
 class Demanded:
-    """The demanded motion; see `camgeo.dynamics.state.state.State`.
+    """The demanded motion; see `camgeo.dynamics.state.written.State`.
 
     Attributes
     ----------
@@ -214,107 +151,6 @@ class Demanded:
     def turning(self, course: TimeCourse) -> Demanded:
         """See `State`."""
         return replace(self, course=course)
-
-
-# -- far ------------------------------------------------------------------------------------------
-# The motion of the far end of a linkage that the follower drives.
-
-
-STEPS = 12
-"""Most Newton steps; from a demanded position that is off by a tolerance a few are enough."""
-
-SETTLED = 1e-9
-"""After a step below this share of the largest position no other one is needed: the next would be
-of the order of its square."""
-
-
-@dataclass(frozen=True)
-class FarMotion:
-    """The motion of the far end for a motion of the follower near the demanded one; see `Motion`.
-
-    With q = T(x) from the far end's position x to the follower's coordinate q, the chain rule gives
-    q' = T_1 x', q'' = T_1 x'' + T_2 x'^2 and q''' = T_1 x''' + 3 T_2 x' x'' + T_3 x'^3.
-
-    Attributes
-    ----------
-    follower : the motion of the follower.
-    linkage : between both.
-    demanded : of the far end, near which its positions are sought.
-    """
-
-    follower: Motion
-    linkage: Linkage
-    demanded: Motion
-    _jets: Answers[Jet] = field(default_factory=Answers, init=False, repr=False, compare=False)
-
-    @property
-    def breaks(self) -> FloatArray:
-        """See `Motion`."""
-        return self.follower.breaks
-
-    @property
-    def borders(self) -> FloatArray:
-        """See `Motion`."""
-        return self.follower.borders
-
-    @property
-    def dwells(self) -> tuple[Dwell, ...]:
-        """See `Motion`: it rests with the follower."""
-        return self.follower.dwells
-
-    def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
-        """See `Motion`. Read-only, and the same values for recent requests, like those of a plan.
-
-        Raises
-        ------
-        GeometryError
-            If the follower goes beyond a dead centre of the linkage, or rests there.
-        """
-        jet = self._jets.recall(lambda: read_only(self._jet(phi, side)), side, phi)
-        return jet[: order + 1]
-
-    def _jet(self, phi: FloatArray, side: Side) -> Jet:
-        """(4, n) position and derivatives."""
-        own = self.follower.jet(phi, side, FULL_ORDER)
-        x = self.demanded.jet(phi, side, 1)[0].copy()
-        scale = max(1.0, float(np.max(np.abs(x), initial=0.0)))
-        sense = np.sign(self._along(x, 1)[1])
-        for _ in range(STEPS):
-            here, slope = self._along(x, 1)
-            if np.any(slope * sense <= 0.0):  # beyond a dead centre the far end moves the other way
-                raise _at_dead_centre()
-            step = (own[0] - here) / slope
-            x = x + step
-            if np.max(np.abs(step), initial=0.0) <= SETTLED * scale:
-                break
-        else:
-            raise _at_dead_centre()
-        _, first, second, third = self._along(x, FULL_ORDER)
-        out = np.empty_like(own)
-        out[0] = x
-        out[1] = own[1] / first
-        out[2] = (own[2] - second * out[1] ** 2) / first
-        out[3] = (own[3] - 3.0 * second * out[1] * out[2] - third * out[1] ** 3) / first
-        return out
-
-    def _along(self, x: FloatArray, order: int) -> Jet:
-        """(order + 1, n) the follower's coordinate and its derivatives by the position `x` (n,)."""
-        way = np.zeros((4, len(x)))
-        way[0], way[1] = x, 1.0
-        return self.linkage.transform(way, order)
-
-    def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:
-        """See `Motion`: without any bound."""
-        jet = self.jet(0.5 * (low + high))
-        return jet, np.full_like(jet, np.inf)
-
-
-def _at_dead_centre() -> GeometryError:
-    return GeometryError(
-        "the far end does not follow what the disc makes the follower do: the linkage is at a dead"
-        " centre",
-        key="linkage",
-    )
 
 
 # -- choice ---------------------------------------------------------------------------------------

@@ -1,4 +1,5 @@
-"""The motion that the contour makes as it is written into a file: its lines, arcs or cubics.
+"""The motion that a disc makes as it is: what remains of a flank that is trimmed, or the contour as
+it is written into a file, with its lines, arcs or cubics.
 
 A written contour keeps to the exact curve within a tolerance, and its tangents and curvatures less
 and less closely: the lift is off by the tolerance over the sine of the transmission angle, the
@@ -7,6 +8,7 @@ acceleration by the error of the curvature.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Final, Protocol, Self
@@ -14,18 +16,21 @@ from typing import TYPE_CHECKING, Final, Protocol, Self
 import numpy as np
 
 from camgeo.cam.cam import Cam, smooth_angles
-from camgeo.dynamics.state.state import FIRST, SECOND, FarMotion, Model
+from camgeo.dynamics.state.state import FIRST, SECOND, Demanded, Model, order_with
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, Effort, Form
 from camgeo.geometry.contour.spline import SplineContour
 from camgeo.geometry.outline.path import Flank
 from camgeo.geometry.outline.replay import DiscLift, Replay, extreme_play, replay_contour
+from camgeo.geometry.outline.roller import AS_DEMANDED
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.mechanism.face import FlatFollower, flat_follower
 from camgeo.kinematics.mechanism.follower import RelativeJet
+from camgeo.kinematics.mechanism.linkage import Linkage
 from camgeo.kinematics.motion import FULL_ORDER, Dwell, Jet, Motion
+from camgeo.kinematics.plan import breaks
 from camgeo.kinematics.time_course import TimeCourse, TimeExtremes, time_extremes
-from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, Side, read_only
+from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, Side, ascending, read_only
 from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.numeric.kept import Answers
 from camgeo.part.part import written_contour
@@ -37,6 +42,314 @@ if TYPE_CHECKING:
 
 KEY: Final = "state.motion"
 MODEL: Final = "written"
+
+
+@dataclass(frozen=True)
+class OnDisc:
+    """What states have in common whose follower goes along its disc as it is, not as demanded.
+
+    Attributes
+    ----------
+    cam : that sees the motion.
+    replay : of the follower on the disc; the lift does not jump.
+    course : how the cam turns; None if that is not known.
+    """
+
+    cam: Cam
+    replay: Replay
+    course: TimeCourse | None
+
+    @property
+    def motion(self) -> Motion:
+        """See `State`."""
+        raise NotImplementedError
+
+    @cached_property
+    def output(self) -> Motion:
+        """See `State`."""
+        drive = self.cam.drive
+        if drive.linkage is None:
+            return self.motion
+        return FarMotion(self.motion, drive.linkage, drive.plan)
+
+    @cached_property
+    def smooth_angles(self) -> FloatArray:
+        """See `State`."""
+        return smooth_angles(self.motion, self.course)
+
+    @property
+    def shocks(self) -> tuple[float, ...]:
+        """See `State`: where the roller touches two pieces in a corner that turns in, and where a
+        flat face lies on a straight piece or bridges a hollow.
+        """
+        return tuple(self.replay.shocks.phi.tolist())
+
+    @cached_property
+    def curve(self) -> PitchCurve:
+        """See `State`."""
+        kind = PitchCurve if self.cam.follower.has_pitch_curve else FaceCurve
+        return kind(self.motion, self.cam.follower, self.cam.rotation)
+
+    def output_extremes(self, course: TimeCourse) -> TimeExtremes:
+        """See `State`."""
+        return time_extremes(self.output, course, self.cam.drive.unit)
+
+    def turning(self, course: TimeCourse) -> Self:
+        """See `State`."""
+        return replace(self, course=course)
+
+
+# -- far ------------------------------------------------------------------------------------------
+# The motion of the far end of a linkage that the follower drives.
+
+
+STEPS = 12
+"""Most Newton steps; from a demanded position that is off by a tolerance a few are enough."""
+
+SETTLED = 1e-9
+"""After a step below this share of the largest position no other one is needed: the next would be
+of the order of its square."""
+
+
+@dataclass(frozen=True)
+class FarMotion:
+    """The motion of the far end for a motion of the follower near the demanded one; see `Motion`.
+
+    With q = T(x) from the far end's position x to the follower's coordinate q, the chain rule gives
+    q' = T_1 x', q'' = T_1 x'' + T_2 x'^2 and q''' = T_1 x''' + 3 T_2 x' x'' + T_3 x'^3.
+
+    Attributes
+    ----------
+    follower : the motion of the follower.
+    linkage : between both.
+    demanded : of the far end, near which its positions are sought.
+    """
+
+    follower: Motion
+    linkage: Linkage
+    demanded: Motion
+    _jets: Answers[Jet] = field(default_factory=Answers, init=False, repr=False, compare=False)
+
+    @property
+    def breaks(self) -> FloatArray:
+        """See `Motion`."""
+        return self.follower.breaks
+
+    @property
+    def borders(self) -> FloatArray:
+        """See `Motion`."""
+        return self.follower.borders
+
+    @property
+    def dwells(self) -> tuple[Dwell, ...]:
+        """See `Motion`: it rests with the follower."""
+        return self.follower.dwells
+
+    def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
+        """See `Motion`. Read-only, and the same values for recent requests, like those of a plan.
+
+        Raises
+        ------
+        GeometryError
+            If the follower goes beyond a dead centre of the linkage, or rests there.
+        """
+        jet = self._jets.recall(lambda: read_only(self._jet(phi, side)), side, phi)
+        return jet[: order + 1]
+
+    def _jet(self, phi: FloatArray, side: Side) -> Jet:
+        """(4, n) position and derivatives."""
+        own = self.follower.jet(phi, side, FULL_ORDER)
+        x = self.demanded.jet(phi, side, 1)[0].copy()
+        scale = max(1.0, float(np.max(np.abs(x), initial=0.0)))
+        sense = np.sign(self._along(x, 1)[1])
+        for _ in range(STEPS):
+            here, slope = self._along(x, 1)
+            if np.any(slope * sense <= 0.0):  # beyond a dead centre the far end moves the other way
+                raise _at_dead_centre()
+            step = (own[0] - here) / slope
+            x = x + step
+            if np.max(np.abs(step), initial=0.0) <= SETTLED * scale:
+                break
+        else:
+            raise _at_dead_centre()
+        _, first, second, third = self._along(x, FULL_ORDER)
+        out = np.empty_like(own)
+        out[0] = x
+        out[1] = own[1] / first
+        out[2] = (own[2] - second * out[1] ** 2) / first
+        out[3] = (own[3] - 3.0 * second * out[1] * out[2] - third * out[1] ** 3) / first
+        return out
+
+    def _along(self, x: FloatArray, order: int) -> Jet:
+        """(order + 1, n) the follower's coordinate and its derivatives by the position `x` (n,)."""
+        way = np.zeros((4, len(x)))
+        way[0], way[1] = x, 1.0
+        return self.linkage.transform(way, order)
+
+    def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:
+        """See `Motion`: without any bound."""
+        jet = self.jet(0.5 * (low + high))
+        return jet, np.full_like(jet, np.inf)
+
+
+def _at_dead_centre() -> GeometryError:
+    return GeometryError(
+        "the far end does not follow what the disc makes the follower do: the linkage is at a dead"
+        " centre",
+        key="linkage",
+    )
+
+
+# -- outline --------------------------------------------------------------------------------------
+# The motion that a trimmed flank makes: the replay of the real outline.
+
+
+@dataclass(frozen=True)
+class OfOutline(OnDisc):
+    """The motion of a follower on its real flank; see `State`.
+
+    The roller that turns about a corner of the disc touches it along the normal of the path of its
+    centre, as it does on a flank, so that path alone gives the direction of the contact force. A
+    flat face rocks over the corner, and is pushed along its own normal, see `FaceCurve`.
+
+    The only flank of its `cam` is trimmed, and on its `replay` the lift does not jump.
+    """
+
+    @property
+    def model(self) -> Model:
+        """See `State`."""
+        return "outline"
+
+    @property
+    def sense(self) -> int:
+        """See `State`."""
+        return self.cam.contact.push
+
+    @cached_property
+    def motion(self) -> ReplayedMotion:
+        """See `State`."""
+        return ReplayedMotion(self.cam.drive.motion, self.replay.lift)
+
+    @property
+    def is_followed(self) -> bool:
+        """Whether the far end of a linkage follows over each corner, at the replay's samples."""
+        phi = self.replay.phi[self.motion.on_corner(self.replay.phi, "right")]
+        try:
+            self.output.jet(phi, "right", 1)
+        except GeometryError:
+            return False
+        return True
+
+    @property
+    def order(self) -> int:
+        """See `State`: at both ends of a corner the acceleration jumps."""
+        free = self.motion.breaks
+        kept = [each.order for each in breaks(self.cam.drive.plan) if each.cam_angle in free]
+        own = min([0 if self.shocks else 1, *kept])
+        return min(own, order_with(self.output, self.course))
+
+    def on_corner(self, phi: FloatArray, side: Side) -> BoolArray:
+        """See `State`."""
+        return self.motion.on_corner(phi, side)
+
+
+# -- replayed -------------------------------------------------------------------------------------
+# The motion of a follower that is pressed against what remains of its flank.
+
+
+SEAM = 1e-9
+"""Ranges of the cam angle [rad] this short are rounding."""
+
+
+@dataclass(frozen=True)
+class ReplayedMotion:
+    """The demanded motion where the flank is whole, and the motion over its corners; see `Motion`.
+
+    On a corner the roller turns about a point of the disc, over which a flat face rocks, so the
+    lift and three derivatives are known in closed form
+    (`camgeo.kinematics.mechanism.follower_path.lift_jet`,
+    `camgeo.geometry.outline.face.FacePath.jet`).
+
+    Attributes
+    ----------
+    demanded : the follower's demanded motion.
+    lift : on the disc, without play.
+    """
+
+    demanded: Motion
+    lift: DiscLift
+
+    @cached_property
+    def ranges(self) -> tuple[tuple[float, float], ...]:
+        """Start in [0, 2 pi) and end [rad] of each range over which one corner holds the roller; an
+        end may be beyond a turn.
+        """
+        starts = self.lift.borders
+        if not len(starts):
+            return ()
+        ends = np.append(starts[1:], starts[0] + TURN)
+        held = (self.lift.numbers != AS_DEMANDED) & (ends - starts > SEAM)
+        return tuple(zip(starts[held].tolist(), ends[held].tolist(), strict=True))
+
+    @cached_property
+    def breaks(self) -> FloatArray:
+        """See `Motion`."""
+        return self._with_corners(self.demanded.breaks)
+
+    @cached_property
+    def borders(self) -> FloatArray:
+        """See `Motion`."""
+        return self._with_corners(self.demanded.borders)
+
+    def _with_corners(self, places: FloatArray) -> FloatArray:
+        """(k,) those of `places` [rad] at which no corner holds the roller, and ends of corners."""
+        free = np.ones(len(places), dtype=np.bool_)
+        for start, end in self.ranges:
+            free &= np.remainder(places - start, TURN) >= end - start
+        ends = np.array(self.ranges).ravel() % TURN
+        return ascending(np.concatenate((places[free], ends)))
+
+    @cached_property
+    def dwells(self) -> tuple[Dwell, ...]:
+        """What is left of the demanded dwells, see `Motion`."""
+        return tuple(part for dwell in self.demanded.dwells for part in self._left_of(dwell))
+
+    def _left_of(self, dwell: Dwell) -> Iterator[Dwell]:
+        start, end = dwell.start, dwell.start + dwell.span
+        corners = [
+            (low + turn, high + turn) for low, high in self.ranges for turn in (-TURN, 0.0, TURN)
+        ]
+        for low, high in sorted(corners):
+            if high <= start or low >= end:
+                continue
+            if low - start > SEAM:
+                yield Dwell(start % TURN, low - start)
+            start = high
+        if end - start > SEAM:
+            yield Dwell(start % TURN, end - start)
+
+    def on_corner(self, phi: FloatArray, side: Side) -> BoolArray:
+        """(n,) whether a corner of the disc holds the follower at `phi` (n,) [rad]."""
+        return np.asarray(self.lift.number(phi, side) != AS_DEMANDED)
+
+    def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
+        """See `Motion`."""
+        return self.lift.jet(phi, side, 3)[: order + 1]
+
+    def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:
+        """See `Motion`; the bounds are infinite where a corner holds the roller."""
+        jet, bounds = self.demanded.jet_and_bounds(low, high)
+        middle = 0.5 * (low + high)
+        held = self.on_corner(middle, "right")
+        jet, bounds = jet.copy(), bounds.copy()
+        jet[:, held] = self.jet(middle[held])
+        bounds[:, held] = np.inf
+        return jet, bounds
+
+
+# -- written --------------------------------------------------------------------------------------
+# The motion on a contour of pieces.
+
 
 RESTING = 1e-10
 """A piece over which the derivatives of the lift are below this share of the largest of the turn is
@@ -120,63 +433,8 @@ class WrittenMotion:
 
 
 @dataclass(frozen=True)
-class OnDisc:
-    """What states have in common whose follower goes along its disc as it is, not as demanded.
-
-    Attributes
-    ----------
-    cam : that sees the motion.
-    replay : of the follower on the disc; the lift does not jump.
-    course : how the cam turns; None if that is not known.
-    """
-
-    cam: Cam
-    replay: Replay
-    course: TimeCourse | None
-
-    @property
-    def motion(self) -> Motion:
-        """See `State`."""
-        raise NotImplementedError
-
-    @cached_property
-    def output(self) -> Motion:
-        """See `State`."""
-        drive = self.cam.drive
-        if drive.linkage is None:
-            return self.motion
-        return FarMotion(self.motion, drive.linkage, drive.plan)
-
-    @cached_property
-    def smooth_angles(self) -> FloatArray:
-        """See `State`."""
-        return smooth_angles(self.motion, self.course)
-
-    @property
-    def shocks(self) -> tuple[float, ...]:
-        """See `State`: where the roller touches two pieces in a corner that turns in, and where a
-        flat face lies on a straight piece or bridges a hollow.
-        """
-        return tuple(self.replay.shocks.phi.tolist())
-
-    @cached_property
-    def curve(self) -> PitchCurve:
-        """See `State`."""
-        kind = PitchCurve if self.cam.follower.has_pitch_curve else FaceCurve
-        return kind(self.motion, self.cam.follower, self.cam.rotation)
-
-    def output_extremes(self, course: TimeCourse) -> TimeExtremes:
-        """See `State`."""
-        return time_extremes(self.output, course, self.cam.drive.unit)
-
-    def turning(self, course: TimeCourse) -> Self:
-        """See `State`."""
-        return replace(self, course=course)
-
-
-@dataclass(frozen=True)
 class Written(OnDisc):
-    """The motion on a written contour; see `camgeo.dynamics.state.state.State`.
+    """The motion on a written contour; see `State`.
 
     The roller touches a vertex of the contour as it does a piece, along the normal of the path of
     its centre. A flat face touches the convex hull of the contour, see
@@ -217,6 +475,30 @@ class Written(OnDisc):
         if not self.touches:
             return np.zeros(len(phi), dtype=np.bool_)
         return self.motion.on_corner(phi, side)
+
+
+State = Demanded | OfOutline | Written
+"""The motion of follower and output, and how the cam turns.
+
+Cam angles are in rad, motions in mm or rad over the cam angle. Each state has
+
+model : whose motion it is.
+sense : the side on which the follower makes this motion, `FIRST` or `SECOND`; 0 if it is that of no
+    flank, as the demanded one, which is the same on both sides.
+motion : of the follower.
+output : of the member with the demanded motion; that of the follower without a linkage.
+course : how the cam turns in time; None if no speed is given.
+smooth_angles : (k,) cam angles [rad] from 0 to 2 pi, both included, ascending. Between two
+    neighbours all derivatives of `motion` and `course` are smooth, and the follower's velocity
+    keeps its sign.
+order : of the highest derivative of `output` over time that is continuous over the turn, -1 to 3.
+shocks : cam angles [rad] in [0, 2 pi), ascending, at which the velocity jumps.
+curve : the path of the roller centre in the cam with this motion, or of the contact of a flat face;
+    its normals are those of the contact. GeometryError with key "follower" without one.
+on_corner : (n,) whether the follower touches a sharp corner of the disc at n cam angles.
+output_extremes : extremes in time of `output` with the cam turning as a course says.
+turning : the same motion over the cam angle with the cam turning as a course says.
+"""
 
 
 # -- contours -------------------------------------------------------------------------------------

@@ -22,8 +22,8 @@ from camgeo.dynamics.effects.contact import holds_both_ways
 from camgeo.dynamics.effects.effect import Subject
 from camgeo.dynamics.effects.graph import Effects
 from camgeo.dynamics.effects.results import CONTACT_FORCE, LIFT_OFF, VIBRATION, ContactForce
-from camgeo.dynamics.state.state import FIRST, State
-from camgeo.dynamics.state.written import Writing, Written
+from camgeo.dynamics.state.state import FIRST
+from camgeo.dynamics.state.written import State, Writing, Written
 from camgeo.errors import EffectError, GeometryError, SceneError, ToleranceError
 from camgeo.geometry.contour.contour import Form
 from camgeo.geometry.outline.acceleration_joints import AccelerationJoints

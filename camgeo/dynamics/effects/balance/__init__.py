@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from camgeo.dynamics.effects.effect import GIVEN_SPEED, STIFF_SHAFT, Effect, data_of
-from camgeo.dynamics.effects.rules import ONE_DISC, Only
+from camgeo.dynamics.effects.effect import GIVEN_SPEED, ONE_DISC, STIFF_SHAFT, Effect, Only, data_of
 from camgeo.errors import GeometryError
 from camgeo.part.materials import USUAL, density_of
 from camgeo.record import schema_beside

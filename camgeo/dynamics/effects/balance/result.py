@@ -28,7 +28,6 @@ from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, merged, phase
 from camgeo.numeric.extremes import Extreme, bracketed_roots, piecewise_highest
 from camgeo.part.mass import disc_moments
 from camgeo.part.part import Boundary, Part
-from camgeo.part.spec import PartSpec
 from camgeo.units import RPM, place_text
 
 TAKEN: Final = 0.1
@@ -78,7 +77,9 @@ def compute(request: Request[BalanceRequirements]) -> Balance:
     if data.grade is not None and course is None:
         raise GeometryError("needs [cam] speed or speed_curve", key="effects.balance.grade")
     part = part_of(subject, "balance")
-    data = _with_density(data, subject.part_spec)
+    spec = subject.part_spec
+    if spec is not None and spec.density is not None:
+        data = replace(data, density=spec.density)  # both agree if both are stated
     per_area = data.density * (part.disc[-1].z1 - part.disc[0].z0)
     moments = disc_moments(part, data.density, request.tolerance * TAKEN)
     mass, unbalance, unsure = moments.area, moments.first, moments.first_error
@@ -120,13 +121,6 @@ def compute(request: Request[BalanceRequirements]) -> Balance:
         counterweight=counterweight,
         holes=holes,
     )
-
-
-def _with_density(data: BalanceRequirements, spec: PartSpec | None) -> BalanceRequirements:
-    """The density of the part, where that is stated; both agree if both are."""
-    if spec is None or spec.density is None:
-        return data
-    return replace(data, density=spec.density)
 
 
 def _holes(

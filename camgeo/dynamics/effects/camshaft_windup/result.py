@@ -21,19 +21,27 @@ from typing import Final, Self
 import numpy as np
 
 from camgeo.check.finding import Finding, Severity, held
-from camgeo.dynamics.effects.bearing_friction import linear_law
+from camgeo.dynamics.effects.bearing_friction import StuckError, linear_law
 from camgeo.dynamics.effects.camshaft_windup import ElasticShaft
 from camgeo.dynamics.effects.contact import lost_contact, ranges_below
 from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request
 from camgeo.dynamics.effects.forces import smooth_edges
-from camgeo.dynamics.effects.results import DRIVE_TORQUE, Feedback, Sought, Turning
+from camgeo.dynamics.effects.results import DRIVE_TORQUE, Sought, Turning
 from camgeo.dynamics.effects.shaft import (
+    BETWEEN,
+    BETWEEN_NODES,
+    EPS,
+    FINEST,
+    KEEP,
+    LONGEST,
     NODES,
+    ROUGH,
+    ROUNDINGS,
     DoubleMesh,
     Mesh,
+    NoConvergenceError,
     Shaft,
     State,
-    StuckError,
     collocation,
     course_of,
     double_mesh,
@@ -57,18 +65,12 @@ from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
 from camgeo.units import RPM, TURN
 
-BETWEEN_NODES: Final = 16.0 * 2.0**-52
-"""Relative error of a value between the nodes: of the sum of nine polynomials."""
-
 REVERSED: Final = 1e-3
 """A torque against that of the drive by less than this share of the largest does not count: a shaft
 swings on a little after each move."""
 
 LASTING: Final = 1e-6
 """Without damping the share of a disturbance that is left after a turn is 1, to this accuracy."""
-
-FINEST: Final = 256.0 * 2.0**-52
-"""Smallest tolerance that is tried for the sake of the torque."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,15 +93,7 @@ class CamshaftWindup(Turning):
             Sought(Label("windup", "deg", math.degrees(1.0)), self.turn.windup, windup),
         )
 
-    def linearised(
-        self, phi: FloatArray, rows: FloatArray, other: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """See `Turning`."""
-        return self.turn.linearised(phi, rows, other)
-
-    def fed_back(
-        self, feedback: Feedback, told: Finding, beside: Sequence[float], rough: Self
-    ) -> Self:
+    def off_by(self, beside: Sequence[float], rough: Self) -> Self:
         """See `Turning`."""
         turn = replace(
             self.turn,
@@ -108,15 +102,7 @@ class CamshaftWindup(Turning):
             multiplier_error=self.turn.multiplier_error
             + abs(self.turn.multiplier - rough.turn.multiplier),
         )
-        errors = errors_of(turn)
-        return replace(
-            self,
-            turn=turn,
-            rough_course=rough.rough_course,
-            feedback=feedback,
-            findings=(*self.findings, told),
-            errors={**errors, told.name: errors["cam speed"]},
-        )
+        return replace(self, turn=turn, errors=errors_of(turn))
 
 
 def compute(request: Request[ElasticShaft]) -> CamshaftWindup:
@@ -184,7 +170,6 @@ def compute(request: Request[ElasticShaft]) -> CamshaftWindup:
         turn=turn,
         course=course_of(turn, alpha, edges),
         rough_course=course_of(turn.rough, alpha, edges),
-        mesh=turn.mesh,
         findings=found,
         lost_contact=lost_contact(subject, normal, piecewise_extremes(normal, edges), edges, None),
         columns=(
@@ -286,9 +271,6 @@ def errors_of(turn: WoundTurn) -> dict[str, Bound]:
 # The steady state of a cam at the end of an elastic shaft, and its obstacles.
 
 
-LONGEST: Final = TURN / 24.0
-"""Largest length of an initial cell [rad]."""
-
 PHASE: Final = 4.0
 """Largest angle [rad] by which the cam swings on its shaft within an initial cell: a longer one
 would damp the swing, alike on the halves of the cell, which would not show it."""
@@ -298,9 +280,6 @@ SWINGS: Final = 4.0
 
 STIFFEST: Final = 4000.0
 """Largest natural frequency, in speeds of the drive."""
-
-ROUGH: Final = (1e-3, 1e-6)
-"""Tolerances of the turns from which the places of kinks are taken."""
 
 STIFFER: Final = (100.0, 30.0, 10.0, 5.0, 3.0, 2.0, 1.5, 1.2)
 """Shafts stiffer by these factors, by whose motions Newton's method is led to that of a soft one.
@@ -508,30 +487,6 @@ MOST_PASSES: Final = 60
 
 MOST_CELLS: Final = 20_000
 
-KEEP: Final = 0.2
-"""Smallest share of y that a Newton step leaves."""
-
-BETWEEN: Final = 4.0
-"""Factor from the change at the nodes to the error between them."""
-
-ROUNDINGS: Final = 8.0
-"""Number of roundings that the estimate assumes for a rate at a node."""
-
-EPS: Final = float(np.finfo(np.float64).eps)
-
-
-class NoConvergenceError(ArithmeticError):
-    """Newton's method finds no periodic solution, or does not reach the tolerance.
-
-    Attributes
-    ----------
-    reached : the error that was reached, as a share; None without a solution.
-    """
-
-    def __init__(self, reached: float | None) -> None:
-        super().__init__("no periodic solution was found")
-        self.reached = reached
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pair:
@@ -676,7 +631,7 @@ class WoundTurn:
     def linearised(
         self, phi: FloatArray, rows: FloatArray, other: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """See `camgeo.dynamics.effects.results.Turning`: of omega and w, whose rates are alpha /
+        """See `camgeo.dynamics.effects.shaft.SteadyTurn`: of omega and w, whose rates are alpha /
         omega and Omega / omega - 1.
         """
         shaft, y = self.driven(phi)

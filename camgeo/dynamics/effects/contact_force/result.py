@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Final, NoReturn
+from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from camgeo.dynamics.effects.contact import (
     require_convex,
     sides_of,
 )
-from camgeo.dynamics.effects.contact_force import FORCES, ForceLimit
+from camgeo.dynamics.effects.contact_force import FORCES
 from camgeo.dynamics.effects.effect import Column, Quantity, Request, Subject
 from camgeo.dynamics.effects.forces import (
     Force,
@@ -63,7 +64,7 @@ if TYPE_CHECKING:
     from camgeo.dynamics.effects.forces import ElasticTrain
 
 
-def compute(request: Request[ForceLimit]) -> ContactForce:
+def compute(request: Request[Mapping[str, Any]]) -> ContactForce:
     """The contact force.
 
     Raises
@@ -97,7 +98,7 @@ def compute(request: Request[ForceLimit]) -> ContactForce:
     def demand(phi: FloatArray, side: Side) -> FloatArray:
         return balance.demand(phi, side, balance.rates(phi, side))
 
-    limit = request.data.limit
+    limit = request.data.get("limit")
     extremes = piecewise_extremes(normal, edges)
     found = force_findings(extremes, subject, limit)
     columns = _columns(subject, normal, limit, all_borders(forces))
@@ -140,7 +141,9 @@ def beside(found: ContactForce, rigid: ForceBalance, force: Force) -> ContactFor
     )
 
 
-def bearings_of(request: Request[ForceLimit], forces: tuple[Force, ...]) -> BearingFriction | None:
+def bearings_of(
+    request: Request[Mapping[str, Any]], forces: tuple[Force, ...]
+) -> BearingFriction | None:
     """Friction under the loads of pivot or guide with these `forces`; None if the scene has none.
 
     Raises
@@ -189,16 +192,13 @@ def _columns(
         signed = None if limit is None else subject.cam.contact.push * limit
         return (Column("contact force", "N", normal, signed, borders),)
 
-    def on_main(phi: FloatArray, side: Side) -> FloatArray:
-        return np.maximum(normal(phi, side), 0.0)
-
-    def on_return(phi: FloatArray, side: Side) -> FloatArray:
-        return np.maximum(-normal(phi, side), 0.0)
+    def pushing(sense: int) -> Quantity:
+        return lambda phi, side: np.maximum(sense * normal(phi, side), 0.0)
 
     names, _ = sides_of(subject)
-    return (
-        Column(f"{names[INNER]} contact force", "N", on_main, limit, borders),
-        Column(f"{names[OUTER]} contact force", "N", on_return, limit, borders),
+    return tuple(
+        Column(f"{names[sense]} contact force", "N", pushing(sense), limit, borders)
+        for sense in (INNER, OUTER)
     )
 
 

@@ -6,9 +6,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final, Literal
 
-from camgeo.dynamics.effects.effect import ELASTIC, GIVEN_SPEED, STIFF_SHAFT, Effect
+from camgeo.dynamics.effects.effect import (
+    ELASTIC,
+    FLATS,
+    GIVEN_SPEED,
+    ROLLERS,
+    STIFF_SHAFT,
+    Effect,
+    Only,
+)
 from camgeo.dynamics.effects.results import CONTACT_FORCE
-from camgeo.dynamics.effects.rules import FLATS, ROLLERS, Only
 from camgeo.errors import GeometryError
 from camgeo.part.materials import Material, find_material
 from camgeo.record import schema_beside

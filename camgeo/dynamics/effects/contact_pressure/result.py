@@ -18,7 +18,16 @@ import numpy as np
 from camgeo.check.finding import Finding, held
 from camgeo.dynamics.effects.contact import FLANKS, INNER, OUTER, sides_of, with_other_side
 from camgeo.dynamics.effects.contact_pressure import Bearing, PressureRequirements
-from camgeo.dynamics.effects.effect import SPEED, Bound, Column, Quantity, Request, Result, Subject
+from camgeo.dynamics.effects.effect import (
+    SPEED,
+    Bound,
+    Column,
+    Quantity,
+    Request,
+    Result,
+    Subject,
+    scaled,
+)
 from camgeo.dynamics.effects.results import CONTACT_FORCE
 from camgeo.dynamics.effects.wording import at, missed, placed
 from camgeo.errors import EffectError, GeometryError
@@ -79,13 +88,11 @@ def compute(request: Request[PressureRequirements]) -> ContactPressure:
     main = _of_disc(request, subject, force.normal, force.edges)
     if subject.returning is None:
         return main
-
-    def on_return(phi: FloatArray, side: Side) -> FloatArray:
-        return -force.normal(phi, side)
-
-    names, noun = sides_of(subject)
-    words = f"{names[OUTER]} {noun}"
-    other = _of_return(request, subject.returning, on_return, force.edges, words)
+    try:
+        other = _of_disc(request, subject.returning, scaled(force.normal, -1.0), force.edges)
+    except EffectError as error:  # of the return disc, or of the opposite side
+        names, noun = sides_of(subject)
+        raise replace(error, message=f"{names[OUTER]} {noun}: {error.message}") from error
     return replace(with_other_side(subject, main, other), returning=other)
 
 
@@ -116,10 +123,6 @@ def _of_disc(
         life = rolling_life(
             contact, edges, request.course, data.rating, exponent, request.tolerance
         )
-
-    def shear(phi: FloatArray, side: Side) -> FloatArray:
-        return SHEAR_SHARE * contact.pressure(phi, side)
-
     inside = edges[(edges > 0.0) & (edges < TURN)]
     return ContactPressure(
         findings=(
@@ -128,7 +131,7 @@ def _of_disc(
         ),
         columns=(
             Column("contact pressure", "MPa", contact.pressure, data.limit, inside),
-            Column("subsurface shear", "MPa", shear, None, inside),
+            Column("subsurface shear", "MPa", scaled(contact.pressure, SHEAR_SHARE), None, inside),
         ),
         errors={} if life is None else errors_of(life),
         contact=contact,
@@ -148,20 +151,6 @@ def errors_of(life: Life) -> dict[str, Bound]:
 
 def _relative(value: float, error: float) -> Bound:
     return Bound(error * value, value)
-
-
-def _of_return(
-    request: Request[PressureRequirements],
-    subject: Subject,
-    normal: Quantity,
-    edges: FloatArray,
-    words: str,
-) -> ContactPressure:
-    """As `_of_disc`; its error message names the return disc, or the side, by these `words`."""
-    try:
-        return _of_disc(request, subject, normal, edges)
-    except EffectError as error:
-        raise replace(error, message=f"{words}: {error.message}") from error
 
 
 def _width(subject: Subject, data: PressureRequirements) -> float:

@@ -9,9 +9,9 @@ rotation, negative where the follower drives the cam.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -25,8 +25,7 @@ from camgeo.dynamics.effects.bearing_friction import (
     with_reversals,
 )
 from camgeo.dynamics.effects.contact import INNER, OUTER, carrier, leverage_of
-from camgeo.dynamics.effects.drive_torque import TorqueLimits
-from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request, Subject
+from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request, Subject, data_of
 from camgeo.dynamics.effects.forces import (
     all_borders,
     at_rates,
@@ -51,7 +50,21 @@ from camgeo.numeric.quadrature import piecewise_integral, piecewise_integrals
 from camgeo.units import RPM, TURN, counted
 
 
-def compute(request: Request[TorqueLimits]) -> DriveTorque:
+@dataclass(frozen=True, slots=True)
+class TorqueLimits:
+    """Limits of torque and speed fluctuation.
+
+    Attributes
+    ----------
+    limit : largest torque allowed [N mm]; None for no limit.
+    fluctuation : allowed speed fluctuation, to size a flywheel; None to size none.
+    """
+
+    limit: float | None = None
+    fluctuation: float | None = None
+
+
+def compute(request: Request[Mapping[str, Any]]) -> DriveTorque:
     """Torque, its integrals over a turn to the tolerance, and the flywheel if requested.
 
     Raises
@@ -62,7 +75,7 @@ def compute(request: Request[TorqueLimits]) -> DriveTorque:
         "jamming", if friction prevents the contact force from driving the follower; and if the
         tolerance cannot be reached.
     """
-    subject, data = request.subject, request.data
+    subject, data = request.subject, data_of(TorqueLimits, request.data)
     course = subject.state.course
     if data.fluctuation is not None and course is None:
         raise GeometryError(

@@ -4,27 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
-from camgeo.dynamics.effects.effect import Effect
-from camgeo.dynamics.effects.results import FRICTION
-from camgeo.dynamics.effects.rules import (
+from camgeo.dynamics.effects.effect import (
     DRIVING_SLIDER,
     FLATS,
-    GUIDED,
     ONE_ROLLER,
     ROCKING,
     ROLLERS,
     ROUND,
     STRAIGHT,
+    Effect,
+    Kind,
+    Machine,
     Only,
+    Table,
 )
+from camgeo.dynamics.effects.results import FRICTION
 from camgeo.errors import GeometryError
 from camgeo.record import schema_beside
-
-if TYPE_CHECKING:
-    from camgeo.dynamics.effects.rules import Machine, Table
-
 
 # -- table ----------------------------------------------------------------------------------------
 # The table ``[effects.friction]``: coefficients of friction, and lengths.
@@ -113,6 +111,14 @@ def tilts(machine: Machine, table: Table) -> Iterator[tuple[str, str]]:
 
 
 # -- friction -------------------------------------------------------------------------------------
+
+
+GUIDED: Final = Kind(
+    "lift",
+    ("rad",),
+    "is for translating followers, and this follower is a rocker",
+    "Translating followers only.",
+)
 
 
 EFFECT: Final = Effect(

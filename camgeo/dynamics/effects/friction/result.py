@@ -18,8 +18,8 @@ from camgeo.dynamics.effects.contact import (
     require_convex,
     sliding,
 )
-from camgeo.dynamics.effects.effect import Column, Request, Subject, driving_slider
-from camgeo.dynamics.effects.forces import Coefficients, Force, Off
+from camgeo.dynamics.effects.effect import Column, Quantity, Request, Subject, driving_slider
+from camgeo.dynamics.effects.forces import Force, Off
 from camgeo.dynamics.effects.friction import FrictionCoefficients
 from camgeo.dynamics.effects.loads import guide_ends
 from camgeo.dynamics.effects.results import Bearing, Friction
@@ -147,8 +147,8 @@ def _off(subject: Subject, data: FrictionCoefficients) -> Off:
     return off
 
 
-def _on_slider(subject: Subject, data: FrictionCoefficients, linkage: SliderCrank) -> Coefficients:
-    """Coefficients of the friction along the stroke; EffectError where the slider is locked."""
+def _on_slider(subject: Subject, data: FrictionCoefficients, linkage: SliderCrank) -> Quantity:
+    """(4, n) coefficients of friction along the stroke; EffectError where the slider is locked."""
     output = subject.state.output
     locked = locked_at(linkage, output)
     if locked is not None:

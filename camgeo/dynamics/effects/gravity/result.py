@@ -7,22 +7,33 @@ x to the right and y up; the frame does not turn.
 
 from __future__ import annotations
 
+import cmath
+import math
+from collections.abc import Mapping
+from typing import Any, Final
+
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.dynamics.effects.effect import Column, Request
+from camgeo.dynamics.effects.effect import Column, Request, scaled
 from camgeo.dynamics.effects.forces import Force, unmoved
-from camgeo.dynamics.effects.gravity import STANDARD_GRAVITY, GravityDirection
 from camgeo.dynamics.effects.results import INERTIA, Gravity
 from camgeo.dynamics.effects.wording import FORCES, extreme_findings
 from camgeo.numeric.arrays import SHARE, ComplexArray, FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
 
+STANDARD_GRAVITY: Final = 9806.65
+"""g_n [mm/s^2] (3rd CGPM 1901, resolution on the standard value of the acceleration of gravity;
+ISO 80000-3, acceleration of free fall)."""
 
-def compute(request: Request[GravityDirection]) -> Gravity:
+DOWNWARDS: Final = -0.5 * math.pi
+"""Direction of gravity [rad] by default, counter-clockwise from the x axis."""
+
+
+def compute(request: Request[Mapping[str, Any]]) -> Gravity:
     """The weights of the masses of ``[effects.inertia]``: c0 alone."""
     masses = request.results[INERTIA].masses
-    pull = request.data.pull
+    pull = STANDARD_GRAVITY * cmath.rect(1.0, request.data.get("angle", DOWNWARDS))
     subject = request.subject
 
     def on_follower(phi: FloatArray, side: Side) -> FloatArray:
@@ -38,10 +49,7 @@ def compute(request: Request[GravityDirection]) -> Gravity:
         return out
 
     shown = FORCES[subject.cam.lift_unit]
-
-    def acting(phi: FloatArray, side: Side) -> FloatArray:
-        return on_follower(phi, side) * shown.scale
-
+    acting = scaled(on_follower, shown.scale)
     weight = STANDARD_GRAVITY * sum(each.mass for each in masses)
     extremes = piecewise_extremes(acting, subject.state.smooth_angles)
     return Gravity(

@@ -6,9 +6,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from camgeo.dynamics.effects.effect import GIVEN_SPEED, RIGID, SPEED, STIFF_SHAFT, Effect
+from camgeo.dynamics.effects.effect import (
+    GIVEN_SPEED,
+    ROCKING,
+    ROLLERS,
+    SPEED,
+    STIFF_SHAFT,
+    STRAIGHT,
+    Effect,
+    Kind,
+    Only,
+    Refinement,
+)
 from camgeo.dynamics.effects.results import INERTIA
-from camgeo.dynamics.effects.rules import LINKED, ROCKING, ROLLERS, STRAIGHT, TURNING, Only
 from camgeo.errors import GeometryError
 from camgeo.record import schema_beside
 
@@ -99,6 +109,17 @@ def parse(table: Mapping[str, Any]) -> MassProperties:
 # -- inertia --------------------------------------------------------------------------------------
 
 
+LINKED: Final = Kind(
+    "far", ("",), "is for linkages, and the scene has no [linkage]", "Only with a linkage."
+)
+TURNING: Final = Kind(
+    "far",
+    ("", "slider"),
+    "is for the lever of a four-bar linkage, or a crank driven by a slider",
+    "Only with the lever of a four-bar linkage, or a crank driven by a slider.",
+)
+
+
 EFFECT: Final = Effect(
     name=INERTIA,
     title="inertia force",
@@ -116,5 +137,5 @@ EFFECT: Final = Effect(
     tabled=True,
     premise="motion",
     regardless=("reduced-mass", "reduced-moment-of-inertia"),
-    refined_by=(RIGID, GIVEN_SPEED, STIFF_SHAFT),
+    refined_by=(Refinement("vibration", "a rigid follower"), GIVEN_SPEED, STIFF_SHAFT),
 )

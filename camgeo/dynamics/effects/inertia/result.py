@@ -20,7 +20,7 @@ from camgeo.check.finding import Finding
 from camgeo.dynamics.effects.effect import Column, driving_slider
 from camgeo.dynamics.effects.forces import Force, at_rates, refuse_locked, shaft_and_turn, shocks
 from camgeo.dynamics.effects.inertia import MassProperties
-from camgeo.dynamics.effects.results import Inertia
+from camgeo.dynamics.effects.results import Inertia, Mass
 from camgeo.dynamics.effects.wording import (
     FORCES,
     KG_M2,
@@ -36,7 +36,6 @@ from camgeo.units import at_cam_angles, cam_angle
 
 if TYPE_CHECKING:
     from camgeo.dynamics.effects.effect import Request, Subject
-    from camgeo.dynamics.effects.results import Mass
     from camgeo.kinematics.mechanism.linkage import FarEnd, Linkage
     from camgeo.kinematics.motion import Jet, Motion
     from camgeo.kinematics.time_course import TimeCourse
@@ -183,30 +182,34 @@ class _Report:
 
 def masses_of(subject: Subject, data: MassProperties) -> tuple[Mass, ...]:
     """The masses of `data` that are not 0."""
-    found: list[Mass] = []
+    found: list[tuple[str, float, _OnGuide | _OnRocker | _OnCoupler]]
     follower, linkage = subject.cam.follower, subject.drive.linkage
     pivot = follower.pivot
     if pivot is not None:
         centre = pivot if data.rocker_centre is None else data.rocker_centre
-        found.append(_OnRocker("rocker", data.rocker_mass, subject, pivot, centre - pivot))
-        found.append(_OnRocker("roller", data.roller_mass, subject, pivot, follower.start_arm))
+        found = [
+            ("rocker", data.rocker_mass, _OnRocker(subject, pivot, centre - pivot)),
+            ("roller", data.roller_mass, _OnRocker(subject, pivot, follower.start_arm)),
+        ]
     else:
-        found.append(_OnGuide("follower", data.mass, subject))
-        found.append(_OnGuide("roller", data.roller_mass, subject))
+        guided = _OnGuide(subject)
+        found = [("follower", data.mass, guided), ("roller", data.roller_mass, guided)]
     if linkage is not None:
         placed = (subject, linkage, *shaft_and_turn(subject, linkage))
         if driving_slider(subject) is not None:
-            found.append(_OnCoupler("slider", data.mass, *placed, 1.0))
-        found.append(_OnCoupler("coupler", data.coupler_mass, *placed, data.coupler_centre))
-    return tuple(each for each in found if each.mass)
+            found.append(("slider", data.mass, _OnCoupler(*placed, 1.0)))
+        found.append(("coupler", data.coupler_mass, _OnCoupler(*placed, data.coupler_centre)))
+    return tuple(
+        Mass(name, mass, on.place, on.per_lift, on.rates, on.per_coordinate)
+        for name, mass, on in found
+        if mass
+    )
 
 
 @dataclass(frozen=True, slots=True)
 class _OnGuide:
     """The roller centre of a translating follower, or the foot of the cam axis on its face."""
 
-    name: str
-    mass: float
     subject: Subject
 
     def place(self, phi: FloatArray, side: Side) -> ComplexArray:
@@ -229,8 +232,6 @@ class _OnGuide:
 class _OnRocker:
     """A point of the rocker; `start` is its position at cam angle 0 relative to the pivot [mm]."""
 
-    name: str
-    mass: float
     subject: Subject
     pivot: complex
     start: complex
@@ -261,8 +262,6 @@ class _OnCoupler:
     linkage's own x axis in the drawing.
     """
 
-    name: str
-    mass: float
     subject: Subject
     linkage: Linkage
     shaft: complex

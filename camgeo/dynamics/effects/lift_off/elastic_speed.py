@@ -21,7 +21,6 @@ from camgeo.dynamics.effects.contact import TOUCH
 from camgeo.dynamics.effects.effect import Quantity
 from camgeo.dynamics.effects.forces import ElasticTrain, Force
 from camgeo.dynamics.effects.lift_off.flank import Flank
-from camgeo.dynamics.oscillator.steady import SOFT
 from camgeo.kinematics.time_course import TimeCourse
 from camgeo.numeric.arrays import SIDES, ComplexArray, FloatArray, Side
 from camgeo.numeric.extremes import (
@@ -94,8 +93,7 @@ def elastic_speed(
     near : the speed at which a train that hardly differs leaves the flank: a crossing beside it is
         the first one too. None if none is known.
     """
-    rates, period = behind.train.rates, behind.response.base.period
-    if np.max(rates.real) >= 0.0:
+    if np.max(behind.train.rates.real) >= 0.0:
         return ElasticSpeed(
             why="without damping the train resonates with a harmonic at ever lower speeds"
         )
@@ -115,8 +113,8 @@ def elastic_speed(
     beside = _beside(search, 1.0 / near.value) if near is not None and near.value else None
     if beside is not None:
         return beside
-    fastest = float(np.min(np.abs(rates))) * period / SOFT
-    end = 1.0 / min(SEARCHED * max(1.0, rigid if np.isfinite(rigid) else 1.0), fastest)
+    most = SEARCHED * max(1.0, rigid if np.isfinite(rigid) else 1.0)
+    end = 1.0 / min(most, behind.response.fastest)
     start = search.start(rest.lowest.value)
     if start is None:
         return ElasticSpeed(why="where its load jumps the train may vibrate off it at any speed")
@@ -278,13 +276,14 @@ class LeastReserve:
 
     def weight(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) w."""
-        return self.flank.outwards(phi, side) * self.behind.per_lift(phi, side)
+        return self.flank.known(phi, side).outwards * self.behind.per_lift(phi, side)
 
     def share(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) |w| + |c p|: of P in G at most."""
         passed = np.sum(np.abs(self.flank.passed(phi, side, np.ones(len(phi)))), axis=0)
         return np.asarray(
-            np.abs(self.behind.per_lift(phi, side)) + np.abs(self.flank.drag(phi, side)) * passed
+            np.abs(self.behind.per_lift(phi, side))
+            + np.abs(self.flank.known(phi, side).drag) * passed
         )
 
     def parts(
@@ -299,9 +298,9 @@ class LeastReserve:
         if load is not None:
             pushed[0] += share * load.coefficients(phi, side)[0] + more
         passed = [self.flank.passed(phi, side, push) for push in pushed]
-        loads = self.flank.loads(phi, side) - np.stack(passed)
-        rubbed = np.abs(self.flank.drag(phi, side)) * np.sum(np.abs(loads), axis=1)
-        return self.flank.plain(phi, side)[0] + self.weight(phi, side) * pushed, rubbed
+        loads = self.flank.known(phi, side).loads - np.stack(passed)
+        rubbed = np.abs(self.flank.known(phi, side).drag) * np.sum(np.abs(loads), axis=1)
+        return self.flank.known(phi, side).needed + self.weight(phi, side) * pushed, rubbed
 
     @property
     def weights(self) -> FloatArray:
@@ -318,7 +317,7 @@ class LeastReserve:
         """(n,) the reserve at rest, with `more` (n,) of P."""
         train = self.behind.train
         plain, rubbed = self.parts(phi, side, 1.0 + train.yielding(train.force(0)), more)
-        return np.asarray(plain[0] + np.sign(self.flank.drag(phi, side)) * rubbed[0])
+        return np.asarray(plain[0] + np.sign(self.flank.known(phi, side).drag) * rubbed[0])
 
     def most(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) r0 + w (a y + f) + |c| sum |l0 - p (a y + f)|."""
@@ -335,7 +334,7 @@ class LeastReserve:
             return np.asarray(s * (s * r0 + r1) + r2 - self.weight(phi, side) * push)
 
         def loads(phi: FloatArray, side: Side) -> ComplexArray:
-            l0, l1, l2 = self.flank.loads(phi, side)
+            l0, l1, l2 = self.flank.known(phi, side).loads
             passed = self.flank.passed(phi, side, found.beyond_base(phi, side))
             return np.asarray(s * (s * l0 + l1) + l2 + passed)
 
@@ -355,7 +354,7 @@ class LeastReserve:
             return 0.0
 
         def lacking(phi: FloatArray, side: Side) -> FloatArray:
-            helping = np.maximum(self.flank.drag(phi, side), 0.0)
+            helping = np.maximum(self.flank.known(phi, side).drag, 0.0)
             both = [each.loads(phi, side) for each in (one, other)]
             d = unit_vectors(both[0] + both[1], np.ones_like(both[0]))
             # |V| - Re(conj(d) V) = |V| |V / |V| - d|^2 / 2

@@ -15,7 +15,7 @@ from camgeo.dynamics.effects.contact import TOUCH, lowest_on_flank
 from camgeo.dynamics.effects.effect import Quantity, Subject
 from camgeo.dynamics.effects.forces import rates_of, smooth_edges
 from camgeo.dynamics.effects.results import ContactForce, Spring
-from camgeo.dynamics.effects.wording import N_M
+from camgeo.dynamics.effects.wording import scale_of
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import SHARE, ComplexArray, FloatArray, Side, merged, read_only
 from camgeo.numeric.extremes import (
@@ -29,12 +29,18 @@ from camgeo.numeric.kept import Answers
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Known:
+class Known:
     """What is the same at all speeds of n cam angles; read-only.
 
     Attributes
     ----------
-    outwards, drag, loads, needed, size : see `Flank`; the last two are those of `Flank.plain`.
+    outwards : (n,) direction of q in which the flank pushes, +1 or -1.
+    drag : (n,) w [1 or mm], see `camgeo.dynamics.effects.bearing_friction`, in the direction of the
+        flank; 0 without friction in pivot or guide.
+    loads : (3, k, n) coefficients l0, l1, l2 of the loads l0 + f l1 + f^2 l2 that rub in pivot or
+        guide under the margin, with a rigid train; f as for `Flank.reserve`.
+    needed, size : (3, n) the coefficients of `Flank.reserve` but for friction under the `loads`,
+        and the sizes of their terms.
     per_far : (k, n) of the loads by one unit more of force on the far member of a linkage.
     """
 
@@ -62,7 +68,7 @@ class Flank:
     contact: ContactForce
     sense: int
     margin: float
-    _recent: Answers[_Known] = field(default_factory=Answers, init=False, repr=False)
+    _recent: Answers[Known] = field(default_factory=Answers, init=False, repr=False)
 
     @property
     def toucher(self) -> str:
@@ -85,88 +91,14 @@ class Flank:
         """(k,) cam angles [rad] between which all but the force of an elastic train is smooth."""
         return smooth_edges(self.subject.state.smooth_angles, self.contact.lasting)
 
-    def _known(self, phi: FloatArray, side: Side) -> _Known:
+    def known(self, phi: FloatArray, side: Side) -> Known:
         """Computed once for recent requests: a search over the speed asks again and again."""
+        return self._recent.recall(lambda: self._known(phi, side), side, phi)
 
-        def made() -> _Known:
-            outwards = self.sense * np.sign(self.subject.state.curve.leverage(phi, side))
-            bearings, still = self.contact.bearings, np.zeros(len(phi))
-            drag, per_far = still, np.zeros((0, len(phi)), dtype=np.complex128)
-            if bearings is not None:
-                drag = outwards * bearings.drag(phi, side)
-                per_far = bearings.per_far(phi, side)
-            needed, size = self._plain(phi, side, outwards, drag)
-            return _Known(
-                outwards=read_only(outwards),
-                drag=read_only(drag),
-                loads=read_only(self._loads(phi, side)),
-                needed=read_only(needed),
-                size=read_only(size),
-                per_far=read_only(per_far),
-            )
-
-        return self._recent.recall(made, side, phi)
-
-    def outwards(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) direction of q in which the flank pushes, +1 or -1."""
-        return self._known(phi, side).outwards
-
-    def drag(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) w [1 or mm], see `camgeo.dynamics.effects.bearing_friction`, in the direction of the
-        flank; 0 without friction in pivot or guide.
-        """
-        return self._known(phi, side).drag
-
-    def loads(self, phi: FloatArray, side: Side) -> ComplexArray:
-        """(3, k, n) coefficients l0, l1, l2 of the loads l0 + f l1 + f^2 l2 that rub in pivot or
-        guide under the margin, with a rigid train; f as for `reserve`.
-        """
-        return self._known(phi, side).loads
-
-    def _loads(self, phi: FloatArray, side: Side) -> ComplexArray:
-        bearings = self.contact.bearings
-        if bearings is None:
-            return np.zeros((3, 0, len(phi)), dtype=np.complex128)
-        (omega, alpha), own = rates_of(self.subject, phi, side)[:2], bearings.own(phi, side)
-        by_contact = self.margin * bearings.rubbing.per_normal(phi, side, self.sense)
-        return np.stack(
-            (own[0] + by_contact, own[1] * omega, own[2] * omega * omega + own[3] * alpha)
-        )
-
-    def passed(self, phi: FloatArray, side: Side, push: FloatArray) -> ComplexArray:
-        """(k, n) of these loads by a force `push` (n,) on the far member of a linkage."""
-        return np.asarray(self._known(phi, side).per_far * push)
-
-    def left(self, phi: FloatArray, side: Side, more: ComplexArray | None = None) -> FloatArray:
-        """(n,) the reserve at the speed of the scene, with the train of its state; for `more` see
-        `reserve`.
-        """
-        passed, behind = self._of_train(phi, side), self.contact.behind
-        total = passed if more is None else passed + more
-        found: FloatArray = np.sum(self.reserve(phi, side, more=total), axis=0)
-        if behind is not None:
-            found -= self.outwards(phi, side) * behind.beyond_rigid(phi, side)
-        return found
-
-    def _of_train(self, phi: FloatArray, side: Side) -> ComplexArray:
-        """(k, n) what the train of the state adds to the loads."""
-        behind = self.contact.behind
-        push = np.zeros(len(phi)) if behind is None else behind.beyond_base(phi, side)
-        return self.passed(phi, side, push)
-
-    def plain(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
-        """(3, n) the coefficients of `reserve` but for friction under the `loads`, and the sizes of
-        their terms.
-        """
-        known = self._known(phi, side)
-        return known.needed, known.size
-
-    def _plain(
-        self, phi: FloatArray, side: Side, outwards: FloatArray, drag: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
+    def _known(self, phi: FloatArray, side: Side) -> Known:
+        outwards = self.sense * np.sign(self.subject.state.curve.leverage(phi, side))
         omega, alpha = rates_of(self.subject, phi, side)[:2]
-        needed = np.zeros((3, len(phi)))
-        size = np.zeros((3, len(phi)))
+        needed, size = np.zeros((3, len(phi))), np.zeros((3, len(phi)))
         for force in self.contact.lasting:
             c0, c1, c2, c3 = force.coefficients(phi, side)
             parts = np.stack((c0, c1 * omega, c2 * omega * omega + c3 * alpha))
@@ -177,11 +109,50 @@ class Flank:
             needed[0] -= bracket
             size[0] += np.abs(bracket)
         needed *= outwards
-        bearings = self.contact.bearings
-        if bearings is not None:  # the bracket has the friction of the margin alone
+        drag, loads = np.zeros(len(phi)), np.zeros((3, 0, len(phi)), dtype=np.complex128)
+        per_far, bearings = loads[0], self.contact.bearings
+        if bearings is not None:
+            drag, own = outwards * bearings.drag(phi, side), bearings.own(phi, side)
+            per_far = bearings.per_far(phi, side)
             per = bearings.rubbing.per_normal(phi, side, self.sense)
+            loads = np.stack(
+                (
+                    own[0] + self.margin * per,
+                    own[1] * omega,
+                    own[2] * omega * omega + own[3] * alpha,
+                )
+            )
+            # The bracket has the friction of the margin alone.
             needed[0] -= self.margin * drag * np.sum(np.abs(per), axis=0)
-        return needed, size
+        return Known(
+            outwards=read_only(outwards),
+            drag=read_only(drag),
+            loads=read_only(loads),
+            needed=read_only(needed),
+            size=read_only(size),
+            per_far=read_only(per_far),
+        )
+
+    def passed(self, phi: FloatArray, side: Side, push: FloatArray) -> ComplexArray:
+        """(k, n) of these loads by a force `push` (n,) on the far member of a linkage."""
+        return np.asarray(self.known(phi, side).per_far * push)
+
+    def left(self, phi: FloatArray, side: Side, more: ComplexArray | None = None) -> FloatArray:
+        """(n,) the reserve at the speed of the scene, with the train of its state; for `more` see
+        `reserve`.
+        """
+        passed, behind = self._of_train(phi, side), self.contact.behind
+        total = passed if more is None else passed + more
+        found: FloatArray = np.sum(self.reserve(phi, side, more=total), axis=0)
+        if behind is not None:
+            found -= self.known(phi, side).outwards * behind.beyond_rigid(phi, side)
+        return found
+
+    def _of_train(self, phi: FloatArray, side: Side) -> ComplexArray:
+        """(k, n) what the train of the state adds to the loads."""
+        behind = self.contact.behind
+        push = np.zeros(len(phi)) if behind is None else behind.beyond_base(phi, side)
+        return self.passed(phi, side, push)
 
     def reserve(
         self,
@@ -201,7 +172,7 @@ class Flank:
         loads have the directions that they have at f = `factor`, where value and derivative are
         exact. `more` (k, n) is added to the loads.
         """
-        known = self._known(phi, side)
+        known = self.known(phi, side)
         loads, drag = known.loads, known.drag
         if more is not None:
             loads = np.concatenate((loads[:1] + more, loads[1:]))
@@ -218,9 +189,10 @@ class Flank:
         """(n,) derivative of w sum |L| at the speed of the scene, with the train of its state, as
         the loads, which have `more` (k, n), go on by `per_unit` (k, n).
         """
-        load = np.sum(self.loads(phi, side), axis=0) + self._of_train(phi, side) + more
+        known = self.known(phi, side)
+        load = np.sum(known.loads, axis=0) + self._of_train(phi, side) + more
         d = unit_vectors(load, np.ones_like(load))
-        return np.asarray(self.drag(phi, side) * np.sum((np.conj(d) * per_unit).real, axis=0))
+        return np.asarray(known.drag * np.sum((np.conj(d) * per_unit).real, axis=0))
 
 
 # -- sizing ---------------------------------------------------------------------------------------
@@ -300,7 +272,7 @@ def _least(
 
     def parts(phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
         """(n,) effect and rest."""
-        outwards = flank.outwards(phi, side)
+        outwards = flank.known(phi, side).outwards
         effect = -outwards * per_unit(phi, side)
         if load is None:
             return effect, flank.left(phi, side) - now * effect
@@ -460,11 +432,6 @@ def holding(
         if math.isfinite(enough.value)
     ]
     return f"{' or '.join(values)} of its spring would hold it" if values else ""
-
-
-def scale_of(unit: str) -> float:
-    """From internal units to the `unit` in which a property of a spring is shown."""
-    return N_M if unit.startswith("N m") and not unit.startswith("N mm") else 1.0
 
 
 def _pivot_loads(flank: Flank, spring: Spring) -> tuple[VectorOf | None, VectorOf | None]:

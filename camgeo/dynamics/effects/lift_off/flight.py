@@ -44,7 +44,7 @@ from camgeo.dynamics.effects.contact import INNER, OUTER, TOUCH, leverage_of, ra
 from camgeo.dynamics.effects.effect import Quantity, Subject
 from camgeo.dynamics.effects.forces import ElasticTrain, Force
 from camgeo.dynamics.effects.lift_off.flank import Flank
-from camgeo.dynamics.effects.results import Inertia
+from camgeo.dynamics.effects.results import ContactForce, Inertia
 from camgeo.dynamics.effects.wording import missed
 from camgeo.errors import EffectError
 from camgeo.geometry.outline.roller import PlayedLift
@@ -111,6 +111,23 @@ class FreeFollower:
 
     most_turns: ClassVar[int] = MOST_TURNS
 
+    @classmethod
+    def with_forces(
+        cls,
+        contact: ContactForce,
+        inertia: Inertia,
+        course: TimeCourse,
+        walls: tuple[Wall, ...],
+        jumps: Sequence[float] = (),
+    ) -> Self:
+        """The follower under the forces of `contact`, inertia among them; for `jumps` see the
+        class.
+        """
+        others = tuple(each for each in contact.forces if each is not inertia.force)
+        cuts = merged(np.concatenate((contact.edges, *(each.borders for each in walls))))
+        least = ROUNDED * float(np.max(np.abs(walls[0].motion(cuts, "right")[0])))
+        return cls(others, inertia, course, walls, contact.bearings, cuts, least, np.array(jumps))
+
     def leavings(self) -> tuple[Leaving, ...]:
         """Where the walls would have to pull."""
         found = []
@@ -160,18 +177,10 @@ class FreeFollower:
                 continue
             whys.append("")
             alike = len(rough.flights) == len(fine.flights) and rough.turns == fine.turns
-            pairs = tuple(zip(rough.flights, fine.flights, strict=False))
-            error = max((apart(*both) for both in pairs), default=0.0) if alike else 1.0
+            told = _told(rough.flights, fine.flights) if alike else ()
+            error = max((each.error for each in told), default=0.0) if alike else 1.0
             if error <= max(tolerance, ROUNDING):
-                told = (
-                    replace(
-                        better,
-                        error=max(apart(worse, better), ROUNDING),
-                        late=max(abs(worse.landing - better.landing), ROUNDING * TURN),
-                    )
-                    for worse, better in pairs
-                )
-                return replace(fine, flights=tuple(told))
+                return replace(fine, flights=told)
         if whys[-1]:
             raise EffectError(whys[-1])
         raise unsettled(error, tolerance)
@@ -449,36 +458,37 @@ class Wall:
     leverage: Quantity
     borders: FloatArray
 
+    @classmethod
+    def of_state(cls, subject: Subject, sense: int) -> Self:
+        """The flank `sense`, with the motion of the state."""
+
+        def motion(phi: FloatArray, side: Side) -> FloatArray:
+            return subject.state.motion.jet(phi, side, 2)[:LIFTS]
+
+        def leverage(phi: FloatArray, side: Side) -> FloatArray:
+            return leverage_of(subject, phi, side, sense)
+
+        return cls(sense, motion, leverage, subject.state.motion.borders)
+
+    @staticmethod
+    def with_clearance(subject: Subject, clearance: float) -> tuple[Wall, Wall]:
+        """The walls of a groove, or of a pair of discs, with a `clearance` [mm] above 0, or the two
+        sides of a yoke, whose clearance follows from its breadth.
+
+        Their motions raise GeometryError where the clearance is too large for the curves.
+        """
+        other, breadth = subject.returning, subject.cam.breadth
+        if other is None:
+            half = 0.5 * clearance
+            return _played(subject, -half, INNER, INNER), _played(subject, half, OUTER, OUTER)
+        first = Wall.of_state(subject, INNER)
+        if breadth is not None:
+            return first, _opposite(subject, breadth)
+        return first, _played(other, -clearance, OUTER, INNER)
+
     def outwards(self, angle: float) -> float:
         """Direction of q in which it pushes at one `angle` [rad], +1 or -1."""
         return float(np.sign(self.leverage(np.array([angle]), "right")[0]))
-
-
-def of_state(subject: Subject, sense: int) -> Wall:
-    """The flank `sense`, with the motion of the state."""
-
-    def motion(phi: FloatArray, side: Side) -> FloatArray:
-        return subject.state.motion.jet(phi, side, 2)[:LIFTS]
-
-    def leverage(phi: FloatArray, side: Side) -> FloatArray:
-        return leverage_of(subject, phi, side, sense)
-
-    return Wall(sense, motion, leverage, subject.state.motion.borders)
-
-
-def with_clearance(subject: Subject, clearance: float) -> tuple[Wall, Wall]:
-    """The walls of a groove, or of a pair of discs, with a `clearance` [mm] above 0, or the two
-    sides of a yoke, whose clearance follows from its breadth.
-
-    Their motions raise GeometryError where the clearance is too large for the curves.
-    """
-    other, breadth = subject.returning, subject.cam.breadth
-    if other is None:
-        half = 0.5 * clearance
-        return _played(subject, -half, INNER, INNER), _played(subject, half, OUTER, OUTER)
-    if breadth is not None:
-        return of_state(subject, INNER), _opposite(subject, breadth)
-    return of_state(subject, INNER), _played(other, -clearance, OUTER, INNER)
 
 
 def _opposite(subject: Subject, breadth: Breadth) -> Wall:
@@ -688,21 +698,6 @@ def in_turns(flown: list[Flight], turns: int) -> tuple[Flight, ...]:
         shift = TURN * turns * math.floor(each.leaving / (TURN * turns))
         found.append(replace(each, leaving=each.leaving - shift, landing=each.landing - shift))
     return tuple(sorted(found, key=lambda each: each.leaving))
-
-
-def with_bounces(flights: tuple[Flight, ...]) -> list[list[Flight]]:
-    """Each flight, with the rebounds after it that stay behind it in speed and gap and end on the
-    side where they begin.
-    """
-    first = next((k for k, each in enumerate(flights) if not each.rebound), 0)
-    found: list[list[Flight]] = []
-    for each in (*flights[first:], *flights[:first]):
-        over = found[-1][0] if found else None
-        if over is None or each.crossed or not each.rebound or not each.behind(over):
-            found.append([each])
-        else:
-            found[-1].append(each)
-    return found
 
 
 def unsettled(error: float, tolerance: float) -> EffectError:
@@ -1052,6 +1047,44 @@ class ElasticFollower:
 
     most_turns: ClassVar[int] = MOST_ELASTIC_TURNS
 
+    @classmethod
+    def with_train(cls, free: FreeFollower, flank: Flank, leaps: tuple[Leaving, ...]) -> Self:
+        """The follower `free` of `flank` with its train, whose masses are no part of its own.
+
+        Raises
+        ------
+        EffectError
+            If it vibrates so fast that its flights have too many cells.
+        """
+        contact = flank.contact
+        behind = contact.behind
+        assert behind is not None  # as the caller has seen
+        mass = behind.mass
+
+        def in_front(phi: FloatArray, q: FloatArray) -> FloatArray:
+            both = free.inertia.at(phi, q)
+            both[0] -= mass
+            return both
+
+        forces = tuple(each for each in free.forces if not each.present)
+        inertia = replace(free.inertia, at=in_front)
+        carried = Carried(behind, free.course)
+        least = float(np.min(in_front(free.edges, free.walls[0].motion(free.edges, "right")[0])[0]))
+        periods = carried.fastest(least) * period(free.course) / TURN
+        if periods > MOST_PERIODS:
+            raise EffectError(
+                f"off the cam the follower and its train vibrate with up to {periods:.4g} periods a"
+                f" turn; flights are computed with up to {MOST_PERIODS:g}"
+            )
+        # The edges of the contact have those between which a rigid train's force is searched.
+        smooth = flank.base_edges if contact.bearings is None else contact.edges
+        count = math.ceil(periods / PER_PIECE) + 1
+        edges = merged(np.concatenate((smooth, np.linspace(0.0, TURN, count + 1))))
+        own = replace(free, forces=forces, inertia=inertia, carried=carried, edges=edges)
+        wall = own.walls[0]
+        push = piecewise_extremes(lambda phi, side: own.on_wall(wall, phi, side)[3], contact.edges)
+        return cls(own, carried, leaps, TOUCH * push.magnitude)
+
     def steady(
         self, leavings: tuple[Leaving, ...], restitution: float, tolerance: float
     ) -> Flights:
@@ -1236,41 +1269,3 @@ def _share(flights: tuple[Flight, ...]) -> float:
     """The largest error of a figure, as a share of the largest of its kind."""
     speed, gap = _largest(flights)
     return max(each.error * max(each.speed / speed, each.gap / gap) for each in flights)
-
-
-def carrying(free: FreeFollower, flank: Flank, leaps: tuple[Leaving, ...]) -> ElasticFollower:
-    """The follower `free` of `flank` with its train, whose masses are no part of its own.
-
-    Raises
-    ------
-    EffectError
-        If it vibrates so fast that its flights have too many cells.
-    """
-    contact = flank.contact
-    behind = contact.behind
-    assert behind is not None  # as the caller has seen
-    mass = behind.mass
-
-    def in_front(phi: FloatArray, q: FloatArray) -> FloatArray:
-        both = free.inertia.at(phi, q)
-        both[0] -= mass
-        return both
-
-    forces = tuple(each for each in free.forces if not each.present)
-    inertia = replace(free.inertia, at=in_front)
-    carried = Carried(behind, free.course)
-    least = float(np.min(in_front(free.edges, free.walls[0].motion(free.edges, "right")[0])[0]))
-    periods = carried.fastest(least) * period(free.course) / TURN
-    if periods > MOST_PERIODS:
-        raise EffectError(
-            f"off the cam the follower and its train vibrate with up to {periods:.4g} periods a"
-            f" turn; flights are computed with up to {MOST_PERIODS:g}"
-        )
-    # The edges of the contact have those between which a rigid train's force is searched.
-    smooth = flank.base_edges if contact.bearings is None else contact.edges
-    count = math.ceil(periods / PER_PIECE) + 1
-    edges = merged(np.concatenate((smooth, np.linspace(0.0, TURN, count + 1))))
-    own = replace(free, forces=forces, inertia=inertia, carried=carried, edges=edges)
-    wall = own.walls[0]
-    needed = piecewise_extremes(lambda phi, side: own.on_wall(wall, phi, side)[3], contact.edges)
-    return ElasticFollower(own, carried, leaps, TOUCH * needed.magnitude)

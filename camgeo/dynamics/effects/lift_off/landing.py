@@ -16,23 +16,15 @@ from camgeo.dynamics.effects.effect import Bound, Subject
 from camgeo.dynamics.effects.lift_off.flank import Flank
 from camgeo.dynamics.effects.lift_off.flight import (
     MOST_REBOUNDS,
-    MOST_TURNS,
-    ROUNDED,
     ElasticFollower,
     Flight,
     FreeFollower,
     Leaving,
     Wall,
-    carrying,
-    of_state,
-    with_bounces,
-    with_clearance,
 )
 from camgeo.dynamics.effects.results import ContactForce, Inertia
 from camgeo.dynamics.effects.wording import N_M, at, between, degrees, placed
 from camgeo.errors import EffectError, GeometryError
-from camgeo.kinematics.time_course import TimeCourse
-from camgeo.numeric.arrays import merged
 from camgeo.numeric.extremes import Extreme, piecewise_highest, piecewise_lowest
 from camgeo.units import TURN, counted, listed
 
@@ -175,8 +167,8 @@ def flown_from(
     told = Told(flank.toucher, FLANKS, "flank")
     if why or inertia is None or course is None:
         return _none("flight", why)
-    walls = (of_state(subject, flank.sense),)
-    free = free_of(contact, inertia, course, walls, subject.state.shocks)
+    walls = (Wall.of_state(subject, flank.sense),)
+    free = FreeFollower.with_forces(contact, inertia, course, walls, subject.state.shocks)
     found = [Leaving(0, angle, angle, free.jump(angle)) for angle in lost.leaps]
     for each in lost.ranges:
         length = (each.end - each.start) % TURN
@@ -185,7 +177,7 @@ def flown_from(
     if contact.behind is not None:
         leaps = tuple(each for each in found if each.begin == each.end)
         try:
-            elastic = carrying(free, flank, leaps)
+            elastic = ElasticFollower.with_train(free, flank, leaps)
         except EffectError as error:
             return _none("flight", error.message + RIGID)
         return _told(told, subject, elastic, tuple(found), restitution, tolerance)
@@ -221,8 +213,8 @@ def crossed_by(
         why = f"the velocity jumps {at(jumps[0])}, which is itself a shock"
         return _none("impact-speed", why)
     try:
-        walls = with_clearance(subject, clearance)
-        free = free_of(contact, inertia, course, walls)
+        walls = Wall.with_clearance(subject, clearance)
+        free = FreeFollower.with_forces(contact, inertia, course, walls)
         leavings = free.leavings()
     except GeometryError as error:
         return _none("impact-speed", error.message)
@@ -292,7 +284,7 @@ def _told(
     if steady.unlanded is not None:
         return none(
             f"the flight from cam angle {degrees(steady.unlanded)} on lasts longer than"
-            f" {counted(MOST_TURNS, 'turn')}"
+            f" {counted(FreeFollower.most_turns, 'turn')}"
         )
     if not steady.turns:
         return none(f"the flights do not repeat within {counted(free.most_turns, 'turn')}")
@@ -330,6 +322,21 @@ def _told(
     return Flown(flights, turns, tuple(found), _errors(flights, turns, subject, single=single))
 
 
+def with_bounces(flights: tuple[Flight, ...]) -> list[list[Flight]]:
+    """Each flight, with the rebounds after it that stay behind it in speed and gap and end on the
+    side where they begin.
+    """
+    first = next((k for k, each in enumerate(flights) if not each.rebound), 0)
+    found: list[list[Flight]] = []
+    for each in (*flights[first:], *flights[:first]):
+        over = found[-1][0] if found else None
+        if over is None or each.crossed or not each.rebound or not each.behind(over):
+            found.append([each])
+        else:
+            found[-1].append(each)
+    return found
+
+
 def _longest_run(flights: tuple[Flight, ...]) -> int:
     """Flights that follow each other as rebounds, at most."""
     ends = [0, *(k for k, each in enumerate(flights) if not each.rebound), len(flights)]
@@ -352,24 +359,3 @@ def _errors(
         gaps = Bound(max(each.error * each.gap for each in flights), farthest)
         errors["flight"] = gaps.times(factor)
     return errors
-
-
-# -- free follower --------------------------------------------------------------------------------
-# The follower of a scene as one that may leave its walls.
-
-
-def free_of(
-    contact: ContactForce,
-    inertia: Inertia,
-    course: TimeCourse,
-    walls: tuple[Wall, ...],
-    jumps: Sequence[float] = (),
-) -> FreeFollower:
-    """A follower with the forces of `contact`, inertia among them; for `jumps` see the class."""
-    others = tuple(each for each in contact.forces if each is not inertia.force)
-    cuts = merged(np.concatenate((contact.edges, *(each.borders for each in walls))))
-    lifts = np.abs(walls[0].motion(cuts, "right")[0])
-    least = ROUNDED * float(np.max(lifts))
-    return FreeFollower(
-        others, inertia, course, walls, contact.bearings, cuts, least, np.array(jumps)
-    )

@@ -7,9 +7,9 @@ after the clearance has been crossed.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -22,9 +22,8 @@ from camgeo.dynamics.effects.contact import (
     runs,
     sides_of,
 )
-from camgeo.dynamics.effects.effect import Bound, Request, Subject
-from camgeo.dynamics.effects.lift_off import ContactMargin
-from camgeo.dynamics.effects.lift_off.flank import Flank, least_spring, lift_off_speed, scale_of
+from camgeo.dynamics.effects.effect import Bound, Request, Subject, data_of
+from camgeo.dynamics.effects.lift_off.flank import Flank, least_spring, lift_off_speed
 from camgeo.dynamics.effects.results import (
     CONTACT_FORCE,
     INERTIA,
@@ -35,7 +34,7 @@ from camgeo.dynamics.effects.results import (
     Range,
     Spring,
 )
-from camgeo.dynamics.effects.wording import angles, at, by_place, degrees, placed
+from camgeo.dynamics.effects.wording import angles, at, by_place, degrees, placed, scale_of
 from camgeo.errors import GeometryError
 from camgeo.kinematics.time_course import TimeCourse, period
 from camgeo.numeric.extremes import Extreme
@@ -49,7 +48,24 @@ if TYPE_CHECKING:
 NAME: Final = "lift-off"
 
 
-def compute(request: Request[ContactMargin]) -> ForceClosed | FormClosed:
+@dataclass(frozen=True, slots=True)
+class ContactMargin:
+    """The contact force that must remain, the clearance of the roller, and how it rebounds.
+
+    Attributes
+    ----------
+    margin : contact force that must remain [N].
+    backlash : clearance of the roller in a groove or, between two discs, of the return roller along
+        its normal [mm]; None for the side clearance in the scene.
+    restitution : of an impact, speed after it by speed before it, 0 to 1.
+    """
+
+    margin: float = 0.0
+    backlash: float | None = None
+    restitution: float = 0.0
+
+
+def compute(request: Request[Mapping[str, Any]]) -> ForceClosed | FormClosed:
     """Where contact is lost, or changes sides.
 
     Raises
@@ -58,7 +74,7 @@ def compute(request: Request[ContactMargin]) -> ForceClosed | FormClosed:
         If the scene gives a margin for a roller in a groove, which changes flanks in operation, a
         backlash for a roller on a single flank, or one that differs from the side clearance.
     """
-    subject, data = request.subject, request.data
+    subject, data = request.subject, data_of(ContactMargin, request.data)
     contact = request.results[CONTACT_FORCE]
     inertia = request.results.get(INERTIA)
     if holds_both_ways(subject):
@@ -389,11 +405,14 @@ def of_groove(
     tolerance: float,
 ) -> FormClosed:
     """The findings for a groove, pair or yoke; impact speeds to the relative `tolerance`."""
-    sides = _Sides("roller" if subject.returning is None else "follower", *sides_of(subject))
+    who, (names, noun) = "roller" if subject.returning is None else "follower", sides_of(subject)
     first, changes = flank_changes(contact)
-    found = [sides.change(change) for change in changes]
+    found = [_moves(change, who, names, noun) for change in changes]
     if not changes:
-        found.append(sides.steady(first))
+        steady = f"there is no force on either {noun}"
+        if first:
+            steady = f"the {names[first]} {noun} carries over the whole turn"
+        found.append(Finding("flank-change", "ok", steady, 0.0))
     if not changes or backlash == 0.0:
         return FormClosed(first, changes, (), findings=tuple(found))
     from camgeo.dynamics.effects.lift_off.landing import (
@@ -411,40 +430,20 @@ def of_groove(
     )
 
 
-@dataclass(frozen=True, slots=True)
-class _Sides:
-    """The wording of the findings.
-
-    Attributes
-    ----------
-    who : changes sides: "roller" or "follower".
-    names : of the sides.
-    noun : what the sides are: "flank", "disc" or "side".
-    """
-
-    who: str
-    names: dict[int, str]
-    noun: str
-
-    def change(self, change: Change) -> Finding:
-        free = change.leaving != change.carrying
-        until = f", with no force on either until {degrees(change.carrying)}" if free else ""
-        return Finding(
-            name="flank-change",
-            severity="ok",
-            sentence=(
-                f"at cam angle {degrees(change.leaving)} the {self.who} moves from the"
-                f" {self.names[change.sense]} to the {self.names[-change.sense]} {self.noun}{until}"
-            ),
-            cam_angle=change.leaving,
-            cam_range=(change.leaving, change.carrying) if free else None,
-        )
-
-    def steady(self, first: int) -> Finding:
-        sentence = f"there is no force on either {self.noun}"
-        if first:
-            sentence = f"the {self.names[first]} {self.noun} carries over the whole turn"
-        return Finding("flank-change", "ok", sentence, 0.0)
+def _moves(change: Change, who: str, names: Mapping[int, str], noun: str) -> Finding:
+    """That the roller or follower, `who`, changes sides, which are each a `noun`."""
+    free = change.leaving != change.carrying
+    until = f", with no force on either until {degrees(change.carrying)}" if free else ""
+    return Finding(
+        name="flank-change",
+        severity="ok",
+        sentence=(
+            f"at cam angle {degrees(change.leaving)} the {who} moves from the"
+            f" {names[change.sense]} to the {names[-change.sense]} {noun}{until}"
+        ),
+        cam_angle=change.leaving,
+        cam_range=(change.leaving, change.carrying) if free else None,
+    )
 
 
 # -- crossing -------------------------------------------------------------------------------------

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -18,30 +18,15 @@ from camgeo.numeric.columns import NumberColumn
 from camgeo.record import schema_beside
 
 # -- table ----------------------------------------------------------------------------------------
-# The table ``[effects.load]``: the process load.
+# The table ``[effects.load]``: the process load, in exactly one of three ways.
 
 
 KINDS: Final = ("constant", "segments", "file")
 
 
-@dataclass(frozen=True, slots=True)
-class ProcessLoad:
-    """The process load; exactly one of the three is not None.
-
-    Attributes
-    ----------
-    constant : [N or N m].
-    segments : one value for each segment of the motion of non-zero length [N or N m].
-    table : from a file.
-    """
-
-    constant: float | None = None
-    segments: tuple[float, ...] | None = None
-    table: LoadProfile | None = None
-
-
-def parse(table: Mapping[str, Any]) -> ProcessLoad:
-    """The data of the table.
+def parse(table: Mapping[str, Any]) -> LoadProfile | Sequence[float]:
+    """The load over the cam angle; if it is given by segments, one value [N or N m] for each of
+    non-zero length.
 
     Raises
     ------
@@ -56,12 +41,14 @@ def parse(table: Mapping[str, Any]) -> ProcessLoad:
             f"exactly one of {', '.join(KINDS)} is needed, and the scene gives {found}",
             key=given[1] if given else "",
         )
-    file = table.get("file")
-    if file is None:
-        return ProcessLoad(**table)
-
+    if "segments" in table:
+        segments: Sequence[float] = table["segments"]
+        return segments
+    if "constant" in table:
+        constant = table["constant"]
+        return LoadProfile(lambda phi, _side: np.full(len(phi), constant))
     try:
-        return ProcessLoad(table=read_load_table(file))
+        return read_load_table(table["file"])
     except GeometryError as error:
         raise GeometryError(error.message, "file", error.value) from error
 

@@ -8,13 +8,14 @@ a torque against its positive angle.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 
 from camgeo.dynamics.effects.effect import Column, Request, Subject
 from camgeo.dynamics.effects.forces import Force, refuse_locked, unmoved
-from camgeo.dynamics.effects.load import LoadProfile, ProcessLoad
+from camgeo.dynamics.effects.load import LoadProfile
 from camgeo.dynamics.effects.results import Acting
 from camgeo.dynamics.effects.wording import extreme_findings
 from camgeo.errors import GeometryError
@@ -26,7 +27,7 @@ N_MM: Final = 1e3
 """From N m to N mm."""
 
 
-def compute(request: Request[ProcessLoad]) -> Acting:
+def compute(request: Request[LoadProfile | Sequence[float]]) -> Acting:
     """The load in `request.data`, c0 alone.
 
     Raises
@@ -73,7 +74,7 @@ def compute(request: Request[ProcessLoad]) -> Acting:
     )
 
 
-def profile_of(data: ProcessLoad, plan: MotionPlan, unit: str) -> LoadProfile:
+def profile_of(data: LoadProfile | Sequence[float], plan: MotionPlan, unit: str) -> LoadProfile:
     """The load of the scene over the cam angle, in `unit`.
 
     Raises
@@ -82,27 +83,22 @@ def profile_of(data: ProcessLoad, plan: MotionPlan, unit: str) -> LoadProfile:
         With key "effects.load.segments", if there is not one value for each segment of non-zero
         length; with "effects.load.file", if its heading states another unit.
     """
-    if data.table is not None:
-        if data.table.unit not in ("", unit):
+    if isinstance(data, LoadProfile):
+        if data.unit not in ("", unit):
             raise GeometryError(
-                f"the heading states loads in {data.table.unit}; for this follower the load is in"
-                f" {unit}",
+                f"the heading states loads in {data.unit}; for this follower the load is in {unit}",
                 key="effects.load.file",
             )
-        return data.table
-    if data.segments is None:
-        assert data.constant is not None  # `parse` sees to it
-        value = data.constant
-        return LoadProfile(lambda phi, _side: np.full(len(phi), value))
+        return data
     # A dwell of zero length has no load.
     starts = [start for _, start, _ in plan.stretches]
-    if len(data.segments) != len(starts):
+    if len(data) != len(starts):
         raise GeometryError(
-            f"number of values {len(data.segments)}, number of segments of the motion of non-zero"
+            f"number of values {len(data)}, number of segments of the motion of non-zero"
             f" length {len(starts)}; allowed: one value for each segment",
             key="effects.load.segments",
         )
-    return steps(frozen(starts, np.float64), frozen(data.segments, np.float64))
+    return steps(frozen(starts, np.float64), frozen(data, np.float64))
 
 
 def _way(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:

@@ -2,26 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import partial
 from typing import Final
 
-from camgeo.dynamics.effects.effect import ELASTIC, GIVEN_SPEED, SPEED, STIFF_SHAFT, Effect, data_of
+from camgeo.dynamics.effects.effect import ELASTIC, GIVEN_SPEED, SPEED, STIFF_SHAFT, Effect
 from camgeo.dynamics.effects.results import CONTACT_FORCE, DRIVE_TORQUE
 from camgeo.record import schema_beside
-
-
-@dataclass(frozen=True, slots=True)
-class PowerData:
-    """The table ``[effects.power-balance]``, which has no data of its own."""
-
 
 EFFECT: Final = Effect(
     name="power-balance",
     title="power of the camshaft, what takes it, and the efficiency",
     compute="camgeo.dynamics.effects.power_balance.result:compute",
     schema=schema_beside(__file__),
-    parse=partial(data_of, PowerData),
     needs=(CONTACT_FORCE, DRIVE_TORQUE),
     keys=(SPEED,),
     numerical=True,

@@ -31,7 +31,6 @@ from camgeo.dynamics.effects.effect import (
     driving_slider,
 )
 from camgeo.dynamics.effects.forces import Force, at_rates, rates_of
-from camgeo.dynamics.effects.power_balance import PowerData
 from camgeo.dynamics.effects.results import (
     CONTACT_FORCE,
     DRIVE_TORQUE,
@@ -76,7 +75,7 @@ class PowerBalance(Result):
     takers: tuple[Taker, ...]
 
 
-def compute(request: Request[PowerData]) -> PowerBalance:
+def compute(request: Request[object]) -> PowerBalance:
     """The balance at the speed of the scene, its integrals over a turn to the tolerance.
 
     Raises

@@ -6,9 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from camgeo.dynamics.effects.effect import ELASTIC, GIVEN_SPEED, STIFF_SHAFT, Effect
+from camgeo.dynamics.effects.effect import ELASTIC, GIVEN_SPEED, ONE_DISC, STIFF_SHAFT, Effect, Only
 from camgeo.dynamics.effects.results import CONTACT_FORCE, GRAVITY, INERTIA, SPRING
-from camgeo.dynamics.effects.rules import ONE_DISC, Only
 from camgeo.errors import GeometryError
 from camgeo.record import schema_beside
 

@@ -16,9 +16,9 @@ from camgeo.dynamics.effects.contact import (
     part_of,
     unbalance_force,
 )
-from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request, Result
+from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request, Result, scaled
 from camgeo.dynamics.effects.forces import at_rates, rates_of
-from camgeo.dynamics.effects.loads import Coupler, Joints, Loads, guide_ends
+from camgeo.dynamics.effects.loads import Coupler, Loads, guide_ends
 from camgeo.dynamics.effects.reactions import Bearings
 from camgeo.dynamics.effects.results import CONTACT_FORCE, GRAVITY, INERTIA, SPRING
 from camgeo.dynamics.effects.wording import N_M, extreme_finding, missed
@@ -56,20 +56,19 @@ def compute(request: Request[Bearings]) -> Reactions:
     contact = results[CONTACT_FORCE]
     subject, edges = request.subject, contact.edges
     inertia, gravity = results.get(INERTIA), results.get(GRAVITY)
-    pins = None
+    coupler = None
     if subject.drive.linkage is not None:
         # few followers have a linkage
         from camgeo.dynamics.effects.loads import coupler_of
 
         linkage = subject.drive.linkage
-        pins = Pins(coupler_of(subject, linkage, contact.forces, inertia, gravity))
-    coupler = None if pins is None else pins.coupler
+        coupler = coupler_of(subject, linkage, contact.forces, inertia, gravity)
     loads = Loads(subject, inertia, gravity, results.get(SPRING), coupler)
-    bodies = Bodies(subject, contact, loads, pins)
+    bodies = Bodies(subject, contact, loads)
     shaft = Shaft(bodies, disc_of(subject, request.tolerance), request.data.bearings)
     reported = [
         *(_of_guide(bodies) if subject.cam.follower.pivot is None else _of_pivot(bodies)),
-        *([] if pins is None else pins.loads()),
+        *([] if coupler is None else _of_joints(coupler)),
         *shaft.loads(),
     ]
     inside = edges[(edges > 0.0) & (edges < TURN)]
@@ -107,11 +106,27 @@ def _of_guide(bodies: Bodies) -> list[Load]:
         ]
     found = [Load("guide force", "force across the guide", end(0))]
     if not bodies.subject.cam.follower.rolls:
-
-        def moment(phi: FloatArray, side: Side) -> FloatArray:
-            return N_M * bodies.tilting(phi, side)
-
+        moment = scaled(bodies.tilting, N_M)
         found.append(Load("guide moment", "moment that tilts the face", moment, "N m"))
+    return found
+
+
+def _of_joints(coupler: Coupler) -> list[Load]:
+    """In the joints of a linkage, and across the guide of a slider."""
+    linkage, follower = coupler.linkage, coupler.subject.cam.follower.mover
+
+    def size(joint: Literal["near", "far", "held"]) -> Quantity:
+        return lambda phi, side: np.abs(getattr(coupler.at_speed(phi, side), joint))
+
+    words = f"force between coupler and {linkage.member}"
+    found = [
+        Load("near pin force", f"force between {follower} and coupler", size("near")),
+        Load("far pin force", words, size("far")),
+    ]
+    if linkage.unit == "mm":
+        found.append(
+            Load("slider guide force", "force across the guide of the slider", size("held"))
+        )
     return found
 
 
@@ -158,13 +173,11 @@ class Bodies:
     subject : the design.
     contact : the contact force.
     loads : what acts on the follower besides the contact.
-    pins : the joints of the linkage; None without one.
     """
 
     subject: Subject
     contact: ContactForce
     loads: Loads
-    pins: Pins | None
 
     def of_cam(self, phi: FloatArray, side: Side) -> ComplexArray:
         """(n,) F_c, of the disc that carries."""
@@ -236,39 +249,6 @@ class Load:
             end = Extreme(resolved(end.value, force), end.place)
         name = f"largest-{self.name.replace(' ', '-')}"
         return extreme_finding(name, f"largest {self.words}", end, self.unit)
-
-
-# -- pins -----------------------------------------------------------------------------------------
-# Reactions in the joints of a linkage, see `camgeo.dynamics.effects.loads`.
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Pins:
-    """The joints at the speed of the scene."""
-
-    coupler: Coupler
-
-    def at(self, phi: FloatArray, side: Side) -> Joints:
-        """The forces (n,) at n cam angles [rad]."""
-        rates, found = rates_of(self.coupler.subject, phi, side), self.coupler.joints(phi, side)
-        return Joints(*(at_rates(each, rates) for each in (found.near, found.far, found.held)))
-
-    def loads(self) -> list[Load]:
-        """What is reported of them."""
-        linkage = self.coupler.linkage
-        follower = self.coupler.subject.cam.follower.mover
-        words = f"force between coupler and {linkage.member}"
-        found = [
-            Load("near pin force", f"force between {follower} and coupler", self._size("near")),
-            Load("far pin force", words, self._size("far")),
-        ]
-        if linkage.unit == "mm":
-            words = "force across the guide of the slider"
-            found.append(Load("slider guide force", words, self._size("held")))
-        return found
-
-    def _size(self, joint: Literal["near", "far", "held"]) -> Quantity:
-        return lambda phi, side: np.abs(getattr(self.at(phi, side), joint))
 
 
 # -- shaft ----------------------------------------------------------------------------------------

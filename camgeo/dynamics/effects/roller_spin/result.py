@@ -20,10 +20,10 @@ the other one carries. How far it skids is in `camgeo.dynamics.effects.roller_sp
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Final, NamedTuple, Self
+from typing import Any, Final, NamedTuple, Self
 
 import numpy as np
 
@@ -37,11 +37,10 @@ from camgeo.dynamics.effects.contact import (
     runs,
     with_other_side,
 )
-from camgeo.dynamics.effects.effect import Column, Request, Result, Subject
+from camgeo.dynamics.effects.effect import Column, Request, Result, Subject, data_of
 from camgeo.dynamics.effects.results import CONTACT_FORCE, ContactForce
-from camgeo.dynamics.effects.roller_spin import RollerData
 from camgeo.dynamics.effects.wording import N_M, angles, extreme_findings, over, placed
-from camgeo.dynamics.oscillator.steady import DEGREE, Pieces, interpolated, series_values
+from camgeo.dynamics.oscillator.steady import DEGREE, Pieces, interpolated
 from camgeo.kinematics.time_course import TimeCourse, period
 from camgeo.numeric.arrays import SHARE, FloatArray, IntArray, Side, merged
 from camgeo.numeric.extremes import (
@@ -56,6 +55,20 @@ from camgeo.numeric.extremes import (
 )
 from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.units import RPM, TURN
+
+
+@dataclass(frozen=True, slots=True)
+class RollerData:
+    """The roller, from the table ``[effects.roller-spin]``.
+
+    Attributes
+    ----------
+    moment_of_inertia : J of the turning parts about the pin [t mm^2].
+    traction : largest ratio of tangential to normal force at the contact.
+    """
+
+    moment_of_inertia: float
+    traction: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,7 +87,7 @@ class RollerSpin(Result):
     opposite: RollerSpin | None = None
 
 
-def compute(request: Request[RollerData]) -> RollerSpin:
+def compute(request: Request[Mapping[str, Any]]) -> RollerSpin:
     """The spin at the speed of the scene, of both rollers of a yoke."""
     main, *others = (_spin_of(each) for each in Rolling.each(request))
     if not others:
@@ -315,7 +328,7 @@ class Cells:
         # from -1 to 1 over the cell, by differences that are exact near its start
         first, share = 2.0 * (low - starts) / (ends - starts), span / (ends - starts)
         x = (first - 1.0)[:, np.newaxis] + share[:, np.newaxis] * (places + 1.0)
-        found: FloatArray = series_values(self.rate.series[:, cell, np.newaxis], x) @ weights
+        found: FloatArray = self.rate.within(cell[:, np.newaxis], x) @ weights
         return 0.5 * span * found
 
     @cached_property
@@ -522,7 +535,7 @@ class Skid:
 
         def impulse(cell: IntArray, phi: FloatArray) -> FloatArray:
             low, high = rate.edges[cell], rate.edges[cell + 1]
-            return series_values(rate.series[:, cell], (2.0 * phi - low - high) / (high - low))
+            return rate.within(cell, (2.0 * phi - low - high) / (high - low))
 
         return self.cells.rolling.data.traction * self._slipped(impulse)
 
@@ -609,26 +622,22 @@ class Rolling:
     alone: int = 0
 
     @classmethod
-    def each(cls, request: Request[RollerData]) -> tuple[Self, ...]:
+    def each(cls, request: Request[Mapping[str, Any]]) -> tuple[Self, ...]:
         """The roller of a scene, or both of a yoke, each on the inner flank as it touches it."""
         subject, contact = request.subject, request.results[CONTACT_FORCE]
-        if subject.returning is None:
-            return (cls._of_one(request),)
-        senses = np.full(len(contact.edges) - 1, float(INNER))
-        return tuple(
-            cls(touched, request.course, contact, request.data, senses, alone)
-            for touched, alone in ((subject, INNER), (subject.returning, OUTER))
-        )
-
-    @classmethod
-    def _of_one(cls, request: Request[RollerData]) -> Self:
-        subject, contact = request.subject, request.results[CONTACT_FORCE]
-        senses = np.full(len(contact.edges) - 1, float(subject.cam.contact.push))
+        data, pieces = data_of(RollerData, request.data), len(contact.edges) - 1
+        if subject.returning is not None:
+            senses = np.full(pieces, float(INNER))
+            return tuple(
+                cls(touched, request.course, contact, data, senses, alone)
+                for touched, alone in ((subject, INNER), (subject.returning, OUTER))
+            )
+        senses = np.full(pieces, float(subject.cam.contact.push))
         if holds_both_ways(subject):
             middle = 0.5 * (contact.edges[:-1] + contact.edges[1:])
             inner = contact.normal(middle, "right") >= 0.0
             senses = np.where(inner, float(INNER), float(OUTER))
-        return cls(subject, request.course, contact, request.data, senses)
+        return (cls(subject, request.course, contact, data, senses),)
 
     @property
     def reversals(self) -> FloatArray:

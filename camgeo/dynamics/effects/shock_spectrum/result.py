@@ -10,15 +10,14 @@ residual approaches the stroke itself.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.dynamics.effects.effect import Request, Result, Subject
-from camgeo.dynamics.effects.shock_spectrum import SpectrumRange
+from camgeo.dynamics.effects.effect import Request, Result, Subject, data_of
 from camgeo.dynamics.oscillator.steady import QUIET, ROUNDINGS, Shock, shock
 from camgeo.dynamics.oscillator.train import EPS
 from camgeo.kinematics.laws.law import Law
@@ -44,6 +43,20 @@ FIRST_SPAN: Final = 10.0
 LONGEST: Final = 1000.0
 """Ratio up to which the start of the permanently small residual is searched for; a velocity jump as
 large as the mean velocity leaves 1 % at a ratio of 32."""
+
+
+@dataclass(frozen=True, slots=True)
+class SpectrumRange:
+    """Range and damping of the spectrum.
+
+    Attributes
+    ----------
+    highest_ratio : upper end of the spectrum.
+    damping : damping ratio of the train.
+    """
+
+    highest_ratio: float = 10.0
+    damping: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,13 +101,13 @@ class ShockSpectrum(Result):
     highest_ratio: float
 
 
-def compute(request: Request[SpectrumRange]) -> ShockSpectrum:
+def compute(request: Request[Mapping[str, Any]]) -> ShockSpectrum:
     """The spectra of all moves.
 
     Without a speed the cam is assumed to turn at constant speed; its value does not matter. A plan
     without a move from rest to rest has no spectrum, which is a warning.
     """
-    data, subject = request.data, request.subject
+    data, subject = data_of(SpectrumRange, request.data), request.subject
     course = subject.state.course or ConstantSpeed(1.0)
     moves = moves_of(subject, course)
     if not moves:
@@ -240,10 +253,7 @@ class RestToRest:
 
 def moves_of(subject: Subject, course: TimeCourse) -> list[RestToRest]:
     """All moves from rest to rest, in the order of the cam angle."""
-    return sorted(_moves(subject, course), key=lambda each: each.start)
-
-
-def _moves(subject: Subject, course: TimeCourse) -> Iterator[RestToRest]:
+    found = []
     rests = _rests(subject, course)
     edges = merged(np.concatenate((subject.drive.plan.borders, course.borders, [0.0, TURN])))
     two_turns = np.concatenate((edges[:-1], edges + TURN))
@@ -256,10 +266,12 @@ def _moves(subject: Subject, course: TimeCourse) -> Iterator[RestToRest]:
         moving = merged(np.concatenate(([start], inner, [end])))
         turns = math.floor(start / TURN)
         moving = moving - TURN * turns
-        found = _move(subject, course, moving)
-        if found is not None:
+        move = _move(subject, course, moving)
+        if move is not None:
             even = isinstance(course, ConstantSpeed)
-            yield replace(found, law=_law(subject.drive.plan, joints, moving) if even else None)
+            law = _law(subject.drive.plan, joints, moving) if even else None
+            found.append(replace(move, law=law))
+    return sorted(found, key=lambda each: each.start)
 
 
 def _law(plan: MotionPlan, joints: FloatArray, edges: FloatArray) -> Law | None:

@@ -20,19 +20,26 @@ from typing import Final, Self
 import numpy as np
 
 from camgeo.check.finding import Finding, held
-from camgeo.dynamics.effects.bearing_friction import FIXED, LINEAR, PER_LOAD, linear_law
-from camgeo.dynamics.effects.bearing_friction import MOST_STEPS as MOST_TURNS
+from camgeo.dynamics.effects.bearing_friction import LINEAR, StuckError, linear_at, linear_law
 from camgeo.dynamics.effects.contact import lost_contact
 from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request
 from camgeo.dynamics.effects.forces import all_borders, smooth_edges
-from camgeo.dynamics.effects.results import DRIVE_TORQUE, Feedback, Sought, Turning
+from camgeo.dynamics.effects.results import DRIVE_TORQUE, Sought, Turning
 from camgeo.dynamics.effects.shaft import (
+    BETWEEN,
+    BETWEEN_NODES,
+    EPS,
+    FINEST,
+    KEEP,
+    LONGEST,
     NODES,
+    ROUGH,
+    ROUNDINGS,
     DoubleMesh,
     Mesh,
+    NoConvergenceError,
     Shaft,
     State,
-    StuckError,
     collocation,
     course_of,
     double_mesh,
@@ -57,47 +64,29 @@ class SpeedFluctuation(Turning):
 
     Attributes
     ----------
-    steady : the speed over the cam angle, and its error.
+    turn : the speed over the cam angle.
+    steady : the same with its mean values and errors.
     alpha : (n,) angular acceleration of the cam [rad/s^2] at n cam angles.
     mean_speed : over time [rad/s].
     fluctuation : difference of largest and smallest speed, divided by the mean.
     """
 
+    turn: SteadyTurn
     steady: Steady
     alpha: Quantity
     mean_speed: float
     fluctuation: float
 
     @property
-    def turn(self) -> SteadyTurn:
-        """The speed over the cam angle."""
-        return self.steady.turn
-
-    @property
     def sought(self) -> tuple[Sought, ...]:
         """See `Turning`."""
         return (Sought(Label("speed", "rev/min", 1.0 / RPM), self.turn.omega, self.steady.speed),)
 
-    def linearised(
-        self, phi: FloatArray, rows: FloatArray, other: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
+    def off_by(self, beside: Sequence[float], rough: Self) -> Self:
         """See `Turning`."""
-        return self.turn.linearised(phi, rows, other)
-
-    def fed_back(
-        self, feedback: Feedback, told: Finding, beside: Sequence[float], rough: Self
-    ) -> Self:
-        """See `Turning`."""
+        del rough
         steady = replace(self.steady, beside=beside[0])
-        errors = steady.figures()
-        return replace(
-            self,
-            steady=steady,
-            rough_course=rough.rough_course,
-            feedback=feedback,
-            findings=(*self.findings, told),
-            errors={**errors, told.name: errors["cam speed"]},
-        )
+        return replace(self, steady=steady, errors=steady.figures())
 
 
 def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
@@ -118,8 +107,8 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
     shaft = Shaft(data.moment_of_inertia, data.motor)
     near = None if request.near is None else request.near.turn
     steady = accurate(shaft, law, edges, request.tolerance, near)
-    switches = np.setdiff1d(steady.edges, edges)
-    kinks = np.concatenate((subject.state.smooth_angles, all_borders(contact.lasting), switches))
+    found = np.setdiff1d(steady.edges, edges)
+    kinks = np.concatenate((subject.state.smooth_angles, all_borders(contact.lasting), found))
     turn, mean, work = steady.turn, steady.mean, steady.work
     assert turn.rough is not None  # only that one has none
 
@@ -139,7 +128,7 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
     speeds, torques = piecewise_extremes(omega, edges), piecewise_extremes(motor, edges)
     fluctuation = resolved(speeds.highest.value - speeds.lowest.value, mean) / mean
     text = f"speed fluctuation {fluctuation:.5g}, largest minus smallest speed divided by the mean"
-    found = (
+    findings = (
         held("speed-fluctuation", text, fluctuation, data.limit),
         Finding(
             "mean-speed",
@@ -168,14 +157,14 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
         ),
     )
     return SpeedFluctuation(
+        turn=turn,
         steady=steady,
         course=course_of(turn, alpha, kinks),
         rough_course=course_of(turn.rough, alpha, kinks),
-        mesh=turn.mesh,
         alpha=alpha,
         mean_speed=mean,
         fluctuation=fluctuation,
-        findings=found,
+        findings=findings,
         lost_contact=lost_contact(subject, normal, piecewise_extremes(normal, edges), edges, None),
         columns=(
             Column("cam speed", "rev/min", lambda phi, side: omega(phi, side) / RPM),
@@ -200,17 +189,6 @@ def _extremes(name: str, words: str, ends: Extremes, factor: float, unit: str) -
 # work over a turn by 2 pi times that; both may be small compared with the torque at standstill, so
 # the speed must be the more accurate. Mean values are integrals over the nodes of the cells;
 # halving the cells changes them by about their error.
-
-
-ROUNDING: Final = 16.0 * 2.0**-52
-"""Relative error of a speed between the nodes: of the sum of nine polynomials and a root."""
-
-FINEST: Final = 256.0 * 2.0**-52
-"""Smallest tolerance of the speed that is tried for the sake of the torque."""
-
-ROUGH: Final = (1e-3, 1e-6)
-"""Tolerances of the turns from which the places of kinks are taken. A kink off its place by d adds
-an error of d^2, and d is as small as the error of the turn that it is taken from."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -252,7 +230,7 @@ class Steady:
     @property
     def speed(self) -> Bound:
         """Error of the speed [rad/s]."""
-        own = (self.turn.error + ROUNDING) * self.fastest
+        own = (self.turn.error + BETWEEN_NODES) * self.fastest
         return Bound(own + self.beside, self.fastest)
 
     @property
@@ -299,27 +277,17 @@ def accurate(
     for rough in ROUGH:
         if turn is None or rough < ROUGH[0]:
             turn = solve(shaft, law, edges, max(rough, tolerance), turn)
-        found = _switches(shaft, law, edges, turn)
+        found = switches(law, edges, turn.mesh.laws, turn.driven)
         if not len(found):
             break
         edges = merged(np.concatenate((edges, found)))
     steady = _measured(shaft, solve(shaft, law, edges, tolerance, turn), edges)
-    worst = _worst(steady)
+    worst = max(each.share for each in steady.figures().values())
     if worst > tolerance:
         speed = max(0.5 * tolerance * steady.turn.error / worst, FINEST)
         with suppress(EffectError):
             steady = _measured(shaft, solve(shaft, law, edges, speed, steady.turn), edges)
     return steady
-
-
-def _switches(
-    shaft: Shaft[Motor], law: Quantity, edges: FloatArray, turn: SteadyTurn
-) -> FloatArray:
-    return switches(law, edges, turn.mesh.laws, lambda phi: (shaft, turn.y(phi)))
-
-
-def _worst(found: Steady) -> float:
-    return max(each.share for each in found.figures().values())
 
 
 def _measured(shaft: Shaft[Motor], turn: SteadyTurn, edges: FloatArray) -> Steady:
@@ -363,9 +331,6 @@ def _slopes(motor: Motor, slowest: float, fastest: float) -> FloatArray:
 # -- solve ----------------------------------------------------------------------------------------
 # Solution for the steady state, and its obstacles: shocks, a stall, a follower that jams.
 
-
-LONGEST: Final = TURN / 24.0
-"""Largest length of an initial cell [rad]."""
 
 GUESSES: Final = 65
 """Number of constant speeds, up to twice the no-load speed, at which the power balance is
@@ -584,7 +549,7 @@ class _March:
         omega = math.sqrt(2.0 * y)
         drive, slope = self.torque(omega)
         if len(law) != LINEAR:
-            law = _linear(law, omega, drive / self.inertia, 1.0 / self.inertia)
+            law = linear_at(law, omega, drive / self.inertia, 1.0 / self.inertia)
         c0, c1, c2, c3, ahead, behind = law
         rest = c0 + omega * (c1 + omega * c2)
         gain = ahead if self.inertia * rest + c3 * drive >= 0.0 else behind
@@ -597,51 +562,6 @@ class _March:
         if omega == 0.0:
             return alpha, 0.0
         return alpha, (slope - gain * (c1 + 2.0 * omega * c2)) / (omega * moment)
-
-
-def _linear(law: list[float], omega: float, alpha: float, slowing: float) -> list[float]:
-    """As `RubbingLaw.linear`, for one cam angle."""
-    count = (len(law) - FIXED) // PER_LOAD
-    real, imag = FIXED, FIXED + 4 * count
-    own = [
-        [complex(law[real + k * count + i], law[imag + k * count + i]) for k in range(4)]
-        for i in range(count)
-    ]
-    demand = law[0] + omega * (law[1] + omega * law[2]) + alpha * law[3]
-    at = [a[0] + omega * (a[1] + omega * a[2]) + alpha * a[3] for a in own]
-    flank = 0 if demand + law[8] * sum(map(abs, at)) >= 0.0 else 1
-    u = 1.0 - 2.0 * flank
-    torque, free, drag = law[4 + flank], u * law[6 + flank], u * law[8]
-    real = FIXED + 8 * count + flank * count
-    per = [complex(law[real + i], law[real + 2 * count + i]) for i in range(count)]
-    slowed = [b - a[3] * torque * slowing for a, b in zip(own, per, strict=True)]
-    moved = free + u * law[3] * torque * slowing
-    least = min(free - drag * sum(map(abs, per)), moved - drag * sum(map(abs, slowed)))
-    if not least > 0.0:
-        raise StuckError
-    n, d = -math.inf if drag > 0.0 else math.inf, [_unit(b, 1.0) for b in slowed]
-    for _ in range(MOST_TURNS):
-        share = sum((e.conjugate() * a).real for e, a in zip(d, at, strict=True))
-        carried = moved - drag * sum(
-            (e.conjugate() * b).real for e, b in zip(d, slowed, strict=True)
-        )
-        new = (u * demand + drag * share) / carried
-        if not drag * (new - n) > 0.0:
-            break
-        n = new
-        d = [_unit(a + b * n, e) for a, b, e in zip(at, slowed, d, strict=True)]
-    shares = [
-        sum((e.conjugate() * a[k]).real for e, a in zip(d, own, strict=True)) for k in range(4)
-    ]
-    carried = law[6 + flank] - law[8] * sum(
-        (e.conjugate() * b).real for e, b in zip(d, per, strict=True)
-    )
-    gain = torque / carried
-    return [*(c + law[8] * each for c, each in zip(law[:4], shares, strict=True)), gain, gain]
-
-
-def _unit(vector: complex, otherwise: complex) -> complex:
-    return vector / abs(vector) if vector else otherwise
 
 
 def _march(shaft: Shaft[Motor], law: Quantity, edges: FloatArray) -> _March:
@@ -686,34 +606,9 @@ MOST_PASSES: Final = 80
 
 MOST_CELLS: Final = 40_000
 
-KEEP: Final = 0.2
-"""Smallest share of y that a Newton step leaves."""
-
 NEAR: Final = 1e-3
 """Relative step size at which the iteration is at a solution, even if rounding prevents smaller
 steps."""
-
-BETWEEN: Final = 4.0
-"""Factor from the change at the nodes to the error between them: where the torque jumps, a stiff
-motor changes the speed within a fraction of a cell, partly before its first node."""
-
-ROUNDINGS: Final = 8.0
-"""Number of roundings that the estimate assumes for the acceleration at a node."""
-
-EPS: Final = float(np.finfo(np.float64).eps)
-
-
-class NoConvergenceError(ArithmeticError):
-    """Newton's method finds no periodic solution, or does not reach the tolerance.
-
-    Attributes
-    ----------
-    reached : the error that was reached, relative to the largest speed; None without a solution.
-    """
-
-    def __init__(self, reached: float | None) -> None:
-        super().__init__("no periodic solution was found")
-        self.reached = reached
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -798,10 +693,14 @@ class SteadyTurn:
         z: FloatArray = np.sum(legendre(x, NODES) * self._series[cell], axis=1)
         return self.state.base + z
 
+    def driven(self, phi: FloatArray) -> tuple[Shaft[Motor], FloatArray]:
+        """The camshaft, and y (n,) at `phi` (n,) [rad]."""
+        return self.shaft, self.y(phi)
+
     def linearised(
         self, phi: FloatArray, rows: FloatArray, other: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """See `camgeo.dynamics.effects.results.Turning`: of omega, whose rate is alpha / omega."""
+        """See `camgeo.dynamics.effects.shaft.SteadyTurn`: of omega, whose rate is alpha / omega."""
         y = self.y(phi)
         omega = np.sqrt(2.0 * y)
         alpha, growth = self.shaft.rate(rows, y)

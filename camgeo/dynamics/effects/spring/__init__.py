@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import Any, Final, Literal
 
 from camgeo.dynamics.effects.effect import Effect
-from camgeo.dynamics.effects.results import SPRING
+from camgeo.dynamics.effects.results import SPRING, HelicalSpring
 from camgeo.errors import GeometryError
 from camgeo.record import schema_beside
-
-if TYPE_CHECKING:
-    from camgeo.dynamics.effects.helical import HelicalSpring
-
 
 # -- table ----------------------------------------------------------------------------------------
 # The table ``[effects.spring]``: the spring.
@@ -98,8 +94,6 @@ def parse(table: Mapping[str, Any]) -> SpringData:
 
 def _wound(kind: Kind, table: Mapping[str, Any]) -> HelicalSpring:
     """The spring of the table of its wire; raises GeometryError as `parse` does."""
-    from camgeo.dynamics.effects.helical import HelicalSpring  # few springs have one
-
     if kind != "compression":
         raise GeometryError("is for compression springs", key=WIRE)
     if "stiffness" in table:

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Final, Protocol
 import numpy as np
 
 from camgeo.check.finding import Finding, Severity
-from camgeo.dynamics.effects.effect import Column, Request, Subject, driving_slider
+from camgeo.dynamics.effects.effect import Column, Request, Subject, driving_slider, scaled
 from camgeo.dynamics.effects.forces import Force, unmoved
-from camgeo.dynamics.effects.results import Spring
+from camgeo.dynamics.effects.results import HelicalSpring, Spring
 from camgeo.dynamics.effects.spring import SpringData
 from camgeo.dynamics.effects.wording import at, between, degrees, placed
 from camgeo.errors import GeometryError
@@ -30,7 +30,6 @@ from camgeo.units import TURN
 
 if TYPE_CHECKING:
     from camgeo.dynamics.effects.effect import Quantity
-    from camgeo.dynamics.effects.helical import HelicalSpring
     from camgeo.kinematics.mechanism.slider_crank import SliderCrank
     from camgeo.kinematics.motion import Motion
 
@@ -487,11 +486,7 @@ class Wound:
 
 def of_wire(helical: HelicalSpring, force: Quantity, found: Extremes) -> Wound:
     """Of the `force` (n,) [N], with its extremes `found`."""
-    per_force = helical.stress_per_force
-
-    def stress(phi: FloatArray, side: Side) -> FloatArray:
-        return per_force * force(phi, side)
-
+    stress = scaled(force, helical.stress_per_force)
     return Wound(
         (
             *_wire(helical),

@@ -7,9 +7,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from camgeo.dynamics.effects.effect import GIVEN_SPEED, SPEED, STIFF_SHAFT, Effect, data_of
+from camgeo.dynamics.effects.effect import (
+    GIVEN_SPEED,
+    SPEED,
+    STIFF_SHAFT,
+    Effect,
+    Kind,
+    Only,
+    data_of,
+)
 from camgeo.dynamics.effects.results import INERTIA, LOAD, VIBRATION
-from camgeo.dynamics.effects.rules import ANGLES, LENGTHS, Only
 from camgeo.errors import GeometryError
 from camgeo.record import schema_beside
 
@@ -152,6 +159,20 @@ def _listed(table: Mapping[str, Any], kind: str) -> TrainData:
 
 
 # -- vibration ------------------------------------------------------------------------------------
+
+
+ANGLES: Final = Kind(
+    "demanded",
+    ("mm",),
+    "is for a demanded motion that is an angle, and here it is a length",
+    "Only where the demanded motion is an angle.",
+)
+LENGTHS: Final = Kind(
+    "demanded",
+    ("rad",),
+    "is for a demanded motion that is a length, and here it is an angle",
+    "Only where the demanded motion is a length.",
+)
 
 
 EFFECT: Final = Effect(

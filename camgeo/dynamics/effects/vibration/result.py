@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.dynamics.effects.effect import Bound, Column, Request, Subject
+from camgeo.dynamics.effects.effect import Bound, Column, Request, Subject, scaled
 from camgeo.dynamics.effects.forces import ElasticTrain, Force, search_edges
 from camgeo.dynamics.effects.results import INERTIA, LOAD, Elastic
 from camgeo.dynamics.effects.vibration import TrainData
@@ -271,21 +271,18 @@ def _columns(
     unit, scale = shown.unit, shown.scale
     bound = None if limit is None else scale * limit
 
-    def deflection(phi: FloatArray, side: Side) -> FloatArray:
-        return scale * output.deflection(phi, side)
-
-    def acceleration(phi: FloatArray, side: Side) -> FloatArray:
-        return scale * output.acceleration(phi, side)
-
     def push(link: int) -> Column:
-        def values(phi: FloatArray, side: Side) -> FloatArray:
-            return np.asarray(force.scale * output.forces([link], phi, side)[0])
-
+        values = scaled(lambda phi, side: output.forces([link], phi, side)[0], force.scale)
         return Column(force_column(link), force.unit, values)
 
     return (
-        Column("vibration deflection", unit, deflection, bound),
-        Column("output acceleration", f"{unit}/s^2", acceleration, borders=borders),
+        Column("vibration deflection", unit, scaled(output.deflection, scale), bound),
+        Column(
+            "output acceleration",
+            f"{unit}/s^2",
+            scaled(output.acceleration, scale),
+            borders=borders,
+        ),
         *(push(link) for link in range(links)),
     )
 
