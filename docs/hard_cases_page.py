@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
+from camgeo.check.disc import check_outline, check_standstill, check_undercut
 from camgeo.check.finding import Finding
-from camgeo.check.flank import check_outline, check_standstill, check_undercut
 from camgeo.check.machine import check_follower, check_linkage
 from camgeo.design.value_table import cam_angles
 from camgeo.errors import GeometryError

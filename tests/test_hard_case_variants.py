@@ -20,8 +20,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from mpmath import mp, mpc, mpf
 
+from camgeo.check.disc import check_standstill, check_undercut
 from camgeo.check.finding import Finding
-from camgeo.check.flank import check_standstill, check_undercut
 from camgeo.check.machine import check_follower, check_linkage
 from camgeo.design.design import Design
 from camgeo.errors import GeometryError

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.check.flank import (
+from camgeo.check.disc import (
     check_outline,
     check_standstill,
     check_transmission_angle,

@@ -28,8 +28,8 @@ from camgeo.check.cures.search import (
     first_root,
     rounded_beyond,
 )
+from camgeo.check.disc import check_standstill, check_undercut
 from camgeo.check.finding import Limits
-from camgeo.check.flank import check_standstill, check_undercut
 from camgeo.check.judge import Judgement
 from camgeo.check.machine import check_follower
 from camgeo.errors import GeometryError

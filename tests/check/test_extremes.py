@@ -17,8 +17,8 @@ from scipy.interpolate import make_interp_spline
 
 import camgeo
 from camgeo.app.answers.size import size
+from camgeo.check.disc import transmission_angle_extremes
 from camgeo.check.finding import Finding
-from camgeo.check.flank import transmission_angle_extremes
 from camgeo.design.machining import machining_of
 from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve

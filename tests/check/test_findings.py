@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from decimal import Decimal
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,16 +15,7 @@ from hypothesis import strategies as st
 
 import camgeo
 from camgeo.cam.cam import Breadth
-from camgeo.check.finding import (
-    Finding,
-    Findings,
-    Limits,
-    default_linkage_transmission_angle,
-    default_transmission_angle,
-    forbidding,
-    held,
-)
-from camgeo.check.flank import (
+from camgeo.check.disc import (
     check_face,
     check_radius_ratio,
     check_side_clearance,
@@ -31,6 +23,14 @@ from camgeo.check.flank import (
     check_transmission_angle,
     check_undercut,
     largest_deviation,
+    transmission_angle_limit,
+)
+from camgeo.check.finding import (
+    Finding,
+    Findings,
+    Limits,
+    forbidding,
+    held,
 )
 from camgeo.check.judge import worst
 from camgeo.check.machine import (
@@ -40,6 +40,7 @@ from camgeo.check.machine import (
     check_closure,
     check_follower,
     check_pair,
+    linkage_findings,
 )
 from camgeo.design.design import Design
 from camgeo.geometry.outline.cusps import undercut_ranges
@@ -67,6 +68,7 @@ from tests.reference import (
     outer_of,
     pitch_curve_of,
     reference,
+    slider_crank_of,
     thesis_params,
 )
 from tests.scene.scenes import GROOVE, spoilt
@@ -323,12 +325,15 @@ def test_a_face_that_just_reaches_is_long_enough() -> None:
 
 
 def test_a_mechanism_is_slow_up_to_thirty_turns_a_minute() -> None:
+    plan = MotionPlan((move(180, 1.0), move(180, 0.0)))
+    linked: Any = LinkedMotion(plan, slider_crank_of(thesis_params("T6_setzhub", -1)))
     for speed, slow in ((30.0 * RPM, True), (above(30.0 * RPM), False), (None, True)):
-        rocker = math.degrees(default_transmission_angle("rad", speed))
-        linkage = math.degrees(default_linkage_transmission_angle(speed))
-        assert rocker == pytest.approx(45.0 if slow else 60.0)
-        assert linkage == pytest.approx(40.0 if slow else 50.0)
-        assert math.degrees(default_transmission_angle("mm", speed)) == pytest.approx(60.0)
+        drive: Any = SimpleNamespace(speed=speed, motion=linked)
+        limits = {each.name: each.limit for each in linkage_findings(drive, Limits())}
+        assert limits["linkage-transmission-angle"] == pytest.approx(40.0 if slow else 50.0)
+        for unit, limit in (("rad", 45.0 if slow else 60.0), ("mm", 60.0)):
+            cam: Any = SimpleNamespace(drive=drive, follower=SimpleNamespace(lift_unit=unit))
+            assert math.degrees(transmission_angle_limit(cam, Limits())) == pytest.approx(limit)
 
 
 GIVEN: dict[str, tuple[list[Any], list[Any]]] = {

@@ -17,8 +17,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.cam.cam import Cam, Contact
+from camgeo.check.disc import disc_findings
 from camgeo.check.finding import NO_OUTLINE, Limits
-from camgeo.check.judge import disc_findings
 from camgeo.check.sizing.rounding import exponent_of, rounded, rounded_face
 from camgeo.check.sizing.smallest import Sizing, flocke, rate, rate_face, size, size_for_face
 from camgeo.check.sizing.task import FaceTask, Task, face_task_of, task_of

@@ -17,8 +17,7 @@ from hypothesis import strategies as st
 
 import camgeo
 from camgeo.app.answers.size import Side
-from camgeo.check.flank import transmission_angle_extremes
-from camgeo.check.judge import disc_findings, transmission_angle_limit
+from camgeo.check.disc import disc_findings, transmission_angle_extremes, transmission_angle_limit
 from camgeo.check.sizing import bends
 from camgeo.check.sizing.bends import (
     GAP,

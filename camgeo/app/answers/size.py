@@ -24,8 +24,9 @@ from camgeo.app.cli.command import (
 from camgeo.app.cli.plot import add_picture, pictures
 from camgeo.app.cli.streams import notify
 from camgeo.cam.cam import Cam
+from camgeo.check.disc import transmission_angle_limit
 from camgeo.check.finding import Finding
-from camgeo.check.judge import motion_findings, transmission_angle_limit
+from camgeo.check.judge import motion_findings
 from camgeo.check.sizing import smallest
 from camgeo.check.sizing.rounding import (
     Made,

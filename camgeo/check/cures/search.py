@@ -13,8 +13,8 @@ from typing import ClassVar, Final, Protocol, Self
 import numpy as np
 
 from camgeo.cam.cam import Cam
+from camgeo.check.disc import transmission_angle_extremes
 from camgeo.check.finding import BROKEN, CONVEXITY, NO_OUTLINE, RETURN, UNDERCUT, Finding
-from camgeo.check.flank import transmission_angle_extremes
 from camgeo.check.machine import check_follower
 from camgeo.errors import GeometryError, SceneError
 from camgeo.geometry.outline.cusps import CUSP

@@ -15,8 +15,9 @@ from typing import Any, Final
 import numpy as np
 
 from camgeo.cam.cam import Cam
+from camgeo.check.disc import disc_findings
 from camgeo.check.finding import Finding, Limits
-from camgeo.check.judge import disc_findings, linkage_findings
+from camgeo.check.machine import linkage_findings
 from camgeo.check.sizing.bends import Conditions, extreme_angles, with_more
 from camgeo.check.sizing.smallest import Sizing, rate, size
 from camgeo.check.sizing.task import FaceTask, Task, covered, no_pairs, task_of

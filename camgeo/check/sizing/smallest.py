@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from camgeo.check.flank import check_convexity, transmission_angle_extremes
+from camgeo.check.disc import check_convexity, transmission_angle_extremes
 from camgeo.check.sizing.bends import (
     Conditions,
     conditions,

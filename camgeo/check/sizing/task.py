@@ -26,7 +26,7 @@ import numpy as np
 
 from camgeo.cam.cam import Cam
 from camgeo.check.finding import Limits, forbidding
-from camgeo.check.judge import linkage_findings
+from camgeo.check.machine import linkage_findings
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.convex import SMALLEST, touch
 from camgeo.geometry.outline.crossings import find_crossings
