@@ -38,7 +38,7 @@ from camgeo.units import LengthUnit, LiftUnit, at_cam_angles, cam_angle
 
 if TYPE_CHECKING:
     from camgeo.cam.cam import Cam, Drive
-    from camgeo.check.cures.search import Cure
+    from camgeo.check.cures.remedies import Cure
 
 
 WORST_FIRST: Final = ("invalid", "no-disc", "broken", "warning", "ok")

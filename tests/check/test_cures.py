@@ -17,17 +17,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from camgeo.cam.cam import Cam
-from camgeo.check.cures.remedies import STEP, Choice, choices, longer_plan, offers_for
-from camgeo.check.cures.search import (
-    NARROW,
-    UNKNOWN,
-    Change,
-    Cure,
-    Way,
-    digits_for,
-    first_root,
-    rounded_beyond,
-)
+from camgeo.check.cures.remedies import STEP, Change, Cure, longer_plan, offers_for
+from camgeo.check.cures.search import NARROW, UNKNOWN, Way, digits_for, first_root, rounded_beyond
 from camgeo.check.disc import check_standstill, check_undercut
 from camgeo.check.finding import Limits
 from camgeo.check.judge import Judgement
@@ -244,7 +235,7 @@ def test_another_law_cures_and_none_does_it_for_less(name: str) -> None:
     assert isinstance(move, Move)
     assert move.law.name == cure.value_from
     changed = [change.key for change in cure.also]
-    for offer in offers_for(cam.drive.plan, number, Choice.of(move.law), choices()):
+    for offer in offers_for(cam.drive.plan, number):
         if changed or (cure.cost is not None and offer.growth >= cure.cost):
             continue  # not where several moves change at once
         segments = list(cam.drive.plan.segments)
@@ -254,9 +245,7 @@ def test_another_law_cures_and_none_does_it_for_less(name: str) -> None:
 
 def test_laws_offered_keep_the_joints_and_make_no_jerk() -> None:
     plan = CASES["translating"].drive.plan
-    move = plan.segments[1]
-    assert isinstance(move, Move)
-    offers = offers_for(plan, 1, Choice.of(move.law), choices())
+    offers = offers_for(plan, 1)
     assert len(offers) > 3
     assert [offer.growth for offer in offers] == sorted(offer.growth for offer in offers)
     for offer in offers:

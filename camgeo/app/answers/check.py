@@ -29,7 +29,7 @@ from camgeo.units import clock
 
 if TYPE_CHECKING:
     from camgeo.cam.cam import Disc
-    from camgeo.check.cures.search import Cure
+    from camgeo.check.cures.remedies import Cure
     from camgeo.design.design import Design
     from camgeo.design.machining import Machining
     from camgeo.geometry.outline.outline import Outline
