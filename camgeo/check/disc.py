@@ -97,7 +97,7 @@ def disc_checks(cam: Cam, limits: Limits, ledger: Ledger) -> Checks:
     return found
 
 
-def _of_face(cam: Cam, limits: Limits, found: Checks) -> None:
+def _face_checks(cam: Cam, limits: Limits, found: Checks) -> None:
     """Whether there is a cam for a flat face, and how the face is used."""
     curve, severity = cam.disc.pitch_curve, _of_undercut(limits)
     bent = found.run("convexity", lambda: check_convexity(curve, severity))
@@ -120,7 +120,7 @@ def _of_undercut(limits: Limits) -> Severity:
     return "broken" if limits.undercut == "trim" else "no-disc"
 
 
-def _of_roller(cam: Cam, limits: Limits, found: Checks) -> None:
+def _roller_checks(cam: Cam, limits: Limits, found: Checks) -> None:
     """Whether a roller can follow the curve, and what remains of the flanks in use."""
     disc = cam.disc
     curve = disc.pitch_curve
@@ -195,7 +195,7 @@ def _of_outline(
     return found
 
 
-OF_DISC: Final = {"roller": _of_roller, "face": _of_face}
+OF_DISC: Final = {"roller": _roller_checks, "face": _face_checks}
 """The findings of a disc, by what touches it."""
 
 

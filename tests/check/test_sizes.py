@@ -19,9 +19,10 @@ from hypothesis import strategies as st
 from camgeo.cam.cam import Cam, Contact
 from camgeo.check.disc import disc_findings
 from camgeo.check.finding import NO_OUTLINE, Limits
+from camgeo.check.sizing.face import FaceTask, face_task_of, rate_face, size_for_face
 from camgeo.check.sizing.rounding import exponent_of, rounded, rounded_face
-from camgeo.check.sizing.smallest import Sizing, flocke, rate, rate_face, size, size_for_face
-from camgeo.check.sizing.task import FaceTask, Task, face_task_of, task_of
+from camgeo.check.sizing.smallest import Sizing, flocke, rate, size
+from camgeo.check.sizing.task import Task, task_of
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.convex import convexity, touch
 from camgeo.kinematics.laws.law import Law

@@ -18,16 +18,8 @@ from hypothesis import strategies as st
 import camgeo
 from camgeo.app.answers.size import Side
 from camgeo.check.disc import disc_findings, transmission_angle_extremes, transmission_angle_limit
-from camgeo.check.sizing import bends
-from camgeo.check.sizing.bends import (
-    GAP,
-    Conditions,
-    conditions,
-    excluded,
-    nearest_cells,
-    samples_of,
-    within,
-)
+from camgeo.check.sizing import smallest
+from camgeo.check.sizing.face import face_task_of, size_for_face
 from camgeo.check.sizing.rounding import (
     exponent_of,
     size_with_arm,
@@ -36,17 +28,23 @@ from camgeo.check.sizing.rounding import (
     with_arm,
 )
 from camgeo.check.sizing.smallest import (
+    GAP,
+    Conditions,
     active_conditions,
+    conditions,
+    excluded,
     flocke,
     flocke_limits,
+    nearest_cells,
     nearest_point,
     rate,
     ratio_map,
     row_limits,
+    samples_of,
     size,
-    size_for_face,
+    within,
 )
-from camgeo.check.sizing.task import TOUCHING, Task, covered, face_task_of, pairs_of, task_of
+from camgeo.check.sizing.task import TOUCHING, Task, covered, pairs_of, task_of
 from camgeo.errors import GeometryError
 from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
@@ -398,8 +396,8 @@ def test_however_large_the_roller_a_large_cam_takes_it() -> None:
 
 def test_a_ratio_that_no_place_keeps(monkeypatch: pytest.MonkeyPatch) -> None:
     """Only where large cams are excluded, see above."""
-    monkeypatch.setattr(bends, "REACH", 1.5)
-    monkeypatch.setattr(bends, "ROOM", 0.0)
+    monkeypatch.setattr(smallest, "REACH", 1.5)
+    monkeypatch.setattr(smallest, "ROOM", 0.0)
     task, angle, _ = required("vorschub")
     found = size(task, angle, 1e-3)
     assert found.answer is None
