@@ -244,7 +244,7 @@ CLOSED: dict[str, dict[str, str]] = {
         ),
         "np.arange(SAMPLES)": PICTURE,
     },
-    "camgeo/kinematics/planning/planner.py": {
+    "camgeo/kinematics/planning/build.py": {
         "np.geomspace(1.0, sharper / gentler, TRIED)": (
             "any turn of them is an answer; the motion that is made with it is judged"
         ),
