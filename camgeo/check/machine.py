@@ -16,11 +16,13 @@ from camgeo.kinematics.mechanism.linkage import (
     BACK,
     OUT,
     Linkage,
+    LinkedMotion,
     MonotoneRuns,
+    clear_range,
+    kept_between,
     monotone_runs,
     position_text,
 )
-from camgeo.kinematics.mechanism.linked_motion import LinkedMotion, clear_range, kept_between
 from camgeo.numeric.arrays import FloatArray, Side, resolved
 from camgeo.numeric.kept import kept_with_owner
 from camgeo.units import at_cam_angles, cam_angle

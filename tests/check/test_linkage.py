@@ -15,8 +15,7 @@ from hypothesis import strategies as st
 
 from camgeo.check.machine import check_linkage
 from camgeo.kinematics.mechanism.four_bar import FourBar
-from camgeo.kinematics.mechanism.linkage import Linkage
-from camgeo.kinematics.mechanism.linked_motion import LinkedMotion, clear_range
+from camgeo.kinematics.mechanism.linkage import Linkage, LinkedMotion, clear_range
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move

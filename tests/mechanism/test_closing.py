@@ -11,12 +11,13 @@ from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.four_bar import FourBar
-from camgeo.kinematics.mechanism.linkage import Linkage, monotone_runs
-from camgeo.kinematics.mechanism.linked_motion import (
+from camgeo.kinematics.mechanism.linkage import (
     SIZES,
+    Linkage,
     LinkedMotion,
     clear_range,
     closing_sizes,
+    monotone_runs,
     openings,
     why_open,
 )

@@ -19,7 +19,7 @@ from mpmath import mp, mpf
 from camgeo.check.machine import check_linkage
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.four_bar import FourBar
-from camgeo.kinematics.mechanism.linked_motion import LinkedMotion, linked
+from camgeo.kinematics.mechanism.linkage import LinkedMotion, linked
 from camgeo.kinematics.mechanism.several import alike, several
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank

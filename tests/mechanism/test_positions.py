@@ -12,10 +12,17 @@ from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.four_bar import FourBar
-from camgeo.kinematics.mechanism.linkage import BACK, OUT, Linkage, Size, position_text
-from camgeo.kinematics.mechanism.linked_motion import SIZES, clear_range
+from camgeo.kinematics.mechanism.linkage import (
+    BACK,
+    OUT,
+    SIZES,
+    Linkage,
+    clear_range,
+    position_text,
+)
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.kinematics.mechanism.triangle import Size
 from camgeo.numeric.arrays import FloatArray, IntArray
 from tests.long_form import examples
 from tests.strategies import attack, four_bars, slider_cranks, slider_driven_cranks

@@ -9,7 +9,7 @@ import pytest
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.mechanism.linkage import LinkedMotion
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.mechanism.slotted_lever import SlottedLever

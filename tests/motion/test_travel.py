@@ -19,7 +19,7 @@ import pytest
 from camgeo.errors import VersionError
 from camgeo.kinematics.laws import FAMILIES, make_law
 from camgeo.kinematics.laws.law import Law
-from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.mechanism.linkage import LinkedMotion
 from camgeo.kinematics.motion import Motion
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move, SplineMove, joints
 from camgeo.kinematics.planning.planner import plan_motion

@@ -20,7 +20,7 @@ from camgeo.geometry.outline.cusps import CUSP
 from camgeo.geometry.pieces import Extremes, curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.together import LinkedMotions, Repeated, one_curve
-from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.mechanism.linkage import LinkedMotion
 from camgeo.kinematics.mechanism.several import alike
 from camgeo.kinematics.motion import FULL_ORDER, Jet, Motion
 from camgeo.kinematics.plan import EXACT, SNAP, Dwell, MotionPlan, Move

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 from camgeo.kinematics.mechanism.values import UNIT_OF
 
 if TYPE_CHECKING:
-    from camgeo.kinematics.mechanism.linkage import Member
-    from camgeo.kinematics.mechanism.values import Touching
+    from camgeo.kinematics.mechanism.values import Member, Touching
     from camgeo.units import LiftUnit
 
 

@@ -24,7 +24,6 @@ from camgeo.numeric.checked import (
 from camgeo.units import TURN
 
 if TYPE_CHECKING:
-    from camgeo.kinematics.mechanism.linkage import Linkage, Member
     from camgeo.units import LiftUnit
 
 
@@ -164,6 +163,9 @@ Touching = Literal["roller", "face"]
 Mover = Literal["follower", "rocker"]
 """The part of a follower that moves."""
 
+Member = Literal["slider", "lever", "crank"]
+"""The far end of a linkage, whose motion is demanded."""
+
 UNIT_OF: Final[Mapping[Member, LiftUnit]] = {"slider": "mm", "lever": "rad", "crank": "rad"}
 """Unit of the positions of a linkage's far end."""
 
@@ -218,5 +220,5 @@ class LinkageKind:
     description: str
     members: Mapping[LiftUnit, Member]
     schema: Mapping[str, Any]
-    build: Callable[[Values, LiftUnit], Linkage]
+    build: Callable[[Values, LiftUnit], Any]
     templates: tuple[str, ...] = ()
