@@ -190,21 +190,19 @@ class MotionPlan(Pickled):
         The joints, and the inner borders of the laws; not the middle of a rest.
         """
         found: list[float] = []
+        inner = {
+            start + border * (end - start)
+            for segment, start, end in self.stretches
+            if isinstance(segment, Move)
+            for border in segment.law.borders
+        }
         for before, after in zip(self._pieces[-1:] + self._pieces[:-1], self._pieces, strict=True):
             if before.rests and after.rests:
                 continue
             inside = before.segment_start == after.segment_start
-            if before.rests or after.rests or not inside or after.start in self._inner_breaks:
+            if before.rests or after.rests or not inside or after.start in inner:
                 found.append(after.start)
         return frozen(found, np.float64)
-
-    @cached_property
-    def _inner_breaks(self) -> frozenset[float]:
-        found: set[float] = set()
-        for segment, start, end in self.stretches:
-            if isinstance(segment, Move):
-                found.update(start + border * (end - start) for border in segment.law.borders)
-        return frozenset(found)
 
     @cached_property
     def dwells(self) -> tuple[DwellSpan, ...]:

@@ -52,31 +52,29 @@ OUT, BACK = 0, 1
 
 
 class Linkage(Protocol):
-    """A linkage with a crank and a coupler; lengths in mm.
-
-    Attributes
-    ----------
-    crank, coupler : their lengths.
-    member : whose motion is demanded.
-    unit : of the demanded positions.
-    coupler_tilt : angle between the coupler at position 0 and the direction that the definition of
-        the dimensions gives it [rad], in [0, pi/2].
-    """
+    """A linkage with a crank and a coupler; lengths in mm."""
 
     @property
-    def crank(self) -> float: ...
+    def crank(self) -> float:
+        """Length of the crank."""
 
     @property
-    def coupler(self) -> float: ...
+    def coupler(self) -> float:
+        """Length of the coupler."""
 
     @property
-    def member(self) -> Member: ...
+    def member(self) -> Member:
+        """Whose motion is demanded."""
 
     @property
-    def unit(self) -> LiftUnit: ...
+    def unit(self) -> LiftUnit:
+        """Of the demanded positions."""
 
     @property
-    def coupler_tilt(self) -> float: ...
+    def coupler_tilt(self) -> float:
+        """Angle between the coupler at position 0 and the direction that the definition of the
+        dimensions gives it [rad], in [0, pi/2].
+        """
 
     def transform(self, jet: Jet, order: int = FULL_ORDER) -> Jet:
         """(order + 1, n) the follower's motion for demanded positions and derivatives `jet` (4, n).
