@@ -32,13 +32,6 @@ def recalling(plan: MotionPlan) -> MotionPlan:
 PHI = np.linspace(-1.0, TURN + 1.0, 101)
 
 
-def test_same_answers(plan: MotionPlan, recalling: MotionPlan) -> None:
-    borders = plan.borders
-    for phi in (PHI, borders, PHI, PHI[::-1], borders):
-        for side in ("right", "left"):
-            assert np.array_equal(recalling.jet(phi, side), plan.jet(phi, side))
-
-
 def test_the_same_question_is_answered_once(recalling: MotionPlan) -> None:
     first = recalling.jet(PHI)
     assert recalling.jet(PHI.copy()) is first

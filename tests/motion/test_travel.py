@@ -5,11 +5,9 @@ from __future__ import annotations
 import copy
 import pickle
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from decimal import Decimal
 from functools import cache
 from itertools import product
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -28,12 +26,13 @@ from camgeo.kinematics.time_course import ConstantSpeed, SpeedCurve
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.scene import load_scene
 from camgeo.units import TURN
-from tests.motion.lifted import PHI, lift_of
 from tests.motion.planning import wishes
 
 ROOT = Path(__file__).parents[2] / "fixtures"
 SCENES = sorted((*ROOT.glob("scenes/*.toml"), *ROOT.glob("effects/*.toml")))
 Z = np.concatenate((np.linspace(0.0, 1.0, 201), [1e-9, 1.0 - 1e-9]))
+
+PHI = np.concatenate((np.linspace(-0.1, TURN + 0.1, 501), [0.0, TURN]))
 
 Travel = Callable[[Any], Any]
 
@@ -171,18 +170,6 @@ def test_time_courses_and_tables_travel(travel: Travel) -> None:
     assert isinstance(plan, MotionPlan)
     for joint in travel(joints(plan)):
         assert not joint.left.flags.writeable
-
-
-def test_processes_and_threads_give_the_same_bits() -> None:
-    names = ("plate_translating", "points", "measured", "straight_moves")
-    plans = [plan for plan in map(motion_of, names) if isinstance(plan, MotionPlan)]
-    assert len(plans) == len(names)
-    expected = [lift_of(plan) for plan in plans]
-    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as processes:
-        assert list(processes.map(lift_of, plans)) == expected
-    again = [copy.deepcopy(plan) for plan in plans]
-    with ThreadPoolExecutor(8) as threads:
-        assert list(threads.map(lift_of, again * 8)) == expected * 8
 
 
 @pytest.mark.parametrize("span", [3, 3.0, np.float64(3.0), Decimal("3")])
