@@ -142,12 +142,6 @@ def test_z_runs_over_the_exact_multiples_and_ends_at_1(name: str, step: Decimal)
     assert not np.any(np.signbit(table.values) & (table.values == 0.0))
 
 
-def test_a_step_that_does_not_divide_1_leaves_a_shorter_interval() -> None:
-    table = law_table(make_law("modified-sine"), Decimal("0.3"))
-    assert [str(z) for z in table.z] == ["0.0", "0.3", "0.6", "0.9", "1"]
-    assert [row[0] for row in table.printed()] == ["0.000", "0.300", "0.600", "0.900", "1.000"]
-
-
 def test_a_third_has_all_its_digits() -> None:
     """40 digits are more than decimals are computed with by default."""
     third = Decimal("0." + 40 * "3")
@@ -172,13 +166,17 @@ def test_the_finest_table(step: Decimal) -> None:
 
 
 @pytest.mark.parametrize(
-    "step", ["0", "-0.002", "0.0000009", "0.500001", "1", "NaN", "sNaN", "Infinity", "-Infinity"]
+    "step",
+    [
+        *map(Decimal, ("0", "-0.002", "0.0000009", "0.500001", "1", "NaN", "sNaN", "Infinity")),
+        *(Decimal("-Infinity"), None, "0.002", 1, math.nan, True),
+    ],
 )
-def test_a_step_outside_the_limits_is_refused(step: str) -> None:
-    with pytest.raises(GeometryError, match=r"from 0\.000001 to 0\.5") as raised:
-        law_table(make_law("modified-sine"), Decimal(step))
+def test_a_step_outside_the_limits_is_refused(step: Any) -> None:
+    with pytest.raises(GeometryError, match=r"a step of z from 0\.000001 to 0\.5") as raised:
+        law_table(make_law("modified-sine"), step)
     assert raised.value.key == "step"
-    assert raised.value.value == str(Decimal(step))
+    assert not isinstance(step, Decimal) or raised.value.value == str(step)
 
 
 def test_the_values_of_the_most_extreme_law_are_numbers() -> None:
@@ -188,13 +186,6 @@ def test_the_values_of_the_most_extreme_law_are_numbers() -> None:
     assert raised.value.key == "inflection"
     table = law_table(make_law("modified-sine", inflection=1e-30))
     assert 1e60 < table.values[0, 4] < 1e62
-
-
-@pytest.mark.parametrize("step", [None, "0.002", 1, math.nan, True])
-def test_a_step_that_is_no_number_in_range_is_refused(step: Any) -> None:
-    with pytest.raises(GeometryError, match="must be a step of z") as raised:
-        law_table(make_law("modified-sine"), step)
-    assert raised.value.key == "step"
 
 
 def test_a_float_is_the_decimal_that_it_is_written_as() -> None:

@@ -338,12 +338,6 @@ def test_through_points_without_rest_over_unequal_spans(size: float) -> None:
     assert caught.value.key == "motion[1].span"
 
 
-def test_joints_are_identified_by_their_angle() -> None:
-    found = joints(planned(move(120, 10.0), rest(0), move(240, 0.0)))
-    assert [joint.cam_angle for joint in found] == [0.0, math.radians(120.0)]
-    assert [type(joint) for joint in found] == [Joint, Joint]
-
-
 @pytest.mark.parametrize("law", ["modified-sine", "scca"])
 @pytest.mark.parametrize("at_end", [False, True])
 def test_a_part_of_a_law_is_as_long_as_cam_angles_can_tell(law: str, at_end: bool) -> None:

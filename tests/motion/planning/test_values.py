@@ -95,33 +95,6 @@ def test_points_and_polynomials_are_the_same_motion(asked: dict[str, float]) -> 
         assert np.max(np.abs(one[order] - other[order])) <= 1e-9 * size
 
 
-def test_a_straight_line_fixes_its_neighbours_end_velocities() -> None:
-    plan = planned(
-        rest(40), move(60, 5.0), move(40, 15.0, "straight-line"), move(60, 25.0), move(160, 0.0)
-    )
-    speed = 10.0 / math.radians(40.0)
-    for degrees in (100.0, 140.0):
-        joint = at(plan, degrees)
-        assert (joint.before, joint.after) == ("G", "G")
-        assert joint.order >= 2
-        assert joint.left[1] == pytest.approx(speed, rel=1e-14)
-        assert joint.right[1] == pytest.approx(speed, rel=1e-14)
-
-
-def test_two_straight_lines_and_a_rest_meet_with_shocks() -> None:
-    plan = planned(
-        rest(90),
-        move(90, 5.0, "straight-line"),
-        move(90, 20.0, "straight-line"),
-        move(90, 0.0, "straight-line"),
-    )
-    found = joints(plan)
-    assert [joint.order for joint in found] == [0, 0, 0, 0]
-    steps = [float(joint.right[1] - joint.left[1]) for joint in found]
-    unit = 1.0 / math.radians(90.0)
-    assert steps == pytest.approx([20 * unit, 5 * unit, 10 * unit, -35 * unit], rel=1e-12)
-
-
 def test_a_law_stated_in_full_decides_its_turn_and_the_neighbour_meets_it() -> None:
     plan = planned(
         rest(60),
