@@ -114,32 +114,6 @@ def test_what_would_close_it_closes_it(case: tuple[Linkage, MotionPlan]) -> None
             assert values[1] == pytest.approx(0.0, abs=1e-9)
 
 
-@attack
-@given(linkage=slider_cranks(0.0), stroke=st.floats(-200.0, 200.0), factor=st.floats(0.2, 5.0))
-def test_the_lengths_of_a_slider_crank_are_all_found(
-    linkage: SliderCrank, stroke: float, factor: float
-) -> None:
-    """Whether a length drawn by chance closes, the range with the present one nearest agrees."""
-    low, high = min(0.0, stroke), max(0.0, stroke)
-    for size in SIZES:
-        limits = closing_sizes(linkage, size, low, high)
-        present = getattr(linkage, size)
-        try:
-            other = linkage.resized(size, factor * present)
-            LinkedMotion(moving(stroke), other)
-        except GeometryError:
-            closes = False
-        else:
-            closes = True
-        if limits is None:
-            assert not closes
-        elif limits[0] * (1.0 + 1e-9) < factor * present < limits[1] * (1.0 - 1e-9):
-            assert closes
-        elif closes:  # in another range, no nearer
-            gap = max(limits[0] - present, present - limits[1], 0.0)
-            assert abs(factor * present - present) >= gap * (1.0 - 1e-9)
-
-
 def test_three_linkages_name_their_cures() -> None:
     """Each by hand: the pin's farthest distance, and the crank's farthest height."""
     slide = SliderCrank(40.0, 60.0, 0.0, True, 1, 1, 1)

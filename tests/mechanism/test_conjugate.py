@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from camgeo.errors import GeometryError
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.conjugate import FLAT, return_on_carriage, return_on_lever
-from camgeo.kinematics.mechanism.follower_path import path_of
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.units import TURN
@@ -53,23 +52,6 @@ def test_both_rollers_are_where_the_rigid_follower_holds_them(
     slack = rounding(pair)
     assert np.max(np.abs(pair.main.point(phi) - main)) <= slack
     assert np.max(np.abs(pair.other.point(phi) - other)) <= slack
-
-
-@settings(attack, max_examples=examples(16, long=40))
-@given(pairs(), st.lists(st.floats(0.0, TURN), min_size=20, max_size=20))
-def test_the_main_disc_puts_the_return_roller_onto_its_disc(
-    pair: Pair, angles: list[float]
-) -> None:
-    """Main disc -> lift, from its curve's place alone -> return roller -> its distance."""
-    phi = np.array(angles)
-    path = path_of(pair.main.follower, pair.main.rotation)
-    turned, q = path.cam_angle_of(pair.main.point(phi))
-    lift = path.outward * (q - path.start)
-    other = pair.body.rollers(lift)[1] * np.exp(-1j * pair.main.rotation * turned)
-    speed = float(np.max(np.abs(pair.other.jet(phi)[1])))
-    off = np.abs(other - pair.other.point(turned))
-    # The cam angle of a point is known to an eps or two of a turn.
-    assert np.max(off) <= 2.0 * rounding(pair) + 4.0 * EPS * TURN * speed
 
 
 @settings(attack, max_examples=25)

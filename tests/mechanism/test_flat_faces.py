@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -155,31 +154,6 @@ def test_transmission_angle_by_its_definition(curve: PitchCurve) -> None:
     expected = np.arctan2(np.abs(product.imag), np.abs(product.real))
     limit = 100.0 * ROUNDING * (np.max(np.abs(lever)) + 200.0) / np.abs(lever)
     assert np.all(np.abs(curve.transmission_angle(PHI) - expected) <= limit)
-
-
-@attack
-@given(curve=flat_curves(), angle=st.floats(-math.pi, math.pi))
-def test_mirrored_and_turned(curve: PitchCurve, angle: float) -> None:
-    """In a mirror on the x axis the cam turns the other way, and the other side is the rocker's."""
-    follower = curve.follower
-    turn = cmath.exp(1j * angle)
-    if isinstance(follower, TranslatingFlat):
-        mirrored = replace(follower, guide_angle=-follower.guide_angle)
-        turned: TranslatingFlat | OscillatingFlat = replace(
-            follower, guide_angle=follower.guide_angle + angle
-        )
-        image: TranslatingFlat | OscillatingFlat = mirrored
-    else:
-        assert isinstance(follower, OscillatingFlat)
-        if follower.direction is None:
-            return  # the lift is an angle with a sign of its own
-        image = replace(follower, pivot=follower.pivot.conjugate(), arm_side=-follower.arm_side)
-        turned = replace(follower, pivot=follower.pivot * turn)
-    here = curve.jet(PHI)
-    there = PitchCurve(curve.motion, image, -curve.rotation).jet(PHI)
-    assert np.all(np.abs(np.conj(here) - there) <= ROUNDING * size(here))
-    there = PitchCurve(curve.motion, turned, curve.rotation).jet(PHI)
-    assert np.all(np.abs(turn * here - there) <= ROUNDING * size(here))
 
 
 @attack

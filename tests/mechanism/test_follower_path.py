@@ -109,7 +109,7 @@ def test_derivatives_by_mpmath(meeting: tuple[FollowerPath, float, float, Bows])
         (bows.normal_at(path.point(at, np.array([q]))).conj() * path.along(at, np.array([q]))[0]
     ).real)  # fmt: skip
     jet = lift_jet(path, at, path.meet(at, bows, facing), bows)
-    follower = path.follower  # type: ignore[attr-defined]  # each kind of path has one
+    follower = path.follower
     a, n = mpmath.mpmathify(complex(bows.points[0])), mpmath.mpmathify(complex(bows.normals[0]))
     kappa = mpmath.mpf(float(bows.curvatures[0]))
 

@@ -23,7 +23,6 @@ from tests.laws import LAWS
 from tests.reference import POLYNOMIAL, shift
 from tests.strategies import BENT, attack, pitch_curves
 
-PLAN_TURN = Decimal(360)
 PHI = np.linspace(0.0, TURN, 121)
 
 ROUNDING = 1e-13
@@ -64,13 +63,6 @@ def backwards(plan: MotionPlan) -> MotionPlan:
 
 @attack
 @given(curve=pitch_curves(BENT))
-def test_the_roller_starts_on_the_base_circle(curve: PitchCurve) -> None:
-    (start,) = curve.point(np.zeros(1))
-    assert abs(start) == pytest.approx(curve.follower.base_radius, rel=ROUNDING)
-
-
-@attack
-@given(curve=pitch_curves(BENT))
 def test_the_roller_stays_where_the_follower_holds_it(curve: PitchCurve) -> None:
     """On the guide at its height, or on the arm at its angle; in the fixed frame."""
     centre, lift = fixed(curve, PHI), curve.motion.jet(PHI)[0]
@@ -91,16 +83,6 @@ def test_the_roller_stays_where_the_follower_holds_it(curve: PitchCurve) -> None
     assert follower.direction is not None
     # An angle is a length by the arm.
     assert np.max(np.abs(swing - follower.direction * lift)) <= 4.0 * limit / follower.arm
-
-
-@attack
-@given(curve=pitch_curves(BENT))
-def test_a_lift_outward_moves_away_from_the_cam_axis(curve: PitchCurve) -> None:
-    distance, lift = np.abs(curve.point(PHI)), curve.motion.jet(PHI)[0]
-    moved = lift > 1e-3 * max(float(np.max(lift)), 1e-9)
-    follower = curve.follower
-    assert isinstance(follower, TranslatingRoller | OscillatingRoller)
-    assert np.all((distance[moved] - follower.base_radius) * (follower.direction or 0) >= 0.0)
 
 
 @attack
@@ -184,15 +166,6 @@ def test_the_start_height_keeps_its_digits_near_the_limit() -> None:
     assert height == pytest.approx(expected, rel=1e-15)
 
 
-def test_a_positive_offset_lies_to_the_right_of_the_way_out() -> None:
-    up = PitchCurve(RISE, TranslatingRoller(50.0, 5.0, offset=30.0), 1)
-    assert up.point(np.zeros(1))[0] == pytest.approx(30.0 + 40.0j, rel=1e-15)
-    right = TranslatingRoller(50.0, 5.0, offset=30.0, guide_angle=0.0)
-    assert PitchCurve(RISE, right, 1).point(np.zeros(1))[0] == pytest.approx(
-        40.0 - 30.0j, rel=1e-15
-    )
-
-
 @pytest.mark.parametrize("rotation", [1, -1])
 def test_the_offset_that_eases_the_rise(rotation: int) -> None:
     """For a cam that turns counter-clockwise a positive one (mechanisms.md 3.2)."""
@@ -206,12 +179,3 @@ def test_the_offset_that_eases_the_rise(rotation: int) -> None:
         for offset in (-10.0, 0.0, 10.0)
     }
     assert smallest[10.0 * rotation] > smallest[0.0] > smallest[-10.0 * rotation]
-
-
-def test_a_rest_is_a_circle_about_the_cam_axis() -> None:
-    still = MotionPlan((Dwell(Decimal(360)),))
-    curve = PitchCurve(still, TranslatingRoller(50.0, 5.0, offset=14.0), -1)
-    phi = np.linspace(0.0, 6.0, 25)
-    assert np.abs(curve.point(phi)) == pytest.approx(np.full(25, 50.0), rel=1e-15)
-    assert curve.curvature(phi) == pytest.approx(np.full(25, 0.02), rel=1e-15)
-    assert curve.transmission_angle(phi) == pytest.approx(np.full(25, math.acos(0.28)), rel=1e-15)

@@ -26,7 +26,7 @@ from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.units import TURN
-from tests.integrals import cells, integrals
+from tests.integrals import cells
 from tests.long_form import examples
 from tests.reference import POLYNOMIAL, plan_of, slider_crank_of, thesis_params
 from tests.stability.exact_cam import exact_linkage, numbers_of
@@ -49,13 +49,12 @@ class Kind:
     drawn : the strategy.
     motion : as far as it closes.
     least : a derivative of which less is a matter of rounding.
-    mirrored, scaled : what else is the same linkage, in a mirror and in another unit.
+    scaled : the same linkage in another unit.
     """
 
     drawn: st.SearchStrategy[Any]
     motion: float
     least: float
-    mirrored: Callable[[Any], Any]
     scaled: Callable[[Any, float], Any]
 
 
@@ -68,20 +67,12 @@ KINDS: Final = {
         slider_cranks(8.0),
         8.0,
         0.01,
-        lambda linkage: replace(linkage, mirrored=not linkage.mirrored),
         with_lengths,
     ),
     "four-bar": Kind(
         four_bars(0.6),
         0.6,
         0.01,
-        lambda linkage: replace(
-            linkage,
-            shaft=linkage.shaft.conjugate(),
-            lever_angle=-linkage.lever_angle,
-            lever_sense=-linkage.lever_sense,
-            branch=-linkage.branch,
-        ),
         lambda linkage, scale: replace(
             linkage,
             crank=scale * linkage.crank,
@@ -94,9 +85,6 @@ KINDS: Final = {
         slider_driven_cranks(0.6),
         0.6,
         1.0,
-        lambda linkage: SliderDrivenCrank(
-            replace(linkage.inner, mirrored=not linkage.inner.mirrored)
-        ),
         lambda linkage, scale: SliderDrivenCrank(with_lengths(linkage.inner, scale)),
     ),
 }
@@ -167,18 +155,6 @@ def test_the_joints_of_the_drawing_are_a_loop_that_closes(name: str, data: st.Da
 
 
 @by_kind
-@few
-@given(data=st.data())
-def test_the_mirror_image_goes_the_other_way(name: str, data: st.DataObject) -> None:
-    kind = KINDS[name]
-    linkage, jet = data.draw(kind.drawn), data.draw(jets(kind))
-    one, other = linkage.transform(jet), kind.mirrored(linkage)
-    # A crank that is driven turns the other way; else the crank that follows does.
-    image = other.transform(-jet) if name == "slider-driven-crank" else -other.transform(jet)
-    assert image == pytest.approx(one, rel=ROUNDING, abs=ROUNDING * size(one))
-
-
-@by_kind
 @pytest.mark.parametrize("scale", [1e-3, 1e3])
 @few
 @given(data=st.data())
@@ -190,21 +166,6 @@ def test_the_unit_does_not_matter(scale: float, name: str, data: st.DataObject) 
     other = kind.scaled(linkage, scale).transform(scale * jet if slides else jet)
     allowed = ROUNDING * max(size(one), scale * linkage.coupler if driven else 0.0)
     assert other == pytest.approx(one, rel=ROUNDING, abs=allowed)
-
-
-@by_kind
-@few
-@given(data=st.data())
-def test_each_derivative_is_the_derivative_of_the_one_before(
-    name: str, data: st.DataObject
-) -> None:
-    kind = KINDS[name]
-    motion = LinkedMotion(data.draw(plans(SMOOTH, kind.motion)), data.draw(kind.drawn))
-    low, high = cells(motion.borders, 6)
-    change = motion.jet(high, "left")[:3] - motion.jet(low, "right")[:3]
-    found = integrals(lambda phi: motion.jet(phi)[1:], low, high)
-    sizes = np.max(np.abs(motion.jet(np.linspace(0.0, TURN, 241))), axis=1)[:3, np.newaxis]
-    assert np.all(np.abs(found - change) <= ROUNDING * np.maximum(sizes, kind.least))
 
 
 @by_kind
@@ -269,14 +230,6 @@ def test_bounds_are_close_next_to_a_dead_centre(
 
 PARAMS = thesis_params("T5_schnitt", 1)
 LINKAGE = slider_crank_of(PARAMS)
-
-
-def test_breaks_borders_and_rests_are_those_of_the_slider() -> None:
-    plan = plan_of(PARAMS, 5.5)
-    motion = LinkedMotion(plan, LINKAGE)
-    assert motion.breaks is plan.breaks
-    assert motion.borders is plan.borders
-    assert motion.dwells == plan.dwells
 
 
 def test_in_a_rest_the_rocker_rests_exactly() -> None:

@@ -124,9 +124,15 @@ def test_a_dead_centre_of_the_follower_stops_the_far_end() -> None:
 
 
 def test_exactly_in_line_there_is_no_ratio() -> None:
-    """Lever and coupler along y = 40 with a crank of 3-4-5; crank and coupler on the guide."""
+    """Lever and coupler along y = 40 with a crank of 3-4-5; crank and coupler on the guide; the
+    coupler across it, its tip 40 mm over the shaft.
+    """
     lever = FourBar(50.0, 20.0, 10.0, 40j, 0.0, 1, 1)
     crank = SliderDrivenCrank(SliderCrank(40.0, 60.0, 0.5 * math.pi, False, 1, 1, 1))
+    across = 60.0 + math.sqrt(100.0**2 - 40.0**2)
+    with pytest.raises(GeometryError, match="square to the guide") as caught:
+        LOCKING["slider"][0].per_follower(np.array([0.0, across]))
+    assert caught.value.key == "linkage"
     for linkage in (lever, crank):
         with pytest.raises(GeometryError, match="in line"):
             linkage.per_follower(np.array([0.1, 0.0]))

@@ -63,34 +63,12 @@ def test_the_start_angle_keeps_its_digits_where_the_arccosine_loses_them() -> No
 
 
 @pytest.mark.parametrize("arm_side", [1, -1])
-@pytest.mark.parametrize("direction", [1, -1])
-@pytest.mark.parametrize("rotation", [1, -1])
-def test_direction_and_side(arm_side: int, direction: int, rotation: int) -> None:
-    follower = OscillatingRoller(PIVOT, 80.0, 90.0, 5.0, arm_side, direction)
-    curve = PitchCurve(RISE, follower, rotation)
-    start, top = curve.point(np.zeros(1))[0], curve.point(TOP)[0]
-    assert abs(start) == pytest.approx(90.0, rel=1e-15)
-    assert math.copysign(1.0, abs(top) - 90.0) == direction
-    arm = start - PIVOT
-    side = (np.conj(-PIVOT) * arm).imag
-    assert math.copysign(1.0, side) == arm_side
-
-
-@pytest.mark.parametrize("arm_side", [1, -1])
 def test_without_direction_the_lift_is_the_rockers_own_angle(arm_side: int) -> None:
     follower = OscillatingRoller(PIVOT, 80.0, 90.0, 5.0, arm_side, None)
     curve = PitchCurve(RISE, follower, 1)
     start = curve.point(np.zeros(1))[0] - PIVOT
     top = curve.point(TOP)[0] * cmath.exp(1j * math.pi) - PIVOT
     assert phase(top / start) == pytest.approx(SWING, rel=1e-14)
-
-
-def test_the_rocker_angle_is_counted_on_the_arms_own_side() -> None:
-    lift = np.array([0.0, 0.1])
-    for arm_side, way, sense in ((1, 1, 1), (-1, 1, 1), (1, -1, -1), (-1, -1, -1)):
-        follower = OscillatingRoller(PIVOT, 80.0, 90.0, 5.0, arm_side, way)
-        expected = follower.start_angle + sense * lift
-        assert follower.rocker_angle(lift) == pytest.approx(expected, rel=1e-15)
 
 
 # Distant pivots -------------------------------------------------------------------------------
@@ -171,7 +149,4 @@ def test_the_rest_of_a_length_is_what_its_rounding_took(x: float, y: float) -> N
 def test_along_an_axis_nothing_is_lost(x: float) -> None:
     assert hypot_rest(complex(x, 0.0), abs(x)) == 0.0
     assert hypot_rest(complex(0.0, x), abs(x)) == 0.0
-
-
-def test_a_vector_without_length_has_no_rest() -> None:
     assert hypot_rest(0j, 0.0) == 0.0

@@ -2,18 +2,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from decimal import Decimal
 
 import numpy as np
 import pytest
-from hypothesis import given
 
 from camgeo.errors import GeometryError
-from camgeo.kinematics.laws import make_law
-from camgeo.kinematics.mechanism.linkage import locked_at
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
-from camgeo.kinematics.plan import Dwell, MotionPlan, Move
-from tests.strategies import attack, slider_cranks
 
 
 def test_a_cell_that_may_reach_a_dead_centre_has_no_bound() -> None:
@@ -57,29 +51,6 @@ def test_the_dimensions_are_those_of_a_coupler_parallel_to_the_guide(
     assert math.degrees(linkage.start_angle) == pytest.approx(start, rel=1e-14)
     other = replace(linkage, branch=-branch)
     assert abs(math.sin(other.coupler_angle)) > 0.01
-
-
-@pytest.mark.parametrize("direction", [1, -1])
-def test_a_positive_stroke_goes_in_the_stated_direction(direction: int) -> None:
-    linkage = SliderCrank(40.0, 70.0, math.radians(30.0), True, 1, direction, 1)
-    x, distance = linkage.pin(np.array([0.0, 3.0]))
-    assert x == pytest.approx([50.0, 50.0 + 3.0 * direction], rel=1e-15)
-    assert distance == pytest.approx(np.hypot(x, linkage.guide_height), rel=1e-15)
-
-
-@attack
-@given(linkage=slider_cranks())
-def test_at_stroke_0_a_linkage_closes_by_definition(linkage: SliderCrank) -> None:
-    assert linkage.missing_length(np.zeros(1))[0] <= 0.0
-
-
-@attack
-@given(linkage=slider_cranks())
-def test_at_the_dead_strokes_nothing_is_missing_and_nothing_to_spare(linkage: SliderCrank) -> None:
-    missing = linkage.missing_length(np.array(linkage.dead_strokes))
-    # Roots of squares of lengths up to 300 mm.
-    assert np.max(np.abs(missing)) <= 1e-12
-    assert len(linkage.dead_strokes) in (2, 4)
 
 
 def test_a_dead_centre_can_be_rested_in_but_not_left() -> None:
@@ -128,44 +99,5 @@ def test_a_printed_connecting_rod_turns_as_printed() -> None:
     assert abs(turn[0]) == pytest.approx(0.378, abs=5e-4)
 
 
-def test_at_a_dead_centre_the_slider_rests_while_the_rocker_turns() -> None:
-    linkage = SliderCrank(40.0, 60.0, math.pi / 2.0, False, 1, -1, 1)
-    assert abs(linkage.per_follower(np.zeros(1))[0]) <= 1e-12
-
-
 # The coupler of `HANGING` stands across the guide where the tip is below the pin, 40 mm over the
 # shaft: X = -sqrt(100^2 - 40^2), reached to the right from X = 60.
-HANGING = SliderCrank(100.0, 60.0, 0.0, True, 1, -1, 1)
-ACROSS = 60.0 + math.sqrt(100.0**2 - 40.0**2)
-
-
-def there_and_back(stroke: float) -> MotionPlan:
-    law = make_law("polynomial-345")
-    moves = Move(Decimal(150), stroke, law), Move(Decimal(150), 0.0, law)
-    return MotionPlan((Dwell(Decimal(60)), *moves))
-
-
-def test_a_coupler_across_the_guide_locks_the_slider() -> None:
-    found = locked_at(HANGING, there_and_back(155.0))
-    assert found is not None
-    phi, stroke = found
-    assert stroke == pytest.approx(ACROSS, rel=1e-14)
-    assert math.radians(60.0) < phi < math.radians(210.0)  # on the way there
-    (at,) = there_and_back(155.0).jet(np.array([phi]))[0]
-    assert at == pytest.approx(stroke, rel=1e-13)
-    pin, tip = HANGING.joints(np.array([stroke]))
-    assert (pin - tip)[0] == pytest.approx(60.0j, abs=1e-12)
-    # Before and after it the rocker turns the other way for the same stroke.
-    jet = np.zeros((4, 2))
-    jet[:2] = [[ACROSS - 1e-3, ACROSS + 1e-3], [1.0, 1.0]]
-    assert np.prod(HANGING.transform(jet)[1]) < 0.0
-
-
-def test_exactly_across_there_is_no_ratio() -> None:
-    with pytest.raises(GeometryError, match="square to the guide") as caught:
-        HANGING.per_follower(np.array([0.0, ACROSS]))
-    assert caught.value.key == "linkage"
-    # Next to it the ratio has a pole of the first order, whose next term is a 1e-7th of it;
-    # l_4 cos v rounds to 1e-13 of some 1e-6 mm.
-    near = HANGING.per_follower(ACROSS + np.array([-2e-6, -1e-6, 1e-6, 2e-6]))
-    assert near[[1, 2]] == pytest.approx(2.0 * near[[0, 3]], rel=1e-6)

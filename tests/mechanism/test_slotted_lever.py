@@ -100,39 +100,6 @@ def test_angle_velocity_and_acceleration_by_the_complex_logarithm(
 
 
 @attack
-@given(lever=slotted_levers(), theta=crank_angles())
-def test_the_counterpart_with_crank_and_distance_exchanged(
-    lever: SlottedLever, theta: float
-) -> None:
-    """phi(1/beta) = pi - theta - phi(beta), phi'(1/beta) = -1 - phi'(beta), phi'' changes sign."""
-    if undefined(lever, theta):
-        return
-    other, place = SlottedLever(lever.distance, lever.crank), np.array([theta])
-    total = lever.angle(place)[0] + other.angle(place)[0]
-    assert total == pytest.approx(math.pi - theta, abs=LIMIT * (2.0 * math.pi + abs(theta)))
-    one, two = lever.velocity(place)[0], other.velocity(place)[0]
-    assert one + two == pytest.approx(-1.0, abs=LIMIT * (1.0 + abs(one) + abs(two)))
-    assert lever.acceleration(place)[0] == pytest.approx(
-        -other.acceleration(place)[0], rel=2.0 * LIMIT, abs=0.0
-    )
-
-
-@attack
-@given(lever=slotted_levers(), theta=crank_angles())
-def test_the_closed_extremes_are_exceeded_nowhere(lever: SlottedLever, theta: float) -> None:
-    if undefined(lever, theta):
-        return
-    place, above = np.array([theta]), 1.0 + 4.0 * LIMIT
-    speeds = lever.velocity_extremes
-    assert lever.velocity(place)[0] <= speeds.highest.value + 4.0 * LIMIT * speeds.magnitude
-    assert lever.velocity(place)[0] >= speeds.lowest.value - 4.0 * LIMIT * speeds.magnitude
-    largest = lever.largest_acceleration
-    assert abs(lever.acceleration(place)[0]) <= above * abs(largest.value)
-    if lever.swings:
-        assert abs(lever.angle(place)[0]) <= above * lever.largest_angle.value
-
-
-@attack
 @given(lever=slotted_levers())
 def test_the_closed_extremes_are_taken_at_their_places(lever: SlottedLever) -> None:
     at = np.array([lever.largest_acceleration.place])
