@@ -7,7 +7,6 @@ import re
 from dataclasses import replace
 from decimal import Decimal
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import mpmath
@@ -39,15 +38,8 @@ from tests.long_form import examples
 from tests.reference import hard_case, pitch_curve_of, stroke_of, thesis_params
 from tests.strategies import SMOOTH, attack, pitch_curves
 
-SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
-
-
 NEAR = 1e-6
 """Share of the scale by which a limit is deliberately missed, ten times the step beyond it."""
-
-
-ROUNDING = 1e-11
-"""Rounding of 1 + d kappa: that of the curvature, and that of the knob times its effect."""
 
 
 ANY_ANGLE = Limits(transmission_angle=1e-6, radius_ratio=1.0)

@@ -34,10 +34,6 @@ STROKE = 12.0
 SPAN = math.radians(90.0)
 
 
-ACCELERATION = 10.0 / math.sqrt(3.0)
-"""Largest f'' of the 3-4-5 polynomial (VDI 2143-1)."""
-
-
 PLAN = plan_of({"phi_H": [30, 90, 40, 90, 110]}, STROKE)
 
 

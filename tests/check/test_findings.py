@@ -39,7 +39,6 @@ from camgeo.check.machine import (
     check_breadth,
     check_closure,
     check_follower,
-    check_pair,
     linkage_findings,
 )
 from camgeo.design.design import Design
@@ -49,8 +48,6 @@ from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.linkage import LinkedMotion
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.motion import Dwell as DwellSpan
@@ -80,7 +77,6 @@ from tests.strategies import (
     pitch_curves,
     plans,
     signs,
-    slider_cranks,
 )
 
 RATIO = 0.7
@@ -157,21 +153,6 @@ def test_undercut_all_round_is_one_range() -> None:
     assert undercut_ranges(flank, curvature_extremes(curve)) == [(0.0, 2.0 * math.pi)]
 
 
-def test_undercut_that_begins_at_a_break() -> None:
-    """A jump of the curvature at a joint is no root, but it bounds the range."""
-    curve = cam("quadratic-parabola", base=40.0)
-    bends = curvature_extremes(curve)
-    roller = 1.05 / bends.largest()[0]
-    ranges = undercut_ranges(WorkingCurve(curve, -roller), bends)
-    assert ranges
-    breaks = [float(angle) for angle in curve.breaks]
-    for start, end in ranges:
-        middle = (start + end) / 2.0
-        flank = WorkingCurve(curve, -roller)
-        assert flank.regularity(np.array([middle]))[0] < 0.0
-        assert any(abs(edge - place) < 1e-12 for edge in (start, end) for place in breaks)
-
-
 def test_shock_is_fatal() -> None:
     finding = named(check_closure(cam("straight-line")), "tangent-closure")
     assert finding.severity == "no-disc"
@@ -243,16 +224,6 @@ def test_each_check_is_ok_at_its_own_value() -> None:
     assert off == pytest.approx(0.5)
     for limit, severity in ((off, "ok"), (below(off), "broken")):
         assert check_breadth(cam, 65.5, limit).severity == severity
-
-
-def test_play_of_a_pair_is_ok_at_its_own_value() -> None:
-    main, other = (
-        disc.cam.disc.pitch_curve for disc in camgeo.load(SCENES / "conjugate_lever.toml").discs
-    )
-    _, found = check_pair(main, other, 1e-3, 1.0)
-    assert found.value is not None
-    for limit, severity in ((found.value, "ok"), (below(found.value), "broken")):
-        assert check_pair(main, other, 1e-3, limit)[1].severity == severity
 
 
 @pytest.mark.parametrize(
@@ -401,14 +372,6 @@ def test_smooth_laws_close_without_a_word(curve: PitchCurve) -> None:
     assert turn.limit == math.degrees(TANGENT_LIMIT)
 
 
-@attack
-@given(plan=plans(SMOOTH, 8.0), linkage=slider_cranks(8.0))
-def test_smooth_laws_stay_smooth_behind_a_linkage(plan: MotionPlan, linkage: SliderCrank) -> None:
-    rocker = OscillatingRoller(-200.0 + 0j, 120.0, 170.0, 5.0, 1, None)
-    found = closing_of(PitchCurve(LinkedMotion(plan, linkage), rocker, 1))
-    assert set(found) == {"closure", "tangent-closure"}
-
-
 class Spiral:
     """A lift that does not come back: 1 mm more after every turn."""
 
@@ -481,22 +444,6 @@ def test_each_range_states_its_worst_margin(curve: PitchCurve, share: float) -> 
         assert min(abs(margin - finding.value) for margin in margins) <= MARGIN
     worst = min(finding.value for finding in found if finding.value is not None)
     assert np.min(flank.regularity(PHI)) >= worst - MARGIN
-
-
-@attack
-@given(curve=pitch_curves(BENT), share=st.floats(0.001, 0.999))
-def test_a_roller_a_millionth_smaller_than_the_limit_fits(curve: PitchCurve, share: float) -> None:
-    """Below the tightest r_K of its sign nothing is found; above it there is no disc."""
-    bends = curvature_extremes(curve)
-    for kappa in (bends.largest()[0], bends.smallest()[0]):
-        assume(abs(kappa) > 1e-4)
-        if (kappa > 0.0) != (kappa == bends.largest()[0]):
-            continue  # convex, or concave, everywhere: no roller is too large there
-        limit = -1.0 / kappa
-        (fits,) = check_undercut(WorkingCurve(curve, limit * (1.0 - 1e-6)), "inner", bends)
-        assert fits.severity == "ok"
-        above = check_undercut(WorkingCurve(curve, limit * (1.0 + 1e-6)), "inner", bends)
-        assert {finding.severity for finding in above} == {"no-disc"}
 
 
 def test_a_roller_as_large_as_the_base_circle_is_reported() -> None:

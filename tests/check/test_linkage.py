@@ -223,15 +223,6 @@ def test_a_far_member_that_stops_where_it_is_stuck(short: float) -> None:
     assert "coupler and lever" in found.sentence
 
 
-def test_near_its_limit_an_angle_is_broken_by_what_it_lacks() -> None:
-    motion = linked()[0]
-    angle = known(check_linkage(motion)[1].value)
-    for limit, severity in ((angle - 1e-6, "ok"), (angle + 1e-6, "broken")):
-        found = check_linkage(motion, math.radians(limit))[1]
-        assert found.severity == severity
-        assert found.limit == pytest.approx(limit)
-
-
 def test_what_keeps_clear_of_a_dead_centre_is_named_and_works() -> None:
     linkage = SliderCrank(40.0, 60.0, 0.3, True, 1, 1, 1)
     reach = max(linkage.dead_strokes)

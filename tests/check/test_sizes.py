@@ -100,22 +100,6 @@ def rise_and_return(name: str) -> tuple[float, float, float, float]:
     return FIRST, rise, FIRST + rise + SECOND, back
 
 
-def test_every_key_is_compared() -> None:
-    assert sorted(CASES) == sorted(TRANSLATING + OSCILLATING)
-    assert len(CASES) == 11
-    common = {"phi_HP", "phi_HN", "mu_min", "sigma"}
-    for name in TRANSLATING:
-        assert set(CASES[name]) == {
-            "args", "m1", "m2", "e", "s_G", "r_G", "active1", "active2", "true_mu_min", "flocke",
-        }  # fmt: skip
-        assert set(CASES[name]["args"]) == common | {"s_H", "kappa"}
-        assert set(CASES[name]["flocke"]) == {"e", "s_G", "r_G", "true_mu_min"}
-    for name in OSCILLATING:
-        assert set(CASES[name]) == {"args", "chi0_deg", "A0", "z", "r_G", "l_1"}
-        assert set(CASES[name]["args"]) == common | {"l_3", "psi_H", "kappa_ccw"}
-        assert CASES[name]["chi0_deg"] == 90
-
-
 @pytest.mark.parametrize("name", TRANSLATING)
 def test_bounds_of_the_region_are_the_reference(name: str) -> None:
     """s_G + T e >= m1 and s_G - T e >= m2, the largest bounds over the turn."""
@@ -254,14 +238,6 @@ def test_the_conditions_are_those_of_the_support_function(
     for name, values in expected.items():
         a, b, c = task.rows(name, phi, "right", asked)
         np.testing.assert_allclose(a * x + b * y - c, values, rtol=0.0, atol=1e-10)
-
-
-def test_turning_the_cam_the_other_way_is_the_other_side() -> None:
-    one, other = swinging(1, 1, 1), swinging(-1, 1, -1)
-    first, second = (size_for_face(task, ANGLE, 0.0).answer for task in (one, other))
-    assert first is not None
-    assert second is not None
-    assert first.base_radius == pytest.approx(second.base_radius, rel=1e-12)
 
 
 def test_the_transmission_angle_decides_where_the_face_lies_far_beyond_the_pivot() -> None:

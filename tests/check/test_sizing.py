@@ -206,13 +206,6 @@ def test_the_bound_is_sharp(name: str) -> None:
         assert not np.any(now.met(task.start + share * found.bound * np.exp(1j * theta)))
 
 
-def test_where_there_is_none_all_are_excluded() -> None:
-    task, now, radius = asked("schnitt")
-    found = nearest_cells(now, task.start, 0.3 * radius, 0.9 * radius)
-    assert found.starts == ()
-    assert found.bound == math.inf
-
-
 FOUND = Path(__file__).parents[2] / "fixtures" / "found" / "size_global_undercut.toml"
 
 
