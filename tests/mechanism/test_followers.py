@@ -18,7 +18,7 @@ from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import TURN
-from tests.integrals import cells, integrals
+from tests.integrals import cells
 from tests.laws import LAWS
 from tests.reference import POLYNOMIAL, shift
 from tests.strategies import BENT, attack, pitch_curves
@@ -83,37 +83,6 @@ def test_the_roller_stays_where_the_follower_holds_it(curve: PitchCurve) -> None
     assert follower.direction is not None
     # An angle is a length by the arm.
     assert np.max(np.abs(swing - follower.direction * lift)) <= 4.0 * limit / follower.arm
-
-
-@attack
-@given(curve=pitch_curves(BENT))
-def test_each_derivative_of_z_is_the_derivative_of_the_one_before(curve: PitchCurve) -> None:
-    low, high = cells(curve.borders, 6)
-    change = curve.jet(high, "left")[:3] - curve.jet(low, "right")[:3]
-    found = integrals(lambda phi: curve.jet(phi)[1:], low, high)
-    limit = ROUNDING * (size(curve.jet(PHI))[:3] + size(found))
-    assert np.all(np.abs(found - change) <= limit)
-
-
-@attack
-@given(curve=pitch_curves(BENT))
-def test_transmission_angle_by_its_definition(curve: PitchCurve) -> None:
-    """The acute angle between the path of the roller centre, which is along the guide or across the
-    rocker, and the tangent of the pitch curve; both in the fixed frame."""
-    tangent = curve.jet(PHI)[1] * np.exp(1j * curve.rotation * PHI)
-    follower = curve.follower
-    if isinstance(follower, TranslatingRoller):
-        path = np.full(len(PHI), cmath.exp(1j * follower.guide_angle))
-    else:
-        assert isinstance(follower, OscillatingRoller)
-        path = 1j * (fixed(curve, PHI) - follower.pivot)
-    product = np.conj(path) * tangent
-    expected = np.arctan2(np.abs(product.imag), np.abs(product.real))
-    # The angle of a vector of length |Z'| that is right to ROUNDING of the largest one.
-    limit = ROUNDING * np.max(np.abs(tangent)) / np.abs(tangent)
-    assert np.all(np.abs(curve.transmission_angle(PHI) - expected) <= 4.0 * limit)
-    pressure = curve.pressure_angle(PHI)
-    assert np.all(np.abs(pressure - (0.5 * math.pi - expected)) <= 4.0 * limit)
 
 
 @attack

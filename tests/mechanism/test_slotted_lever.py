@@ -99,34 +99,6 @@ def test_angle_velocity_and_acceleration_by_the_complex_logarithm(
             assert abs(acceleration - true2) <= 2.0 * LIMIT * abs(true2)
 
 
-@attack
-@given(lever=slotted_levers())
-def test_the_closed_extremes_are_taken_at_their_places(lever: SlottedLever) -> None:
-    at = np.array([lever.largest_acceleration.place])
-    # A maximum is flat; the place itself is right to the last digits, also where it is 1e-10.
-    assert lever.acceleration(at)[0] == pytest.approx(
-        lever.largest_acceleration.value, rel=8.0 * LIMIT
-    )
-    if lever.crank != lever.distance:
-        with mp.workdps(50):
-            beta = mpf(lever.distance) / mpf(lever.crank)
-            b = beta**2 + 1
-            cosine = (mp.sqrt(b**2 + 32 * beta**2) - b) / (4 * beta)
-            true = 2 * mp.asin(mp.sqrt((1 - cosine) / 2))
-            assert abs(lever.largest_acceleration.place - true) <= LIMIT * true
-        for speed in (lever.velocity_extremes.lowest, lever.velocity_extremes.highest):
-            found = lever.velocity(np.array([speed.place]))[0]
-            assert found == pytest.approx(speed.value, rel=LIMIT)
-    if lever.swings:
-        angle = lever.largest_angle
-        with mp.workdps(50):
-            share = mpf(lever.crank) / mpf(lever.distance)
-            assert abs(angle.value - mp.asin(share)) <= LIMIT * angle.value
-            assert abs(angle.place - mp.acos(share)) <= LIMIT * angle.place
-        slow = math.pi + 2.0 * angle.value
-        assert lever.time_ratio == pytest.approx(slow / (2.0 * angle.place), rel=LIMIT)
-
-
 def test_the_exercise_with_beta_2() -> None:
     """a = 150, R = 75, n = 1.5 1/s: the values of the SAM exercise's text, corrected."""
     lever, speed = SlottedLever(75.0, 150.0), 3.0 * math.pi
