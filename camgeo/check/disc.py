@@ -103,7 +103,7 @@ def _face_checks(cam: Cam, limits: Limits, found: Checks) -> None:
     bent = found.run("convexity", lambda: check_convexity(curve, severity))
     wrong = [finding for finding in bent if finding.severity != "ok"]
     left: tuple[Finding, ...] = ()
-    if len(wrong) == 1 and is_undercut(wrong[0]):
+    if len(wrong) == 1 and (wrong[0].name, wrong[0].unit) == ("convexity", "mm"):  # undercut
         left = found.run("outline", lambda: _of_outline(cam, Flank.INNER, severity))
     if not forbidding((*bent, *left)):
         found.run(
@@ -486,11 +486,6 @@ def _radius(found: Convexity, sizes: tuple[str, ...], severity: Severity) -> Fin
             f" touches only what is convex; make {keys} larger"
         )
     return Finding("convexity", severity, sentence, radius, 0.0, "mm", phi)
-
-
-def is_undercut(found: Finding) -> bool:
-    """Whether a finding of `check_convexity` is that a face undercuts, or just does not."""
-    return found.name == "convexity" and found.unit == "mm" and found.severity != "ok"
 
 
 def _jump(found: Convexity) -> Finding:

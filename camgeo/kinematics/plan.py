@@ -216,9 +216,14 @@ class MotionPlan(Pickled):
 
     @cached_property
     def harmonics(self) -> tuple[DwellSpan, ...]:
-        """Where s''' = -s' without a rest, one for each formula."""
-        chosen = (piece for piece in self._pieces if piece.is_harmonic)
-        return tuple(DwellSpan(piece.start, piece.end - piece.start) for piece in chosen)
+        """Where s''' = -s' without a rest, one for each formula: the lift swings once a turn
+        about a fixed middle.
+        """
+        return tuple(
+            DwellSpan(piece.start, piece.end - piece.start)
+            for piece in self._pieces
+            if abs(piece.harmonic - piece.length) <= ULPS * piece.length
+        )
 
     def jet(self, phi: FloatArray, side: Side = "right", _order: int = FULL_ORDER) -> Jet:
         """(4, n) lift and derivatives at the cam angles `phi` (n,) [rad], any number of turns.
@@ -326,11 +331,6 @@ class Piece:
     def rests(self) -> bool:
         """Whether nothing moves."""
         return self.formula is None
-
-    @property
-    def is_harmonic(self) -> bool:
-        """Whether s''' = -s': the lift swings once a turn about a fixed middle."""
-        return abs(self.harmonic - self.length) <= ULPS * self.length
 
     @property
     def length(self) -> float:

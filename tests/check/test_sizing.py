@@ -86,7 +86,7 @@ def agrees(task: Task) -> None:
     np.testing.assert_allclose(
         terms.curvature(task.present), curve.curvature(phi), rtol=0.0, atol=1e-13
     )
-    again = task.follower_at(task.present)
+    again = task.cam_at(task.present).follower
     np.testing.assert_allclose(
         PitchCurve(task.motion, again, task.cam.rotation).point(phi),
         curve.point(phi),

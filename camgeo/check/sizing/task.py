@@ -20,7 +20,7 @@ import cmath
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Self
+from typing import Any, ClassVar, Final, Self
 
 import numpy as np
 
@@ -63,10 +63,10 @@ class Placing(ABC):
     second: ClassVar[str]
     held: ClassVar[complex | None]
 
-    if TYPE_CHECKING:  # that every kind has
-
-        @property
-        def seen(self) -> tuple[int, int]: ...
+    @property
+    @abstractmethod
+    def seen(self) -> tuple[int, int]:
+        """See the class."""
 
     @property
     @abstractmethod
@@ -128,13 +128,10 @@ class Placing(ABC):
         """
         return self.cam.sized(**self.lengths_at(place))
 
-    def follower_at(self, place: complex) -> Any:
-        """The follower of `cam_at`."""
-        return replace(self.follower, **self.lengths_at(place))
-
     def pitch_curve_at(self, place: complex) -> PitchCurve:
         """The pitch curve of `cam_at`."""
-        return PitchCurve(self.motion, self.follower_at(place), self.cam.rotation)
+        follower = replace(self.follower, **self.lengths_at(place))
+        return PitchCurve(self.motion, follower, self.cam.rotation)
 
 
 class Rocking(Placing):
@@ -222,13 +219,15 @@ class Task(Placing):
         roller centre at cam angle 0.
     """
 
-    if TYPE_CHECKING:  # that every kind has
+    @property
+    def start(self) -> complex:
+        """See the class: the origin on a guide, the end of the arm on a rocker."""
+        return 0j if self.held is None else complex(self.follower.arm)
 
-        @property
-        def start(self) -> complex: ...
-
-        @property
-        def sense(self) -> int: ...
+    @property
+    def sense(self) -> int:
+        """See the class: the axes are mirrored on a guide, and beside a clockwise arm."""
+        return self.cam.rotation * (self.arm_side or -1)
 
     @property
     def directions(self) -> tuple[float, float]:
@@ -287,13 +286,7 @@ class OnGuide(Task):
 
     second = "offset"
     held = None
-    start = 0j
     seen = (-1, 1)
-
-    @property
-    def sense(self) -> int:
-        """See `Task`: the axes are mirrored."""
-        return -self.cam.rotation
 
     @property
     def directions(self) -> tuple[float, float]:
@@ -328,17 +321,6 @@ class OnRocker(Rocking, Task):
 
     __slots__ = ()
 
-    @property
-    def start(self) -> complex:
-        """See `Task`."""
-        return complex(self.follower.arm)
-
-    @property
-    def sense(self) -> int:
-        """See `Task`."""
-        turning: int = self.cam.rotation * self.follower.arm_side
-        return turning
-
     def moved(self, place: complex) -> dict[str, float | complex]:
         """See `Task`."""
         away = self.follower.pivot / self.follower.centre_distance
@@ -348,13 +330,12 @@ class OnRocker(Rocking, Task):
         """See `Task`."""
         none, arm = np.zeros(lift.shape[1]), self.follower.arm
         sense = self.follower.arm_side * self.follower.swing_sense
-        turning = self.follower.arm_side * self.cam.rotation
         angle, rate, bend = sense * lift[:3]
-        along = turning * rate
+        along = self.sense * rate
         q = arm * (1.0 - along)
         return Terms(
             none, q, np.exp(-1j * angle), arm * bend, -along * q,
-            none, -arm * turning * bend, rate, np.full(len(q), complex(arm)),
+            none, -arm * self.sense * bend, rate, np.full(len(q), complex(arm)),
         )  # fmt: skip
 
 

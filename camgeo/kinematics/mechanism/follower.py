@@ -140,19 +140,29 @@ class Follower(ABC):
         face: tuple[float, float] | None
 
         @property
-        def farthest(self) -> float: ...
+        @abstractmethod
+        def farthest(self) -> float:
+            """See the class."""
 
         @property
-        def lift_scale(self) -> float: ...
+        @abstractmethod
+        def lift_scale(self) -> float:
+            """See the class."""
 
         @property
-        def way(self) -> complex: ...
+        @abstractmethod
+        def way(self) -> complex:
+            """See the class."""
 
         @property
-        def swing_sense(self) -> int: ...
+        @abstractmethod
+        def swing_sense(self) -> int:
+            """See the class."""
 
         @property
-        def has_edge(self) -> bool: ...
+        @abstractmethod
+        def has_edge(self) -> bool:
+            """See the class."""
 
     @property
     @abstractmethod

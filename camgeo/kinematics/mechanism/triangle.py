@@ -56,7 +56,9 @@ class RockerCrank(ABC):
     if TYPE_CHECKING:  # a field of each
 
         @property
-        def branch(self) -> int: ...
+        @abstractmethod
+        def branch(self) -> int:
+            """Side of the tip."""
 
     @abstractmethod
     def _distance(self, position: FloatArray) -> FloatArray:

@@ -19,7 +19,6 @@ from camgeo.kinematics.laws.law import Characteristic, Law, acceleration_jumps, 
 from camgeo.kinematics.laws.polynomials import ORDERS, law_of_boundary_values
 from camgeo.kinematics.laws.pulse import DIGITS
 from camgeo.kinematics.laws.sine_straight import LEAST
-from camgeo.kinematics.laws.two_pulses import Parts
 from camgeo.kinematics.plan import SNAP, Move
 from camgeo.kinematics.planning.requests import (
     AUTO,
@@ -754,7 +753,13 @@ def equal_accelerations(name: str, task: str, given: Given) -> float:
     GeometryError
         If the law has no inflection point, or none makes them equal.
     """
-    place = _parts(name, task, given).inflection_for_equal_accelerations()
+    family = find_family(name)
+    if family.parts is None:
+        raise GeometryError(f"{name} has no inflection point", key="inflection")
+    parts = family.parts(
+        checked.one_of("task", task, family.tasks), checked.by_name("parameters", given, LARGEST)
+    )
+    place = parts.inflection_for_equal_accelerations()
     with localcontext(DIGITS):
         return float(1 - place if task in COUNTED_FROM_END else place)
 
@@ -788,16 +793,6 @@ def balanced(name: str, task: str, quantity: str, given: Given) -> float:
             key="inflection",
         )
     return float(bracketed_roots(difference, ends[:1], ends[1:])[0])
-
-
-def _parts(name: str, task: str, given: Given) -> Parts:
-    """The parts of a law whose inflection point is sought."""
-    family = find_family(name)
-    if family.parts is None:
-        raise GeometryError(f"{name} has no inflection point", key="inflection")
-    return family.parts(
-        checked.one_of("task", task, family.tasks), checked.by_name("parameters", given, LARGEST)
-    )
 
 
 def _log_ratio(values: Characteristic, quantity: str) -> float:
