@@ -6,10 +6,10 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Annotated, Final, Literal, overload
+from typing import Annotated, Any, Final, Literal, overload
 
 from camgeo.errors import CamgeoError
-from camgeo.kinematics.mechanism.values import Length, RightAngle
+from camgeo.kinematics.mechanism.values import Length
 from camgeo.numeric.checked import check_fields, number, one_of
 from camgeo.record import Displayed, clipped
 from camgeo.units import RPM, TURN, LengthUnit, LiftUnit, cam_angle, counted, in_unit, listed
@@ -261,6 +261,14 @@ SLOW = 30.0 * RPM
 
 RULE_OF_THUMB: Final = 0.7
 """Largest r_R / r_K of a roller (Wirsig eq. 3.36)."""
+
+
+def right_angle(key: str, value: Any) -> float:
+    """An angle above 0, a right angle at most [rad]."""
+    return number(key, value, above=0.0, most=0.5 * math.pi, unit="radians")
+
+
+RightAngle = Annotated[float, right_angle]
 
 
 @dataclass(frozen=True, slots=True)

@@ -63,11 +63,6 @@ def angle(key: str, value: Any, low: float = -TURN, high: float = TURN) -> float
     return number(key, value, least=low, most=high, unit=RADIANS)
 
 
-def right_angle(key: str, value: Any) -> float:
-    """An angle above 0, a right angle at most [rad]."""
-    return number(key, value, above=0.0, most=0.5 * math.pi, unit=RADIANS)
-
-
 def sense(key: str, value: Any) -> int:
     """+1 or -1."""
     return one_of(key, value, (1, -1))
@@ -104,7 +99,6 @@ Radius = Annotated[float, radius]
 Coordinate = Annotated[float, coordinate]
 Place = Annotated[complex, place]
 Angle = Annotated[float, angle]
-RightAngle = Annotated[float, right_angle]
 Sense = Annotated[int, sense]
 Branch = Annotated[int, branch]
 
@@ -159,9 +153,6 @@ class Values:
 
 Touching = Literal["roller", "face"]
 """The part of a follower that touches the cam."""
-
-Mover = Literal["follower", "rocker"]
-"""The part of a follower that moves."""
 
 Member = Literal["slider", "lever", "crank"]
 """The far end of a linkage, whose motion is demanded."""
