@@ -1,4 +1,4 @@
-"""What holds for every roller follower, over random valid ones."""
+"""What holds for every roller follower, over random valid ones; also run backwards, or mirrored."""
 
 from __future__ import annotations
 
@@ -11,17 +11,23 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.errors import GeometryError
+from camgeo.errors import GeometryError, UndercutError
+from camgeo.geometry.outline.outline import Outline, real_outline
+from camgeo.geometry.outline.path import area
 from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.linkage import LinkedMotion
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.motion import Motion
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import TURN
 from tests.integrals import cells
 from tests.laws import LAWS
+from tests.outline.clearing import corners
 from tests.reference import POLYNOMIAL, shift
-from tests.strategies import BENT, attack, pitch_curves
+from tests.strategies import BENT, attack, linked_pitch_curves, pitch_curves, signs
 
 PHI = np.linspace(0.0, TURN, 121)
 
@@ -43,22 +49,6 @@ def fixed(curve: PitchCurve, phi: FloatArray) -> ComplexArray:
 def along_guide(follower: TranslatingRoller, vectors: ComplexArray) -> ComplexArray:
     """Vectors in axes across the guide (to its right) and along it."""
     return np.asarray(vectors * cmath.exp(-1j * (follower.guide_angle - math.pi / 2.0)))
-
-
-def backwards(plan: MotionPlan) -> MotionPlan:
-    """The motion run from the end: s~(phi) = s(-phi)."""
-    segments: list[Dwell | Move] = []
-    position = 0.0
-    for segment in plan.segments:
-        if isinstance(segment, Dwell):
-            segments.append(segment)
-            continue
-        assert isinstance(segment, Move)
-        assert segment.law.inflection is not None
-        mirrored = shift(LAWS[segment.law.name], 1.0 - segment.law.inflection)
-        segments.append(Move(segment.span, position, mirrored))
-        position = segment.to
-    return MotionPlan(tuple(reversed(segments)))
 
 
 @attack
@@ -148,3 +138,73 @@ def test_the_offset_that_eases_the_rise(rotation: int) -> None:
         for offset in (-10.0, 0.0, 10.0)
     }
     assert smallest[10.0 * rotation] > smallest[0.0] > smallest[-10.0 * rotation]
+
+
+# Mirror images and motions run backwards ----------------------------------------------------------
+
+
+def backwards(plan: MotionPlan) -> MotionPlan:
+    """The motion run from the end: s~(phi) = s(-phi)."""
+    segments: list[Dwell | Move] = []
+    position = 0.0
+    for segment in plan.segments:
+        if isinstance(segment, Dwell):
+            segments.append(segment)
+            continue
+        assert isinstance(segment, Move)
+        assert segment.law.inflection is not None
+        mirrored = shift(LAWS[segment.law.name], 1.0 - segment.law.inflection)
+        segments.append(Move(segment.span, position, mirrored))
+        position = segment.to
+    return MotionPlan(tuple(reversed(segments)))
+
+
+REVERSED = 1e-12
+"""1 - lambda and the cam angles counted from the other end are rounded too, by some ulp of a turn,
+times the steepness of a derivative."""
+
+mechanisms = st.one_of(pitch_curves(BENT), linked_pitch_curves(BENT))
+
+
+def reversed_(curve: PitchCurve) -> PitchCurve:
+    """The motion run backwards on a cam that turns the other way."""
+    motion: Motion = curve.motion
+    if isinstance(motion, LinkedMotion):
+        assert isinstance(motion.demanded, MotionPlan)
+        motion = LinkedMotion(backwards(motion.demanded), motion.linkage)
+    else:
+        assert isinstance(motion, MotionPlan)
+        motion = backwards(motion)
+    return PitchCurve(motion, curve.follower, -curve.rotation)
+
+
+def outline_of(curve: PitchCurve, side: int, radius: float) -> Outline | None:
+    """None where nothing is left, or Z' = 0."""
+    try:
+        return real_outline(WorkingCurve(curve, side * radius))
+    except GeometryError as error:
+        if isinstance(error, UndercutError) or "stands still" in error.message:
+            return None
+        raise
+
+
+@attack
+@given(curve=mechanisms, side=signs(), share=st.floats(0.05, 0.8))
+def test_the_motion_run_backwards_leaves_the_same_outline(
+    curve: PitchCurve, side: int, share: float
+) -> None:
+    """With rollers up to undercut: the same corners, the same area run the other way round."""
+    radius = share * curve.follower.base_radius
+    one, two = outline_of(curve, side, radius), outline_of(reversed_(curve), side, radius)
+    assert (one is None) == (two is None)
+    if one is None or two is None:
+        return
+    assert len(one.path.elements) == len(two.path.elements)
+    assert len(one.lobes) == len(two.lobes)
+    size = REVERSED * (float(np.max(np.abs(curve.point(np.linspace(0.0, TURN, 181))))) + radius)
+    ends = np.array([each.centre for each in corners(two.path)])
+    for corner in corners(one.path):
+        # The more the branches differ, the better the crossing is known.
+        known = 64.0 * size / abs(math.sin(corner.sweep))
+        assert np.min(np.abs(ends - corner.centre)) <= known
+    assert area(two.path) == pytest.approx(-area(one.path), rel=1e-9)
