@@ -1,5 +1,5 @@
-"""The path of the roller centre: coordinates of the plane, and where it meets lines and circles; that
-of a flat face on a circle.
+"""The path of the roller centre: coordinates of the plane, and where it meets lines and circles;
+that of a flat face on a circle.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""Special positions of linkages: where they turn, close and lock; transmission angles; against dense
-samples of their joints.
+"""Special positions of linkages: where they turn, close and lock; transmission angles; against
+dense samples of their joints.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""Laws, plans and time courses are data: pickles and copies give the same values bit for bit, and so
-does what a plan recalls of its last answers.
+"""Laws, plans and time courses are data: pickles and copies give the same values bit for bit, and
+so does what a plan recalls of its last answers.
 """
 
 from __future__ import annotations
