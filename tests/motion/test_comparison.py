@@ -129,14 +129,6 @@ def test_only_what_is_asked_for_is_compared_in_its_order() -> None:
         assert caught.value.key == key
 
 
-def test_a_law_by_itself_is_its_entry() -> None:
-    law = make_law("modified-sine", inflection=0.3)
-    entry = entry_of(law)
-    assert (entry.name, entry.task, entry.law) == ("modified-sine", "R-R", law)
-    (other,) = compare("R-R", {"inflection": 0.3}, ["modified-sine"])
-    assert other == entry
-
-
 @pytest.mark.parametrize("name", ["modified-trapezoid", "polynomial-345"])
 def test_physical_values_are_those_of_the_move_in_time(name: str) -> None:
     """By differences of the lift over time, and the torque as power over the cam's speed."""

@@ -287,30 +287,6 @@ def test_the_periodic_spline_is_the_peer_s(data: Points) -> None:
 
 
 @attack
-@given(
-    coefficients=st.lists(st.integers(-9, 9), min_size=1, max_size=6),
-    steps=st.lists(st.integers(1, 4), min_size=1, max_size=12),
-)
-def test_polynomials_up_to_degree_5_are_reproduced(
-    coefficients: list[int], steps: list[int]
-) -> None:
-    # Whole numbers over powers of two: the points are the polynomial's own, without rounding.
-    polynomial = Polynomial(np.array(coefficients, dtype=np.float64))
-    x = np.concatenate(([0.0], np.cumsum(steps))) / 16.0 - 1.0
-    first, second = polynomial.deriv(), polynomial.deriv(2)
-    spline = clamped_spline(
-        x, polynomial(x), (first(x[0]), second(x[0])), (first(x[-1]), second(x[-1]))
-    )
-    grid = np.linspace(x[0], x[-1], 101)
-    found = spline.values(grid, DEGREE)
-    for order in ORDERS:
-        expected = polynomial.deriv(order)(grid) if order else polynomial(grid)
-        # Differences over 1/16 of values rounded at their own size.
-        allowed = CONDITION * EPS * 16.0**order * np.sum(np.abs(polynomial.coef))
-        np.testing.assert_allclose(found[order], expected, rtol=0.0, atol=allowed)
-
-
-@attack
 @given(points(), boundaries(), boundaries())
 def test_a_clamped_spline_has_its_end_values_and_four_derivatives(
     data: Points, start: Boundary, end: Boundary

@@ -271,27 +271,6 @@ def test_the_printed_table_differs_in_the_listed_cells_only(name: str) -> None:
     assert computed(name) == printed | {place: each.rounded for place, each in listed.items()}
 
 
-def test_the_lists_are_of_these_tables() -> None:
-    """87 misprints, 476 roundings and four zeros with a sign, all of them compared above."""
-    for file_name, count in (("errata.csv", 87), ("rounding.csv", 476 + 4)):
-        with (FOLDER / file_name).open(newline="", encoding="utf-8") as file:
-            assert sum(1 for _ in file) - 1 == count
-        assert sum(len(read_list(file_name, table)) for table in TABLES.values()) == count
-    signed = [
-        (name, place)
-        for name in TABLES
-        for place, text in read_printed(name).items()
-        if text == "-0.0000"
-    ]
-    assert signed == [
-        ("polynomial-345", ("1.000", "f2")),
-        ("inclined-sine", ("1.000", "f2")),
-        ("modified-trapezoid", ("1.000", "f1")),
-        ("modified-sine", ("1.000", "f2")),
-    ]
-    assert all(read_lists(name)[place] == Listed("-0.0000", "0.0000") for name, place in signed)
-
-
 # The table of any law -------------------------------------------------------------------------
 
 few = settings(max_examples=examples(10, long=60))

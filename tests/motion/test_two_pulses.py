@@ -221,12 +221,6 @@ def test_the_claims_of_the_guideline(law: str, quantity: str, inflection: float)
         assert first == pytest.approx(second, rel=1e-12)
 
 
-@pytest.mark.parametrize("law", ["modified-sine", "modified-trapezoid", "polynomial-345", "scca"])
-@pytest.mark.parametrize("quantity", BALANCES)
-def test_symmetric_laws_are_balanced_in_the_middle(law: str, quantity: str) -> None:
-    assert balanced(law, "R-R", quantity, {}) == pytest.approx(0.5, abs=1e-12)
-
-
 def test_check_values_of_constant_velocities() -> None:
     """v0 = 0, v1 = 1: 0.736048394432 with C_a = 3.32727602442; v0 = 0.5, v1 = 1.5: pi/2 at 1/2."""
     found = equal_accelerations("modified-sine", "R-G", {"v1": 1.0})

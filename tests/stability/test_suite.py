@@ -18,7 +18,7 @@ from tests.stability import cams
 from tests.stability.cam_case import CamSpec, cases_of
 from tests.stability.measure import Case, Reading, measure
 from tests.stability.quick import CASES, quick
-from tests.stability.suite import GROUPS, LIMIT, run, table
+from tests.stability.suite import GROUPS, LIMIT, table
 
 
 def spec(name: str) -> CamSpec:
@@ -91,16 +91,6 @@ def test_the_table_has_the_largest_ratio_first() -> None:
     assert (a.largest_error.case, a.largest_ratio.case) == ("x", "y")
     assert (a.count, a.within_limit) == (2, True)
     assert c.largest_ratio.ratio == 0.0
-
-
-def test_only_what_is_asked_for_is_run() -> None:
-    stated: list[str] = []
-    readings = run(CASES, ["place of a cusp"], quick=True, progress=stated.append)
-    assert {each.quantity for each in readings} == {"place of a cusp"}
-    assert stated == [f"extremes: {name}" for name in dict.fromkeys(each.case for each in readings)]
-    whole = run(CASES, ["scca, b 0.3, d 0.2"], quick=True)
-    assert {each.case for each in whole} == {"scca, b 0.3, d 0.2"}
-    assert len(whole) == 2 * 5
 
 
 # The measure itself, on numbers whose error and conditioning are known -------------------------
