@@ -7,6 +7,7 @@ import pickle
 import re
 from dataclasses import dataclass, replace
 from decimal import Decimal
+from itertools import product
 from typing import Any, Final
 
 import numpy as np
@@ -22,7 +23,7 @@ from camgeo.kinematics.mechanism.several import alike, several
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
-from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.arrays import SIDES, FloatArray
 from camgeo.units import TURN
 from tests.integrals import cells
 from tests.long_form import examples
@@ -161,6 +162,8 @@ def test_bounds_are_close_next_to_a_dead_centre(
 
 # Motions behind a linkage -----------------------------------------------------------------------
 
+PHI = np.linspace(-1.0, 7.0, 41)
+
 PARAMS = thesis_params("T5_schnitt", 1)
 LINKAGE = slider_crank_of(PARAMS)
 
@@ -227,23 +230,17 @@ def test_a_stroke_up_to_the_dead_centre_is_no_gap() -> None:
 
 
 def test_what_was_asked_for_lately_is_recalled() -> None:
-    """The same read-only arrays for equal requests, and those of a motion that recalls nothing."""
-    plan, other = plan_of(PARAMS, 5.5), plan_of(PARAMS, 5.5)
+    plan = plan_of(PARAMS, 5.5)
     motion = linked(plan, LINKAGE)
     assert linked(plan, LINKAGE) is motion
     assert linked(plan, replace(LINKAGE, mirrored=True)) is not motion
-    phi = np.linspace(-1.0, 7.0, 41)
-    sides: tuple[Side, ...] = ("right", "left")
-    for order in (1, 2, 3):
-        for side in sides:
-            found = motion.jet(phi, side, order)
-            assert motion.jet(phi.copy(), side, order) is found
-            assert np.array_equal(found, LinkedMotion(other, LINKAGE).jet(phi, side, order))
-    assert not motion.jet(phi).flags.writeable
-    low, high = plan.borders[:-1], plan.borders[1:]
-    bounded = motion.jet_and_bounds(low, high)
-    assert motion.jet_and_bounds(low, high) is bounded
-    assert np.array_equal(bounded, LinkedMotion(other, LINKAGE).jet_and_bounds(low, high))
+    for order, side in product((1, 2, 3), SIDES):
+        found = motion.jet(PHI, side, order)
+        assert motion.jet(PHI.copy(), side, order) is found
+        assert np.array_equal(found, LinkedMotion(plan, LINKAGE).jet(PHI, side, order))
+    assert not motion.jet(PHI).flags.writeable
+    cells_ = plan.borders[:-1], plan.borders[1:]
+    assert motion.jet_and_bounds(*cells_) is motion.jet_and_bounds(*cells_)
     assert pickle.loads(pickle.dumps(motion)).kept == {}
 
 
