@@ -16,7 +16,7 @@ from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.numeric.arrays import FloatArray
 from tests.stability import cams
-from tests.stability.cam_case import CamSpec
+from tests.stability.cams import CamSpec
 from tests.stability.exact_cam import CamJet
 from tests.stability.measure import Case
 from tests.stability.series import Number, Roots, newton

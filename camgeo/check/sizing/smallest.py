@@ -300,7 +300,8 @@ def smallest_place(task: Task, tangent: float) -> complex | None:
                     bounds = np.concatenate((bounds, more[1]))
         if not broken:
             return place
-        normals, bounds = _different(normals, bounds)
+        rows = np.unique(np.column_stack((normals.real, normals.imag, bounds)), axis=0)
+        normals, bounds = rows[:, 0] + 1j * rows[:, 1], rows[:, 2]
         nearest = nearest_point(normals, bounds, task.start)
         if nearest is None:
             return None
@@ -320,12 +321,6 @@ def largest_angle(task: Task) -> float:
         else:
             low = middle
     return low
-
-
-def _different(normals: ComplexArray, bounds: FloatArray) -> tuple[ComplexArray, FloatArray]:
-    """Each half-plane once."""
-    rows = np.unique(np.column_stack((normals.real, normals.imag, bounds)), axis=0)
-    return rows[:, 0] + 1j * rows[:, 1], rows[:, 2]
 
 
 ROUNDING = 1e-13
