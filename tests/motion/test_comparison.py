@@ -141,23 +141,17 @@ def test_physical_values_are_those_of_the_move_in_time(name: str) -> None:
     lift = stroke * law(speed * time / span)[0]
     velocity = np.gradient(lift, step)
     acceleration = np.gradient(velocity, step)
-    assert running.physical("velocity", values["velocity"]) == pytest.approx(
-        np.max(velocity), rel=1e-4
-    )
-    assert running.physical("acceleration", values["acceleration"]) == pytest.approx(
-        np.max(acceleration[5:-5]), rel=1e-3
-    )
-    assert running.physical("deceleration", values["deceleration"]) == pytest.approx(
-        np.min(acceleration[5:-5]), rel=1e-3
-    )
+    inner = slice(5, -5)
     # 1 kg, mm/s and mm/s^2: 1e-6 W a rad/s.
     torque = 1e-6 * velocity * acceleration / speed
-    assert running.physical("moment", values["moment"]) == pytest.approx(
-        np.max(torque[5:-5]), rel=1e-3
-    )
-    assert running.physical("braking_moment", values["braking_moment"]) == pytest.approx(
-        np.min(torque[5:-5]), rel=1e-3
-    )
+    for quantity, expected, within in (
+        ("velocity", np.max(velocity), 1e-4),
+        ("acceleration", np.max(acceleration[inner]), 1e-3),
+        ("deceleration", np.min(acceleration[inner]), 1e-3),
+        ("moment", np.max(torque[inner]), 1e-3),
+        ("braking_moment", np.min(torque[inner]), 1e-3),
+    ):
+        assert running.physical(quantity, values[quantity]) == pytest.approx(expected, rel=within)
     jerk = running.physical("jerk", values["jerk"])
     assert jerk == pytest.approx(values["jerk"] * stroke * (speed / span) ** 3, rel=1e-14)
     assert running.physical("braking_jerk", 2.0) == pytest.approx(
