@@ -29,7 +29,7 @@ from typing import Final
 import numpy as np
 
 import camgeo
-from camgeo.check.judge import transmission_angle_limit
+from camgeo.check.disc import transmission_angle_limit
 from camgeo.check.sizing.smallest import row_limits, size, smallest_place
 from camgeo.check.sizing.task import Task, task_of
 from camgeo.errors import GeometryError

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from camgeo.geometry.pitch_curve import PitchCurve
     from camgeo.geometry.working_curve import WorkingCurve
     from camgeo.kinematics.mechanism.four_bar import FourBar
-    from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+    from camgeo.kinematics.mechanism.linkage import LinkedMotion
     from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
     from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
     from camgeo.kinematics.mechanism.slider_crank import SliderCrank
@@ -49,7 +49,7 @@ WHEN_ASKED: Final = {
     "Finding": "camgeo.check.finding",
     "FourBar": "camgeo.kinematics.mechanism.four_bar",
     "Limits": "camgeo.check.finding",
-    "LinkedMotion": "camgeo.kinematics.mechanism.linked_motion",
+    "LinkedMotion": "camgeo.kinematics.mechanism.linkage",
     "MotionPlan": "camgeo.kinematics.plan",
     "Move": "camgeo.kinematics.plan",
     "OscillatingFlat": "camgeo.kinematics.mechanism.oscillating_flat",

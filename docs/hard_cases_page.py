@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
+from camgeo.check.disc import check_outline, check_standstill, check_undercut
 from camgeo.check.finding import Finding
-from camgeo.check.flank import check_outline, check_standstill, check_undercut
 from camgeo.check.machine import check_follower, check_linkage
 from camgeo.design.value_table import cam_angles
 from camgeo.errors import GeometryError
@@ -29,7 +29,7 @@ from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.laws.law import characteristic
-from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.mechanism.linkage import LinkedMotion
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.mechanism.slotted_lever import SlottedLever

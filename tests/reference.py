@@ -16,7 +16,7 @@ from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.laws import make_law
 from camgeo.kinematics.laws.law import Law
-from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.mechanism.linkage import LinkedMotion
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller

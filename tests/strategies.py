@@ -18,7 +18,7 @@ from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.laws import FAMILIES, make_law
 from camgeo.kinematics.laws.law import Law
 from camgeo.kinematics.mechanism.four_bar import FourBar
-from camgeo.kinematics.mechanism.linked_motion import LinkedMotion, clear_range
+from camgeo.kinematics.mechanism.linkage import LinkedMotion, clear_range
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank

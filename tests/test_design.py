@@ -84,7 +84,7 @@ def test_a_check_imports_no_contour_and_no_writer() -> None:
         "scipy",
     )
     assert not [name for name in loaded if name.startswith(unwanted)]
-    assert "camgeo.check.flank" in loaded
+    assert "camgeo.check.disc" in loaded
 
 
 def test_quantities_agree_with_the_curves(design: Design) -> None:

@@ -154,18 +154,16 @@ CLOSED: dict[str, dict[str, str]] = {
         "np.geomspace(low, high, ARMS)": SEARCH,
         "np.linspace(-1.0, 1.0, WAYS)": SEARCH,
     },
-    "camgeo/check/sizing/bends.py": {
-        "np.geomspace(least, reach, RADII)": SEARCH,
-        "np.linspace(1.0 - BELOW * share, 1.0 + ABOVE * share, 46)": SEARCH,
-        "np.arange(DIRECTIONS)": SEARCH,
-        "np.linspace(-1.0, 1.0, 33)": SEARCH,
-        "np.linspace(0.0, 1.0, SAMPLES)": SEARCH,
-    },
     "camgeo/check/sizing/task.py": {
         "np.linspace(0.0, TURN, AROUND, endpoint=False)": SEARCH,
         "np.linspace(-1.0, 1.0, 2 * GRID - 1)": SEARCH,
     },
     "camgeo/check/sizing/smallest.py": {
+        "np.geomspace(least, reach, RADII)": SEARCH,
+        "np.linspace(1.0 - BELOW * share, 1.0 + ABOVE * share, 46)": SEARCH,
+        "np.arange(DIRECTIONS)": SEARCH,
+        "np.linspace(-1.0, 1.0, 33)": SEARCH,
+        "np.linspace(0.0, 1.0, ANGLES)": SEARCH,
         "np.linspace(1e-09, 1.0 - 1e-09, SAMPLES)": SEARCH,
         "np.arange(1.0, SECTIONS)": BRACKET,
     },
@@ -246,7 +244,7 @@ CLOSED: dict[str, dict[str, str]] = {
         ),
         "np.arange(SAMPLES)": PICTURE,
     },
-    "camgeo/kinematics/planning/planner.py": {
+    "camgeo/kinematics/planning/build.py": {
         "np.geomspace(1.0, sharper / gentler, TRIED)": (
             "any turn of them is an answer; the motion that is made with it is judged"
         ),

@@ -20,8 +20,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from mpmath import mp, mpc, mpf
 
+from camgeo.check.disc import check_standstill, check_undercut
 from camgeo.check.finding import Finding
-from camgeo.check.flank import check_standstill, check_undercut
 from camgeo.check.machine import check_follower, check_linkage
 from camgeo.design.design import Design
 from camgeo.errors import GeometryError
@@ -30,7 +30,7 @@ from camgeo.geometry.outline.cusps import undercut_ranges
 from camgeo.geometry.pieces import curvature_extremes, radius_of_curvature
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.mechanism.linkage import LinkedMotion
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller

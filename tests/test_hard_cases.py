@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.check.flank import (
+from camgeo.check.disc import (
     check_outline,
     check_standstill,
     check_transmission_angle,
@@ -34,7 +34,7 @@ from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.laws.law import characteristic
-from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.mechanism.linkage import LinkedMotion
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.mechanism.slotted_lever import SlottedLever

@@ -17,10 +17,9 @@ from camgeo.geometry.pieces import Extremes, curvature_extremes, extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.together import Together, one_curve, one_motion
 from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.linkage import Member
-from camgeo.kinematics.mechanism.linked_motion import linked
+from camgeo.kinematics.mechanism.linkage import linked
 from camgeo.kinematics.mechanism.several import several
-from camgeo.kinematics.mechanism.values import Length
+from camgeo.kinematics.mechanism.values import Length, Member
 from camgeo.kinematics.motion import Dwell, Jet, Motion
 from camgeo.kinematics.plan import MotionPlan
 from camgeo.lazy import Ledger, built, lazy

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Annotated, Final, Literal, overload
+from typing import Annotated, Any, Final, Literal, overload
 
 from camgeo.errors import CamgeoError
-from camgeo.kinematics.mechanism.values import Length, RightAngle
+from camgeo.kinematics.mechanism.values import Length
 from camgeo.numeric.checked import check_fields, number, one_of
 from camgeo.record import Displayed, clipped
 from camgeo.units import RPM, TURN, LengthUnit, LiftUnit, cam_angle, counted, in_unit, listed
@@ -29,6 +29,9 @@ Verdict = Literal["note", "figure", Severity]
 figure: a value that nothing limits, so that it is neither good nor bad. note: a sentence for which
 the same holds.
 """
+
+FINDINGS: Final = "findings."
+"""Prefix of the names under which ledgers record checks."""
 
 NO_OUTLINE: Final = ("invalid", "no-disc")
 """Severities with which no outline is written."""
@@ -256,17 +259,16 @@ def forbidding(findings: Iterable[Finding]) -> tuple[Finding, ...]:
 SLOW = 30.0 * RPM
 """Up to 30 rev/min a mechanism counts as slow (Wirsig, section 2.4)."""
 
-OF_SLOW: Final[Mapping[LiftUnit, float]] = {"mm": 60.0, "rad": 45.0}
-"""Smallest transmission angles to aim for [degrees] in slow mechanisms, by the unit of the lift."""
-
-OF_FAST: Final = 60.0
-
 RULE_OF_THUMB: Final = 0.7
 """Largest r_R / r_K of a roller (Wirsig eq. 3.36)."""
 
-OF_SLOW_LINKAGE, OF_FAST_LINKAGE = 40.0, 50.0
-"""Smallest transmission angles to aim for [degrees] in slow and in fast linkages, as is customary
-(Volmer, Getriebetechnik)."""
+
+def right_angle(key: str, value: Any) -> float:
+    """An angle above 0, a right angle at most [rad]."""
+    return number(key, value, above=0.0, most=0.5 * math.pi, unit="radians")
+
+
+RightAngle = Annotated[float, right_angle]
 
 
 @dataclass(frozen=True, slots=True)
@@ -309,19 +311,6 @@ class Limits:
         check_fields(self, "limits.")
 
 
-def default_transmission_angle(unit: LiftUnit, speed: float | None) -> float:
-    """Smallest transmission angle to aim for [rad] (Wirsig, section 2.4).
-
-    60 degrees at any speed for translating followers, whose lift has the `unit` mm; for the others
-    45 degrees if the mechanism is slow, or no `speed` [rad/s] is given, else 60 degrees.
-    """
-    return math.radians(OF_SLOW[unit] if _is_slow(speed) else OF_FAST)
-
-
-def default_linkage_transmission_angle(speed: float | None) -> float:
-    """Smallest transmission angle to aim for in a linkage [rad]; `speed` [rad/s] as above."""
-    return math.radians(OF_SLOW_LINKAGE if _is_slow(speed) else OF_FAST_LINKAGE)
-
-
-def _is_slow(speed: float | None) -> bool:
+def is_slow(speed: float | None) -> bool:
+    """Whether a mechanism counts as slow at `speed` [rad/s]; so it does if none is given."""
     return speed is None or speed <= SLOW

@@ -5,42 +5,29 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from itertools import chain, pairwise
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from camgeo.check.disc import Checks, disc_checks, disc_findings, transmission_angle_limit
 from camgeo.check.finding import (
     BROKEN,
     CONVEXITY,
     RETURN,
-    RULE_OF_THUMB,
     STATED,
     UNDERCUT,
     Finding,
     Findings,
     Limits,
     Severity,
-    default_linkage_transmission_angle,
-    default_transmission_angle,
     folded,
     forbidding,
     stated_in,
 )
-from camgeo.check.flank import (
-    check_curved_face,
-    check_radius_ratio,
-    check_standstill,
-    check_transmission_angle,
-    check_undercut,
-    is_curved_face,
-)
-from camgeo.check.machine import check_closure, check_follower, check_linkage
+from camgeo.check.machine import LINKAGE, check_breadth, check_pair, linkage_findings
 from camgeo.errors import GeometryError, UndercutError
-from camgeo.geometry.outline.path import Flank
 from camgeo.kinematics.laws.law import characteristic
-from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
 from camgeo.kinematics.plan import Dwell, Joint, MotionPlan, Move, SplineMove, breaks, joints
 from camgeo.kinematics.time_course import ConstantSpeed, TimeCourse, plan_extremes
 from camgeo.lazy import Ledger, lazy
@@ -51,51 +38,20 @@ from camgeo.units import LengthUnit, LiftUnit, at_cam_angles, cam_angle
 
 if TYPE_CHECKING:
     from camgeo.cam.cam import Cam, Drive
-    from camgeo.check.cures.search import Cure
-    from camgeo.geometry.working_curve import WorkingCurve
+    from camgeo.check.cures.remedies import Cure
 
 
 WORST_FIRST: Final = ("invalid", "no-disc", "broken", "warning", "ok")
 """Order of the findings, by severity."""
 
-LINKAGE: Final = "linkage"
-"""Name of the check of the linkage."""
-
 CURABLE: Final = (*UNDERCUT, CONVEXITY, "transmission-angle", "radius-ratio-")
 """The same for any cure."""
-
-UNMENDED: Final = ("outline-", "closure")
-"""Beginnings of the names of findings that rule out a disc even if undercut is trimmed."""
-
-TRIM: Final = 'limits.undercut = "trim" makes the disc that is left'
-
-FINDINGS: Final = "findings."
-"""Prefix of the names under which ledgers record checks."""
 
 Tried = tuple[Findings, Sequence[Finding]]
 """What is found on a changed design, and what of its parts breaks a limit, once it is looked at."""
 
 ByCheck = Mapping[str, tuple[Finding, ...]]
 """Findings by the check that makes them."""
-
-
-class Checks(dict[str, tuple[Finding, ...]]):
-    """What checks find, by their names in the order of running; `ledger` records each."""
-
-    def __init__(self, ledger: Ledger) -> None:
-        super().__init__()
-        self._ledger = ledger
-
-    def run(self, name: str, check: Callable[[], Iterable[Finding]]) -> tuple[Finding, ...]:
-        """The findings of `check`, kept by `name`."""
-        with self._ledger.entry(f"{FINDINGS}{name}"):
-            self[name] = tuple(check())
-        return self[name]
-
-    @property
-    def findings(self) -> tuple[Finding, ...]:
-        """Of all checks."""
-        return tuple(chain.from_iterable(self.values()))
 
 
 @dataclass(frozen=True)
@@ -133,8 +89,11 @@ class Judgement(Pickled, Displayed):
         follower those of the linkage and of the motion.
         """
         if self.cams:
-            found = disc_checks(self.cams[0], self.limits, self.ledger)
-            _of_yoke(self.cams[0], self.limits, found)
+            cam = self.cams[0]
+            found = disc_checks(cam, self.limits, self.ledger)
+            if (breadth := cam.breadth) is not None:
+                asked = cam.yoke_breadth, self.limits.closing_error
+                found.run("yoke", lambda: [check_breadth(breadth, *asked)])
         else:
             found = Checks(self.ledger)
             found.run(LINKAGE, lambda: linkage_findings(self.drive, self.limits))
@@ -151,8 +110,6 @@ class Judgement(Pickled, Displayed):
 
     def _of_pair(self, found: Checks) -> None:
         """What is found in the return disc and in both discs together."""
-        from camgeo.check.machine import check_pair  # few cams are pairs
-
         main, other = self.cams
         # The linkage, which both discs share, is reported once.
         shared = found.get(LINKAGE, ())
@@ -225,175 +182,10 @@ def worst(findings: Iterable[Finding]) -> Severity:
     return min((each.severity for each in findings), key=WORST_FIRST.index, default="ok")
 
 
-def transmission_angle_limit(cam: Cam, limits: Limits) -> float:
-    """Smallest transmission angle allowed [rad]: the one stated, or the default of the sources."""
-    if limits.transmission_angle is not None:
-        return limits.transmission_angle
-    return default_transmission_angle(cam.follower.lift_unit, cam.drive.speed)
-
-
 def motion_findings(drive: Drive) -> tuple[Finding, ...]:
     """What the checks find in the motion and the speed, without any disc."""
     speed = check_speed(drive.plan, drive.time_course, drive.unit)
     return folded((*check_motion(drive.plan, drive.unit), *speed))
-
-
-def disc_findings(cam: Cam, limits: Limits) -> tuple[Finding, ...]:
-    """What the checks find in the mechanism and the disc, without the motion."""
-    return disc_checks(cam, limits, cam.ledger).findings
-
-
-def disc_checks(cam: Cam, limits: Limits, ledger: Ledger) -> Checks:
-    """The findings of `disc_findings` by check; `ledger` records each."""
-    found = Checks(ledger)
-    inside = cam.contact.runs_inside
-    found.run(
-        "follower",
-        lambda: check_follower(cam.follower, runs_on_inner=inside, clearance=cam.clearance),
-    )
-    if cam.drive.linkage is not None:
-        of_linkage = found.run(LINKAGE, lambda: linkage_findings(cam.drive, limits))
-        if forbidding(of_linkage):
-            return found
-    OF_DISC[cam.follower.touching](cam, limits, found)
-    return found
-
-
-def linkage_findings(drive: Drive, limits: Limits) -> tuple[Finding, ...]:
-    """Findings on the linkage, which no size of a disc changes; none without one."""
-    motion, limit = drive.motion, limits.linkage_transmission_angle
-    if not isinstance(motion, LinkedMotion):
-        return ()
-    return check_linkage(motion, limit or default_linkage_transmission_angle(drive.speed))
-
-
-def _of_yoke(cam: Cam, limits: Limits, found: Checks) -> None:
-    """Whether both sides of a yoke touch throughout the turn; nothing without one."""
-    if cam.breadth is None:
-        return
-    from camgeo.check.machine import check_breadth
-
-    breadth, given = cam.breadth, cam.yoke_breadth
-    found.run("yoke", lambda: [check_breadth(breadth, given, limits.closing_error)])
-
-
-def _of_face(cam: Cam, limits: Limits, found: Checks) -> None:
-    """Whether there is a cam for a flat face, and how the face is used."""
-    from camgeo.check.flank import check_convexity, check_face, is_undercut
-
-    curve, severity = cam.disc.pitch_curve, _of_undercut(limits)
-    bent = found.run("convexity", lambda: check_convexity(curve, severity))
-    wrong = [finding for finding in bent if finding.severity != "ok"]
-    left: tuple[Finding, ...] = ()
-    if len(wrong) == 1 and is_undercut(wrong[0]):
-        left = found.run("outline", lambda: _left_of_face(cam, severity))
-    if not forbidding((*bent, *left)):
-        found.run(
-            "transmission-angle",
-            lambda: [check_transmission_angle(curve, transmission_angle_limit(cam, limits))],
-        )
-        found.run("face", lambda: check_face(curve, cam.disc.outline(Flank.INNER).path))
-        found.run("closure", lambda: check_closure(curve))
-    _name_trim(found)
-
-
-def _left_of_face(cam: Cam, severity: Severity) -> list[Finding]:
-    """What a flat face does on the disc that is left of an undercut cam."""
-    from camgeo.check.flank import check_lost_stroke
-
-    disc, name = cam.disc, Flank.INNER
-    try:
-        if not disc.outline(name).is_trimmed:
-            return []
-        return [check_lost_stroke(disc.replay(name), name, cam.lift_unit, severity)]
-    except GeometryError as error:
-        return [Finding(f"outline-{name}", "no-disc", f"{name} flank: {error.message}")]
-
-
-def _of_undercut(limits: Limits) -> Severity:
-    """Severity of undercut and of what follows from it: a trimmed disc can still be made."""
-    return "broken" if limits.undercut == "trim" else "no-disc"
-
-
-def _of_roller(cam: Cam, limits: Limits, found: Checks) -> None:
-    """Whether a roller can follow the curve, and what remains of the flanks in use."""
-    disc = cam.disc
-    curve = disc.pitch_curve
-    if found.run("standstill", lambda: check_standstill(curve)):
-        return
-    severity = _of_undercut(limits)
-    limit = transmission_angle_limit(cam, limits)
-    found.run("transmission-angle", lambda: [check_transmission_angle(curve, limit)])
-    mechanism = not any(finding.severity == "invalid" for finding in found.findings)
-    radius = cam.follower.roller_radius
-    try:
-        bends = disc.bends
-    except GeometryError as error:
-        reason = error.message
-        found.run("curvature", lambda: [Finding("curvature", "no-disc", reason)])
-        return
-
-    # A limit other than the rule of thumb for rollers is meant for what is there.
-    curved = is_curved_face(cam, bends)
-    ratio = None if curved and limits.radius_ratio == RULE_OF_THUMB else limits.radius_ratio
-
-    def of_flank(flank: WorkingCurve, name: str) -> Iterable[Finding]:
-        yield check_radius_ratio(flank, name, bends, ratio, radius)
-        yield from check_undercut(flank, name, bends, severity)
-
-    for name, flank in disc.flanks:
-        found.run(f"curvature-{name}", partial(of_flank, flank, name))
-        if mechanism:
-            found.run(f"outline-{name}", partial(_of_outline, cam, name, flank, severity))
-    if curved:
-        found.run("face", lambda: check_curved_face(curve, bends))
-    if cam.clearance > 0.0:
-        from camgeo.check.flank import check_side_clearance  # few grooves have it
-
-        found.run("side-clearance", lambda: [check_side_clearance(curve, cam.clearance)])
-    found.run("closure", lambda: check_closure(curve, severity))
-    if mechanism and severity == "no-disc":
-        _name_trim(found)
-
-
-def _name_trim(found: Checks) -> None:
-    """If the disc is refused but could be trimmed, one of the findings names the key for that."""
-    refused = [finding.name for finding in found.findings if finding.severity == "no-disc"]
-    if any(name.startswith(UNMENDED) for name in refused):
-        return
-    for named in ("lost-stroke-", "tangent-closure"):
-        if any(name.startswith(named) for name in refused):
-            for part, own in found.items():
-                found[part] = tuple(
-                    replace(each, sentence=f"{each.sentence}; {TRIM}")
-                    if each.name.startswith(named)
-                    else each
-                    for each in own
-                )
-            return
-
-
-def _of_outline(cam: Cam, name: str, flank: WorkingCurve, severity: Severity) -> list[Finding]:
-    """What remains of a flank, and what the follower does on it."""
-    from camgeo.check.flank import check_lost_stroke, check_outline
-    from camgeo.geometry.outline.cusps import undercut_ranges
-
-    disc = cam.disc
-    try:
-        outline = disc.outline(name)
-        replay = disc.replay(name) if outline.is_trimmed else None
-    except GeometryError as error:
-        return [Finding(f"outline-{name}", "no-disc", f"{name} flank: {error.message}")]
-    ranges = undercut_ranges(flank, disc.bends)
-    kinks = [pivot.after for pivot in disc.pitch_path.pivots]
-    found = [*check_outline(outline, name, ranges, severity, kinks)]
-    if replay is not None:
-        found.append(check_lost_stroke(replay, name, cam.lift_unit, severity))
-    return found
-
-
-OF_DISC: Final = {"roller": _of_roller, "face": _of_face}
-"""The findings of a disc, by what touches it."""
 
 
 # -- motion ---------------------------------------------------------------------------------------

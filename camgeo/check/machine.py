@@ -7,8 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.cam.cam import Breadth
-from camgeo.check.finding import Finding, Severity, held
+from camgeo.cam.cam import Breadth, Drive
+from camgeo.check.finding import Finding, Limits, Severity, held, is_slow
 from camgeo.geometry.pieces import extremes
 from camgeo.geometry.pitch_curve import PitchCurve, joints
 from camgeo.kinematics.mechanism.follower import Follower
@@ -16,14 +16,23 @@ from camgeo.kinematics.mechanism.linkage import (
     BACK,
     OUT,
     Linkage,
+    LinkedMotion,
     MonotoneRuns,
+    clear_range,
+    kept_between,
     monotone_runs,
     position_text,
 )
-from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
 from camgeo.numeric.arrays import FloatArray, Side, resolved
 from camgeo.numeric.kept import kept_with_owner
 from camgeo.units import at_cam_angles, cam_angle
+
+LINKAGE: Final = "linkage"
+"""Name of the check of the linkage."""
+
+OF_SLOW_LINKAGE, OF_FAST_LINKAGE = 40.0, 50.0
+"""Smallest transmission angles to aim for [degrees] in slow and in fast linkages, as is customary
+(Volmer, Getriebetechnik)."""
 
 DEAD_CENTRE = 1e-9
 """Crank and coupler are at a dead centre within this fraction of their lengths, or the sine of a
@@ -57,6 +66,15 @@ BETWEEN: Final = {
 """What makes the transmission angles with the coupler, `OUT` and `BACK`."""
 
 
+def linkage_findings(drive: Drive, limits: Limits) -> tuple[Finding, ...]:
+    """Findings on the linkage, which no size of a disc changes; none without one."""
+    motion, limit = drive.motion, limits.linkage_transmission_angle
+    if not isinstance(motion, LinkedMotion):
+        return ()
+    default = OF_SLOW_LINKAGE if is_slow(drive.speed) else OF_FAST_LINKAGE
+    return check_linkage(motion, limit or math.radians(default))
+
+
 @kept_with_owner
 def check_linkage(motion: LinkedMotion, limit: float | None = None) -> tuple[Finding, ...]:
     """A dead centre within the motion (no disc), else the distance from one and the smallest
@@ -86,11 +104,6 @@ def _to_dead_centre(motion: LinkedMotion, runs: MonotoneRuns) -> Finding:
     if spare > limit:
         sentence = f"the linkage stays {spare:.6g} mm clear of a dead centre, nearest {place}"
         return Finding("dead-centre", "ok", sentence, spare, limit, "mm", phi)
-    from camgeo.kinematics.mechanism.linked_motion import (  # few linkages reach one
-        clear_range,
-        kept_between,
-    )
-
     sentence = f"{what} {place}: a dead centre, {infinite} becomes infinite there"
     # If the motion starts in one, it cannot stay clear of it.
     kept = [] if 0.0 in clear_range(linkage) else kept_between(linkage)
@@ -110,11 +123,6 @@ def _out(linkage: Linkage, runs: MonotoneRuns, limit: float | None) -> Finding:
             f" {BETWEEN[linkage.member][OUT]}, {place}"
         )
         return held(name, statement, angle, least, "deg", phi, least=True)
-    from camgeo.kinematics.mechanism.linked_motion import (  # few linkages reach one
-        clear_range,
-        kept_between,
-    )
-
     what, stuck = LOCKED[linkage.member]
     sentence = f"{what} {place}: {stuck} there, its transmission angle is 0"
     kept = [] if 0.0 in clear_range(linkage, OUT) else kept_between(linkage, OUT)

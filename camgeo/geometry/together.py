@@ -9,7 +9,7 @@ from typing import Generic, TypeVar, cast
 import numpy as np
 
 from camgeo.geometry.pitch_curve import BLOCK, PitchCurve
-from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.mechanism.linkage import LinkedMotion
 from camgeo.kinematics.mechanism.several import several
 from camgeo.kinematics.motion import FULL_ORDER, Dwell, Jet, Motion
 from camgeo.numeric.arrays import FloatArray, IntArray, Quantity, Side

@@ -38,24 +38,21 @@ class Dwell:
 
 
 class Motion(Protocol):
-    """The follower's lift over one turn of the cam, periodic.
+    """The follower's lift over one turn of the cam, periodic."""
 
-    Attributes
-    ----------
-    breaks : (m,) cam angles in [0, 2 pi) [rad], ascending, where s' to s''' may jump; nothing is
+    @property
+    def breaks(self) -> FloatArray:
+        """(m,) cam angles in [0, 2 pi) [rad], ascending, where s' to s''' may jump; nothing is
         fitted across one of them.
-    borders : (k,) the breaks and all other places where the formula changes.
-    dwells : all rests.
-    """
+        """
 
     @property
-    def breaks(self) -> FloatArray: ...
+    def borders(self) -> FloatArray:
+        """(k,) the breaks and all other places where the formula changes."""
 
     @property
-    def borders(self) -> FloatArray: ...
-
-    @property
-    def dwells(self) -> tuple[Dwell, ...]: ...
+    def dwells(self) -> tuple[Dwell, ...]:
+        """All rests."""
 
     def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
         """(order + 1, n) lift and derivatives at `phi` (n,) [rad], any number of turns.

@@ -190,21 +190,19 @@ class MotionPlan(Pickled):
         The joints, and the inner borders of the laws; not the middle of a rest.
         """
         found: list[float] = []
+        inner = {
+            start + border * (end - start)
+            for segment, start, end in self.stretches
+            if isinstance(segment, Move)
+            for border in segment.law.borders
+        }
         for before, after in zip(self._pieces[-1:] + self._pieces[:-1], self._pieces, strict=True):
             if before.rests and after.rests:
                 continue
             inside = before.segment_start == after.segment_start
-            if before.rests or after.rests or not inside or after.start in self._inner_breaks:
+            if before.rests or after.rests or not inside or after.start in inner:
                 found.append(after.start)
         return frozen(found, np.float64)
-
-    @cached_property
-    def _inner_breaks(self) -> frozenset[float]:
-        found: set[float] = set()
-        for segment, start, end in self.stretches:
-            if isinstance(segment, Move):
-                found.update(start + border * (end - start) for border in segment.law.borders)
-        return frozenset(found)
 
     @cached_property
     def dwells(self) -> tuple[DwellSpan, ...]:
@@ -218,9 +216,14 @@ class MotionPlan(Pickled):
 
     @cached_property
     def harmonics(self) -> tuple[DwellSpan, ...]:
-        """Where s''' = -s' without a rest, one for each formula."""
-        chosen = (piece for piece in self._pieces if piece.is_harmonic)
-        return tuple(DwellSpan(piece.start, piece.end - piece.start) for piece in chosen)
+        """Where s''' = -s' without a rest, one for each formula: the lift swings once a turn
+        about a fixed middle.
+        """
+        return tuple(
+            DwellSpan(piece.start, piece.end - piece.start)
+            for piece in self._pieces
+            if abs(piece.harmonic - piece.length) <= ULPS * piece.length
+        )
 
     def jet(self, phi: FloatArray, side: Side = "right", _order: int = FULL_ORDER) -> Jet:
         """(4, n) lift and derivatives at the cam angles `phi` (n,) [rad], any number of turns.
@@ -328,11 +331,6 @@ class Piece:
     def rests(self) -> bool:
         """Whether nothing moves."""
         return self.formula is None
-
-    @property
-    def is_harmonic(self) -> bool:
-        """Whether s''' = -s': the lift swings once a turn about a fixed middle."""
-        return abs(self.harmonic - self.length) <= ULPS * self.length
 
     @property
     def length(self) -> float:

@@ -55,13 +55,11 @@ class FitReport:
     largest_deviation : largest |s(x_i) - y_i|, in the unit of y.
     rms : root of the mean square of s(x_i) - y_i, in the unit of y.
     place : the x_i of the largest deviation.
-    length : cut-off length of the smoothing, in the unit of x; 0 if the spline interpolates.
     """
 
     largest_deviation: float
     rms: float
     place: float
-    length: float = 0.0
 
 
 # Builders -------------------------------------------------------------------------------------
@@ -86,15 +84,13 @@ def periodic_spline(
         For too few points, points that do not ascend or are spaced too unequally, numbers that are
         not finite, points beyond the period, and a closing point that does not close.
     """
-    x, y = _ring(*_checked(x, y), period, rise, gap)
-    step = np.diff(np.append(x, x[0] + period))
-    _check_spacing(step)
+    knots, y = _ring(*_checked(x, y), period, rise, gap)
     nodes, fixed = _prescribed(y, {})
     fixed[:, 0] = True
-    chord = np.diff(np.append(y, y[0] + rise))
+    step, chord = np.diff(knots), np.diff(np.append(y, y[0] + rise))
     nodes = interpolate(step, chord, nodes, fixed, ring=True)
     ends = np.roll(nodes, -1, axis=0)
-    return Spline(np.append(x, x[0] + period), hermite(step, chord, nodes, ends), True, float(rise))
+    return Spline(knots, hermite(step, chord, nodes, ends), True, float(rise))
 
 
 def clamped_spline(
@@ -158,10 +154,8 @@ def smooth_periodic_spline(
     GeometryError
         As for `periodic_spline`; and if no spline keeps the deviation.
     """
-    x, y = _ring(*_checked(x, y), period, 0.0, gap)
-    knots = np.append(x, x[0] + period)
-    _check_spacing(np.diff(knots))
-    return _smoothed(x, knots, *_prescribed(y, {}), largest_deviation, ring=True)
+    knots, y = _ring(*_checked(x, y), period, 0.0, gap)
+    return _smoothed(knots, *_prescribed(y, {}), largest_deviation, ring=True)
 
 
 def smooth_clamped_spline(
@@ -182,11 +176,10 @@ def smooth_clamped_spline(
         raise GeometryError(f"{_few(x)} to smooth; at least 3 are allowed", "x")
     nodes, fixed = _prescribed(y, _boundaries(len(x), start, end, {}))
     fixed[[0, -1], 0] = True
-    return _smoothed(x, x, nodes, fixed, largest_deviation, ring=False)
+    return _smoothed(x, nodes, fixed, largest_deviation, ring=False)
 
 
 def _smoothed(
-    x: FloatArray,
     knots: FloatArray,
     nodes: FloatArray,
     fixed: BoolArray,
@@ -195,9 +188,9 @@ def _smoothed(
     ring: bool,
 ) -> tuple[Spline, FitReport]:
     step = np.diff(knots)
-    found, stress, length = Smoothing(step, nodes, fixed, ring).within(largest_deviation)
+    found, stress = Smoothing(step, nodes, fixed, ring).within(largest_deviation)
     spline = Spline(knots, from_stress(step, found[: len(step)], stress), ring)
-    return spline, _report(x, found[:, 0] - nodes[:, 0], length)
+    return spline, _report(knots[: len(nodes)], found[:, 0] - nodes[:, 0])
 
 
 def smoothest_values(
@@ -233,18 +226,17 @@ def smoothest_values(
     return slopes
 
 
-def report(spline: Spline, x: FloatArray, y: FloatArray, length: float = 0.0) -> FitReport:
+def report(spline: Spline, x: FloatArray, y: FloatArray) -> FitReport:
     """Deviation of `spline` from the points `x`, `y` (n,), at all of them."""
-    return _report(x, spline.values(x, 0)[0] - y, length)
+    return _report(x, spline.values(x, 0)[0] - y)
 
 
-def _report(x: FloatArray, deviation: FloatArray, length: float) -> FitReport:
+def _report(x: FloatArray, deviation: FloatArray) -> FitReport:
     worst = int(np.argmax(np.abs(deviation)))
     return FitReport(
         float(abs(deviation[worst])),
         float(np.sqrt(np.mean(deviation**2))),
         float(x[worst]),
-        length,
     )
 
 
@@ -291,7 +283,7 @@ def _check_spacing(step: FloatArray) -> None:
 def _ring(
     x: FloatArray, y: FloatArray, period: float, rise: float, gap: float
 ) -> tuple[FloatArray, FloatArray]:
-    """The points of one period without the closing one."""
+    """The knots of one period with the closing one, and the values without it."""
     period = checked.positive("period", period)
     rise = checked.number("rise", rise, largest=HIGHEST)
     gap = checked.number("gap", gap, least=0.0, largest=HIGHEST)
@@ -317,7 +309,9 @@ def _ring(
         raise GeometryError(
             f"{_few(x)} for a period, without the closing one; at least 3 are allowed", "x"
         )
-    return x, y
+    knots = np.append(x, x[0] + period)
+    _check_spacing(np.diff(knots))
+    return knots, y
 
 
 def _few(x: FloatArray) -> str:
@@ -861,8 +855,13 @@ class Smoothing:
         found = np.where(self.fixed, self.nodes, solution[self.of_node] / unit)
         return found, solution[self.of_piece] / weight[:, np.newaxis]
 
-    def within(self, largest_deviation: float) -> tuple[FloatArray, FloatArray, float]:
-        """Nodal values, moments and the longest cut-off length found that keeps the deviation.
+    def _deviating(self, length: float) -> tuple[tuple[FloatArray, FloatArray], float]:
+        """What `solve` finds for a cut-off length, and its largest deviation from the points."""
+        found = self.solve(length)
+        return found, float(np.max(np.abs(found[0][:, 0] - self.nodes[:, 0])))
+
+    def within(self, largest_deviation: float) -> tuple[FloatArray, FloatArray]:
+        """Nodal values and moments of the longest cut-off length found that keeps the deviation.
 
         The largest deviation need not grow with the length, so lengths are halved from the longest
         one down; then false position, on logarithms, between the first that keeps it and its
@@ -871,8 +870,7 @@ class Smoothing:
         allowed = checked.number("largest_deviation", largest_deviation, above=0.0, largest=HIGHEST)
         length, above = min(LONGEST * self.mean, float(np.sum(self.step))), 0.0
         while True:
-            nodes, moments = self.solve(length)
-            deviation = float(np.max(np.abs(nodes[:, 0] - self.nodes[:, 0])))
+            best, deviation = self._deviating(length)
             if deviation <= allowed:
                 break
             high, above = length, deviation
@@ -884,7 +882,6 @@ class Smoothing:
                     key="largest_deviation",
                     value=repr(allowed),
                 )
-        best = nodes, moments, length
         if not above:
             return best
         log_low, log_high = math.log(length), math.log(high)
@@ -897,10 +894,9 @@ class Smoothing:
                 math.log(above) - math.log(max(below, TINY))
             )
             middle = log_low + min(max(share, 0.1), 0.9) * (log_high - log_low)
-            nodes, moments = self.solve(math.exp(middle))
-            deviation = float(np.max(np.abs(nodes[:, 0] - self.nodes[:, 0])))
+            found, deviation = self._deviating(math.exp(middle))
             if deviation <= allowed:
-                best = nodes, moments, math.exp(middle)
+                best = found
                 log_low, below = middle, deviation
             else:
                 log_high, above = middle, deviation

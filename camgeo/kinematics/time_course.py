@@ -49,20 +49,17 @@ METRES: Final[dict[LiftUnit, float]] = {"mm": 1e-3, "rad": 1.0}
 
 
 class TimeCourse(Protocol):
-    """The angular motion of the cam over one turn, repeated with every turn.
+    """The angular motion of the cam over one turn, repeated with every turn."""
 
-    Attributes
-    ----------
-    borders : (k,) cam angles in [0, 2 pi) [rad], ascending, where its formula changes; omega is
+    @property
+    def borders(self) -> FloatArray:
+        """(k,) cam angles in [0, 2 pi) [rad], ascending, where its formula changes; omega is
         continuous there.
-    jumps : those at which alpha jumps.
-    """
+        """
 
     @property
-    def borders(self) -> FloatArray: ...
-
-    @property
-    def jumps(self) -> FloatArray: ...
+    def jumps(self) -> FloatArray:
+        """Those of them at which alpha jumps."""
 
     def rates(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(3, n) omega [rad/s], alpha [rad/s^2] and dalpha/dt [rad/s^3] at `phi` (n,) [rad],

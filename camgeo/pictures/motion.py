@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.cam.cam import Drive
-from camgeo.check.judge import transmission_angle_limit
+from camgeo.check.disc import transmission_angle_limit
 from camgeo.design.product import Product
 from camgeo.geometry.outline.path import Flank
 from camgeo.kinematics.motion import Motion

@@ -12,8 +12,9 @@ from typing import Final
 
 import numpy as np
 
+from camgeo.check.sizing.face import FaceTask
 from camgeo.check.sizing.smallest import Rating, Sizing, flocke_limits, ratio_map, row_limits
-from camgeo.check.sizing.task import FaceTask, Placing, Task
+from camgeo.check.sizing.task import Placing, Task
 from camgeo.numeric.arrays import BoolArray, FloatArray
 from camgeo.pictures.model import (
     AUXILIARY,

@@ -22,7 +22,7 @@ from camgeo.cam.cam import Contact
 from camgeo.check.finding import Limits
 from camgeo.errors import CamgeoError, Fault, GeometryError, SceneError, unreadable
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
-from camgeo.kinematics.mechanism.linked_motion import linked
+from camgeo.kinematics.mechanism.linkage import linked
 from camgeo.kinematics.mechanism.values import SIGNS, Values
 from camgeo.kinematics.motion import FREE
 from camgeo.kinematics.plan import FULL_TURN, Dwell, MotionPlan

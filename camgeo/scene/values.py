@@ -27,7 +27,7 @@ from camgeo.scene.schema import Node, keys_of, resolved, schema, schema_for
 from camgeo.units import MM_PER, RPM, LengthUnit, LiftUnit, in_unit, listed
 
 if TYPE_CHECKING:
-    from camgeo.kinematics.mechanism.linkage import Member
+    from camgeo.kinematics.mechanism.values import Member
 
 
 Broken: TypeAlias = tuple[KeyPath, str]

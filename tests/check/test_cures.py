@@ -7,7 +7,6 @@ import re
 from dataclasses import replace
 from decimal import Decimal
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import mpmath
@@ -17,19 +16,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from camgeo.cam.cam import Cam
-from camgeo.check.cures.remedies import STEP, Choice, choices, longer_plan, offers_for
-from camgeo.check.cures.search import (
-    NARROW,
-    UNKNOWN,
-    Change,
-    Cure,
-    Way,
-    digits_for,
-    first_root,
-    rounded_beyond,
-)
+from camgeo.check.cures.remedies import STEP, Change, Cure, longer_plan, offers_for
+from camgeo.check.cures.search import NARROW, UNKNOWN, Way, digits_for, first_root, rounded_beyond
+from camgeo.check.disc import check_standstill, check_undercut
 from camgeo.check.finding import Limits
-from camgeo.check.flank import check_standstill, check_undercut
 from camgeo.check.judge import Judgement
 from camgeo.check.machine import check_follower
 from camgeo.errors import GeometryError
@@ -37,7 +27,7 @@ from camgeo.geometry.outline.crossings import find_crossings
 from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.laws import make_law
-from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.mechanism.linkage import LinkedMotion
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
@@ -48,15 +38,8 @@ from tests.long_form import examples
 from tests.reference import hard_case, pitch_curve_of, stroke_of, thesis_params
 from tests.strategies import SMOOTH, attack, pitch_curves
 
-SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
-
-
 NEAR = 1e-6
 """Share of the scale by which a limit is deliberately missed, ten times the step beyond it."""
-
-
-ROUNDING = 1e-11
-"""Rounding of 1 + d kappa: that of the curvature, and that of the knob times its effect."""
 
 
 ANY_ANGLE = Limits(transmission_angle=1e-6, radius_ratio=1.0)
@@ -244,7 +227,7 @@ def test_another_law_cures_and_none_does_it_for_less(name: str) -> None:
     assert isinstance(move, Move)
     assert move.law.name == cure.value_from
     changed = [change.key for change in cure.also]
-    for offer in offers_for(cam.drive.plan, number, Choice.of(move.law), choices()):
+    for offer in offers_for(cam.drive.plan, number):
         if changed or (cure.cost is not None and offer.growth >= cure.cost):
             continue  # not where several moves change at once
         segments = list(cam.drive.plan.segments)
@@ -254,9 +237,7 @@ def test_another_law_cures_and_none_does_it_for_less(name: str) -> None:
 
 def test_laws_offered_keep_the_joints_and_make_no_jerk() -> None:
     plan = CASES["translating"].drive.plan
-    move = plan.segments[1]
-    assert isinstance(move, Move)
-    offers = offers_for(plan, 1, Choice.of(move.law), choices())
+    offers = offers_for(plan, 1)
     assert len(offers) > 3
     assert [offer.growth for offer in offers] == sorted(offer.growth for offer in offers)
     for offer in offers:

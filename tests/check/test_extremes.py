@@ -17,8 +17,8 @@ from scipy.interpolate import make_interp_spline
 
 import camgeo
 from camgeo.app.answers.size import size
+from camgeo.check.disc import transmission_angle_extremes
 from camgeo.check.finding import Finding
-from camgeo.check.flank import transmission_angle_extremes
 from camgeo.design.machining import machining_of
 from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
@@ -49,20 +49,6 @@ PLACE = 1e-6  # degrees
 EXTREMES: dict[str, dict[str, Any]] = reference("mechanism_extremes.json")
 
 
-COMPARED = {
-    "mu_min_deg", "mu_min_phi", "mu_min_kind", "mu_min_rise_deg", "mu_min_rise_phi",
-    "mu_min_return_deg", "mu_min_return_phi", "rho_convex_min", "rho_convex_min_phi",
-    "rho_convex_min_kind", "inflection_phi", "r_R",
-}  # fmt: skip
-"""Keys that the tests below compare; the concave ones are those of cams that have a hollow."""
-
-
-CRITERIA = {
-    "inner_criterion_3_36", "inner_local_undercut", "outer_criterion_3_36", "outer_local_undercut",
-}  # fmt: skip
-"""Compared in `test_findings`."""
-
-
 THESIS = [
     (name, sigma)
     for name in reference("thesis_examples.toml")
@@ -76,13 +62,6 @@ def inflections(curve: PitchCurve) -> list[float]:
     grid = np.unique(np.concatenate((curvature_extremes(curve).phi, np.linspace(0.0, TURN, 181))))
     found = np.degrees(roots_on_grid(curve.curvature, grid)) % 360.0
     return sorted(float(angle) for angle in found)
-
-
-def test_every_key_is_compared() -> None:
-    assert set(EXTREMES) == set(mechanisms())
-    for expected in EXTREMES.values():
-        hollow = {"rho_concave_min", "rho_concave_min_phi"} if expected["inflection_phi"] else set()
-        assert set(expected) == COMPARED | CRITERIA | hollow
 
 
 def _kind(curve: PitchCurve, phi: float) -> str:

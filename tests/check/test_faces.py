@@ -14,8 +14,8 @@ import pytest
 import tomlkit
 
 import camgeo
+from camgeo.check.disc import check_convexity, check_face
 from camgeo.check.finding import Finding
-from camgeo.check.flank import check_convexity, check_face
 from camgeo.check.machine import check_closure
 from camgeo.geometry.outline.path import Path, whole
 from camgeo.geometry.pitch_curve import PitchCurve
@@ -32,10 +32,6 @@ STROKE = 12.0
 
 
 SPAN = math.radians(90.0)
-
-
-ACCELERATION = 10.0 / math.sqrt(3.0)
-"""Largest f'' of the 3-4-5 polynomial (VDI 2143-1)."""
 
 
 PLAN = plan_of({"phi_H": [30, 90, 40, 90, 110]}, STROKE)

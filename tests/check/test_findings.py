@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from decimal import Decimal
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,16 +15,7 @@ from hypothesis import strategies as st
 
 import camgeo
 from camgeo.cam.cam import Breadth
-from camgeo.check.finding import (
-    Finding,
-    Findings,
-    Limits,
-    default_linkage_transmission_angle,
-    default_transmission_angle,
-    forbidding,
-    held,
-)
-from camgeo.check.flank import (
+from camgeo.check.disc import (
     check_face,
     check_radius_ratio,
     check_side_clearance,
@@ -31,6 +23,14 @@ from camgeo.check.flank import (
     check_transmission_angle,
     check_undercut,
     largest_deviation,
+    transmission_angle_limit,
+)
+from camgeo.check.finding import (
+    Finding,
+    Findings,
+    Limits,
+    forbidding,
+    held,
 )
 from camgeo.check.judge import worst
 from camgeo.check.machine import (
@@ -39,7 +39,7 @@ from camgeo.check.machine import (
     check_breadth,
     check_closure,
     check_follower,
-    check_pair,
+    linkage_findings,
 )
 from camgeo.design.design import Design
 from camgeo.geometry.outline.cusps import undercut_ranges
@@ -47,9 +47,7 @@ from camgeo.geometry.outline.path import whole
 from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.linkage import LinkedMotion
 from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.motion import Dwell as DwellSpan
@@ -67,6 +65,7 @@ from tests.reference import (
     outer_of,
     pitch_curve_of,
     reference,
+    slider_crank_of,
     thesis_params,
 )
 from tests.scene.scenes import GROOVE, spoilt
@@ -78,7 +77,6 @@ from tests.strategies import (
     pitch_curves,
     plans,
     signs,
-    slider_cranks,
 )
 
 RATIO = 0.7
@@ -155,21 +153,6 @@ def test_undercut_all_round_is_one_range() -> None:
     assert undercut_ranges(flank, curvature_extremes(curve)) == [(0.0, 2.0 * math.pi)]
 
 
-def test_undercut_that_begins_at_a_break() -> None:
-    """A jump of the curvature at a joint is no root, but it bounds the range."""
-    curve = cam("quadratic-parabola", base=40.0)
-    bends = curvature_extremes(curve)
-    roller = 1.05 / bends.largest()[0]
-    ranges = undercut_ranges(WorkingCurve(curve, -roller), bends)
-    assert ranges
-    breaks = [float(angle) for angle in curve.breaks]
-    for start, end in ranges:
-        middle = (start + end) / 2.0
-        flank = WorkingCurve(curve, -roller)
-        assert flank.regularity(np.array([middle]))[0] < 0.0
-        assert any(abs(edge - place) < 1e-12 for edge in (start, end) for place in breaks)
-
-
 def test_shock_is_fatal() -> None:
     finding = named(check_closure(cam("straight-line")), "tangent-closure")
     assert finding.severity == "no-disc"
@@ -243,16 +226,6 @@ def test_each_check_is_ok_at_its_own_value() -> None:
         assert check_breadth(cam, 65.5, limit).severity == severity
 
 
-def test_play_of_a_pair_is_ok_at_its_own_value() -> None:
-    main, other = (
-        disc.cam.disc.pitch_curve for disc in camgeo.load(SCENES / "conjugate_lever.toml").discs
-    )
-    _, found = check_pair(main, other, 1e-3, 1.0)
-    assert found.value is not None
-    for limit, severity in ((found.value, "ok"), (below(found.value), "broken")):
-        assert check_pair(main, other, 1e-3, limit)[1].severity == severity
-
-
 @pytest.mark.parametrize(
     ("share", "name", "severity"),
     [
@@ -323,12 +296,15 @@ def test_a_face_that_just_reaches_is_long_enough() -> None:
 
 
 def test_a_mechanism_is_slow_up_to_thirty_turns_a_minute() -> None:
+    plan = MotionPlan((move(180, 1.0), move(180, 0.0)))
+    linked: Any = LinkedMotion(plan, slider_crank_of(thesis_params("T6_setzhub", -1)))
     for speed, slow in ((30.0 * RPM, True), (above(30.0 * RPM), False), (None, True)):
-        rocker = math.degrees(default_transmission_angle("rad", speed))
-        linkage = math.degrees(default_linkage_transmission_angle(speed))
-        assert rocker == pytest.approx(45.0 if slow else 60.0)
-        assert linkage == pytest.approx(40.0 if slow else 50.0)
-        assert math.degrees(default_transmission_angle("mm", speed)) == pytest.approx(60.0)
+        drive: Any = SimpleNamespace(speed=speed, motion=linked)
+        limits = {each.name: each.limit for each in linkage_findings(drive, Limits())}
+        assert limits["linkage-transmission-angle"] == pytest.approx(40.0 if slow else 50.0)
+        for unit, limit in (("rad", 45.0 if slow else 60.0), ("mm", 60.0)):
+            cam: Any = SimpleNamespace(drive=drive, follower=SimpleNamespace(lift_unit=unit))
+            assert math.degrees(transmission_angle_limit(cam, Limits())) == pytest.approx(limit)
 
 
 GIVEN: dict[str, tuple[list[Any], list[Any]]] = {
@@ -394,14 +370,6 @@ def test_smooth_laws_close_without_a_word(curve: PitchCurve) -> None:
     assert known(gap.value) <= gap.limit
     assert gap.limit >= POINT_LIMIT * curve.follower.base_radius
     assert turn.limit == math.degrees(TANGENT_LIMIT)
-
-
-@attack
-@given(plan=plans(SMOOTH, 8.0), linkage=slider_cranks(8.0))
-def test_smooth_laws_stay_smooth_behind_a_linkage(plan: MotionPlan, linkage: SliderCrank) -> None:
-    rocker = OscillatingRoller(-200.0 + 0j, 120.0, 170.0, 5.0, 1, None)
-    found = closing_of(PitchCurve(LinkedMotion(plan, linkage), rocker, 1))
-    assert set(found) == {"closure", "tangent-closure"}
 
 
 class Spiral:
@@ -476,22 +444,6 @@ def test_each_range_states_its_worst_margin(curve: PitchCurve, share: float) -> 
         assert min(abs(margin - finding.value) for margin in margins) <= MARGIN
     worst = min(finding.value for finding in found if finding.value is not None)
     assert np.min(flank.regularity(PHI)) >= worst - MARGIN
-
-
-@attack
-@given(curve=pitch_curves(BENT), share=st.floats(0.001, 0.999))
-def test_a_roller_a_millionth_smaller_than_the_limit_fits(curve: PitchCurve, share: float) -> None:
-    """Below the tightest r_K of its sign nothing is found; above it there is no disc."""
-    bends = curvature_extremes(curve)
-    for kappa in (bends.largest()[0], bends.smallest()[0]):
-        assume(abs(kappa) > 1e-4)
-        if (kappa > 0.0) != (kappa == bends.largest()[0]):
-            continue  # convex, or concave, everywhere: no roller is too large there
-        limit = -1.0 / kappa
-        (fits,) = check_undercut(WorkingCurve(curve, limit * (1.0 - 1e-6)), "inner", bends)
-        assert fits.severity == "ok"
-        above = check_undercut(WorkingCurve(curve, limit * (1.0 + 1e-6)), "inner", bends)
-        assert {finding.severity for finding in above} == {"no-disc"}
 
 
 def test_a_roller_as_large_as_the_base_circle_is_reported() -> None:

@@ -232,27 +232,6 @@ def test_a_motion_through_points_reports_how_far_it_swings() -> None:
     assert "points at 150 and 270 deg" in found.sentence
 
 
-def test_physical_extremes_are_the_characteristic_values_times_the_speed() -> None:
-    """VDI 2143-1, section 5.1: v = C_v S omega/Phi, ..., torque by C_Mdyn S^2 omega^2/Phi^3."""
-    speed = 10.0
-    found = {
-        each.name: each
-        for each in check_speed(there_and_back("polynomial-345"), ConstantSpeed(speed), "mm")
-    }
-    values = characteristic(make_law("polynomial-345"))
-    expected = {
-        "largest-velocity": values.velocity.value * STROKE * speed / SPAN,
-        "largest-acceleration": values.acceleration.value * STROKE * speed**2 / SPAN**2,
-        "largest-jerk": values.jerk.value * STROKE * speed**3 / SPAN**3,
-        "largest-inertia-torque": values.moment.value * (STROKE / 1e3) ** 2 * speed**2 / SPAN**3,
-    }
-    assert found.keys() == expected.keys()
-    for name, value in expected.items():
-        reported = known(found[name].value)
-        assert abs(reported) == pytest.approx(value, rel=1e-12)
-        assert found[name].severity == "ok"
-
-
 def test_without_a_speed_the_derivatives_are_over_the_cam_angle() -> None:
     found = {each.name: each for each in check_speed(there_and_back("polynomial-345"), None, "mm")}
     assert found.keys() == {"largest-velocity", "largest-acceleration", "largest-jerk"}

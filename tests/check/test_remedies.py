@@ -16,9 +16,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import camgeo
-from camgeo.check.cures.search import Change, Cure
+from camgeo.check.cures.remedies import Change, Cure
+from camgeo.check.disc import TRIM
 from camgeo.check.finding import CONVEXITY, RETURN, UNDERCUT
-from camgeo.check.judge import TRIM
 from camgeo.design.design import Design
 from camgeo.errors import SceneError
 from camgeo.kinematics.laws import FAMILIES

@@ -17,11 +17,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.cam.cam import Cam, Contact
+from camgeo.check.disc import disc_findings
 from camgeo.check.finding import NO_OUTLINE, Limits
-from camgeo.check.judge import disc_findings
+from camgeo.check.sizing.face import FaceTask, face_task_of, rate_face, size_for_face
 from camgeo.check.sizing.rounding import exponent_of, rounded, rounded_face
-from camgeo.check.sizing.smallest import Sizing, flocke, rate, rate_face, size, size_for_face
-from camgeo.check.sizing.task import FaceTask, Task, face_task_of, task_of
+from camgeo.check.sizing.smallest import Sizing, flocke, rate, size
+from camgeo.check.sizing.task import Task, task_of
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.convex import convexity, touch
 from camgeo.kinematics.laws.law import Law
@@ -97,31 +98,6 @@ def rise_and_return(name: str) -> tuple[float, float, float, float]:
     given = CASES[name]["args"]
     rise, back = given["phi_HP"], given["phi_HN"]
     return FIRST, rise, FIRST + rise + SECOND, back
-
-
-def test_every_key_is_compared() -> None:
-    assert sorted(CASES) == sorted(TRANSLATING + OSCILLATING)
-    assert len(CASES) == 11
-    common = {"phi_HP", "phi_HN", "mu_min", "sigma"}
-    for name in TRANSLATING:
-        assert set(CASES[name]) == {
-            "args", "m1", "m2", "e", "s_G", "r_G", "active1", "active2", "true_mu_min", "flocke",
-        }  # fmt: skip
-        assert set(CASES[name]["args"]) == common | {"s_H", "kappa"}
-        assert set(CASES[name]["flocke"]) == {"e", "s_G", "r_G", "true_mu_min"}
-    for name in OSCILLATING:
-        assert set(CASES[name]) == {"args", "chi0_deg", "A0", "z", "r_G", "l_1"}
-        assert set(CASES[name]["args"]) == common | {"l_3", "psi_H", "kappa_ccw"}
-        assert CASES[name]["chi0_deg"] == 90
-
-
-@pytest.mark.parametrize("name", TRANSLATING)
-def test_bounds_of_the_region_are_the_reference(name: str) -> None:
-    """s_G + T e >= m1 and s_G - T e >= m2, the largest bounds over the turn."""
-    case, task = CASES[name], reference_task(name)
-    tangent = math.tan(math.radians(case["args"]["mu_min"]))
-    for key, t in (("m1", tangent), ("m2", -tangent)):
-        assert -task.slack(0j, t).smallest()[0] == pytest.approx(float(case[key]), rel=1e-12)
 
 
 @pytest.mark.parametrize("name", TRANSLATING)
@@ -253,14 +229,6 @@ def test_the_conditions_are_those_of_the_support_function(
     for name, values in expected.items():
         a, b, c = task.rows(name, phi, "right", asked)
         np.testing.assert_allclose(a * x + b * y - c, values, rtol=0.0, atol=1e-10)
-
-
-def test_turning_the_cam_the_other_way_is_the_other_side() -> None:
-    one, other = swinging(1, 1, 1), swinging(-1, 1, -1)
-    first, second = (size_for_face(task, ANGLE, 0.0).answer for task in (one, other))
-    assert first is not None
-    assert second is not None
-    assert first.base_radius == pytest.approx(second.base_radius, rel=1e-12)
 
 
 def test_the_transmission_angle_decides_where_the_face_lies_far_beyond_the_pivot() -> None:

@@ -17,18 +17,9 @@ from hypothesis import strategies as st
 
 import camgeo
 from camgeo.app.answers.size import Side
-from camgeo.check.flank import transmission_angle_extremes
-from camgeo.check.judge import disc_findings, transmission_angle_limit
-from camgeo.check.sizing import bends
-from camgeo.check.sizing.bends import (
-    GAP,
-    Conditions,
-    conditions,
-    excluded,
-    nearest_cells,
-    samples_of,
-    within,
-)
+from camgeo.check.disc import disc_findings, transmission_angle_extremes, transmission_angle_limit
+from camgeo.check.sizing import smallest
+from camgeo.check.sizing.face import face_task_of, size_for_face
 from camgeo.check.sizing.rounding import (
     exponent_of,
     size_with_arm,
@@ -37,17 +28,23 @@ from camgeo.check.sizing.rounding import (
     with_arm,
 )
 from camgeo.check.sizing.smallest import (
+    GAP,
+    Conditions,
     active_conditions,
+    conditions,
+    excluded,
     flocke,
     flocke_limits,
+    nearest_cells,
     nearest_point,
     rate,
     ratio_map,
     row_limits,
+    samples_of,
     size,
-    size_for_face,
+    within,
 )
-from camgeo.check.sizing.task import TOUCHING, Task, covered, face_task_of, pairs_of, task_of
+from camgeo.check.sizing.task import TOUCHING, Task, covered, pairs_of, task_of
 from camgeo.errors import GeometryError
 from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
@@ -89,7 +86,7 @@ def agrees(task: Task) -> None:
     np.testing.assert_allclose(
         terms.curvature(task.present), curve.curvature(phi), rtol=0.0, atol=1e-13
     )
-    again = task.follower_at(task.present)
+    again = task.cam_at(task.present).follower
     np.testing.assert_allclose(
         PitchCurve(task.motion, again, task.cam.rotation).point(phi),
         curve.point(phi),
@@ -207,13 +204,6 @@ def test_the_bound_is_sharp(name: str) -> None:
     theta = np.linspace(-math.pi, 0.0, 720)
     for share in (0.5, 0.9, 0.99, 0.9999):
         assert not np.any(now.met(task.start + share * found.bound * np.exp(1j * theta)))
-
-
-def test_where_there_is_none_all_are_excluded() -> None:
-    task, now, radius = asked("schnitt")
-    found = nearest_cells(now, task.start, 0.3 * radius, 0.9 * radius)
-    assert found.starts == ()
-    assert found.bound == math.inf
 
 
 FOUND = Path(__file__).parents[2] / "fixtures" / "found" / "size_global_undercut.toml"
@@ -399,8 +389,8 @@ def test_however_large_the_roller_a_large_cam_takes_it() -> None:
 
 def test_a_ratio_that_no_place_keeps(monkeypatch: pytest.MonkeyPatch) -> None:
     """Only where large cams are excluded, see above."""
-    monkeypatch.setattr(bends, "REACH", 1.5)
-    monkeypatch.setattr(bends, "ROOM", 0.0)
+    monkeypatch.setattr(smallest, "REACH", 1.5)
+    monkeypatch.setattr(smallest, "ROOM", 0.0)
     task, angle, _ = required("vorschub")
     found = size(task, angle, 1e-3)
     assert found.answer is None

@@ -10,7 +10,7 @@ import pytest
 
 import camgeo
 from camgeo.app.cli.main import main
-from camgeo.check.judge import transmission_angle_limit
+from camgeo.check.disc import transmission_angle_limit
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.scene.toml import template
 from camgeo.units import MM_PER

@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import camgeo
-from camgeo.check.judge import transmission_angle_limit
+from camgeo.check.disc import transmission_angle_limit
 from camgeo.check.sizing.smallest import Sizing, size
 from camgeo.check.sizing.task import Task, task_of
 from camgeo.design.design import Design

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,21 +17,16 @@ from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
 from camgeo.units import TURN
-from tests.integrals import cells, integrals
+from tests.integrals import cells
 from tests.laws import LAWS
 from tests.mechanism.flat_faces import convex_curves, flat_curves
 from tests.reference import plan_of
-from tests.strategies import SMOOTH, attack
+from tests.strategies import attack
 
 PHI = np.linspace(0.0, TURN, 121)
 
 ROUNDING = 1e-13
 """As a share of the largest value, as for rollers: some hundred ulp."""
-
-
-def size(values: FloatArray | ComplexArray) -> FloatArray:
-    """(k, 1) largest absolute values of each row."""
-    return np.asarray(np.max(np.abs(values), axis=-1, keepdims=True))
 
 
 def face_line(curve: PitchCurve, lift: FloatArray) -> tuple[ComplexArray, ComplexArray]:
@@ -93,31 +87,6 @@ def test_no_face_cuts_into_a_convex_cam(curve: PitchCurve) -> None:
 
 
 @attack
-@given(curve=flat_curves(SMOOTH))
-def test_each_derivative_is_the_derivative_of_the_one_before(curve: PitchCurve) -> None:
-    low, high = cells(curve.borders, 6)
-    change = curve.jet(high, "left")[:2] - curve.jet(low, "right")[:2]
-    found = integrals(lambda phi: curve.jet(phi)[1:], low, high)
-    # 100 times the rounding of rollers: w^2 and w^3 stand before the derivatives of the lift.
-    limit = 100.0 * ROUNDING * (size(curve.jet(PHI))[:2] + size(found))
-    assert np.all(np.abs(found - change) <= limit)
-
-    # The tangent's own derivatives, and those of the contact and of tau, by the same test.
-    def rates(phi: FloatArray) -> FloatArray:
-        at = touch(curve, phi)
-        return np.stack((at.pace[1], at.contact[1], at.turn[1]))
-
-    def values(phi: FloatArray, side: str) -> FloatArray:
-        at = touch(curve, phi, "left" if side == "left" else "right")
-        return np.stack((at.pace[0], at.contact[0], at.turn[0]))
-
-    wandered = values(high, "left") - values(low, "right")
-    summed = integrals(rates, low, high)
-    spare = size(values(PHI, "right")) + size(summed) + size(rates(PHI))
-    assert np.all(np.abs(summed - wandered) <= 100.0 * ROUNDING * spare)
-
-
-@attack
 @given(curve=flat_curves())
 def test_virtual_work_gives_the_leverage(curve: PitchCurve) -> None:
     """A face that is moved by dq goes dn along its normal where the contact is."""
@@ -138,48 +107,6 @@ def test_virtual_work_gives_the_leverage(curve: PitchCurve) -> None:
     # Rounding of places of some 400 mm by the step, far above what step^2 neglects.
     limit = 4e-16 * 400.0 * 8.0 / step + 1e-9 * np.max(np.abs(expected))
     assert np.all(np.abs(curve.leverage(PHI) - expected) <= limit)
-
-
-@attack
-@given(curve=flat_curves())
-def test_transmission_angle_by_its_definition(curve: PitchCurve) -> None:
-    """Between the guide's normal or the lever, pivot -> contact, and the normal of the curve."""
-    follower = curve.follower
-    normal = face_in_cam(curve, PHI)[1] * np.exp(1j * curve.rotation * PHI)
-    if isinstance(follower, TranslatingFlat):
-        assert np.all(curve.transmission_angle(PHI) == math.pi / 2.0)
-        return
-    assert isinstance(follower, OscillatingFlat)
-    lever = curve.point(PHI) * np.exp(1j * curve.rotation * PHI) - follower.pivot
-    product = np.conj(lever) * normal
-    expected = np.arctan2(np.abs(product.imag), np.abs(product.real))
-    limit = 100.0 * ROUNDING * (np.max(np.abs(lever)) + 200.0) / np.abs(lever)
-    assert np.all(np.abs(curve.transmission_angle(PHI) - expected) <= limit)
-
-
-@attack
-@given(curve=flat_curves(), angle=st.floats(-math.pi, math.pi))
-def test_mirrored_and_turned(curve: PitchCurve, angle: float) -> None:
-    """In a mirror on the x axis the cam turns the other way, and the other side is the rocker's."""
-    follower = curve.follower
-    turn = cmath.exp(1j * angle)
-    if isinstance(follower, TranslatingFlat):
-        mirrored = replace(follower, guide_angle=-follower.guide_angle)
-        turned: TranslatingFlat | OscillatingFlat = replace(
-            follower, guide_angle=follower.guide_angle + angle
-        )
-        image: TranslatingFlat | OscillatingFlat = mirrored
-    else:
-        assert isinstance(follower, OscillatingFlat)
-        if follower.direction is None:
-            return  # the lift is an angle with a sign of its own
-        image = replace(follower, pivot=follower.pivot.conjugate(), arm_side=-follower.arm_side)
-        turned = replace(follower, pivot=follower.pivot * turn)
-    here = curve.jet(PHI)
-    there = PitchCurve(curve.motion, image, -curve.rotation).jet(PHI)
-    assert np.all(np.abs(np.conj(here) - there) <= ROUNDING * size(here))
-    there = PitchCurve(curve.motion, turned, curve.rotation).jet(PHI)
-    assert np.all(np.abs(turn * here - there) <= ROUNDING * size(here))
 
 
 @attack
@@ -217,16 +144,3 @@ def test_a_rocker_whose_face_cannot_lie_there() -> None:
     with pytest.raises(GeometryError, match="between 30 and 130 mm"):
         OscillatingFlat(50.0 + 0j, 30.0, 80.0)
     assert OscillatingFlat(50.0 + 0j, 57.9, 8.0).start_angle == pytest.approx(math.asin(0.998))
-
-
-def test_a_translating_tappet_by_hand() -> None:
-    """Cam counter-clockwise, guide upwards: it lifts with its right-hand side, at x = s'."""
-    plan = plan_of({"phi_H": [30, 90, 40, 120, 80]}, 9.0)
-    curve = PitchCurve(plan, TranslatingFlat(40.0), 1)
-    phi = np.radians([75.0])
-    s, s1, s2, _ = plan.jet(phi)[:, 0]
-    contact = curve.point(phi)[0] * cmath.exp(1j * phi[0])
-    assert contact == pytest.approx(complex(s1, 40.0 + s), rel=1e-14)
-    assert s1 > 0.0
-    assert 1.0 / curve.curvature(phi)[0] == pytest.approx(40.0 + s + s2, rel=1e-14)
-    assert touch(curve, phi).contact[0] == pytest.approx([s1])

@@ -1,4 +1,6 @@
-"""The path of the roller centre: coordinates of the plane, and where it meets lines and circles."""
+"""The path of the roller centre: coordinates of the plane, and where it meets lines and circles;
+that of a flat face on a circle.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +14,13 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
+from camgeo.geometry.outline.face import face_path_of
 from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.kinematics.mechanism.face import FlatFollower
 from camgeo.kinematics.mechanism.follower_path import Bows, FollowerPath, lift_jet, path_of
+from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from tests.strategies import attack, oscillating_rollers, pitch_curves, signs, translating_rollers
 
@@ -109,7 +115,7 @@ def test_derivatives_by_mpmath(meeting: tuple[FollowerPath, float, float, Bows])
         (bows.normal_at(path.point(at, np.array([q]))).conj() * path.along(at, np.array([q]))[0]
     ).real)  # fmt: skip
     jet = lift_jet(path, at, path.meet(at, bows, facing), bows)
-    follower = path.follower  # type: ignore[attr-defined]  # each kind of path has one
+    follower = path.follower
     a, n = mpmath.mpmathify(complex(bows.points[0])), mpmath.mpmathify(complex(bows.normals[0]))
     kappa = mpmath.mpf(float(bows.curvatures[0]))
 
@@ -218,3 +224,121 @@ def test_a_place_is_within_reach_up_to_its_rounding(
             assert 0.0 <= angle[0] < 2.0 * math.pi
         with pytest.raises(GeometryError, match="cannot reach that place"):
             path.cam_angle_of(one(end + sign * 1.1e-9 * size))
+
+
+# Paths of flat faces ------------------------------------------------------------------------------
+
+FACED: dict[str, FlatFollower] = {
+    "guided": TranslatingFlat(40.0, 0.7, 1),
+    "guided, inward": TranslatingFlat(35.0, -1.2, -1),
+    "rocking": OscillatingFlat(-90.0 + 30.0j, 45.0, 6.0, 1, 1),
+    "rocking, inward, other side": OscillatingFlat(80.0 - 20.0j, 40.0, -5.0, -1, -1),
+    "rocking, through the pivot": OscillatingFlat(-70.0 - 40.0j, 45.0, 0.0, -1, 1),
+}
+
+CENTRES = np.array([6.0 + 3.0j, -4.0 + 9.0j, 0.5 - 7.0j])
+RADII = np.array([33.0, 0.0, 41.0])
+
+by_kind = pytest.mark.parametrize("name", FACED)
+each_way = pytest.mark.parametrize("rotation", [1, -1])
+
+TURNED = np.array([0.3, 1.9, 4.4])
+
+
+def foot(follower: FlatFollower) -> complex:
+    """From where places on the face are measured, but for what the face lies beyond it."""
+    return follower.pivot if isinstance(follower, OscillatingFlat) else 0j
+
+
+@by_kind
+@each_way
+def test_the_face_is_tangent_to_the_turned_circle(name: str, rotation: int) -> None:
+    follower = FACED[name]
+    path = face_path_of(follower, rotation)
+    assert path.rotation == rotation
+    lift, *derivatives = path.jet(TURNED, CENTRES, RADII)
+    normal = follower.normal(lift)
+    turned = CENTRES * np.exp(1j * rotation * TURNED)
+    touch = turned + RADII * normal
+    # Where the face is: square to its normal, as far from the axis or from the pivot as stated.
+    seen = touch - foot(follower)
+    height = (np.conj(normal) * seen).real
+    if isinstance(follower, TranslatingFlat):
+        expected = follower.base_radius + follower.direction * lift
+    else:
+        assert isinstance(follower, OscillatingFlat)
+        expected = np.full(3, follower.face_offset)
+    assert height == pytest.approx(expected, abs=1e-12 * 100.0)
+    along = (np.conj(-1j * normal) * seen).real * follower.facing
+    assert path.contact(TURNED, CENTRES, RADII) == pytest.approx(along, abs=1e-10)
+    # The derivatives by central differences of the one before.
+    h = 1e-5
+    ahead, behind = (path.jet(TURNED + step, CENTRES, RADII) for step in (h, -h))
+    for order, found in enumerate(derivatives):
+        rate = (ahead[order] - behind[order]) / (2.0 * h)
+        assert found == pytest.approx(rate, abs=1e-7 * (1.0 + float(np.max(np.abs(rate)))))
+
+
+@by_kind
+@each_way
+def test_a_face_is_found_again_by_its_distance_and_its_normal(name: str, rotation: int) -> None:
+    follower = FACED[name]
+    path = face_path_of(follower, rotation)
+    lift = path.jet(TURNED, CENTRES, RADII)[0]
+    normal = follower.normal(lift)
+    distance = (np.conj(normal) * (CENTRES * np.exp(1j * rotation * TURNED))).real + RADII
+    assert path.lift_of(distance) == pytest.approx(lift, abs=1e-11)
+    assert np.all(np.sign(path.lift_of(distance + 1e-3) - lift) == path.outward)
+    theta = np.angle(normal) - rotation * TURNED
+    found = path.angle_of(theta, lift)
+    assert np.exp(1j * (found - TURNED)) == pytest.approx(np.ones(3), abs=1e-12)
+    # As continuous as theta: a turn of the normal is a turn of the cam, the other way round.
+    turns = path.angle_of(theta + 2.0 * math.pi, lift) - found
+    assert turns == pytest.approx(np.full(3, -2.0 * math.pi * rotation), abs=1e-12)
+
+
+@by_kind
+@each_way
+def test_the_contact_is_extreme_where_it_turns(name: str, rotation: int) -> None:
+    """Its place has no slope there, and is the largest and the smallest of a turn."""
+    path = face_path_of(FACED[name], rotation)
+    all_round = np.linspace(0.0, 2.0 * math.pi, 2001)
+    for centre, radius in zip(CENTRES, RADII, strict=True):
+        places = path.turning(np.array([centre]))[:, 0]
+        circle = np.full(len(all_round), centre), np.full(len(all_round), radius)
+        dense = path.contact(all_round, *circle)
+        there = path.contact(places, np.full(2, centre), np.full(2, radius))
+        assert sorted(there) == pytest.approx([np.min(dense), np.max(dense)], abs=1e-4)
+        assert min(there) <= np.min(dense) + 1e-12
+        assert max(there) >= np.max(dense) - 1e-12
+
+
+@pytest.mark.parametrize("name", ["guided", "rocking", "rocking, inward, other side"])
+def test_the_contact_wanders_with_the_velocity_of_the_lift(name: str) -> None:
+    """On a circle about the cam axis it is at rest; each velocity moves it as far as stated."""
+    follower = FACED[name]
+    path = face_path_of(follower, 1)
+    # At rest at lift 0, and with a small velocity there.
+    small = 1e-6
+    jets = np.zeros((4, 2))
+    jets[1] = (0.0, small)
+    at = follower.touch(jets, 1)
+    moved = abs(at.contact[0, 1] - at.contact[0, 0]) / small
+    assert path.wander(follower.touch(jets[:, :1], 1))[0] == pytest.approx(moved, rel=1e-5)
+
+
+def test_beyond_its_reach_a_rockers_face_is_nowhere() -> None:
+    follower = FACED["rocking"]
+    assert isinstance(follower, OscillatingFlat)
+    path = face_path_of(follower, 1)
+    reach = follower.farthest
+    nearest = follower.face_offset - follower.centre_distance
+    assert np.all(np.isfinite(path.lift_of(np.array([reach, max(nearest, 1.0)]))))
+    with pytest.raises(GeometryError, match="cannot lie on the contour all round") as caught:
+        path.lift_of(np.array([40.0, reach * (1.0 + 1e-9)]))
+    assert f"reaches from 40 to {reach:.6g} mm" in caught.value.message
+    assert f"the face from {nearest:.6g} to {reach:.6g} mm" in caught.value.message
+    far = path.contact(np.zeros(1), np.array([200.0 + 0j]), np.array([400.0]))
+    assert np.isnan(far[0])
+    with pytest.raises(GeometryError, match='needs a flat-faced follower, and this one is "tra'):
+        face_path_of(TranslatingRoller(40.0, 6.0), 1)

@@ -99,67 +99,6 @@ def test_angle_velocity_and_acceleration_by_the_complex_logarithm(
             assert abs(acceleration - true2) <= 2.0 * LIMIT * abs(true2)
 
 
-@attack
-@given(lever=slotted_levers(), theta=crank_angles())
-def test_the_counterpart_with_crank_and_distance_exchanged(
-    lever: SlottedLever, theta: float
-) -> None:
-    """phi(1/beta) = pi - theta - phi(beta), phi'(1/beta) = -1 - phi'(beta), phi'' changes sign."""
-    if undefined(lever, theta):
-        return
-    other, place = SlottedLever(lever.distance, lever.crank), np.array([theta])
-    total = lever.angle(place)[0] + other.angle(place)[0]
-    assert total == pytest.approx(math.pi - theta, abs=LIMIT * (2.0 * math.pi + abs(theta)))
-    one, two = lever.velocity(place)[0], other.velocity(place)[0]
-    assert one + two == pytest.approx(-1.0, abs=LIMIT * (1.0 + abs(one) + abs(two)))
-    assert lever.acceleration(place)[0] == pytest.approx(
-        -other.acceleration(place)[0], rel=2.0 * LIMIT, abs=0.0
-    )
-
-
-@attack
-@given(lever=slotted_levers(), theta=crank_angles())
-def test_the_closed_extremes_are_exceeded_nowhere(lever: SlottedLever, theta: float) -> None:
-    if undefined(lever, theta):
-        return
-    place, above = np.array([theta]), 1.0 + 4.0 * LIMIT
-    speeds = lever.velocity_extremes
-    assert lever.velocity(place)[0] <= speeds.highest.value + 4.0 * LIMIT * speeds.magnitude
-    assert lever.velocity(place)[0] >= speeds.lowest.value - 4.0 * LIMIT * speeds.magnitude
-    largest = lever.largest_acceleration
-    assert abs(lever.acceleration(place)[0]) <= above * abs(largest.value)
-    if lever.swings:
-        assert abs(lever.angle(place)[0]) <= above * lever.largest_angle.value
-
-
-@attack
-@given(lever=slotted_levers())
-def test_the_closed_extremes_are_taken_at_their_places(lever: SlottedLever) -> None:
-    at = np.array([lever.largest_acceleration.place])
-    # A maximum is flat; the place itself is right to the last digits, also where it is 1e-10.
-    assert lever.acceleration(at)[0] == pytest.approx(
-        lever.largest_acceleration.value, rel=8.0 * LIMIT
-    )
-    if lever.crank != lever.distance:
-        with mp.workdps(50):
-            beta = mpf(lever.distance) / mpf(lever.crank)
-            b = beta**2 + 1
-            cosine = (mp.sqrt(b**2 + 32 * beta**2) - b) / (4 * beta)
-            true = 2 * mp.asin(mp.sqrt((1 - cosine) / 2))
-            assert abs(lever.largest_acceleration.place - true) <= LIMIT * true
-        for speed in (lever.velocity_extremes.lowest, lever.velocity_extremes.highest):
-            found = lever.velocity(np.array([speed.place]))[0]
-            assert found == pytest.approx(speed.value, rel=LIMIT)
-    if lever.swings:
-        angle = lever.largest_angle
-        with mp.workdps(50):
-            share = mpf(lever.crank) / mpf(lever.distance)
-            assert abs(angle.value - mp.asin(share)) <= LIMIT * angle.value
-            assert abs(angle.place - mp.acos(share)) <= LIMIT * angle.place
-        slow = math.pi + 2.0 * angle.value
-        assert lever.time_ratio == pytest.approx(slow / (2.0 * angle.place), rel=LIMIT)
-
-
 def test_the_exercise_with_beta_2() -> None:
     """a = 150, R = 75, n = 1.5 1/s: the values of the SAM exercise's text, corrected."""
     lever, speed = SlottedLever(75.0, 150.0), 3.0 * math.pi
@@ -233,20 +172,14 @@ def seen(lever: SlottedLever, theta: FloatArray) -> FloatArray:
 
 
 @pytest.mark.parametrize("name", LEVERS)
-def test_the_lever_points_at_the_pin_in_time(name: str) -> None:
-    """Velocity and acceleration by central differences over the time."""
+def test_the_lever_points_at_the_pin(name: str) -> None:
     lever = LEVERS[name]
     driven = DrivenLever(lever, SPEED)
     theta = np.linspace(0.05, TURN - 0.05, 601)
-    phi, omega, eps = driven.output(theta)
+    phi = driven.output(theta)[0]
     expected = seen(lever, theta)
     assert np.ptp(phi - expected) <= 1e-9
     assert math.cos(phi[0] - expected[0]) == pytest.approx(1.0)
-    h = 1e-5
-    ahead, behind = (driven.output(theta + step) for step in (h, -h))
-    rates = (ahead - behind) / (2.0 * h / SPEED)
-    assert omega == pytest.approx(rates[0], abs=1e-6 * np.max(np.abs(omega)))
-    assert eps == pytest.approx(rates[1], abs=1e-6 * max(float(np.max(np.abs(eps))), 1e-3))
     assert driven.turn_time == pytest.approx(TURN / SPEED)
 
 

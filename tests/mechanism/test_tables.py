@@ -103,19 +103,6 @@ def test_followers_and_linkages_have_what_the_scene_states(name: str, mm: float)
                 assert getattr(other, key) == pytest.approx(sign * mm * float(value), rel=1e-15)
 
 
-def test_words_of_a_scene_are_the_signs_that_they_say() -> None:
-    first = text("oscillating-roller")
-    for old, new, sign in (("outward", "inward", -1), ("inward", "outward", 1)):
-        scene = parse_scene(re.sub(f'direction *= "{old}"', f'direction = "{new}"', first))
-        follower: Any = Design(scene).cam.follower
-        assert follower.direction == (sign if old in first else 1)
-    for word, sign in (("cw", -1), ("ccw", 1)):
-        changed = re.sub(r'rotation *= "\w+"', f'rotation = "{word}"', first)
-        assert Design(parse_scene(changed)).cam.rotation == sign
-        follower = Design(parse_scene(re.sub(r'arm_side *= "\w+"', f'arm_side = "{word}"', first)))
-        assert follower.cam.follower.arm_side == sign
-
-
 def test_a_roller_without_a_radius_is_an_edge() -> None:
     assert design("knife-edge").cam.follower.has_edge
     for name in ("translating-roller", "oscillating-roller", "translating-flat"):

@@ -1,39 +1,45 @@
-"""Laws, plans and time courses are data: pickles and copies give the same values bit for bit."""
+"""Laws, plans and time courses are data: pickles and copies give the same values bit for bit, and
+so does what a plan recalls of its last answers.
+"""
 
 from __future__ import annotations
 
 import copy
 import pickle
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from decimal import Decimal
 from functools import cache
 from itertools import product
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from camgeo import load
 from camgeo.errors import VersionError
-from camgeo.kinematics.laws import FAMILIES, make_law
-from camgeo.kinematics.laws.law import Law
-from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
+from camgeo.kinematics.laws import FAMILIES, law_of, make_law
+from camgeo.kinematics.laws.law import Law, characteristic
+from camgeo.kinematics.mechanism.linkage import LinkedMotion
 from camgeo.kinematics.motion import Motion
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move, SplineMove, joints
 from camgeo.kinematics.planning.planner import plan_motion
 from camgeo.kinematics.tables import TwoColumns, read_lift_table
 from camgeo.kinematics.time_course import ConstantSpeed, SpeedCurve
+from camgeo.numeric import kept
 from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.kept import kept_with_owner
 from camgeo.scene.scene import load_scene
 from camgeo.units import TURN
-from tests.motion.lifted import PHI, lift_of
 from tests.motion.planning import wishes
 
 ROOT = Path(__file__).parents[2] / "fixtures"
 SCENES = sorted((*ROOT.glob("scenes/*.toml"), *ROOT.glob("effects/*.toml")))
 Z = np.concatenate((np.linspace(0.0, 1.0, 201), [1e-9, 1.0 - 1e-9]))
+
+PHI = np.concatenate((np.linspace(-0.1, TURN + 0.1, 501), [0.0, TURN]))
 
 Travel = Callable[[Any], Any]
 
@@ -173,18 +179,6 @@ def test_time_courses_and_tables_travel(travel: Travel) -> None:
         assert not joint.left.flags.writeable
 
 
-def test_processes_and_threads_give_the_same_bits() -> None:
-    names = ("plate_translating", "points", "measured", "straight_moves")
-    plans = [plan for plan in map(motion_of, names) if isinstance(plan, MotionPlan)]
-    assert len(plans) == len(names)
-    expected = [lift_of(plan) for plan in plans]
-    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as processes:
-        assert list(processes.map(lift_of, plans)) == expected
-    again = [copy.deepcopy(plan) for plan in plans]
-    with ThreadPoolExecutor(8) as threads:
-        assert list(threads.map(lift_of, again * 8)) == expected * 8
-
-
 @pytest.mark.parametrize("span", [3, 3.0, np.float64(3.0), Decimal("3")])
 def test_spans_are_the_same_however_they_are_given(span: Any) -> None:
     law = make_law("inclined-sine")
@@ -193,3 +187,97 @@ def test_spans_are_the_same_however_they_are_given(span: Any) -> None:
     move = plan.segments[1]
     assert isinstance(move, Move)
     assert type(move.to) is float
+
+
+# What was asked for lately is recalled ------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def plan() -> MotionPlan:
+    return load(ROOT / "scenes" / "groove.toml").cam.drive.plan
+
+
+@pytest.fixture
+def recalling(plan: MotionPlan) -> MotionPlan:
+    return MotionPlan(plan.segments)
+
+
+AROUND = np.linspace(-1.0, TURN + 1.0, 101)
+
+
+def test_the_same_question_is_answered_once(recalling: MotionPlan) -> None:
+    first = recalling.jet(AROUND)
+    assert recalling.jet(AROUND.copy()) is first
+    assert recalling.jet(AROUND, "left") is not first
+    assert recalling.jet(AROUND) is first
+    recalling.jet(AROUND[1:])
+    assert recalling.jet(AROUND) is first
+
+
+def test_what_was_asked_the_longest_time_ago_is_forgotten(
+    recalling: MotionPlan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(kept, "MOST_KEPT", 2 * len(AROUND))
+    first, second = recalling.jet(AROUND), recalling.jet(AROUND, "left")
+    assert recalling.jet(AROUND) is first
+    recalling.jet(AROUND + 0.1)
+    assert recalling.jet(AROUND) is first
+    assert recalling.jet(AROUND, "left") is not second
+
+
+def test_of_a_plan_the_last_answer_is_kept(plan: MotionPlan) -> None:
+    asked = []
+
+    @kept_with_owner
+    def reported(plan: MotionPlan, factor: float, *, offset: float = 0.0) -> float:
+        asked.append(factor)
+        return factor * float(plan.joints_deg[-1]) + offset
+
+    own, other = MotionPlan(plan.segments), MotionPlan(plan.segments)
+    assert [reported(own, 2.0), reported(own, 2.0), reported(own, 3.0)] == [720.0, 720.0, 1080.0]
+    assert asked == [2.0, 3.0]
+    assert reported(own, 3.0, offset=1.0) == 1081.0
+    assert reported(other, 3.0) == 1080.0
+    assert asked == [2.0, 3.0, 3.0, 3.0]
+    assert pickle.loads(pickle.dumps(own)).kept == {}
+
+
+def test_what_is_recalled_cannot_be_changed(recalling: MotionPlan, plan: MotionPlan) -> None:
+    phi = AROUND.copy()
+    found = recalling.jet(phi)
+    assert not found.flags.writeable
+    phi += 0.5  # by whoever asked, in place
+    assert np.array_equal(recalling.jet(phi), plan.jet(AROUND + 0.5))
+
+
+def test_much_is_not_kept(recalling: MotionPlan, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(kept, "MOST_KEPT", 10)
+    assert recalling.jet(AROUND) is not recalling.jet(AROUND)
+    assert recalling.jet(AROUND[:10]) is recalling.jet(AROUND[:10])
+
+
+def test_threads_get_the_answers_to_their_own_questions(recalling: MotionPlan) -> None:
+    """Eight of them ask for one of four sets of angles each, over and over."""
+    questions = [AROUND + 0.1 * number for number in range(4)]
+    expected = [MotionPlan(recalling.segments).jet(phi).tobytes() for phi in questions]
+
+    def ask(number: int) -> bool:
+        return all(
+            recalling.jet(questions[k % 4]).tobytes() == expected[k % 4]
+            for k in range(number, number + 200)
+        )
+
+    with ThreadPoolExecutor(8) as pool:
+        assert all(pool.map(ask, range(8)))
+
+
+def test_a_law_asked_for_again_is_the_same_one() -> None:
+    given = {"inflection": 0.3}
+    law = law_of("modified-sine", "R-R", given)
+    assert law_of("modified-sine", "R-R", dict(given)) is law
+    assert law_of("modified-sine", "R-R", {"inflection": 0.31}) is not law
+    assert characteristic(law) is characteristic(law)
+    law = law_of("polynomial-5", "B-B", {"v0": 0.5, "v1": 2.0})
+    half = replace(law, regions=law.regions[:1])
+    assert half == law  # regions are made of what is compared
+    assert characteristic(half).velocity.value < characteristic(law).velocity.value

@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import BALANCES, FAMILIES, make_law
-from camgeo.kinematics.laws.family import COUNTED_FROM_END
 from camgeo.kinematics.laws.law import Characteristic, characteristic
 from camgeo.kinematics.laws.sine_straight import LEAST, curved_for
 from camgeo.kinematics.laws.two_pulses import Parts
@@ -48,11 +47,6 @@ def inflections() -> st.SearchStrategy[float]:
     return st.one_of(edge, st.floats(0.01, 0.99), near, near.map(lambda lam: 1.0 - lam))
 
 
-def place_of(task: str, lam: float) -> float:
-    """z of the inflection point."""
-    return 1.0 - lam if task in COUNTED_FROM_END else lam
-
-
 def parts_of(name: str, task: str, **given_: float) -> Parts:
     """The two parts of a law."""
     make = FAMILIES[name].parts
@@ -83,21 +77,6 @@ def test_lambda_from_the_peaks(name: str, task: str, lam: float, v0: float, v1: 
     # tenth, so an ulp of the peak is a few ulp of 1.
     assert float(parts.inflection_for_start(float(a))) == pytest.approx(lam, abs=1e-13)
     assert float(parts.inflection_for_end(-float(b))) == pytest.approx(lam, abs=1e-13)
-
-
-@pytest.mark.parametrize(("name", "task"), TURNS)
-@given(lam=inflections())
-@attack
-def test_lambda_from_the_acceleration_at_the_turn(name: str, task: str, lam: float) -> None:
-    law = make_law(name, task, inflection=lam)
-    for key, value in (("a0", law.start.acceleration), ("a1", law.end.acceleration)):
-        if key not in FAMILIES[name].parameters[task]:
-            continue
-        back = make_law(name, task, **{key: value})
-        assert back.inflection == pytest.approx(place_of(task, lam), abs=1e-13)
-        met = back.start.acceleration if key == "a0" else back.end.acceleration
-        # Through lambda as a double, whose error the other part's length divides.
-        assert met == pytest.approx(value, rel=4e-16 / both_ends(lam) + 1e-14)
 
 
 @pytest.mark.parametrize(("name", "task"), [turn for turn in TURNS if "G" not in turn[1]])
@@ -242,12 +221,6 @@ def test_the_claims_of_the_guideline(law: str, quantity: str, inflection: float)
         assert first == pytest.approx(second, rel=1e-12)
 
 
-@pytest.mark.parametrize("law", ["modified-sine", "modified-trapezoid", "polynomial-345", "scca"])
-@pytest.mark.parametrize("quantity", BALANCES)
-def test_symmetric_laws_are_balanced_in_the_middle(law: str, quantity: str) -> None:
-    assert balanced(law, "R-R", quantity, {}) == pytest.approx(0.5, abs=1e-12)
-
-
 def test_check_values_of_constant_velocities() -> None:
     """v0 = 0, v1 = 1: 0.736048394432 with C_a = 3.32727602442; v0 = 0.5, v1 = 1.5: pi/2 at 1/2."""
     found = equal_accelerations("modified-sine", "R-G", {"v1": 1.0})
@@ -293,11 +266,6 @@ def test_any_two_velocities_are_balanced_or_refused(v0: float, v1: float) -> Non
     first, second = peaks_of(values, "acceleration")
     # The rounding of lambda moves the amplitudes by its part of the shorter length.
     assert first == pytest.approx(second, abs=1e-14 * size / min(found, 1.0 - found) + 1e-13 * size)
-
-
-def test_laws_without_an_inflection_point_are_refused() -> None:
-    with pytest.raises(GeometryError, match="no inflection point"):
-        equal_accelerations("polynomial-5", "B-B", {})
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import camgeo
-from camgeo.check.flank import check_standstill
+from camgeo.check.disc import check_standstill
 from camgeo.design.design import Design
 from camgeo.errors import GeometryError, SceneError, UndercutError
 from camgeo.geometry.contour.contour import Contour

@@ -76,7 +76,7 @@ def centres(replay: Replay, phi: FloatArray, lift: FloatArray) -> ComplexArray:
     pitch = replay.lift.path
     jet = np.zeros((4, len(phi)))
     jet[0] = lift
-    follower = pitch.follower  # type: ignore[attr-defined]  # each kind of path has one
+    follower = pitch.follower
     relative = follower.relative_jet(jet, pitch.rotation, 1)
     curve = PitchCurve(replay.lift.motion, follower, pitch.rotation)
     return curve.in_cam(relative, phi, relative.along[0], relative.across[0])

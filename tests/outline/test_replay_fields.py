@@ -15,7 +15,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import camgeo
-from camgeo.check.flank import largest_deviation
+from camgeo.check.disc import largest_deviation
 from camgeo.design.design import Design
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.arcs import fit_arcs

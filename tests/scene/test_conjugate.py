@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.check.judge import disc_findings
+from camgeo.check.disc import disc_findings
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.effect import ONE_DISC
 from camgeo.errors import SceneError

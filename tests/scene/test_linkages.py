@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from camgeo.app.cli.main import main
-from camgeo.check.judge import TRIM
+from camgeo.check.disc import TRIM
 from camgeo.design.design import Design
 from camgeo.errors import GeometryError, SceneError
 from camgeo.kinematics.mechanism.four_bar import FourBar

@@ -42,14 +42,14 @@ def run(arguments: argparse.Namespace) -> int:
     from tests.stability.report import stability  # with all that it measures
 
     cases = suite.all_cases()
-    only = _known(arguments.only, suite.names(cases))
+    only = known_names(arguments.only, suite.names(cases))
     found = stability(cases, only, quick=arguments.quick, progress=arguments.progress)
     points = counted(len(suite.worst_of_cases(found.readings)), "point")
     write_files(pictures(found, arguments, points), arguments)
     return show(found, arguments)
 
 
-def _known(asked: Sequence[str], known: tuple[str, ...]) -> frozenset[str]:
+def known_names(asked: Sequence[str], known: tuple[str, ...]) -> frozenset[str]:
     """The names requested; an unknown name stands for all names that begin with it."""
     found: set[str] = set()
     for name in map(present_name, asked):

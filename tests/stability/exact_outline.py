@@ -19,7 +19,7 @@ from mpmath import mp
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
-from tests.stability.cam_case import CamSpec
+from tests.stability.cams import CamSpec
 from tests.stability.exact_cam import AnyFollower, CamJet
 from tests.stability.series import (
     STEPS,

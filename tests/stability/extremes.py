@@ -9,14 +9,14 @@ from typing import Any, Final
 
 import numpy as np
 
-from camgeo.check.flank import transmission_angle_extremes
+from camgeo.check.disc import transmission_angle_extremes
 from camgeo.geometry.outline.cusps import undercut_ranges
 from camgeo.geometry.pieces import Extremes, curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.numeric.arrays import FloatArray
 from tests.stability import cams
-from tests.stability.cam_case import CamSpec
+from tests.stability.cams import CamSpec
 from tests.stability.exact_cam import CamJet
 from tests.stability.measure import Case
 from tests.stability.series import Number, Roots, newton

@@ -11,7 +11,7 @@ from camgeo.kinematics.mechanism.face import flat_follower
 from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
 from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from tests.stability.cam_case import EVEN, LIFTS, MIDDLE, SHARES, STEEP, WIDE, CamSpec, of_moves
+from tests.stability.cams import EVEN, LIFTS, MIDDLE, SHARES, STEEP, WIDE, CamSpec, of_moves
 from tests.stability.exact_cam import face_jet
 from tests.stability.measure import Case
 from tests.stability.series import Number, Series

@@ -18,7 +18,7 @@ from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from tests.stability.cam_case import STEEP, CamSpec
+from tests.stability.cams import STEEP, CamSpec
 from tests.stability.exact_outline import ExactOutline
 from tests.stability.measure import Case
 from tests.stability.series import Number, Roots

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from tests.stability import cams, extremes, faces, laws, outlines, slotted_levers, tables
-from tests.stability.cam_case import CAMS, LINKAGES, CamSpec, cases_of
+from tests.stability.cams import CAMS, LINKAGES, CamSpec, cases_of
 from tests.stability.measure import Case, Reading, measure
 
 GROUPS: Final[Mapping[str, Callable[[], tuple[Case, ...]]]] = {

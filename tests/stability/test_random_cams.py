@@ -15,7 +15,7 @@ from tests.long_form import examples
 from tests.mechanism.flat_faces import oscillating_flats, translating_flats
 from tests.motion.exact_laws import HALVES
 from tests.stability import faces
-from tests.stability.cam_case import CamSpec, cases_of
+from tests.stability.cams import CamSpec, cases_of
 from tests.stability.exact_cam import AnyLinkage
 from tests.stability.measure import measure
 from tests.stability.suite import LIMIT

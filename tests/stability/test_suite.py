@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
+import json
 import math
-from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from mpmath import mp
 
+from camgeo.app.cli.main import COMMANDS
+from camgeo.app.cli.main import main as camgeo
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.reference import reference
-from tests.stability import cams
-from tests.stability.cam_case import CamSpec, cases_of
+from tests.stability import cams, suite
+from tests.stability.__main__ import known_names, main
+from tests.stability.cams import CamSpec, cases_of
 from tests.stability.measure import Case, Reading, measure
 from tests.stability.quick import CASES, quick
-from tests.stability.suite import GROUPS, LIMIT, names, run, table, worst_of_cases
+from tests.stability.suite import GROUPS, LIMIT, table
 
 
 def spec(name: str) -> CamSpec:
@@ -32,13 +36,6 @@ def test_no_digits_are_lost_that_the_inputs_have(group: str) -> None:
     assert readings
     poor = [each for each in readings if each.ratio > LIMIT]
     assert poor == []
-
-
-def test_names_distinguish_cases() -> None:
-    twice = [key for key, count in Counter((c.group, c.name, c.quantities) for c in CASES).items()
-             if count > 1]  # fmt: skip
-    assert twice == []
-    assert {case.group for case in CASES} == set(GROUPS)
 
 
 @pytest.mark.parametrize("name", ["HC01", "HC02", "HC03", "HC04", "HC05", "HC06", "HC11", "HC12",
@@ -101,34 +98,6 @@ def test_the_table_has_the_largest_ratio_first() -> None:
     assert c.largest_ratio.ratio == 0.0
 
 
-def test_points_of_a_picture() -> None:
-    readings = [
-        made_up("a", "x", 2.0, 1.0),
-        made_up("a", "x", 5.0, 1.0),
-        made_up("a", "x", 7.0, 70.0),
-        made_up("a", "y", 3.0, 1.0),
-        made_up("a", "z", math.inf, 1.0),
-    ]
-    assert worst_of_cases(readings) == (readings[2], readings[1], readings[3])
-
-
-def test_only_what_is_asked_for_is_run() -> None:
-    stated: list[str] = []
-    readings = run(CASES, ["place of a cusp"], quick=True, progress=stated.append)
-    assert {each.quantity for each in readings} == {"place of a cusp"}
-    assert stated == [f"extremes: {name}" for name in dict.fromkeys(each.case for each in readings)]
-    whole = run(CASES, ["scca, b 0.3, d 0.2"], quick=True)
-    assert {each.case for each in whole} == {"scca, b 0.3, d 0.2"}
-    assert len(whole) == 2 * 5
-
-
-def test_names_are_groups_quantities_and_cases() -> None:
-    known = names(CASES)
-    assert len(known) == len(set(known))
-    assert set(GROUPS) <= set(known)
-    assert {"curvature", "f'''", "HC11 tiny stroke, rise"} <= set(known)
-
-
 # The measure itself, on numbers whose error and conditioning are known -------------------------
 
 Found = Callable[[FloatArray], FloatArray | ComplexArray]
@@ -143,61 +112,55 @@ def reading(found: Found, exact: Callable[..., Any], place: float, *parameters: 
     return only
 
 
-@pytest.mark.parametrize("steps", [0, 1, 3])
-@pytest.mark.parametrize("place", [1.0, 1.9, 3e-300, 1e200])
-def test_an_error_of_some_ulp(steps: int, place: float) -> None:
-    """A double that is its own exact value, off by whole steps between neighbours."""
-    off = place + steps * math.ulp(place)
-    known = reading(lambda _: np.array([off]), lambda x: x, place)
-    assert known.error == steps
-    # Half an ulp of the only input moves it by half an ulp.
-    assert known.conditioning == 0.5
-    assert known.ratio == steps
-    assert known.value == place
+def refuse(_: FloatArray) -> FloatArray:
+    raise GeometryError("no such cam")
 
 
-def test_a_difference_is_as_badly_conditioned_as_it_cancels() -> None:
-    """x - 1 at x = 1 + 2^-20: half of 2^-52 against 2^-20 * 2^-52, twice: 2^20 ulp for x and 1."""
-    place = 1.0 + 2.0**-20
-    known = reading(lambda x: x - 1.0, lambda x, one: x - one, place, 1.0)
-    assert known.error == 0.0
-    assert known.conditioning == 2.0**20
+def up_to_one(x: Any) -> Any:
+    if x > 1:
+        raise GeometryError("beyond 1")
+    return x
+
+
+BESIDE_ONE = 1.0 + 2.0**-20
+
+OFF = 3.0 + 4.0j + 2.0j * math.ulp(5.0)
+
+
+@pytest.mark.parametrize(
+    ("found", "exact", "inputs", "error", "conditioning"),
+    [
+        # A double off by whole steps between neighbours: half an ulp moves it by half an ulp.
+        *(
+            (lambda x, k=k: x + k * np.spacing(x), lambda x: x, (place,), k, 0.5)
+            for k in (0, 1, 3)
+            for place in (1.0, 1.9, 3e-300, 1e200)
+        ),
+        # x - 1 beside 1: half of 2^-52 against 2^-20 * 2^-52, twice: 2^20 ulp for x and 1.
+        (lambda x: x - 1.0, lambda x, one: x - one, (BESIDE_ONE, 1.0), 0.0, 2.0**20),
+        # A vector is measured by its length, 5.
+        (lambda _: np.array([OFF]), lambda x: x * (3 + 4j), (1.0,), 2.0, 0.625),
+        (refuse, lambda x: x, (1.0,), math.inf, 0.5),
+        # At an end of its range an input moves the other way.
+        (lambda x: x, up_to_one, (1.0,), 0.0, 0.5),
+    ],
+)
+def test_errors_and_conditioning_that_are_known(
+    found: Found, exact: Any, inputs: tuple[float, ...], error: float, conditioning: float
+) -> None:
+    known = reading(found, exact, *inputs)
+    assert (known.error, known.conditioning) == (error, conditioning)
+    assert known.ratio == error / max(1.0, conditioning)
+    assert known.value == float(abs(exact(*inputs)))
 
 
 def test_where_a_value_passes_zero_the_yardstick_is_what_the_inputs_leave() -> None:
     """sin at the double next to pi: no ulp of 1.2e-16 is meant, but none of 2.2e-16 either."""
-    known = reading(lambda x: np.zeros(1), _sine, math.pi)
+    known = reading(lambda x: np.zeros(1), mp.sin, math.pi)
     left = math.ulp(math.pi) / 2.0
     assert known.error == pytest.approx(math.sin(math.pi) / math.ulp(left))
     assert known.ratio == pytest.approx(math.sin(math.pi) / left, rel=1e-9)
     assert known.ratio < 1.0
-
-
-def _sine(x: Any) -> Any:
-    return mp.sin(x)
-
-
-def test_a_vector_is_measured_by_its_length() -> None:
-    found = np.array([3.0 + 4.0j + math.ulp(5.0) * 2.0j])
-    known = reading(lambda _: found, lambda x: x * (3 + 4j), 1.0)
-    assert known.error == 2.0
-    assert known.value == 5.0
-
-
-def test_a_refusal_is_an_infinite_error() -> None:
-    def refuse(_: FloatArray) -> FloatArray:
-        raise GeometryError("no such cam")
-
-    assert reading(refuse, lambda x: x, 1.0).error == math.inf
-
-
-def test_at_an_end_of_its_range_an_input_moves_the_other_way() -> None:
-    def up_to_one(x: Any) -> Any:
-        if x > 1:
-            raise GeometryError("beyond 1")
-        return x
-
-    assert reading(lambda x: x, up_to_one, 1.0).conditioning == 0.5
 
 
 def test_an_input_without_room_is_reported() -> None:
@@ -208,3 +171,124 @@ def test_an_input_without_room_is_reported() -> None:
 
     with pytest.raises(GeometryError, match=r"known: no value of input 0 near 1\.0"):
         reading(lambda x: x, only_one, 1.0)
+
+
+# The suite as a program: table, JSON, picture and exit code ---------------------------------------
+
+Capture = pytest.CaptureFixture[str]
+
+FEW = ["--only", "scca, b 0.3, d 0.2", "place of a cusp", "--quick"]
+"""A law and the cusps: what is quick to run, with places of both kinds."""
+
+
+def call(*words: str) -> int:
+    return main(words)
+
+
+def of_curvature(error: float, conditioning: float = 1.0, quantity: str = "curvature") -> Reading:
+    return Reading(quantity, "cams", "made up", math.pi, 0.25, error, conditioning)
+
+
+@pytest.fixture
+def found(monkeypatch: pytest.MonkeyPatch) -> list[Reading]:
+    """The readings of the suite in a test that runs none of it; filled by the test."""
+    readings: list[Reading] = []
+    monkeypatch.setattr(suite, "run", lambda *_, **__: tuple(readings))
+    monkeypatch.setattr(suite, "all_cases", tuple)
+    return readings
+
+
+@pytest.fixture(autouse=True)
+def _cases_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those of the suite, which take longer to make than commands to look through."""
+    monkeypatch.setattr(suite, "all_cases", lambda: CASES)
+
+
+def test_the_command_says_where_it_is(capsys: Capture) -> None:
+    assert "stability" not in COMMANDS
+    assert camgeo(["stability", "--quick"]) == 2
+    assert "python -m tests.stability" in capsys.readouterr().err
+
+
+def test_the_table(capsys: Capture) -> None:
+    assert call(*FEW) == 0
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    lines = captured.out.splitlines()
+    assert lines[0].split() == ["quantity", "values", "error", "conditioning", "at", "ratio"]
+    quantities = {line.split("  ")[0] for line in lines[1 : lines.index("")]}
+    assert quantities == {"f", "1 - f", "f'", "f''", "f'''", "place of a cusp"}
+    assert lines[-1] == "limit of the ratio 64: kept"
+    cusp = next(line for line in lines if line.startswith("place of a cusp"))
+    assert "too large" in cusp
+    assert " deg " in cusp
+
+
+def test_json_has_the_same(capsys: Capture) -> None:
+    assert call("--only", FEW[1], "--quick", "--json") == 0
+    document: dict[str, Any] = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+    assert (document["kept"], document["quick"], document["limit"]) == (True, True, suite.LIMIT)
+    by_name = {row["quantity"]: row for row in document["quantities"]}
+    assert by_name["f"]["values"] == 2
+    assert by_name["f"]["largest_error"]["case"] == FEW[1]
+    assert 0.0 < by_name["f"]["largest_error"]["at"]["z"] < 1.0
+
+
+def test_a_broken_limit_is_reported(found: list[Reading], capsys: Capture) -> None:
+    found += [
+        of_curvature(65.0),
+        of_curvature(100.0, 2.0),
+        of_curvature(3.0, quantity="pitch curve Z"),
+    ]
+    assert call() == 1
+    out = capsys.readouterr().out
+    assert "limit of the ratio 64: broken" in out
+    assert "  curvature: ratio 65 at made up, 180 deg, error 65, conditioning 1" in out
+
+
+@pytest.mark.parametrize(
+    ("name", "found"),
+    [
+        ("HC14", {f"HC14 return in 1e-6 degrees, {way}" for way in ("rise", "return")}),
+        ("curvature", {"curvature"}),
+        ("extremes", {"extremes"}),
+    ],
+)
+def test_names_and_beginnings_of_cases(name: str, found: set[str]) -> None:
+    assert known_names([name], suite.names(CASES)) == found
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--only", "curvatur e"], "there is no 'curvatur e'; did you mean \"curvature\"?"),
+        (["-o", "stability.bmp"], "'stability.bmp' must end in one of .png, .svg, .pdf"),
+    ],
+)
+def test_wrong_words(words: list[str], message: str, capsys: Capture) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(words)
+    assert end.value.code == 2
+    assert message in capsys.readouterr().err
+
+
+# The picture --------------------------------------------------------------------------------------
+
+READINGS = (
+    of_curvature(0.0, 0.0),
+    of_curvature(3.0, 0.5),
+    of_curvature(2e15, 8e15, "curvature slope"),
+    of_curvature(70.0, 1.0, "pitch curve Z"),
+)
+
+
+def test_the_picture_is_written_next_to_the_table(
+    found: list[Reading], tmp_path: Path, capsys: Capture
+) -> None:
+    found += [*READINGS[:3], of_curvature(math.inf, 1.0, "Z'")]
+    target = tmp_path / "stability.svg"
+    assert call("-o", str(target)) == 1
+    captured = capsys.readouterr()
+    assert captured.out.startswith("quantity")
+    assert captured.err == f"{target}: 2 points\n"
+    assert target.read_bytes().startswith(b"<?xml")

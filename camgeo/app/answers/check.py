@@ -20,8 +20,7 @@ from camgeo.app.answers.answer import (
     finding_lines,
 )
 from camgeo.app.cli.command import add_json, add_scene, opened, show
-from camgeo.check.finding import RETURN, Finding, forbidding
-from camgeo.check.judge import FINDINGS
+from camgeo.check.finding import FINDINGS, RETURN, Finding, forbidding
 from camgeo.design.judged_part import Body, PartFound
 from camgeo.errors import GeometryError
 from camgeo.kinematics.plan import Joint, joints
@@ -30,7 +29,7 @@ from camgeo.units import clock
 
 if TYPE_CHECKING:
     from camgeo.cam.cam import Disc
-    from camgeo.check.cures.search import Cure
+    from camgeo.check.cures.remedies import Cure
     from camgeo.design.design import Design
     from camgeo.design.machining import Machining
     from camgeo.geometry.outline.outline import Outline

@@ -13,8 +13,8 @@ from camgeo.app.answers.answer import SCENE, Answer, Key
 from camgeo.app.answers.check import OF_MILLING, OF_PART, Check, check
 from camgeo.app.cli.command import add_json, add_scene, opened, show
 from camgeo.cam.cam import Disc, Drive
-from camgeo.check.finding import Finding
-from camgeo.check.judge import FINDINGS, Judgement
+from camgeo.check.finding import FINDINGS, Finding
+from camgeo.check.judge import Judgement
 from camgeo.design.design import Design
 from camgeo.design.drawn import DrawnDisc
 from camgeo.design.milled import MilledDisc

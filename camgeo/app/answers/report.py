@@ -18,7 +18,7 @@ import numpy as np
 from camgeo.app.answers.answer import FINDING, MANY, MARKS, SCENE, Answer, Key, in_a_line
 from camgeo.app.answers.check import Check, check
 from camgeo.app.cli.command import add_json, add_output, add_scene, opened, show, write_files
-from camgeo.check.cures.search import Cure
+from camgeo.check.cures.remedies import Cure
 from camgeo.check.finding import RETURN, Finding, Severity
 from camgeo.errors import CamgeoError
 from camgeo.pictures import effects, motion, plots

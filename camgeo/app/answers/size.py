@@ -24,9 +24,11 @@ from camgeo.app.cli.command import (
 from camgeo.app.cli.plot import add_picture, pictures
 from camgeo.app.cli.streams import notify
 from camgeo.cam.cam import Cam
+from camgeo.check.disc import transmission_angle_limit
 from camgeo.check.finding import Finding
-from camgeo.check.judge import motion_findings, transmission_angle_limit
+from camgeo.check.judge import motion_findings
 from camgeo.check.sizing import smallest
+from camgeo.check.sizing.face import FaceTask, face_task_of, rate_face, size_for_face
 from camgeo.check.sizing.rounding import (
     Made,
     exponent_of,
@@ -35,16 +37,8 @@ from camgeo.check.sizing.rounding import (
     size_with_arm,
     with_arm,
 )
-from camgeo.check.sizing.smallest import (
-    SIDES,
-    Active,
-    Rating,
-    Sizing,
-    rate,
-    rate_face,
-    size_for_face,
-)
-from camgeo.check.sizing.task import FaceTask, Placing, Task, face_task_of, task_of
+from camgeo.check.sizing.smallest import ARM_SIDES, Active, Rating, Sizing, rate
+from camgeo.check.sizing.task import Placing, Task, task_of
 from camgeo.design.design import Design
 from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.scene.scene import Scene
@@ -86,7 +80,7 @@ class Side:
     def arm_side(self) -> str | None:
         """As in scenes; None on a guide."""
         side = self.task.arm_side
-        return None if side is None else SIDES[side]
+        return None if side is None else ARM_SIDES[side]
 
     @property
     def base_radius(self) -> float:
@@ -251,7 +245,7 @@ def size(
     Raises
     ------
     GeometryError
-        As `check.sizing.smallest.size`, `check.sizing.faces.size_for_face` and
+        As `check.sizing.smallest.size`, `check.sizing.face.size_for_face` and
         `check.sizing.arm.size_with_arm`.
     """
     limits, cam = design.scene.limits, design.cam
@@ -729,7 +723,7 @@ def edits_with(scene: Scene, made: Made) -> dict[str, Any]:
     assert before is not None  # it was sized
     side, was = (getattr(each, "arm_side", None) for each in (made.cam.follower, before))
     if side is not None and side != was:
-        edits["follower.arm_side"] = SIDES[side]
+        edits["follower.arm_side"] = ARM_SIDES[side]
         if scene.linkage is not None and scene.stated.has("follower", "direction"):
             edits["follower.direction"] = OTHER_WAY[scene.stated.get("follower", "direction")]
         turned = scene.stated.exact("follower", "return", "arm_angle")

@@ -32,7 +32,7 @@ from camgeo.app.designing.segments import (
     total,
     with_a_point,
 )
-from camgeo.check.cures.search import edits_of
+from camgeo.check.cures.remedies import edits_of
 from camgeo.design.design import KEPT, Design
 from camgeo.dynamics.effects.effect import Effect
 from camgeo.dynamics.effects.registry import effect_names, find_effect

@@ -19,7 +19,7 @@ from camgeo.app.answers.size import size as size_of
 from camgeo.app.designing.children import Job
 from camgeo.app.designing.painting import effect_charts
 from camgeo.app.designing.recent import Arguments, Recent
-from camgeo.check.cures.search import Cure
+from camgeo.check.cures.remedies import Cure
 from camgeo.check.finding import RETURN, Finding
 from camgeo.check.sizing.smallest import Rating
 from camgeo.design.writing import CERTIFICATE, make_files

@@ -4,66 +4,270 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import ROUND_FLOOR, Decimal, localcontext
 from functools import lru_cache, singledispatch
+from itertools import chain
 from typing import Any, Final
-
-import numpy as np
 
 from camgeo.cam.cam import Cam
 from camgeo.check.cures.search import (
     BEYOND,
+    CONDITIONS,
     UNKNOWN,
-    Along,
-    Angle,
-    Bend,
-    Change,
     Condition,
     Conditions,
-    Convex,
-    Cure,
     Discs,
-    Edits,
     Excess,
-    Judge,
     Length,
-    Ratio,
-    Task,
+    Size,
+    Span,
     Way,
     angles_of,
     crossings,
-    digits_for,
-    edits_of,
     faulty_segments,
     holds,
-    length_cure,
-    margin_of_either_side,
-    margins_of_each,
     moved,
-    no_cure,
-    percent,
     plan_of,
-    rounded_beyond,
-    shown,
     sized,
     worst_place,
 )
-from camgeo.check.finding import BROKEN, RETURN, Finding
-from camgeo.errors import GeometryError
+from camgeo.check.finding import BROKEN, NO_OUTLINE, RETURN, Finding
+from camgeo.errors import GeometryError, SceneError
 from camgeo.geometry.pieces import curvature_extremes
-from camgeo.geometry.together import LinkedMotions, Repeated
 from camgeo.kinematics.laws import FAMILIES, law_of
 from camgeo.kinematics.laws.law import Law, acceleration_jumps, characteristic
 from camgeo.kinematics.mechanism.face import flat_follower
-from camgeo.kinematics.mechanism.linked_motion import LinkedMotion
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
-from camgeo.kinematics.motion import FULL_ORDER, Jet, Motion
 from camgeo.kinematics.plan import EXACT, Dwell, MotionPlan, Move, Segment
-from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.units import MM_PER, LengthUnit
+from camgeo.units import MM_PER, LengthUnit, in_unit, listed
+
+# -- cure -----------------------------------------------------------------------------------------
+
+
+Value = float | Decimal | str
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """One key of the scene with another value.
+
+    Attributes
+    ----------
+    key : path of the key in the scene, e.g. "motion[2].span".
+    value_from, value_to : the present and the new value, in the unit of the scene or in degrees, or
+        names of laws.
+    """
+
+    key: str
+    value_from: Value
+    value_to: Value
+
+
+@dataclass(frozen=True, slots=True)
+class Cure:
+    """The nearest value of one knob at which a fault is gone; or that there is none.
+
+    Attributes
+    ----------
+    knob : "base radius", "roller radius", "offset", "arm", "longer segment" or "other law".
+    key : path of its key in the scene.
+    value_from : the present value, in `unit`; for a law its name.
+    value_to : the value that cures: for a length the limit rounded to the side on which it cures,
+        as the sentence has it; for a span the next millionth of a degree beyond the limit; for a
+        law its name. None if the knob has no cure.
+    unit : of both: that of the scene for a length, "deg", or "".
+    cost : relative change, referred to the base radius for an offset; for a law the relative
+        increase of its peak acceleration, 0 if that does not grow. The largest one if several
+        moves change. None if the knob has no cure.
+    sentence : all of this in words.
+    also : the other keys that change with it, e.g. the dwells beside a longer move.
+    limit : for a length, the exact value [mm] at which the finding disappears.
+    fault : that it removes: "undercut", "radius ratio", "transmission angle" or "convexity".
+    breaks : names of the findings that report limits which held, and which it breaks: empty unless
+        the knob has no value that breaks none.
+    """
+
+    knob: str
+    key: str
+    value_from: Value
+    value_to: Value | None
+    unit: str
+    cost: float | None
+    sentence: str
+    also: tuple[Change, ...] = ()
+    limit: float | None = None
+    fault: str = ""
+    breaks: tuple[str, ...] = ()
+
+    @property
+    def statement(self) -> str:
+        """The sentence, after the fault, and whether there is a cure of it."""
+        return f"{self.fault}: {'' if self.works else 'no cure: '}{self.sentence}"
+
+    @property
+    def works(self) -> bool:
+        """Whether the knob has a cure."""
+        return self.value_to is not None
+
+
+def length_cure(
+    knob: str,
+    key: str,
+    old: float,
+    length: Length | None,
+    scale: float,
+    none: str,
+    unit: LengthUnit,
+    bound: str = "",
+) -> Cure:
+    """The cure by the `length` of the follower at `key`, now `old` [mm], stated in `unit`.
+
+    `bound` is "at least " or "at most " if all lengths beyond it cure as well. The cost is the
+    change relative to `scale` [mm]. Without a length it is no cure, as `none` says.
+    """
+    present = old / MM_PER[unit]
+    if length is None:
+        return no_cure(knob, key, present, unit, none)
+    cost = abs(length.limit - old) / scale
+    sentence = (
+        f"{knob} {bound}{shown(length.stated)} {unit} instead of {present:.{length.digits}g} {unit}"
+        f" ({key}, a change by {percent(cost)})"
+    )
+    return Cure(knob, key, present, length.stated, unit, cost, sentence, limit=length.limit)
+
+
+def no_cure(knob: str, key: str, old: Value, unit: str, reason: str) -> Cure:
+    """The statement that a knob has no cure, with the reason as a sentence."""
+    return Cure(knob, key, old, None, unit, None, reason)
+
+
+def shown(value: float) -> str:
+    """A rounded length with the digits that it has."""
+    return f"{Decimal(repr(value)).normalize():f}"
+
+
+def percent(share: float) -> str:
+    """A fraction in per cent, for a sentence."""
+    return f"{100.0 * share:.3g} %"
+
+
+# -- task -----------------------------------------------------------------------------------------
+# What is to be cured: a fault of a design, the limits that held, and the verdict on changes.
+
+
+Edits = Mapping[str, Value]
+"""New values by key, in the unit of the scene or in degrees."""
+
+Judge = Callable[[Discs, Edits], Excess]
+"""The verdict on changed discs, which the edits make."""
+
+CAUSES: Final = ("outline-", "curvature", "standstill")
+"""Beginnings of the names of findings with which nothing is known of undercut."""
+
+NAMED: Final = 3
+"""Limits that a sentence names."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Task:
+    """A fault, and what a cure of it must not break.
+
+    Attributes
+    ----------
+    fault : in words, e.g. "undercut".
+    condition : what it breaks.
+    held : what else the places of the cam decide, and what they keep now.
+    discs : as they are.
+    unit : of lengths in sentences.
+    before : names of the limits that are broken as it is.
+    judged : the findings on changed discs, which the edits make, and on their parts, which are
+        looked at only where the discs hold; SceneError or GeometryError if there are no such.
+    """
+
+    fault: str
+    condition: Condition
+    held: Conditions
+    discs: Discs
+    unit: LengthUnit
+    before: frozenset[str]
+    judged: Callable[[Discs, Edits], tuple[Iterable[Finding], Iterable[Finding]]]
+
+    @property
+    def stages(self) -> Iterator[tuple[Conditions, Judge]]:
+        """Conditions and verdicts by which a cure is sought: first one that breaks nothing, then
+        one that cures.
+        """
+        least = (self.condition, *(each for each in self.held if each.vital))
+        yield (self.condition, *self.held), self.breaking
+        yield least, self.failing
+
+    def breaking(self, discs: Discs, edits: Edits) -> Excess:
+        """By how much a change that cures exceeds the limits that held; else what `failing` is."""
+        failing = self.failing(discs, edits)
+        if not holds(failing):
+            return failing
+        on_discs, on_parts = self.judged(discs, edits)
+        excess = self._excess(on_discs)
+        return {**excess, **self._excess(on_parts)} if holds(excess) else excess
+
+    def failing(self, discs: Discs, edits: Edits) -> Excess:
+        """Not empty if a change does not cure, or leaves no disc."""
+        try:
+            found = [each for each in self.judged(discs, edits)[0] if each.severity in BROKEN]
+        except (GeometryError, SceneError):
+            return UNKNOWN
+        fault = (*self.condition.names, *CAUSES)
+        uncured = (each.name.removeprefix(f"{RETURN}: ").startswith(fault) for each in found)
+        new = (each for each in found if each.name not in self.before)
+        fatal = any(each.severity in NO_OUTLINE for each in new)
+        return UNKNOWN if fatal or any(uncured) else {}
+
+    def _excess(self, findings: Iterable[Finding]) -> Excess:
+        """Of the findings that break a limit that held, and of those that hold."""
+        excess: dict[str, float] = {}
+        for each in findings:
+            broken, beyond = each.severity in BROKEN, math.inf
+            if each.value is not None and each.limit is not None:
+                beyond = abs(each.value - each.limit)
+            if each.name not in self.before and (broken or beyond < math.inf):
+                beyond = beyond if broken else -beyond
+                excess[each.name] = max(beyond, excess.get(each.name, beyond))
+        return excess
+
+    def finished(self, cure: Cure, discs: Discs | None = None) -> Cure:
+        """The cure of this fault that makes these `discs`, which says what is broken then."""
+        cure = replace(cure, fault=self.fault)
+        every = () if discs is None else chain(*self.judged(discs, edits_of(cure)))
+        found = [each for each in every if each.severity in BROKEN]
+        if not found:
+            return cure
+        new = [each for each in found if each.name not in self.before]
+        old = dict.fromkeys(each.name for each in found if each.name in self.before)
+        words = (
+            [f"breaks {listed([_stated(each, self.unit) for each in new], NAMED)}"] if new else []
+        )
+        words += [f"leaves {listed([*old], NAMED)} broken"] if old else []
+        names = tuple(dict.fromkeys(each.name for each in new))
+        return replace(cure, breaks=names, sentence=f"{cure.sentence}, but {' and '.join(words)}")
+
+
+def _stated(found: Finding, unit: LengthUnit) -> str:
+    """A broken limit, with what it is broken by."""
+    if found.value is None or found.limit is None:
+        return f"{found.name} ({found.sentence})"
+    value, limit = (f"{each:.4g} {found.unit}".rstrip() for each in (found.value, found.limit))
+    return in_unit(f"{found.name} ({value}, limit {limit})", unit, (found.value, found.limit))
+
+
+def edits_of(cure: Cure) -> dict[str, Value]:
+    """What a cure, which works, writes into the scene."""
+    assert cure.value_to is not None
+    changes = (Change(cure.key, cure.value_from, cure.value_to), *cure.also)
+    return {each.key: each.value_to for each in changes}
+
 
 # -- sizes ----------------------------------------------------------------------------------------
 # Cures by one dimension of the follower: base radius, roller radius, offset or arm.
@@ -82,72 +286,6 @@ which the mechanism locks or is stretched out, or the roller covers the cam axis
 
 TABLES: Final = ("follower", "follower.return")
 """The scene's table of each disc's roller."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Size:
-    """A dimension of the follower, a `Knob` of the search.
-
-    Attributes
-    ----------
-    start, scale : its present value, and what a change is compared with [mm].
-    made : the discs with another value.
-    """
-
-    start: float
-    scale: float
-    made: Callable[[float], Discs]
-
-    def make(self, value: float) -> Discs:
-        """See `Knob`."""
-        return self.made(value)
-
-    def worst(self, value: float, conditions: Conditions) -> Along | None:
-        """See `Knob`."""
-        found = worst_place(self.made(value), conditions)
-        if found is None:
-            return None
-        condition, number, phi = found
-
-        def cam(other: float) -> Cam | None:
-            try:
-                return self.made(other)[number]
-            except GeometryError:
-                return None
-
-        def along(values: FloatArray) -> FloatArray:
-            return margins_of_each(condition, [cam(each) for each in values.tolist()], phi)
-
-        return along
-
-    def nearest(
-        self,
-        low: float,
-        high: float,
-        conditions: Conditions,
-        judged: Callable[[float], Excess],
-        unit: LengthUnit,
-    ) -> Length | None:
-        """The nearest length between `low` and `high` [mm] at which what is `judged` holds."""
-
-        def rounded(value: float) -> float:
-            upward, mm = value > self.start, MM_PER[unit]
-            digits = digits_for(self.start, value)
-            return mm * float(rounded_beyond(value / mm, digits, upward=upward))
-
-        up = Way(self, max(high, self.start), conditions, judged, rounded).nearest()
-        if up is not None:
-            low = max(low, self.start - (up - self.start))
-        way = Way(self, min(low, self.start), conditions, judged, rounded)
-        down = way.nearest()
-        limit = up if down is None else down
-        if limit is None:
-            return None
-
-        def cures(value: float) -> bool:
-            return way.keeps(value) and holds(judged(value))
-
-        return Length.beyond(self.start, limit, cures, unit, upward=down is None)
 
 
 def base_radius(task: Task) -> Cure:
@@ -189,7 +327,7 @@ def _other(task: Task, knob: str, number: int, within: tuple[float, float], scal
     ends = f"{within[0] / mm:.6g} and {within[1] / mm:.6g} {task.unit}"
     none = f"no other {knob} between {ends} cures it"
     cure = length_cure(knob, key, old, length, scale, none, task.unit)
-    return task.finished(cure, None if length is None else size.made(length.value))
+    return task.finished(cure, None if length is None else made(length.value))
 
 
 def _sought(
@@ -198,7 +336,7 @@ def _sought(
     for conditions, verdict in task.stages:
 
         def judged(value: float, verdict: Judge = verdict) -> Excess:
-            return verdict(size.made(value), edits(value))
+            return verdict(size.make(value), edits(value))
 
         length = size.nearest(*within, conditions, judged, task.unit)
         if length is not None:
@@ -237,7 +375,7 @@ def _smaller_roller(task: Task, discs: Discs, number: int, key: str) -> Length |
     conditions = (task.condition,)
 
     def judged(value: float) -> Excess:
-        return UNKNOWN if _crosses(size.made(value)) else {}
+        return UNKNOWN if _crosses(size.make(value)) else {}
 
     return size.nearest(low, old, conditions, judged, task.unit)
 
@@ -349,14 +487,6 @@ def _(follower: OscillatingRoller) -> tuple[str, float, float, float, float]:
 # Moves whose span or law may change so that they still join, and how a scene names them.
 
 
-def from_rest_to_rest(plan: MotionPlan, number: int) -> bool:
-    """Whether a segment is a move whose span can change without affecting its joints."""
-    move = plan.segments[number]
-    if not isinstance(move, Move) or move.span == 0:
-        return False
-    return rests_beside(plan, number, move.law)
-
-
 def rests_beside(plan: MotionPlan, number: int, law: Law) -> bool:
     """Whether `law` joins with its neighbours in place of a segment, going from rest to rest.
 
@@ -434,7 +564,7 @@ def other_law(task: Task) -> Cure:
     get the same.
     """
     discs = task.discs
-    plan, places = plan_of(discs), faulty_segments(task, discs)
+    plan, places = plan_of(discs), faulty_segments(task.condition, discs)
     for number in places:
         move = plan.segments[number]
         if not (isinstance(move, Move) and move.law.task == TASK and _at_rest(plan, number, move)):
@@ -459,36 +589,18 @@ def other_law(task: Task) -> Cure:
     return task.finished(no_cure(OTHER_LAW, key, move.law.name, "", reason))
 
 
-@dataclass(frozen=True, slots=True)
-class Choice:
-    """A law from rest to rest, the peak of its acceleration, and whether this jumps."""
-
-    law: Law
-    peak: float
-    jerky: bool
-
-    @classmethod
-    def of(cls, law: Law) -> Choice:
-        """What is known of `law`."""
-        return cls(law, _peak(law), _jerks(law))
-
-
-def choices() -> list[Choice]:
-    """All laws that a move can have from rest to rest, with their default parameters."""
-    families = [family for family in FAMILIES.values() if TASK in family.tasks]
-    return [Choice.of(law_of(family.name, TASK, {})) for family in families]
-
-
-def offers_for(
-    plan: MotionPlan, number: int, present: Choice, laws: Sequence[Choice]
-) -> list[Offer]:
-    """Those of the `laws` that could take the place of the `present` one, cheapest first."""
-    found = []
-    for each in laws:
-        law, old = each.law, present.law
-        same = law.name == old.name and law.parameters == old.parameters
-        if not same and (present.jerky or not each.jerky) and rests_beside(plan, number, law):
-            found.append((Offer(law, max(0.0, each.peak / present.peak - 1.0)), each.jerky))
+def offers_for(plan: MotionPlan, number: int) -> list[Offer]:
+    """The laws from rest to rest that could take the place of that of a move, cheapest first."""
+    present, found = _move(plan, number).law, []
+    jerky, peak = _jerks(present), _peak(present)
+    for family in FAMILIES.values():
+        if TASK not in family.tasks:
+            continue
+        law = law_of(family.name, TASK, {})
+        same = law.name == present.name and law.parameters == present.parameters
+        jerks = _jerks(law)
+        if not same and (jerky or not jerks) and rests_beside(plan, number, law):
+            found.append((Offer(law, max(0.0, _peak(law) / peak - 1.0)), jerks))
     return [offer for offer, _ in sorted(found, key=lambda each: (each[0].growth, each[1]))]
 
 
@@ -498,11 +610,7 @@ def _fitting(discs: Discs, places: Sequence[int], conditions: Conditions) -> dic
     As these depend over a move on its own law and on no other, a law is tried in all places at
     once.
     """
-    plan, laws = plan_of(discs), choices()
-    present = {number: _move(plan, number).law for number in places}
-    different = {id(law): law for law in present.values()}
-    known = {key: Choice.of(law) for key, law in different.items()}
-    offers = {n: offers_for(plan, n, known[id(law)], laws) for n, law in present.items()}
+    offers = {number: offers_for(plan_of(discs), number) for number in places}
     fit: set[tuple[int, str]] = set()
     for name in {offer.law.name for every in offers.values() for offer in every}:
         tried = {n: each for n, every in offers.items() for each in every if each.law.name == name}
@@ -576,7 +684,7 @@ def _other_laws(plan: MotionPlan, offers: Mapping[int, Offer]) -> Cure:
         move = _move(plan, number)
         changes[number] = Change(key_of(number, move, "law"), move.law.name, offer.law.name)
     leading = max(offers, key=lambda number: offers[number].growth)
-    cost = offers[leading].growth
+    cost, first = offers[leading].growth, changes[leading]
     named = " and ".join(
         f'{change.key} "{change.value_to}" instead of "{change.value_from}"'
         for change in changes.values()
@@ -584,90 +692,11 @@ def _other_laws(plan: MotionPlan, offers: Mapping[int, Offer]) -> Cure:
     grows = f"grows by {percent(cost)}" if cost > 0.0 else "does not grow"
     sentence = f"{named}, with default parameters (the peak of the acceleration {grows})"
     also = tuple(change for number, change in changes.items() if number != leading)
-    return changes[leading].cure(OTHER_LAW, "", cost, sentence, also)
+    return Cure(OTHER_LAW, first.key, first.value_from, first.value_to, "", cost, sentence, also)
 
 
 # -- spans ----------------------------------------------------------------------------------------
 # Cure by longer segments: moves at fault take cam angle from the dwells next to them.
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Stretched(Repeated):
-    """A motion at one cam angle, asked for n times, if the move there has n other spans.
-
-    Attributes
-    ----------
-    growth : (n,) by how much each of them is longer.
-    """
-
-    growth: FloatArray
-
-    def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
-        """See `Motion.jet`: each derivative by the cam angle is divided by the growth once more."""
-        found = self.motion.jet(phi, side, order)
-        return np.asarray(found / self.growth ** np.arange(len(found))[:, np.newaxis])
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Span:
-    """The span of a move [deg], a `Knob` of the search: in a motion of that move alone.
-
-    The curvature and the transmission angle over a move depend on its own span only.
-
-    Attributes
-    ----------
-    discs : with the whole motion.
-    number : of the move in its plan.
-    """
-
-    discs: Discs
-    number: int
-
-    @property
-    def start(self) -> float:
-        """See `Knob`."""
-        return float(plan_of(self.discs).segments[self.number].span)
-
-    @property
-    def scale(self) -> float:
-        """See `Knob`."""
-        return self.start
-
-    def make(self, value: float) -> Discs:
-        """See `Knob`: other moves lead from the first position to that of the move, and back."""
-        plan = plan_of(self.discs)
-        move = plan.segments[self.number]
-        assert isinstance(move, Move)
-        before = [each.to for each in plan.segments[: self.number] if not isinstance(each, Dwell)]
-        first = before[-1] if before else 0.0
-        with localcontext(EXACT):
-            span = Decimal(value)
-            rest = (360 - span) / 2
-            there = Move(rest, first, move.law) if first else Dwell(rest)
-            back = Move(rest, 0.0, move.law) if move.to else Dwell(rest)
-        return moved(self.discs, MotionPlan((there, replace(move, span=span), back)))
-
-    def worst(self, value: float, conditions: Conditions) -> Along | None:
-        """See `Knob`."""
-        discs = self.make(value)
-        found = worst_place(discs, conditions, angles_of(plan_of(discs), 1))
-        if found is None:
-            return None
-        condition, number, phi = found
-        cam = discs[number]
-        curve = cam.disc.pitch_curve
-
-        def along(values: FloatArray) -> FloatArray:
-            motion: Motion
-            if isinstance(curve.motion, LinkedMotion):
-                demanded = Stretched(curve.motion.demanded, 1, values / value)
-                motion = LinkedMotions(demanded, curve.motion.linkage)
-            else:
-                motion = Stretched(curve.motion, 1, values / value)
-            other = replace(curve, motion=motion)
-            return margin_of_either_side(condition, other, (cam,), phi, len(values))
-
-        return along
 
 
 LONGER_SEGMENT: Final = "longer segment"
@@ -710,11 +739,10 @@ class Growth:
             raise GeometryError("the dwells are too short", key="motion")
         return moved(self.discs, longer)
 
-    def worst(self, value: float, conditions: Conditions) -> Along | None:
+    def worst(self, value: float, conditions: Conditions) -> None:
         """See `Knob`; longer than they must be, moves hardly break anything."""
         if worst_place(self.make(value), conditions) is not None:
             raise GeometryError("these moves are too short", key="motion")
-        return None
 
     @property
     def most(self) -> float:
@@ -733,10 +761,10 @@ def longer_segment(task: Task) -> Cure:
     from the dwells before and after it in proportion to their length.
     """
     discs = task.discs
-    plan, places = plan_of(discs), faulty_segments(task, discs)
+    plan, places = plan_of(discs), faulty_segments(task.condition, discs)
     for number in places:
         segment = plan.segments[number]
-        if not from_rest_to_rest(plan, number):
+        if not (isinstance(segment, Move) and rests_beside(plan, number, segment.law)):
             key = key_of(number, segment, "span")
             reason = f"the span of a segment: {key} is at fault and is not a move from rest to rest"
             return task.finished(no_cure(LONGER_SEGMENT, key, segment.span, "deg", reason))
@@ -744,7 +772,11 @@ def longer_segment(task: Task) -> Cure:
         longer = _longer(task, places, conditions, verdict)
         if longer is not None:
             return task.finished(_longer_segments(plan, longer, places), moved(discs, longer))
-    return task.finished(_too_short(plan, places[0]))
+    number = places[0]
+    segment = plan.segments[number]
+    key = key_of(number, segment, "span")
+    reason = f"no longer {key} cures it: the dwells next to it leave too little room"
+    return task.finished(no_cure(LONGER_SEGMENT, key, segment.span, "deg", reason))
 
 
 def _longer(
@@ -859,9 +891,12 @@ def _longer_segments(old: MotionPlan, new: MotionPlan, places: Sequence[int]) ->
     dwells = [change for number, change in changes.items() if number not in places]
     moves = " and ".join(_told(changes[number]) for number in places if number in changes)
     taken = " and ".join(_told(change) for change in dwells)
-    cost = shares[leading]
+    cost, first = shares[leading], changes[leading]
     sentence = f"longer: {moves} (a change by {percent(cost)}), taken from {taken}"
-    return changes[leading].cure(LONGER_SEGMENT, "deg", cost, sentence, (*also, *dwells))
+    beside = (*also, *dwells)
+    return Cure(
+        LONGER_SEGMENT, first.key, first.value_from, first.value_to, "deg", cost, sentence, beside
+    )
 
 
 def _told(change: Change) -> str:
@@ -871,34 +906,17 @@ def _told(change: Change) -> str:
     return f"{change.key} {degrees(new)} deg instead of {degrees(old)}"
 
 
-def _too_short(plan: MotionPlan, number: int) -> Cure:
-    segment = plan.segments[number]
-    key = key_of(number, segment, "span")
-    reason = f"no longer {key} cures it: the dwells next to it leave too little room"
-    return no_cure(LONGER_SEGMENT, key, segment.span, "deg", reason)
-
-
 # -- remedies -------------------------------------------------------------------------------------
 
 
 OF_MOTION: Final = (longer_segment, other_law)
 
-CONDITIONS: Final[Mapping[str, Callable[[float, float], dict[str, Condition]]]] = {
-    "roller": lambda angle, ratio: {
-        "undercut": Bend(),
-        "radius ratio": Ratio(ratio),
-        "transmission angle": Angle(angle),
-    },
-    "face": lambda angle, _: {"convexity": Convex(), "transmission angle": Angle(angle)},
-}
-"""What must hold, by the fault where it does not, and by what touches the cam."""
-
 KNOBS: Final = {
-    ("roller", Bend): (base_radius, roller_radius, offset_or_arm, *OF_MOTION),
-    ("roller", Ratio): (base_radius, roller_radius, offset_or_arm, *OF_MOTION),
-    ("roller", Angle): (base_radius, offset_or_arm, *OF_MOTION),
-    ("face", Convex): (face_out,),
-    ("face", Angle): OF_MOTION,
+    ("roller", "undercut"): (base_radius, roller_radius, offset_or_arm, *OF_MOTION),
+    ("roller", "radius ratio"): (base_radius, roller_radius, offset_or_arm, *OF_MOTION),
+    ("roller", "transmission angle"): (base_radius, offset_or_arm, *OF_MOTION),
+    ("face", "convexity"): (face_out,),
+    ("face", "transmission angle"): OF_MOTION,
 }
 """What may be changed against a fault, by what touches the cam."""
 
@@ -946,6 +964,6 @@ def remedies(
     cures: list[Cure] = []
     for fault, condition in broken.items():
         task = Task(fault, condition, held, discs, unit, before, judged)
-        own = [knob(task) for knob in KNOBS[touching, type(condition)]]
+        own = [knob(task) for knob in KNOBS[touching, fault]]
         cures += sorted(own, key=lambda cure: math.inf if cure.cost is None else cure.cost)
     return tuple(cures)

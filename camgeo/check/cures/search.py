@@ -1,32 +1,33 @@
-"""What is to be cured, what must hold, and the nearest value at which a fault is gone."""
+"""The nearest size or span at which a fault is gone: what must hold, and the search for it."""
 
 from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
-from itertools import chain
+from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal, localcontext
 from typing import ClassVar, Final, Protocol, Self
 
 import numpy as np
 
 from camgeo.cam.cam import Cam
-from camgeo.check.finding import BROKEN, CONVEXITY, NO_OUTLINE, RETURN, UNDERCUT, Finding
-from camgeo.check.flank import transmission_angle_extremes
+from camgeo.check.disc import transmission_angle_extremes
+from camgeo.check.finding import CONVEXITY, UNDERCUT
 from camgeo.check.machine import check_follower
-from camgeo.errors import GeometryError, SceneError
+from camgeo.errors import GeometryError
 from camgeo.geometry.outline.cusps import CUSP
 from camgeo.geometry.pieces import Extremes, curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.together import one_curve
+from camgeo.geometry.together import LinkedMotions, Repeated, one_curve
+from camgeo.kinematics.mechanism.linkage import LinkedMotion
 from camgeo.kinematics.mechanism.several import alike
-from camgeo.kinematics.plan import SNAP, Dwell, MotionPlan
+from camgeo.kinematics.motion import FULL_ORDER, Jet, Motion
+from camgeo.kinematics.plan import EXACT, SNAP, Dwell, MotionPlan, Move
 from camgeo.lazy import Ledger
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import bracketed_roots
-from camgeo.units import MM_PER, TURN, LengthUnit, in_unit, listed
+from camgeo.units import MM_PER, TURN, LengthUnit
 
 # -- search ---------------------------------------------------------------------------------------
 # The nearest value of a size at which a fault is gone, whatever the size and whatever the fault.
@@ -99,21 +100,17 @@ def holds(excess: Excess) -> bool:
 
 
 class Knob(Protocol):
-    """A size that may change.
-
-    Attributes
-    ----------
-    start : its present value.
-    scale : what a change of it is compared with.
-    """
+    """A size that may change."""
 
     @property
-    def start(self) -> float: ...
+    def start(self) -> float:
+        """Its present value."""
 
     @property
-    def scale(self) -> float: ...
+    def scale(self) -> float:
+        """What a change of it is compared with."""
 
-    def make(self, value: float) -> Discs:
+    def make(self, value: float, /) -> Discs:
         """The discs with another value; GeometryError where there are none."""
 
     def worst(self, value: float, conditions: Conditions) -> Along | None:
@@ -258,7 +255,7 @@ class Way:
                 x = self.end
             found = clearance(x)
             if found > 0.0:
-                return _root(clearance, before, x)
+                return _bracketed(np.vectorize(clearance, otypes=[float]), before, x)
             if math.isnan(found):
                 return None if before == value else before
             before, step = x, step * GROWTH
@@ -295,6 +292,7 @@ def first_root(along: Along, start: float, end: float, scale: float) -> float | 
 
 
 def _bracketed(along: Along, low: float, high: float) -> float:
+    """The root of `along` between `low` and `high`, where it has opposite signs."""
     return float(bracketed_roots(along, np.array([low]), np.array([high]))[0])
 
 
@@ -320,11 +318,6 @@ def _highest(low: FloatArray, middle: FloatArray, high: FloatArray) -> FloatArra
         inside = top + 0.25 * slope * slope / fall
         inside = np.where(np.abs(slope) < 2.0 * fall, inside, -np.inf)
     return np.maximum(np.maximum(low, high), np.maximum(middle, inside))
-
-
-def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    """The root of `function` between `low` and `high`, where it has opposite signs."""
-    return _bracketed(lambda x: np.array([function(float(each)) for each in x]), low, high)
 
 
 # -- conditions -----------------------------------------------------------------------------------
@@ -500,6 +493,17 @@ class Convex(Condition):
 
 
 Conditions = tuple[Condition, ...]
+
+
+CONDITIONS: Final[Mapping[str, Callable[[float, float], dict[str, Condition]]]] = {
+    "roller": lambda angle, ratio: {
+        "undercut": Bend(),
+        "radius ratio": Ratio(ratio),
+        "transmission angle": Angle(angle),
+    },
+    "face": lambda angle, _: {"convexity": Convex(), "transmission angle": Angle(angle)},
+}
+"""What must hold, by the fault where it does not, and by what touches the cam."""
 
 
 def worst_place(
@@ -689,7 +693,31 @@ def _angle(cam: Cam, place: Place) -> float:
     return start + place[1] * (end - start)
 
 
-# -- cure -----------------------------------------------------------------------------------------
+def faulty_segments(condition: Condition, discs: Discs) -> tuple[int, ...]:
+    """Indices in the plan of the segments of `discs` that are at fault.
+
+    Those in which the condition is broken; if there are none, those whose flanks cross each other,
+    without the dwells if there is a move among them: the move next to a dwell is what can change.
+    """
+    plan = plan_of(discs)
+    extremes = [condition.over_turn(cam) for cam in discs]
+
+    def broken(within: Range) -> bool:
+        parts = ((found.values, places_in(found, within)) for found in extremes)
+        return any(np.min(values[slice(*ends)]) <= CUSP for values, ends in parts)
+
+    numbers = [number for number, segment in enumerate(plan.segments) if segment.span]
+    local = [number for number in numbers if broken(angles_of(plan, number))]
+    if local:
+        return tuple(local)
+    angles = [angle for _, *both in crossings(discs) for angle in both]
+    places = sorted({segment_at(plan, angle) for angle in angles})
+    moves = [place for place in places if not isinstance(plan.segments[place], Dwell)]
+    return tuple(moves or places or numbers)
+
+
+# -- sizes ----------------------------------------------------------------------------------------
+# A dimension of the follower as a knob, and the lengths that a designer would write.
 
 
 DIGITS = 6
@@ -700,77 +728,6 @@ OF_CHANGE = 3
 
 MOST_DIGITS = 17
 """Significant digits that tell any two doubles apart."""
-
-Value = float | Decimal | str
-
-
-@dataclass(frozen=True, slots=True)
-class Change:
-    """One key of the scene with another value.
-
-    Attributes
-    ----------
-    key : path of the key in the scene, e.g. "motion[2].span".
-    value_from, value_to : the present and the new value, in the unit of the scene or in degrees, or
-        names of laws.
-    """
-
-    key: str
-    value_from: Value
-    value_to: Value
-
-    def cure(
-        self, knob: str, unit: str, cost: float, sentence: str, also: tuple[Change, ...]
-    ) -> Cure:
-        """The change as a cure, with `also` the changes that go with it."""
-        return Cure(knob, self.key, self.value_from, self.value_to, unit, cost, sentence, also)
-
-
-@dataclass(frozen=True, slots=True)
-class Cure:
-    """The nearest value of one knob at which a fault is gone; or that there is none.
-
-    Attributes
-    ----------
-    knob : "base radius", "roller radius", "offset", "arm", "longer segment" or "other law".
-    key : path of its key in the scene.
-    value_from : the present value, in `unit`; for a law its name.
-    value_to : the value that cures: for a length the limit rounded to the side on which it cures,
-        as the sentence has it; for a span the next millionth of a degree beyond the limit; for a
-        law its name. None if the knob has no cure.
-    unit : of both: that of the scene for a length, "deg", or "".
-    cost : relative change, referred to the base radius for an offset; for a law the relative
-        increase of its peak acceleration, 0 if that does not grow. The largest one if several
-        moves change. None if the knob has no cure.
-    sentence : all of this in words.
-    also : the other keys that change with it, e.g. the dwells beside a longer move.
-    limit : for a length, the exact value [mm] at which the finding disappears.
-    fault : that it removes: "undercut", "radius ratio", "transmission angle" or "convexity".
-    breaks : names of the findings that report limits which held, and which it breaks: empty unless
-        the knob has no value that breaks none.
-    """
-
-    knob: str
-    key: str
-    value_from: Value
-    value_to: Value | None
-    unit: str
-    cost: float | None
-    sentence: str
-    also: tuple[Change, ...] = ()
-    limit: float | None = None
-    fault: str = ""
-    breaks: tuple[str, ...] = ()
-
-    @property
-    def statement(self) -> str:
-        """The sentence, after the fault, and whether there is a cure of it."""
-        return f"{self.fault}: {'' if self.works else 'no cure: '}{self.sentence}"
-
-    @property
-    def works(self) -> bool:
-        """Whether the knob has a cure."""
-        return self.value_to is not None
 
 
 @dataclass(frozen=True, slots=True)
@@ -814,37 +771,6 @@ class Length:
         return None
 
 
-def length_cure(
-    knob: str,
-    key: str,
-    old: float,
-    length: Length | None,
-    scale: float,
-    none: str,
-    unit: LengthUnit,
-    bound: str = "",
-) -> Cure:
-    """The cure by the `length` of the follower at `key`, now `old` [mm], stated in `unit`.
-
-    `bound` is "at least " or "at most " if all lengths beyond it cure as well. The cost is the
-    change relative to `scale` [mm]. Without a length it is no cure, as `none` says.
-    """
-    present = old / MM_PER[unit]
-    if length is None:
-        return no_cure(knob, key, present, unit, none)
-    cost = abs(length.limit - old) / scale
-    sentence = (
-        f"{knob} {bound}{shown(length.stated)} {unit} instead of {present:.{length.digits}g} {unit}"
-        f" ({key}, a change by {percent(cost)})"
-    )
-    return Cure(knob, key, present, length.stated, unit, cost, sentence, limit=length.limit)
-
-
-def no_cure(knob: str, key: str, old: Value, unit: str, reason: str) -> Cure:
-    """The statement that a knob has no cure, with the reason as a sentence."""
-    return Cure(knob, key, old, None, unit, None, reason)
-
-
 def digits_for(old: float, new: float) -> int:
     """Significant digits that show the change from `old` to `new`."""
     change, size = abs(new - old), max(abs(old), abs(new))
@@ -865,151 +791,146 @@ def rounded_beyond(value: float, digits: int, *, upward: bool, steps: int = 0) -
     return f"{(rounded + (steps if upward else -steps) * step).normalize():f}"
 
 
-def shown(value: float) -> str:
-    """A rounded length with the digits that it has."""
-    return f"{Decimal(repr(value)).normalize():f}"
-
-
-def percent(share: float) -> str:
-    """A fraction in per cent, for a sentence."""
-    return f"{100.0 * share:.3g} %"
-
-
-# -- task -----------------------------------------------------------------------------------------
-# What is to be cured: a fault of a design, the limits that held, and the verdict on changes.
-
-
-Edits = Mapping[str, Value]
-"""New values by key, in the unit of the scene or in degrees."""
-
-Judge = Callable[[Discs, Edits], Excess]
-"""The verdict on changed discs, which the edits make."""
-
-CAUSES: Final = ("outline-", "curvature", "standstill")
-"""Beginnings of the names of findings with which nothing is known of undercut."""
-
-NAMED: Final = 3
-"""Limits that a sentence names."""
-
-
 @dataclass(frozen=True, slots=True, eq=False)
-class Task:
-    """A fault, and what a cure of it must not break.
+class Size:
+    """A dimension of the follower, a `Knob` of the search.
 
     Attributes
     ----------
-    fault : in words, e.g. "undercut".
-    condition : what it breaks.
-    held : what else the places of the cam decide, and what they keep now.
-    discs : as they are.
-    unit : of lengths in sentences.
-    before : names of the limits that are broken as it is.
-    judged : the findings on changed discs, which the edits make, and on their parts, which are
-        looked at only where the discs hold; SceneError or GeometryError if there are no such.
+    start, scale : its present value, and what a change is compared with [mm].
+    make : the discs with another value.
     """
 
-    fault: str
-    condition: Condition
-    held: Conditions
+    start: float
+    scale: float
+    make: Callable[[float], Discs]
+
+    def worst(self, value: float, conditions: Conditions) -> Along | None:
+        """See `Knob`."""
+        found = worst_place(self.make(value), conditions)
+        if found is None:
+            return None
+        condition, number, phi = found
+
+        def cam(other: float) -> Cam | None:
+            try:
+                return self.make(other)[number]
+            except GeometryError:
+                return None
+
+        def along(values: FloatArray) -> FloatArray:
+            return margins_of_each(condition, [cam(each) for each in values.tolist()], phi)
+
+        return along
+
+    def nearest(
+        self,
+        low: float,
+        high: float,
+        conditions: Conditions,
+        judged: Callable[[float], Excess],
+        unit: LengthUnit,
+    ) -> Length | None:
+        """The nearest length between `low` and `high` [mm] at which what is `judged` holds."""
+
+        def rounded(value: float) -> float:
+            upward, mm = value > self.start, MM_PER[unit]
+            digits = digits_for(self.start, value)
+            return mm * float(rounded_beyond(value / mm, digits, upward=upward))
+
+        up = Way(self, max(high, self.start), conditions, judged, rounded).nearest()
+        if up is not None:
+            low = max(low, self.start - (up - self.start))
+        way = Way(self, min(low, self.start), conditions, judged, rounded)
+        down = way.nearest()
+        limit = up if down is None else down
+        if limit is None:
+            return None
+
+        def cures(value: float) -> bool:
+            return way.keeps(value) and holds(judged(value))
+
+        return Length.beyond(self.start, limit, cures, unit, upward=down is None)
+
+
+# -- spans ----------------------------------------------------------------------------------------
+# The span of a move as a knob.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stretched(Repeated):
+    """A motion at one cam angle, asked for n times, if the move there has n other spans.
+
+    Attributes
+    ----------
+    growth : (n,) by how much each of them is longer.
+    """
+
+    growth: FloatArray
+
+    def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
+        """See `Motion.jet`: each derivative by the cam angle is divided by the growth once more."""
+        found = self.motion.jet(phi, side, order)
+        return np.asarray(found / self.growth ** np.arange(len(found))[:, np.newaxis])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Span:
+    """The span of a move [deg], a `Knob` of the search: in a motion of that move alone.
+
+    The curvature and the transmission angle over a move depend on its own span only.
+
+    Attributes
+    ----------
+    discs : with the whole motion.
+    number : of the move in its plan.
+    """
+
     discs: Discs
-    unit: LengthUnit
-    before: frozenset[str]
-    judged: Callable[[Discs, Edits], tuple[Iterable[Finding], Iterable[Finding]]]
+    number: int
 
     @property
-    def stages(self) -> Iterator[tuple[Conditions, Judge]]:
-        """Conditions and verdicts by which a cure is sought: first one that breaks nothing, then
-        one that cures.
-        """
-        least = (self.condition, *(each for each in self.held if each.vital))
-        yield (self.condition, *self.held), self.breaking
-        yield least, self.failing
+    def start(self) -> float:
+        """See `Knob`."""
+        return float(plan_of(self.discs).segments[self.number].span)
 
-    def breaking(self, discs: Discs, edits: Edits) -> Excess:
-        """By how much a change that cures exceeds the limits that held; else what `failing` is."""
-        failing = self.failing(discs, edits)
-        if not holds(failing):
-            return failing
-        on_discs, on_parts = self.judged(discs, edits)
-        excess = self._excess(on_discs)
-        return {**excess, **self._excess(on_parts)} if holds(excess) else excess
+    @property
+    def scale(self) -> float:
+        """See `Knob`."""
+        return self.start
 
-    def failing(self, discs: Discs, edits: Edits) -> Excess:
-        """Not empty if a change does not cure, or leaves no disc."""
-        try:
-            found = [each for each in self.judged(discs, edits)[0] if each.severity in BROKEN]
-        except (GeometryError, SceneError):
-            return UNKNOWN
-        fault = (*self.condition.names, *CAUSES)
-        if any(each.name.removeprefix(f"{RETURN}: ").startswith(fault) for each in found):
-            return UNKNOWN
-        return UNKNOWN if any(map(self._is_fatal, found)) else {}
+    def make(self, value: float) -> Discs:
+        """See `Knob`: other moves lead from the first position to that of the move, and back."""
+        plan = plan_of(self.discs)
+        move = plan.segments[self.number]
+        assert isinstance(move, Move)
+        before = [each.to for each in plan.segments[: self.number] if not isinstance(each, Dwell)]
+        first = before[-1] if before else 0.0
+        with localcontext(EXACT):
+            span = Decimal(value)
+            rest = (360 - span) / 2
+            there = Move(rest, first, move.law) if first else Dwell(rest)
+            back = Move(rest, 0.0, move.law) if move.to else Dwell(rest)
+        return moved(self.discs, MotionPlan((there, replace(move, span=span), back)))
 
-    def _is_fatal(self, found: Finding) -> bool:
-        return found.severity in NO_OUTLINE and found.name not in self.before
+    def worst(self, value: float, conditions: Conditions) -> Along | None:
+        """See `Knob`."""
+        discs = self.make(value)
+        found = worst_place(discs, conditions, angles_of(plan_of(discs), 1))
+        if found is None:
+            return None
+        condition, number, phi = found
+        cam = discs[number]
+        curve = cam.disc.pitch_curve
 
-    def _excess(self, findings: Iterable[Finding]) -> Excess:
-        """Of the findings that break a limit that held, and of those that hold."""
-        excess: dict[str, float] = {}
-        for each in findings:
-            broken, beyond = each.severity in BROKEN, math.inf
-            if each.value is not None and each.limit is not None:
-                beyond = abs(each.value - each.limit)
-            if each.name not in self.before and (broken or beyond < math.inf):
-                beyond = beyond if broken else -beyond
-                excess[each.name] = max(beyond, excess.get(each.name, beyond))
-        return excess
+        def along(values: FloatArray) -> FloatArray:
+            motion: Motion
+            if isinstance(curve.motion, LinkedMotion):
+                demanded = Stretched(curve.motion.demanded, 1, values / value)
+                motion = LinkedMotions(demanded, curve.motion.linkage)
+            else:
+                motion = Stretched(curve.motion, 1, values / value)
+            other = replace(curve, motion=motion)
+            return margin_of_either_side(condition, other, (cam,), phi, len(values))
 
-    def finished(self, cure: Cure, discs: Discs | None = None) -> Cure:
-        """The cure of this fault that makes these `discs`, which says what is broken then."""
-        cure = replace(cure, fault=self.fault)
-        every = () if discs is None else chain(*self.judged(discs, edits_of(cure)))
-        found = [each for each in every if each.severity in BROKEN]
-        if not found:
-            return cure
-        new = [each for each in found if each.name not in self.before]
-        old = dict.fromkeys(each.name for each in found if each.name in self.before)
-        words = (
-            [f"breaks {listed([_stated(each, self.unit) for each in new], NAMED)}"] if new else []
-        )
-        words += [f"leaves {listed([*old], NAMED)} broken"] if old else []
-        names = tuple(dict.fromkeys(each.name for each in new))
-        return replace(cure, breaks=names, sentence=f"{cure.sentence}, but {' and '.join(words)}")
-
-
-def _stated(found: Finding, unit: LengthUnit) -> str:
-    """A broken limit, with what it is broken by."""
-    if found.value is None or found.limit is None:
-        return f"{found.name} ({found.sentence})"
-    value, limit = (f"{each:.4g} {found.unit}".rstrip() for each in (found.value, found.limit))
-    return in_unit(f"{found.name} ({value}, limit {limit})", unit, (found.value, found.limit))
-
-
-def edits_of(cure: Cure) -> dict[str, Value]:
-    """What a cure, which works, writes into the scene."""
-    assert cure.value_to is not None
-    changes = (Change(cure.key, cure.value_from, cure.value_to), *cure.also)
-    return {each.key: each.value_to for each in changes}
-
-
-def faulty_segments(task: Task, discs: Discs) -> tuple[int, ...]:
-    """Indices in the plan of the segments that are at fault.
-
-    Those in which the condition is broken; if there are none, those whose flanks cross each other,
-    without the dwells if there is a move among them: the move next to a dwell is what can change.
-    """
-    plan = plan_of(discs)
-    extremes = [task.condition.over_turn(cam) for cam in discs]
-
-    def broken(within: Range) -> bool:
-        parts = ((found.values, places_in(found, within)) for found in extremes)
-        return any(np.min(values[slice(*ends)]) <= CUSP for values, ends in parts)
-
-    numbers = [number for number, segment in enumerate(plan.segments) if segment.span]
-    local = [number for number in numbers if broken(angles_of(plan, number))]
-    if local:
-        return tuple(local)
-    angles = [angle for _, *both in crossings(discs) for angle in both]
-    places = sorted({segment_at(plan, angle) for angle in angles})
-    moves = [place for place in places if not isinstance(plan.segments[place], Dwell)]
-    return tuple(moves or places or numbers)
+        return along

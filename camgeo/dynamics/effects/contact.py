@@ -205,7 +205,7 @@ def require_convex(subject: Subject, what: str) -> None:
     """
     if subject.cam.follower.has_pitch_curve or subject.state.sense:
         return
-    from camgeo.check.flank import check_convexity  # few cams have a flat face
+    from camgeo.check.disc import check_convexity  # few cams have a flat face
 
     for found in check_convexity(subject.cam.disc.pitch_curve):
         if found.severity == "no-disc":

@@ -31,7 +31,8 @@ from camgeo.units import TURN, at_cam_angles
 
 if TYPE_CHECKING:
     from camgeo.dynamics.effects.effect import Quantity, Subject
-    from camgeo.kinematics.mechanism.linkage import Linkage, Member
+    from camgeo.kinematics.mechanism.linkage import Linkage
+    from camgeo.kinematics.mechanism.values import Member
 
 
 Scalar = TypeVar("Scalar", np.float64, np.complex128)

@@ -16,8 +16,15 @@ from typing import TYPE_CHECKING, Any, Final, overload
 
 import numpy as np
 
-from camgeo.check.finding import STATED, Finding, Findings, LazyFindings, folded, stated_in
-from camgeo.check.judge import FINDINGS
+from camgeo.check.finding import (
+    FINDINGS,
+    STATED,
+    Finding,
+    Findings,
+    LazyFindings,
+    folded,
+    stated_in,
+)
 from camgeo.dynamics.effects.contact import FLANKS, INNER, holds_both_ways, sides_of
 from camgeo.dynamics.effects.effect import (
     TOLERANCE,

@@ -10,10 +10,11 @@ from importlib import import_module
 from typing import Final
 
 from camgeo.errors import GeometryError, meant
-from camgeo.kinematics.laws.family import Family, Option, pulse_family
+from camgeo.kinematics.laws.family import Family, Given, Option, boundary_parameters, pulse_law
 from camgeo.kinematics.laws.law import Law
 from camgeo.kinematics.laws.polynomials import FAMILIES as POLYNOMIALS
 from camgeo.kinematics.laws.pulse import Pulse, polynomial_pulse, sine_pulse
+from camgeo.kinematics.laws.two_pulses import Parts
 from camgeo.numeric import checked
 
 # -- fixed pulses ---------------------------------------------------------------------------------
@@ -24,6 +25,26 @@ from camgeo.numeric import checked
 
 def _sines(sine: str, constant: str, cosine: str) -> Pulse:
     return sine_pulse(Decimal(sine), Decimal(constant), Decimal(cosine))
+
+
+def pulse_family(
+    name: str, shapes: Mapping[str, tuple[Pulse, Pulse]], aliases: tuple[str, ...] = ()
+) -> Family:
+    """A family of two fixed pulses for each task, with the place of the inflection point.
+
+    It takes `inflection`, v0 and v1 where the task has constant velocity at that end, and, instead
+    of the inflection, a0 or a1 where the task turns there: the desired acceleration.
+    """
+
+    def parts(task: str, given: Given) -> Parts:
+        first, second = shapes[task]
+        return Parts(first, second, given.get("v0", 0.0), given.get("v1", 0.0))
+
+    def make(task: str, given: Given) -> Law:
+        return pulse_law(name, task, parts(task, given), given)
+
+    parameters = {task: ("inflection", *boundary_parameters(task)) for task in shapes}
+    return Family(name, parameters, make, parts, aliases=aliases)
 
 
 CONSTANT = _sines("0", "1", "0")

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws.law import Law
-from camgeo.kinematics.laws.pulse import DIGITS, Pulse
+from camgeo.kinematics.laws.pulse import DIGITS
 from camgeo.kinematics.laws.two_pulses import Parts, law_of_two_pulses
 from camgeo.numeric.checked import SMALLEST
 
@@ -91,26 +91,6 @@ def boundary_parameters(task: str, orders: str = "va") -> tuple[str, ...]:
         free = {"R": "", "G": "v", "U": "a", "B": "va"}[end]
         names += [order + number for order in orders if order in free or order == "j"]
     return tuple(names)
-
-
-def pulse_family(
-    name: str, shapes: Mapping[str, tuple[Pulse, Pulse]], aliases: tuple[str, ...] = ()
-) -> Family:
-    """A family of two fixed pulses for each task, with the place of the inflection point.
-
-    It takes `inflection`, v0 and v1 where the task has constant velocity at that end, and, instead
-    of the inflection, a0 or a1 where the task turns there: the desired acceleration.
-    """
-
-    def parts(task: str, given: Given) -> Parts:
-        first, second = shapes[task]
-        return Parts(first, second, given.get("v0", 0.0), given.get("v1", 0.0))
-
-    def make(task: str, given: Given) -> Law:
-        return pulse_law(name, task, parts(task, given), given)
-
-    parameters = {task: ("inflection", *boundary_parameters(task)) for task in shapes}
-    return Family(name, parameters, make, parts, aliases=aliases)
 
 
 def pulse_law(name: str, task: str, parts: Parts, given: Given, **also: float) -> Law:

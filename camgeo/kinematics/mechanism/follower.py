@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 
 from camgeo.kinematics.mechanism.sketch import Dimension, Guide, MechanismSketch, Places
-from camgeo.kinematics.mechanism.values import Mover, Touching
+from camgeo.kinematics.mechanism.values import Touching
 from camgeo.kinematics.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
 from camgeo.units import LiftUnit
@@ -80,6 +80,10 @@ class TangentJet:
     w: FloatArray
     turning: FloatArray
     swerve: FloatArray
+
+
+Mover = Literal["follower", "rocker"]
+"""The part of a follower that moves."""
 
 
 class Follower(ABC):
@@ -140,19 +144,29 @@ class Follower(ABC):
         face: tuple[float, float] | None
 
         @property
-        def farthest(self) -> float: ...
+        @abstractmethod
+        def farthest(self) -> float:
+            """See the class."""
 
         @property
-        def lift_scale(self) -> float: ...
+        @abstractmethod
+        def lift_scale(self) -> float:
+            """See the class."""
 
         @property
-        def way(self) -> complex: ...
+        @abstractmethod
+        def way(self) -> complex:
+            """See the class."""
 
         @property
-        def swing_sense(self) -> int: ...
+        @abstractmethod
+        def swing_sense(self) -> int:
+            """See the class."""
 
         @property
-        def has_edge(self) -> bool: ...
+        @abstractmethod
+        def has_edge(self) -> bool:
+            """See the class."""
 
     @property
     @abstractmethod
@@ -350,7 +364,13 @@ class Guided(Follower):
         """The far side (n,) of its yoke at `lifts` (n,), and the bracket that joins both."""
         here = self.traced(lifts)
         there = here - breadth * here / np.abs(here)
-        return there, MechanismSketch(links=(bracket(here, there, 0.6 * breadth),))
+        return there, MechanismSketch(links=(self.bracket(here, there, 0.6 * breadth),))
+
+    @staticmethod
+    def bracket(first: ComplexArray, second: ComplexArray, reach: float) -> tuple[Places, ...]:
+        """From one side of the cam to the other, clear of a disc of radius `reach`; all (n,)."""
+        aside = 1j * (first - second) / np.abs(first - second) * BRACKET * reach
+        return first, first + aside, second + aside, second
 
 
 class Rocking(Follower):
@@ -445,9 +465,3 @@ class WithRoller(Follower):
     def sliding(self, jet: Jet, _: int) -> FloatArray:
         """See `Follower.sliding`: a roller rolls."""
         return np.zeros(jet.shape[1])
-
-
-def bracket(first: ComplexArray, second: ComplexArray, reach: float) -> tuple[Places, ...]:
-    """From one side of the cam to the other, clear of a disc of the radius `reach`; all (n,)."""
-    aside = 1j * (first - second) / np.abs(first - second) * BRACKET * reach
-    return first, first + aside, second + aside, second

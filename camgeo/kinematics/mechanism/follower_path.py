@@ -13,9 +13,10 @@ Behind a linkage the follower is the rocker, and its lift the rocker's angle.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import singledispatch
-from typing import Protocol
+from typing import Any
 
 import numpy as np
 
@@ -119,47 +120,76 @@ class Bows:
         )
 
 
-class FollowerPath(Protocol):
+@dataclass(frozen=True, slots=True)
+class FollowerPath(ABC):
     """The path of the roller centre at each cam angle, in cam coordinates.
 
     Attributes
     ----------
+    follower : that has the path.
     rotation : sigma, +1 if the cam turns counter-clockwise, -1 clockwise.
-    start : q at lift 0 [mm or rad].
-    outward : +1 if a positive lift moves the roller outward, else -1; q = start + outward * lift.
-    reach : smallest and largest distance from the cam axis [mm] that the roller centre can have.
     """
 
-    @property
-    def rotation(self) -> int: ...
+    follower: Any
+    rotation: int
 
     @property
-    def start(self) -> float: ...
+    @abstractmethod
+    def start(self) -> float:
+        """q at lift 0 [mm or rad]."""
 
     @property
-    def outward(self) -> int: ...
+    @abstractmethod
+    def outward(self) -> int:
+        """+1 if a positive lift moves the roller outward, else -1; q = start + outward * lift."""
 
     @property
-    def reach(self) -> tuple[float, float]: ...
+    @abstractmethod
+    def reach(self) -> tuple[float, float]:
+        """Smallest and largest distance from the cam axis [mm] that the roller centre can have."""
 
+    @abstractmethod
     def coordinate(self, distance: FloatArray) -> FloatArray:
         """(n,) q where the roller centre is `distance` (n,) [mm] from the cam axis.
 
         Beyond the reach, q at its end.
         """
 
+    @property
+    @abstractmethod
+    def axis(self) -> float:
+        """Direction [rad] of the first axis of `centre`, at cam angle 0."""
+
+    @abstractmethod
+    def centre(self, q: FloatArray) -> ComplexArray:
+        """(n,) the roller centre [mm] in axes that do not turn with the cam."""
+
+    def frame(self, phi: FloatArray) -> ComplexArray:
+        """(n,) unit vectors of the first axis of `centre` in the cam."""
+        axis: ComplexArray = np.exp(1j * (self.axis - self.rotation * phi))
+        return axis
+
     def cam_angle_of(self, points: ComplexArray) -> tuple[FloatArray, FloatArray]:
         """Cam angle (n,) [rad] in [0, 2 pi) and q (n,) of roller centres at `points` (n,) [mm].
 
         Raises GeometryError for a point beyond the reach.
         """
+        distance = np.abs(points)
+        _require_reach(distance, self.reach)
+        q = self.coordinate(distance)
+        return _in_turn(
+            self.rotation * (self.axis + np.angle(self.centre(q)) - np.angle(points))
+        ), q
 
     def point(self, phi: FloatArray, q: FloatArray) -> ComplexArray:
         """(n,) complex [mm] Z."""
+        return self.frame(phi) * self.centre(q)
 
+    @abstractmethod
     def along(self, phi: FloatArray, q: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """(n,), (n,) dZ/dq and d^2Z/dq^2 [mm, or mm/rad^k for a rocker]."""
 
+    @abstractmethod
     def meet(self, phi: FloatArray, bows: Bows, facing: FloatArray) -> FloatArray:
         """(n,) q at which the path at `phi` (n,) [rad] meets each of `bows`.
 
@@ -167,6 +197,7 @@ class FollowerPath(Protocol):
         outward (`facing` = 1) or inward (-1). Raises GeometryError where they do not meet.
         """
 
+    @abstractmethod
     def touching(self, bows: Bows) -> FloatArray:
         """(4, n) parameters of `bows` at which a path is tangent to them; infinite where there is
         none.
@@ -186,12 +217,12 @@ def path_of(follower: Follower, rotation: int) -> FollowerPath:
     raise GeometryError(message, key="follower.kind", value=follower.kind)
 
 
-@dataclass(frozen=True, slots=True)
-class GuidePath:
+class GuidePath(FollowerPath):
     """The guide of a translating follower: Z = u (e + i h), u = exp(i (axis - sigma phi))."""
 
+    __slots__ = ()
+
     follower: TranslatingRoller
-    rotation: int
 
     @property
     def start(self) -> float:
@@ -205,33 +236,24 @@ class GuidePath:
     def reach(self) -> tuple[float, float]:
         return abs(self.follower.offset), math.inf
 
-    def _frame(self, phi: FloatArray) -> ComplexArray:
-        axis = self.follower.guide_angle - math.pi / 2.0
-        frame: ComplexArray = np.exp(1j * (axis - self.rotation * phi))
-        return frame
+    @property
+    def axis(self) -> float:
+        return self.follower.guide_angle - math.pi / 2.0
+
+    def centre(self, q: FloatArray) -> ComplexArray:
+        return np.asarray(self.follower.offset + 1j * q)
 
     def coordinate(self, distance: FloatArray) -> FloatArray:
         e = abs(self.follower.offset)
         height: FloatArray = np.sqrt(np.maximum(distance - e, 0.0) * (distance + e))
         return height
 
-    def cam_angle_of(self, points: ComplexArray) -> tuple[FloatArray, FloatArray]:
-        distance = np.abs(points)
-        _require_reach(distance, self.reach)
-        height = self.coordinate(distance)
-        axis = self.follower.guide_angle - math.pi / 2.0
-        angle = axis + np.arctan2(height, self.follower.offset) - np.angle(points)
-        return _in_turn(self.rotation * angle), height
-
-    def point(self, phi: FloatArray, q: FloatArray) -> ComplexArray:
-        return self._frame(phi) * (self.follower.offset + 1j * q)
-
     def along(self, phi: FloatArray, q: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-        direction = 1j * self._frame(phi)
+        direction = 1j * self.frame(phi)
         return direction, np.zeros_like(direction)
 
     def meet(self, phi: FloatArray, bows: Bows, facing: FloatArray) -> FloatArray:
-        frame = self._frame(phi)
+        frame = self.frame(phi)
         level = (frame.conj() * bows.points).imag
         guide = Bows(frame * (self.follower.offset + 1j * level), frame, np.zeros(len(phi)))
         height: FloatArray = level + guide.crossing(bows, facing)
@@ -252,15 +274,15 @@ class GuidePath:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class SwingPath:
+class SwingPath(FollowerPath):
     """The circle about a rocker's pivot: Z = u (l_3 exp(i chi) - l_1).
 
     u = exp(i (alpha - sigma phi)), chi = h psi_t, h the arm's side.
     """
 
+    __slots__ = ()
+
     follower: OscillatingRoller
-    rotation: int
 
     @property
     def start(self) -> float:
@@ -275,10 +297,9 @@ class SwingPath:
         follower = self.follower
         return abs(follower.excess), follower.centre_distance + follower.arm
 
-    def _frame(self, phi: FloatArray) -> ComplexArray:
-        axis = phase(-self.follower.pivot)
-        frame: ComplexArray = np.exp(1j * (axis - self.rotation * phi))
-        return frame
+    @property
+    def axis(self) -> float:
+        return phase(-self.follower.pivot)
 
     def coordinate(self, distance: FloatArray) -> FloatArray:
         low, high = self.reach
@@ -287,15 +308,7 @@ class SwingPath:
         angle: FloatArray = 2.0 * np.arctan2(np.sqrt(near), np.sqrt(far))
         return angle
 
-    def cam_angle_of(self, points: ComplexArray) -> tuple[FloatArray, FloatArray]:
-        distance = np.abs(points)
-        _require_reach(distance, self.reach)
-        psi = self.coordinate(distance)
-        follower = self.follower
-        angle = phase(-follower.pivot) + np.angle(self._centre(psi)) - np.angle(points)
-        return _in_turn(self.rotation * angle), psi
-
-    def _centre(self, q: FloatArray) -> ComplexArray:
+    def centre(self, q: FloatArray) -> ComplexArray:
         """W (n,) in axes along the line pivot -> cam axis, without cancellation of l_3 and l_1."""
         half = 0.5 * self.follower.arm_side * q
         bow: ComplexArray = 2j * self.follower.arm * np.sin(half) * np.exp(1j * half)
@@ -304,19 +317,16 @@ class SwingPath:
 
     def _tip(self, phi: FloatArray, q: FloatArray) -> ComplexArray:
         follower = self.follower
-        tip: ComplexArray = self._frame(phi) * np.exp(1j * follower.arm_side * q)
+        tip: ComplexArray = self.frame(phi) * np.exp(1j * follower.arm_side * q)
         tip *= follower.arm
         return tip
-
-    def point(self, phi: FloatArray, q: FloatArray) -> ComplexArray:
-        return self._frame(phi) * self._centre(q)
 
     def along(self, phi: FloatArray, q: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         tip = self._tip(phi, q)
         return 1j * self.follower.arm_side * tip, -tip
 
     def meet(self, phi: FloatArray, bows: Bows, facing: FloatArray) -> FloatArray:
-        arm, side, frame = self.follower.arm, self.follower.arm_side, self._frame(phi)
+        arm, side, frame = self.follower.arm, self.follower.arm_side, self.frame(phi)
         # The point of the circle as far from the cam axis as the bow's: near it if that is near.
         near = self.coordinate(np.abs(bows.points))
         towards = frame * np.exp(1j * side * near)

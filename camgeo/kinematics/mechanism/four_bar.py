@@ -11,7 +11,7 @@ import cmath
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from camgeo.kinematics.mechanism.triangle import (
     ROUNDING,
     SLACK,
     RockerCrank,
+    Size,
     drawn,
     in_line,
     passed_at_rest,
@@ -32,9 +33,6 @@ from camgeo.kinematics.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray, dot, phase
 from camgeo.numeric.checked import check_fields
 from camgeo.numeric.interval import Angles, about
-
-if TYPE_CHECKING:
-    from camgeo.kinematics.mechanism.linkage import Size
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from camgeo.kinematics.mechanism.sketch import Guide, MechanismSketch, Places
 from camgeo.kinematics.mechanism.triangle import (
     ROUNDING,
     RockerCrank,
+    Size,
     drawn,
     level,
     passed_at_rest,
@@ -31,10 +32,6 @@ from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.checked import check_fields, instance
 from camgeo.numeric.interval import Angles
 from camgeo.units import TURN
-
-if TYPE_CHECKING:
-    from camgeo.kinematics.mechanism.linkage import Size
-
 
 AcuteAngle = Annotated[float, partial(angle, low=-0.5 * math.pi, high=0.5 * math.pi)]
 Truth = Annotated[bool, partial(instance, kind=bool, what="true or false")]

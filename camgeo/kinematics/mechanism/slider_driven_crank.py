@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from camgeo.kinematics.mechanism.triangle import (
     AREA,
     ROUNDING,
     SLACK,
+    Size,
     chained,
     crank_and_coupler,
     in_line,
@@ -33,9 +34,6 @@ from camgeo.kinematics.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray, dot
 from camgeo.numeric.checked import instance
 from camgeo.numeric.interval import Interval, about
-
-if TYPE_CHECKING:
-    from camgeo.kinematics.mechanism.linkage import Size
 
 PARALLEL = 1e-9
 """Largest sine of the coupler's angle to the guide at stroke 0 that counts as parallel."""

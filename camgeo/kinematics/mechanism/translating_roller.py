@@ -15,7 +15,6 @@ from camgeo.kinematics.mechanism.follower import (
     RelativeJet,
     TangentJet,
     WithRoller,
-    bracket,
 )
 from camgeo.kinematics.mechanism.sketch import Dimension, MechanismSketch, Places
 from camgeo.kinematics.mechanism.values import Angle, Coordinate, Length, Radius, Sense
@@ -161,7 +160,7 @@ class TranslatingRoller(Guided, WithRoller):
         along = self.outward * ((here - first) * self.outward.conjugate()).real
         sizes = [Dimension("spacing", first, first + along)]
         return MechanismSketch(
-            links=(bracket(first, here, reach),),
+            links=(self.bracket(first, here, reach),),
             rollers=((here, self.roller_radius),),
             dimensions=(*sizes, *self.roller_size(here, -1j * self.outward)),
         )

@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
 
@@ -19,8 +19,7 @@ from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.interval import WIDENED, Angles, Interval
 from camgeo.units import TURN
 
-if TYPE_CHECKING:
-    from camgeo.kinematics.mechanism.linkage import Size
+Size = Literal["crank", "coupler"]
 
 ROUNDING = 8.0 * 2.0**-52
 """A difference of lengths up to this fraction of crank and coupler is zero up to rounding."""
@@ -57,7 +56,9 @@ class RockerCrank(ABC):
     if TYPE_CHECKING:  # a field of each
 
         @property
-        def branch(self) -> int: ...
+        @abstractmethod
+        def branch(self) -> int:
+            """Side of the tip."""
 
     @abstractmethod
     def _distance(self, position: FloatArray) -> FloatArray:

@@ -24,7 +24,6 @@ from camgeo.numeric.checked import (
 from camgeo.units import TURN
 
 if TYPE_CHECKING:
-    from camgeo.kinematics.mechanism.linkage import Linkage, Member
     from camgeo.units import LiftUnit
 
 
@@ -64,11 +63,6 @@ def angle(key: str, value: Any, low: float = -TURN, high: float = TURN) -> float
     return number(key, value, least=low, most=high, unit=RADIANS)
 
 
-def right_angle(key: str, value: Any) -> float:
-    """An angle above 0, a right angle at most [rad]."""
-    return number(key, value, above=0.0, most=0.5 * math.pi, unit=RADIANS)
-
-
 def sense(key: str, value: Any) -> int:
     """+1 or -1."""
     return one_of(key, value, (1, -1))
@@ -105,7 +99,6 @@ Radius = Annotated[float, radius]
 Coordinate = Annotated[float, coordinate]
 Place = Annotated[complex, place]
 Angle = Annotated[float, angle]
-RightAngle = Annotated[float, right_angle]
 Sense = Annotated[int, sense]
 Branch = Annotated[int, branch]
 
@@ -161,8 +154,8 @@ class Values:
 Touching = Literal["roller", "face"]
 """The part of a follower that touches the cam."""
 
-Mover = Literal["follower", "rocker"]
-"""The part of a follower that moves."""
+Member = Literal["slider", "lever", "crank"]
+"""The far end of a linkage, whose motion is demanded."""
 
 UNIT_OF: Final[Mapping[Member, LiftUnit]] = {"slider": "mm", "lever": "rad", "crank": "rad"}
 """Unit of the positions of a linkage's far end."""
@@ -218,5 +211,5 @@ class LinkageKind:
     description: str
     members: Mapping[LiftUnit, Member]
     schema: Mapping[str, Any]
-    build: Callable[[Values, LiftUnit], Linkage]
+    build: Callable[[Values, LiftUnit], Any]
     templates: tuple[str, ...] = ()

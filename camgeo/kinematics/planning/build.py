@@ -1,9 +1,10 @@
-"""From settled joints to segments: the law that each move requests, normalised and built."""
+"""The laws of moves: which turns they decide, which one "auto" takes, and how each is built."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from contextlib import contextmanager
 from decimal import localcontext
 from functools import lru_cache, partial
@@ -12,17 +13,19 @@ from typing import Final
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.kinematics.laws import BALANCES, FAMILIES, LARGEST, find_family, law_of
+from camgeo.kinematics.laws import BALANCES, FAMILIES, LARGEST, find_family, law_of, make_law
 from camgeo.kinematics.laws.family import COUNTED_FROM_END, Family
 from camgeo.kinematics.laws.law import Characteristic, Law, acceleration_jumps, characteristic
 from camgeo.kinematics.laws.polynomials import ORDERS, law_of_boundary_values
 from camgeo.kinematics.laws.pulse import DIGITS
 from camgeo.kinematics.laws.sine_straight import LEAST
-from camgeo.kinematics.laws.two_pulses import Parts
+from camgeo.kinematics.plan import SNAP, Move
 from camgeo.kinematics.planning.requests import (
     AUTO,
     CRITERIA,
+    STRAIGHT,
     TAKE_JERK,
+    Joint,
     Link,
 )
 from camgeo.numeric import checked
@@ -34,6 +37,48 @@ MISSED = 1e-9
 
 GENTLEST = 1.0 - 1e-9
 """c of a sine-straight combination, which may turn slightly more gently still, by rounding."""
+
+
+RESOLVED: Final = 4.0 * SNAP
+"""Shortest part of a law [rad]; two cam angles closer than `SNAP` are the same."""
+
+
+def move_of(link: Link) -> Move:
+    """The move by the law that is asked for, of joints that are settled."""
+    request = link.move
+    if link.law == STRAIGHT:
+        return Move(request.span, request.to, make_law(STRAIGHT, "G-G"))
+    if link.stroke == 0.0:
+        moving = law_without_stroke(link)
+        law = moving or make_law("polynomial-345")
+        return Move(request.span, request.to, law, scale=1.0 if moving else None)
+    if link.law == AUTO:
+        with keyed(link):
+            law = best_law(link.task, normalised(link), request.parameters, request.optimise)
+    else:
+        law = named_law(link)
+    _check_resolved(link, law)
+    return Move(request.span, request.to, law)
+
+
+def _check_resolved(link: Link, law: Law) -> None:
+    """GeometryError if a part of a law is too short for cam angles to distinguish its ends.
+
+    The least allowed is a millionth of the shortest span.
+    """
+    if law.inflection is None:
+        return
+    curved = law.parameters.get("curved", 1.0)
+    shorter = curved * min(law.inflection, 1.0 - law.inflection) * link.length
+    if shorter < RESOLVED:
+        raise GeometryError(
+            f"would speed up or slow down within {math.degrees(shorter):.2g} degrees of its"
+            f" {math.degrees(link.length):.6g}, too few for cam angles to distinguish from a jump;"
+            f" allowed: {math.degrees(RESOLVED):.2g} or more. A longer span beside a sharp turn, a"
+            " dwell there, even dwell = 0, or a larger inflection or curved part makes it possible",
+            key=f"{link.key}.law",
+            value=law.name,
+        )
 
 
 def named_law(link: Link) -> Law:
@@ -87,13 +132,11 @@ def own_law(link: Link) -> Law:
         return law_of(family.name, task, given)
 
 
-def normalised(link: Link) -> dict[str, float]:
-    """Known values at both ends, "v0" to "j1", normalised (VDI 2143-1, eqs. (136) to (141))."""
-    return _scaled(link, link.stroke)
-
-
-def _scaled(link: Link, unit: float) -> dict[str, float]:
-    found = {}
+def normalised(link: Link, unit: float | None = None) -> dict[str, float]:
+    """Known values at both ends, "v0" to "j1", normalised (VDI 2143-1, eqs. (136) to (141)): as
+    multiples of the stroke, or of another `unit` [mm or rad].
+    """
+    unit, found = unit or link.stroke, {}
     for end, joint in (("0", link.start), ("1", link.end)):
         for key, value in zip("vaj", (*joint.values, joint.jerk), strict=True):
             if value is not None:
@@ -142,7 +185,7 @@ def law_without_stroke(link: Link) -> Law | None:
     None if velocity, acceleration and the stated jerk are 0 at both ends: the move rests.
     """
     name = "polynomial-5" if link.law == AUTO else find_family(link.law).name
-    values = _scaled(link, 1.0)
+    values = normalised(link, 1.0)
     if name not in TAKE_JERK:
         values = {key: value for key, value in values.items() if key[0] != "j"}
     if not any(values.values()):
@@ -222,6 +265,238 @@ def _of_both(a0: float, a1: float) -> tuple[str, float, bool]:
     return "a1", -least, False
 
 
+# -- turns ----------------------------------------------------------------------------------------
+# The acceleration of turns, where the laws beside them decide it.
+
+
+SHAPES: Final = frozenset({"inflection", "curved"})
+"""Parameters with which a law meets turns."""
+
+POWERS: Final = {"velocity": (1, 1), "acceleration": (2, 1), "jerk": (3, 1), "moment": (3, 2)}
+"""Powers of 1/span and stroke in each quantity that "auto" can keep small."""
+
+TRIED: Final = 3
+"""Turns that are compared between the best ones of two moves, these included; with spans of 40 and
+150 degrees the jerk is then 12 % above the least."""
+
+SAME: Final = 1e-12
+"""Relative difference of accelerations that counts as rounding."""
+
+
+def settle_turns(links: Sequence[Link]) -> tuple[set[Joint], dict[Joint, float]]:
+    """Give turns the acceleration that the laws beside them decide.
+
+    A law without a choice decides its turns. Each law with a choice has a turn that suits it best:
+    for a law whose inflection point is not stated, the one with equally large accelerations in both
+    its parts; for "auto", that of its best law. A law meets any turn that is sharper than its own,
+    so between two such laws the sharper one decides. Between two "auto" moves that keep the jerk
+    small, which grows with the sharpness of a turn, the turn lies between their own.
+
+    Returns
+    -------
+    The joints of the turns that no law decides; and of those that remain open because something on
+    one side joins to any, the gentlest acceleration [mm or rad, per rad^2] that a law on the other
+    side can have.
+
+    Raises
+    ------
+    GeometryError
+        If a law cannot have the values at one end that it needs at the other, or the motion
+        continues at a joint where the laws on both sides turn back.
+    """
+    turns = [link.start for link in links if link.start.kind == "U"]
+    gentlest = {joint: _gentlest(joint) for joint in turns}
+    _decide(links, gentlest)
+    undecided = [joint for joint in turns if joint.acceleration is None]
+    suited = {joint: _suited(joint) for joint in undecided}
+    for joint, turn in suited.items():
+        joint.acceleration = turn
+    return set(undecided), {
+        joint: turn
+        for joint in undecided
+        if suited[joint] is None and (turn := gentlest[joint]) is not None
+    }
+
+
+def tied_turns(links: Sequence[Link], undecided: Set[Joint]) -> dict[Joint, float]:
+    """The accelerations of both turns of a move, by joint, if its law does not meet both as they
+    are: with one parameter left to choose, one turn determines the other.
+
+    A turn whose joint is not `undecided` decides; else the gentler one, as a multiple of the
+    gentlest that the law can have, or the other one if the neighbour there cannot turn so gently.
+    Empty if there is no such move, or neither of its turns is open.
+    """
+    for link in links:
+        ends = link.start, link.end
+        is_open = [end in undecided for end in ends]
+        taken, stated = _choices(link)
+        ties = link.task == "U-U" and taken == SHAPES and len(stated) == 1
+        if not ties or not any(is_open):
+            continue
+        turns = [end.acceleration or 0.0 for end in ends]
+        size = [abs(turn / own) for turn, own in zip(turns, _own_turns(link), strict=True)]
+        follows = int(size[0] <= size[1]) if all(is_open) else is_open.index(True)
+        wanted = _following(link, follows)
+        if all(is_open) and abs(wanted) < abs(_beside(ends[follows], link)):
+            follows = 1 - follows
+            wanted = _following(link, follows)
+        if abs(wanted - turns[follows]) > SAME * abs(wanted):
+            return {ends[follows]: wanted, ends[1 - follows]: turns[1 - follows]}
+    return {}
+
+
+def _following(link: Link, at_end: int) -> float:
+    """The acceleration that the law of a move has at one end, from the one at its other end."""
+    joint = link.end if at_end else link.start
+    kept, joint.acceleration = joint.acceleration, None
+    law = named_law(link)
+    joint.acceleration = kept
+    return (law.end if at_end else law.start).acceleration * link.stroke / link.length**2
+
+
+def _beside(joint: Joint, link: Link) -> float:
+    """The gentlest acceleration at a joint of the law on the other side than `link`."""
+    return next((turn for side, turn in _turns_of_sides(joint) if side is not link), 0.0)
+
+
+def _turns_of_sides(joint: Joint) -> Iterator[tuple[Link, float]]:
+    """The named laws before and after a joint, each with its own acceleration there."""
+    for link, at_end in _sides(joint):
+        if link.is_named and link.stroke:
+            yield link, _own_turns(link)[at_end]
+
+
+def _sides(joint: Joint) -> tuple[tuple[Link, int], tuple[Link, int]]:
+    """The links before and after a joint, each with which of its ends the joint is."""
+    return (joint.before, 1), (joint.after, 0)
+
+
+def _choices(link: Link) -> tuple[frozenset[str], frozenset[str]]:
+    """The parameters of a named law with which it can meet turns, and which of them are stated."""
+    if not link.is_named:
+        return frozenset(), frozenset()
+    taken = SHAPES & {*find_family(link.law).parameters.get(link.task, ())}
+    return taken, taken & link.move.shaped_by
+
+
+def _decides_turn(link: Link) -> bool:
+    """Whether the parameters of a law fix the acceleration with which it turns."""
+    if not link.is_named or "U" not in link.task:
+        return False
+    taken, stated = _choices(link)
+    # A law with one parameter can meet one of two turns.
+    return stated == taken or (link.task == "U-U" and len(taken) == 1)
+
+
+def _decide(links: Sequence[Link], gentlest: Mapping[Joint, float | None]) -> None:
+    """Turns whose acceleration a neighbouring law fixes; fully stated laws come first.
+
+    A law that chooses one of its two turns chooses the one for which a neighbour needs a sharper
+    turn than its own, according to `gentlest`, by joint.
+    """
+    deciding = [link for link in links if link.stroke and _decides_turn(link)]
+    # A law meets any turn that is sharper than its own, so the sharper one decides.
+    deciding.sort(key=lambda link: (not link.move.shaped_by, -max(map(abs, _own_turns(link)))))
+    for link in deciding:
+        start, end = link.start, link.end
+        if start.velocity is None or end.velocity is None:
+            continue  # polynomials meet general motions and decide nothing
+        if link.task == "U-U" and start.acceleration is end.acceleration is None:
+            _choose_sharper(link, gentlest)
+        law = named_law(link)
+        for joint, boundary in ((start, law.start), (end, law.end)):
+            if joint.kind == "U" and joint.acceleration is None:
+                joint.acceleration = boundary.acceleration * link.stroke / link.length**2
+
+
+def _choose_sharper(link: Link, gentlest: Mapping[Joint, float | None]) -> None:
+    """Give one turn of a law what the neighbour there needs, if that is sharper than its own."""
+    taken, stated = _choices(link)
+    if taken == stated:
+        return
+    ends = link.start, link.end
+    needed = [gentlest[end] or 0.0 for end in ends]
+    sizes = [turn / own for turn, own in zip(needed, _own_turns(link), strict=True)]
+    sharper = sizes.index(max(sizes))
+    if sizes[sharper] > 1.0:
+        ends[sharper].acceleration = needed[sharper]
+
+
+def _gentlest(joint: Joint) -> float | None:
+    """The gentlest acceleration of a turn that suits the named laws beside it; None without any."""
+    found = [turn for _, turn in _turns_of_sides(joint)]
+    if len(found) == 2 and found[0] * found[1] < 0.0:
+        raise GeometryError(
+            "would stop for a moment at its end and then go on in the same direction: this law"
+            " slows down to there, the next one speeds up from there, and their accelerations have"
+            " opposite signs; polynomial-5 and auto pass with a velocity",
+            key=f"{joint.before.key}.law",
+        )
+    return max(found, key=abs, default=None)
+
+
+def _suited(joint: Joint) -> float | None:
+    """The acceleration of a turn that suits the laws on both sides; None if one side joins to any,
+    or neither law prefers a turn to a sharper one.
+    """
+    found, prefers = [], False
+    for link, at_end in _sides(joint):
+        turns = _own_turns(link) if link.is_named else _best_turns(link)
+        if not link.stroke or turns is None:
+            return None
+        found.append(turns[at_end])
+        prefers |= _choices(link)[0] != SHAPES
+    if not prefers or found[0] * found[1] <= 0.0:
+        return None
+    links = joint.before, joint.after
+    if not any("jerk" in link.move.optimise for link in links):
+        return max(found, key=abs)
+    # A turn sharper than its own costs a law more jerk.
+    return _compromise(joint, found) if all(link.law == AUTO for link in links) else None
+
+
+def _compromise(joint: Joint, own: list[float]) -> float:
+    """The turn between two "auto" moves that keeps small what both optimise, given their `own`."""
+    gentler, sharper = sorted(own, key=abs)
+    turns = gentler * np.geomspace(1.0, sharper / gentler, TRIED)
+    weights: Counter[str] = Counter()
+    sizes = {name: np.zeros(TRIED) for name in POWERS}
+    for link, at_end in _sides(joint):
+        request, both = link.move, _best_turns(link)
+        assert both is not None
+        weights.update(request.optimise or DEFAULT)
+        unit = link.unit_acceleration
+        known = {f"a{end}": turn / unit for end, turn in enumerate(both) if turn}
+        known |= normalised(link)
+        for place, turn in enumerate(turns):
+            found = sizes_at(link.task, known | {f"a{at_end}": turn / unit}, request.optimise)
+            for name, (spans, strokes) in POWERS.items():
+                size = found[name] * abs(link.stroke) ** strokes / link.length**spans
+                sizes[name][place] = max(sizes[name][place], size)
+    costs = [weight * sizes[name] / np.min(sizes[name]) for name, weight in weights.items()]
+    return float(turns[int(np.argmin(np.sum(costs, axis=0)))])
+
+
+def _own_turns(link: Link) -> tuple[float, float]:
+    """The accelerations at both ends of a named law with equally large ones in both its parts, and
+    as gentle as it can be; a law must not turn more gently.
+    """
+    law = own_law(link)
+    unit = link.unit_acceleration
+    return law.start.acceleration * unit, law.end.acceleration * unit
+
+
+def _best_turns(link: Link) -> tuple[float, float] | None:
+    """The accelerations at both ends of the best law for "auto"; None without a best one."""
+    if link.law != AUTO or not link.stroke or "B" in link.task or link.move.parameters:
+        return None
+    known = normalised(link)
+    optimise = tuple(sorted(link.move.optimise.items()))
+    found = best_turn(link.task, known["v0"], known["v1"], optimise)
+    unit = link.unit_acceleration
+    return found and (found[0] * unit, found[1] * unit)
+
+
 # -- auto -----------------------------------------------------------------------------------------
 # `law = "auto"`: the law of a move, chosen by its task and the quantities to keep small.
 
@@ -273,14 +548,15 @@ def best_law(
     found = [law for name in FAMILIES for law in _candidates(name, task, known, parameters)]
     rated: Sequence[Rated] = [(law, characteristic(law)) for law in found]
     if not rated:
+        stated = ", ".join(f"{key} = {value:g}" for key, value in parameters.items())
         raise GeometryError(
-            f"no law for {task} with {_stated(parameters)} meets velocity and acceleration at"
+            f"no law for {task} with {stated or 'none stated'} meets velocity and acceleration at"
             " both its ends; leave those out, or name a law, which then decides how sharply the"
             " motion turns",
             key=next(iter(parameters), "law"),
             value="auto",
         )
-    rated = _tame(rated)
+    rated = [pair for pair in rated if not _overshoots(pair[1])] or rated
     costs = _costs(rated, optimise or DEFAULT)
     nearly = min(costs) * (1.0 + TIE)
     return next(law for (law, _), found in zip(rated, costs, strict=True) if found <= nearly)
@@ -367,11 +643,6 @@ def _lowest(cost: Callable[[float], float], low: float, high: float) -> float:
     return inner[0] if costs[0] <= costs[1] else inner[1]
 
 
-def _tame(rated: Sequence[Rated]) -> Sequence[Rated]:
-    """The laws that do not overshoot; all if each does."""
-    return [pair for pair in rated if not _overshoots(pair[1])] or rated
-
-
 def _least(rated: Sequence[Rated], weights: Mapping[str, float]) -> dict[str, float]:
     """The smallest value of each quantity that any law has."""
     return {name: min(size_of(values, name) for _, values in rated) for name in weights}
@@ -452,10 +723,6 @@ def _overshoots(values: Characteristic) -> bool:
     return values.lift.value > 1.0 + RUNS_BACK or values.least_lift.value < -RUNS_BACK
 
 
-def _stated(parameters: Mapping[str, float]) -> str:
-    return ", ".join(f"{key} = {value:g}" for key, value in parameters.items()) or "none stated"
-
-
 # -- balance --------------------------------------------------------------------------------------
 # The inflection point that makes an extreme of both parts of a law equal: the inverse relations.
 #
@@ -486,7 +753,13 @@ def equal_accelerations(name: str, task: str, given: Given) -> float:
     GeometryError
         If the law has no inflection point, or none makes them equal.
     """
-    place = _parts(name, task, given).inflection_for_equal_accelerations()
+    family = find_family(name)
+    if family.parts is None:
+        raise GeometryError(f"{name} has no inflection point", key="inflection")
+    parts = family.parts(
+        checked.one_of("task", task, family.tasks), checked.by_name("parameters", given, LARGEST)
+    )
+    place = parts.inflection_for_equal_accelerations()
     with localcontext(DIGITS):
         return float(1 - place if task in COUNTED_FROM_END else place)
 
@@ -520,16 +793,6 @@ def balanced(name: str, task: str, quantity: str, given: Given) -> float:
             key="inflection",
         )
     return float(bracketed_roots(difference, ends[:1], ends[1:])[0])
-
-
-def _parts(name: str, task: str, given: Given) -> Parts:
-    """The parts of a law whose inflection point is sought."""
-    family = find_family(name)
-    if family.parts is None:
-        raise GeometryError(f"{name} has no inflection point", key="inflection")
-    return family.parts(
-        checked.one_of("task", task, family.tasks), checked.by_name("parameters", given, LARGEST)
-    )
 
 
 def _log_ratio(values: Characteristic, quantity: str) -> float:

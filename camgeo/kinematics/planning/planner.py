@@ -4,29 +4,17 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Iterable, Sequence
 from decimal import Decimal
 from typing import Final
 
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.kinematics.laws import FAMILIES, find_family, make_law
-from camgeo.kinematics.laws.law import Law
+from camgeo.kinematics.laws import FAMILIES, find_family
 from camgeo.kinematics.motion import FREE, NAMES, TASKS, Boundary, End, end_of
-from camgeo.kinematics.plan import SNAP, Dwell, MotionPlan, Move, Segment, SplineMove, joints_of
-from camgeo.kinematics.planning.build import (
-    DEFAULT,
-    best_law,
-    best_turn,
-    keyed,
-    law_without_stroke,
-    named_law,
-    normalised,
-    own_law,
-    sizes_at,
-)
+from camgeo.kinematics.plan import Dwell, MotionPlan, Segment, SplineMove, joints_of
+from camgeo.kinematics.planning.build import move_of, settle_turns, tied_turns
 from camgeo.kinematics.planning.requests import (
     AUTO,
     STRAIGHT,
@@ -52,9 +40,6 @@ from camgeo.kinematics.splines import (
 )
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, ascending
-
-RESOLVED: Final = 4.0 * SNAP
-"""Shortest part of a law [rad]; two cam angles closer than `SNAP` are the same."""
 
 PLAIN: Final = Unit()
 """No unit: messages state values as they are, per radian."""
@@ -109,7 +94,7 @@ def _segment(link: Link) -> Segment:
         case Dwell():
             return link.request
         case MoveRequest():
-            return _move(link)
+            return move_of(link)
         case PointsRequest():
             return _spline_move(link, link.request)
         case TableRequest():
@@ -117,43 +102,6 @@ def _segment(link: Link) -> Segment:
             shift = link.start.position - float(link.request.lifts[0])
             end = link.start.position + link.stroke
             return SplineMove(link.request.span, end, spline, found, shift)
-
-
-def _move(link: Link) -> Move:
-    request = link.move
-    if link.law == STRAIGHT:
-        return Move(request.span, request.to, make_law(STRAIGHT, "G-G"))
-    if link.stroke == 0.0:
-        moving = law_without_stroke(link)
-        law = moving or make_law("polynomial-345")
-        return Move(request.span, request.to, law, scale=1.0 if moving else None)
-    if link.law == AUTO:
-        with keyed(link):
-            law = best_law(link.task, normalised(link), request.parameters, request.optimise)
-    else:
-        law = named_law(link)
-    _check_resolved(link, law)
-    return Move(request.span, request.to, law)
-
-
-def _check_resolved(link: Link, law: Law) -> None:
-    """GeometryError if a part of a law is too short for cam angles to distinguish its ends.
-
-    The least allowed is a millionth of the shortest span.
-    """
-    if law.inflection is None:
-        return
-    curved = law.parameters.get("curved", 1.0)
-    shorter = curved * min(law.inflection, 1.0 - law.inflection) * link.length
-    if shorter < RESOLVED:
-        raise GeometryError(
-            f"would speed up or slow down within {math.degrees(shorter):.2g} degrees of its"
-            f" {math.degrees(link.length):.6g}, too few for cam angles to distinguish from a jump;"
-            f" allowed: {math.degrees(RESOLVED):.2g} or more. A longer span beside a sharp turn, a"
-            " dwell there, even dwell = 0, or a larger inflection or curved part makes it possible",
-            key=f"{link.key}.law",
-            value=law.name,
-        )
 
 
 def _spline_move(link: Link, request: PointsRequest) -> SplineMove:
@@ -547,7 +495,7 @@ def _no_task(link: Link) -> GeometryError:
 # -- values ---------------------------------------------------------------------------------------
 # Velocity and acceleration of every joint: stated, fixed by a neighbour, or the smoothest.
 #
-# Turns between laws are settled first, see below. What nothing fixes is chosen to minimise the
+# Turns between laws are settled first, see `build`. What nothing fixes is chosen to minimise the
 # integral of s''' squared over the surrounding moves: the motion then has four continuous
 # derivatives wherever its laws can follow. A turn is made at least as sharp as a neighbouring law
 # requires, and such that a law with one choice meets both its turns; the rest is then chosen anew.
@@ -644,235 +592,3 @@ def _check_distances(places: FloatArray, links: Sequence[Link]) -> None:
         key=f"{link.key}.{'points' if inside else 'span'}",
         value="" if inside else f"{link.request.span}",
     )
-
-
-# -- turns ----------------------------------------------------------------------------------------
-# The acceleration of turns, where the laws beside them decide it.
-
-
-SHAPES: Final = frozenset({"inflection", "curved"})
-"""Parameters with which a law meets turns."""
-
-POWERS: Final = {"velocity": (1, 1), "acceleration": (2, 1), "jerk": (3, 1), "moment": (3, 2)}
-"""Powers of 1/span and stroke in each quantity that "auto" can keep small."""
-
-TRIED: Final = 3
-"""Turns that are compared between the best ones of two moves, these included; with spans of 40 and
-150 degrees the jerk is then 12 % above the least."""
-
-SAME: Final = 1e-12
-"""Relative difference of accelerations that counts as rounding."""
-
-
-def settle_turns(links: Sequence[Link]) -> tuple[set[Joint], dict[Joint, float]]:
-    """Give turns the acceleration that the laws beside them decide.
-
-    A law without a choice decides its turns. Each law with a choice has a turn that suits it best:
-    for a law whose inflection point is not stated, the one with equally large accelerations in both
-    its parts; for "auto", that of its best law. A law meets any turn that is sharper than its own,
-    so between two such laws the sharper one decides. Between two "auto" moves that keep the jerk
-    small, which grows with the sharpness of a turn, the turn lies between their own.
-
-    Returns
-    -------
-    The joints of the turns that no law decides; and of those that remain open because something on
-    one side joins to any, the gentlest acceleration [mm or rad, per rad^2] that a law on the other
-    side can have.
-
-    Raises
-    ------
-    GeometryError
-        If a law cannot have the values at one end that it needs at the other, or the motion
-        continues at a joint where the laws on both sides turn back.
-    """
-    turns = [link.start for link in links if link.start.kind == "U"]
-    gentlest = {joint: _gentlest(joint) for joint in turns}
-    _decide(links, gentlest)
-    undecided = [joint for joint in turns if joint.acceleration is None]
-    suited = {joint: _suited(joint) for joint in undecided}
-    for joint, turn in suited.items():
-        joint.acceleration = turn
-    return set(undecided), {
-        joint: turn
-        for joint in undecided
-        if suited[joint] is None and (turn := gentlest[joint]) is not None
-    }
-
-
-def tied_turns(links: Sequence[Link], undecided: Set[Joint]) -> dict[Joint, float]:
-    """The accelerations of both turns of a move, by joint, if its law does not meet both as they
-    are: with one parameter left to choose, one turn determines the other.
-
-    A turn whose joint is not `undecided` decides; else the gentler one, as a multiple of the
-    gentlest that the law can have, or the other one if the neighbour there cannot turn so gently.
-    Empty if there is no such move, or neither of its turns is open.
-    """
-    for link in links:
-        ends = link.start, link.end
-        is_open = [end in undecided for end in ends]
-        taken, stated = _choices(link)
-        ties = link.task == "U-U" and taken == SHAPES and len(stated) == 1
-        if not ties or not any(is_open):
-            continue
-        turns = [end.acceleration or 0.0 for end in ends]
-        size = [abs(turn / own) for turn, own in zip(turns, _own_turns(link), strict=True)]
-        follows = int(size[0] <= size[1]) if all(is_open) else is_open.index(True)
-        wanted = _following(link, follows)
-        if all(is_open) and abs(wanted) < abs(_beside(ends[follows], link)):
-            follows = 1 - follows
-            wanted = _following(link, follows)
-        if abs(wanted - turns[follows]) > SAME * abs(wanted):
-            return {ends[follows]: wanted, ends[1 - follows]: turns[1 - follows]}
-    return {}
-
-
-def _following(link: Link, at_end: int) -> float:
-    """The acceleration that the law of a move has at one end, from the one at its other end."""
-    joint = link.end if at_end else link.start
-    kept, joint.acceleration = joint.acceleration, None
-    law = named_law(link)
-    joint.acceleration = kept
-    return (law.end if at_end else law.start).acceleration * link.stroke / link.length**2
-
-
-def _beside(joint: Joint, link: Link) -> float:
-    """The gentlest acceleration at a joint of the law on the other side than `link`."""
-    return next((turn for side, turn in _turns_of_sides(joint) if side is not link), 0.0)
-
-
-def _turns_of_sides(joint: Joint) -> Iterator[tuple[Link, float]]:
-    """The named laws before and after a joint, each with its own acceleration there."""
-    for link, at_end in _sides(joint):
-        if link.is_named and link.stroke:
-            yield link, _own_turns(link)[at_end]
-
-
-def _sides(joint: Joint) -> tuple[tuple[Link, int], tuple[Link, int]]:
-    """The links before and after a joint, each with which of its ends the joint is."""
-    return (joint.before, 1), (joint.after, 0)
-
-
-def _choices(link: Link) -> tuple[frozenset[str], frozenset[str]]:
-    """The parameters of a named law with which it can meet turns, and which of them are stated."""
-    if not link.is_named:
-        return frozenset(), frozenset()
-    taken = SHAPES & {*find_family(link.law).parameters.get(link.task, ())}
-    return taken, taken & link.move.shaped_by
-
-
-def _decides_turn(link: Link) -> bool:
-    """Whether the parameters of a law fix the acceleration with which it turns."""
-    if not link.is_named or "U" not in link.task:
-        return False
-    taken, stated = _choices(link)
-    # A law with one parameter can meet one of two turns.
-    return stated == taken or (link.task == "U-U" and len(taken) == 1)
-
-
-def _decide(links: Sequence[Link], gentlest: Mapping[Joint, float | None]) -> None:
-    """Turns whose acceleration a neighbouring law fixes; fully stated laws come first.
-
-    A law that chooses one of its two turns chooses the one for which a neighbour needs a sharper
-    turn than its own, according to `gentlest`, by joint.
-    """
-    deciding = [link for link in links if link.stroke and _decides_turn(link)]
-    # A law meets any turn that is sharper than its own, so the sharper one decides.
-    deciding.sort(key=lambda link: (not link.move.shaped_by, -max(map(abs, _own_turns(link)))))
-    for link in deciding:
-        start, end = link.start, link.end
-        if start.velocity is None or end.velocity is None:
-            continue  # polynomials meet general motions and decide nothing
-        if link.task == "U-U" and start.acceleration is end.acceleration is None:
-            _choose_sharper(link, gentlest)
-        law = named_law(link)
-        for joint, boundary in ((start, law.start), (end, law.end)):
-            if joint.kind == "U" and joint.acceleration is None:
-                joint.acceleration = boundary.acceleration * link.stroke / link.length**2
-
-
-def _choose_sharper(link: Link, gentlest: Mapping[Joint, float | None]) -> None:
-    """Give one turn of a law what the neighbour there needs, if that is sharper than its own."""
-    taken, stated = _choices(link)
-    if taken == stated:
-        return
-    ends = link.start, link.end
-    needed = [gentlest[end] or 0.0 for end in ends]
-    sizes = [turn / own for turn, own in zip(needed, _own_turns(link), strict=True)]
-    sharper = sizes.index(max(sizes))
-    if sizes[sharper] > 1.0:
-        ends[sharper].acceleration = needed[sharper]
-
-
-def _gentlest(joint: Joint) -> float | None:
-    """The gentlest acceleration of a turn that suits the named laws beside it; None without any."""
-    found = [turn for _, turn in _turns_of_sides(joint)]
-    if len(found) == 2 and found[0] * found[1] < 0.0:
-        raise GeometryError(
-            "would stop for a moment at its end and then go on in the same direction: this law"
-            " slows down to there, the next one speeds up from there, and their accelerations have"
-            " opposite signs; polynomial-5 and auto pass with a velocity",
-            key=f"{joint.before.key}.law",
-        )
-    return max(found, key=abs, default=None)
-
-
-def _suited(joint: Joint) -> float | None:
-    """The acceleration of a turn that suits the laws on both sides; None if one side joins to any,
-    or neither law prefers a turn to a sharper one.
-    """
-    found, prefers = [], False
-    for link, at_end in _sides(joint):
-        turns = _own_turns(link) if link.is_named else _best_turns(link)
-        if not link.stroke or turns is None:
-            return None
-        found.append(turns[at_end])
-        prefers |= _choices(link)[0] != SHAPES
-    if not prefers or found[0] * found[1] <= 0.0:
-        return None
-    links = joint.before, joint.after
-    if not any("jerk" in link.move.optimise for link in links):
-        return max(found, key=abs)
-    # A turn sharper than its own costs a law more jerk.
-    return _compromise(joint, found) if all(link.law == AUTO for link in links) else None
-
-
-def _compromise(joint: Joint, own: list[float]) -> float:
-    """The turn between two "auto" moves that keeps small what both optimise, given their `own`."""
-    gentler, sharper = sorted(own, key=abs)
-    turns = gentler * np.geomspace(1.0, sharper / gentler, TRIED)
-    weights: Counter[str] = Counter()
-    sizes = {name: np.zeros(TRIED) for name in POWERS}
-    for link, at_end in _sides(joint):
-        request, both = link.move, _best_turns(link)
-        assert both is not None
-        weights.update(request.optimise or DEFAULT)
-        unit = link.unit_acceleration
-        known = {f"a{end}": turn / unit for end, turn in enumerate(both) if turn}
-        known |= normalised(link)
-        for place, turn in enumerate(turns):
-            found = sizes_at(link.task, known | {f"a{at_end}": turn / unit}, request.optimise)
-            for name, (spans, strokes) in POWERS.items():
-                size = found[name] * abs(link.stroke) ** strokes / link.length**spans
-                sizes[name][place] = max(sizes[name][place], size)
-    costs = [weight * sizes[name] / np.min(sizes[name]) for name, weight in weights.items()]
-    return float(turns[int(np.argmin(np.sum(costs, axis=0)))])
-
-
-def _own_turns(link: Link) -> tuple[float, float]:
-    """The accelerations at both ends of a named law with equally large ones in both its parts, and
-    as gentle as it can be; a law must not turn more gently.
-    """
-    law = own_law(link)
-    unit = link.unit_acceleration
-    return law.start.acceleration * unit, law.end.acceleration * unit
-
-
-def _best_turns(link: Link) -> tuple[float, float] | None:
-    """The accelerations at both ends of the best law for "auto"; None without a best one."""
-    if link.law != AUTO or not link.stroke or "B" in link.task or link.move.parameters:
-        return None
-    known = normalised(link)
-    optimise = tuple(sorted(link.move.optimise.items()))
-    found = best_turn(link.task, known["v0"], known["v1"], optimise)
-    unit = link.unit_acceleration
-    return found and (found[0] * unit, found[1] * unit)

@@ -19,13 +19,15 @@ import numpy as np
 
 from camgeo._version import __version__
 from camgeo.cam.cam import discs_together, drives_together
-from camgeo.check.finding import Finding, forbidding
-from camgeo.check.flank import (
+from camgeo.check.disc import (
     check_standstill,
     check_transmission_angle,
     transmission_angle_extremes,
+    transmission_angle_limit,
 )
-from camgeo.check.judge import linkage_findings, motion_findings, transmission_angle_limit, worst
+from camgeo.check.finding import Finding, forbidding
+from camgeo.check.judge import motion_findings, worst
+from camgeo.check.machine import linkage_findings
 from camgeo.design.design import Design
 from camgeo.design.value_table import (
     Columns,

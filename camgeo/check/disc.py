@@ -1,38 +1,221 @@
-"""Checks of a flank: its curvature, what remains of it, a flat or curved face, standstill,
-transmission angle, and the play of a roller in its groove.
+"""Checks of a disc: what a roller or a face demands of its flanks, and what remains of them.
 
-All of them read 1 + d kappa of the flank, d = -r_R for the inner, +r_R for the outer working
-curve: 1 minus that is r_R / r_K for the sign of curvature that matters, at most 0.7 by the rule of
-thumb (Wirsig eq. 3.36); 1 is a cusp, more is undercut. The flanks of a groove with side clearance
-c lie at d = -+(r_R + c/2): cusp and undercut follow from that d, the rule of thumb from the roller.
+Those of a flank: its curvature, a flat or curved face, standstill, transmission angle, and the play
+of a roller in its groove. All of them read 1 + d kappa of the flank, d = -r_R for the inner, +r_R
+for the outer working curve: 1 minus that is r_R / r_K for the sign of curvature that matters, at
+most 0.7 by the rule of thumb (Wirsig eq. 3.36); 1 is a cusp, more is undercut. The flanks of a
+groove with side clearance c lie at d = -+(r_R + c/2): cusp and undercut follow from that d, the
+rule of thumb from the roller.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import chain
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from camgeo.cam.cam import Cam
-from camgeo.check.finding import STATED, Finding, Severity, held
+from camgeo.check.finding import (
+    FINDINGS,
+    RULE_OF_THUMB,
+    STATED,
+    Finding,
+    Limits,
+    Severity,
+    forbidding,
+    held,
+    is_slow,
+)
+from camgeo.check.machine import LINKAGE, check_closure, check_follower, linkage_findings
+from camgeo.errors import GeometryError
 from camgeo.geometry.outline.convex import SMALLEST, Convexity, convexity
 from camgeo.geometry.outline.cusps import CUSP, INSIDE, undercut_ranges
 from camgeo.geometry.outline.face import contact_places
 from camgeo.geometry.outline.outline import Outline
-from camgeo.geometry.outline.path import Path
+from camgeo.geometry.outline.path import Flank, Path
 from camgeo.geometry.pieces import Extremes, extremes, extremes_of_each, slowest
 from camgeo.geometry.pitch_curve import STANDSTILL, PitchCurve
 from camgeo.geometry.together import curves_together
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.face import flat_follower
+from camgeo.lazy import Ledger
 from camgeo.numeric.arrays import FloatArray, Quantity, Side
 from camgeo.numeric.kept import kept_with_each
 from camgeo.units import TURN, LiftUnit, at_cam_angles, cam_angle, counted, over_cam_angles
 
 if TYPE_CHECKING:
     from camgeo.geometry.outline.replay import Replay
+
+UNMENDED: Final = ("outline-", "closure")
+"""Beginnings of the names of findings that rule out a disc even if undercut is trimmed."""
+
+TRIM: Final = 'limits.undercut = "trim" makes the disc that is left'
+
+
+class Checks(dict[str, tuple[Finding, ...]]):
+    """What checks find, by their names in the order of running; `ledger` records each."""
+
+    def __init__(self, ledger: Ledger) -> None:
+        super().__init__()
+        self._ledger = ledger
+
+    def run(self, name: str, check: Callable[[], Iterable[Finding]]) -> tuple[Finding, ...]:
+        """The findings of `check`, kept by `name`."""
+        with self._ledger.entry(f"{FINDINGS}{name}"):
+            self[name] = tuple(check())
+        return self[name]
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """Of all checks."""
+        return tuple(chain.from_iterable(self.values()))
+
+
+def disc_findings(cam: Cam, limits: Limits) -> tuple[Finding, ...]:
+    """What the checks find in the mechanism and the disc, without the motion."""
+    return disc_checks(cam, limits, cam.ledger).findings
+
+
+def disc_checks(cam: Cam, limits: Limits, ledger: Ledger) -> Checks:
+    """The findings of `disc_findings` by check; `ledger` records each."""
+    found = Checks(ledger)
+    inside = cam.contact.runs_inside
+    found.run(
+        "follower",
+        lambda: check_follower(cam.follower, runs_on_inner=inside, clearance=cam.clearance),
+    )
+    if cam.drive.linkage is not None:
+        of_linkage = found.run(LINKAGE, lambda: linkage_findings(cam.drive, limits))
+        if forbidding(of_linkage):
+            return found
+    OF_DISC[cam.follower.touching](cam, limits, found)
+    return found
+
+
+def _face_checks(cam: Cam, limits: Limits, found: Checks) -> None:
+    """Whether there is a cam for a flat face, and how the face is used."""
+    curve, severity = cam.disc.pitch_curve, _of_undercut(limits)
+    bent = found.run("convexity", lambda: check_convexity(curve, severity))
+    wrong = [finding for finding in bent if finding.severity != "ok"]
+    left: tuple[Finding, ...] = ()
+    if len(wrong) == 1 and (wrong[0].name, wrong[0].unit) == ("convexity", "mm"):  # undercut
+        left = found.run("outline", lambda: _of_outline(cam, Flank.INNER, severity))
+    if not forbidding((*bent, *left)):
+        found.run(
+            "transmission-angle",
+            lambda: [check_transmission_angle(curve, transmission_angle_limit(cam, limits))],
+        )
+        found.run("face", lambda: check_face(curve, cam.disc.outline(Flank.INNER).path))
+        found.run("closure", lambda: check_closure(curve))
+    _name_trim(found)
+
+
+def _of_undercut(limits: Limits) -> Severity:
+    """Severity of undercut and of what follows from it: a trimmed disc can still be made."""
+    return "broken" if limits.undercut == "trim" else "no-disc"
+
+
+def _roller_checks(cam: Cam, limits: Limits, found: Checks) -> None:
+    """Whether a roller can follow the curve, and what remains of the flanks in use."""
+    disc = cam.disc
+    curve = disc.pitch_curve
+    if found.run("standstill", lambda: check_standstill(curve)):
+        return
+    severity = _of_undercut(limits)
+    limit = transmission_angle_limit(cam, limits)
+    found.run("transmission-angle", lambda: [check_transmission_angle(curve, limit)])
+    mechanism = not any(finding.severity == "invalid" for finding in found.findings)
+    radius = cam.follower.roller_radius
+    try:
+        bends = disc.bends
+    except GeometryError as error:
+        reason = error.message
+        found.run("curvature", lambda: [Finding("curvature", "no-disc", reason)])
+        return
+
+    # A limit other than the rule of thumb for rollers is meant for what is there.
+    curved = is_curved_face(cam, bends)
+    ratio = None if curved and limits.radius_ratio == RULE_OF_THUMB else limits.radius_ratio
+
+    def of_flank(flank: WorkingCurve, name: str) -> Iterable[Finding]:
+        yield check_radius_ratio(flank, name, bends, ratio, radius)
+        yield from check_undercut(flank, name, bends, severity)
+
+    for name, flank in disc.flanks:
+        found.run(f"curvature-{name}", partial(of_flank, flank, name))
+        if mechanism:
+            found.run(f"outline-{name}", partial(_of_outline, cam, name, severity, flank))
+    if curved:
+        found.run("face", lambda: check_curved_face(curve, bends))
+    if cam.clearance > 0.0:
+        found.run("side-clearance", lambda: [check_side_clearance(curve, cam.clearance)])
+    found.run("closure", lambda: check_closure(curve, severity))
+    if mechanism and severity == "no-disc":
+        _name_trim(found)
+
+
+def _name_trim(found: Checks) -> None:
+    """If the disc is refused but could be trimmed, one of the findings names the key for that."""
+    refused = [finding.name for finding in found.findings if finding.severity == "no-disc"]
+    if any(name.startswith(UNMENDED) for name in refused):
+        return
+    for named in ("lost-stroke-", "tangent-closure"):
+        if any(name.startswith(named) for name in refused):
+            for part, own in found.items():
+                found[part] = tuple(
+                    replace(each, sentence=f"{each.sentence}; {TRIM}")
+                    if each.name.startswith(named)
+                    else each
+                    for each in own
+                )
+            return
+
+
+def _of_outline(
+    cam: Cam, name: str, severity: Severity, flank: WorkingCurve | None = None
+) -> list[Finding]:
+    """What is left of a disc, in words for a roller's `flank`, and what the follower does on it."""
+    disc, found = cam.disc, list[Finding]()
+    try:
+        outline = disc.outline(name)
+        replay = disc.replay(name) if outline.is_trimmed else None
+    except GeometryError as error:
+        return [Finding(f"outline-{name}", "no-disc", f"{name} flank: {error.message}")]
+    if flank is not None:
+        ranges = undercut_ranges(flank, disc.bends)
+        kinks = [pivot.after for pivot in disc.pitch_path.pivots]
+        found += check_outline(outline, name, ranges, severity, kinks)
+    if replay is not None:
+        found.append(check_lost_stroke(replay, name, cam.lift_unit, severity))
+    return found
+
+
+OF_DISC: Final = {"roller": _roller_checks, "face": _face_checks}
+"""The findings of a disc, by what touches it."""
+
+
+OF_SLOW: Final[dict[LiftUnit, float]] = {"mm": 60.0, "rad": 45.0}
+"""Smallest transmission angles to aim for [degrees] in slow mechanisms, by the unit of the lift."""
+
+OF_FAST: Final = 60.0
+
+
+def transmission_angle_limit(cam: Cam, limits: Limits) -> float:
+    """Smallest transmission angle allowed [rad]: the one stated, or the default of the sources
+    (Wirsig, section 2.4).
+
+    60 degrees at any speed for translating followers, whose lift has the unit mm; for the others
+    45 degrees if the mechanism is slow, or no speed is given, else 60 degrees.
+    """
+    if limits.transmission_angle is not None:
+        return limits.transmission_angle
+    slow = is_slow(cam.drive.speed)
+    return math.radians(OF_SLOW[cam.follower.lift_unit] if slow else OF_FAST)
 
 
 def check_radius_ratio(
@@ -303,11 +486,6 @@ def _radius(found: Convexity, sizes: tuple[str, ...], severity: Severity) -> Fin
             f" touches only what is convex; make {keys} larger"
         )
     return Finding("convexity", severity, sentence, radius, 0.0, "mm", phi)
-
-
-def is_undercut(found: Finding) -> bool:
-    """Whether a finding of `check_convexity` is that a face undercuts, or just does not."""
-    return found.name == "convexity" and found.unit == "mm" and found.severity != "ok"
 
 
 def _jump(found: Convexity) -> Finding:
