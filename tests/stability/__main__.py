@@ -12,7 +12,7 @@ from typing import Final
 
 from camgeo.app.cli.command import CallError, add_json, present_name, show, write_files
 from camgeo.app.cli.plot import add_picture, pictures
-from camgeo.app.cli.progress import Progress
+from camgeo.app.cli.streams import Progress
 from camgeo.errors import meant
 from camgeo.units import counted
 

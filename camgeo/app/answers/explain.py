@@ -18,7 +18,7 @@ from camgeo.check.judge import FINDINGS, Judgement
 from camgeo.design.design import Design
 from camgeo.design.drawn import DrawnDisc
 from camgeo.design.milled import MilledDisc
-from camgeo.lazy import Run, lazy_names
+from camgeo.lazy import Run, built, lazy
 from camgeo.scene.scene import Scene
 from camgeo.units import counted
 
@@ -108,6 +108,15 @@ def quantities() -> tuple[str, ...]:
 
     effects = (node_name(name) for name in effect_names())
     return (*(name for owner in OWNERS for name in lazy_names(owner)), *effects)
+
+
+def lazy_names(owner: type) -> tuple[str, ...]:
+    """Names of the lazy quantities of a class, in the order of their definition."""
+    found = [
+        name for each in reversed(owner.__mro__) for name, value in vars(each).items()
+        if isinstance(value, lazy) and not isinstance(value, built)
+    ]  # fmt: skip
+    return tuple(dict.fromkeys(found))
 
 
 def _plain(quantity: str) -> str:
