@@ -109,8 +109,8 @@ def _stated(found: Document, recent: Recent) -> dict[str, Any]:
     # Joints are dragged more often than anything else, and the form does not show them.
     shown = repr({key: value for key, value in found.exact.items() if key != "motion"})
     return {
-        "form": recent.kept("form", (shown,), lambda: [each.to_data() for each in form(found)]),
-        "plan": [each.to_data() for each in plan(found)],
+        "form": recent.kept("form", (shown,), lambda: form(found)),
+        "plan": plan(found),
         "effects": sorted(effects) if isinstance(effects := found.at(("effects",)), dict) else [],
     }
 
