@@ -156,7 +156,7 @@ def _dragged(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
     after = edited(given.tree, edits)
     # What a joint takes from the segment behind it goes without saying.
     told = {key: edits[key] for key in handle.keys if key in edits}
-    return after, label_of(told, _units(after, told)) if told else handle.label
+    return after, label_of(told, _units(after, told)) if told else name
 
 
 def _cured(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
