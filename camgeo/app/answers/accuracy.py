@@ -6,7 +6,7 @@ import argparse
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from camgeo.app.answers.answer import SCENE, Answer, Key, Keys, aligned
 from camgeo.app.cli.command import (
@@ -62,8 +62,6 @@ class Accuracy(Answer):
     complete : whether not only the contour that the scene asks for was measured.
     benefits : what each form does at one speed; empty if none was asked for.
     """
-
-    command: ClassVar[str] = "accuracy"
 
     scene: Scene
     survey: Survey

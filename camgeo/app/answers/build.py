@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
-from typing import ClassVar, Final
+from typing import Final
 
 from camgeo.app.answers.answer import FINDING, SCENE, Answer, Key, exit_code, finding_lines
 from camgeo.app.cli.command import add_scene, number, opened, settle, show
@@ -33,8 +33,6 @@ class Build(Answer):
     files : that were written; empty if the cam has no outline.
     certificate : its name beside the files; None if there are none.
     """
-
-    command: ClassVar[str] = "build"
 
     scene: Scene
     tolerance: float

@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import TYPE_CHECKING, Final
 
 from camgeo.app.answers.answer import (
     FEATURE,
@@ -96,8 +96,6 @@ class Check(Answer):
     formats : what the scene lacks for the formats that it names, "broken", and for a program if it
         states how to mill, "ok" if it does not name that format.
     """
-
-    command: ClassVar[str] = "check"
 
     scene: Scene
     findings: tuple[Finding, ...]

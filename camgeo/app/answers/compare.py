@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
-from typing import Any, ClassVar, Final, Literal
+from typing import Any, Final, Literal
 
 from camgeo.app.answers.answer import MARKS, Answer, Key, aligned
 from camgeo.app.answers.check import check
@@ -102,8 +102,6 @@ class Compare(Answer):
     keys : in which the scenes differ.
     lines : the findings of all, or what was asked.
     """
-
-    command: ClassVar[str] = "compare"
 
     designs: tuple[Compared, ...]
     keys: tuple[DifferingKey, ...]

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from itertools import chain
-from typing import ClassVar, Final, Literal
+from typing import Final, Literal
 
 from camgeo.app.answers.answer import SCENE, Answer, Key
 from camgeo.app.answers.check import OF_MILLING, OF_PART, Check, check
@@ -45,8 +45,6 @@ class Explanation(Answer):
     left_alone : quantities and effects that were not computed.
     findings : of the checks, effects and parts among them, by the names of the quantities.
     """
-
-    command: ClassVar[str] = "explain"
 
     scene: Scene
     goal: str

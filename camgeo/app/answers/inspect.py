@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
@@ -131,8 +131,6 @@ class Inspection(Answer):
     lift : effect on the follower; None if it cannot be told, see the findings.
     findings : worst first.
     """
-
-    command: ClassVar[str] = "inspect"
 
     scene: Scene
     disc: Product

@@ -6,7 +6,7 @@ import argparse
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, ClassVar, Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 from camgeo.app.answers.answer import Answer, Key, Keys
 from camgeo.app.cli.command import CallError, add_json, number, show, write_files
@@ -87,8 +87,6 @@ class Laws(Answer):
     tasks : all tasks; None if laws of one are compared.
     places : whether the text shows z of the extremes too.
     """
-
-    command: ClassVar[str] = "laws"
 
     rows: tuple[LawRow, ...] | None = None
     running: Running | None = None

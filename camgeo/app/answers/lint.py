@@ -8,7 +8,7 @@ import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import ClassVar, Final, Literal
+from typing import Final, Literal
 
 from camgeo.app.answers.answer import BROKEN, FINE, WRONG, Answer, Key
 from camgeo.app.cli.command import CallError, add_json, number, opened, show
@@ -99,8 +99,6 @@ class Lint(Answer):
     programs : one per file.
     scene : with tools, blank and holding; None without one.
     """
-
-    command: ClassVar[str] = "lint"
 
     machine: Machine
     bench: Bench

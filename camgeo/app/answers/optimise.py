@@ -9,7 +9,7 @@ import signal
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 from camgeo.app.answers.answer import BROKEN, FINE, STOPPED, Answer, Key, aligned
 from camgeo.app.answers.sweep import exact, shown, shown_in
@@ -86,8 +86,6 @@ class Optimum(Answer):
     ----------
     found : the task, all trials and the best.
     """
-
-    command: ClassVar[str] = "optimise"
 
     found: Found
 

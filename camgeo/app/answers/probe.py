@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from pathlib import Path
-from typing import ClassVar, Final
+from typing import Final
 
 import numpy as np
 
@@ -93,8 +93,6 @@ class Probing(Answer):
     flanks : all in use, those of the main disc first.
     lift_curve : (n, 2) cam angle [rad] and lift [mm or rad] at every `step`, or every degree.
     """
-
-    command: ClassVar[str] = "probe"
 
     scene: Scene
     step: Decimal | None

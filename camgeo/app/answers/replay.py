@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Final, Literal, Protocol
+from typing import TYPE_CHECKING, Final, Literal, Protocol
 
 import numpy as np
 
@@ -164,8 +164,6 @@ class FollowerReplay(Answer):
     closing : smallest and largest play between a pair as travel of the main roller [mm], negative
         where the rollers are squeezed, with cam angles [rad]; None of one disc.
     """
-
-    command: ClassVar[str] = "replay"
 
     scene: Scene
     flank: Flank

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -110,8 +110,6 @@ class Report(Answer):
     certificate : of the files that the scene asks for, as it would be beside them; None likewise.
     left_out : what the page lacks, and why.
     """
-
-    command: ClassVar[str] = "report"
 
     scene: Scene
     check: Check

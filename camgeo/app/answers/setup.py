@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from html import escape
 from pathlib import Path
-from typing import ClassVar, Final
+from typing import Final
 
 from camgeo.app.answers.answer import (
     BROKEN,
@@ -121,8 +121,6 @@ class SetupSheet(Answer):
     side : which side this is, and how the work lies, in words; None if there is but one.
     second : the sheet of the second side; None if there is none, or if this is it.
     """
-
-    command: ClassVar[str] = "setup"
 
     scene: Scene
     machine: str

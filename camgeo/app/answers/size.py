@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass, replace
 from decimal import ROUND_HALF_EVEN, Decimal
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from camgeo.app.answers.answer import BROKEN, FINE, SCENE, Answer, Key, Keys
 from camgeo.app.cli.command import (
@@ -155,8 +155,6 @@ class CamSize(Answer):
     remarks : what `camgeo check` still finds wrong in the scene with it, besides its motion: what
         does not depend on these sizes, or belongs to a return disc.
     """
-
-    command: ClassVar[str] = "size"
 
     scene: Scene
     sides: tuple[Side, ...]

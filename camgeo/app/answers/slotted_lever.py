@@ -6,7 +6,7 @@ import argparse
 import math
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import TYPE_CHECKING, ClassVar, Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 from camgeo.app.answers import answer
 from camgeo.app.answers.answer import FINE, Answer, Key
@@ -58,8 +58,6 @@ class LeverMotion(Answer):
     driven : the lever with the speed of its crank; has extremes and strokes.
     table : values over the crank angle, in degrees; None if it was not requested.
     """
-
-    command: ClassVar[str] = "slotted-lever"
 
     driven: DrivenLever
     table: Table | None = None

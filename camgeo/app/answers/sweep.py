@@ -8,7 +8,7 @@ import io
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import TYPE_CHECKING, Final
 
 from camgeo.app.answers.answer import Answer, Key, aligned
 from camgeo.app.cli import plot
@@ -101,8 +101,6 @@ class Sweep(Answer):
     failed : designs that lack an answer, with a reason.
     count : all designs.
     """
-
-    command: ClassVar[str] = "sweep"
 
     result: Result
     spans: tuple[Span, ...]

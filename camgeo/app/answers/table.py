@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import ClassVar, Final
+from typing import Final
 
 from camgeo.app.answers.answer import Answer, Key
 from camgeo.app.answers.laws import DEFAULT_TASK, add_law_options, given_options, parameters_from
@@ -40,8 +40,6 @@ class ValueTable(Answer):
     ----------
     table : its columns.
     """
-
-    command: ClassVar[str] = "table"
 
     table: Table
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
@@ -156,8 +156,6 @@ class ToleranceAnalysis(Answer):
     sampled : random machines; None if there are none.
     between : the analysis of the play between two sides; None on a single flank.
     """
-
-    command: ClassVar[str] = "tolerance"
 
     scene: Scene
     linear: Linear

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Any, ClassVar, Final
+from typing import Any, Final
 
 from camgeo._version import __version__
 from camgeo.app.answers.answer import BROKEN, CRASHED, FINE, Answer, Key
@@ -41,8 +41,6 @@ class Verification(Answer):
     paths : of the files.
     verdicts : one per file, in the same order.
     """
-
-    command: ClassVar[str] = "verify"
 
     paths: tuple[Path, ...]
     verdicts: tuple[Verdict, ...]
