@@ -10,7 +10,7 @@ import pytest
 
 from camgeo.app.answers.answer import figure, table, text
 from camgeo.app.answers.inspect import Inspection, inspect, of_points
-from camgeo.app.answers.probe import probe
+from camgeo.app.answers.probe import flank_table, probe
 from camgeo.design.design import Design
 from camgeo.geometry.outline.exact_flank import ExactFlank
 from camgeo.geometry.outline.path import Flank
@@ -144,18 +144,18 @@ def test_a_gap_leaves_the_follower_unknown() -> None:
 
 def test_the_name_of_a_file_tells_flank_and_disc(tmp_path: Path) -> None:
     groove = Design(load_scene(FOLDER / "groove.toml"))
-    (inner, outer) = probe(groove).each
-    for answer, side in ((inner, "inner"), (outer, "outer")):
+    points = probe(groove)
+    for flank, side in zip(points.flanks, ("inner", "outer"), strict=True):
         path = tmp_path / f"points-{side}.csv"
-        path.write_text(table(answer).csv())
+        path.write_text(flank_table(points, flank).csv())
         found = inspect(groove, path)
         assert found.flank == side
         assert found.deviations.profile < 1e-12
     pair = Design(load_scene(FOLDER / "conjugate_lever.toml"))
-    (main, other) = probe(pair).each
-    for answer, ending in ((main, ""), (other, "-return")):
+    points = probe(pair)
+    for flank, ending in zip(points.flanks, ("", "-return"), strict=True):
         path = tmp_path / f"points{ending}.csv"
-        path.write_text(table(answer).csv())
+        path.write_text(flank_table(points, flank).csv())
         found = inspect(pair, path)
         assert found.disc.name == f"conjugate_lever{ending}"
         assert found.deviations.profile < 1e-12

@@ -16,9 +16,8 @@ from camgeo.app.cli.command import (
     opened,
     positive,
     show,
-    write_files,
 )
-from camgeo.app.cli.plot import add_picture, pictures
+from camgeo.app.cli.plot import add_picture, output_files
 from camgeo.design.design import Design
 from camgeo.geometry.contour.contour import Form
 from camgeo.pictures.model import Figure
@@ -567,26 +566,29 @@ def _tables(answer: Accuracy) -> list[str]:
     """A table each of contours, solids, builds, benefits, value tables and effects."""
     length = answer.scene.unit
     found, ripple = answer.survey.in_length(length), answer.ripple
-    heads = [*CONTOURS, "ripple"] if ripple else list(CONTOURS)
-    lines = _columns(heads, [_contour_cells(row, ripple=ripple) for row in found.contours])
-    if found.solids:
-        lines += ["", *_columns(SOLIDS, [_solid_cells(row) for row in found.solids])]
-    if found.bill:
-        lines += ["", *_columns(BILL, [_bill_cells(row) for row in found.bill])]
-    if answer.benefits:
-        lines += [
-            "",
-            *_columns(_benefits(answer), [_benefit_cells(row, length) for row in answer.written]),
-        ]
-    heads = ["step [deg]", "rows", "bytes", "made", "spread", f"error [{answer.unit}]"]
-    lines += ["", *_columns(heads, [_table_cells(row, answer) for row in found.tables])]
-    if found.effects:
-        lines += ["", *_columns(EFFECTS, [_effect_cells(row) for row in found.effects])]
+    steps = ("step [deg]", "rows", "bytes", "made", "spread", f"error [{answer.unit}]")
+    tables: tuple[tuple[Sequence[str], list[tuple[list[str], str]], str], ...] = (
+        (
+            (*CONTOURS, *["ripple"] * ripple),
+            [_contour_cells(row, ripple=ripple) for row in found.contours],
+            COLUMNS,
+        ),
+        (SOLIDS, [_solid_cells(row) for row in found.solids], ""),
+        (BILL, [_bill_cells(row) for row in found.bill], BILL_COLUMNS),
+        (
+            _benefits(answer),
+            [_benefit_cells(row, length) for row in answer.written],
+            BENEFIT_COLUMNS,
+        ),
+        (steps, [_table_cells(row, answer) for row in found.tables], ""),
+        (EFFECTS, [_effect_cells(row) for row in found.effects], EFFECT_COLUMNS),
+    )
+    lines = []
+    for heads, rows, _ in tables:
+        lines += [*_columns(heads, rows), ""] if rows else []
     if found.rounded:
-        lines += ["", *map(_rounded, found.rounded)]
-    lines += ["", COLUMNS, *([BILL_COLUMNS] if found.bill else [])]
-    lines += [BENEFIT_COLUMNS] if answer.benefits else []
-    return [*lines, *([EFFECT_COLUMNS] if found.effects else [])]
+        lines += [*map(_rounded, found.rounded), ""]
+    return [*lines, *(told for _, rows, told in tables if rows and told)]
 
 
 def figure(answer: Accuracy) -> Figure:
@@ -785,8 +787,7 @@ def run(arguments: argparse.Namespace) -> int:
         speed=None if arguments.speed is None else arguments.speed * RPM,
         progress=arguments.progress,
     )
-    write_files(pictures(found, arguments, "pieces, bytes, seconds"), arguments)
-    return show(found, arguments)
+    return show(found, arguments, output_files(found, arguments, "pieces, bytes, seconds"))
 
 
 def _tolerances(text: str) -> tuple[float, ...]:

@@ -12,8 +12,8 @@ from typing import Any, Final, Literal
 from camgeo.app.answers.answer import MARKS, Answer, Key, aligned
 from camgeo.app.answers.check import check
 from camgeo.app.answers.sweep import shown_in
-from camgeo.app.cli.command import add_json, add_repeated, show, write_files
-from camgeo.app.cli.plot import add_picture, pictures
+from camgeo.app.cli.command import add_json, add_repeated, show
+from camgeo.app.cli.plot import add_picture, output_files
 from camgeo.check.finding import Finding
 from camgeo.check.judge import worst
 from camgeo.design.design import Design
@@ -359,8 +359,8 @@ def run(arguments: argparse.Namespace) -> int:
     designs = [Design(load_scene(name), Ledger(arguments.progress)) for name in arguments.scenes]
     labels = labels_of(arguments.scenes)
     found = compare(list(zip(labels, designs, strict=True)), names_in(arguments.ask))
-    write_files(pictures(found, arguments, "flanks, motion, acceleration, mu"), arguments)
-    return show(found, arguments)
+    files = output_files(found, arguments, "flanks, motion, acceleration, mu")
+    return show(found, arguments, files)
 
 
 def labels_of(names: Sequence[str]) -> list[str]:

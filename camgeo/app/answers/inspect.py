@@ -35,10 +35,8 @@ from camgeo.app.cli.command import (
     opened,
     positive,
     show,
-    tables,
-    write_files,
 )
-from camgeo.app.cli.plot import SUFFIXES, pictures
+from camgeo.app.cli.plot import SUFFIXES, output_files
 from camgeo.check.finding import Finding, held
 from camgeo.design.design import Design
 from camgeo.design.product import Product, disc_of
@@ -702,9 +700,4 @@ def run(arguments: argparse.Namespace) -> int:
         ball=arguments.ball,
         tolerance=arguments.tolerance,
     )
-    if (arguments.output or "").endswith(CSV):
-        files = tables(found, arguments.output)
-    else:
-        files = pictures(found, arguments, "deviations, lift errors")
-    write_files(files, arguments)
-    return show(found, arguments)
+    return show(found, arguments, output_files(found, arguments, "deviations, lift errors"))

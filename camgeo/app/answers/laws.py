@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final, Literal
 
 from camgeo.app.answers.answer import Answer, Key, Keys
 from camgeo.app.cli.command import CallError, add_json, number, show, write_files
-from camgeo.app.cli.plot import add_picture, pictures
+from camgeo.app.cli.plot import add_picture, output_files
 from camgeo.errors import Fault, SceneError
 from camgeo.kinematics.laws import ALIASES, FAMILIES, OPTIONS, find_family
 from camgeo.kinematics.laws.comparison import QUANTITIES, Entry, Running, compare
@@ -420,7 +420,7 @@ def run(arguments: argparse.Namespace) -> int:
     )
     count = sum(row.entry.law is not None for row in found.rows or ())
     contents = f"{counted(count, 'law')} for {arguments.task or DEFAULT_TASK}"
-    files = pictures(found, arguments, contents)
+    files = output_files(found, arguments, contents)
     write_files(files, arguments)
     return found.exit_code if files and not arguments.json else show(found, arguments)
 

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import csv
-import io
 import signal
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final, Literal
 
 from camgeo.app.answers.answer import BROKEN, FINE, STOPPED, Answer, Key, aligned
-from camgeo.app.answers.sweep import exact, shown, shown_in
+from camgeo.app.answers.sweep import csv_of, shown, shown_in
 from camgeo.app.cli import plot
 from camgeo.app.cli.command import (
     CallError,
@@ -357,17 +355,15 @@ def _bounds(bound: Bound) -> str:
 
 def comma_separated(answer: Optimum) -> bytes:
     """All designs that were tried as CSV in UTF-8, in their order."""
-    found = io.StringIO(newline="")
-    rows = csv.writer(found, lineterminator="\n")
     words = [each.word for each in answer.found.task.asked]
     heads = [f"{word} [{unit}]" if unit else word
              for word, unit in zip(words, answer.units, strict=True)]  # fmt: skip
-    rows.writerow(["number", *answer.found.task.family.keys, *heads, "violation", "violated"])
+    family = answer.found.task.family
+    rows: list[list[object]] = [["number", *family.keys, *heads, "violation", "violated"]]
     for trial in answer.found.trials:
-        values: Mapping[str, object] = answer.found.task.family.edits(trial.point)
-        cells = [exact(each) for each in (*values.values(), *trial.values)]
-        rows.writerow([trial.number, *cells, repr(trial.violation), "; ".join(trial.broken)])
-    return found.getvalue().encode()
+        cells = (*family.edits(trial.point).values(), *trial.values)
+        rows.append([trial.number, *cells, trial.violation, "; ".join(trial.broken)])
+    return csv_of(rows)
 
 
 def figure(answer: Optimum) -> Figure:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
 from typing import Final
@@ -27,8 +27,7 @@ from camgeo.app.cli.command import (
     positive,
     require_beside,
     show,
-    tables,
-    write_files,
+    table_file,
 )
 from camgeo.check.finding import Finding
 from camgeo.design.design import Design
@@ -106,11 +105,6 @@ class Probing(Answer):
     def exit_code(self) -> int:
         """1 if the ball does not fit somewhere."""
         return exit_code(finding for each in self.flanks for finding in each.findings)
-
-    @property
-    def each(self) -> tuple[Probing, ...]:
-        """One answer for each flank."""
-        return tuple(replace(self, flanks=(one,)) for one in self.flanks)
 
 
 def probe(
@@ -372,8 +366,7 @@ def run(arguments: argparse.Namespace) -> int:
     files = [*_points(found, arguments.output), *_lift_file(found, arguments.lift)]
     if len({path for path, _, _ in files}) < len(files):
         raise CallError("--lift names the file of a flank")
-    write_files(files, arguments)
-    return show(found, arguments)
+    return show(found, arguments, files)
 
 
 def _points(found: Probing, output: str | None) -> Iterator[Written]:
@@ -381,12 +374,13 @@ def _points(found: Probing, output: str | None) -> Iterator[Written]:
     if output is None:
         return
     main = found.flanks[0]
-    for answer in found.each:
-        one, name = answer.flanks[0], Path(output)
+    for one in found.flanks:
+        name = Path(output)
         ending = one.disc.name.removeprefix(main.disc.name)
         if len(one.disc.cam.contact.flanks) > 1:
             ending += f"-{one.flank}"
-        yield from tables(answer, str(name.with_name(f"{name.stem}{ending}{name.suffix}")))
+        path = name.with_name(f"{name.stem}{ending}{name.suffix}")
+        yield table_file(flank_table(found, one), path)
 
 
 def _lift_file(found: Probing, output: str | None) -> Iterator[Written]:

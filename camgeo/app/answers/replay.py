@@ -35,10 +35,8 @@ from camgeo.app.cli.command import (
     from_0,
     opened,
     show,
-    tables,
-    write_files,
 )
-from camgeo.app.cli.plot import SUFFIXES, pictures
+from camgeo.app.cli.plot import SUFFIXES, output_files
 from camgeo.app.cli.streams import notify
 from camgeo.cam.cam import Cam
 from camgeo.design.design import Design
@@ -769,9 +767,4 @@ def run(arguments: argparse.Namespace) -> int:
     for each in found.discs:
         for note in filter(None, (each.note, *each.notes)):
             notify(note)
-    if (arguments.output or "").endswith(CSV):
-        files = tables(found, arguments.output)
-    else:
-        files = pictures(found, arguments, "lift, velocity, acceleration")
-    write_files(files, arguments)
-    return show(found, arguments)
+    return show(found, arguments, output_files(found, arguments, "lift, velocity, acceleration"))

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 from camgeo.app.answers.answer import BROKEN, FINE, SCENE, Answer, Key, Keys
 from camgeo.app.cli.command import (
     CallError,
+    Written,
     add_json,
     add_scene,
     notify_main_disc,
@@ -19,9 +20,8 @@ from camgeo.app.cli.command import (
     opened,
     require_beside,
     show,
-    write_files,
 )
-from camgeo.app.cli.plot import add_picture, pictures
+from camgeo.app.cli.plot import add_picture, output_files
 from camgeo.app.cli.streams import notify
 from camgeo.cam.cam import Cam
 from camgeo.check.finding import Finding
@@ -824,12 +824,12 @@ def run(arguments: argparse.Namespace) -> int:
         radius_of_curvature=unit * arguments.radius_of_curvature,
         arms=None if arm is None else (unit * arm[0], unit * arm[1]),
     )
-    _write(found, arguments)
-    return show(found, arguments)
+    return show(found, arguments, _files(found, arguments))
 
 
-def _write(found: CamSize, arguments: argparse.Namespace) -> None:
-    files, unit = [], found.scene.unit
+def _files(found: CamSize, arguments: argparse.Namespace) -> list[Written]:
+    files: list[Written] = output_files(found, arguments, "region of the cam axis")
+    unit = found.scene.unit
     if arguments.target is not None and found.written is not None:
         target, source = Path(arguments.target), Path(arguments.scene)
         if found.scene.files and target.resolve().parent != source.resolve().parent:
@@ -837,8 +837,7 @@ def _write(found: CamSize, arguments: argparse.Namespace) -> None:
                 [Fault("--scene", str(target), "must be in the folder of SCENE, which names files")]
             )
         radius = f"base radius {found.written.base_radius / MM_PER[unit]:.12g} {unit}"
-        files.append((target, sized_scene(found).to_toml().encode(), radius))
-    elif arguments.target is not None:
+        return [(target, sized_scene(found).to_toml().encode(), radius), *files]
+    if arguments.target is not None:
         notify(f"{arguments.target}: not written, there is no such mechanism")
-    files += pictures(found, arguments, "region of the cam axis")
-    write_files(files, arguments)
+    return files

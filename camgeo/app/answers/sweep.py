@@ -25,7 +25,6 @@ from camgeo.app.cli.command import (
     engine_for,
     require_new,
     show,
-    write_files,
 )
 from camgeo.app.cli.streams import notify
 from camgeo.studies.sweep.family import Family
@@ -358,27 +357,33 @@ def comma_separated(answer: Sweep) -> bytes:
 
     Where designs state an answer in different units, a column with them follows.
     """
+
+    def rows() -> Iterator[list[object]]:
+        heads: list[object] = list(answer.keys)
+        for span in answer.spans:
+            heads += [headed(span), *([f"{span.word} unit"] if span.mixed else [])]
+        yield [*heads, REASON]
+        for each in answer.designs:
+            cells: list[object] = list(each.values.values())
+            for word, value in each.answers.items():
+                cells += [value, *([each.units[word]] if word in each.units else [])]
+            yield [*cells, each.reason]
+
+    return csv_of(rows())
+
+
+def csv_of(rows: Iterable[Iterable[object]]) -> bytes:
+    """Rows as CSV in UTF-8, numbers in the shortest form that reads back the same, nothing where
+    there is none.
+    """
     found = io.BytesIO()
     stream = io.TextIOWrapper(found, "utf-8", newline="")
-    rows = csv.writer(stream, lineterminator="\n")
-    heads = list(answer.keys)
-    for span in answer.spans:
-        heads += [headed(span), *([f"{span.word} unit"] if span.mixed else [])]
-    rows.writerow([*heads, REASON])
-    for each in answer.designs:
-        cells = [exact(value) for value in each.values.values()]
-        for word, value in each.answers.items():
-            cells += [exact(value), *([each.units[word]] if word in each.units else [])]
-        rows.writerow([*cells, each.reason])
+    spelled = (
+        [str(cell).lower() if isinstance(cell, bool) else cell for cell in row] for row in rows
+    )
+    csv.writer(stream, lineterminator="\n").writerows(spelled)
     stream.flush()
     return found.getvalue()
-
-
-def exact(value: object) -> str:
-    """A value in the shortest form that reads back the same; empty if there is none."""
-    if value is None:
-        return ""
-    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 # -- command line ----------------------------------------------------------------------------------
@@ -502,8 +507,7 @@ def run(arguments: argparse.Namespace) -> int:
             known = f", {kept:,} of them known before" if kept else ""
             notify(f"{store}: {counted(found.count, 'row')}{known}")
         written = [_written(found, file) for file in files]
-        write_files([*written, *draw(result)], arguments)
-        return show(found, arguments)
+        return show(found, arguments, [*written, *draw(result)])
     finally:
         result.close()
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
@@ -22,17 +21,14 @@ from camgeo.app.answers.answer import (
 )
 from camgeo.app.cli.command import (
     CSV,
-    Written,
+    JSON,
     add_json,
     add_output,
     add_scene,
-    document,
     opened,
     show,
-    tables,
-    write_files,
 )
-from camgeo.app.cli.plot import SUFFIXES, pictures
+from camgeo.app.cli.plot import SUFFIXES, output_files
 from camgeo.design.design import Design
 from camgeo.design.value_table import Table
 from camgeo.geometry.outline.path import Flank
@@ -607,8 +603,6 @@ def figure(answer: ToleranceAnalysis) -> Figure:
 # -- command line ----------------------------------------------------------------------------------
 
 
-RECORD: Final = ".json"
-
 EXAMPLE: Final = (
     "camgeo tolerance fixtures/tolerance/lever.toml -o tolerance.png\n"
     "  camgeo tolerance my-cam.toml --count 4096 --seed 1 -o errors.csv"
@@ -626,26 +620,13 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=int, default=0, help="of what is drawn; default 0")
     add_json(parser)
     contents = (
-        f"file to write: a table ({CSV}), a picture ({', '.join(SUFFIXES)}), or the answer"
-        f" ({RECORD})"
+        f"file to write: a table ({CSV}), a picture ({', '.join(SUFFIXES)}), or the answer ({JSON})"
     )
-    add_output(parser, contents, (CSV, RECORD, *SUFFIXES))
+    add_output(parser, contents, (CSV, JSON, *SUFFIXES))
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Analyse, print the answer, and write it."""
-    from camgeo.studies.tolerancing.linear import COUNT
-
     count = COUNT if arguments.count is None else arguments.count
     found = tolerance(opened(arguments), count=count, seed=arguments.seed)
-    write_files(_files(found, arguments), arguments)
-    return show(found, arguments)
-
-
-def _files(found: ToleranceAnalysis, arguments: argparse.Namespace) -> list[Written]:
-    name = arguments.output or ""
-    if name.endswith(CSV):
-        return tables(found, name)
-    if name.endswith(RECORD):
-        return [(Path(name), document(found).encode(), "the answer")]
-    return pictures(found, arguments, "errors over the cam angle")
+    return show(found, arguments, output_files(found, arguments, "errors over the cam angle"))
