@@ -14,7 +14,6 @@ import pytest
 from camgeo.app.cli.main import main, parser
 from camgeo.pictures.accuracy import figure
 from camgeo.pictures.model import Line, Rule, Text
-from camgeo.studies.accuracy import benefit
 from camgeo.studies.accuracy import survey as surveys
 from camgeo.studies.accuracy.benefit import BenefitRow
 from camgeo.studies.accuracy.contours import FORMS, ContourRow, SolidRow, TableRow
@@ -295,7 +294,7 @@ def test_what_is_bought_is_in_text_and_json(
     heard = replace(at_speed()[0], octaves=(20.0, 30.0, 10.0), octave_error=1e-9, strongest=3)
     splines = replace(at_speed()[1], form="spline")
     rows = (heard, at_speed()[1], fault, splines)
-    monkeypatch.setattr(benefit, "benefit_rows", lambda *_, **__: rows)
+    monkeypatch.setattr("camgeo.app.answers.accuracy.benefit_rows", lambda *_, **__: rows)
     call(SETZHUB, "--speed", "600", "--all")
     lines = capsys.readouterr().out.splitlines()
     start = next(number for number, line in enumerate(lines) if line.startswith("written  "))

@@ -6,7 +6,7 @@ import argparse
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import Any, Final, Literal
 
 from camgeo.app.answers.answer import SCENE, Answer, Key, Keys, aligned
 from camgeo.app.cli.command import (
@@ -24,7 +24,7 @@ from camgeo.pictures.model import Figure
 from camgeo.scene.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.scene.scene import Scene
 from camgeo.studies.accuracy import survey as surveys
-from camgeo.studies.accuracy.benefit import harmonics
+from camgeo.studies.accuracy.benefit import BenefitRow, benefit_rows, harmonics
 from camgeo.studies.accuracy.contours import (
     FORMS,
     ContourRow,
@@ -33,7 +33,7 @@ from camgeo.studies.accuracy.contours import (
     TableRow,
     in_length,
 )
-from camgeo.studies.accuracy.knee import advice, step_sentence
+from camgeo.studies.accuracy.knee import advice, of_each_form, step_sentence
 from camgeo.studies.accuracy.survey import (
     STAGES,
     TOLERANCES,
@@ -43,9 +43,6 @@ from camgeo.studies.accuracy.survey import (
     own_rows,
 )
 from camgeo.units import MM_PER, RPM, LengthUnit
-
-if TYPE_CHECKING:
-    from camgeo.studies.accuracy.benefit import BenefitRow
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,8 +86,6 @@ class Accuracy(Answer):
         """Which of the tolerances is enough at the speed asked for, in words, for each form."""
         if not self.benefits:
             return ()
-        from camgeo.studies.accuracy.knee import of_each_form
-
         speed = self.benefits[0].speed / RPM
         return tuple(f"at {speed:g} rev/min: {each}" for each in of_each_form(self.benefits))
 
@@ -192,10 +187,6 @@ def accuracy(
         ripple = design.scene.output.accuracy_ripple
     benefits: tuple[BenefitRow, ...] = ()
     if speed is not None:
-        from camgeo.studies.accuracy.benefit import (
-            benefit_rows,  # a survey without a speed needs none
-        )
-
         forms = FORMS if complete else own_contour(design.scene)[:1]
         benefits = benefit_rows(design, tolerances, (speed,), forms=forms, progress=progress)
     found = surveys.survey(
@@ -774,8 +765,6 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Measure, and print or draw the results."""
-    from camgeo.studies.accuracy.survey import TOLERANCES  # with all that it measures
-
     design = opened(arguments)
     notify_main_disc(design, "figures")
     found = accuracy(

@@ -14,7 +14,7 @@ from camgeo.app.cli.command import add_scene, number, opened, settle, show
 from camgeo.app.cli.streams import notify
 from camgeo.check.finding import Finding
 from camgeo.design.design import Design
-from camgeo.design.product import in_one_piece
+from camgeo.design.product import in_one_piece, with_pair
 from camgeo.design.writing import FileReport, write_files
 from camgeo.scene.scene import Scene
 from camgeo.units import MM_PER, LengthUnit, counted
@@ -55,7 +55,6 @@ def poor_findings(design: Design) -> tuple[Finding, ...]:
     if not design.judgement.has_outline:
         return bad
     from camgeo.design.judged_part import poor_in  # a cam without outline has no part
-    from camgeo.design.product import with_pair
 
     return (*bad, *chain.from_iterable(map(poor_in, with_pair(design.discs))))
 

@@ -22,7 +22,8 @@ from camgeo.app.answers.answer import (
 from camgeo.app.cli.command import add_json, add_scene, opened, show
 from camgeo.check.finding import RETURN, Finding, forbidding
 from camgeo.check.judge import FINDINGS
-from camgeo.design.judged_part import Body, PartFound
+from camgeo.design.judged_part import Body, PartFound, part_of
+from camgeo.design.product import with_pair
 from camgeo.errors import GeometryError
 from camgeo.kinematics.plan import Joint, joints
 from camgeo.scene.formats.format import find_format
@@ -171,9 +172,6 @@ def _lacking(scene: Scene) -> Iterator[Finding]:
 
 
 def _parts(design: Design) -> dict[str, PartFound]:
-    from camgeo.design.judged_part import part_of  # a motion alone has none
-    from camgeo.design.product import with_pair
-
     with design.ledger.entry(OF_PART):
         return {disc.name: part_of(disc) for disc in with_pair(design.discs)}
 

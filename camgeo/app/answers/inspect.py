@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, Literal
+from typing import Final, Literal
 
 import numpy as np
 
@@ -45,6 +45,7 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.outline.exact_flank import ExactFlank
 from camgeo.geometry.outline.path import Flank
 from camgeo.numeric.extremes import Extremes
+from camgeo.pictures.model import Figure
 from camgeo.reading import TABLE
 from camgeo.scene.scene import Scene
 from camgeo.studies.inspection import (
@@ -73,10 +74,6 @@ from camgeo.units import (
     over_cam_angles,
     small,
 )
-
-if TYPE_CHECKING:
-    from camgeo.pictures.model import Figure
-
 
 WIDEST_GAP: Final = math.radians(10.0)
 """Range of the path [rad] without a point beyond which the follower is not pressed on the disc."""

@@ -6,7 +6,7 @@ import argparse
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Final, Literal
+from typing import Final, Literal
 
 from camgeo.app.answers.answer import Answer, Key, Keys
 from camgeo.app.cli.command import CallError, add_json, number, show, write_files
@@ -16,11 +16,8 @@ from camgeo.kinematics.laws import ALIASES, FAMILIES, OPTIONS, find_family
 from camgeo.kinematics.laws.comparison import QUANTITIES, Entry, Running, compare
 from camgeo.kinematics.motion import ENDS, NAMES, TASKS, ends_of
 from camgeo.numeric.extremes import Extreme
+from camgeo.pictures.model import Figure
 from camgeo.units import RPM, counted
-
-if TYPE_CHECKING:
-    from camgeo.pictures.model import Figure
-
 
 UNITS: Final = ("mm/s", "mm/s^2", "mm/s^2", "mm/s^3", "mm/s^3", "N m/kg", "N m/kg")
 """Of the physical values of `QUANTITIES`."""

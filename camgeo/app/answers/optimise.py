@@ -7,7 +7,7 @@ import signal
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, Literal
+from typing import Final, Literal
 
 from camgeo.app.answers.answer import BROKEN, FINE, STOPPED, Answer, Key, aligned
 from camgeo.app.answers.sweep import csv_of, shown, shown_in
@@ -29,14 +29,13 @@ from camgeo.app.cli.command import (
     write_files,
 )
 from camgeo.app.cli.streams import notify
-from camgeo.scene.scene import Scene
+from camgeo.pictures.model import Figure
+from camgeo.scene.scene import Scene, load_scene
 from camgeo.scene.varied import Value
-from camgeo.studies.optimise.optimise import Found, Trial
-from camgeo.studies.sweep.family import Range, Variable
+from camgeo.studies.optimise.optimise import Found, Trial, optimise
+from camgeo.studies.optimise.task import task_of
+from camgeo.studies.sweep.family import Range, Variable, names_in
 from camgeo.units import counted, shortened, unit_in
-
-if TYPE_CHECKING:
-    from camgeo.pictures.model import Figure
 
 
 @dataclass(frozen=True, slots=True)
@@ -438,11 +437,6 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Search, print the answer, and write what was found."""
-    from camgeo.scene.scene import load_scene
-    from camgeo.studies.optimise.optimise import optimise
-    from camgeo.studies.optimise.task import task_of
-    from camgeo.studies.sweep.family import names_in
-
     files = [Path(name) for name in arguments.output]
     if len({path.parent for path in files}) > 1 or len(set(files)) < len(files):
         raise CallError("-o must name different files in one folder")
@@ -478,8 +472,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _written(answer: Optimum, path: Path) -> Written:
-    from camgeo.app.answers import answer as render
-
     if path.suffix == ".toml":
         scene = answer.found.scene
         assert scene is not None  # as something is written
@@ -488,4 +480,4 @@ def _written(answer: Optimum, path: Path) -> Written:
         return path, comma_separated(answer), counted(answer.evaluations, "row")
     if path.suffix == ".json":
         return path, document(answer).encode(), "the record"
-    return path, plot.drawn(render.figure(answer), path.suffix), "picture"
+    return path, plot.drawn(figure(answer), path.suffix), "picture"

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, Literal, Protocol
+from typing import Final, Literal, Protocol
 
 import numpy as np
 
@@ -61,13 +61,10 @@ from camgeo.geometry.outline.replay import (
 from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme, Extremes
+from camgeo.pictures.model import Figure
 from camgeo.reading import DRAWING
 from camgeo.scene.scene import Scene
 from camgeo.units import TURN, LengthUnit, counted, in_unit
-
-if TYPE_CHECKING:
-    from camgeo.pictures.model import Figure
-
 
 STEP: Final = Decimal("0.1")
 """Of the cam angle [deg]."""

@@ -20,6 +20,7 @@ from camgeo.app.answers.check import Check, check
 from camgeo.app.cli.command import add_json, add_output, add_scene, opened, show, write_files
 from camgeo.check.cures.search import Cure
 from camgeo.check.finding import RETURN, Finding, Severity
+from camgeo.design.writing import CERTIFICATE, make_files
 from camgeo.errors import CamgeoError
 from camgeo.pictures import effects, motion, plots
 from camgeo.pictures import motion as diagrams
@@ -259,8 +260,6 @@ def _prices(design: Design, progress: Progress) -> Survey:
 
 def coarse_solids(design: Design, progress: Progress = lambda _: None) -> dict[str, bytes]:
     """Binary STL files of the bodies by name, coarser than made; raises as `make_files`."""
-    from camgeo.design.writing import CERTIFICATE, make_files
-
     coarse = max(FACETS * design.cam.follower.base_radius, LEAST)
     contents, _ = make_files(design.discs, ("stl",), coarse, progress=progress)
     return {name: data for name, data in contents.items() if name != CERTIFICATE}
@@ -268,8 +267,6 @@ def coarse_solids(design: Design, progress: Progress = lambda _: None) -> dict[s
 
 def _certificate(design: Design, progress: Progress) -> dict[str, Any]:
     """Of the files that the scene asks for; none of them is written."""
-    from camgeo.design.writing import CERTIFICATE, make_files
-
     output = design.scene.output
     contents, _ = make_files(design.discs, output.formats, output.tolerance, progress=progress)
     found: dict[str, Any] = json.loads(contents[CERTIFICATE])

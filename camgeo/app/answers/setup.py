@@ -31,6 +31,7 @@ from camgeo.app.cli.command import (
     show,
     write_files,
 )
+from camgeo.app.cli.plot import drawn
 from camgeo.design.design import Design
 from camgeo.design.milled import compared
 from camgeo.design.product import Product, programs_of, sides_of
@@ -615,7 +616,6 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the sheet, and write the page."""
-    from camgeo.app.cli.plot import drawn
     from camgeo.pictures import backplot
 
     design = opened(arguments)

@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass, replace
 from decimal import ROUND_HALF_EVEN, Decimal
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import Any, Final, Literal
 
 from camgeo.app.answers.answer import BROKEN, FINE, SCENE, Answer, Key, Keys
 from camgeo.app.cli.command import (
@@ -47,12 +47,9 @@ from camgeo.check.sizing.smallest import (
 from camgeo.check.sizing.task import FaceTask, Placing, Task, face_task_of, task_of
 from camgeo.design.design import Design
 from camgeo.errors import Fault, GeometryError, SceneError
+from camgeo.pictures.model import Figure
 from camgeo.scene.scene import Scene
 from camgeo.units import MM_PER, LengthUnit
-
-if TYPE_CHECKING:
-    from camgeo.pictures.model import Figure
-
 
 NO_ARM: Final = "only an oscillating roller follower has an arm to be sized"
 
@@ -567,13 +564,11 @@ def text(answer: CamSize) -> str:
 def figure(answer: CamSize) -> Figure:
     """Where the cam axis may lie."""
     name = answer.scene.name
-    faces = [(e.task, e.sizing) for e in answer.sides if isinstance(e.task, FaceTask)]
-    if faces:
-        from camgeo.pictures import size as size_face  # few cams have a flat face
-
-        return size_face.face_figure(name, faces, answer.scene.unit)
     from camgeo.pictures import size
 
+    faces = [(e.task, e.sizing) for e in answer.sides if isinstance(e.task, FaceTask)]
+    if faces:
+        return size.face_figure(name, faces, answer.scene.unit)
     sides = [(e.task, e.sizing) for e in answer.sides if isinstance(e.task, Task)]
     return size.figure(name, sides, answer.scene.unit)
 

@@ -8,7 +8,7 @@ import io
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from camgeo.app.answers.answer import Answer, Key, aligned
 from camgeo.app.cli import plot
@@ -27,15 +27,12 @@ from camgeo.app.cli.command import (
     show,
 )
 from camgeo.app.cli.streams import notify
-from camgeo.studies.sweep.family import Family
-from camgeo.studies.sweep.rows import Row
-from camgeo.studies.sweep.sweep import Result
+from camgeo.scene.scene import Scene, load_scene
+from camgeo.scene.varied import Value
+from camgeo.studies.sweep.family import Family, Sample, family_of, names_in, questions_of
+from camgeo.studies.sweep.rows import Row, engine_of
+from camgeo.studies.sweep.sweep import Result, sweep
 from camgeo.units import LengthUnit, counted, listed, shortened, unit_in
-
-if TYPE_CHECKING:
-    from camgeo.scene.scene import Scene
-    from camgeo.scene.varied import Value
-    from camgeo.studies.sweep.family import Sample
 
 
 @dataclass(frozen=True, slots=True)
@@ -469,11 +466,6 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Sweep, and print or write what is found."""
-    from camgeo.scene.scene import load_scene
-    from camgeo.studies.sweep.family import Sample, family_of, questions_of
-    from camgeo.studies.sweep.rows import engine_of
-    from camgeo.studies.sweep.sweep import sweep
-
     store, files = _outputs(arguments)
     cluster = arguments.cluster
     engine = engine_for(arguments.workers) if cluster is None else engine_of("cluster", cluster)
@@ -516,8 +508,6 @@ def _picture(
     arguments: argparse.Namespace, family: Family, ask: Sequence[str]
 ) -> Callable[[Result], list[Written]]:
     """What draws the picture; a wrong call is refused before anything is computed."""
-    from camgeo.studies.sweep.family import names_in
-
     least, largest = names_in(arguments.least), names_in(arguments.largest)
     if arguments.picture is None:
         if arguments.show or least or largest:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final, Literal
+from typing import Final, Literal
 
 import numpy as np
 
@@ -34,6 +34,7 @@ from camgeo.design.value_table import Table
 from camgeo.geometry.outline.path import Flank
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
+from camgeo.pictures.model import Figure
 from camgeo.scene.scene import Scene
 from camgeo.studies.tolerancing.linear import (
     COUNT,
@@ -48,9 +49,6 @@ from camgeo.studies.tolerancing.linear import (
 from camgeo.studies.tolerancing.sources import SIGMAS
 from camgeo.studies.tolerancing.stated import stated_of
 from camgeo.units import at_cam_angles, cam_angle, counted, small
-
-if TYPE_CHECKING:
-    from camgeo.pictures.model import Figure
 
 
 @dataclass(frozen=True, slots=True)

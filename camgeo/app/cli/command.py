@@ -51,15 +51,19 @@ class CallError(Exception):
 def opened(arguments: argparse.Namespace) -> Design:
     """The design of the scene file that the command is called with; SceneError as `load_scene`.
 
-    Each quantity is shown as its computation starts. The design is kept with the arguments: an
-    error states lengths in its unit.
+    It is kept with the arguments: an error states lengths in its unit.
     """
+    arguments.opened = design_in(arguments.scene, arguments)
+    design: Design = arguments.opened
+    return design
+
+
+def design_in(file: str, arguments: argparse.Namespace) -> Design:
+    """The design of a scene file; each quantity is shown as its computation starts."""
     from camgeo.design.design import Design  # some commands need no scene
     from camgeo.scene.scene import load_scene
 
-    arguments.opened = Design(load_scene(arguments.scene), Ledger(arguments.progress))
-    design: Design = arguments.opened
-    return design
+    return Design(load_scene(file), Ledger(arguments.progress))
 
 
 def add_scene(parser: argparse.ArgumentParser) -> None:
