@@ -328,14 +328,8 @@ def _turn(alignment: Alignment) -> Iterator[Finding]:
         return
     limit, degrees = math.degrees(UNSURE), math.degrees(unsure)
     if math.isinf(unsure):
-        yield Finding(
-            "turn",
-            "warning",
-            "the flank is too round to show the turn of the part: any fits",
-            None,
-            limit,
-            "deg",
-        )
+        sentence = "the flank is too round to show the turn of the part: any fits"
+        yield Finding("turn", "warning", sentence, None, limit, "deg")
     elif unsure > UNSURE:
         sentence = f"the flank hardly shows the turn of the part, to {small(degrees, 'deg')}"
         yield Finding("turn", "warning", sentence, degrees, limit, "deg")
@@ -554,16 +548,15 @@ def text(answer: Inspection) -> str:
     points = counted(answer.count, "point" if answer.ball == 0.0 else "centre")
     head = f"{answer.disc.name}: {points} of the {answer.flank} flank, {answer.file}"
     found, sure = answer.deviations, f"{100.0 * answer.confidence:g} %"
-    lines = [f"{head}, {_fitted(answer)}"]
-    low, high = found.extremes.lowest, found.extremes.highest
-    lines.append(named_line("more material", small_extreme(high, "mm")))
-    lines.append(named_line("less material", small_extreme(low, "mm")))
-    lines.append(
-        named_line("profile", f"{small(found.profile, 'mm')}, twice the larger of the two")
-    )
-    lines.append(named_line("root mean square", small(found.root_mean_square, "mm")))
     scatter = f"{small(found.scatter, 'mm')} of a reading; all deviations within"
-    lines.append(named_line("scatter", f"{scatter} {small(found.uncertainty, 'mm')} ({sure})"))
+    lines = [
+        f"{head}, {_fitted(answer)}",
+        named_line("more material", small_extreme(found.extremes.highest, "mm")),
+        named_line("less material", small_extreme(found.extremes.lowest, "mm")),
+        named_line("profile", f"{small(found.profile, 'mm')}, twice the larger of the two"),
+        named_line("root mean square", small(found.root_mean_square, "mm")),
+        named_line("scatter", f"{scatter} {small(found.uncertainty, 'mm')} ({sure})"),
+    ]
     alignment = answer.alignment
     if (shift := answer.shift) is not None and alignment.shift_uncertainty is not None:
         for name, value, off in zip(

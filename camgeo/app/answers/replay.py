@@ -540,8 +540,10 @@ def figure(answer: FollowerReplay) -> Figure:
 def _lines(disc: DiscReplay) -> list[str]:
     """What the follower does, a line each."""
     unit = disc.unit
-    lines = [named_line("lost stroke", _at(disc.lost_stroke, unit))]
-    lines.append(named_line("lift error", _at(disc.lift_error, unit)))
+    lines = [
+        named_line("lost stroke", _at(disc.lost_stroke, unit)),
+        named_line("lift error", _at(disc.lift_error, unit)),
+    ]
     for name, peak, per in (
         ("velocity", disc.velocity, "rad"),
         ("acceleration", disc.acceleration, "rad^2"),

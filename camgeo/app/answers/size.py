@@ -315,7 +315,7 @@ def _made(scene: Scene, side: Side, ratio: float) -> Made | None:
 def _remarks(scene: Scene, made: Made) -> tuple[Finding, ...]:
     """What the checks find wrong in the scene with these sizes, besides its motion."""
     try:
-        design = Design(scene_with(scene, made))
+        design = Design(scene.with_values(edits_with(scene, made)))
     except SceneError:  # which is reported where it is written
         return ()
     others = motion_findings(design.drive)
@@ -335,7 +335,7 @@ def sized_scene(found: CamSize) -> Scene:
     made = found.best.made
     if made is None:
         raise GeometryError("the requirement can only just be met: no scene surely keeps it")
-    return scene_with(found.scene, made)
+    return found.scene.with_values(edits_with(found.scene, made))
 
 
 # -- document -------------------------------------------------------------------------------------
@@ -703,11 +703,6 @@ def _of_flocke(sizing: Sizing) -> list[str]:
 
 
 OTHER_WAY: Final = {"outward": "inward", "inward": "outward"}
-
-
-def scene_with(scene: Scene, made: Made) -> Scene:
-    """The scene with the sizes of `made`; SceneError if it would not be valid."""
-    return scene.with_values(edits_with(scene, made))
 
 
 def edits_with(scene: Scene, made: Made) -> dict[str, Any]:
