@@ -553,7 +553,8 @@ def text(answer: CamSize) -> str:
         [
             *lines,
             *_changed(answer),
-            answer.infeasible or _decided(sizing),
+            answer.infeasible
+            or "decided by " + " and ".join(_active(each, sizing) for each in sizing.active),
             *_proved(answer),
             *(f"camgeo check finds in that scene: {each.sentence}" for each in answer.remarks),
             *_of_flocke(answer.own.sizing),
@@ -632,10 +633,6 @@ def _changed(answer: CamSize) -> list[str]:
             needed += f", which needs follower.face = {longer}"
         found.append(needed)
     return found
-
-
-def _decided(sizing: Sizing) -> str:
-    return "decided by " + " and ".join(_active(each, sizing) for each in sizing.active)
 
 
 def _active(active: Active, sizing: Sizing) -> str:

@@ -169,9 +169,9 @@ def _of_grip(scene: Scene, grip: Grip) -> Handle:
         label = title_of(path_of(key) or ())
         before = _before(scene, key, size)
         if isinstance(before, list):
-            for number, each in enumerate(before):
-                name = f"{label} {_part(key, number)}"
-                values.append(_value(f"{key}[{number + 1}]", name, unit, each))
+            parts = ("from", "to") if key.endswith("face") else ("x", "y")
+            for number, (part, each) in enumerate(zip(parts, before, strict=True), 1):
+                values.append(_value(f"{key}[{number}]", f"{label} {part}", unit, each))
         else:
             values.append(_value(key, label, "°" if size.arm else unit, before))
 
@@ -191,10 +191,6 @@ def _of_grip(scene: Scene, grip: Grip) -> Handle:
 
 def _value(key: str, label: str, unit: str, value: Any) -> dict[str, Any]:
     return {"key": key, "label": label, "unit": unit, "value": float(value)}
-
-
-def _part(key: str, number: int) -> str:
-    return ("from", "to")[number] if key.endswith("face") else ("x", "y")[number]
 
 
 def _before(scene: Scene, key: str, now: Size) -> Any:
