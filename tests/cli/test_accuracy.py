@@ -128,46 +128,23 @@ def test_the_rows_that_a_designer_reads(found: list[dict[str, Any]], capsys: Cap
     assert notes.splitlines()[-1].startswith("advice: arcs (fewest) within 0.001 mm")
 
 
-def test_columns_are_aligned(found: list[dict[str, Any]], capsys: Capture) -> None:
-    call(SETZHUB, "--all")
-    lines = capsys.readouterr().out.split("\n\n")[1].splitlines()
-    assert "ripple" not in lines[0]
-    assert len({len(line) for line in lines[:-1]}) == 1
-
-
 def test_json_has_the_same(found: list[dict[str, Any]], capsys: Capture) -> None:
     assert call(SETZHUB, "--json") == 0
     document: dict[str, Any] = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
     validator("camgeo.app.answers.accuracy").validate(document)
-    assert document["scene"]["name"] == "setzhub"
-    arcs = document["contours"][2]
-    assert (arcs["contour"], arcs["fit"], arcs["tolerance_mm"]) == ("arcs", "fewest", 0.01)
-    assert arcs["count"]["pieces"] == 1200
-    assert arcs["count"]["ratio"] == pytest.approx(1.0 / 0.9)
-    assert arcs["gcode"]["facts"]["decimals"] == 4
-    assert document["contours"][-1]["count"] is None
-    assert document["contours"][-1]["fault"] == "cannot be reached"
+    arcs, last = document["contours"][2], document["contours"][-1]
+    assert (arcs["count"]["pieces"], arcs["decimals"]) == (1200, 4)
+    assert (last["count"], last["fault"]) == (None, "cannot be reached")
     assert document["solids"][1]["file"] is None
-    assert document["tables"][0]["step_deg"] == 0.5
     assert document["knee"] == {
         "contour": "arcs", "fit": "fewest", "tolerance_mm": 0.001, "end": "range",
     }  # fmt: skip
     assert document["advice"].startswith("arcs (fewest) within 0.001 mm")
     assert found[-1]["complete"] is True
-    assert document["step"].startswith("from 0.01 mm to 0.001 mm costs 1,200 pieces")
-    assert arcs["decimals"] == 4
-    assert {arcs["count"]["spread"], arcs["dxf"]["spread"], document["tables"][0]["spread"]} == {
-        1.0
-    }
 
 
 def test_angles_are_stated_in_degrees(found: list[dict[str, Any]], capsys: Capture) -> None:
-    scene = next(
-        path
-        for path in sorted(SCENES.glob("*.toml"))
-        if "oscillating" in path.read_text("utf-8") and "linkage" not in path.read_text("utf-8")
-    )
-    assert call(str(scene), "--json") == 0
+    assert call(str(SCENES / "flat_rocker.toml"), "--json") == 0
     table = json.loads(capsys.readouterr().out)["tables"][0]
     assert table["unit"] == "deg"
     assert table["interpolation_error"] == pytest.approx(1.7e-3 * 57.29577951308232)
@@ -209,22 +186,6 @@ def test_a_disc_that_cannot_be_is_refused(tmp_path: Path, capsys: Capture) -> No
 
 
 # The picture --------------------------------------------------------------------------------------
-
-
-def test_the_ripple_is_drawn_where_it_was_asked_for() -> None:
-    """In per cent, for the contours that were replayed: no spline is."""
-    survey = made_up()
-    panel = figure(survey, title="made up").panels[-1]
-    assert panel.y.label.startswith("ripple [%")
-    drawn = {mark.label: mark.points for mark in panel.marks if isinstance(mark, Line)}
-    assert list(drawn) == ["ripple, polyline, fewest", "ripple, arcs, fewest"]
-    for points in drawn.values():
-        assert points.tolist() == [[1e-2, 22.1], [1e-3, 10.5]]
-    without = replace(
-        survey, contours=tuple(replace(each, ripple=None) for each in survey.contours)
-    )
-    labels = [each.y.label for each in figure(without, title="made up").panels]
-    assert not any("ripple" in label for label in labels)
 
 
 def at_speed() -> tuple[BenefitRow, ...]:
@@ -334,8 +295,6 @@ def test_without_computing_no_second_of_this_machine_is_drawn() -> None:
 
 
 def _slower(survey: Survey) -> Survey:
-    from dataclasses import replace
-
     contours = tuple(
         row if row.count is None else replace(row, count=replace(row.count, fit_seconds=7.0))
         for row in survey.contours

@@ -57,26 +57,6 @@ def test_effects_stand_below_what_asked_for_them(sprung: str, capsys: Capture) -
     assert "effects.inertia" not in runs
 
 
-def test_own_times_add_up(sprung: str, capsys: Capture) -> None:
-    document = explained(capsys, sprung)
-    runs = document["computed"]
-    for each in runs:
-        inner = sum(r["seconds"] for r in runs if r["asked_by"] == each["name"])
-        # Sums of doubles of at most a second.
-        assert each["seconds"] == pytest.approx(each["own_seconds"] + inner, abs=1e-12)
-
-
-def test_the_text_shows_the_tree(sprung: str, capsys: Capture) -> None:
-    assert main(["explain", sprung]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    (torque,) = [line for line in lines if "effects.drive-torque  (named" in line]
-    place = torque.index("effects.drive-torque")
-    (force,) = [line for line in lines if "effects.contact-force  (needed" in line]
-    assert force.index("effects.contact-force") > place
-    assert lines[-1].startswith("Not computed: ")
-    assert "effects.vibration" in lines[-1]
-
-
 def test_nothing_is_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:

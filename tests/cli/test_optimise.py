@@ -27,17 +27,6 @@ def call(*words: str) -> int:
     return main(["optimise", str(SCENE), *words])
 
 
-def test_a_picture_of_the_front(tmp_path: Path, capsys: Capture) -> None:
-    picture = tmp_path / "front.svg"
-    words = ("--vary", "follower.base_radius=51,53", "--largest", "transmission-angle")
-    assert call(*words, "--least", "diameter", "-o", str(picture)) == 0
-    out, err = capsys.readouterr()
-    assert "2 designs that no other beats:" in out
-    assert "ended: all designs were tried" in out
-    assert err == f"{picture}: picture\n"
-    assert picture.read_bytes().startswith(b"<?xml")
-
-
 def test_what_cannot_be_written_is_told_before_the_search(tmp_path: Path, capsys: Capture) -> None:
     table = tmp_path / "best.csv"
     table.write_text("someone's")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import math
 from pathlib import Path
@@ -14,7 +12,7 @@ import pytest
 
 import camgeo
 from camgeo.app.cli.main import main, parser
-from camgeo.errors import CamgeoError, OutputError
+from camgeo.errors import CamgeoError
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
@@ -45,22 +43,6 @@ def drawings(tmp_path_factory: pytest.TempPathFactory) -> Path:
         design = camgeo.load(SCENES / f"{scene}.toml")
         design.write(folder, formats=["dxf", "cut-svg"], force=True)
     return folder
-
-
-def test_the_real_outline_makes_the_demanded_motion(capsys: Capture) -> None:
-    record = document(capsys, SETZHUB)
-    assert record["contour"] == "the real outline"
-    assert record["of"] == "rocker"
-    assert record["unit"] == "deg"
-    assert record["lost_stroke"]["value"] == record["ripple"]["value"] == 0.0
-    assert record["shocks"] == {"count": 0, "largest": None}
-    assert record["shock_share"] == 0.0
-    assert abs(record["velocity"]["actual"]["value"]) == pytest.approx(
-        record["velocity"]["demanded"], rel=1e-12
-    )
-    # 90 rev/min: velocities are 3 pi 1/s times those per rad.
-    timed = record["in_time"]["actual_velocity"]
-    assert timed == pytest.approx(3.0 * math.pi * record["velocity"]["demanded"], rel=1e-12)
 
 
 def test_a_drawing(drawings: Path, capsys: Capture) -> None:
@@ -106,20 +88,6 @@ def test_points_from_a_table(tmp_path: Path, capsys: Capture) -> None:
     assert record["ripple"]["value"] > 5.0
     inch = document(capsys, PLATE, str(file), "--unit", "inch", "--step", "5")
     assert inch["lift_error"]["value"] > 1000.0
-
-
-def test_the_table(tmp_path: Path) -> None:
-    target = tmp_path / "replay.csv"
-    assert replay(PLATE, "-o", str(target), "--step", "1.5") == 0
-    rows = list(csv.reader(io.StringIO(target.read_text())))
-    assert rows[0][:4] == ["phi [deg]", "s demanded [mm]", "s [mm]", "difference [mm]"]
-    values = np.array(rows[1:], dtype=np.float64)
-    assert values.shape == (240, 8)
-    lift = camgeo.load(PLATE).drive.motion.jet(np.radians(values[:, 0]))
-    assert values[:, 2] == pytest.approx(lift[0], abs=1e-12)
-    assert np.all(values[:, 3] == 0.0)
-    with pytest.raises(OutputError, match="overwritten"):
-        replay(PLATE, "-o", str(target))
 
 
 def test_wrong_files(tmp_path: Path) -> None:

@@ -72,17 +72,6 @@ def test_ctrl_c_keeps_what_is_done(
     assert "8 rows, 8 of them known before" in capsys.readouterr().err
 
 
-def test_a_picture_beside_the_rows(tmp_path: Path, capsys: Capture) -> None:
-    table, picture = tmp_path / "runs.csv", tmp_path / "runs.svg"
-    words = [*FAMILY, "-o", str(table), "--picture", str(picture)]
-    assert call(*words) == 0
-    assert capsys.readouterr().err.splitlines() == [f"{table}: 8 rows", f"{picture}: map"]
-    assert picture.read_bytes().startswith(b"<?xml")
-    front = ["--least", "laws", "--largest", "largest-acceleration", "--force"]
-    assert call(*words, *front) == 0
-    assert f"{picture}: pareto" in capsys.readouterr().err
-
-
 def test_what_cannot_be_written_is_told_before_anything_is_computed(
     tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 from decimal import Decimal
 from pathlib import Path
 
@@ -32,19 +31,6 @@ def numbers(text: str) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
     return np.array(read(text)[1], dtype=np.float64)
 
 
-def test_all_digits_of_a_law(capsys: Capture) -> None:
-    assert main(["table", "--law", "modified-sine", "--step", "0.002"]) == 0
-    captured = capsys.readouterr()
-    assert captured.err == ""
-    assert captured.out.startswith("z,f,f1,f2,f3\n0.0,0.0,0.0,0.0,")
-    assert len(read(captured.out)[1]) == 501
-    expected = law_table(make_law("modified-sine"), Decimal("0.002")).values
-    assert np.array_equal(numbers(captured.out), expected)
-    # 0.002 is the guideline's step, and the default.
-    assert main(["table", "--law", "modified-sine"]) == 0
-    assert capsys.readouterr().out == captured.out
-
-
 def test_the_law_is_made_of_its_options(capsys: Capture) -> None:
     call = ["table", "--step", "0.1", "--law"]
     assert main([*call, "inclined-sine", "--inflection", "0.4"]) == 0
@@ -62,15 +48,8 @@ def test_the_law_is_made_of_its_options(capsys: Capture) -> None:
     assert values[-1, 1:4] == pytest.approx([1.0, 0.75, -2.0], abs=1e-12)
 
 
-def test_an_alias_names_the_same_table(capsys: Capture) -> None:
-    assert main(["table", "--law", "cycloidal", "--printed"]) == 0
-    by_alias = capsys.readouterr().out
-    assert main(["table", "--law", "inclined-sine", "--printed"]) == 0
-    assert capsys.readouterr().out == by_alias
-
-
 def test_the_printed_table_is_the_guideline_s_but_for_what_is_listed(capsys: Capture) -> None:
-    """As text, with the guideline's errata corrected as listed."""
+    """As text, with the guideline's errata corrected as listed; its step is the default."""
     corrected = {}
     for name in ("errata.csv", "rounding.csv"):
         with (FIXTURES / "tables" / name).open(newline="", encoding="utf-8") as file:
@@ -84,23 +63,8 @@ def test_the_printed_table_is_the_guideline_s_but_for_what_is_listed(capsys: Cap
         right = (corrected.pop((row[0], column), text) for column, text in cells)
         lines.append(",".join((row[0], *right)))
     assert not corrected
-    assert main(["table", "--law", "modified-sine", "--step", "0.002", "--printed"]) == 0
+    assert main(["table", "--law", "modified-sine", "--printed"]) == 0
     assert capsys.readouterr().out.splitlines() == lines
-
-
-def test_json(capsys: Capture) -> None:
-    call = ["table", "--law", "modified-sine", "--step", "0.25"]
-    assert main(call) == 0
-    head, rows = read(capsys.readouterr().out)
-    columns = {name: [float(row[place]) for row in rows] for place, name in enumerate(head)}
-    assert main([*call, "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["columns"] == columns
-    assert main([*call, "--json", "--printed"]) == 0
-    document = json.loads(capsys.readouterr().out)
-    # VDI 2143-1, the printed row z = 0.250: 0.1171785 1.0998 4.7874 (4.787351 exact).
-    assert {name: values[1] for name, values in document["columns"].items()} == {
-        "z": 0.25, "f": 0.1171785, "f1": 1.0998, "f2": 4.7874,
-    }  # fmt: skip
 
 
 def refused(call: list[str], capsys: Capture) -> str:

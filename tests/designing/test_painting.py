@@ -177,8 +177,3 @@ def test_a_job_comes_out_as_it_went_in() -> None:
 def test_a_job_of_other_data_or_too_large_is_refused(arguments: dict[str, Any]) -> None:
     with pytest.raises(JobError):
         Job("curves", "", "", "", arguments).to_json()
-
-
-def test_an_unknown_kind_names_the_known_ones() -> None:
-    with pytest.raises(JobError, match="there is no job 'nonsense'; there are curves"):
-        run(Job("nonsense"))
