@@ -161,36 +161,32 @@ def _lift_curve(design: Design, step: Decimal | None) -> FloatArray:
     return np.column_stack((phi, cam.drive.motion.jet(phi, "right", 1)[0]))
 
 
-def _findings(points: ProbePoints) -> list[Finding]:
-    found = []
+def _findings(points: ProbePoints) -> Iterator[Finding]:
     if points.ball > 0.0:
         blocked = points.obstructed
         if blocked is None:
             sentence = f"a ball of radius {points.ball:g} mm touches each point alone"
-            found.append(Finding("ball", "ok", sentence, points.ball, unit="mm"))
+            yield Finding("ball", "ok", sentence, points.ball, unit="mm")
         else:
             sentence = (
                 f"a ball of radius {points.ball:g} mm cannot touch the point"
                 f" {places(blocked.place)}: another place of the flank is {blocked.value:.3g} mm"
                 " nearer to its centre; take a smaller ball"
             )
-            found.append(
-                Finding("ball", "broken", sentence, points.ball, None, "mm", blocked.place)
-            )
+            yield Finding("ball", "broken", sentence, points.ball, None, "mm", blocked.place)
         if points.feigned > 0.0:
             delta = points.off_radius
             sentence = (
                 f"along the radius instead of the normal, {math.degrees(delta.value):.3g} deg off"
                 f" {places(delta.place)}, this ball would feign {points.feigned:.3g} mm of material"
             )
-            found.append(Finding("ball-compensation", "ok", sentence, points.feigned, unit="mm"))
+            yield Finding("ball-compensation", "ok", sentence, points.feigned, unit="mm")
     if points.missing:
         sentence = (
             f"{points.missing} of the cam angles have no point: the disc has nothing of the flank"
             " there"
         )
-        found.append(Finding("left-out", "warning", sentence, float(points.missing)))
-    return found
+        yield Finding("left-out", "warning", sentence, float(points.missing))
 
 
 # -- document -------------------------------------------------------------------------------------

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from decimal import ROUND_HALF_EVEN, Decimal
 from pathlib import Path
@@ -611,19 +612,19 @@ def _row(answer: CamSize, name: str, rating: Rating | None) -> str:
     return f"{name:{WIDTH}}" + "".join(f"{cell:>{CELL}}" for cell in cells)
 
 
-def _changed(answer: CamSize) -> list[str]:
+def _changed(answer: CamSize) -> Iterator[str]:
     """What is not as in the present design, besides the sizes of the rows."""
-    found, best, own = [], answer.best, answer.own
+    best, own = answer.best, answer.own
     unit = answer.scene.unit
     if best is not own and best.sizing.answer is not None:
         change = f'the smallest has follower.arm_side = "{best.arm_side}", not "{own.arm_side}"'
         if answer.scene.linkage is not None:
             change += ", where the linkage moves the follower the other way, inward for outward"
-        found.append(change)
+        yield change
     arms = [getattr(each, "arm", 0.0) for each in (best.task.follower, answer.scene.follower)]
     if arms[0] != arms[1]:
         length = f"{arms[0] / MM_PER[unit]:.4f} {unit}"
-        found.append(f"all but the present design have an arm of {length}")
+        yield f"all but the present design have an arm of {length}"
     written = best.written
     if written is not None and written.face is not None:
         low, high = (each.value / MM_PER[unit] for each in written.face)
@@ -631,8 +632,7 @@ def _changed(answer: CamSize) -> list[str]:
         longer = best.made.lengths.get("face") if best.made is not None else None
         if longer is not None:
             needed += f", which needs follower.face = {longer}"
-        found.append(needed)
-    return found
+        yield needed
 
 
 def _active(active: Active, sizing: Sizing) -> str:
@@ -672,27 +672,26 @@ def _proved(answer: CamSize) -> list[str]:
     return [f"the limit found is {limit}; it is proved that {known}, {within}"]
 
 
-def _of_flocke(sizing: Sizing) -> list[str]:
+def _of_flocke(sizing: Sizing) -> Iterator[str]:
     """Where Flocke's proposal is too large, and where it is too optimistic."""
     if sizing.construction is None:
-        return []
+        return
     if sizing.flocke is None:
-        return [f"Flocke's region is empty: {VELOCITIES}"]
-    found = []
+        yield f"Flocke's region is empty: {VELOCITIES}"
+        return
     if sizing.for_angle is not None:
         more = sizing.flocke.base_radius / sizing.for_angle.base_radius - 1.0
-        found.append(
+        yield (
             f"Flocke's base circle is {more:.0%} larger than the transmission angle needs:"
             f" {VELOCITIES}"
         )
     largest = sizing.flocke.radius_ratio
     if largest.value > sizing.ratio:
-        found.append(
+        yield (
             "Flocke's proposal is optimistic: it ignores curvature, and has r_R/r_K ="
             f" {largest.value:.4g} at cam angle {math.degrees(largest.place):.4f} deg, above"
             f" {sizing.ratio:g}"
         )
-    return found
 
 
 # -- writing --------------------------------------------------------------------------------------

@@ -244,6 +244,9 @@ class ToleranceAnalysis(Answer):
         found, factor = self.sampled, self.factor
         if found is None:
             return None
+        forces = _ends(None if found.contact is None else found.contact.nominal, found.forces)
+        at_rest = None if self.between is None else self.between.at_rest
+        plays = _ends(at_rest, found.plays, self.play_unit[1])
         return Machines(
             count=found.count,
             seed=found.seed,
@@ -253,20 +256,12 @@ class ToleranceAnalysis(Answer):
             kept=found.kept,
             kept_error=found.kept_error,
             acceleration=_spread(found.acceleration * factor, found.accelerations * factor),
-            largest_force=_force(found, 1),
-            smallest_force=_force(found, 0),
-            least_play=self._play(found, 0),
-            most_play=self._play(found, 1),
+            largest_force=forces[1],
+            smallest_force=forces[0],
+            least_play=plays[0],
+            most_play=plays[1],
             squeezed=None if found.plays is None else float(np.mean(found.plays[:, 0] < 0.0)),
         )
-
-    def _play(self, found: Sampled, end: int) -> Spread | None:
-        """The least play, `end` 0, or the largest, 1."""
-        if found.plays is None or self.between is None:
-            return None
-        _, factor = self.play_unit
-        nominal = float((np.min, np.max)[end](self.between.at_rest))
-        return _spread(nominal * factor, found.plays[:, end] * factor)
 
     @property
     def within(self) -> bool | None:
@@ -283,12 +278,16 @@ def _spread(nominal: float, values: FloatArray) -> Spread:
     return Spread(nominal, tuple(map(float, np.quantile(values, QUANTILES))))
 
 
-def _force(found: Sampled, end: int) -> Spread | None:
-    """The smallest contact force, `end` 0, or the largest, 1."""
-    if found.contact is None or found.forces is None:
-        return None
-    nominal = (np.min, np.max)[end](found.contact.nominal)
-    return _spread(float(nominal), found.forces[:, end])
+def _ends(
+    nominal: FloatArray | None, values: FloatArray | None, factor: float = 1.0
+) -> tuple[Spread | None, Spread | None]:
+    """The smallest and the largest of a quantity over the turn, times a factor: (n,) of the nominal
+    machine, and (k, 2) of the others; None each if one of these is not known.
+    """
+    if nominal is None or values is None:
+        return None, None
+    least, most = float(np.min(nominal)) * factor, float(np.max(nominal)) * factor
+    return _spread(least, values[:, 0] * factor), _spread(most, values[:, 1] * factor)
 
 
 def tolerance(design: Design, *, count: int = COUNT, seed: int = 0) -> ToleranceAnalysis:
