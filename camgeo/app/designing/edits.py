@@ -154,7 +154,7 @@ def _dragged(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
     after = edited(given.tree, edits)
     # What a joint takes from the segment behind it goes without saying.
     told = {key: edits[key] for key in handle.keys if key in edits}
-    return after, label_of(told, _units(after, told)) if told else name
+    return after, label_of(told, _units(after, told)) if told else handle.name
 
 
 def _cured(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:

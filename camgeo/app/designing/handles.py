@@ -130,9 +130,15 @@ def dragged(design: Design, name: str, to: Any, step: Any = None) -> tuple[Handl
     handle = next((each for each in handles(design) if each.name == name), None)
     if handle is None:
         raise UnknownNameError("handle", str(name)[:60], [each.name for each in handles(design)])
-    place = _place(to)
+    message = f"a handle is dropped at two numbers, [x, y], -{FARTHEST:g} to {FARTHEST:g}"
+    place = _two(to, -FARTHEST, message)
+    if step is None:
+        step = FINEST
+    steps = step if isinstance(step, list | tuple) else (step, step)
     try:
-        edits = handle.edits(place, _steps(step))
+        edits = handle.edits(
+            place, _two(steps, math.ulp(0.0), "a step is a positive number, or two")
+        )
     except GeometryError as error:
         raise SceneError([Fault(error.key, error.value, error.message)]) from error
     return handle, edits
@@ -217,28 +223,15 @@ def _numbers(scene: Scene, size: Size) -> Any:
     return size.value / mm if size.second is None else [size.value / mm, size.second / mm]
 
 
-def _place(to: Any) -> Place:
-    """Two coordinates that may come from anywhere; SceneError if they are none."""
-    found = tuple(to) if isinstance(to, list | tuple) else ()
-    if len(found) != 2 or not all(_is_number(each) and abs(each) <= FARTHEST for each in found):
-        message = f"a handle is dropped at two numbers, [x, y], -{FARTHEST:g} to {FARTHEST:g}"
+def _two(value: Any, least: float, message: str) -> Place:
+    """Two numbers that may come from anywhere, from `least` on; SceneError if they are none."""
+    found = tuple(value) if isinstance(value, list | tuple) else ()
+    real = all(
+        isinstance(each, int | float | Decimal) and not isinstance(each, bool) for each in found
+    )
+    if len(found) != 2 or not real or not all(least <= each <= FARTHEST for each in found):
         raise SceneError([Fault("", "", message)])
     return float(found[0]), float(found[1])
-
-
-def _steps(step: Any) -> Place:
-    """The steps of both coordinates; SceneError if `step` states none."""
-    found = tuple(step) if isinstance(step, list | tuple) else (step, step)
-    if step is None:
-        return FINEST, FINEST
-    if len(found) != 2 or not all(_is_number(each) and each > 0.0 for each in found):
-        raise SceneError([Fault("", "", "a step is a positive number, or two")])
-    return float(found[0]), float(found[1])
-
-
-def _is_number(value: Any) -> bool:
-    real = isinstance(value, int | float | Decimal) and not isinstance(value, bool)
-    return real and abs(value) <= FARTHEST
 
 
 # -- grips ----------------------------------------------------------------------------------------
