@@ -8,9 +8,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from camgeo.app.answers.report import OTHERWISE, Report, next_step, readings, report, sentence
+from camgeo.app.answers.report import OTHERWISE, Report, next_step, report
 from camgeo.check.finding import Finding
 from camgeo.design.design import Design
+from camgeo.pictures.charts import readings, sentence
 from camgeo.pictures.model import Axis, Figure, Line, Panel, Style, over
 from camgeo.scene.scene import Scene, load_scene, parse_scene
 from camgeo.units import TURN

@@ -17,7 +17,7 @@ from typing import Any, Final, TypeGuard
 
 import numpy as np
 
-from camgeo.app.designing.form import Fields, is_angular, is_length, label_of
+from camgeo.app.designing.form import Fields, is_angular, is_length, title_of
 from camgeo.app.designing.handles import dragged
 from camgeo.app.designing.segments import (
     Neighbours,
@@ -50,6 +50,7 @@ from camgeo.scene.values import (
     document_of_tree,
     edited,
     without,
+    written,
 )
 from camgeo.units import MM_PER, TURN
 
@@ -228,6 +229,51 @@ def _whole_turn(before: Tree, after: Tree) -> Tree:
     key = span_key(motion[taker])
     made = {**motion[taker], key: styled(span, motion[taker][key])}
     return {**after, "motion": [*motion[:taker], made, *motion[taker + 1 :]]}
+
+
+# -- labels ---------------------------------------------------------------------------------------
+# Short names of changes, for undo.
+
+
+NAMED: Final = 2
+"""Most values that a label names; the rest is counted."""
+
+DIGITS: Final = 6
+"""Significant digits of a number in a label."""
+
+LONGEST_LABEL: Final = 80
+"""Characters of a label."""
+
+
+def label_of(edits: Mapping[str, Any], units: Mapping[str, str]) -> str:
+    """The name of the change that sets these values, with the units of their keys."""
+    named = [_named(key, value, units.get(key, "")) for key, value in edits.items()]
+    rest = len(named) - NAMED
+    label = ", ".join(named[:NAMED]) + (f" and {rest} more" if rest > 0 else "")
+    return label if len(label) <= LONGEST_LABEL else f"{label[:LONGEST_LABEL]}..."
+
+
+def _named(key: str, value: Any, unit: str) -> str:
+    path = path_of(key) or ()
+    title = title_of(path)
+    if path[:1] == ("motion",) and len(path) > 1 and isinstance(path[1], int):
+        title = f"segment {path[1] + 1} {title}"
+    if value is None:
+        return f"{title} removed"
+    gap = "" if unit == "°" else " "
+    return f"{title} {shown(value)}{gap}{unit}".rstrip()
+
+
+def shown(value: Any) -> str:
+    """A value in a label: numbers with few digits, texts without quotes."""
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    if isinstance(value, int | float | Decimal):
+        return f"{float(value):.{DIGITS}g}"
+    if isinstance(value, list | tuple):
+        rest = ", ..." if len(value) > NAMED else ""
+        return f"[{', '.join(map(shown, value[:NAMED]))}{rest}]"
+    return value if isinstance(value, str) else written(value)
 
 
 # -- segments -------------------------------------------------------------------------------------

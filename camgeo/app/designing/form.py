@@ -12,10 +12,10 @@ from camgeo.kinematics.laws import ALIASES, FAMILIES
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.kinematics.mechanism.values import FollowerKind, LinkageKind
 from camgeo.kinematics.planning.requests import AUTO
-from camgeo.scene.keys import KeyPath, path_of, spelled, value_at
+from camgeo.scene.keys import KeyPath, spelled, value_at
 from camgeo.scene.rules import JERK, parameters_of
 from camgeo.scene.schema import SHAPES, Composed, Node, keys_of, referred, resolved, schema_for
-from camgeo.scene.values import Document, Tree, ValidValues, document_of_tree, written
+from camgeo.scene.values import Document, Tree, ValidValues, document_of_tree
 from camgeo.units import in_unit
 
 Data = dict[str, Any]
@@ -376,20 +376,6 @@ def _round_above(value: float) -> float:
     return next(each * power for each in (1.0, 2.0, 5.0, 10.0) if each * power > value)
 
 
-# -- labels ---------------------------------------------------------------------------------------
-# Names of keys of a scene, and short names of changes, for undo.
-
-
-NAMED: Final = 2
-"""Most values that a label names; the rest is counted."""
-
-DIGITS: Final = 6
-"""Significant digits of a number in a label."""
-
-LONGEST_LABEL: Final = 80
-"""Characters of a label."""
-
-
 def title_of(path: KeyPath) -> str:
     """What a key is called: "roller radius" for follower.roller_radius."""
     words = [str(step) for step in path if isinstance(step, str)]
@@ -397,37 +383,6 @@ def title_of(path: KeyPath) -> str:
         return ""
     number = f" {path[-1] + 1}" if isinstance(path[-1], int) else ""
     return words[-1].replace("_", " ").replace("-", " ") + number
-
-
-def label_of(edits: Mapping[str, Any], units: Mapping[str, str]) -> str:
-    """The name of the change that sets these values, with the units of their keys."""
-    named = [_named(key, value, units.get(key, "")) for key, value in edits.items()]
-    rest = len(named) - NAMED
-    label = ", ".join(named[:NAMED]) + (f" and {rest} more" if rest > 0 else "")
-    return label if len(label) <= LONGEST_LABEL else f"{label[:LONGEST_LABEL]}..."
-
-
-def _named(key: str, value: Any, unit: str) -> str:
-    path = path_of(key) or ()
-    title = title_of(path)
-    if path[:1] == ("motion",) and len(path) > 1 and isinstance(path[1], int):
-        title = f"segment {path[1] + 1} {title}"
-    if value is None:
-        return f"{title} removed"
-    gap = "" if unit == "°" else " "
-    return f"{title} {shown(value)}{gap}{unit}".rstrip()
-
-
-def shown(value: Any) -> str:
-    """A value in a label: numbers with few digits, texts without quotes."""
-    if isinstance(value, bool):
-        return "on" if value else "off"
-    if isinstance(value, int | float | Decimal):
-        return f"{float(value):.{DIGITS}g}"
-    if isinstance(value, list | tuple):
-        rest = ", ..." if len(value) > NAMED else ""
-        return f"[{', '.join(map(shown, value[:NAMED]))}{rest}]"
-    return value if isinstance(value, str) else written(value)
 
 
 # -- plan -----------------------------------------------------------------------------------------

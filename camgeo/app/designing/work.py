@@ -15,7 +15,7 @@ import numpy as np
 from camgeo.app.answers.answer import MARKS, text, verdict_on
 from camgeo.app.answers.build import poor_findings
 from camgeo.app.answers.check import Check, check
-from camgeo.app.answers.report import Advised, advised, coarse_solids, shown, triangles
+from camgeo.app.answers.report import Advised, advised, coarse_solids, triangles
 from camgeo.app.answers.size import CamSize, edits_with
 from camgeo.app.answers.size import size as size_of
 from camgeo.app.designing import painting
@@ -35,6 +35,7 @@ from camgeo.kinematics.laws.law import Law
 from camgeo.kinematics.motion import ends_of
 from camgeo.kinematics.plan import FULL_TURN, MotionPlan, joints
 from camgeo.pictures import laws as picture
+from camgeo.pictures.charts import shown
 from camgeo.pictures.model import figure_data
 from camgeo.pictures.thinned import thinned
 from camgeo.scene.toml import TEMPLATE_KINDS, template
