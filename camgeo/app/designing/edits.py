@@ -20,10 +20,10 @@ import numpy as np
 from camgeo.app.designing.form import Fields, is_angular, is_length, title_of
 from camgeo.app.designing.handles import dragged
 from camgeo.app.designing.segments import (
-    Neighbours,
     is_fixed,
     is_number,
     least_span,
+    span_beside,
     span_key,
     span_of,
     spans_of,
@@ -222,7 +222,7 @@ def _whole_turn(before: Tree, after: Tree) -> Tree:
     if taker is None:
         return after
     try:
-        _, span = Neighbours(before["motion"][at], motion[taker]).with_first(new[at])
+        span = span_beside(before["motion"][at], motion[taker], new[at])
     except GeometryError as error:
         key = f"motion[{at + 1}].{span_key(motion[at])}"
         raise SceneError([Fault(key, "", error.message)]) from error

@@ -18,10 +18,11 @@ import numpy as np
 from camgeo.app.designing.form import title_of
 from camgeo.app.designing.segments import (
     FINEST,
-    Neighbours,
+    is_fixed,
     joints,
     least_span,
     snapped,
+    span_beside,
     span_key,
     span_of,
     spans_of,
@@ -618,32 +619,38 @@ def _joint(
     `level` is the last segment before it that is not a dwell, with the position stated for its end;
     `position` is the value of that.
     """
-    both = Neighbours(motion[index - 1], motion[index])
+    first, second = motion[index - 1], motion[index]
+    fixed = is_fixed(first) or is_fixed(second)
     mover, to = level if level is not None else (-1, 0)
     # A file says where a table ends; the last move has to return to 0.
     rises = to is not None and mover >= 0 and mover != last
-    moves: Moves | None = ("y" if rises else None) if both.fixed else ("xy" if rises else "x")
+    moves: Moves | None = ("y" if rises else None) if fixed else ("xy" if rises else "x")
     if moves is None:
         return None
     keys: dict[str, str] = {}
-    span_place = spelled(("motion", index - 1, span_key(both.first)))
-    other_place = spelled(("motion", index, span_key(both.second)))
+    span_place = spelled(("motion", index - 1, span_key(first)))
+    other_place = spelled(("motion", index, span_key(second)))
     to_place = spelled(("motion", mover, "to"))
-    if not both.fixed:
+    if not fixed:
         keys[span_place] = f"span of segment {index}"
     if rises:
         keys[to_place] = "position"
 
     def edits(place: Place, steps: Place) -> Edits:
         found: dict[str, Any] = {}
-        if not both.fixed:
-            new = _joint_at(place[0], steps[0], both, at[index - 1], at[index], at[index + 1])
-            if new != at[index]:
-                with localcontext(EXACT):
-                    spans = both.with_first(new - at[index - 1])
-                first, second = both.first[span_key(both.first)], both.second[span_key(both.second)]
-                found[span_place] = styled(spans[0], first)
-                found[other_place] = styled(spans[1], second)
+        if not fixed:
+            start, now, end = at[index - 1 : index + 2]
+            with localcontext(EXACT):
+                # No nearer to its neighbours than a step, unless it is now.
+                by = step_near(steps[0])
+                low = min(start + max(least_span(first), by), now)
+                high = max(end - max(least_span(second), by), now)
+                new = min(max(Decimal(snapped(place[0], steps[0], now)), low), high)
+                span = new - start
+            if new != now:
+                found[span_place] = styled(span, first[span_key(first)])
+                other = span_beside(first, second, span)
+                found[other_place] = styled(other, second[span_key(second)])
         if rises:
             found[to_place] = snapped(place[1], steps[1], to)
         return found
@@ -651,21 +658,6 @@ def _joint(
     height = position if to is None else float(to)
     place = float(at[index]), height
     return _handle(motion, f"joint {index + 1}", "joint", place, moves, keys, unit, edits)
-
-
-def _joint_at(
-    angle: float, step: float, both: Neighbours, start: Decimal, now: Decimal, end: Decimal
-) -> Decimal:
-    """The cam angle of a joint that is dropped at `angle`, between `start` and `end` [degrees].
-
-    No nearer to its neighbours than a step, unless it is now.
-    """
-    with localcontext(EXACT):
-        by = step_near(step)
-        low = min(start + max(least_span(both.first), by), now)
-        high = max(end - max(least_span(both.second), by), now)
-        new = Decimal(snapped(angle, step, now))
-        return min(max(new, low), high)
 
 
 def _point(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from decimal import ROUND_HALF_EVEN, Decimal, localcontext
 from typing import Any, Final, TypeGuard
 
@@ -58,38 +57,23 @@ def is_fixed(segment: Segment) -> bool:
     return segment.get("law") == "table"
 
 
-@dataclass(frozen=True, slots=True)
-class Neighbours:
-    """Two neighbouring segments, whose spans have a fixed sum.
-
-    Attributes
-    ----------
-    first, second : the segments.
+def span_beside(first: Segment, second: Segment, span: Decimal) -> Decimal:
+    """The span of the second of two neighbours, whose sum stays, if that of the first is `span`;
+    GeometryError if one has no room.
     """
-
-    first: Segment
-    second: Segment
-
-    @property
-    def fixed(self) -> bool:
-        """Whether the joint between them cannot move."""
-        return is_fixed(self.first) or is_fixed(self.second)
-
-    def with_first(self, span: Decimal) -> tuple[Decimal, Decimal]:
-        """The spans of both if that of the first is `span`; GeometryError if one has no room."""
-        before = span_of(self.first), span_of(self.second)
-        assert before[0] is not None  # only valid scenes have handles
-        assert before[1] is not None
-        with localcontext(EXACT):
-            other = before[1] - (span - before[0])
-        for segment, new, name in (
-            (self.first, span, "this segment"),
-            (self.second, other, "the one beside it"),
-        ):
-            if new < least_span(segment):
-                message = f"leaves no room for {name}: {new.normalize():f} degrees"
-                raise GeometryError(message, "motion", f"{new.normalize():f}")
-        return span, other
+    before = span_of(first), span_of(second)
+    assert before[0] is not None  # only valid scenes have handles
+    assert before[1] is not None
+    with localcontext(EXACT):
+        other = before[1] - (span - before[0])
+    for segment, new, name in (
+        (first, span, "this segment"),
+        (second, other, "the one beside it"),
+    ):
+        if new < least_span(segment):
+            message = f"leaves no room for {name}: {new.normalize():f} degrees"
+            raise GeometryError(message, "motion", f"{new.normalize():f}")
+    return other
 
 
 # -- snapping -------------------------------------------------------------------------------------
