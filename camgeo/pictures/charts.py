@@ -40,8 +40,14 @@ class Chart:
 
     @property
     def sentence(self) -> str:
-        """The diagram in words."""
-        return sentence(self.readings)
+        """The first curves in words."""
+        told = [
+            f"{plain(each.name)} from {shown(each.low)} at {math.degrees(each.low_at):.1f}° to"
+            f" {shown(each.high)} at {math.degrees(each.high_at):.1f}°"
+            for each in self.readings[:TOLD]
+        ]
+        more = len(self.readings) - TOLD
+        return "; ".join(told) + (f"; {more} more in the table" if more > 0 else "") + "."
 
 
 def motion_diagram(design: Design) -> Figure:
@@ -104,17 +110,6 @@ class Reading:
 def readings(figure: Figure) -> tuple[Reading, ...]:
     """Those of all curves of a figure over the cam angle, from the top."""
     return tuple(each for panel in figure.panels for each in _of_panel(panel))
-
-
-def sentence(found: tuple[Reading, ...]) -> str:
-    """The first curves in words."""
-    told = [
-        f"{plain(each.name)} from {shown(each.low)} at {math.degrees(each.low_at):.1f}° to"
-        f" {shown(each.high)} at {math.degrees(each.high_at):.1f}°"
-        for each in found[:TOLD]
-    ]
-    more = len(found) - TOLD
-    return "; ".join(told) + (f"; {more} more in the table" if more > 0 else "") + "."
 
 
 def shown(value: float) -> str:

@@ -131,17 +131,12 @@ def text(answer: Build) -> str:
     """A line for each file, and one for the certificate; lengths in the scene's unit."""
     folder, unit = Path(answer.folder), answer.scene.unit
     lines = [f"{folder / file.name!s:{WIDTH}} {_size(file, unit)}" for file in answer.files]
-    relation = _relation(answer)
-    lines += [relation] if relation and answer.files else []
+    part = answer.scene.part
+    if answer.files and part is not None and part.pair is not None:
+        lines.append(in_one_piece(part.pair))
     if answer.certificate is not None:
         lines.append(f"{folder / answer.certificate!s:{WIDTH}} the proof of these deviations")
     return "\n".join(lines)
-
-
-def _relation(answer: Build) -> str:
-    """How the discs of a pair in one piece stand to each other; empty of other designs."""
-    part = answer.scene.part
-    return "" if part is None or part.pair is None else in_one_piece(part.pair)
 
 
 def _size(file: FileReport, unit: LengthUnit) -> str:

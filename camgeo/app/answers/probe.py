@@ -359,7 +359,11 @@ def run(arguments: argparse.Namespace) -> int:
         ball=arguments.ball,
         tolerance=arguments.tolerance,
     )
-    files = [*_points(found, arguments.output), *_lift_file(found, arguments.lift)]
+    files = list(_points(found, arguments.output))
+    if arguments.lift is not None:
+        lift = lift_table(found)
+        report = f"lift curve, {counted(len(lift.values), 'row')}"
+        files.append((Path(arguments.lift), lift.encoded(), report))
     if len({path for path, _, _ in files}) < len(files):
         raise CallError("--lift names the file of a flank")
     return show(found, arguments, files)
@@ -377,13 +381,6 @@ def _points(found: Probing, output: str | None) -> Iterator[Written]:
             ending += f"-{one.flank}"
         path = name.with_name(f"{name.stem}{ending}{name.suffix}")
         yield table_file(flank_table(found, one), path)
-
-
-def _lift_file(found: Probing, output: str | None) -> Iterator[Written]:
-    if output is not None:
-        table = lift_table(found)
-        rows = counted(len(table.values), "row")
-        yield Path(output), table.encoded(), f"lift curve, {rows}"
 
 
 def _csv(name: str) -> str:

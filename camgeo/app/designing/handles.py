@@ -588,7 +588,7 @@ def _of_motion(
     """
     spans = spans_of(motion)
     assert spans is not None  # it is valid
-    at = list(joints(spans))
+    at = joints(spans)
     last = max((k for k, each in enumerate(motion) if "dwell" not in each), default=-1)
     count = 0
     level: tuple[int, Any] | None = None

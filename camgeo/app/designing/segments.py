@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from decimal import ROUND_HALF_EVEN, Decimal, localcontext
+from itertools import accumulate
 from typing import Any, Final, TypeGuard
 
 from camgeo.errors import GeometryError
@@ -34,13 +35,10 @@ def spans_of(motion: Any) -> list[Decimal] | None:
     return spans if len(spans) == len(found) else None
 
 
-def joints(spans: Sequence[Decimal]) -> Iterator[Decimal]:
+def joints(spans: Sequence[Decimal]) -> list[Decimal]:
     """The cam angles at which segments begin, and that of the end."""
     with localcontext(EXACT):
-        at = [Decimal(0)]
-        for span in spans:
-            at.append(at[-1] + span)
-    yield from at
+        return list(accumulate(spans, initial=Decimal(0)))
 
 
 def least_span(segment: Segment) -> Decimal:
