@@ -116,15 +116,6 @@ def test_text_and_document_agree_on_a_linkage_near_a_dead_centre(name: str) -> N
     assert remains["left_out_deg"] == []
 
 
-def test_a_crank_that_its_slider_cannot_turn_has_no_disc() -> None:
-    found = check(Design(load_scene(FIXTURES / "found" / "driven_crank_dead.toml")))
-    (fatal,) = (each for each in found.findings if each.severity == "no-disc")
-    assert fatal.name == "linkage-transmission-angle"
-    assert "the slider cannot turn the crank there" in fatal.sentence
-    assert "cam angle 72.4073 deg" in fatal.sentence
-    assert found.exit_code == 1
-
-
 def test_a_sound_program_is_said_to_be_one() -> None:
     found = check(Design(load_scene(FIXTURES / "milling" / "groove_flanks.toml")))
     assert found.machining is not None
