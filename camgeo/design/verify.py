@@ -25,11 +25,10 @@ from camgeo.design.writing import (
     write_set,
 )
 from camgeo.errors import CamgeoError, Fault, FileError, SceneError, unreadable
-from camgeo.reading import VERIFIED, Limits, number_of, read_within
+from camgeo.reading import CERTIFICATE as CERTIFIED
+from camgeo.reading import VERIFIED, number_of, read_within
 from camgeo.scene.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.units import LengthUnit, in_unit
-
-CERTIFIED: Final = Limits("certificate", 2_000_000)
 
 GROUP: Final = "camgeo.verifiers"
 

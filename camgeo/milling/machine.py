@@ -30,7 +30,7 @@ from camgeo.numeric.checked import (
     shown,
     whole,
 )
-from camgeo.reading import Limits, check_toml, read_within
+from camgeo.reading import MACHINE, check_toml, read_within
 from camgeo.record import allowed, schema_beside
 from camgeo.units import MM_PER, LengthUnit
 
@@ -50,8 +50,6 @@ MOST_SHOWN: Final = 60
 
 LONGEST_LINE: Final = 10_000
 """Characters; no controller accepts as many."""
-
-MACHINE: Final = Limits("machine profile", 200_000)
 
 EVIDENCE: Final = ("manual", "source code", "interpreter", "machine", "post", "none")
 """What a statement of a profile rests on, the best first."""

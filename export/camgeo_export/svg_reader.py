@@ -20,14 +20,9 @@ from camgeo.errors import FileError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.foreign import Outlines
 from camgeo.numeric.arrays import ComplexArray
-from camgeo.reading import CONTOURS, SVG_PIECES, Limits, beyond, check_size, number_of
+from camgeo.reading import CONTOURS, SVG, SVG_ELEMENTS, SVG_PIECES, beyond, check_size, number_of
 from camgeo.units import LengthUnit, counted
 from camgeo_export.reading import CUT, of_the_part
-
-SVG: Final = Limits("SVG drawing", 16_000_000)
-
-SVG_ELEMENTS: Final = 10_000
-"""Elements of an SVG drawing; one of ours has one for each boundary."""
 
 NAMESPACE: Final = "{http://www.w3.org/2000/svg}"
 

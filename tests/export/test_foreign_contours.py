@@ -23,11 +23,12 @@ from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.foreign import Outlines, by_arcs
 from camgeo.geometry.contour.spline import CubicSpline, SplineContour
 from camgeo.numeric.arrays import ComplexArray
+from camgeo.reading import PLACED
 from camgeo.studies.inspection import read_points
 from camgeo.units import LengthUnit
 from camgeo_export.contour_csv import READER as CSV
 from camgeo_export.dxf.items import NEAR, Curve
-from camgeo_export.dxf.reader import PLACED, READER, drawing_of
+from camgeo_export.dxf.reader import READER, drawing_of
 from camgeo_export.svg_reader import READER as SVG
 from tests.measuring import Outline
 

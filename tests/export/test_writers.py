@@ -49,11 +49,9 @@ from camgeo_export.step.writer import WRITER as STEP
 from camgeo_export.stl import WRITER as STL
 from camgeo_export.svg import WRITER as SVG
 from camgeo_export.table import WRITER as CSV
-from camgeo_export.threemf import parts as threemf_parts
 from camgeo_export.threemf.parts import parts_of
 from camgeo_export.threemf.writer import MODEL_PATH
 from camgeo_export.threemf.writer import WRITER as THREEMF
-from camgeo_export.verify import stl as stl_reader
 from tests.export.stub_product import PIECES, StubProduct, StubScene
 from tests.export.verified import TOLERANCE, measured, read_back
 from tests.part.parts import made
@@ -321,22 +319,22 @@ def test_the_largest_body_is_within_all_other_limits() -> None:
     """A closed surface has half as many vertices as facets, and two more for each of its parts."""
     vertices, digits = reading.FACETS // 2 + 100, 24
     elements = reading.FACETS + vertices + 100
-    assert elements <= threemf_parts.ELEMENTS
-    assert 3 * elements <= threemf_parts.ATTRIBUTES
+    assert elements <= reading.ELEMENTS
+    assert 3 * elements <= reading.ATTRIBUTES
     vertex = len('<vertex x="" y="" z="" />') + 3 * digits
     facet = len('<triangle v1="" v2="" v3="" />') + 3 * len(str(vertices))
     model = vertices * vertex + reading.FACETS * facet
-    assert model <= threemf_parts.UNPACKED
-    assert stl_reader.STL.size >= 84 + 50 * reading.FACETS
+    assert model <= reading.UNPACKED
+    assert reading.STL.size >= 84 + 50 * reading.FACETS
 
 
 def test_the_largest_solid_is_within_all_other_limits() -> None:
     """Of a cam with thousands of pieces, an entity takes 52 bytes, and 5 commas and brackets."""
     data = STEP.write(StubProduct(), 0.01).data
     entities = data.count(b"\n#")
-    assert step_text.STEP.size >= 1.2 * len(data) / entities * reading.INSTANCES
+    assert reading.STEP.size >= 1.2 * len(data) / entities * reading.INSTANCES
     marks = data.count(b",") + data.count(b"(")
-    assert 1.05 * marks / entities * reading.INSTANCES <= step_text.PARAMETERS
+    assert 1.05 * marks / entities * reading.INSTANCES <= reading.PARAMETERS
 
 
 COARSE = 0.05

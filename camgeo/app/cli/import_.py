@@ -8,11 +8,9 @@ from typing import Final
 
 from camgeo.app.cli.command import CallError, add_output, deliver
 from camgeo.app.cli.streams import notify
-from camgeo.reading import Limits
+from camgeo.reading import PROJECT
 from camgeo.scene.ocv import ignored_answer, import_project, project_numbers, scene_name
 from camgeo.scene.scene import read_file
-
-PROJECT: Final = Limits("project", 2_000_000)
 
 EXAMPLE: Final = "camgeo import fixtures/reference/ocv/setzhub.ocv -o setzhub.toml"
 

@@ -21,7 +21,7 @@ from camgeo.errors import FileError
 from camgeo.geometry.contour.foreign import Outlines, middle_of
 from camgeo.geometry.contour.spline import Arc, CubicSpline, at
 from camgeo.numeric.arrays import BoolArray, ComplexArray, IntArray
-from camgeo.reading import CONTOURS, DRAWING, beyond
+from camgeo.reading import CONTOURS, DRAWING, PLACED, beyond
 from camgeo.units import MM_PER, LengthUnit, counted, place_text
 from camgeo_export.dxf.items import (
     CURVES,
@@ -62,9 +62,6 @@ their middles by less than the second one, of a length and its square."""
 
 DEEPEST: Final = 32
 """Blocks within blocks."""
-
-PLACED: Final = 100_000
-"""Entities of a drawing that come from blocks, each as often as it is inserted."""
 
 EVERY: Final = 100_000
 """Entities after which progress is reported again."""

@@ -14,7 +14,7 @@ from camgeo.errors import FileError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.spline import Arc
 from camgeo.numeric.arrays import IntArray
-from camgeo.reading import PROGRAM, beyond
+from camgeo.reading import PATHS, PROGRAM, beyond
 from camgeo.units import counted
 
 if TYPE_CHECKING:
@@ -25,9 +25,6 @@ Kind = Literal["rapid", "line", "arc"]
 
 LEAST_LENGTH = 30.0
 """Least length of a run that is closed with a gap, as a multiple of the gap."""
-
-PATHS: Final = 10_000
-"""Closed paths of a program."""
 
 NEAR: Final = 2_000_000
 """Pairs of moves, the end of one near the start of the other, that may close a path."""

@@ -10,16 +10,13 @@ from typing import Final
 
 from camgeo.design.linting import Bench
 from camgeo.numeric.arrays import phase
-from camgeo.reading import PROGRAM, beyond
+from camgeo.reading import PROGRAM, PROGRAM_MOVES, beyond
 from camgeo.units import TURN
 from camgeo_export.gcode.moves import CutterMove, Kind
 from camgeo_export.interpreter.compensation import Compensator
 from camgeo_export.interpreter.controller import RETRACTED, UNKNOWN, Controller, State
 from camgeo_export.interpreter.holes import CYCLES, HoleReader, coordinate
 from camgeo_export.interpreter.iso import ARMS, AXES, CYCLE, GROUPS, Block, Findings
-
-PROGRAM_MOVES: Final = 500_000
-"""Of a program, of which cycles and arcs in other planes than XY make many in a block."""
 
 ARCS: Final = ("clockwise arc", "counter-clockwise arc")
 

@@ -20,38 +20,22 @@ from xml.etree import ElementTree as ET
 
 from camgeo.errors import FileError
 from camgeo.reading import (
+    ATTRIBUTES,
     COORDINATE,
+    ELEMENTS,
     FACETS,
-    Limits,
+    MEMBERS,
+    OBJECTS,
+    PACKAGE,
+    RATIO,
+    TAG,
+    UNPACKED,
     beyond,
     check_size,
     number_of,
 )
 from camgeo.units import counted
 from camgeo_export.threemf.writer import CORE
-
-PACKAGE: Final = Limits("3MF package", 16_000_000)
-
-MEMBERS: Final = 1_000
-"""Files in a package."""
-
-OBJECTS: Final = 1_000
-"""Objects of a package."""
-
-UNPACKED: Final = 40_000_000
-"""Bytes of a package's files in all, unpacked."""
-
-RATIO: Final = 200
-"""Factor by which a file of a package may grow on unpacking; meshes grow tenfold."""
-
-ELEMENTS: Final = 250_000
-"""Elements of the XML in a package, opening and closing tags counted as one."""
-
-ATTRIBUTES: Final = 800_000
-"""Attributes of these elements in all."""
-
-TAG: Final = 4_000
-"""Characters of one of their tags."""
 
 NAME: Final = "the package"
 

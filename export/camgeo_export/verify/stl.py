@@ -16,7 +16,7 @@ from camgeo.numeric.arrays import FloatArray
 from camgeo.reading import (
     COORDINATE,
     FACETS,
-    Limits,
+    STL,
     beyond,
     check_size,
     check_text,
@@ -27,9 +27,6 @@ from camgeo.units import MM_PER, LengthUnit, counted
 from camgeo_export.reading import text_tokens
 from camgeo_export.stl import FACET, HEADER_BYTES, PREFIX
 from camgeo_export.verify.body import body_checks, heights, point_text
-
-STL = Limits("STL", 32_000_000, lines=1_500_000)
-"""Lines are those of a text, seven for each facet."""
 
 OURS = re.compile(rb"camgeo (\S+) unit (\w+) scene ([0-9a-f]*)")
 
