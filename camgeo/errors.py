@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
-from camgeo.units import LengthUnit, counted, in_unit, told_apart
+from camgeo.units import LengthUnit, counted, in_unit
 
 
 class CamgeoError(Exception):
@@ -190,6 +190,12 @@ class EffectError(CamgeoError, ArithmeticError):
 
     def __post_init__(self) -> None:
         super().__init__(self.message)
+
+
+def told_apart(one: float, other: float) -> tuple[str, str]:
+    """Two numbers with as many digits as it takes to see which is larger, six at least."""
+    found = [(f"{one:.{digits}g}", f"{other:.{digits}g}") for digits in range(6, 18)]
+    return next((pair for pair in found if pair[0] != pair[1]), found[0])
 
 
 def unreadable(error: Exception) -> str:

@@ -214,12 +214,3 @@ class built(lazy[Out]):
     def entry(self, instance: HasLedger) -> AbstractContextManager[None]:
         """See `lazy.entry`."""
         return nullcontext()
-
-
-def lazy_names(owner: type) -> tuple[str, ...]:
-    """Names of the lazy quantities of a class, in the order of their definition."""
-    found = [
-        name for each in reversed(owner.__mro__) for name, value in vars(each).items()
-        if isinstance(value, lazy) and not isinstance(value, built)
-    ]  # fmt: skip
-    return tuple(dict.fromkeys(found))

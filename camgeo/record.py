@@ -12,7 +12,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from types import MappingProxyType
-from typing import Any, Final, TypeVar
+from typing import Any, Final, TypeVar, cast
 
 from camgeo._version import __version__
 from camgeo.errors import VersionError
@@ -103,16 +103,11 @@ class Displayed(Brief):
 
     def _repr_html_(self) -> str | None:
         """The rendering for front ends that show HTML; every text in it is escaped."""
-        html: str | None = self._rendered("text/html")
-        return html
+        return cast("str | None", self._repr_mimebundle_().get("text/html"))
 
     def _repr_png_(self) -> bytes | None:
         """The picture, for front ends without HTML; None if there is none."""
-        png: bytes | None = self._rendered("image/png")
-        return png
-
-    def _rendered(self, kind: str) -> Any:
-        return self._repr_mimebundle_().get(kind)
+        return cast("bytes | None", self._repr_mimebundle_().get("image/png"))
 
 
 # -- pickled --------------------------------------------------------------------------------------

@@ -147,12 +147,6 @@ def small(value: float, unit: str, *, signed: bool = False) -> str:
     return f"{rounded:{'+' * signed}.4g} {unit}"
 
 
-def told_apart(one: float, other: float) -> tuple[str, str]:
-    """Two numbers with as many digits as it takes to see which is larger, six at least."""
-    found = [(f"{one:.{digits}g}", f"{other:.{digits}g}") for digits in range(6, 18)]
-    return next((pair for pair in found if pair[0] != pair[1]), found[0])
-
-
 def place_text(place: complex) -> str:
     """A place [mm] in the plane of the disc."""
     return f"({place.real:.6g}, {place.imag:.6g}) mm"

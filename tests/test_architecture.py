@@ -21,7 +21,7 @@ PACKAGE = "camgeo"
 WRITERS = "camgeo_export"
 
 STAGES: tuple[tuple[str, ...], ...] = (
-    ("_version", "earlier", "errors", "units", "lazy", "record", "reading", "numeric"),
+    ("_version", "errors", "units", "lazy", "record", "reading", "numeric"),
     ("kinematics",),
     ("kinematics.mechanism",),
     ("geometry",),
@@ -45,7 +45,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("pictures.sheet",),
     ("pictures",),
     ("app.answers.answer",),
-    ("app.cli.command", "app.cli.plot", "app.cli.progress", "app.cli.streams"),
+    ("app.cli.command", "app.cli.plot", "app.cli.streams"),
     ("app.answers",),
     ("app.designing",),
     ("app.cli",),

@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 
 import camgeo
+from camgeo.app.answers.explain import lazy_names
 from camgeo.cam.cam import Disc, Drive
 from camgeo.design.design import Design
 from camgeo.errors import UnknownNameError
 from camgeo.geometry import pieces, pitch_curve
 from camgeo.geometry.pieces import radius_of_curvature
 from camgeo.kinematics import plan
-from camgeo.lazy import lazy_names
 
 SETZHUB = Path(__file__).parents[1] / "fixtures" / "scenes" / "setzhub.toml"
 

@@ -8,7 +8,7 @@ from importlib import import_module
 
 import pytest
 
-from camgeo.earlier import NOW, present_name
+from camgeo import NOW, present_name
 
 DOCUMENTED = {
     "camgeo.accuracy.benefit": "benefit_rows",

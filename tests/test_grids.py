@@ -211,7 +211,7 @@ CLOSED: dict[str, dict[str, str]] = {
             "a first diameter of a blank in a field; `Given.new_faults` judges it, with room left"
         ),
     },
-    "camgeo/app/designing/making.py": {
+    "camgeo/app/designing/work.py": {
         "np.linspace(start, end if end > start else end + TURN, RANGE)": PICTURE,
     },
     "camgeo/dynamics/effects/graph.py": {

@@ -14,8 +14,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from camgeo.app.answers.explain import lazy_names
 from camgeo.errors import Cancelled, CycleError, EffectError, GeometryError, ToleranceError
-from camgeo.lazy import Ledger, Run, lazy, lazy_names
+from camgeo.lazy import Ledger, Run, lazy
 from tests.waiting import give_way
 
 

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from camgeo.errors import told_apart
 from camgeo.units import (
     TURN,
     at_cam_angles,
@@ -19,7 +20,6 @@ from camgeo.units import (
     in_unit,
     listed,
     over_cam_angles,
-    told_apart,
     unit_in,
 )
 

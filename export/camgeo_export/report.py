@@ -18,9 +18,10 @@ from typing import Any, Final
 
 from camgeo import __version__
 from camgeo.app.answers.answer import MARKS, verdict_on
-from camgeo.app.answers.report import STEP, Chart, Report, plain, shown, triangles
+from camgeo.app.answers.report import STEP, Report, triangles
 from camgeo.design.value_table import Table
 from camgeo.pictures import accuracy
+from camgeo.pictures.charts import Chart, plain, shown
 from camgeo.pictures.model import figure_data
 from camgeo.studies.accuracy.knee import advice
 from camgeo.studies.accuracy.survey import Survey

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 
 from camgeo.app.answers.answer import figure, table, text
 from camgeo.app.answers.inspect import Inspection, MeasuredPoints, inspect, of_points
-from camgeo.app.answers.probe import probe
+from camgeo.app.answers.probe import flank_table, probe
 from camgeo.design.design import Design
 from camgeo.geometry.outline.exact_flank import ExactFlank
 from camgeo.geometry.outline.path import Flank
@@ -61,23 +62,20 @@ def test_radial_normals_are_told() -> None:
 
 def test_a_round_cam_is_told() -> None:
     scene = load_scene(FOLDER / "plate_translating.toml")
-    design = Design(scene.with_values({"motion": [{"dwell": 360}]}))
-    flank = ExactFlank(design.cam.disc.outline("inner").path, Flank.INNER)
     rng = np.random.default_rng(3)
-    points = MeasuredPoints(measured(every(flank, 60), rng.normal(0.0, 1e-3, 60)))
-    found = of_points(design.disc, Flank.INNER, points, "p.csv", align=Align.ROTATION)
+
+    def turned(*motion: Mapping[str, object]) -> Inspection:
+        design = Design(scene.with_values({"motion": motion}))
+        flank = ExactFlank(design.cam.disc.outline("inner").path, Flank.INNER)
+        points = MeasuredPoints(measured(every(flank, 60), rng.normal(0.0, 1e-3, 60)))
+        return of_points(design.disc, Flank.INNER, points, "p.csv", align=Align.ROTATION)
+
+    found = turned({"dwell": 360})
     assert "too round" in text(found)
     assert "turn                  +0 deg ± unknown; the motion comes 0 deg early" in text(found)
     assert document(found)["turn_uncertainty_deg"] is None
-    small = scene.with_values({"motion": [
-        {"law": "polynomial-345", "span": 180, "to": 0.05},
-        {"law": "polynomial-345", "span": 180, "to": 0},
-    ]})  # fmt: skip
-    design = Design(small)
-    flank = ExactFlank(design.cam.disc.outline("inner").path, Flank.INNER)
-    points = MeasuredPoints(measured(every(flank, 60), rng.normal(0.0, 1e-3, 60)))
-    found = of_points(design.disc, Flank.INNER, points, "p.csv", align=Align.ROTATION)
-    assert "hardly shows the turn" in text(found)
+    small = ({"law": "polynomial-345", "span": 180, "to": to} for to in (0.05, 0))
+    assert "hardly shows the turn" in text(turned(*small))
 
 
 def test_errors_of_form_are_told_to_sway_a_fit() -> None:
@@ -143,22 +141,15 @@ def test_a_gap_leaves_the_follower_unknown() -> None:
 
 
 def test_the_name_of_a_file_tells_flank_and_disc(tmp_path: Path) -> None:
-    groove = Design(load_scene(FOLDER / "groove.toml"))
-    (inner, outer) = probe(groove).each
-    for answer, side in ((inner, "inner"), (outer, "outer")):
-        path = tmp_path / f"points-{side}.csv"
-        path.write_text(table(answer).csv())
-        found = inspect(groove, path)
-        assert found.flank == side
-        assert found.deviations.profile < 1e-12
-    pair = Design(load_scene(FOLDER / "conjugate_lever.toml"))
-    (main, other) = probe(pair).each
-    for answer, ending in ((main, ""), (other, "-return")):
-        path = tmp_path / f"points{ending}.csv"
-        path.write_text(table(answer).csv())
-        found = inspect(pair, path)
-        assert found.disc.name == f"conjugate_lever{ending}"
-        assert found.deviations.profile < 1e-12
+    for name, endings in (("groove", ("-inner", "-outer")), ("conjugate_lever", ("", "-return"))):
+        design = Design(load_scene(FOLDER / f"{name}.toml"))
+        points = probe(design)
+        for flank, ending in zip(points.flanks, endings, strict=True):
+            path = tmp_path / f"points{ending}.csv"
+            path.write_text(flank_table(points, flank).csv())
+            found = inspect(design, path)
+            assert (found.disc.name, found.flank) == (flank.disc.name, flank.flank)
+            assert found.deviations.profile < 1e-12
 
 
 def test_points_of_probe_come_back_in_inches_and_as_centres(tmp_path: Path) -> None:

@@ -12,7 +12,6 @@ import pytest
 from camgeo.app.answers.answer import text
 from camgeo.app.answers.machines import machine
 from camgeo.app.cli.main import main
-from camgeo.errors import SceneError
 from camgeo.milling import machine as profiles
 from tests.answers.documents import document
 
@@ -62,11 +61,3 @@ def test_a_profile_of_ones_own_is_checked(tmp_path: Path, capsys: Capture) -> No
     (fault,) = json.loads(capsys.readouterr().out)["faults"]
     assert fault["key"] == "retract.blocks"
     assert "{z}" in fault["message"]
-
-
-def test_an_unknown_profile_is_refused() -> None:
-    with pytest.raises(SceneError) as caught:
-        machine("hass")
-    (fault,) = caught.value.faults
-    assert fault.key == "PROFILE"
-    assert "did you mean haas" in fault.hint

@@ -8,9 +8,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from camgeo.app.answers.report import OTHERWISE, Report, next_step, readings, report, sentence
+from camgeo.app.answers.report import OTHERWISE, Report, next_step, report
 from camgeo.check.finding import Finding
 from camgeo.design.design import Design
+from camgeo.pictures.charts import Chart, readings
 from camgeo.pictures.model import Axis, Figure, Line, Panel, Style, over
 from camgeo.scene.scene import Scene, load_scene, parse_scene
 from camgeo.units import TURN
@@ -82,9 +83,10 @@ def test_a_sentence_names_the_first_curves_and_how_many_more() -> None:
         Axis((-1.0, 1.0), "force [N]"),
         tuple(Line(points, Style("black"), f"curve {k}") for k in range(6)),
     )
-    found = readings(Figure((1.0, 1.0), (panel,)))
+    drawn = Figure((1.0, 1.0), (panel,))
+    found = readings(drawn)
     assert [each.name for each in found] == [f"curve {k} [N]" for k in range(6)]
-    told = sentence(found)
+    told = Chart("", drawn, found).sentence
     assert told.startswith("curve 0 [N] from −1 at 270.0° to 1 at 90.0°; ")
     assert told.endswith("; 2 more in the table.")
 

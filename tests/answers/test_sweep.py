@@ -11,10 +11,9 @@ import pytest
 from camgeo.app.answers import sweep as rendering
 from camgeo.app.answers.answer import text
 from camgeo.app.answers.sweep import FEW, answer_of, comma_separated
-from camgeo.studies.sweep.family import family_of
 from camgeo.studies.sweep.sweep import sweep
 from tests.answers.documents import document
-from tests.sweep.families import SETZHUB, family
+from tests.sweep.families import family
 
 ASK = ("largest-acceleration", "transmission-angle")
 
@@ -51,13 +50,3 @@ def test_designs_with_different_units() -> None:
     assert [each["units"] for each in reported["designs"]] == [{"max:s": "mm"}, {"max:s": "inch"}]
     assert rows[0] == ["units.length", "max:s", "max:s unit", "laws", "reason"]
     assert [row[2] for row in rows[1:]] == ["mm", "inch"]
-
-
-def test_how_designs_were_drawn_is_told() -> None:
-    from camgeo.studies.sweep.family import Sample
-
-    drawn = family_of(SETZHUB, ["follower.base_radius=45:60"], Sample(3, "random", 7))
-    with closing(sweep(drawn, ["laws"])) as result:
-        answer = answer_of(result)
-        assert document(answer)["sample"] == {"method": "random", "seed": 7}
-        assert text(answer).startswith("setzhub: 3 designs, drawn with random, seed 7\n")

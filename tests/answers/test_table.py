@@ -5,13 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from decimal import Decimal
 
-import numpy as np
-
 from camgeo.app.answers.answer import table, text
-from camgeo.app.answers.table import table_of_law, table_of_scene
+from camgeo.app.answers.table import table_of_scene
 from camgeo.design.design import Design
 from camgeo.design.value_table import Table
-from camgeo.kinematics.laws import make_law
 from camgeo.scene.scene import load_scene
 from tests.answers.documents import FIXTURES, document
 
@@ -28,11 +25,3 @@ def test_text_and_document_are_of_one_result() -> None:
     assert list(document(other)["columns"].values())[1][1] == 12345.5
     assert text(other).splitlines()[2].split(",")[1] == "12345.5"
     assert table(other) is other.table
-
-
-def test_the_printed_table_of_a_law_has_rounded_values() -> None:
-    found = table_of_law(make_law("modified-sine"), Decimal("0.25"), printed=True)
-    assert text(found).splitlines()[2] == "0.250,0.1171785,1.0998,4.7874"
-    assert np.array(list(document(found)["columns"].values()))[:, 1].tolist() == [
-        0.25, 0.1171785, 1.0998, 4.7874,
-    ]  # fmt: skip

@@ -9,9 +9,7 @@ from pathlib import Path
 
 import pytest
 
-import camgeo
 from camgeo.design import writing
-from camgeo.errors import SceneError
 from tests.cli.calling import called
 from tests.scene.scenes import FIXTURES, PLATE, ROCKER, spoilt
 
@@ -89,14 +87,6 @@ def test_one_message_and_no_file(case: str, command: str, scene: Path) -> None:
     assert alone(scene)
 
 
-def test_all_faults_at_once(scene: Path) -> None:
-    wrong = (("span = 100", "span = -1"), ("roller_radius = 10", "roller_radius = -1"))
-    scene.write_text(spoilt(PLATE, *wrong))
-    found = called("check", scene)
-    assert found.code == 2
-    assert all(each in found.err for each in ("2 faults", "motion[2].span", "follower.roller_rad"))
-
-
 @pytest.mark.parametrize(
     ("change", "code", "said"),
     [
@@ -138,20 +128,6 @@ def test_part_that_cannot_be_made(change: tuple[str, str], message: str, scene: 
     assert alone(scene)
 
 
-@pytest.mark.parametrize("command", OUTPUT)
-def test_no_such_scene(command: str, scene: Path) -> None:
-    found = called(command, "none.toml")
-    assert found.code == 2
-    assert "none.toml: 1 fault\n  there is no such file" in found.err
-    assert alone(scene)
-
-
-def test_no_format(scene: Path) -> None:
-    with pytest.raises(SceneError, match="no format is named"):
-        camgeo.load(scene).write("out", [])
-    assert alone(scene)
-
-
 @pytest.mark.parametrize("command", ["build", "table", "plot", "new", "size", "verify"])
 def test_names_that_are_too_long(command: str, scene: Path) -> None:
     name = "a" * 256
@@ -165,21 +141,6 @@ def test_names_that_are_too_long(command: str, scene: Path) -> None:
     assert found.code == 2
     assert os.strerror(errno.ENAMETOOLONG) in found.err or "there is no such file" in found.err
     assert alone(scene)
-
-
-def test_unwritable_folder(scene: Path) -> None:
-    """Even for root: below a file, and in /proc."""
-    places = [scene / "out", scene]
-    if Path("/proc/self").is_dir():
-        places += [Path("/proc"), Path("/proc/camgeo-test")]
-    for place in places:
-        for words in (("build", scene, "-o", place, "--only", "csv"),
-                      ("table", scene, "-o", place / "t.csv")):  # fmt: skip
-            found = called(*words)
-            assert found.code == 2
-            assert "nothing was written" in found.err
-    assert alone(scene)
-    assert scene.read_text() == PLATE
 
 
 def test_full_disk(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,39 +2,21 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from camgeo.app.answers.explain import GOALS, quantities
-from camgeo.app.cli.main import main
 from camgeo.dynamics.effects.registry import EFFECTS
+from tests.cli.calling import called, changed
 from tests.effects.scenes import SCENES
 
 SCENE = SCENES / "plate_translating.toml"
-Capture = pytest.CaptureFixture[str]
-
-
-@pytest.fixture
-def sprung(tmp_path: Path) -> str:
-    """A scene that names an effect which needs others."""
-    path = tmp_path / "sprung.toml"
-    tables = "[effects.spring]\nstiffness = 4\npreload = 80\n[effects.drive-torque]\n"
-    path.write_text(SCENE.read_text("utf-8") + tables, "utf-8")
-    return str(path)
-
-
-def explained(capsys: Capture, *arguments: str) -> dict[str, Any]:
-    assert main(["explain", *arguments, "--json"]) == 0
-    found: dict[str, Any] = json.loads(capsys.readouterr().out)
-    return found
 
 
 @pytest.mark.parametrize("goal", GOALS)
-def test_what_ran_and_what_did_not_are_all_there_is(goal: str, capsys: Capture) -> None:
-    document = explained(capsys, str(SCENE), goal)
+def test_what_ran_and_what_did_not_are_all_there_is(goal: str) -> None:
+    document = called("explain", SCENE, goal, "--json").document
     ran = {each["name"] for each in document["computed"]}
     alone = set(document["left_alone"])
     everything = set(quantities())
@@ -44,8 +26,10 @@ def test_what_ran_and_what_did_not_are_all_there_is(goal: str, capsys: Capture) 
     assert alone <= everything
 
 
-def test_effects_stand_below_what_asked_for_them(sprung: str, capsys: Capture) -> None:
-    document = explained(capsys, sprung)
+def test_effects_stand_below_what_asked_for_them(tmp_path: Path) -> None:
+    tables = "[effects.spring]\nstiffness = 4\npreload = 80\n[effects.drive-torque]\n"
+    scene = changed(SCENE, tmp_path / "sprung.toml", more=tables)
+    document = called("explain", scene, "--json").document
     runs = {each["name"]: each for each in document["computed"]}
     assert runs["effects.drive-torque"]["asked_by"] == ""
     assert runs["effects.contact-force"]["asked_by"] == "effects.drive-torque"
@@ -57,30 +41,8 @@ def test_effects_stand_below_what_asked_for_them(sprung: str, capsys: Capture) -
     assert "effects.inertia" not in runs
 
 
-def test_own_times_add_up(sprung: str, capsys: Capture) -> None:
-    document = explained(capsys, sprung)
-    runs = document["computed"]
-    for each in runs:
-        inner = sum(r["seconds"] for r in runs if r["asked_by"] == each["name"])
-        # Sums of doubles of at most a second.
-        assert each["seconds"] == pytest.approx(each["own_seconds"] + inner, abs=1e-12)
-
-
-def test_the_text_shows_the_tree(sprung: str, capsys: Capture) -> None:
-    assert main(["explain", sprung]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    (torque,) = [line for line in lines if "effects.drive-torque  (named" in line]
-    place = torque.index("effects.drive-torque")
-    (force,) = [line for line in lines if "effects.contact-force  (needed" in line]
-    assert force.index("effects.contact-force") > place
-    assert lines[-1].startswith("Not computed: ")
-    assert "effects.vibration" in lines[-1]
-
-
-def test_nothing_is_written(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
-) -> None:
+def test_nothing_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    document = explained(capsys, str(SCENE), "build")
+    document = called("explain", SCENE, "build", "--json").document
     assert list(tmp_path.iterdir()) == []
     assert any(each["name"] == "dxf file" for each in document["computed"])

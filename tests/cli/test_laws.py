@@ -10,16 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.app.answers.laws import HEAD, PHYSICAL_HEAD, UNITS, laws_of_all_tasks
+from camgeo.app.answers.laws import laws_of_all_tasks
 from camgeo.app.cli.main import main
 from camgeo.errors import GeometryError
-from camgeo.kinematics.laws import FAMILIES, make_law
 from camgeo.kinematics.laws.comparison import QUANTITIES, Entry, Running, compare
 from camgeo.kinematics.laws.law import Characteristic
 from camgeo.kinematics.motion import TASKS
 from camgeo.pictures.laws import SAMPLES, figure
 from camgeo.pictures.model import Line, Panel, Text
-from camgeo_export.plots import render
 
 Capture = pytest.CaptureFixture[str]
 
@@ -50,14 +48,6 @@ def entry(task: str, name: str, **given: float) -> Entry:
 
 
 @pytest.mark.parametrize("task", TASKS)
-def test_every_family_of_a_task_is_listed(task: str) -> None:
-    made = [name for name, family in FAMILIES.items() if task in family.tasks]
-    entries = compare(task, {})
-    assert [found.name for found in entries] == made
-    assert all(found.reason == "" for found in entries), entries
-
-
-@pytest.mark.parametrize("task", TASKS)
 def test_no_number_is_infinite_or_nan(task: str, capsys: Capture) -> None:
     """JSON has no infinity; what is unbounded is null, and is listed."""
     for name, record in records(["--task", task, "--speed", "60", "--span", "90",
@@ -68,48 +58,6 @@ def test_no_number_is_infinite_or_nan(task: str, capsys: Capture) -> None:
             missing = record["values"][quantity] is None
             assert missing == (record["physical"][quantity] is None)
             assert not missing or record["shock_places"] or record["jerk_places"]
-
-
-# VDI 2143-1, Tafel 2: two shocks of the straight line, three jerks of the parabola, two of the
-# simple sine; the others are free of jerks.
-@pytest.mark.parametrize(
-    ("name", "shocks", "jerks", "unbounded"),
-    [
-        ("straight-line", (0.0, 1.0), (), set(QUANTITIES[1:])),
-        ("quadratic-parabola", (), (0.0, 0.4, 1.0), {"jerk", "braking_jerk"}),
-        ("simple-sine", (), (0.0, 1.0), {"jerk", "braking_jerk"}),
-        ("polynomial-345", (), (), set()),
-        ("inclined-sine", (), (), set()),
-        ("modified-trapezoid", (), (), set()),
-        ("modified-sine", (), (), set()),
-    ],
-)
-def test_shocks_and_jerks_from_rest_to_rest(
-    name: str, shocks: tuple[float, ...], jerks: tuple[float, ...], unbounded: set[str]
-) -> None:
-    found = entry("R-R", name, inflection=0.4)
-    assert found.shocks == shocks
-    assert found.jerks == pytest.approx(jerks)
-    assert found.unbounded == unbounded
-
-
-def test_a_turn_is_no_jerk_where_the_task_turns() -> None:
-    """The simple sine starts with f'' = pi^2/2: a jerk from rest, none from a turn."""
-    assert entry("U-U", "simple-sine").jerks == ()
-    assert entry("U-U", "simple-sine").unbounded == set()
-    for task in ("R-U", "U-R"):
-        assert entry(task, "harmonic-combination").jerks == ()
-
-
-def test_what_the_task_leaves_open_is_no_jerk() -> None:
-    """The free polynomial: f'' is not zero at either end, and the task B-B wants nothing of it."""
-    found = entry("B-B", "polynomial", v0=-1.0)
-    assert found.jerks == ()
-    # f = -z + 2 z^2.
-    assert found.bounded("acceleration") == pytest.approx(4.0)
-    assert found.runs_back
-    assert found.overshoots
-    assert not entry("B-B", "polynomial", v0=1.5).runs_back
 
 
 @pytest.mark.parametrize("name", ["modified-sine", "polynomial-5", "polynomial-7"])
@@ -127,34 +75,7 @@ def test_overshoot_and_running_back_as_sampled(name: str, v0: float, v1: float) 
         assert found.overshoots
 
 
-def test_jerk_in_one_part_leaves_the_other_its_value() -> None:
-    """A law that starts with a jump of f'' at z = 0 only has a bounded jerk behind its middle."""
-    from camgeo.kinematics.laws.comparison import _unbounded
-
-    law = make_law("modified-sine")
-    assert _unbounded(law, (), (0.0,)) == {"jerk"}
-    assert _unbounded(law, (), (1.0,)) == {"braking_jerk"}
-    assert _unbounded(law, (), (0.5,)) == {"jerk", "braking_jerk"}
-    assert _unbounded(law, (0.0,), ()) == {"acceleration", "jerk", "moment"}
-    # A polynomial has no parts: its values are those of the whole move.
-    assert _unbounded(make_law("polynomial-5"), (), (0.0,)) == {"jerk", "braking_jerk"}
-
-
 # The table ----------------------------------------------------------------------------------------
-
-
-def test_rest_to_rest_is_the_default(capsys: Capture) -> None:
-    out = printed([], capsys)
-    assert out == printed(["--task", "R-R"], capsys)
-    # f' = 30 z^2 (1 - z)^2: C_v = 15/8, C_a = 10/sqrt(3), C_j = 60, C_Mdyn = 6075/(343 sqrt(7)).
-    cells = row(out, "polynomial-345")
-    assert cells[1:] == ["lambda=0.5", "1.87500", "5.77350", "-5.77350", "60.00000", "60.00000",
-                         "6.69427", "-6.69427"]  # fmt: skip
-    assert row(out, "quadratic-parabola")[5:7] == ["unbounded", "unbounded"]
-    assert "jerk at z = 0, 0.5, 1" in out
-    assert "shock at z = 0, 1" in out
-    assert "cycloidal is inclined-sine" in out
-    assert all(name in out.splitlines()[0].split() for name in HEAD)
 
 
 def test_the_guideline_s_comparison_from_turn_to_turn(capsys: Capture) -> None:
@@ -195,55 +116,6 @@ def test_the_guideline_s_comparison_from_rest_to_turn(capsys: Capture) -> None:
         )
 
 
-def test_what_cannot_be_is_listed_with_its_reason(capsys: Capture) -> None:
-    """A simple sine has one parameter, so that only one of its turns can be chosen."""
-    call = ["--task", "U-U", "--a0", "6", "--a1", "-5"]
-    out = printed(call, capsys)
-    (line,) = [line for line in out.splitlines() if line.startswith("simple-sine ")]
-    assert "not possible: a0 = 6.0: a0 and a1 each decide" in line
-    assert row(out, "sine-straight")[1].startswith("lambda=")
-    record = records(call, capsys)["simple-sine"]
-    assert record["values"] is None
-    assert record["reason"].startswith("a0 = 6.0: ")
-    move = ["--speed", "60", "--span", "60", "--stroke", "5"]
-    (line,) = [line for line in printed([*call, *move], capsys).splitlines() if "simple-si" in line]
-    assert "not possible" in line  # and no physical values
-    out = printed(["--task", "G-U", "--law", "straight-line", "polynomial-5"], capsys)
-    assert "not possible: straight-line is made for R-R, G-G" in out
-
-
-@pytest.mark.parametrize(
-    ("call", "reasons"),
-    [
-        (["--law", "simple-sine", "--inflection", "0"],
-         ["simple-sine: not possible: inflection = 0.0: the inflection point must lie strictly"]),
-        (["--law", "scca", "simple-sine", "--inflection", "0"],
-         ["scca, simple-sine: not possible: inflection = 0.0: "]),
-        (["--task", "G-U", "--law", "straight-line"],
-         ["straight-line: not possible: straight-line is made for R-R, G-G"]),
-    ],
-)  # fmt: skip
-def test_if_no_law_is_possible_the_call_is_refused(
-    call: list[str], reasons: list[str], capsys: Capture
-) -> None:
-    assert main(["laws", *call]) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    _, *lines = err.splitlines()
-    assert all(reason in line for reason, line in zip(reasons, lines, strict=True))
-    assert main(["laws", *call, "--json"]) == 2
-    assert len(json.loads(capsys.readouterr().out)["faults"]) == len(reasons)
-
-
-def test_places(capsys: Capture) -> None:
-    plain = printed(["--law", "inclined-sine"], capsys).splitlines()
-    lines = printed(["--law", "inclined-sine", "--places"], capsys).splitlines()
-    assert [line for line in lines if line not in plain] == [lines[2]]
-    # f' = 1 - cos(2 pi z): C_v in the middle, C_a at the quarters, C_j at the ends, C_Mdyn at 1/3.
-    assert lines[2].split() == ["at", "z", "0.50000", "0.25000", "0.75000", "0.00000", "1.00000",
-                                "0.33333", "0.66667"]  # fmt: skip
-
-
 def test_all_tasks(capsys: Capture) -> None:
     out = printed(["--task", "all"], capsys)
     assert [line.split()[0] for line in out.splitlines()] == list(TASKS)
@@ -256,34 +128,6 @@ def test_all_tasks(capsys: Capture) -> None:
 
 
 # Physical values ----------------------------------------------------------------------------------
-
-
-def test_physical_values_by_units_and_by_simulation(capsys: Capture) -> None:
-    """25 mm in 60 degrees at 120 rev/min: the move takes 1/12 s.
-
-    The torque from the power that accelerates 1 kg: M omega = m a v, in SI units.
-    """
-    seconds = 60.0 / 360.0 / 2.0
-    omega = 4.0 * math.pi
-    call = ["--law", "modified-sine", "--speed", "120", "--span", "60", "--stroke", "25"]
-    record = records(call, capsys)["modified-sine"]
-    values, physical = record["values"], record["physical"]
-    for quantity, order in (("velocity", 1), ("acceleration", 2), ("jerk", 3)):
-        expected = values[quantity]["value"] * 25.0 / seconds**order
-        assert physical[quantity]["value"] == pytest.approx(expected, rel=1e-12)
-    # f' f'' sampled: near its extreme its error is of second order, (1e-5 2 pi)^2 or 4e-9 at most
-    # of a few times the value.
-    _, f1, f2, _ = make_law("modified-sine")(np.linspace(0.0, 1.0, 100_001))
-    power = (f1 * 0.025 / seconds) * (f2 * 0.025 / seconds**2)
-    assert physical["moment"]["value"] == pytest.approx(power.max() / omega, rel=1e-7)
-    assert physical["braking_moment"]["value"] == pytest.approx(power.min() / omega, rel=1e-7)
-    assert [physical[quantity]["unit"] for quantity in QUANTITIES] == list(UNITS)
-    out = printed(call, capsys)
-    assert "120 rev/min, 60 degrees, stroke 25 mm" in out
-    heading = next(line for line in out.splitlines() if "M/m*" in line)
-    assert heading.split() == ["law", *PHYSICAL_HEAD]
-    last = [line for line in out.splitlines() if line.startswith("modified-sine ")][-1]
-    assert float(last.split()[1]) == pytest.approx(physical["velocity"]["value"], rel=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -345,14 +189,4 @@ def lines_in(panel: Panel) -> list[Line]:
     return [mark for mark in panel.marks if isinstance(mark, Line)]
 
 
-def test_no_such_kind_of_picture() -> None:
-    with pytest.raises(ValueError, match=r"\.svg, \.png and \.pdf"):
-        render(figure(compare("R-R", {})), ".gif")
-
-
 # Wrong calls --------------------------------------------------------------------------------------
-
-
-def test_a_name_may_be_an_alias_and_is_listed_once(capsys: Capture) -> None:
-    found = records(["--law", "cycloidal", "inclined-sine", "modified-sine"], capsys)
-    assert list(found) == ["inclined-sine", "modified-sine"]

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import json
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -13,27 +11,13 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.app.cli.main import main, parser
-from camgeo.errors import CamgeoError, OutputError
+from tests.cli.calling import SCENES, called
 
-SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
-
-SETZHUB = str(SCENES / "setzhub.toml")
-
-PLATE = str(SCENES / "plate_translating.toml")
-
-Capture = pytest.CaptureFixture[str]
+PLATE = SCENES / "plate_translating.toml"
 
 
-def replay(*words: str) -> int:
-    arguments = parser(("replay",)).parse_args(["replay", *words])
-    code: int = arguments.run(arguments)
-    return code
-
-
-def document(capsys: Capture, *words: str) -> dict[str, Any]:
-    assert replay(*words, "--json") == 0
-    record: dict[str, Any] = json.loads(capsys.readouterr().out)
+def document(*words: object) -> dict[str, Any]:
+    record = called("replay", *words, "--json").document
     (disc,) = record["discs"]
     return {**record, **disc}
 
@@ -47,43 +31,22 @@ def drawings(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_the_real_outline_makes_the_demanded_motion(capsys: Capture) -> None:
-    record = document(capsys, SETZHUB)
-    assert record["contour"] == "the real outline"
-    assert record["of"] == "rocker"
-    assert record["unit"] == "deg"
-    assert record["lost_stroke"]["value"] == record["ripple"]["value"] == 0.0
-    assert record["shocks"] == {"count": 0, "largest": None}
-    assert record["shock_share"] == 0.0
-    assert abs(record["velocity"]["actual"]["value"]) == pytest.approx(
-        record["velocity"]["demanded"], rel=1e-12
+def test_a_drawing_and_the_same_for_cutting(drawings: Path) -> None:
+    """As SVG at true size, of the same arcs."""
+    record, other = (
+        document(PLATE, drawings / f"plate_translating.{kind}") for kind in ("dxf", "cut.svg")
     )
-    # 90 rev/min: velocities are 3 pi 1/s times those per rad.
-    timed = record["in_time"]["actual_velocity"]
-    assert timed == pytest.approx(3.0 * math.pi * record["velocity"]["demanded"], rel=1e-12)
-
-
-def test_a_drawing(drawings: Path, capsys: Capture) -> None:
-    record = document(capsys, PLATE, str(drawings / "plate_translating.dxf"))
     # The scene's tolerance is 1 um across the flank; its steepest place makes less than 2 of it.
     assert 0.0 < abs(record["lift_error"]["value"]) < 2e-3
     assert 0.01 < record["ripple"]["value"] < 0.5
     assert record["shocks"]["count"] == 0
-
-
-def test_a_drawing_for_cutting_is_the_same(drawings: Path, capsys: Capture) -> None:
-    """As SVG at true size, of the same arcs."""
-    names = ("plate_translating.dxf", "plate_translating.cut.svg")
-    found = [document(capsys, PLATE, str(drawings / name)) for name in names]
     for key in ("lift_error", "ripple"):
-        first, second = (record[key]["value"] for record in found)
-        assert second == pytest.approx(first, rel=1e-6)
+        assert other[key]["value"] == pytest.approx(record[key]["value"], rel=1e-6)
 
 
 @pytest.mark.parametrize("side", ["inner", "outer"])
-def test_both_flanks_of_a_groove(drawings: Path, capsys: Capture, side: str) -> None:
-    groove = str(SCENES / "groove.toml")
-    record = document(capsys, groove, str(drawings / "groove.dxf"), "--flank", side)
+def test_both_flanks_of_a_groove(drawings: Path, side: str) -> None:
+    record = document(SCENES / "groove.toml", drawings / "groove.dxf", "--flank", side)
     assert record["flank"] == side
     # The flank's own contour, not rim, bore or the other flank: 1 um over an arm of 80 mm.
     assert abs(record["lift_error"]["value"]) < 2e-3
@@ -91,50 +54,30 @@ def test_both_flanks_of_a_groove(drawings: Path, capsys: Capture, side: str) -> 
     assert record["ripple"]["value"] > 1.0
 
 
-def points_of(scene: str, count: int) -> str:
-    phi = np.linspace(0.0, 2.0 * math.pi, count, endpoint=False)
-    rows = camgeo.load(scene).disc.pictured.curve("inner", phi).tolist()
-    return "x,y\n" + "".join(f"{x!r},{y!r}\n" for x, y in rows)
-
-
-def test_points_from_a_table(tmp_path: Path, capsys: Capture) -> None:
+def test_points_from_a_table(tmp_path: Path) -> None:
+    phi = np.linspace(0.0, 2.0 * math.pi, 720, endpoint=False)
+    rows = camgeo.load(PLATE).disc.pictured.curve("inner", phi).tolist()
     file = tmp_path / "points.csv"
-    file.write_text(points_of(PLATE, 720))
-    record = document(capsys, PLATE, str(file))
+    file.write_text("x,y\n" + "".join(f"{x!r},{y!r}\n" for x, y in rows))
+    record = document(PLATE, file)
     # The chord's sagitta, 60 mm (pi/720)^2/2 = 0.6 um, and no tolerance would cure the ripple.
     assert abs(record["lift_error"]["value"]) < 2e-3
     assert record["ripple"]["value"] > 5.0
-    inch = document(capsys, PLATE, str(file), "--unit", "inch", "--step", "5")
+    inch = document(PLATE, file, "--unit", "inch", "--step", "5")
     assert inch["lift_error"]["value"] > 1000.0
 
 
-def test_the_table(tmp_path: Path) -> None:
-    target = tmp_path / "replay.csv"
-    assert replay(PLATE, "-o", str(target), "--step", "1.5") == 0
-    rows = list(csv.reader(io.StringIO(target.read_text())))
-    assert rows[0][:4] == ["phi [deg]", "s demanded [mm]", "s [mm]", "difference [mm]"]
-    values = np.array(rows[1:], dtype=np.float64)
-    assert values.shape == (240, 8)
-    lift = camgeo.load(PLATE).drive.motion.jet(np.radians(values[:, 0]))
-    assert values[:, 2] == pytest.approx(lift[0], abs=1e-12)
-    assert np.all(values[:, 3] == 0.0)
-    with pytest.raises(OutputError, match="overwritten"):
-        replay(PLATE, "-o", str(target))
-
-
-def test_wrong_files(tmp_path: Path) -> None:
-    broken = tmp_path / "broken.csv"
-    broken.write_text("0,0\n1,a\n")
-    with pytest.raises(CamgeoError, match=r"broken.csv, line 2: 'a': not a number"):
-        replay(PLATE, str(broken))
-    aside = tmp_path / "aside.csv"
-    aside.write_text("100,100\n110,100\n110,110\n")
-    with pytest.raises(CamgeoError, match=r"does not go round the cam axis, .* say with --origin"):
-        replay(PLATE, str(aside))
-
-
-def test_a_contour_that_crosses_itself_is_refused(tmp_path: Path, capsys: Capture) -> None:
-    eight = tmp_path / "eight.csv"
-    eight.write_text("x,y\n60,-50\n60,50\n-40,-30\n-60,30\n", encoding="utf-8")
-    assert main(["replay", SETZHUB, str(eight)]) == 2
-    assert "crosses itself" in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("vertices", "message"),
+    [
+        ("0,0\n1,a\n", r"own.csv, line 2: 'a': not a number"),
+        ("100,100\n110,100\n110,110\n", "not go round the cam axis, .* say with --origin"),
+        ("x,y\n60,-50\n60,50\n-40,-30\n-60,30\n", "crosses itself"),
+    ],
+)
+def test_wrong_files_are_refused(vertices: str, message: str, tmp_path: Path) -> None:
+    file = tmp_path / "own.csv"
+    file.write_text(vertices)
+    found = called("replay", PLATE, file)
+    assert found.code == 2
+    assert re.search(message, found.err)

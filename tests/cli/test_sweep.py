@@ -9,45 +9,40 @@ from pathlib import Path
 
 import pytest
 
-from camgeo.app.cli.main import main
 from camgeo.studies.sweep import rows
 from camgeo.studies.sweep.rows import rows_of
+from tests.cli.calling import Called, called
 from tests.sweep.families import FIXTURES, LAWS, RADII
 
-Capture = pytest.CaptureFixture[str]
-
-SCENE = str(FIXTURES / "scenes" / "setzhub.toml")
+SCENE = FIXTURES / "scenes" / "setzhub.toml"
 
 FAMILY = ("--vary", RADII, "--vary", LAWS, "--ask", "laws,largest-acceleration")
 
 
-def call(*words: str) -> int:
-    return main(["sweep", SCENE, *words])
+def call(*words: object) -> Called:
+    return called("sweep", SCENE, *FAMILY, *words)
 
 
-def test_a_store_and_other_files(tmp_path: Path, capsys: Capture) -> None:
+def test_a_store_and_other_files(tmp_path: Path) -> None:
     store, table, document = (tmp_path / f"runs{end}" for end in (".sqlite", ".csv", ".json"))
-    words = [word for path in (store, table, document) for word in ("-o", str(path))]
-    assert call(*FAMILY, *words) == 0
-    out, err = capsys.readouterr()
-    assert out.startswith("setzhub: 8 designs\n")
-    assert err.splitlines() == [f"{path}: 8 rows" for path in (store, table, document)]
+    words = [word for path in (store, table, document) for word in ("-o", path)]
+    first = call(*words)
+    assert first.out.startswith("setzhub: 8 designs\n")
+    assert first.err.splitlines() == [f"{path}: 8 rows" for path in (store, table, document)]
     assert len(table.read_text().splitlines()) == 9
     assert json.loads(document.read_text())["count"] == 8
     with closing(sqlite3.connect(store)) as database:
         assert database.execute("SELECT count(*) FROM designs").fetchone() == (8,)
-    assert call(*FAMILY, *words) == 2
-    assert "exists: resume it" in capsys.readouterr().err
-    assert call(*FAMILY, "-o", str(store), "--resume", "--json") == 0
-    out, err = capsys.readouterr()
-    assert json.loads(out) == json.loads(document.read_text())
-    assert err == f"{store}: 8 rows, 8 of them known before\n"
-    assert call(*FAMILY, *words, "--force") == 0
+    again = call(*words)
+    assert again.code == 2
+    assert "exists: resume it" in again.err
+    resumed = call("-o", store, "--resume", "--json")
+    assert resumed.document == json.loads(document.read_text())
+    assert resumed.err == f"{store}: 8 rows, 8 of them known before\n"
+    assert call(*words, "--force").code == 0
 
 
-def test_ctrl_c_keeps_what_is_done(
-    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_ctrl_c_keeps_what_is_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     store = tmp_path / "runs.sqlite"
     calls: list[int] = []
 
@@ -58,36 +53,24 @@ def test_ctrl_c_keeps_what_is_done(
         return rows_of(work, points)  # type: ignore[arg-type]  # passed on
 
     monkeypatch.setattr(rows, "rows_of", interrupted)
-    assert call(*FAMILY, "-o", str(store)) == 130
-    err = capsys.readouterr().err
-    assert f"{store}: keeps the rows that were finished; --resume computes the others" in err
+    found = call("-o", store)
+    assert found.code == 130
+    kept = "keeps the rows that were finished"
+    assert f"{store}: {kept}; --resume computes the others" in found.err
     monkeypatch.undo()
-    assert call(*FAMILY, "-o", str(store), "--resume") == 0
-    assert "8 rows, 1 of them known before" in capsys.readouterr().err
+    assert "8 rows, 1 of them known before" in call("-o", store, "--resume").err
     monkeypatch.setattr(rows, "rows_of", interrupted)  # at once, for it was called before
-    assert call(*FAMILY, "-o", str(store), "--force") == 130
-    assert "were finished, or the old ones if none were; --resume" in capsys.readouterr().err
+    assert f"{kept}, or the old ones if none were; --resume" in call("-o", store, "--force").err
     monkeypatch.undo()
-    assert call(*FAMILY, "-o", str(store), "--resume") == 0
-    assert "8 rows, 8 of them known before" in capsys.readouterr().err
-
-
-def test_a_picture_beside_the_rows(tmp_path: Path, capsys: Capture) -> None:
-    table, picture = tmp_path / "runs.csv", tmp_path / "runs.svg"
-    words = [*FAMILY, "-o", str(table), "--picture", str(picture)]
-    assert call(*words) == 0
-    assert capsys.readouterr().err.splitlines() == [f"{table}: 8 rows", f"{picture}: map"]
-    assert picture.read_bytes().startswith(b"<?xml")
-    front = ["--least", "laws", "--largest", "largest-acceleration", "--force"]
-    assert call(*words, *front) == 0
-    assert f"{picture}: pareto" in capsys.readouterr().err
+    assert "8 rows, 8 of them known before" in call("-o", store, "--resume").err
 
 
 def test_what_cannot_be_written_is_told_before_anything_is_computed(
-    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     table = tmp_path / "runs.csv"
     table.write_text("someone's")
     monkeypatch.setattr(rows, "rows_of", None)
-    assert call(*FAMILY, "-o", str(table)) == 2
-    assert f"{table} would be overwritten; allow it with --force" in capsys.readouterr().err
+    found = call("-o", table)
+    assert found.code == 2
+    assert f"{table} would be overwritten; allow it with --force" in found.err

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 from decimal import Decimal
 from pathlib import Path
 
@@ -12,15 +11,9 @@ import numpy as np
 import pytest
 
 from camgeo.app.answers.laws import PARAMETERS
-from camgeo.app.cli.main import main
 from camgeo.kinematics.laws import FAMILIES, make_law
 from camgeo.kinematics.tables import law_table
-
-FIXTURES = Path(__file__).parents[2] / "fixtures"
-
-SETZHUB = str(FIXTURES / "scenes" / "setzhub.toml")
-
-Capture = pytest.CaptureFixture[str]
+from tests.cli.calling import FIXTURES, called
 
 
 def read(text: str) -> tuple[list[str], list[list[str]]]:
@@ -28,49 +21,27 @@ def read(text: str) -> tuple[list[str], list[list[str]]]:
     return head, rows
 
 
-def numbers(text: str) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    return np.array(read(text)[1], dtype=np.float64)
-
-
-def test_all_digits_of_a_law(capsys: Capture) -> None:
-    assert main(["table", "--law", "modified-sine", "--step", "0.002"]) == 0
-    captured = capsys.readouterr()
-    assert captured.err == ""
-    assert captured.out.startswith("z,f,f1,f2,f3\n0.0,0.0,0.0,0.0,")
-    assert len(read(captured.out)[1]) == 501
-    expected = law_table(make_law("modified-sine"), Decimal("0.002")).values
-    assert np.array_equal(numbers(captured.out), expected)
-    # 0.002 is the guideline's step, and the default.
-    assert main(["table", "--law", "modified-sine"]) == 0
-    assert capsys.readouterr().out == captured.out
-
-
-def test_the_law_is_made_of_its_options(capsys: Capture) -> None:
-    call = ["table", "--step", "0.1", "--law"]
-    assert main([*call, "inclined-sine", "--inflection", "0.4"]) == 0
-    expected = law_table(make_law("inclined-sine", inflection=0.4), Decimal("0.1")).values
-    assert np.array_equal(numbers(capsys.readouterr().out), expected)
-    ends = {"v0": -0.25, "a0": 1.5, "v1": 0.75, "a1": -2.0}
-    options = [text for name, value in ends.items() for text in (f"--{name}", str(value))]
-    assert main([*call, "polynomial-5", "--task", "B-B", *options]) == 0
-    values = numbers(capsys.readouterr().out)
-    assert np.array_equal(
-        values, law_table(make_law("polynomial-5", "B-B", **ends), Decimal("0.1")).values
-    )
+@pytest.mark.parametrize(
+    ("name", "task", "options"),
+    [
+        ("inclined-sine", "R-R", {"inflection": 0.4}),
+        ("polynomial-5", "B-B", {"v0": -0.25, "a0": 1.5, "v1": 0.75, "a1": -2.0}),
+    ],
+)
+def test_the_law_is_made_of_its_options(name: str, task: str, options: dict[str, float]) -> None:
+    words = [word for key, value in options.items() for word in (f"--{key}", value)]
+    found = called("table", "--step", "0.1", "--law", name, "--task", task, *words)
+    values = np.array(read(found.out)[1], dtype=np.float64)
+    law = make_law(name, task, **options)
+    assert np.array_equal(values, law_table(law, Decimal("0.1")).values)
     # The ends are as asked: the normalised conditions hold up to rounding.
-    assert values[0, 1:4] == pytest.approx([0.0, -0.25, 1.5], abs=1e-12)
-    assert values[-1, 1:4] == pytest.approx([1.0, 0.75, -2.0], abs=1e-12)
+    for place, end in ((0, "0"), (-1, "1")):
+        stated = [options.get(f"{key}{end}", 0.0) for key in "va"]
+        assert values[place, 1:4] == pytest.approx([float(end), *stated], abs=1e-12)
 
 
-def test_an_alias_names_the_same_table(capsys: Capture) -> None:
-    assert main(["table", "--law", "cycloidal", "--printed"]) == 0
-    by_alias = capsys.readouterr().out
-    assert main(["table", "--law", "inclined-sine", "--printed"]) == 0
-    assert capsys.readouterr().out == by_alias
-
-
-def test_the_printed_table_is_the_guideline_s_but_for_what_is_listed(capsys: Capture) -> None:
-    """As text, with the guideline's errata corrected as listed."""
+def test_the_printed_table_is_the_guideline_s_but_for_what_is_listed() -> None:
+    """As text, with the guideline's errata corrected as listed; its step is the default."""
     corrected = {}
     for name in ("errata.csv", "rounding.csv"):
         with (FIXTURES / "tables" / name).open(newline="", encoding="utf-8") as file:
@@ -84,34 +55,7 @@ def test_the_printed_table_is_the_guideline_s_but_for_what_is_listed(capsys: Cap
         right = (corrected.pop((row[0], column), text) for column, text in cells)
         lines.append(",".join((row[0], *right)))
     assert not corrected
-    assert main(["table", "--law", "modified-sine", "--step", "0.002", "--printed"]) == 0
-    assert capsys.readouterr().out.splitlines() == lines
-
-
-def test_json(capsys: Capture) -> None:
-    call = ["table", "--law", "modified-sine", "--step", "0.25"]
-    assert main(call) == 0
-    head, rows = read(capsys.readouterr().out)
-    columns = {name: [float(row[place]) for row in rows] for place, name in enumerate(head)}
-    assert main([*call, "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["columns"] == columns
-    assert main([*call, "--json", "--printed"]) == 0
-    document = json.loads(capsys.readouterr().out)
-    # VDI 2143-1, the printed row z = 0.250: 0.1171785 1.0998 4.7874 (4.787351 exact).
-    assert {name: values[1] for name, values in document["columns"].items()} == {
-        "z": 0.25, "f": 0.1171785, "f1": 1.0998, "f2": 4.7874,
-    }  # fmt: skip
-
-
-def refused(call: list[str], capsys: Capture) -> str:
-    """The error of a wrong call; its exit code must be 2, and nothing else is printed."""
-    assert main(["table", *call]) == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    return captured.err
-
-
-LAW = ["--law", "modified-sine"]
+    assert called("table", "--law", "modified-sine", "--printed").out.splitlines() == lines
 
 
 def test_there_is_an_option_for_every_parameter_of_every_law() -> None:
@@ -125,17 +69,15 @@ def test_there_is_an_option_for_every_parameter_of_every_law() -> None:
 
 
 @pytest.mark.parametrize("name", sorted(PARAMETERS.keys() - {"inflection"}))
-def test_a_parameter_that_the_law_has_not_is_named(name: str, capsys: Capture) -> None:
+def test_a_parameter_that_the_law_has_not_is_named(name: str) -> None:
     """From rest to rest, the 3-4-5 polynomial has an inflection point to place and no more."""
-    reported = refused(["--law", "polynomial-345", f"--{name}", "0.5"], capsys)
-    assert f"{name} = 0.5: " in reported
-    assert f"takes no {name}; its parameters: inflection\n" in reported
+    found = called("table", "--law", "polynomial-345", f"--{name}", "0.5")
+    assert (found.code, found.out) == (2, "")
+    assert f"{name} = 0.5: " in found.err
+    assert f"takes no {name}; its parameters: inflection\n" in found.err
 
 
-def test_a_document_goes_into_the_file_that_is_named(tmp_path: Path, capsys: Capture) -> None:
-    target = tmp_path / "table.json"
-    call = ["table", "--law", "modified-sine", "--step", "0.1", "--json"]
-    assert main(call) == 0
-    printed = capsys.readouterr().out
-    assert main([*call, "-o", str(target)]) == 0
-    assert target.read_text("utf-8") == printed
+def test_a_document_goes_into_the_file_that_is_named(tmp_path: Path) -> None:
+    target, call = tmp_path / "table.json", ("table", "--law", "modified-sine", "--json")
+    assert called(*call, "-o", target).code == 0
+    assert target.read_text("utf-8") == called(*call).out

@@ -84,16 +84,3 @@ def test_machines_that_are_not_analysed(
     found = called("tolerance", made)
     assert found.code == 2
     assert said in found.err
-
-
-def test_a_pair_has_play(tmp_path: Path) -> None:
-    table = tmp_path / "errors.csv"
-    said = called("tolerance", PAIR, "-o", table).out
-    assert "play between both sides, mean and 3 sigma: -0.01514 deg at cam angle 96.3889" in said
-    assert "95.61% of machines squeeze the follower somewhere" in said
-    head, *rows = table.read_text("utf-8").splitlines()
-    names = head.split(",")
-    low, high = (names.index(f"play {sign} 3 sigma [deg]") for sign in "-+")
-    values = [[float(each) for each in row.split(",")] for row in rows]
-    assert min(row[low] for row in values) == pytest.approx(-0.01514, rel=0.01)
-    assert all(row[low] < row[high] for row in values)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import hashlib
 import json
+import re
 import shutil
 from pathlib import Path
 
@@ -78,15 +79,7 @@ def test_a_folder_that_cannot_be_read(tmp_path: Path, monkeypatch: pytest.Monkey
 
 def test_verdict_and_certificate(folder: Path) -> None:
     found = with_scene(folder)
-    lines = found.out.splitlines()
     assert found.code == 0
-    assert lines[0] == f"{folder / 'vorschub.csv'}: pass, bytes only"
-    assert lines[2].startswith(f"{folder / 'vorschub.dxf'}: pass, at most 0.0")
-    assert lines[2].endswith("mm off (tolerance 0.05 mm, by the file)")
-    names = [line.split("  ")[1] for line in lines[3:]]
-    needed = {"written again", "closure", "deviation outline", "kink outline", "area outline"}
-    assert needed <= {*names}
-    assert [line.split()[0] for line in lines[3:] if " ok" not in line] == ["unit"]
     assert found.err.endswith("verification.json: the results\n")
 
     before = (folder / "verification.json").read_bytes()
@@ -113,7 +106,10 @@ def test_scene_is_found_by_its_hash(
     here.mkdir()
     monkeypatch.chdir(here)
     drawing = folder / "vorschub.dxf"
-    assert called("verify", drawing).code == 2
+    found = called("verify", drawing)
+    assert found.code == 2
+    assert re.search("no scene with SHA-256 .* name it with --scene", found.err)
+    assert not (folder / "verification.json").exists()
     target = {"folder": folder, "parent": tmp_path, "here": here}[place]
     shutil.copy(SCENES / "setzhub.toml", target / "another.toml")
     assert called("verify", drawing).code == 2
@@ -151,14 +147,6 @@ def test_scene_is_found_whatever_effects_it_names(folder: Path) -> None:
     for content, code in ((other, 2), (text, 0)):
         (folder / "scene.toml").write_text(f"{content}\n[effects.kinematics]\n", "utf-8")
         assert called("verify", folder / "vorschub.dxf").code == code
-
-
-def test_scene_that_is_not_found_is_reported(folder: Path) -> None:
-    found = called("verify", folder)
-    assert found.code == 2
-    assert "no scene with SHA-256" in found.err
-    assert "name it with --scene" in found.err
-    assert not (folder / "verification.json").exists()
 
 
 def test_tolerance_of_the_person_counts(folder: Path) -> None:

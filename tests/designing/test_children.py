@@ -54,10 +54,6 @@ def test_a_scene_is_painted_by_a_process() -> None:
         assert found.submit(Job("curves", "="), PATIENCE).data["faults"]
 
 
-def test_jobs_go_to_the_same_process_one_after_the_other(children: Children) -> None:
-    assert served(children) == served(children)
-
-
 @pytest.mark.parametrize(
     ("kind", "seconds", "told"),
     [

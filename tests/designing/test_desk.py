@@ -183,12 +183,6 @@ def test_a_new_scene_is_kept_until_it_has_a_name(folder: Path, states: Path) -> 
     assert list(states.iterdir()) == []
 
 
-def test_a_text_that_is_none_is_refused(desk: Desk) -> None:
-    with pytest.raises(FileError):
-        desk.change("\ud800", "text")
-    assert desk.text == "a = 1\n"
-
-
 def test_a_damaged_journal_is_told_and_designing_goes_on(
     desk: Desk, folder: Path, states: Path
 ) -> None:

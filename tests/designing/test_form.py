@@ -16,28 +16,28 @@ from tests.designing.scenes import CHOSEN, name_of
 
 
 def fields(data: bytes) -> dict[str, Any]:
-    return {each.key: each for section in form(document(data)) for each in section.fields}
+    return {each["key"]: each for section in form(document(data)) for each in section["fields"]}
 
 
 @pytest.mark.parametrize("file", CHOSEN, ids=name_of)
 def test_every_value_of_a_scene_has_its_field(file: pathlib.Path) -> None:
     data = file.read_bytes()
     found = fields(data)
-    text = json.dumps([each.to_data() for each in form(document(data))], allow_nan=False)
+    text = json.dumps(form(document(data)), allow_nan=False)
     assert len(text) < 120_000
-    stated = {key for key, each in found.items() if each.stated}
+    stated = {key for key, each in found.items() if each["stated"]}
     for path in leaves(document(data).exact):
         key = ".".join(str(step) for step in path)
         if path[0] not in ("camgeo", "motion") and path[-1:] != ("kind",):
             assert any(path_of(each) == path for each in stated), key
     for key, each in found.items():
-        assert each.title, key
-        if each.slider is not None:
-            low, high, step = each.slider
-            assert low <= each.value <= high, key
+        assert each["title"], key
+        if "slider" in each:
+            low, high, step = each["slider"]
+            assert low <= each["value"] <= high, key
             assert 0 < step < high - low
-            assert each.low is None or low >= each.low
-            assert each.high is None or high <= each.high
+            assert each.get("low", low) <= low
+            assert each.get("high", high) >= high
 
 
 def leaves(node: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
@@ -63,5 +63,4 @@ def leaves(node: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     ],
 )  # fmt: skip
 def test_any_values_have_a_form(values: dict[str, Any]) -> None:
-    data = [each.to_data() for each in form(document_of(values))]
-    assert len(json.dumps(data, allow_nan=False)) < 120_000
+    assert len(json.dumps(form(document_of(values)), allow_nan=False)) < 120_000

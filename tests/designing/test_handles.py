@@ -30,7 +30,7 @@ def handle(of: Design, name: str) -> Handle:
 @pytest.mark.parametrize("file", CHOSEN, ids=name_of)
 def test_a_handle_dropped_where_it_is_changes_nothing(file: pathlib.Path) -> None:
     own = design(file)
-    found = handles(own)
+    found = list(handles(own))
     assert len({each.name for each in found}) == len(found)
     for each in found:
         for step in (None, 0.01, 1, [5.0, 0.2]):
@@ -42,7 +42,7 @@ def test_a_handle_dropped_where_it_is_changes_nothing(file: pathlib.Path) -> Non
 def test_a_handle_is_where_it_was_dropped(data: st.DataObject) -> None:
     """Or as near to it as it can move; dropped there, it stays."""
     own = design(data.draw(st.sampled_from(FILES)))
-    each = data.draw(st.sampled_from(handles(own)))
+    each = data.draw(st.sampled_from(list(handles(own))))
     way = st.floats(-3.0, 3.0)
     to = each.at[0] + data.draw(way), each.at[1] + data.draw(way)
     try:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from camgeo.app.answers.check import check
-from camgeo.app.designing.children import Job, JobError
+from camgeo.app.designing.children import Job
 from camgeo.app.designing.recent import Recent
 from camgeo.app.designing.work import run
 from camgeo.design.design import Design
@@ -93,9 +93,3 @@ def test_a_scene_with_faults_has_no_findings() -> None:
     found = run(Job("findings", "camgeo = 1"))
     assert found["faults"]
     assert "findings" not in found
-
-
-@pytest.mark.parametrize("value", [1, "yes", [True], None])
-def test_wrong_arguments_are_told(value: Any) -> None:
-    with pytest.raises(JobError, match="machining must be true or false"):
-        run(Job("findings", template("milled"), arguments={"machining": value}))

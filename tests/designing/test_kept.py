@@ -12,9 +12,8 @@ import numpy as np
 
 from camgeo.app.answers.answer import in_a_line
 from camgeo.app.designing.children import Job
-from camgeo.app.designing.edits import changed
+from camgeo.app.designing.edits import ACTIONS, changed
 from camgeo.app.designing.handles import handles
-from camgeo.app.designing.segments import ACTIONS
 from camgeo.app.designing.work import run
 from camgeo.errors import CamgeoError
 from tests import kept

@@ -47,11 +47,6 @@ def test_a_cam_without_outline_has_no_files_but_findings() -> None:
     assert found["findings"]
 
 
-def test_an_unknown_format_is_a_fault() -> None:
-    found = run(Job("build", ROLLER, arguments={"formats": ["stone"]}))
-    assert found["faults"][0]["value"] == "stone"
-
-
 def test_solids_are_triangles_within_the_disc() -> None:
     path = SCENES / "setzhub.toml"
     (found,) = run(job("solid", "setzhub"))["solids"]
@@ -96,6 +91,7 @@ def test_what_changes_with_the_smallest_size_is_said() -> None:
     [("size", {"arm": [1]}), ("size", {"arm": 3}), ("size", {"radius_ratio": "x"}),
      ("size", {"transmission_angle": 10**400}), ("size", {"arm": [None, 1]}),
      ("build", {"formats": "dxf"}), ("build", {"formats": [1]}), ("laws", {}),
+     *(("findings", {"machining": value}) for value in (1, "yes", [True], None)),
      ("laws", {"segment": -1}), ("laws", {"segment": 99}), ("laws", {"segment": True})],
 )  # fmt: skip
 def test_wrong_arguments_are_told(kind: str, arguments: dict[str, Any]) -> None:

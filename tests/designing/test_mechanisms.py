@@ -11,7 +11,7 @@ from camgeo.app.designing.edits import changed
 from camgeo.errors import SceneError, UnknownNameError
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from tests.designing.scenes import CHOSEN, FILES, FIXTURES, SETZHUB, TEXT, design, name_of
-from tests.designing.test_edits import comments, exact
+from tests.designing.test_edits import exact
 
 OTHERS = [
     *(("follower", kind) for kind in FOLLOWERS),
@@ -31,19 +31,6 @@ def test_every_kind_makes_a_valid_scene(file: pathlib.Path) -> None:
         assert (None if table is None else table["kind"]) == kind
 
 
-def test_what_is_shared_stays() -> None:
-    text = TEXT
-    asked = {"key": "follower", "kind": "oscillating-flat"}
-    found = changed(text, str(SETZHUB), None, {"table": asked}, design(SETZHUB))
-    table = exact(found.text)["follower"]
-    assert table["pivot"] == exact(text)["follower"]["pivot"]
-    assert table["base_radius"] == exact(text)["follower"]["base_radius"]
-    assert "arm" not in table
-    assert comments(found.text) == comments(text)
-    assert exact(found.text)["motion"] == exact(text)["motion"]
-    assert found.label == "follower oscillating-flat"
-
-
 def test_positions_change_with_their_unit() -> None:
     """A rocker of the arm l swings by s / l for a lift s."""
     file = FIXTURES / "scenes" / "shuttle.toml"
@@ -58,14 +45,15 @@ def test_positions_change_with_their_unit() -> None:
 
 
 @pytest.mark.parametrize(
-    "asked", [{"key": "follower", "kind": "no"}, {"key": "follower", "kind": 3}]
+    ("asked", "error"),
+    [
+        ({"key": "follower", "kind": "no"}, UnknownNameError),
+        ({"key": "follower", "kind": 3}, UnknownNameError),
+        (None, SceneError),
+        ({}, SceneError),
+        ({"key": "cam", "kind": "x"}, SceneError),
+    ],
 )
-def test_a_kind_that_there_is_not_is_refused(asked: dict[str, Any]) -> None:
-    with pytest.raises(UnknownNameError):
-        changed(TEXT, str(SETZHUB), None, {"table": asked})
-
-
-@pytest.mark.parametrize("asked", [None, {}, {"key": "cam", "kind": "x"}])
-def test_a_table_without_kinds_is_refused(asked: Any) -> None:
-    with pytest.raises(SceneError):
+def test_a_table_or_kind_that_there_is_not_is_refused(asked: Any, error: type[Exception]) -> None:
+    with pytest.raises(error):
         changed(TEXT, str(SETZHUB), None, {"table": asked})

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.app.designing.edits import changed
-from camgeo.app.designing.segments import ACTIONS, spans_of, total
+from camgeo.app.designing.edits import ACTIONS, changed, total
+from camgeo.app.designing.segments import spans_of
 from camgeo.errors import SceneError
 from tests.designing.scenes import FILES, FIXTURES, SETZHUB, TEXT, design
 

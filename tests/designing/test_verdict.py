@@ -13,7 +13,7 @@ from camgeo.app.designing.faults import UNKNOWN, WAITING, verdict_of
 from camgeo.app.designing.work import run
 from camgeo.scene.toml import template
 from tests.designing.scenes import FIXTURES
-from tests.draws.designer_header import case, edits, header, misplaced, switched
+from tests.draws.designer_header import case, edits, header, switched
 
 SPRING = "\n[effects.spring]\nstiffness = 5\npreload = 200\n"
 """A compression spring, which on a rocker lacks its ends."""
@@ -131,9 +131,3 @@ def test_an_effect_that_this_follower_cannot_have_is_refused_with_the_reason(
     asked = {"effect": {"name": "contact-pressure", "on": True}}
     assert "a knife edge" in run(Job("change", text, arguments=asked))["refused"]
     assert switched("knife-edge", text, "contact-pressure", file).severity == "refused"
-
-
-def test_a_fault_at_another_line_is_a_miss() -> None:
-    text = "[part]\nbore = 90\n[cam]\nspeed = 3\n"
-    assert misplaced([{**FAULT, "line": 2}], text) == ""
-    assert misplaced([{**FAULT, "line": 4}], text) == "part.bore is said to be at line 4"

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from typing import Final
 
 from camgeo.app.cli.command import CallError, add_json, present_name, show, write_files
-from camgeo.app.cli.plot import add_picture, pictures
-from camgeo.app.cli.progress import Progress
+from camgeo.app.cli.plot import add_picture, output_files
+from camgeo.app.cli.streams import Progress
 from camgeo.errors import meant
 from camgeo.units import counted
 
@@ -45,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
     only = known_names(arguments.only, suite.names(cases))
     found = stability(cases, only, quick=arguments.quick, progress=arguments.progress)
     points = counted(len(suite.worst_of_cases(found.readings)), "point")
-    write_files(pictures(found, arguments, points), arguments)
+    write_files(output_files(found, arguments, points), arguments)
     return show(found, arguments)
 
 

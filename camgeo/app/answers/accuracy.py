@@ -6,7 +6,7 @@ import argparse
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
+from typing import Any, Final, Literal
 
 from camgeo.app.answers.answer import SCENE, Answer, Key, Keys, aligned
 from camgeo.app.cli.command import (
@@ -16,16 +16,15 @@ from camgeo.app.cli.command import (
     opened,
     positive,
     show,
-    write_files,
 )
-from camgeo.app.cli.plot import add_picture, pictures
+from camgeo.app.cli.plot import add_picture, output_files
 from camgeo.design.design import Design
 from camgeo.geometry.contour.contour import Form
 from camgeo.pictures.model import Figure
 from camgeo.scene.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.scene.scene import Scene
 from camgeo.studies.accuracy import survey as surveys
-from camgeo.studies.accuracy.benefit import harmonics
+from camgeo.studies.accuracy.benefit import BenefitRow, benefit_rows, harmonics
 from camgeo.studies.accuracy.contours import (
     FORMS,
     ContourRow,
@@ -34,7 +33,7 @@ from camgeo.studies.accuracy.contours import (
     TableRow,
     in_length,
 )
-from camgeo.studies.accuracy.knee import advice, step_sentence
+from camgeo.studies.accuracy.knee import advice, of_each_form, step_sentence
 from camgeo.studies.accuracy.survey import (
     STAGES,
     TOLERANCES,
@@ -44,9 +43,6 @@ from camgeo.studies.accuracy.survey import (
     own_rows,
 )
 from camgeo.units import MM_PER, RPM, LengthUnit
-
-if TYPE_CHECKING:
-    from camgeo.studies.accuracy.benefit import BenefitRow
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,8 +58,6 @@ class Accuracy(Answer):
     complete : whether not only the contour that the scene asks for was measured.
     benefits : what each form does at one speed; empty if none was asked for.
     """
-
-    command: ClassVar[str] = "accuracy"
 
     scene: Scene
     survey: Survey
@@ -92,8 +86,6 @@ class Accuracy(Answer):
         """Which of the tolerances is enough at the speed asked for, in words, for each form."""
         if not self.benefits:
             return ()
-        from camgeo.studies.accuracy.knee import of_each_form
-
         speed = self.benefits[0].speed / RPM
         return tuple(f"at {speed:g} rev/min: {each}" for each in of_each_form(self.benefits))
 
@@ -195,10 +187,6 @@ def accuracy(
         ripple = design.scene.output.accuracy_ripple
     benefits: tuple[BenefitRow, ...] = ()
     if speed is not None:
-        from camgeo.studies.accuracy.benefit import (
-            benefit_rows,  # a survey without a speed needs none
-        )
-
         forms = FORMS if complete else own_contour(design.scene)[:1]
         benefits = benefit_rows(design, tolerances, (speed,), forms=forms, progress=progress)
     found = surveys.survey(
@@ -569,26 +557,29 @@ def _tables(answer: Accuracy) -> list[str]:
     """A table each of contours, solids, builds, benefits, value tables and effects."""
     length = answer.scene.unit
     found, ripple = answer.survey.in_length(length), answer.ripple
-    heads = [*CONTOURS, "ripple"] if ripple else list(CONTOURS)
-    lines = _columns(heads, [_contour_cells(row, ripple=ripple) for row in found.contours])
-    if found.solids:
-        lines += ["", *_columns(SOLIDS, [_solid_cells(row) for row in found.solids])]
-    if found.bill:
-        lines += ["", *_columns(BILL, [_bill_cells(row) for row in found.bill])]
-    if answer.benefits:
-        lines += [
-            "",
-            *_columns(_benefits(answer), [_benefit_cells(row, length) for row in answer.written]),
-        ]
-    heads = ["step [deg]", "rows", "bytes", "made", "spread", f"error [{answer.unit}]"]
-    lines += ["", *_columns(heads, [_table_cells(row, answer) for row in found.tables])]
-    if found.effects:
-        lines += ["", *_columns(EFFECTS, [_effect_cells(row) for row in found.effects])]
+    steps = ("step [deg]", "rows", "bytes", "made", "spread", f"error [{answer.unit}]")
+    tables: tuple[tuple[Sequence[str], list[tuple[list[str], str]], str], ...] = (
+        (
+            (*CONTOURS, *["ripple"] * ripple),
+            [_contour_cells(row, ripple=ripple) for row in found.contours],
+            COLUMNS,
+        ),
+        (SOLIDS, [_solid_cells(row) for row in found.solids], ""),
+        (BILL, [_bill_cells(row) for row in found.bill], BILL_COLUMNS),
+        (
+            _benefits(answer),
+            [_benefit_cells(row, length) for row in answer.written],
+            BENEFIT_COLUMNS,
+        ),
+        (steps, [_table_cells(row, answer) for row in found.tables], ""),
+        (EFFECTS, [_effect_cells(row) for row in found.effects], EFFECT_COLUMNS),
+    )
+    lines = []
+    for heads, rows, _ in tables:
+        lines += [*_columns(heads, rows), ""] if rows else []
     if found.rounded:
-        lines += ["", *map(_rounded, found.rounded)]
-    lines += ["", COLUMNS, *([BILL_COLUMNS] if found.bill else [])]
-    lines += [BENEFIT_COLUMNS] if answer.benefits else []
-    return [*lines, *([EFFECT_COLUMNS] if found.effects else [])]
+        lines += [*map(_rounded, found.rounded), ""]
+    return [*lines, *(told for _, rows, told in tables if rows and told)]
 
 
 def figure(answer: Accuracy) -> Figure:
@@ -774,8 +765,6 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Measure, and print or draw the results."""
-    from camgeo.studies.accuracy.survey import TOLERANCES  # with all that it measures
-
     design = opened(arguments)
     notify_main_disc(design, "figures")
     found = accuracy(
@@ -787,8 +776,7 @@ def run(arguments: argparse.Namespace) -> int:
         speed=None if arguments.speed is None else arguments.speed * RPM,
         progress=arguments.progress,
     )
-    write_files(pictures(found, arguments, "pieces, bytes, seconds"), arguments)
-    return show(found, arguments)
+    return show(found, arguments, output_files(found, arguments, "pieces, bytes, seconds"))
 
 
 def _tolerances(text: str) -> tuple[float, ...]:

@@ -63,7 +63,7 @@ class Answer(Displayed):
 
     Attributes
     ----------
-    command : that it answers, as on the command line.
+    command : that it answers, as on the command line; the name of its module if it states none.
     version : of its JSON document; incremented when a key is removed or changes its meaning.
     """
 
@@ -71,6 +71,11 @@ class Answer(Displayed):
 
     command: ClassVar[str]
     version: ClassVar[int] = 1
+
+    def __init_subclass__(cls, **given: Any) -> None:
+        super().__init_subclass__(**given)
+        if "command" not in vars(cls):
+            cls.command = cls.__module__.rpartition(".")[2].replace("_", "-")
 
     @property
     def exit_code(self) -> int:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
-from typing import ClassVar, Final
+from typing import Final
 
 from camgeo.app.answers.answer import FINDING, SCENE, Answer, Key, exit_code, finding_lines
 from camgeo.app.cli.command import add_scene, number, opened, settle, show
@@ -15,6 +15,7 @@ from camgeo.app.cli.streams import notify
 from camgeo.check.finding import Finding
 from camgeo.design.design import Design
 from camgeo.design.judged_part import in_one_piece
+from camgeo.design.product import with_pair
 from camgeo.design.writing import FileReport, write_files
 from camgeo.scene.scene import Scene
 from camgeo.units import MM_PER, LengthUnit, counted
@@ -33,8 +34,6 @@ class Build(Answer):
     files : that were written; empty if the cam has no outline.
     certificate : its name beside the files; None if there are none.
     """
-
-    command: ClassVar[str] = "build"
 
     scene: Scene
     tolerance: float
@@ -57,7 +56,6 @@ def poor_findings(design: Design) -> tuple[Finding, ...]:
     if not design.judgement.has_outline:
         return bad
     from camgeo.design.judged_part import poor_in  # a cam without outline has no part
-    from camgeo.design.product import with_pair
 
     return (*bad, *chain.from_iterable(map(poor_in, with_pair(design.discs))))
 
@@ -134,17 +132,12 @@ def text(answer: Build) -> str:
     """A line for each file, and one for the certificate; lengths in the scene's unit."""
     folder, unit = Path(answer.folder), answer.scene.unit
     lines = [f"{folder / file.name!s:{WIDTH}} {_size(file, unit)}" for file in answer.files]
-    relation = _relation(answer)
-    lines += [relation] if relation and answer.files else []
+    part = answer.scene.part
+    if answer.files and part is not None and part.pair is not None:
+        lines.append(in_one_piece(part.pair))
     if answer.certificate is not None:
         lines.append(f"{folder / answer.certificate!s:{WIDTH}} the proof of these deviations")
     return "\n".join(lines)
-
-
-def _relation(answer: Build) -> str:
-    """How the discs of a pair in one piece stand to each other; empty of other designs."""
-    part = answer.scene.part
-    return "" if part is None or part.pair is None else in_one_piece(part.pair)
 
 
 def _size(file: FileReport, unit: LengthUnit) -> str:

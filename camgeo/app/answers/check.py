@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import TYPE_CHECKING, Final
 
 from camgeo.app.answers.answer import (
     FEATURE,
@@ -21,7 +21,8 @@ from camgeo.app.answers.answer import (
 )
 from camgeo.app.cli.command import add_json, add_scene, opened, show
 from camgeo.check.finding import FINDINGS, RETURN, Finding, forbidding
-from camgeo.design.judged_part import Body, PartFound
+from camgeo.design.judged_part import Body, PartFound, part_of
+from camgeo.design.product import with_pair
 from camgeo.errors import GeometryError
 from camgeo.kinematics.plan import Joint, joints
 from camgeo.scene.formats.format import find_format
@@ -95,8 +96,6 @@ class Check(Answer):
     formats : what the scene lacks for the formats that it names, "broken", and for a program if it
         states how to mill, "ok" if it does not name that format.
     """
-
-    command: ClassVar[str] = "check"
 
     scene: Scene
     findings: tuple[Finding, ...]
@@ -172,9 +171,6 @@ def _lacking(scene: Scene) -> Iterator[Finding]:
 
 
 def _parts(design: Design) -> dict[str, PartFound]:
-    from camgeo.design.judged_part import part_of  # a motion alone has none
-    from camgeo.design.product import with_pair
-
     with design.ledger.entry(OF_PART):
         return {disc.name: part_of(disc) for disc in with_pair(design.discs)}
 

@@ -7,19 +7,20 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
-from typing import Any, ClassVar, Final, Literal
+from typing import Any, Final, Literal
 
 from camgeo.app.answers.answer import MARKS, Answer, Key, aligned
 from camgeo.app.answers.check import check
 from camgeo.app.answers.sweep import shown_in
-from camgeo.app.cli.command import add_json, add_repeated, show, write_files
-from camgeo.app.cli.plot import add_picture, pictures
+from camgeo.app.cli.command import add_json, add_repeated, design_in, show
+from camgeo.app.cli.plot import add_picture, output_files
 from camgeo.check.finding import Finding
 from camgeo.check.judge import worst
 from camgeo.design.design import Design
 from camgeo.errors import GeometryError, UnknownNameError
 from camgeo.pictures.model import Figure
 from camgeo.scene.keys import KeyPath, spelled
+from camgeo.studies.sweep.family import names_in
 from camgeo.studies.sweep.rows import asked_of, canonical, read
 from camgeo.units import LengthUnit, counted, in_unit, shortened
 
@@ -102,8 +103,6 @@ class Compare(Answer):
     keys : in which the scenes differ.
     lines : the findings of all, or what was asked.
     """
-
-    command: ClassVar[str] = "compare"
 
     designs: tuple[Compared, ...]
     keys: tuple[DifferingKey, ...]
@@ -353,16 +352,11 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Compare, and print or draw the results."""
-    from camgeo.design.design import Design
-    from camgeo.lazy import Ledger
-    from camgeo.scene.scene import load_scene
-    from camgeo.studies.sweep.family import names_in
-
-    designs = [Design(load_scene(name), Ledger(arguments.progress)) for name in arguments.scenes]
+    designs = [design_in(name, arguments) for name in arguments.scenes]
     labels = labels_of(arguments.scenes)
     found = compare(list(zip(labels, designs, strict=True)), names_in(arguments.ask))
-    write_files(pictures(found, arguments, "flanks, motion, acceleration, mu"), arguments)
-    return show(found, arguments)
+    files = output_files(found, arguments, "flanks, motion, acceleration, mu")
+    return show(found, arguments, files)
 
 
 def labels_of(names: Sequence[str]) -> list[str]:

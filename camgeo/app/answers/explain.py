@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from itertools import chain
-from typing import ClassVar, Final, Literal
+from typing import Final, Literal
 
 from camgeo.app.answers.answer import SCENE, Answer, Key
 from camgeo.app.answers.check import OF_MILLING, OF_PART, Check, check
@@ -18,7 +18,7 @@ from camgeo.check.judge import Judgement
 from camgeo.design.design import Design
 from camgeo.design.drawn import DrawnDisc
 from camgeo.design.milled import MilledDisc
-from camgeo.lazy import Run, lazy_names
+from camgeo.lazy import Run, built, lazy
 from camgeo.scene.scene import Scene
 from camgeo.units import counted
 
@@ -45,8 +45,6 @@ class Explanation(Answer):
     left_alone : quantities and effects that were not computed.
     findings : of the checks, effects and parts among them, by the names of the quantities.
     """
-
-    command: ClassVar[str] = "explain"
 
     scene: Scene
     goal: str
@@ -108,6 +106,15 @@ def quantities() -> tuple[str, ...]:
 
     effects = (node_name(name) for name in effect_names())
     return (*(name for owner in OWNERS for name in lazy_names(owner)), *effects)
+
+
+def lazy_names(owner: type) -> tuple[str, ...]:
+    """Names of the lazy quantities of a class, in the order of their definition."""
+    found = [
+        name for each in reversed(owner.__mro__) for name, value in vars(each).items()
+        if isinstance(value, lazy) and not isinstance(value, built)
+    ]  # fmt: skip
+    return tuple(dict.fromkeys(found))
 
 
 def _plain(quantity: str) -> str:

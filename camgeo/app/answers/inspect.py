@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Final, Literal
+from typing import Final, Literal
 
 import numpy as np
 
@@ -35,10 +35,8 @@ from camgeo.app.cli.command import (
     opened,
     positive,
     show,
-    tables,
-    write_files,
 )
-from camgeo.app.cli.plot import SUFFIXES, pictures
+from camgeo.app.cli.plot import SUFFIXES, output_files
 from camgeo.check.finding import Finding, held
 from camgeo.design.design import Design
 from camgeo.design.product import Product, disc_of
@@ -49,6 +47,7 @@ from camgeo.geometry.outline.path import Flank
 from camgeo.numeric.arrays import ComplexArray, frozen
 from camgeo.numeric.columns import Asked, NumberColumn, fault, read_columns
 from camgeo.numeric.extremes import Extremes
+from camgeo.pictures.model import Figure
 from camgeo.reading import TABLE
 from camgeo.record import Pickled
 from camgeo.scene.scene import Scene
@@ -78,10 +77,6 @@ from camgeo.units import (
     over_cam_angles,
     small,
 )
-
-if TYPE_CHECKING:
-    from camgeo.pictures.model import Figure
-
 
 WIDEST_GAP: Final = math.radians(10.0)
 """Range of the path [rad] without a point beyond which the follower is not pressed on the disc."""
@@ -134,8 +129,6 @@ class Inspection(Answer):
     lift : effect on the follower; None if it cannot be told, see the findings.
     findings : worst first.
     """
-
-    command: ClassVar[str] = "inspect"
 
     scene: Scene
     disc: Product
@@ -338,14 +331,8 @@ def _turn(alignment: Alignment) -> Iterator[Finding]:
         return
     limit, degrees = math.degrees(UNSURE), math.degrees(unsure)
     if math.isinf(unsure):
-        yield Finding(
-            "turn",
-            "warning",
-            "the flank is too round to show the turn of the part: any fits",
-            None,
-            limit,
-            "deg",
-        )
+        sentence = "the flank is too round to show the turn of the part: any fits"
+        yield Finding("turn", "warning", sentence, None, limit, "deg")
     elif unsure > UNSURE:
         sentence = f"the flank hardly shows the turn of the part, to {small(degrees, 'deg')}"
         yield Finding("turn", "warning", sentence, degrees, limit, "deg")
@@ -627,16 +614,15 @@ def text(answer: Inspection) -> str:
     points = counted(answer.count, "point" if answer.ball == 0.0 else "centre")
     head = f"{answer.disc.name}: {points} of the {answer.flank} flank, {answer.file}"
     found, sure = answer.deviations, f"{100.0 * answer.confidence:g} %"
-    lines = [f"{head}, {_fitted(answer)}"]
-    low, high = found.extremes.lowest, found.extremes.highest
-    lines.append(named_line("more material", small_extreme(high, "mm")))
-    lines.append(named_line("less material", small_extreme(low, "mm")))
-    lines.append(
-        named_line("profile", f"{small(found.profile, 'mm')}, twice the larger of the two")
-    )
-    lines.append(named_line("root mean square", small(found.root_mean_square, "mm")))
     scatter = f"{small(found.scatter, 'mm')} of a reading; all deviations within"
-    lines.append(named_line("scatter", f"{scatter} {small(found.uncertainty, 'mm')} ({sure})"))
+    lines = [
+        f"{head}, {_fitted(answer)}",
+        named_line("more material", small_extreme(found.extremes.highest, "mm")),
+        named_line("less material", small_extreme(found.extremes.lowest, "mm")),
+        named_line("profile", f"{small(found.profile, 'mm')}, twice the larger of the two"),
+        named_line("root mean square", small(found.root_mean_square, "mm")),
+        named_line("scatter", f"{scatter} {small(found.uncertainty, 'mm')} ({sure})"),
+    ]
     alignment = answer.alignment
     if (shift := answer.shift) is not None and alignment.shift_uncertainty is not None:
         for name, value, off in zip(
@@ -770,9 +756,4 @@ def run(arguments: argparse.Namespace) -> int:
         ball=arguments.ball,
         tolerance=arguments.tolerance,
     )
-    if (arguments.output or "").endswith(CSV):
-        files = tables(found, arguments.output)
-    else:
-        files = pictures(found, arguments, "deviations, lift errors")
-    write_files(files, arguments)
-    return show(found, arguments)
+    return show(found, arguments, output_files(found, arguments, "deviations, lift errors"))

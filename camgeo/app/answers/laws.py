@@ -6,21 +6,18 @@ import argparse
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, ClassVar, Final, Literal
+from typing import Final, Literal
 
 from camgeo.app.answers.answer import Answer, Key, Keys
 from camgeo.app.cli.command import CallError, add_json, number, show, write_files
-from camgeo.app.cli.plot import add_picture, pictures
+from camgeo.app.cli.plot import add_picture, output_files
 from camgeo.errors import Fault, SceneError
 from camgeo.kinematics.laws import ALIASES, FAMILIES, OPTIONS, find_family
 from camgeo.kinematics.laws.comparison import QUANTITIES, Entry, Running, compare
 from camgeo.kinematics.motion import ENDS, NAMES, TASKS, ends_of
 from camgeo.numeric.extremes import Extreme
+from camgeo.pictures.model import Figure
 from camgeo.units import RPM, counted
-
-if TYPE_CHECKING:
-    from camgeo.pictures.model import Figure
-
 
 UNITS: Final = ("mm/s", "mm/s^2", "mm/s^2", "mm/s^3", "mm/s^3", "N m/kg", "N m/kg")
 """Of the physical values of `QUANTITIES`."""
@@ -87,8 +84,6 @@ class Laws(Answer):
     tasks : all tasks; None if laws of one are compared.
     places : whether the text shows z of the extremes too.
     """
-
-    command: ClassVar[str] = "laws"
 
     rows: tuple[LawRow, ...] | None = None
     running: Running | None = None
@@ -422,7 +417,7 @@ def run(arguments: argparse.Namespace) -> int:
     )
     count = sum(row.entry.law is not None for row in found.rows or ())
     contents = f"{counted(count, 'law')} for {arguments.task or DEFAULT_TASK}"
-    files = pictures(found, arguments, contents)
+    files = output_files(found, arguments, contents)
     write_files(files, arguments)
     return found.exit_code if files and not arguments.json else show(found, arguments)
 

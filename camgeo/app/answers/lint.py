@@ -8,8 +8,9 @@ import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import entry_points
+from itertools import groupby
 from pathlib import Path
-from typing import Any, ClassVar, Final, Literal, Protocol
+from typing import Any, Final, Literal, Protocol
 
 from camgeo.app.answers.answer import BROKEN, FINE, WRONG, Answer, Key
 from camgeo.app.cli.command import CallError, add_json, number, opened, show
@@ -100,8 +101,6 @@ class Lint(Answer):
     programs : one per file.
     scene : with tools, blank and holding; None without one.
     """
-
-    command: ClassVar[str] = "lint"
 
     machine: Machine
     bench: Bench
@@ -286,13 +285,9 @@ def _of(program: Program, machine: str, unit: LengthUnit) -> list[str]:
     found = program.findings
     count = counted(len(found), "finding") if found else "nothing found"
     lines = [f"{program.path}: {count}, {counted(program.moves, 'move')}, as for {machine}"]
-    last = -1
-    for each in found:
-        place = each.line or 0
-        if place != last:
-            lines.append(_place(each))
-        last = place
-        lines += _said(each, unit)
+    for _, group in groupby(found, lambda each: each.line):
+        placed = list(group)
+        lines += [_place(placed[0]), *(line for each in placed for line in _said(each, unit))]
     if not program.complete:
         lines.append("  and perhaps more: the program was not read further")
     return lines

@@ -7,7 +7,7 @@ import json
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
-from typing import Any, ClassVar, Final, Literal
+from typing import Any, Final, Literal
 
 from camgeo.app.answers.answer import Answer, Key, Keys, aligned
 from camgeo.app.cli.command import add_json, show
@@ -61,8 +61,6 @@ class Machines(Answer):
     listed : all profiles of camgeo; None if one is shown.
     shown : that profile; None for the list.
     """
-
-    command: ClassVar[str] = "machines"
 
     listed: tuple[Listed, ...] | None = None
     shown: Listed | None = None

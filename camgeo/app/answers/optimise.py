@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import csv
-import io
 import signal
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Final, Literal
+from typing import Final, Literal
 
 from camgeo.app.answers.answer import BROKEN, FINE, STOPPED, Answer, Key, aligned
-from camgeo.app.answers.sweep import exact, shown, shown_in
+from camgeo.app.answers.sweep import csv_of, shown, shown_in
 from camgeo.app.cli import plot
 from camgeo.app.cli.command import (
     CallError,
@@ -31,14 +29,12 @@ from camgeo.app.cli.command import (
     write_files,
 )
 from camgeo.app.cli.streams import notify
-from camgeo.scene.scene import Scene
+from camgeo.pictures.model import Figure
+from camgeo.scene.scene import Scene, load_scene
 from camgeo.scene.varied import Value
-from camgeo.studies.optimise.optimise import Found, Trial
-from camgeo.studies.sweep.family import Range, Variable
+from camgeo.studies.optimise.optimise import Found, Trial, optimise, task_of
+from camgeo.studies.sweep.family import Range, Variable, names_in
 from camgeo.units import counted, shortened, unit_in
-
-if TYPE_CHECKING:
-    from camgeo.pictures.model import Figure
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,8 +82,6 @@ class Optimum(Answer):
     ----------
     found : the task, all trials and the best.
     """
-
-    command: ClassVar[str] = "optimise"
 
     found: Found
 
@@ -359,17 +353,15 @@ def _bounds(bound: Bound) -> str:
 
 def comma_separated(answer: Optimum) -> bytes:
     """All designs that were tried as CSV in UTF-8, in their order."""
-    found = io.StringIO(newline="")
-    rows = csv.writer(found, lineterminator="\n")
     words = [each.word for each in answer.found.task.asked]
     heads = [f"{word} [{unit}]" if unit else word
              for word, unit in zip(words, answer.units, strict=True)]  # fmt: skip
-    rows.writerow(["number", *answer.found.task.family.keys, *heads, "violation", "violated"])
+    family = answer.found.task.family
+    rows: list[list[object]] = [["number", *family.keys, *heads, "violation", "violated"]]
     for trial in answer.found.trials:
-        values: Mapping[str, object] = answer.found.task.family.edits(trial.point)
-        cells = [exact(each) for each in (*values.values(), *trial.values)]
-        rows.writerow([trial.number, *cells, repr(trial.violation), "; ".join(trial.broken)])
-    return found.getvalue().encode()
+        cells = (*family.edits(trial.point).values(), *trial.values)
+        rows.append([trial.number, *cells, trial.violation, "; ".join(trial.broken)])
+    return csv_of(rows)
 
 
 def figure(answer: Optimum) -> Figure:
@@ -444,10 +436,6 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Search, print the answer, and write what was found."""
-    from camgeo.scene.scene import load_scene
-    from camgeo.studies.optimise.optimise import optimise, task_of
-    from camgeo.studies.sweep.family import names_in
-
     files = [Path(name) for name in arguments.output]
     if len({path.parent for path in files}) > 1 or len(set(files)) < len(files):
         raise CallError("-o must name different files in one folder")
@@ -483,8 +471,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _written(answer: Optimum, path: Path) -> Written:
-    from camgeo.app.answers import answer as render
-
     if path.suffix == ".toml":
         scene = answer.found.scene
         assert scene is not None  # as something is written
@@ -493,4 +479,4 @@ def _written(answer: Optimum, path: Path) -> Written:
         return path, comma_separated(answer), counted(answer.evaluations, "row")
     if path.suffix == ".json":
         return path, document(answer).encode(), "the record"
-    return path, plot.drawn(render.figure(answer), path.suffix), "picture"
+    return path, plot.drawn(figure(answer), path.suffix), "picture"

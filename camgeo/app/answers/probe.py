@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
-from typing import ClassVar, Final
+from typing import Final
 
 import numpy as np
 
@@ -27,8 +27,7 @@ from camgeo.app.cli.command import (
     positive,
     require_beside,
     show,
-    tables,
-    write_files,
+    table_file,
 )
 from camgeo.check.finding import Finding
 from camgeo.design.design import Design
@@ -96,8 +95,6 @@ class Probing(Answer):
     lift_curve : (n, 2) cam angle [rad] and lift [mm or rad] at every `step`, or every degree.
     """
 
-    command: ClassVar[str] = "probe"
-
     scene: Scene
     step: Decimal | None
     spacing: float | None
@@ -110,11 +107,6 @@ class Probing(Answer):
     def exit_code(self) -> int:
         """1 if the ball does not fit somewhere."""
         return exit_code(finding for each in self.flanks for finding in each.findings)
-
-    @property
-    def each(self) -> tuple[Probing, ...]:
-        """One answer for each flank."""
-        return tuple(replace(self, flanks=(one,)) for one in self.flanks)
 
 
 def probe(
@@ -171,36 +163,32 @@ def _lift_curve(design: Design, step: Decimal | None) -> FloatArray:
     return np.column_stack((phi, cam.drive.motion.jet(phi, "right", 1)[0]))
 
 
-def _findings(points: ProbePoints) -> list[Finding]:
-    found = []
+def _findings(points: ProbePoints) -> Iterator[Finding]:
     if points.ball > 0.0:
         blocked = points.obstructed
         if blocked is None:
             sentence = f"a ball of radius {points.ball:g} mm touches each point alone"
-            found.append(Finding("ball", "ok", sentence, points.ball, unit="mm"))
+            yield Finding("ball", "ok", sentence, points.ball, unit="mm")
         else:
             sentence = (
                 f"a ball of radius {points.ball:g} mm cannot touch the point"
                 f" {places(blocked.place)}: another place of the flank is {blocked.value:.3g} mm"
                 " nearer to its centre; take a smaller ball"
             )
-            found.append(
-                Finding("ball", "broken", sentence, points.ball, None, "mm", blocked.place)
-            )
+            yield Finding("ball", "broken", sentence, points.ball, None, "mm", blocked.place)
         if points.feigned > 0.0:
             delta = points.off_radius
             sentence = (
                 f"along the radius instead of the normal, {math.degrees(delta.value):.3g} deg off"
                 f" {places(delta.place)}, this ball would feign {points.feigned:.3g} mm of material"
             )
-            found.append(Finding("ball-compensation", "ok", sentence, points.feigned, unit="mm"))
+            yield Finding("ball-compensation", "ok", sentence, points.feigned, unit="mm")
     if points.missing:
         sentence = (
             f"{points.missing} of the cam angles have no point: the disc has nothing of the flank"
             " there"
         )
-        found.append(Finding("left-out", "warning", sentence, float(points.missing)))
-    return found
+        yield Finding("left-out", "warning", sentence, float(points.missing))
 
 
 # -- probing --------------------------------------------------------------------------------------
@@ -520,11 +508,14 @@ def run(arguments: argparse.Namespace) -> int:
         ball=arguments.ball,
         tolerance=arguments.tolerance,
     )
-    files = [*_points(found, arguments.output), *_lift_file(found, arguments.lift)]
+    files = list(_points(found, arguments.output))
+    if arguments.lift is not None:
+        lift = lift_table(found)
+        report = f"lift curve, {counted(len(lift.values), 'row')}"
+        files.append((Path(arguments.lift), lift.encoded(), report))
     if len({path for path, _, _ in files}) < len(files):
         raise CallError("--lift names the file of a flank")
-    write_files(files, arguments)
-    return show(found, arguments)
+    return show(found, arguments, files)
 
 
 def _points(found: Probing, output: str | None) -> Iterator[Written]:
@@ -532,19 +523,13 @@ def _points(found: Probing, output: str | None) -> Iterator[Written]:
     if output is None:
         return
     main = found.flanks[0]
-    for answer in found.each:
-        one, name = answer.flanks[0], Path(output)
+    for one in found.flanks:
+        name = Path(output)
         ending = one.disc.name.removeprefix(main.disc.name)
         if len(one.disc.cam.contact.flanks) > 1:
             ending += f"-{one.flank}"
-        yield from tables(answer, str(name.with_name(f"{name.stem}{ending}{name.suffix}")))
-
-
-def _lift_file(found: Probing, output: str | None) -> Iterator[Written]:
-    if output is not None:
-        table = lift_table(found)
-        rows = counted(len(table.values), "row")
-        yield Path(output), table.encoded(), f"lift curve, {rows}"
+        path = name.with_name(f"{name.stem}{ending}{name.suffix}")
+        yield table_file(flank_table(found, one), path)
 
 
 def _csv(name: str) -> str:

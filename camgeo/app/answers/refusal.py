@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Final
+from typing import Final
 
 from camgeo.app.answers.answer import BROKEN, WRONG, Answer, Key, faults_of
 from camgeo.errors import CamgeoError, Fault, UndercutError, UnsafeError
@@ -21,8 +21,6 @@ class Refusal(Answer):
     faults : what is wrong.
     exit_code : how the command ends.
     """
-
-    command: ClassVar[str] = "refusal"
 
     error: str
     message: str

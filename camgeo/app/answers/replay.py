@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Final, Literal, Protocol
+from typing import Final, Literal, Protocol
 
 import numpy as np
 
@@ -35,10 +35,8 @@ from camgeo.app.cli.command import (
     from_0,
     opened,
     show,
-    tables,
-    write_files,
 )
-from camgeo.app.cli.plot import SUFFIXES, pictures
+from camgeo.app.cli.plot import SUFFIXES, output_files
 from camgeo.app.cli.streams import notify
 from camgeo.cam.cam import Cam
 from camgeo.design.design import Design
@@ -63,13 +61,10 @@ from camgeo.geometry.outline.replay import (
 from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme, Extremes
+from camgeo.pictures.model import Figure
 from camgeo.reading import DRAWING
 from camgeo.scene.scene import Scene
 from camgeo.units import TURN, LengthUnit, counted, in_unit
-
-if TYPE_CHECKING:
-    from camgeo.pictures.model import Figure
-
 
 STEP: Final = Decimal("0.1")
 """Of the cam angle [deg]."""
@@ -164,8 +159,6 @@ class FollowerReplay(Answer):
     closing : smallest and largest play between a pair as travel of the main roller [mm], negative
         where the rollers are squeezed, with cam angles [rad]; None of one disc.
     """
-
-    command: ClassVar[str] = "replay"
 
     scene: Scene
     flank: Flank
@@ -544,50 +537,45 @@ def figure(answer: FollowerReplay) -> Figure:
     )
 
 
-def _lines(disc: DiscReplay) -> list[str]:
+def _lines(disc: DiscReplay) -> Iterator[str]:
     """What the follower does, a line each."""
     unit = disc.unit
-    lines = [named_line("lost stroke", _at(disc.lost_stroke, unit))]
-    lines.append(named_line("lift error", _at(disc.lift_error, unit)))
+    yield named_line("lost stroke", _at(disc.lost_stroke, unit))
+    yield named_line("lift error", _at(disc.lift_error, unit))
     for name, peak, per in (
         ("velocity", disc.velocity, "rad"),
         ("acceleration", disc.acceleration, "rad^2"),
     ):
         actual = "unbounded" if peak.actual is None else _at(peak.actual, f"{unit}/{per}")
-        lines.append(named_line(name, f"{actual}; demanded {peak.demanded:.6g}"))
+        yield named_line(name, f"{actual}; demanded {peak.demanded:.6g}")
     if disc.ripple is not None:
         share = f"{_percent(disc.ripple.value)} of the demanded peak acceleration"
-        lines.append(named_line("ripple", f"{share}, at {_place(disc.ripple)}"))
+        yield named_line("ripple", f"{share}, at {_place(disc.ripple)}")
     shocks, largest = "none", disc.shocks.largest
     if largest is not None:
         shocks = f"{len(disc.shocks)}, the largest {_at(largest, f'{unit}/rad')}"
         if disc.replay.largest_shock is not None:
             shocks += f", {_percent(disc.replay.largest_shock)} of the demanded peak velocity"
-    lines.append(named_line("shocks", shocks))
+    yield named_line("shocks", shocks)
     if (drop := disc.drops.largest) is not None:
         count = len(disc.drops)
         often = "once," if count == 1 else f"{count} times, the largest"
-        lines.append(named_line("falls off an edge", f"{often} {_at(drop, unit)}"))
+        yield named_line("falls off an edge", f"{often} {_at(drop, unit)}")
     if (contact := disc.contact) is not None:
         ends = " to ".join(_at(each, "mm") for each in (contact.lowest, contact.highest))
         beyond = "; it leaves the face, as if it were longer" if contact.leaves_face else ""
-        lines.append(named_line("contact on the face", f"{ends}{beyond}"))
+        yield named_line("contact on the face", f"{ends}{beyond}")
     if (timed := disc.in_time) is not None:
         for name, per in (("velocity", "s"), ("acceleration", "s^2")):
             actual, demanded = (f"{timed[f'{of}_{name}']:.6g}" for of in ("actual", "demanded"))
-            lines.append(
-                named_line(f"{name} in time", f"{actual} {unit}/{per}; demanded {demanded}")
-            )
-    return lines
+            yield named_line(f"{name} in time", f"{actual} {unit}/{per}; demanded {demanded}")
 
 
-def _closing_lines(closing: Extremes) -> list[str]:
+def _closing_lines(closing: Extremes) -> Iterator[str]:
     """Play, and squeeze where it is negative."""
-    lines = []
     for name, each in (("largest play", closing.highest), ("smallest play", closing.lowest)):
         tail = ": the rollers are squeezed there" if each.value < -TOUCHING else ""
-        lines.append(named_line(name, f"{_at(each, 'mm')}, as travel of the main roller{tail}"))
-    return lines
+        yield named_line(name, f"{_at(each, 'mm')}, as travel of the main roller{tail}")
 
 
 def _at(extreme: Extreme, unit: str) -> str:
@@ -771,9 +759,4 @@ def run(arguments: argparse.Namespace) -> int:
     for each in found.discs:
         for note in filter(None, (each.note, *each.notes)):
             notify(note)
-    if (arguments.output or "").endswith(CSV):
-        files = tables(found, arguments.output)
-    else:
-        files = pictures(found, arguments, "lift, velocity, acceleration")
-    write_files(files, arguments)
-    return show(found, arguments)
+    return show(found, arguments, output_files(found, arguments, "lift, velocity, acceleration"))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from html import escape
 from pathlib import Path
-from typing import ClassVar, Final
+from typing import Final
 
 from camgeo.app.answers.answer import (
     BROKEN,
@@ -31,6 +31,7 @@ from camgeo.app.cli.command import (
     show,
     write_files,
 )
+from camgeo.app.cli.plot import drawn
 from camgeo.design.design import Design
 from camgeo.design.milled import compared
 from camgeo.design.product import Product, programs_of, sides_of
@@ -121,8 +122,6 @@ class SetupSheet(Answer):
     side : which side this is, and how the work lies, in words; None if there is but one.
     second : the sheet of the second side; None if there is none, or if this is it.
     """
-
-    command: ClassVar[str] = "setup"
 
     scene: Scene
     machine: str
@@ -617,7 +616,6 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the sheet, and write the page."""
-    from camgeo.app.cli.plot import drawn
     from camgeo.pictures import backplot
 
     design = opened(arguments)

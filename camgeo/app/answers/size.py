@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from decimal import ROUND_HALF_EVEN, Decimal
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
+from typing import Any, Final, Literal
 
 from camgeo.app.answers.answer import BROKEN, FINE, SCENE, Answer, Key, Keys
 from camgeo.app.cli.command import (
     CallError,
+    Written,
     add_json,
     add_scene,
     notify_main_disc,
@@ -19,9 +21,8 @@ from camgeo.app.cli.command import (
     opened,
     require_beside,
     show,
-    write_files,
 )
-from camgeo.app.cli.plot import add_picture, pictures
+from camgeo.app.cli.plot import add_picture, output_files
 from camgeo.app.cli.streams import notify
 from camgeo.cam.cam import Cam
 from camgeo.check.disc import transmission_angle_limit
@@ -41,12 +42,9 @@ from camgeo.check.sizing.smallest import ARM_SIDES, Active, Rating, Sizing, rate
 from camgeo.check.sizing.task import Placing, Task, task_of
 from camgeo.design.design import Design
 from camgeo.errors import Fault, GeometryError, SceneError
+from camgeo.pictures.model import Figure
 from camgeo.scene.scene import Scene
 from camgeo.units import MM_PER, LengthUnit
-
-if TYPE_CHECKING:
-    from camgeo.pictures.model import Figure
-
 
 NO_ARM: Final = "only an oscillating roller follower has an arm to be sized"
 
@@ -149,8 +147,6 @@ class CamSize(Answer):
     remarks : what `camgeo check` still finds wrong in the scene with it, besides its motion: what
         does not depend on these sizes, or belongs to a return disc.
     """
-
-    command: ClassVar[str] = "size"
 
     scene: Scene
     sides: tuple[Side, ...]
@@ -314,7 +310,7 @@ def _made(scene: Scene, side: Side, ratio: float) -> Made | None:
 def _remarks(scene: Scene, made: Made) -> tuple[Finding, ...]:
     """What the checks find wrong in the scene with these sizes, besides its motion."""
     try:
-        design = Design(scene_with(scene, made))
+        design = Design(scene.with_values(edits_with(scene, made)))
     except SceneError:  # which is reported where it is written
         return ()
     others = motion_findings(design.drive)
@@ -334,7 +330,7 @@ def sized_scene(found: CamSize) -> Scene:
     made = found.best.made
     if made is None:
         raise GeometryError("the requirement can only just be met: no scene surely keeps it")
-    return scene_with(found.scene, made)
+    return found.scene.with_values(edits_with(found.scene, made))
 
 
 # -- document -------------------------------------------------------------------------------------
@@ -552,7 +548,8 @@ def text(answer: CamSize) -> str:
         [
             *lines,
             *_changed(answer),
-            answer.infeasible or _decided(sizing),
+            answer.infeasible
+            or "decided by " + " and ".join(_active(each, sizing) for each in sizing.active),
             *_proved(answer),
             *(f"camgeo check finds in that scene: {each.sentence}" for each in answer.remarks),
             *_of_flocke(answer.own.sizing),
@@ -563,13 +560,11 @@ def text(answer: CamSize) -> str:
 def figure(answer: CamSize) -> Figure:
     """Where the cam axis may lie."""
     name = answer.scene.name
-    faces = [(e.task, e.sizing) for e in answer.sides if isinstance(e.task, FaceTask)]
-    if faces:
-        from camgeo.pictures import size as size_face  # few cams have a flat face
-
-        return size_face.face_figure(name, faces, answer.scene.unit)
     from camgeo.pictures import size
 
+    faces = [(e.task, e.sizing) for e in answer.sides if isinstance(e.task, FaceTask)]
+    if faces:
+        return size.face_figure(name, faces, answer.scene.unit)
     sides = [(e.task, e.sizing) for e in answer.sides if isinstance(e.task, Task)]
     return size.figure(name, sides, answer.scene.unit)
 
@@ -611,19 +606,19 @@ def _row(answer: CamSize, name: str, rating: Rating | None) -> str:
     return f"{name:{WIDTH}}" + "".join(f"{cell:>{CELL}}" for cell in cells)
 
 
-def _changed(answer: CamSize) -> list[str]:
+def _changed(answer: CamSize) -> Iterator[str]:
     """What is not as in the present design, besides the sizes of the rows."""
-    found, best, own = [], answer.best, answer.own
+    best, own = answer.best, answer.own
     unit = answer.scene.unit
     if best is not own and best.sizing.answer is not None:
         change = f'the smallest has follower.arm_side = "{best.arm_side}", not "{own.arm_side}"'
         if answer.scene.linkage is not None:
             change += ", where the linkage moves the follower the other way, inward for outward"
-        found.append(change)
+        yield change
     arms = [getattr(each, "arm", 0.0) for each in (best.task.follower, answer.scene.follower)]
     if arms[0] != arms[1]:
         length = f"{arms[0] / MM_PER[unit]:.4f} {unit}"
-        found.append(f"all but the present design have an arm of {length}")
+        yield f"all but the present design have an arm of {length}"
     written = best.written
     if written is not None and written.face is not None:
         low, high = (each.value / MM_PER[unit] for each in written.face)
@@ -631,12 +626,7 @@ def _changed(answer: CamSize) -> list[str]:
         longer = best.made.lengths.get("face") if best.made is not None else None
         if longer is not None:
             needed += f", which needs follower.face = {longer}"
-        found.append(needed)
-    return found
-
-
-def _decided(sizing: Sizing) -> str:
-    return "decided by " + " and ".join(_active(each, sizing) for each in sizing.active)
+        yield needed
 
 
 def _active(active: Active, sizing: Sizing) -> str:
@@ -676,27 +666,26 @@ def _proved(answer: CamSize) -> list[str]:
     return [f"the limit found is {limit}; it is proved that {known}, {within}"]
 
 
-def _of_flocke(sizing: Sizing) -> list[str]:
+def _of_flocke(sizing: Sizing) -> Iterator[str]:
     """Where Flocke's proposal is too large, and where it is too optimistic."""
     if sizing.construction is None:
-        return []
+        return
     if sizing.flocke is None:
-        return [f"Flocke's region is empty: {VELOCITIES}"]
-    found = []
+        yield f"Flocke's region is empty: {VELOCITIES}"
+        return
     if sizing.for_angle is not None:
         more = sizing.flocke.base_radius / sizing.for_angle.base_radius - 1.0
-        found.append(
+        yield (
             f"Flocke's base circle is {more:.0%} larger than the transmission angle needs:"
             f" {VELOCITIES}"
         )
     largest = sizing.flocke.radius_ratio
     if largest.value > sizing.ratio:
-        found.append(
+        yield (
             "Flocke's proposal is optimistic: it ignores curvature, and has r_R/r_K ="
             f" {largest.value:.4g} at cam angle {math.degrees(largest.place):.4f} deg, above"
             f" {sizing.ratio:g}"
         )
-    return found
 
 
 # -- writing --------------------------------------------------------------------------------------
@@ -704,11 +693,6 @@ def _of_flocke(sizing: Sizing) -> list[str]:
 
 
 OTHER_WAY: Final = {"outward": "inward", "inward": "outward"}
-
-
-def scene_with(scene: Scene, made: Made) -> Scene:
-    """The scene with the sizes of `made`; SceneError if it would not be valid."""
-    return scene.with_values(edits_with(scene, made))
 
 
 def edits_with(scene: Scene, made: Made) -> dict[str, Any]:
@@ -820,12 +804,12 @@ def run(arguments: argparse.Namespace) -> int:
         radius_of_curvature=unit * arguments.radius_of_curvature,
         arms=None if arm is None else (unit * arm[0], unit * arm[1]),
     )
-    _write(found, arguments)
-    return show(found, arguments)
+    return show(found, arguments, _files(found, arguments))
 
 
-def _write(found: CamSize, arguments: argparse.Namespace) -> None:
-    files, unit = [], found.scene.unit
+def _files(found: CamSize, arguments: argparse.Namespace) -> list[Written]:
+    files: list[Written] = output_files(found, arguments, "region of the cam axis")
+    unit = found.scene.unit
     if arguments.target is not None and found.written is not None:
         target, source = Path(arguments.target), Path(arguments.scene)
         if found.scene.files and target.resolve().parent != source.resolve().parent:
@@ -833,8 +817,7 @@ def _write(found: CamSize, arguments: argparse.Namespace) -> None:
                 [Fault("--scene", str(target), "must be in the folder of SCENE, which names files")]
             )
         radius = f"base radius {found.written.base_radius / MM_PER[unit]:.12g} {unit}"
-        files.append((target, sized_scene(found).to_toml().encode(), radius))
-    elif arguments.target is not None:
+        return [(target, sized_scene(found).to_toml().encode(), radius), *files]
+    if arguments.target is not None:
         notify(f"{arguments.target}: not written, there is no such mechanism")
-    files += pictures(found, arguments, "region of the cam axis")
-    write_files(files, arguments)
+    return files

@@ -6,7 +6,8 @@ import argparse
 import math
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import TYPE_CHECKING, ClassVar, Final, Literal
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, Literal
 
 from camgeo.app.answers import answer
 from camgeo.app.answers.answer import FINE, Answer, Key
@@ -16,10 +17,10 @@ from camgeo.app.cli.command import (
     decimal,
     require_beside,
     show,
-    tables,
+    table_file,
     write_files,
 )
-from camgeo.app.cli.plot import add_picture, pictures
+from camgeo.app.cli.plot import add_picture, output_files
 from camgeo.app.cli.streams import write
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.slotted_lever import (
@@ -58,8 +59,6 @@ class LeverMotion(Answer):
     driven : the lever with the speed of its crank; has extremes and strokes.
     table : values over the crank angle, in degrees; None if it was not requested.
     """
-
-    command: ClassVar[str] = "slotted-lever"
 
     driven: DrivenLever
     table: Table | None = None
@@ -348,7 +347,9 @@ def run(arguments: argparse.Namespace) -> int:
         rows=(step, first, last) if tabled else None,
         printed=arguments.printed,
     )
-    files = tables(found, arguments.csv) + pictures(found, arguments, "phi, omega2, eps2")
+    files = output_files(found, arguments, "phi, omega2, eps2")
+    if arguments.csv is not None:
+        files = [table_file(answer.table(found), Path(arguments.csv)), *files]
     write_files(files, arguments)
     if arguments.table and not arguments.json:
         write(answer.table(found).csv())

@@ -8,7 +8,7 @@ import io
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import Final
 
 from camgeo.app.answers.answer import Answer, Key, aligned
 from camgeo.app.cli import plot
@@ -25,18 +25,14 @@ from camgeo.app.cli.command import (
     engine_for,
     require_new,
     show,
-    write_files,
 )
 from camgeo.app.cli.streams import notify
-from camgeo.studies.sweep.family import Family
-from camgeo.studies.sweep.rows import Row
-from camgeo.studies.sweep.sweep import Result
+from camgeo.scene.scene import Scene, load_scene
+from camgeo.scene.varied import Value
+from camgeo.studies.sweep.family import Family, Sample, family_of, names_in, questions_of
+from camgeo.studies.sweep.rows import Row, engine_of
+from camgeo.studies.sweep.sweep import Result, sweep
 from camgeo.units import LengthUnit, counted, listed, shortened, unit_in
-
-if TYPE_CHECKING:
-    from camgeo.scene.scene import Scene
-    from camgeo.scene.varied import Value
-    from camgeo.studies.sweep.family import Sample
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,8 +97,6 @@ class Sweep(Answer):
     failed : designs that lack an answer, with a reason.
     count : all designs.
     """
-
-    command: ClassVar[str] = "sweep"
 
     result: Result
     spans: tuple[Span, ...]
@@ -360,27 +354,33 @@ def comma_separated(answer: Sweep) -> bytes:
 
     Where designs state an answer in different units, a column with them follows.
     """
+
+    def rows() -> Iterator[list[object]]:
+        heads: list[object] = list(answer.keys)
+        for span in answer.spans:
+            heads += [headed(span), *([f"{span.word} unit"] if span.mixed else [])]
+        yield [*heads, REASON]
+        for each in answer.designs:
+            cells: list[object] = list(each.values.values())
+            for word, value in each.answers.items():
+                cells += [value, *([each.units[word]] if word in each.units else [])]
+            yield [*cells, each.reason]
+
+    return csv_of(rows())
+
+
+def csv_of(rows: Iterable[Iterable[object]]) -> bytes:
+    """Rows as CSV in UTF-8, numbers in the shortest form that reads back the same, nothing where
+    there is none.
+    """
     found = io.BytesIO()
     stream = io.TextIOWrapper(found, "utf-8", newline="")
-    rows = csv.writer(stream, lineterminator="\n")
-    heads = list(answer.keys)
-    for span in answer.spans:
-        heads += [headed(span), *([f"{span.word} unit"] if span.mixed else [])]
-    rows.writerow([*heads, REASON])
-    for each in answer.designs:
-        cells = [exact(value) for value in each.values.values()]
-        for word, value in each.answers.items():
-            cells += [exact(value), *([each.units[word]] if word in each.units else [])]
-        rows.writerow([*cells, each.reason])
+    spelled = (
+        [str(cell).lower() if isinstance(cell, bool) else cell for cell in row] for row in rows
+    )
+    csv.writer(stream, lineterminator="\n").writerows(spelled)
     stream.flush()
     return found.getvalue()
-
-
-def exact(value: object) -> str:
-    """A value in the shortest form that reads back the same; empty if there is none."""
-    if value is None:
-        return ""
-    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 # -- command line ----------------------------------------------------------------------------------
@@ -466,11 +466,6 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Sweep, and print or write what is found."""
-    from camgeo.scene.scene import load_scene
-    from camgeo.studies.sweep.family import Sample, family_of, questions_of
-    from camgeo.studies.sweep.rows import engine_of
-    from camgeo.studies.sweep.sweep import sweep
-
     store, files = _outputs(arguments)
     cluster = arguments.cluster
     engine = engine_for(arguments.workers) if cluster is None else engine_of("cluster", cluster)
@@ -504,8 +499,7 @@ def run(arguments: argparse.Namespace) -> int:
             known = f", {kept:,} of them known before" if kept else ""
             notify(f"{store}: {counted(found.count, 'row')}{known}")
         written = [_written(found, file) for file in files]
-        write_files([*written, *draw(result)], arguments)
-        return show(found, arguments)
+        return show(found, arguments, [*written, *draw(result)])
     finally:
         result.close()
 
@@ -514,8 +508,6 @@ def _picture(
     arguments: argparse.Namespace, family: Family, ask: Sequence[str]
 ) -> Callable[[Result], list[Written]]:
     """What draws the picture; a wrong call is refused before anything is computed."""
-    from camgeo.studies.sweep.family import names_in
-
     least, largest = names_in(arguments.least), names_in(arguments.largest)
     if arguments.picture is None:
         if arguments.show or least or largest:

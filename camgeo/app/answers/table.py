@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import ClassVar, Final
+from typing import Final
 
 from camgeo.app.answers.answer import Answer, Key
 from camgeo.app.answers.laws import DEFAULT_TASK, add_law_options, given_options, parameters_from
@@ -40,8 +40,6 @@ class ValueTable(Answer):
     ----------
     table : its columns.
     """
-
-    command: ClassVar[str] = "table"
 
     table: Table
 
@@ -121,7 +119,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print or write the table."""
+    """Print the table as CSV or JSON, or write it."""
     if arguments.scene is None and arguments.law is None:
         raise CallError("one of SCENE and --law NAME is needed")
     if arguments.scene is not None and arguments.law is not None:
@@ -130,18 +128,14 @@ def run(arguments: argparse.Namespace) -> int:
         step = PRINTED_STEP if arguments.step is None else arguments.step
         task = arguments.task or DEFAULT_TASK
         law = make_law(arguments.law, task, **parameters_from(arguments))
-        return _deliver(table_of_law(law, step, printed=arguments.printed), arguments)
-    only_with_law = given_options(arguments) + ["--printed"] * arguments.printed
-    if only_with_law:
-        raise CallError(f"{', '.join(only_with_law)}: allowed with --law only, not with SCENE")
-    check_step(arguments.step, SMALLEST_STEP, LARGEST_STEP)
-    design = opened(arguments)
-    found = table_of_scene(design, arguments.step)
-    notify_main_disc(design, "curves")
-    return _deliver(found, arguments)
-
-
-def _deliver(found: ValueTable, arguments: argparse.Namespace) -> int:
-    """The table as CSV or JSON, to the terminal or into a file."""
+        found = table_of_law(law, step, printed=arguments.printed)
+    else:
+        only_with_law = given_options(arguments) + ["--printed"] * arguments.printed
+        if only_with_law:
+            raise CallError(f"{', '.join(only_with_law)}: allowed with --law only, not with SCENE")
+        check_step(arguments.step, SMALLEST_STEP, LARGEST_STEP)
+        design = opened(arguments)
+        found = table_of_scene(design, arguments.step)
+        notify_main_disc(design, "curves")
     text = document(found) if arguments.json else found.table.csv()
     return deliver(text, arguments, counted(len(found.table.values), "row"))

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Final, Literal
+from typing import Final, Literal
 
 import numpy as np
 
@@ -22,22 +21,20 @@ from camgeo.app.answers.answer import (
 )
 from camgeo.app.cli.command import (
     CSV,
-    Written,
+    JSON,
     add_json,
     add_output,
     add_scene,
-    document,
     opened,
     show,
-    tables,
-    write_files,
 )
-from camgeo.app.cli.plot import SUFFIXES, pictures
+from camgeo.app.cli.plot import SUFFIXES, output_files
 from camgeo.design.design import Design
 from camgeo.design.value_table import Table
 from camgeo.geometry.outline.path import Flank
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
+from camgeo.pictures.model import Figure
 from camgeo.scene.scene import Scene
 from camgeo.studies.tolerancing.linear import (
     COUNT,
@@ -51,9 +48,6 @@ from camgeo.studies.tolerancing.linear import (
 )
 from camgeo.studies.tolerancing.stated import SIGMAS, stated_of
 from camgeo.units import at_cam_angles, cam_angle, counted, small
-
-if TYPE_CHECKING:
-    from camgeo.pictures.model import Figure
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,8 +150,6 @@ class ToleranceAnalysis(Answer):
     between : the analysis of the play between two sides; None on a single flank.
     """
 
-    command: ClassVar[str] = "tolerance"
-
     scene: Scene
     linear: Linear
     contributions: tuple[Contribution, ...]
@@ -251,6 +243,9 @@ class ToleranceAnalysis(Answer):
         found, factor = self.sampled, self.factor
         if found is None:
             return None
+        forces = _ends(None if found.contact is None else found.contact.nominal, found.forces)
+        at_rest = None if self.between is None else self.between.at_rest
+        plays = _ends(at_rest, found.plays, self.play_unit[1])
         return Machines(
             count=found.count,
             seed=found.seed,
@@ -260,20 +255,12 @@ class ToleranceAnalysis(Answer):
             kept=found.kept,
             kept_error=found.kept_error,
             acceleration=_spread(found.acceleration * factor, found.accelerations * factor),
-            largest_force=_force(found, 1),
-            smallest_force=_force(found, 0),
-            least_play=self._play(found, 0),
-            most_play=self._play(found, 1),
+            largest_force=forces[1],
+            smallest_force=forces[0],
+            least_play=plays[0],
+            most_play=plays[1],
             squeezed=None if found.plays is None else float(np.mean(found.plays[:, 0] < 0.0)),
         )
-
-    def _play(self, found: Sampled, end: int) -> Spread | None:
-        """The least play, `end` 0, or the largest, 1."""
-        if found.plays is None or self.between is None:
-            return None
-        _, factor = self.play_unit
-        nominal = float((np.min, np.max)[end](self.between.at_rest))
-        return _spread(nominal * factor, found.plays[:, end] * factor)
 
     @property
     def within(self) -> bool | None:
@@ -290,12 +277,16 @@ def _spread(nominal: float, values: FloatArray) -> Spread:
     return Spread(nominal, tuple(map(float, np.quantile(values, QUANTILES))))
 
 
-def _force(found: Sampled, end: int) -> Spread | None:
-    """The smallest contact force, `end` 0, or the largest, 1."""
-    if found.contact is None or found.forces is None:
-        return None
-    nominal = (np.min, np.max)[end](found.contact.nominal)
-    return _spread(float(nominal), found.forces[:, end])
+def _ends(
+    nominal: FloatArray | None, values: FloatArray | None, factor: float = 1.0
+) -> tuple[Spread | None, Spread | None]:
+    """The smallest and the largest of a quantity over the turn, times a factor: (n,) of the nominal
+    machine, and (k, 2) of the others; None each if one of these is not known.
+    """
+    if nominal is None or values is None:
+        return None, None
+    least, most = float(np.min(nominal)) * factor, float(np.max(nominal)) * factor
+    return _spread(least, values[:, 0] * factor), _spread(most, values[:, 1] * factor)
 
 
 def tolerance(design: Design, *, count: int = COUNT, seed: int = 0) -> ToleranceAnalysis:
@@ -608,8 +599,6 @@ def figure(answer: ToleranceAnalysis) -> Figure:
 # -- command line ----------------------------------------------------------------------------------
 
 
-RECORD: Final = ".json"
-
 EXAMPLE: Final = (
     "camgeo tolerance fixtures/tolerance/lever.toml -o tolerance.png\n"
     "  camgeo tolerance my-cam.toml --count 4096 --seed 1 -o errors.csv"
@@ -627,26 +616,13 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=int, default=0, help="of what is drawn; default 0")
     add_json(parser)
     contents = (
-        f"file to write: a table ({CSV}), a picture ({', '.join(SUFFIXES)}), or the answer"
-        f" ({RECORD})"
+        f"file to write: a table ({CSV}), a picture ({', '.join(SUFFIXES)}), or the answer ({JSON})"
     )
-    add_output(parser, contents, (CSV, RECORD, *SUFFIXES))
+    add_output(parser, contents, (CSV, JSON, *SUFFIXES))
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Analyse, print the answer, and write it."""
-    from camgeo.studies.tolerancing.linear import COUNT
-
     count = COUNT if arguments.count is None else arguments.count
     found = tolerance(opened(arguments), count=count, seed=arguments.seed)
-    write_files(_files(found, arguments), arguments)
-    return show(found, arguments)
-
-
-def _files(found: ToleranceAnalysis, arguments: argparse.Namespace) -> list[Written]:
-    name = arguments.output or ""
-    if name.endswith(CSV):
-        return tables(found, name)
-    if name.endswith(RECORD):
-        return [(Path(name), document(found).encode(), "the answer")]
-    return pictures(found, arguments, "errors over the cam angle")
+    return show(found, arguments, output_files(found, arguments, "errors over the cam angle"))

@@ -14,7 +14,7 @@ from functools import cache
 from importlib.metadata import entry_points
 from itertools import zip_longest
 from pathlib import Path
-from typing import Any, ClassVar, Final
+from typing import Any, Final
 
 from camgeo._version import __version__
 from camgeo.app.answers.answer import BROKEN, CRASHED, FINE, Answer, Key
@@ -50,8 +50,6 @@ class Verification(Answer):
     paths : of the files.
     verdicts : one per file, in the same order.
     """
-
-    command: ClassVar[str] = "verify"
 
     paths: tuple[Path, ...]
     verdicts: tuple[Verdict, ...]

@@ -20,6 +20,7 @@ from camgeo.units import counted
 
 if TYPE_CHECKING:
     from camgeo.design.design import Design
+    from camgeo.design.value_table import Table
     from camgeo.studies.sweep.rows import Engine
 
 
@@ -32,7 +33,8 @@ EARLIER: Final = {
 """
 
 CSV: Final = ".csv"
-"""How the name of a table ends."""
+JSON: Final = ".json"
+"""How the names of a table and of a document end."""
 
 SMALLEST: Final = 1e-9
 LARGEST: Final = 1e6
@@ -49,15 +51,19 @@ class CallError(Exception):
 def opened(arguments: argparse.Namespace) -> Design:
     """The design of the scene file that the command is called with; SceneError as `load_scene`.
 
-    Each quantity is shown as its computation starts. The design is kept with the arguments: an
-    error states lengths in its unit.
+    It is kept with the arguments: an error states lengths in its unit.
     """
+    arguments.opened = design_in(arguments.scene, arguments)
+    design: Design = arguments.opened
+    return design
+
+
+def design_in(file: str, arguments: argparse.Namespace) -> Design:
+    """The design of a scene file; each quantity is shown as its computation starts."""
     from camgeo.design.design import Design  # some commands need no scene
     from camgeo.scene.scene import load_scene
 
-    arguments.opened = Design(load_scene(arguments.scene), Ledger(arguments.progress))
-    design: Design = arguments.opened
-    return design
+    return Design(load_scene(file), Ledger(arguments.progress))
 
 
 def add_scene(parser: argparse.ArgumentParser) -> None:
@@ -151,12 +157,9 @@ def deliver(text: str, arguments: argparse.Namespace, report: str) -> int:
     return FINE
 
 
-def tables(answer: Answer, name: str | None) -> list[Written]:
-    """The table of an answer as a CSV file of that name; none if there is no name."""
-    if name is None:
-        return []
-    table = render.table(answer)
-    return [(Path(name), table.encoded(), counted(len(table.values), "row"))]
+def table_file(table: Table, path: Path) -> Written:
+    """The table as a CSV file."""
+    return path, table.encoded(), counted(len(table.values), "row")
 
 
 def write_files(files: Sequence[Written], arguments: argparse.Namespace) -> None:
@@ -248,8 +251,11 @@ def check_step(step: Decimal | None, smallest: Decimal, largest: Decimal) -> Non
         raise CallError(f"argument --step: {message}")
 
 
-def show(answer: Answer, arguments: argparse.Namespace) -> int:
-    """Print the answer as text, or as JSON with `--json`; return the exit code."""
+def show(answer: Answer, arguments: argparse.Namespace, files: Sequence[Written] = ()) -> int:
+    """Write files by `write_files`, and print the answer as text, or as JSON with `--json`; return
+    its exit code.
+    """
+    write_files(files, arguments)
     arguments.progress.end()
     if arguments.json:
         write(document(answer))

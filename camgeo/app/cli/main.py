@@ -6,19 +6,20 @@ import argparse
 import atexit
 import gc
 import importlib
+import io
 import os
 import signal
 import sys
 import traceback
 from collections.abc import Collection, Sequence
+from contextlib import suppress
 from pathlib import Path
 from types import FrameType
 from typing import Final, NoReturn
 
 from camgeo._version import __version__
 from camgeo.app.answers.answer import CRASHED, STOPPED, WRONG, text
-from camgeo.app.cli.progress import Progress
-from camgeo.app.cli.streams import StreamError, discard_output, mend, notify, printable, write
+from camgeo.app.cli.streams import Progress, StreamError, notify, printable, write
 from camgeo.errors import CamgeoError
 
 # Slower imports are in functions, because a signal may arrive during them.
@@ -198,10 +199,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         notify(f"camgeo: interrupted by {signal.Signals(number).name}")
         return STOPPED + number
     except BrokenPipeError:  # the reader of the output has had enough
-        discard_output()
+        _discard_output()
         return 0
     except StreamError as error:
-        discard_output()
+        _discard_output()
         notify(f"camgeo: {error}")
         return WRONG
     except Exception as error:
@@ -256,8 +257,25 @@ def _own_the_process() -> None:
     os.environ.setdefault(BLAS_THREADS, "1")  # numpy is not imported yet
     gc.set_threshold(COLLECTED_AT)
     atexit.register(gc.freeze)  # no last collection at the end of the process
-    mend()
+    _mend_streams()
     stop_on_signals()
+
+
+def _mend_streams() -> None:
+    """Replace closed streams: no file opened later may take their place.
+
+    Writing to a closed standard output fails, as to a full one; messages are lost.
+    """
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDONLY if number == 1 else os.O_RDWR)
+    sys.stdout = sys.stdout or open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115 - no path
+    sys.stderr = sys.stderr or open(2, "w", encoding="utf-8", closefd=False)  # noqa: SIM115 - no path
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
 
 
 def stop_on_signals() -> None:
@@ -274,6 +292,12 @@ def _stopping() -> list[int]:
 
 def _stop(number: int, _: FrameType | None) -> None:
     raise Stopped(number)
+
+
+def _discard_output() -> None:
+    """Drop what standard output has not taken, so that the end of the process does not fail."""
+    with suppress(OSError):  # under test it is no file
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _crash(error: Exception) -> str:

@@ -9,11 +9,15 @@ from typing import TYPE_CHECKING, Final
 from camgeo.app.answers import answer as render
 from camgeo.app.answers.answer import FINE, Answer
 from camgeo.app.cli.command import (
+    CSV,
+    JSON,
     Written,
     add_output,
     add_scene,
+    document,
     notify_main_disc,
     opened,
+    table_file,
     write_files,
 )
 
@@ -61,11 +65,17 @@ def drawn(figure: Figure, suffix: str) -> bytes:
     return data
 
 
-def pictures(answer: Answer, arguments: argparse.Namespace, contents: str) -> list[Written]:
-    """The picture of an answer, reported by its `contents`; none without `-o`."""
+def output_files(answer: Answer, arguments: argparse.Namespace, contents: str) -> list[Written]:
+    """The file of `-o`: by its ending the table of an answer, its document or its picture, which is
+    reported by its `contents`; none without `-o`.
+    """
     if arguments.output is None:
         return []
     target = Path(arguments.output)
+    if target.suffix == CSV:
+        return [table_file(render.table(answer), target)]
+    if target.suffix == JSON:
+        return [(target, document(answer).encode(), "the answer")]
     return [(target, drawn(render.figure(answer), target.suffix), contents)]
 
 

@@ -13,8 +13,7 @@ from camgeo.app.answers.answer import FINE
 from camgeo.app.answers.check import Check, check
 from camgeo.app.cli.command import CallError, add_output, add_scene, from_0, number_from, opened
 from camgeo.app.cli.plot import SUFFIXES, drawn
-from camgeo.app.cli.progress import Progress
-from camgeo.app.cli.streams import say, until_ctrl_c
+from camgeo.app.cli.streams import Progress, say, until_ctrl_c
 from camgeo.errors import CamgeoError, SceneError
 from camgeo.reading import SCENE
 from camgeo.scene.scene import read_file

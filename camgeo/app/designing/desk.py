@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import hashlib
 import json
 import os
@@ -101,7 +100,7 @@ class Desk:
                 journal.close(keep=True)
                 raise
             text, found = "", Opened(path, journal.kept.saved)
-        self._leave()
+        self.close()
         self._journal = journal
         self.history, self.opened = self._restored(text, found, journal.kept)
 
@@ -110,7 +109,7 @@ class Desk:
         if self._journal is not None and self.opened is None:
             return
         journal = Journal.opened(f"{self.folder}{os.sep}", self._states)
-        self._leave()
+        self.close()
         self._journal = journal
         self.history, self.opened = self._restored("", None, journal.kept)
 
@@ -137,7 +136,7 @@ class Desk:
             raise FileError("the scene is in no file yet")
         text, self.opened = read(self.opened.path)
         self.change(text, f"{self.name} from disk")
-        self._note(self.history, self._saved_event(self.opened))
+        self._note(self.history, {"do": "saved", "saved": self._digest})
 
     def save(self, name: str | None = None, *, force: bool = False) -> None:
         """Save the scene; if a `name` is given, under that name, which it then keeps.
@@ -149,26 +148,23 @@ class Desk:
         FileError, OutputError
             If it cannot be saved there.
         """
-        path = self.opened.path if name is None and self.opened else None
-        if path is None:
-            if name is None:
-                raise FileError("the scene is in no file yet; it needs a name")
+        if name is not None:
             path = place(self.folder, name)
+        elif self.opened is not None:
+            path = self.opened.path
+        else:
+            raise FileError("the scene is in no file yet; it needs a name")
         if self.opened is not None and path == self.opened.path:
             self.opened = saved(path, self.text, self.opened, force=force)
         else:
             self._save_elsewhere(path, force=force)
-        self._note(self.history, self._saved_event(self.opened))
+        self._note(self.history, {"do": "saved", "saved": self._digest})
 
     def sync(self) -> None:
         """Wait until all edits are on disk; callable from another thread."""
         journal = self._journal
         if journal is not None:
             journal.sync()
-
-    def close(self) -> None:
-        """End editing; unsaved edits stay in the journal."""
-        self._leave()
 
     def _save_elsewhere(self, path: Path, *, force: bool) -> None:
         journal = Journal.opened(str(path), self._states)
@@ -205,20 +201,22 @@ class Desk:
             found = Opened(found.path, kept.saved)
         return kept.history, found
 
-    def _saved_event(self, opened: Opened | None) -> dict[str, Any]:
-        return {"do": "saved", "saved": "" if opened is None else opened.digest}
+    @property
+    def _digest(self) -> str:
+        """Of the file as it was read or saved last; empty if there is none."""
+        return "" if self.opened is None else self.opened.digest
 
     def _note(self, history: History, event: Mapping[str, Any]) -> None:
         """Continue with a history whose latest part is `event`."""
         self.history = history
         if self._journal is not None:
             fault = self._journal.fault
-            self._journal.add(history, event, "" if self.opened is None else self.opened.digest)
+            self._journal.add(history, event, self._digest)
             if self._journal.fault != fault:
                 self._told.append(self._journal.fault)
 
-    def _leave(self) -> None:
-        """Close the journal; edits that are not saved stay in it."""
+    def close(self) -> None:
+        """End editing; edits that are not saved stay in the journal."""
         if self._journal is None:
             return
         if not self.saved:
@@ -277,7 +275,7 @@ def place(folder: Path, name: str) -> Path:
     path = folder
     for part in parts:
         path /= part
-        if _is_link(path):
+        if os.path.islink(path):  # noqa: PTH114 - also for a path that no file can have
             raise FileError(f"{name!r}: {part!r} is a link, which is not followed")
     return path
 
@@ -395,13 +393,6 @@ def _refuse_overwriting(path: Path, data: bytes, before: Opened | None) -> None:
         raise OverwriteError(f"{path.name} exists already")
 
 
-def _is_link(path: Path) -> bool:
-    try:
-        return path.is_symlink()
-    except (OSError, ValueError):
-        return False
-
-
 # -- journal --------------------------------------------------------------------------------------
 # Unsaved edits on disk: changes survive the end of the designer's process, however it ends.
 #
@@ -486,7 +477,7 @@ class Journal:
         if lock is None:
             raise FileError(f"{file} is open in another designer; end that one first")
         found = cls(file, place, lock)
-        found._read()
+        found._read(place)
         return found
 
     def add(self, history: History, event: Mapping[str, Any], saved: str) -> None:
@@ -496,7 +487,7 @@ class Journal:
         line = _line(event)
         try:
             if self._stream is None or self._size + len(line) > 2 * self._least + SPARE:
-                self._write_anew(history, saved)
+                self._write_anew(self._place, history, saved)
             else:
                 _write(self._stream, line)
                 self._size += len(line)
@@ -525,12 +516,10 @@ class Journal:
             os.close(self._lock)
         self._place = self._stream = self._lock = None
 
-    def _read(self) -> None:
+    def _read(self, place: Path) -> None:
         """Read what an earlier process has left; a damaged journal is set aside."""
-        if self._place is None:
-            return
         try:
-            data = _content(self._place)
+            data = _content(place)
         except FileNotFoundError:
             return
         except (OSError, FileError) as error:
@@ -538,19 +527,17 @@ class Journal:
             return
         self.kept = kept(data, self._file)
         if self.kept.damage:
-            aside = self._place.with_suffix(".damaged")
+            aside = place.with_suffix(".damaged")
             self.kept = replace(self.kept, damage=f"{self.kept.damage}; it is kept as {aside}")
             try:
-                self._place.replace(aside)
+                place.replace(aside)
             except OSError as error:
                 self._forsake(unkept(error))
 
-    def _write_anew(self, history: History, saved: str) -> None:
+    def _write_anew(self, place: Path, history: History, saved: str) -> None:
         """Replace the journal with a shorter one of the same history."""
-        if self._place is None:
-            return
         data = b"".join(_lines(self._file, history, saved))
-        fresh = self._place.with_suffix(".new")
+        fresh = place.with_suffix(".new")
         fresh.unlink(missing_ok=True)
         stream = os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_EXCL, PRIVATE)
         try:
@@ -561,9 +548,9 @@ class Journal:
         if self._stream is not None:
             os.close(self._stream)
             self._stream = None
-        fresh.replace(self._place)
-        _sync_folder(self._place.parent)
-        self._stream = os.open(self._place, os.O_WRONLY | os.O_APPEND | NO_LINK)
+        fresh.replace(place)
+        _sync_folder(place.parent)
+        self._stream = os.open(place, os.O_WRONLY | os.O_APPEND | NO_LINK)
         self._size = self._least = len(data)
 
     def _forsake(self, fault: str) -> None:
@@ -810,7 +797,9 @@ class History:
             return self
         *past, step = self.past
         text = spliced(self.text, step.at, step.after, step.before)
-        return replace(self, text=text, past=tuple(past), future=(*self.future, _ended(step)))
+        # Nothing becomes part of its gesture after it has been undone.
+        future = (*self.future, replace(step, gesture=""))
+        return replace(self, text=text, past=tuple(past), future=future)
 
     def redone(self) -> Self:
         """One step forth; the same if there is none."""
@@ -846,11 +835,6 @@ def spliced(text: str, at: int, before: str, after: str) -> str:
     if text[at : at + len(before)] != before:
         raise ValueError("a step does not fit the text")
     return f"{text[:at]}{after}{text[at + len(before) :]}"
-
-
-def _ended(step: Step) -> Step:
-    """The step with its gesture over: nothing becomes part of it after it has been undone."""
-    return replace(step, gesture="")
 
 
 def _bounded(past: tuple[Step, ...]) -> tuple[Step, ...]:

@@ -9,28 +9,25 @@ import functools
 import math
 import pathlib
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from decimal import Decimal
+from decimal import ROUND_FLOOR, ROUND_HALF_EVEN, Decimal, localcontext
+from functools import cached_property
 from typing import Any, Final, TypeGuard
 
 import numpy as np
 
-from camgeo.app.designing.form import Fields, is_angular, is_length, label_of
+from camgeo.app.designing.form import Fields, is_angular, is_length, title_of
 from camgeo.app.designing.handles import dragged
 from camgeo.app.designing.segments import (
-    Given,
-    Neighbours,
-    changed_segments,
     is_fixed,
     is_number,
-    refusal,
-    rounded,
+    least_span,
+    span_beside,
     span_key,
+    span_of,
     spans_of,
     styled,
-    total,
-    with_a_point,
 )
 from camgeo.check.cures.remedies import edits_of
 from camgeo.design.design import KEPT, Design
@@ -38,13 +35,14 @@ from camgeo.dynamics.effects.effect import Effect
 from camgeo.dynamics.effects.registry import effect_names, find_effect
 from camgeo.errors import CamgeoError, Fault, GeometryError, SceneError, UnknownNameError
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
-from camgeo.kinematics.plan import FULL_TURN
+from camgeo.kinematics.plan import EXACT, FULL_TURN
 from camgeo.reading import SCENE
-from camgeo.scene.keys import KeyPath, path_of, value_at
+from camgeo.scene.keys import KeyPath, path_of, spelled, value_at
 from camgeo.scene.scene import Scene
 from camgeo.scene.schema import EFFECTS_KEY, Node
 from camgeo.scene.toml import template, written_into
 from camgeo.scene.values import (
+    Source,
     Tree,
     ValidValues,
     data_of,
@@ -52,6 +50,7 @@ from camgeo.scene.values import (
     document_of_tree,
     edited,
     without,
+    written,
 )
 from camgeo.units import MM_PER, TURN
 
@@ -156,7 +155,7 @@ def _dragged(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
     after = edited(given.tree, edits)
     # What a joint takes from the segment behind it goes without saying.
     told = {key: edits[key] for key in handle.keys if key in edits}
-    return after, label_of(told, _units(after, told)) if told else handle.label
+    return after, label_of(told, _units(after, told)) if told else handle.name
 
 
 def _cured(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
@@ -223,13 +222,292 @@ def _whole_turn(before: Tree, after: Tree) -> Tree:
     if taker is None:
         return after
     try:
-        _, span = Neighbours(before["motion"][at], motion[taker]).with_first(new[at])
+        span = span_beside(before["motion"][at], motion[taker], new[at])
     except GeometryError as error:
         key = f"motion[{at + 1}].{span_key(motion[at])}"
         raise SceneError([Fault(key, "", error.message)]) from error
     key = span_key(motion[taker])
     made = {**motion[taker], key: styled(span, motion[taker][key])}
     return {**after, "motion": [*motion[:taker], made, *motion[taker + 1 :]]}
+
+
+# -- labels ---------------------------------------------------------------------------------------
+# Short names of changes, for undo.
+
+
+NAMED: Final = 2
+"""Most values that a label names; the rest is counted."""
+
+DIGITS: Final = 6
+"""Significant digits of a number in a label."""
+
+LONGEST_LABEL: Final = 80
+"""Characters of a label."""
+
+
+def label_of(edits: Mapping[str, Any], units: Mapping[str, str]) -> str:
+    """The name of the change that sets these values, with the units of their keys."""
+    named = [_named(key, value, units.get(key, "")) for key, value in edits.items()]
+    rest = len(named) - NAMED
+    label = ", ".join(named[:NAMED]) + (f" and {rest} more" if rest > 0 else "")
+    return label if len(label) <= LONGEST_LABEL else f"{label[:LONGEST_LABEL]}..."
+
+
+def _named(key: str, value: Any, unit: str) -> str:
+    path = path_of(key) or ()
+    title = title_of(path)
+    if path[:1] == ("motion",) and len(path) > 1 and isinstance(path[1], int):
+        title = f"segment {path[1] + 1} {title}"
+    if value is None:
+        return f"{title} removed"
+    gap = "" if unit == "°" else " "
+    return f"{title} {shown(value)}{gap}{unit}".rstrip()
+
+
+def shown(value: Any) -> str:
+    """A value in a label: numbers with few digits, texts without quotes."""
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    if isinstance(value, int | float | Decimal):
+        return f"{float(value):.{DIGITS}g}"
+    if isinstance(value, list | tuple):
+        rest = ", ..." if len(value) > NAMED else ""
+        return f"[{', '.join(map(shown, value[:NAMED]))}{rest}]"
+    return value if isinstance(value, str) else written(value)
+
+
+# -- segments -------------------------------------------------------------------------------------
+# Changes of a motion's segments: inserted, removed, split, moved, made a dwell or a move. The sum
+# of the spans always stays exactly what it was.
+
+
+LAW: Final = "polynomial-345"
+"""Of a new move."""
+
+FALLBACK: Final = "auto"
+"""Law of moves that meet without a rest between them."""
+
+RISE: Final = Decimal(10)
+"""Position of a new move in a motion that has none [mm or degrees]."""
+
+LARGEST: Final = 10_000
+"""Segments of a motion."""
+
+Motion = list[Any]
+
+
+def changed_segments(given: Given, asked: Any) -> tuple[Tree, str]:
+    """The tree with one change of a segment, and its label.
+
+    `asked` has the `action`, one of `ACTIONS`, and `at`, the position of the segment, from 0.
+    SceneError if it lacks one of these, or the action cannot be done.
+    """
+    action = asked.get("action") if isinstance(asked, Mapping) else None
+    at = asked.get("at") if isinstance(asked, Mapping) else None
+    motion = given.tree.get("motion")
+    if not isinstance(action, str) or action not in ACTIONS:
+        raise refusal(f"a segment is changed by one of {', '.join(ACTIONS)}", "motion")
+    if not isinstance(motion, list) or not motion:
+        raise refusal("there are no segments", "motion")
+    if not isinstance(at, int) or isinstance(at, bool) or not 0 <= at < len(motion):
+        raise refusal(f"segments are counted from 0 to {len(motion) - 1}", "motion")
+    if span_of(motion[at]) is None:
+        raise refusal("has no valid span", spelled(("motion", at)))
+    make, label = ACTIONS[action]
+    trees = ({**given.tree, "motion": each} for each in make(motion, at))
+    return _first_without(given.faults, trees), label.format(n=at + 1)
+
+
+def _first_without(faults: Callable[[Tree], tuple[Fault, ...]], trees: Iterable[Tree]) -> Tree:
+    """The first tree that has none of these `faults`; the first of all if each has some."""
+    found = []
+    for tree in trees:
+        found.append(tree)
+        if not faults(tree):
+            return tree
+    return found[0]
+
+
+def _insert(motion: Motion, at: int) -> Iterator[Motion]:
+    """A dwell after a segment; that one gives half of its span, or else the next one does."""
+    donors = [each for each in (at, at + 1) if each < len(motion) and _can_give(motion[each])]
+    if not donors or len(motion) >= LARGEST:
+        raise refusal("has no span to give to a new segment", spelled(("motion", at)))
+    kept, given = _halves(motion[donors[0]])
+    made = [*motion]
+    made[donors[0]] = _with_span(motion[donors[0]], kept)
+    made.insert(at + 1, {"dwell": styled(given, 0)})
+    yield made
+
+
+def _remove(motion: Motion, at: int) -> Iterator[Motion]:
+    """Its neighbour takes its span, a dwell first."""
+    beside = [each for each in (at - 1, at + 1) if 0 <= each < len(motion)]
+    takers = [each for each in beside if not is_fixed(motion[each])]
+    takers = [each for each in takers if span_of(motion[each]) is not None]
+    if not takers:
+        raise refusal("no segment beside it can take its span", spelled(("motion", at)))
+    taker = next((each for each in takers if "dwell" in motion[each]), takers[0])
+    with localcontext(EXACT):
+        whole = _span(motion[taker]) + _span(motion[at])
+    made = [*motion]
+    made[taker] = _with_span(motion[taker], whole)
+    del made[at]
+    yield from _returning(made)
+
+
+def _split(motion: Motion, at: int) -> Iterator[Motion]:
+    """Two halves; a move is halfway between them."""
+    segment = motion[at]
+    if "points" in segment or not _can_give(segment) or len(motion) >= LARGEST:
+        raise refusal("cannot be split", spelled(("motion", at)))
+    first, second = _halves(segment)
+    halves = [_with_span(segment, first), _with_span(segment, second)]
+    if "dwell" not in segment:
+        way = {key: item for key, item in halves[0].items() if key in ("law", "span")}
+        halves[0] = {**way, "to": _between(_level(motion, at), segment.get("to"))}
+    yield [*motion[:at], *halves, *motion[at + 1 :]]
+    if "dwell" not in segment:
+        halves = [{**each, "law": FALLBACK} for each in halves]
+        yield [*motion[:at], *halves, *motion[at + 1 :]]
+
+
+def _swap(by: int) -> Callable[[Motion, int], Iterator[Motion]]:
+    def swap(motion: Motion, at: int) -> Iterator[Motion]:
+        if not 0 <= at + by < len(motion):
+            raise refusal("is at the end of the motion", spelled(("motion", at)))
+        made = [*motion]
+        made[at], made[at + by] = motion[at + by], motion[at]
+        yield made
+        if all(_moves(each) and "to" in each for each in (made[at], made[at + by])):
+            for each in (at, at + by):  # the positions stay, and law and span change places
+                made[each] = {**made[each], "to": motion[each]["to"]}
+            yield made
+
+    return swap
+
+
+def _to_dwell(motion: Motion, at: int) -> Iterator[Motion]:
+    """A rest of the same span."""
+    rest = {"dwell": motion[at][span_key(motion[at])]}
+    yield from _returning([*motion[:at], rest, *motion[at + 1 :]])
+
+
+def with_a_point(tree: Tree, at: int) -> Tree:
+    """The tree with a point in the middle of a segment that goes through points but has none."""
+    motion = tree["motion"]
+    segment = motion[at]
+    span = span_of(segment)
+    if segment.get("law") != "points" or "points" in segment or not span:
+        return tree
+    point = {"at": styled(span / 2, 0), "to": _between(_level(motion, at), segment.get("to"))}
+    return {**tree, "motion": [*motion[:at], {**segment, "points": [point]}, *motion[at + 1 :]]}
+
+
+def _returning(motion: Motion) -> Iterator[Motion]:
+    """The motion, and the same with a last move that returns to 0."""
+    yield motion
+    last = max((k for k, each in enumerate(motion) if _moves(each)), default=None)
+    if last is not None and motion[last].get("to"):
+        yield [*motion[:last], {**motion[last], "to": 0}, *motion[last + 1 :]]
+
+
+def _to_move(motion: Motion, at: int) -> Iterator[Motion]:
+    """A move of the same span; a dwell becomes a move halfway to the next position.
+
+    After the last move, which returns to 0, it becomes a rise and a return.
+    """
+    segment = motion[at]
+    before = motion[:at]
+    after = motion[at + 1 :]
+    span = segment[span_key(segment)]
+    if "dwell" not in segment:
+        yield [*before, {"law": LAW, "span": span, "to": _number(segment.get("to"))}, *after]
+        return
+    level = _level(motion, at)
+    following = [_number(each.get("to")) for each in after if _moves(each)]
+    if following:
+        for law in (LAW, FALLBACK):
+            end = _between(level, following[0])
+            yield [*before, {"law": law, "span": span, "to": end}, *after]
+        return
+    if not _can_give(segment):
+        raise refusal("is too short for a move", spelled(("motion", at)))
+    first, second = _halves(segment)
+    tops = [abs(Decimal(_number(each.get("to")))) for each in motion if _moves(each)]
+    top = max([each for each in tops if each] or [RISE])
+    up = {"law": LAW, "span": styled(first, 0), "to": styled(top, 0)}
+    yield [*before, up, {"law": LAW, "span": styled(second, 0), "to": 0}, *after]
+
+
+ACTIONS: Final[Mapping[str, tuple[Callable[[Motion, int], Iterator[Motion]], str]]] = {
+    "insert": (_insert, "segment inserted after {n}"),
+    "remove": (_remove, "segment {n} removed"),
+    "split": (_split, "segment {n} split"),
+    "up": (_swap(-1), "segment {n} moved up"),
+    "down": (_swap(1), "segment {n} moved down"),
+    "to-dwell": (_to_dwell, "segment {n} made a dwell"),
+    "to-move": (_to_move, "segment {n} made a move"),
+}
+"""What can be done with a segment, with a label each: of the motions made, the first valid one is
+taken."""
+
+
+def _moves(segment: Any) -> bool:
+    return isinstance(segment, dict) and "dwell" not in segment
+
+
+def _span(segment: Any) -> Decimal:
+    span = span_of(segment)
+    assert span is not None  # it was asked
+    return span
+
+
+def _can_give(segment: Any) -> bool:
+    """Whether a segment can give half of its span away."""
+    span = span_of(segment)
+    return (
+        span is not None and not is_fixed(segment) and span > 0 and span / 2 > least_span(segment)
+    )
+
+
+def _halves(segment: Any) -> tuple[Decimal, Decimal]:
+    """Its span in two, the second in whole degrees if it is long."""
+    span = _span(segment)
+    with localcontext(EXACT):
+        second = span / 2
+        if second > 1:
+            second = second.quantize(Decimal(1), ROUND_FLOOR)
+        return span - second, second
+
+
+def _with_span(segment: Any, span: Decimal) -> Any:
+    key = span_key(segment)
+    return {**segment, key: styled(span, segment[key])}
+
+
+def _level(motion: Motion, at: int) -> Any:
+    """The position at the start of a segment, as it is stated."""
+    ends = [each.get("to") for each in motion[:at] if _moves(each)]
+    return _number(ends[-1]) if ends else 0
+
+
+def _number(value: Any) -> Any:
+    """A position; 0 in place of anything else."""
+    return value if is_number(value) else 0
+
+
+def _between(start: Any, end: Any) -> Any:
+    """The position in the middle of two; one unit on if they are the same."""
+    first, last = Decimal(_number(start)), Decimal(_number(end))
+    middle = (first + last) / 2 if first != last else first + 1
+    return styled(middle, end)
+
+
+def total(spans: Sequence[Decimal]) -> Decimal:
+    """Their exact sum."""
+    with localcontext(EXACT):
+        return sum(spans, Decimal(0))
 
 
 # -- mechanisms -----------------------------------------------------------------------------------
@@ -262,7 +540,8 @@ def other_table(given: Given, asked: Any) -> tuple[Tree, str]:
     key = asked.get("key") if isinstance(asked, Mapping) else None
     kind = asked.get("kind") if isinstance(asked, Mapping) else None
     if key == "linkage" and kind is None:
-        return _first_valid(given, _without_linkage(given.tree)), "linkage removed"
+        bare = _in_other_unit(given.tree, without(given.tree, ("linkage",)))
+        return _first_valid(given, [bare]), "linkage removed"
     if not isinstance(key, str) or key not in KINDS:
         raise refusal(f"another kind is one of {', '.join(KINDS)}")
     known, make = KINDS[key]
@@ -271,30 +550,27 @@ def other_table(given: Given, asked: Any) -> tuple[Tree, str]:
     return _first_valid(given, make(given.tree, kind)), f"{key} {kind}"
 
 
-def _first_valid(given: Given, trees: Iterator[Tree]) -> Tree:
+def _first_valid(given: Given, trees: Iterable[Tree]) -> Tree:
     """The first tree that is valid once what does not belong to it is gone; else the first."""
     required = {
         name: {*kind.schema.get("required", ()), "kind"}
         for kinds in (FOLLOWERS, LINKAGES)
         for name, kind in kinds.items()
     }
-    first: Tree | None = None
-    for tree in trees:
+
+    def mended(tree: Tree) -> Tree:
         kinds = {key: _kind(tree.get(key)) for key in ("follower", "linkage")}
 
-        def may(path: KeyPath, kinds: Mapping[str, str] = kinds) -> bool:
+        def may(path: KeyPath) -> bool:
             if len(path) < 2 or path[0] not in ELSEWHERE:
                 return False
             if path[0] in kinds:
                 return path[1] not in required.get(kinds[str(path[0])], ())
             return path[0] != "part" or path[1] in OF_PART
 
-        mended = _with_suiting_effects(given, given.without_misfits(tree, may))
-        if not given.faults(mended):
-            return mended
-        first = first or mended
-    assert first is not None  # every change makes one
-    return first
+        return _with_suiting_effects(given, given.without_misfits(tree, may))
+
+    return _first_without(given.faults, map(mended, trees))
 
 
 def _with_suiting_effects(given: Given, tree: Tree) -> Tree:
@@ -335,7 +611,7 @@ def _other_follower(tree: Tree, kind: str) -> Iterator[Tree]:
         }
         linkage = _kind(tree.get("linkage"))
         if linkage in LINKAGES and FOLLOWERS[kind].unit not in LINKAGES[linkage].members:
-            made = {key: each for key, each in made.items() if key != "linkage"}
+            made = without(made, ("linkage",))
         made = _in_other_unit(tree, made)
         yield made
         if "linkage" in made and linkage in LINKAGES:  # it may have another member at its far end
@@ -353,10 +629,6 @@ def _arm(required: list[str], kept: Mapping[str, Any]) -> dict[str, Any]:
 
 
 # -- linkages --------------------------------------------------------------------------------------
-
-
-def _without_linkage(tree: Tree) -> Iterator[Tree]:
-    yield _in_other_unit(tree, {key: each for key, each in tree.items() if key != "linkage"})
 
 
 def _other_linkage(tree: Tree, kind: str) -> Iterator[Tree]:
@@ -488,6 +760,18 @@ def _resized(node: Node, value: Any, size: Decimal) -> Any:
     return rounded(Decimal(value) * size) if is_length(node) and is_number(value) else value
 
 
+FEW: Final = 3
+"""Significant digits of a value that is made for a scene."""
+
+
+def rounded(value: Decimal) -> Any:
+    """A number with few digits."""
+    if not value:
+        return 0
+    last = Decimal(1).scaleb(value.adjusted() + 1 - FEW)
+    return styled(value.quantize(last, ROUND_HALF_EVEN), 0)
+
+
 # -- switching ------------------------------------------------------------------------------------
 # Switching effects on and off, with initial data that suit the machine.
 
@@ -586,7 +870,8 @@ def _on(given: Given, name: str) -> Tree:
         if need.startswith(f"{EFFECTS_KEY}."):
             wanted.append(need.partition(".")[2])
         else:
-            tree = edited(tree, {need: _value(tree, need)})
+            thick = rounded(base_radius(tree) * THICK)
+            tree = edited(tree, {need: thick if need == "part.thickness" else SPEED})
     unmet: list[Fault] = []
     for made in _with(given, tree, (*wanted, name)):
         fault = given.unmet(_alone(made, name), name)
@@ -662,11 +947,6 @@ def _needs(tree: Tree, effect: Effect) -> Iterator[str]:
     yield from lacking
 
 
-def _value(tree: Tree, key: str) -> Any:
-    """A value for a key that an effect needs."""
-    return rounded(base_radius(tree) * THICK) if key == "part.thickness" else SPEED
-
-
 def _with_table(tree: Tree, name: str, example: Table) -> Tree:
     made = {key: _initial(tree, key, value) for key, value in example.items()}
     return {**tree, EFFECTS_KEY: {**tree.get(EFFECTS_KEY, {}), name: made}}
@@ -691,7 +971,7 @@ def _end(tree: Tree, beside: float) -> list[Decimal]:
     axis, on the side of the arm, from which the spring turns it towards the axis.
     """
     pivot = value_at(tree, ("follower", "pivot"))
-    if not isinstance(pivot, list) or len(pivot) != 2 or not all(map(is_number, pivot)):
+    if not _is_point(pivot):
         return []
     at = complex(*map(float, pivot))
     side = 1j if value_at(tree, ("follower", "arm_side")) == "cw" else -1j
@@ -715,13 +995,8 @@ def _off(given: Given, name: str) -> Tree:
     def may(path: KeyPath) -> bool:
         return path[0] == EFFECTS_KEY and len(path) == 2
 
-    rest = {key: each for key, each in tree[EFFECTS_KEY].items() if key != name}
-    made = given.without_misfits({**tree, EFFECTS_KEY: rest}, may)
-    return (
-        made
-        if made[EFFECTS_KEY]
-        else {key: each for key, each in made.items() if key != EFFECTS_KEY}
-    )
+    made = given.without_misfits(without(tree, (EFFECTS_KEY, name)), may)
+    return made if made[EFFECTS_KEY] else without(made, (EFFECTS_KEY,))
 
 
 # -- companions -----------------------------------------------------------------------------------
@@ -780,13 +1055,9 @@ def _with_contact(given: Given, after: Tree) -> Tree:
     """With a blank around a groove or a ring, and a groove half as deep as the part is thick, and
     without the keys that a cam of that contact cannot have.
     """
-    first: Tree | None = None
-    for tree in _blanks(given, after):
-        mended = given.without_misfits(tree, lambda misfit: misfit in OF_CONTACT)
-        if not given.new_faults(mended):
-            return mended
-        first = first or mended
-    return first or after
+    trees = _blanks(given, after)
+    mended = (given.without_misfits(tree, lambda misfit: misfit in OF_CONTACT) for tree in trees)
+    return _first_without(given.new_faults, mended)
 
 
 def _blanks(given: Given, after: Tree) -> Iterator[Tree]:
@@ -814,3 +1085,96 @@ def _diameter(given: Given) -> Any:
         return rounded(Decimal(2.0 * reach / MM_PER[given.design.scene.unit]))
     except CamgeoError:  # no design as yet
         return 200
+
+
+# -- given ----------------------------------------------------------------------------------------
+# What a change starts from, and the scenes that are tried in making it.
+
+
+ROUNDS: Final = 6
+"""How often keys are taken out: without some, others turn out not to belong."""
+
+
+@dataclass(frozen=True)
+class Given:
+    """A text to be changed.
+
+    Attributes
+    ----------
+    text : TOML.
+    tree : its values.
+    file, folder : where it comes from.
+    known : its design, if there is one already.
+    """
+
+    text: str
+    tree: Tree
+    file: str
+    folder: str | pathlib.Path | None
+    known: Design | None
+
+    @cached_property
+    def source(self) -> Source:
+        """Where the files lie that the scene names."""
+        return Source.of(self.file, self.folder, self.text)
+
+    @cached_property
+    def design(self) -> Design:
+        """Its design; SceneError if the scene is not valid."""
+        return self.known or Design(self.scene(self.tree))
+
+    def scene(self, tree: Tree) -> Scene:
+        """The scene with other values; SceneError if they are not valid."""
+        earlier = None if self.known is None else self.known.scene
+        return Scene.of(document_of_tree(tree), self.source, earlier)
+
+    def faults(self, tree: Tree) -> tuple[Fault, ...]:
+        """What is wrong with other values."""
+        try:
+            self.scene(tree)
+        except SceneError as error:
+            return error.faults
+        return ()
+
+    @cached_property
+    def wrong(self) -> frozenset[str]:
+        """The keys at fault in the text as it is."""
+        return frozenset(fault.key for fault in self.faults(self.tree))
+
+    def new_faults(self, tree: Tree) -> tuple[Fault, ...]:
+        """What is wrong with other values, at keys that are not `wrong` as it is."""
+        return tuple(fault for fault in self.faults(tree) if fault.key not in self.wrong)
+
+    def unmet(self, tree: Tree, name: str) -> Fault | None:
+        """What the effect `name` lacks in a scene with other values, where only computing it tells.
+
+        None as well if the text as it is has no design: then nothing can be computed.
+        """
+        if self.known is None:
+            return None
+        try:
+            Design(self.scene(tree)).effect(name)
+        except GeometryError as error:
+            return Fault(error.key, error.value, error.message) if error.key else None
+        except CamgeoError:  # faults of the scene, or no answer for this design, as findings tell
+            return None
+        return None
+
+    def without_misfits(self, tree: Tree, may: Callable[[KeyPath], bool]) -> Tree:
+        """The tree without those of the `new_faults` that may be taken out.
+
+        Some only turn out to be at fault when others are gone.
+        """
+        for _ in range(ROUNDS):
+            paths = {path_of(fault.key) or () for fault in self.new_faults(tree)}
+            misfits = [path for path in paths if path and may(path)]
+            if not misfits:
+                break
+            for path in sorted(misfits, key=len, reverse=True):
+                tree = without(tree, path)
+        return tree
+
+
+def refusal(message: str, key: str = "") -> SceneError:
+    """A change that cannot be made, and why."""
+    return SceneError([Fault(key, "", message)])

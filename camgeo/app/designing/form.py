@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any, Final, Literal
 
@@ -13,11 +12,14 @@ from camgeo.kinematics.laws import ALIASES, FAMILIES
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.kinematics.mechanism.values import FollowerKind, LinkageKind
 from camgeo.kinematics.planning.requests import AUTO
-from camgeo.scene.keys import KeyPath, path_of, spelled, value_at
+from camgeo.scene.keys import KeyPath, spelled, value_at
 from camgeo.scene.rules import JERK, parameters_of
 from camgeo.scene.schema import SHAPES, Composed, Node, keys_of, referred, resolved, schema_for
-from camgeo.scene.values import Document, Tree, ValidValues, document_of_tree, written
+from camgeo.scene.values import Document, Tree, ValidValues, document_of_tree
 from camgeo.units import in_unit
+
+Data = dict[str, Any]
+"""An object of JSON."""
 
 MOST: Final = 50
 """Tables of one list, e.g. tools, that a form shows."""
@@ -32,47 +34,13 @@ KINDS: Final[Mapping[str, Mapping[str, FollowerKind | LinkageKind]]] = {
 """Tables whose kind can be changed, with their kinds."""
 
 
-@dataclass(frozen=True, slots=True)
-class Section:
-    """A table of a scene.
+def form(document: Document) -> list[Data]:
+    """The tables of a scene: those that it has and those that it could have.
 
-    Attributes
-    ----------
-    key, title, description : as of a `Field`; the key is empty for the scene itself.
-    stated : whether the scene has it.
-    kind : its kind, if there are several; None otherwise.
-    kinds : the kinds that there are, each with a sentence; None if the kind cannot be changed.
-    fields : its keys.
+    Of each its `key`, `title` and `description`, as of a field, the key empty for the scene itself;
+    `stated`, whether the scene has it; its `kind` if there are several, else None; `kinds`, those
+    that there are, each with a sentence, None if the kind cannot be changed; and its `fields`.
     """
-
-    key: str
-    title: str
-    description: str
-    stated: bool
-    kind: str | None
-    kinds: tuple[tuple[str, str], ...] | None
-    fields: tuple[Field, ...]
-
-    def to_data(self) -> dict[str, Any]:
-        """For JSON."""
-        return {
-            "key": self.key,
-            "title": self.title,
-            "description": self.description,
-            "stated": self.stated,
-            "kind": self.kind,
-            "kinds": None
-            if self.kinds is None
-            else [
-                {"value": name, "title": name.replace("-", " "), "description": text}
-                for name, text in self.kinds
-            ],
-            "fields": [each.to_data() for each in self.fields],
-        }
-
-
-def form(document: Document) -> tuple[Section, ...]:
-    """The tables of a scene: those that it has and those that it could have."""
     fields = Fields(document)
     root = fields.composed.root
     own = [
@@ -80,11 +48,31 @@ def form(document: Document) -> tuple[Section, ...]:
         for key, node in root["properties"].items()
         if key not in APART and (found := fields.field((key,), node)) is not None
     ]
-    top = Section("", "scene", "", True, None, None, tuple(own))
-    return (top, *_inner(fields, (), root))
+    return [_section("", "scene", "", own), *_inner(fields, (), root)]
 
 
-def _inner(fields: Fields, path: KeyPath, node: Node) -> Iterator[Section]:
+def _section(
+    key: str,
+    title: str,
+    description: str,
+    fields: list[Data],
+    *,
+    stated: bool = True,
+    kind: Any = None,
+    kinds: list[Data] | None = None,
+) -> Data:
+    return {
+        "key": key,
+        "title": title,
+        "description": description,
+        "stated": stated,
+        "kind": kind if isinstance(kind, str) else None,
+        "kinds": kinds,
+        "fields": fields,
+    }
+
+
+def _inner(fields: Fields, path: KeyPath, node: Node) -> Iterator[Data]:
     """The tables within a table."""
     inner = fields.document.plain if not path else fields.document.at(path)
     for key, each in keys_of(node, inner if isinstance(inner, dict) else {}).items():
@@ -93,7 +81,7 @@ def _inner(fields: Fields, path: KeyPath, node: Node) -> Iterator[Section]:
         yield from _sections(fields, (*path, key), resolved(each))
 
 
-def _sections(fields: Fields, path: KeyPath, node: Node) -> Iterator[Section]:
+def _sections(fields: Fields, path: KeyPath, node: Node) -> Iterator[Data]:
     """The table at `path`, or each of a list of tables, with those in it."""
     stated = fields.document.at(path)
     items = resolved(node.get("items", {}))
@@ -104,25 +92,35 @@ def _sections(fields: Fields, path: KeyPath, node: Node) -> Iterator[Section]:
         yield from _table(fields, path, node, node.get("description", ""))
 
 
-def _table(fields: Fields, path: KeyPath, node: Node, description: str) -> Iterator[Section]:
+def _table(fields: Fields, path: KeyPath, node: Node, description: str) -> Iterator[Data]:
     table = fields.document.at(path)
     kind = table.get("kind") if isinstance(table, dict) else None
     known = KINDS.get(spelled(path))
-    kinds = None
-    if known is not None:
-        kinds = tuple((name, each.description) for name, each in known.items())
-    own = [each for each in fields.of_table(path, node) if known is None or not _is_kind(each)]
+    kinds = (
+        None
+        if known is None
+        else [
+            {"value": name, "title": name.replace("-", " "), "description": each.description}
+            for name, each in known.items()
+        ]
+    )
+    own = [
+        each
+        for each in fields.of_table(path, node)
+        if known is None or not each["key"].endswith(".kind")
+    ]
     if own or kinds is not None:
-        yield Section(
-            spelled(path), title_of(path), description, table is not None,
-            kind if isinstance(kind, str) else None, kinds, tuple(own),
-        )  # fmt: skip
+        yield _section(
+            spelled(path),
+            title_of(path),
+            description,
+            own,
+            stated=table is not None,
+            kind=kind,
+            kinds=kinds,
+        )
     if table is not None:
         yield from _inner(fields, path, node)
-
-
-def _is_kind(field: Field) -> bool:
-    return field.key.endswith(".kind")
 
 
 # -- fields ---------------------------------------------------------------------------------------
@@ -167,54 +165,6 @@ LEAST: Final = 1e-6
 
 LONGEST: Final = 400
 """Characters of a text, or items of a list, that a field shows."""
-
-
-@dataclass(frozen=True, slots=True)
-class Field:
-    """A key of a scene.
-
-    Attributes
-    ----------
-    key : as messages spell it.
-    title, description : what it is called, and what it means.
-    type : of what is entered.
-    unit : of a number, or of the numbers of a list; empty if it has none.
-    value : as stated, or else the default; None if there is neither.
-    stated : whether the scene states it.
-    default : the value that holds if none is stated, if that is always the same.
-    choices : values to choose from, or that can be entered instead of a number.
-    low, high : limits of a number.
-    slider : least and greatest value of a sensible range, and its step.
-    """
-
-    key: str
-    title: str
-    description: str
-    type: Type
-    unit: str
-    value: Any
-    stated: bool
-    default: Any
-    choices: tuple[Any, ...]
-    low: float | None
-    high: float | None
-    slider: tuple[float, float, float] | None
-
-    def to_data(self) -> dict[str, Any]:
-        """For JSON; what is empty is left out, except the value."""
-        rest = {
-            "description": self.description, "unit": self.unit, "default": self.default,
-            "choices": list(self.choices), "low": self.low, "high": self.high,
-            "slider": None if self.slider is None else list(self.slider),
-        }  # fmt: skip
-        return {
-            "key": self.key,
-            "title": self.title,
-            "type": self.type,
-            "value": self.value,
-            "stated": self.stated,
-            **{key: value for key, value in rest.items() if value not in (None, "", [])},
-        }
 
 
 class Fields:
@@ -263,8 +213,17 @@ class Fields:
             return f"{self.length}/min" if path[-1] in FEEDS else self.length
         return str(resolved(items).get("x-unit", ""))
 
-    def field(self, path: KeyPath, node: Node) -> Field | None:
-        """The field of a key with that node of the schema; None for a table, or a list of them."""
+    def field(self, path: KeyPath, node: Node) -> Data | None:
+        """The field of a key with that node of the schema; None for a table, or a list of them.
+
+        `key`, as messages spell it; `title`, what it is called, and `description`, what it means;
+        `type`, of what is entered; `unit` of a number, or of the numbers of a list; `value`, as
+        stated, or else the default, None if there is neither; `stated`, whether the scene states
+        it; `default`, the value that holds if none is stated, if that is always the same;
+        `choices`, values to choose from, or that can be entered instead of a number; `low` and
+        `high`, limits of a number; `slider`, least and greatest value of a sensible range, and its
+        step. What is empty is left out, except the value.
+        """
         found = resolved(node)
         if not found or has_keys(found) or has_keys(resolved(found.get("items", {}))):
             return None
@@ -276,13 +235,25 @@ class Fields:
         slider = None
         if kind == "number" and isinstance(value, int | float) and not isinstance(value, bool):
             slider = slider_of(value, low, high, whole=found.get("type") == "integer")
-        return Field(
-            spelled(path), title_of(path), in_unit(found.get("description", ""), self.length), kind,
-            self.unit_of(path, node), value, exact is not None, default, _choices(found), low,
-            high, slider,
-        )  # fmt: skip
+        rest = {
+            "description": in_unit(found.get("description", ""), self.length),
+            "unit": self.unit_of(path, node),
+            "default": default,
+            "choices": list(_choices(found)),
+            "low": low,
+            "high": high,
+            "slider": None if slider is None else list(slider),
+        }
+        return {
+            "key": spelled(path),
+            "title": title_of(path),
+            "type": kind,
+            "value": value,
+            "stated": exact is not None,
+            **{key: each for key, each in rest.items() if each not in (None, "", [])},
+        }
 
-    def of_table(self, path: KeyPath, node: Node) -> Iterator[Field]:
+    def of_table(self, path: KeyPath, node: Node) -> Iterator[Data]:
         """The fields of a table, without those of tables in it."""
         inner = value_at(self.document.plain, path)
         for key, each in keys_of(node, inner if isinstance(inner, dict) else {}).items():
@@ -405,20 +376,6 @@ def _round_above(value: float) -> float:
     return next(each * power for each in (1.0, 2.0, 5.0, 10.0) if each * power > value)
 
 
-# -- labels ---------------------------------------------------------------------------------------
-# Names of keys of a scene, and short names of changes, for undo.
-
-
-NAMED: Final = 2
-"""Most values that a label names; the rest is counted."""
-
-DIGITS: Final = 6
-"""Significant digits of a number in a label."""
-
-LONGEST_LABEL: Final = 80
-"""Characters of a label."""
-
-
 def title_of(path: KeyPath) -> str:
     """What a key is called: "roller radius" for follower.roller_radius."""
     words = [str(step) for step in path if isinstance(step, str)]
@@ -426,37 +383,6 @@ def title_of(path: KeyPath) -> str:
         return ""
     number = f" {path[-1] + 1}" if isinstance(path[-1], int) else ""
     return words[-1].replace("_", " ").replace("-", " ") + number
-
-
-def label_of(edits: Mapping[str, Any], units: Mapping[str, str]) -> str:
-    """The name of the change that sets these values, with the units of their keys."""
-    named = [_named(key, value, units.get(key, "")) for key, value in edits.items()]
-    rest = len(named) - NAMED
-    label = ", ".join(named[:NAMED]) + (f" and {rest} more" if rest > 0 else "")
-    return label if len(label) <= LONGEST_LABEL else f"{label[:LONGEST_LABEL]}..."
-
-
-def _named(key: str, value: Any, unit: str) -> str:
-    path = path_of(key) or ()
-    title = title_of(path)
-    if path[:1] == ("motion",) and len(path) > 1 and isinstance(path[1], int):
-        title = f"segment {path[1] + 1} {title}"
-    if value is None:
-        return f"{title} removed"
-    gap = "" if unit == "°" else " "
-    return f"{title} {shown(value)}{gap}{unit}".rstrip()
-
-
-def shown(value: Any) -> str:
-    """A value in a label: numbers with few digits, texts without quotes."""
-    if isinstance(value, bool):
-        return "on" if value else "off"
-    if isinstance(value, int | float | Decimal):
-        return f"{float(value):.{DIGITS}g}"
-    if isinstance(value, list | tuple):
-        rest = ", ..." if len(value) > NAMED else ""
-        return f"[{', '.join(map(shown, value[:NAMED]))}{rest}]"
-    return value if isinstance(value, str) else written(value)
 
 
 # -- plan -----------------------------------------------------------------------------------------
@@ -473,59 +399,28 @@ OPTIMISE: Final = "optimise"
 """Key of what law "auto" minimizes."""
 
 
-@dataclass(frozen=True, slots=True)
-class Row:
-    """A segment.
-
-    Attributes
-    ----------
-    index : its position, from 0.
-    kind : "dwell", "move", "points" or "table".
-    begin, end : cam angles [degrees]; None after a segment whose span is not valid.
-    start, to : positions [unit of the plan] at its start and end; None if a file decides.
-    law : None of a dwell.
-    fields : its keys.
-    """
-
-    index: int
-    kind: str
-    begin: float | None
-    end: float | None
-    start: float | None
-    to: float | None
-    law: str | None
-    fields: tuple[Field, ...]
-
-    def to_data(self) -> dict[str, Any]:
-        """For JSON."""
-        return {
-            "index": self.index,
-            "kind": self.kind,
-            "from": self.begin,
-            "to": self.end,
-            "start": self.start,
-            "end": self.to,
-            "law": self.law,
-            "fields": [each.to_data() for each in self.fields],
-        }
-
-
-def _fitting(fields: Iterable[Field], law: Any) -> Iterator[Field]:
+def _fitting(fields: Iterable[Data], law: Any) -> Iterator[Data]:
     """The fields that the law takes, and those that are stated although it does not."""
     known = isinstance(law, str) and (law in FAMILIES or law in ALIASES or law == AUTO)
     taken = parameters_of(law) if known else frozenset(SHAPES)
     for each in fields:
-        key = each.key.rpartition(".")[2]
+        key = each["key"].rpartition(".")[2]
         idle = (key in (*SHAPES, JERK) and key not in taken) or (key == OPTIMISE and law != AUTO)
-        if each.stated or not idle:
+        if each["stated"] or not idle:
             yield each
 
 
-def plan(document: Document) -> tuple[Row, ...]:
-    """The segments of a scene; none if its motion is no list."""
+def plan(document: Document) -> list[Data]:
+    """The segments of a scene; none if its motion is no list.
+
+    Of each its `index`, from 0; its `kind`, "dwell", "move", "points" or "table"; the cam angles
+    [degrees] `from` and `to`, None after a segment whose span is not valid; the positions `start`
+    and `end` [unit of the plan], None if a file decides; its `law`, None of a dwell; and its
+    `fields`, as of a form.
+    """
     motion = document.at(("motion",))
     if not isinstance(motion, list):
-        return ()
+        return []
     fields = Fields(document)
     node = fields.node(("motion",)).get("items", {})
     spans = []
@@ -546,15 +441,15 @@ def plan(document: Document) -> tuple[Row, ...]:
             to = plain(table.get("to"))
             position = to if isinstance(to, int | float) else None
         rows.append(
-            Row(
-                index,
-                "dwell" if rests else law if law in DATA else "move",
-                angles[index] if index < len(angles) else None,
-                angles[index + 1] if index + 1 < len(angles) else None,
-                start,
-                position,
-                law if isinstance(law, str) and not rests else None,
-                tuple(_fitting(fields.of_table(("motion", index), node), law)),
-            )
+            {
+                "index": index,
+                "kind": "dwell" if rests else law if law in DATA else "move",
+                "from": angles[index] if index < len(angles) else None,
+                "to": angles[index + 1] if index + 1 < len(angles) else None,
+                "start": start,
+                "end": position,
+                "law": law if isinstance(law, str) and not rests else None,
+                "fields": list(_fitting(fields.of_table(("motion", index), node), law)),
+            }
         )
-    return tuple(rows)
+    return rows

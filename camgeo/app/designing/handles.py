@@ -18,10 +18,11 @@ import numpy as np
 from camgeo.app.designing.form import title_of
 from camgeo.app.designing.segments import (
     FINEST,
-    Neighbours,
+    is_fixed,
     joints,
     least_span,
     snapped,
+    span_beside,
     span_key,
     span_of,
     spans_of,
@@ -57,23 +58,6 @@ Place = tuple[float, float]
 Edits = Mapping[str, Any]
 
 
-@dataclass(frozen=True, slots=True)
-class Value:
-    """A value that a handle changes.
-
-    Attributes
-    ----------
-    key : of the scene.
-    label, unit : what it is called, and its unit.
-    value : as the scene states it, or what it is if the scene does not state it.
-    """
-
-    key: str
-    label: str
-    unit: str
-    value: float
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Handle:
     """A point of a picture that can be dragged.
@@ -87,8 +71,8 @@ class Handle:
     panel : of the figure "motion", in the plan; 0 in the mechanism.
     at : where it is.
     moves : how it can be moved.
-    label : what people call it.
-    values : what it changes.
+    values : what it changes: the `key` of each, its `label` and `unit`, and its `value` as the
+        scene states it, or what it is if the scene does not state it.
     edits : the values of the scene with which it is at a place, or as near as it can be, rounded
         to steps in both directions. GeometryError for a place where it cannot be.
     """
@@ -99,14 +83,13 @@ class Handle:
     panel: int
     at: Place
     moves: Moves
-    label: str
-    values: tuple[Value, ...]
+    values: tuple[dict[str, Any], ...]
     edits: Callable[[Place, Place], Edits] = field(repr=False)
 
     @property
     def keys(self) -> tuple[str, ...]:
         """Keys of the scene that it changes; for an item of a list, the key of the list."""
-        return tuple(dict.fromkeys(LAST_POSITION.sub("", each.key) for each in self.values))
+        return tuple(dict.fromkeys(LAST_POSITION.sub("", each["key"]) for each in self.values))
 
     def to_data(self) -> dict[str, Any]:
         """For JSON, without `edits`."""
@@ -117,20 +100,13 @@ class Handle:
             "panel": self.panel,
             "at": list(self.at),
             "moves": self.moves,
-            "label": self.label,
-            "values": [
-                {"key": each.key, "label": each.label, "unit": each.unit, "value": each.value}
-                for each in self.values
-            ],
+            "label": self.name,
+            "values": list(self.values),
         }
 
 
-def handles(design: Design) -> tuple[Handle, ...]:
+def handles(design: Design) -> Iterator[Handle]:
     """All handles of a design, those of its motion plan first."""
-    return tuple(_handles(design))
-
-
-def _handles(design: Design) -> Iterator[Handle]:
     yield from _of_plan(design)
     for each in _grips(design):
         yield _of_grip(design.scene, each)
@@ -152,12 +128,18 @@ def dragged(design: Design, name: str, to: Any, step: Any = None) -> tuple[Handl
     SceneError
         If `to` or `step` is not of that form, or the handle cannot be there.
     """
-    handle = next((each for each in _handles(design) if each.name == name), None)
+    handle = next((each for each in handles(design) if each.name == name), None)
     if handle is None:
         raise UnknownNameError("handle", str(name)[:60], [each.name for each in handles(design)])
-    place = _place(to)
+    message = f"a handle is dropped at two numbers, [x, y], -{FARTHEST:g} to {FARTHEST:g}"
+    place = _two(to, -FARTHEST, message)
+    if step is None:
+        step = FINEST
+    steps = step if isinstance(step, list | tuple) else (step, step)
     try:
-        edits = handle.edits(place, _steps(step))
+        edits = handle.edits(
+            place, _two(steps, math.ulp(0.0), "a step is a positive number, or two")
+        )
     except GeometryError as error:
         raise SceneError([Fault(error.key, error.value, error.message)]) from error
     return handle, edits
@@ -183,25 +165,7 @@ def _of_plan(design: Design) -> Iterator[Handle]:
     scale = math.degrees(1.0) if design.drive.unit == "rad" else 1.0 / MM_PER[scene.unit]
     positions = scale * design.drive.plan.jet(np.radians(angles[:-1]))[0]
     unit = "°" if design.drive.unit == "rad" else scene.unit
-    for pull in pulls(motion, positions.tolist()):
-        yield _of_pull(motion, pull, unit)
-
-
-def _of_pull(motion: list[Any], pull: Pull, unit: str) -> Handle:
-    values = []
-    for key, label in pull.keys.items():
-        of_position = key.endswith(".to")
-        found = value_at({"motion": motion}, path_of(key) or ())
-        values.append(Value(key, label, unit if of_position else "°", float(found)))
-
-    def edits(to: Place, steps: Place) -> Edits:
-        found = pull.edits(to, steps)
-        before = {key: value_at({"motion": motion}, path_of(key) or ()) for key in found}
-        return {key: value for key, value in found.items() if value is not before[key]}
-
-    return Handle(
-        pull.name, pull.kind, "plan", PLAN, pull.at, pull.moves, pull.name, tuple(values), edits
-    )
+    yield from _of_motion(motion, positions.tolist(), unit)
 
 
 def _of_grip(scene: Scene, grip: Grip) -> Handle:
@@ -212,11 +176,11 @@ def _of_grip(scene: Scene, grip: Grip) -> Handle:
         label = title_of(path_of(key) or ())
         before = _before(scene, key, size)
         if isinstance(before, list):
-            for number, each in enumerate(before):
-                name = f"{label} {_part(key, number)}"
-                values.append(Value(f"{key}[{number + 1}]", name, unit, float(each)))
+            parts = ("from", "to") if key.endswith("face") else ("x", "y")
+            for number, (part, each) in enumerate(zip(parts, before, strict=True), 1):
+                values.append(_value(f"{key}[{number}]", f"{label} {part}", unit, each))
         else:
-            values.append(Value(key, label, "°" if size.arm else unit, float(before)))
+            values.append(_value(key, label, "°" if size.arm else unit, before))
 
     def edits(to: Place, steps: Place) -> Edits:
         found: dict[str, Any] = {}
@@ -229,13 +193,11 @@ def _of_grip(scene: Scene, grip: Grip) -> Handle:
         return found
 
     at = grip.at.real, grip.at.imag
-    return Handle(
-        grip.name, grip.kind, "mechanism", 0, at, grip.moves, grip.name, tuple(values), edits
-    )
+    return Handle(grip.name, grip.kind, "mechanism", 0, at, grip.moves, tuple(values), edits)
 
 
-def _part(key: str, number: int) -> str:
-    return ("from", "to")[number] if key.endswith("face") else ("x", "y")[number]
+def _value(key: str, label: str, unit: str, value: Any) -> dict[str, Any]:
+    return {"key": key, "label": label, "unit": unit, "value": float(value)}
 
 
 def _before(scene: Scene, key: str, now: Size) -> Any:
@@ -262,28 +224,15 @@ def _numbers(scene: Scene, size: Size) -> Any:
     return size.value / mm if size.second is None else [size.value / mm, size.second / mm]
 
 
-def _place(to: Any) -> Place:
-    """Two coordinates that may come from anywhere; SceneError if they are none."""
-    found = tuple(to) if isinstance(to, list | tuple) else ()
-    if len(found) != 2 or not all(_is_number(each) and abs(each) <= FARTHEST for each in found):
-        message = f"a handle is dropped at two numbers, [x, y], -{FARTHEST:g} to {FARTHEST:g}"
+def _two(value: Any, least: float, message: str) -> Place:
+    """Two numbers that may come from anywhere, from `least` on; SceneError if they are none."""
+    found = tuple(value) if isinstance(value, list | tuple) else ()
+    real = all(
+        isinstance(each, int | float | Decimal) and not isinstance(each, bool) for each in found
+    )
+    if len(found) != 2 or not real or not all(least <= each <= FARTHEST for each in found):
         raise SceneError([Fault("", "", message)])
     return float(found[0]), float(found[1])
-
-
-def _steps(step: Any) -> Place:
-    """The steps of both coordinates; SceneError if `step` states none."""
-    found = tuple(step) if isinstance(step, list | tuple) else (step, step)
-    if step is None:
-        return FINEST, FINEST
-    if len(found) != 2 or not all(_is_number(each) and each > 0.0 for each in found):
-        raise SceneError([Fault("", "", "a step is a positive number, or two")])
-    return float(found[0]), float(found[1])
-
-
-def _is_number(value: Any) -> bool:
-    real = isinstance(value, int | float | Decimal) and not isinstance(value, bool)
-    return real and abs(value) <= FARTHEST
 
 
 # -- grips ----------------------------------------------------------------------------------------
@@ -373,8 +322,7 @@ def _(follower: TranslatingRoller, yoke: Yoke | None) -> Iterator[Grip]:
 
 
 @grips_of.register
-def _(follower: OscillatingRoller, yoke: Yoke | None) -> Iterator[Grip]:
-    del yoke
+def _(follower: OscillatingRoller, _: Yoke | None) -> Iterator[Grip]:
     pivot, here = follower.pivot, follower.pivot + follower.start_arm
 
     def centre(to: complex) -> Sizes:
@@ -406,8 +354,7 @@ def _(follower: TranslatingFlat, yoke: Yoke | None) -> Iterator[Grip]:
 
 
 @grips_of.register
-def _(follower: OscillatingFlat, yoke: Yoke | None) -> Iterator[Grip]:
-    del yoke
+def _(follower: OscillatingFlat, _: Yoke | None) -> Iterator[Grip]:
     pivot, foot = follower.pivot, follower.pivot + follower.start_arm
     sign = math.copysign(1.0, follower.face_offset)
 
@@ -421,24 +368,18 @@ def _(follower: OscillatingFlat, yoke: Yoke | None) -> Iterator[Grip]:
     yield from _face_ends(follower)
 
 
-def return_grips(follower: Follower, mount: Mount, returning: Follower) -> Iterator[Grip]:
-    """The grips of the second roller of a conjugate pair, whose main one is `follower`."""
-    yield from _returning(follower, dict(mount.given), returning)
-
-
 @singledispatch
-def _returning(
-    follower: Follower, given: Mapping[str, float], returning: Follower
-) -> Iterator[Grip]:
-    del follower, given, returning
+def return_grips(follower: Follower, mount: Mount, returning: Follower) -> Iterator[Grip]:
+    """The grips of the second roller of a conjugate pair, whose main one is `follower`.
+
+    None unless they are registered for the class of that.
+    """
+    del follower, mount, returning
     yield from ()
 
 
-@_returning.register
-def _(
-    follower: TranslatingRoller, given: Mapping[str, float], returning: Follower
-) -> Iterator[Grip]:
-    del given
+@return_grips.register
+def _(follower: TranslatingRoller, _: Mount, returning: Follower) -> Iterator[Grip]:
     outward = follower.outward
 
     def centre(to: complex) -> Sizes:
@@ -448,20 +389,18 @@ def _(
             "follower.return.offset": Size(-seen.imag),
         }
 
-    yield Grip("return roller centre", "arm", returning.start_arm, "xy", centre)
     here = returning.start_arm
+    yield Grip("return roller centre", "arm", here, "xy", centre)
     yield from _roller("return roller", "follower.return.", here, returning)
 
 
-@_returning.register
-def _(
-    follower: OscillatingRoller, given: Mapping[str, float], returning: Follower
-) -> Iterator[Grip]:
-    pivot, arm = follower.pivot, returning.start_arm
+@return_grips.register
+def _(follower: OscillatingRoller, mount: Mount, returning: Follower) -> Iterator[Grip]:
+    pivot, arm, now = follower.pivot, returning.start_arm, dict(mount.given)["arm_angle"]
 
     def centre(to: complex) -> Sizes:
         own = to - pivot
-        angle = within_a_turn(given["arm_angle"] + phase(own / arm))
+        angle = within_a_turn(now + phase(own / arm))
         return {
             "follower.return.arm": Size(abs(own)),
             "follower.return.arm_angle": Size(angle, abs(own)),
@@ -565,8 +504,7 @@ def linkage_grips(linkage: Linkage, place: complex, outward: complex) -> Iterato
 
 
 @linkage_grips.register
-def _(linkage: FourBar, place: complex, outward: complex) -> Iterator[Grip]:
-    del outward
+def _(linkage: FourBar, place: complex, _: complex) -> Iterator[Grip]:
     seen_pin, seen_tip = (complex(each[0]) for each in linkage.joints(np.zeros(1)))
     shaft, pin, tip = place + linkage.shaft, place + seen_pin, place + seen_tip
 
@@ -590,8 +528,7 @@ def _(linkage: FourBar, place: complex, outward: complex) -> Iterator[Grip]:
 
 
 @linkage_grips.register
-def _(linkage: SliderCrank, place: complex, outward: complex) -> Iterator[Grip]:
-    del outward
+def _(linkage: SliderCrank, place: complex, _: complex) -> Iterator[Grip]:
     if linkage.coupler_tilt > PARALLEL:
         return
     pin, tip = (place + complex(each[0]) for each in linkage.joints(np.zeros(1)))
@@ -641,47 +578,29 @@ MOST: Final = 400
 """Handles of a plan; of a longer one only the first ones have any."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Pull:
-    """A point of the motion plan that can be moved.
-
-    Attributes
-    ----------
-    name, kind : its name, unique in the plan, and "joint" or "point".
-    at : cam angle [degrees] and position [unit of the plan].
-    moves : how it can be moved.
-    keys : keys of the scene that it changes, with their names.
-    edits : their values for a new place, from that place and the steps of both coordinates.
-    """
-
-    name: str
-    kind: str
-    at: tuple[float, float]
-    moves: Moves
-    keys: Mapping[str, str]
-    edits: Callable[[tuple[float, float], tuple[float, float]], Edits]
-
-
-def pulls(motion: list[dict[str, Any]], positions: Sequence[float]) -> Iterator[Pull]:
-    """The movable points of a valid motion, from its segments as stated and where each starts.
+def _of_motion(
+    motion: list[dict[str, Any]], positions: Sequence[float], unit: str
+) -> Iterator[Handle]:
+    """The movable points of a valid motion, from its segments as stated and where each starts
+    [`unit`].
 
     The first joint cannot move: the motion starts at 0.
     """
     spans = spans_of(motion)
     assert spans is not None  # it is valid
-    at = list(joints(spans))
+    at = joints(spans)
     last = max((k for k, each in enumerate(motion) if "dwell" not in each), default=-1)
     count = 0
     level: tuple[int, Any] | None = None
     for index, segment in enumerate(motion):
         if index and count < MOST and (spans[index - 1] or index == 1):
-            joint = _joint(motion, index, at, level, last, positions[index])
+            joint = _joint(motion, index, at, level, last, positions[index], unit)
             if joint is not None:
                 count += 1
                 yield joint
         for number in range(min(len(segment.get("points", ())), MOST - count)):
             count += 1
-            yield _point(segment, index, number, at[index])
+            yield _point(motion, index, number, at[index], unit)
         if "dwell" not in segment:
             level = index, segment.get("to")
 
@@ -693,73 +612,68 @@ def _joint(
     level: tuple[int, Any] | None,
     last: int,
     position: float,
-) -> Pull | None:
+    unit: str,
+) -> Handle | None:
     """The joint at which the segment `index` begins; None if it cannot move.
 
     `level` is the last segment before it that is not a dwell, with the position stated for its end;
     `position` is the value of that.
     """
-    both = Neighbours(motion[index - 1], motion[index])
+    first, second = motion[index - 1], motion[index]
+    fixed = is_fixed(first) or is_fixed(second)
     mover, to = level if level is not None else (-1, 0)
     # A file says where a table ends; the last move has to return to 0.
     rises = to is not None and mover >= 0 and mover != last
-    moves: Moves | None = ("y" if rises else None) if both.fixed else ("xy" if rises else "x")
+    moves: Moves | None = ("y" if rises else None) if fixed else ("xy" if rises else "x")
     if moves is None:
         return None
     keys: dict[str, str] = {}
-    span_place = spelled(("motion", index - 1, span_key(both.first)))
-    other_place = spelled(("motion", index, span_key(both.second)))
+    span_place = spelled(("motion", index - 1, span_key(first)))
+    other_place = spelled(("motion", index, span_key(second)))
     to_place = spelled(("motion", mover, "to"))
-    if not both.fixed:
+    if not fixed:
         keys[span_place] = f"span of segment {index}"
     if rises:
         keys[to_place] = "position"
 
-    def edits(place: tuple[float, float], steps: tuple[float, float]) -> Edits:
+    def edits(place: Place, steps: Place) -> Edits:
         found: dict[str, Any] = {}
-        if not both.fixed:
-            new = _joint_at(place[0], steps[0], both, at[index - 1], at[index], at[index + 1])
-            if new != at[index]:
-                with localcontext(EXACT):
-                    spans = both.with_first(new - at[index - 1])
-                first, second = both.first[span_key(both.first)], both.second[span_key(both.second)]
-                found[span_place] = styled(spans[0], first)
-                found[other_place] = styled(spans[1], second)
+        if not fixed:
+            start, now, end = at[index - 1 : index + 2]
+            with localcontext(EXACT):
+                # No nearer to its neighbours than a step, unless it is now.
+                by = step_near(steps[0])
+                low = min(start + max(least_span(first), by), now)
+                high = max(end - max(least_span(second), by), now)
+                new = min(max(Decimal(snapped(place[0], steps[0], now)), low), high)
+                span = new - start
+            if new != now:
+                found[span_place] = styled(span, first[span_key(first)])
+                other = span_beside(first, second, span)
+                found[other_place] = styled(other, second[span_key(second)])
         if rises:
             found[to_place] = snapped(place[1], steps[1], to)
         return found
 
     height = position if to is None else float(to)
-    return Pull(f"joint {index + 1}", "joint", (float(at[index]), height), moves, keys, edits)
+    place = float(at[index]), height
+    return _handle(motion, f"joint {index + 1}", "joint", place, moves, keys, unit, edits)
 
 
-def _joint_at(
-    angle: float, step: float, both: Neighbours, start: Decimal, now: Decimal, end: Decimal
-) -> Decimal:
-    """The cam angle of a joint that is dropped at `angle`, between `start` and `end` [degrees].
-
-    No nearer to its neighbours than a step, unless it is now.
-    """
-    with localcontext(EXACT):
-        by = step_near(step)
-        low = min(start + max(least_span(both.first), by), now)
-        high = max(end - max(least_span(both.second), by), now)
-        new = Decimal(snapped(angle, step, now))
-        return min(max(new, low), high)
-
-
-def _point(segment: dict[str, Any], index: int, number: int, start: Decimal) -> Pull:
+def _point(
+    motion: list[dict[str, Any]], index: int, number: int, start: Decimal, unit: str
+) -> Handle:
     """A point of a motion through points, between its neighbours."""
-    points = segment["points"]
+    points = motion[index]["points"]
     own = points[number]
-    span = span_of(segment)
+    span = span_of(motion[index])
     low = Decimal(points[number - 1]["at"]) if number else Decimal(0)
     high = Decimal(points[number + 1]["at"]) if number + 1 < len(points) else span
     assert high is not None  # it is valid
     place_of_at = spelled(("motion", index, "points", number, "at"))
     place_of_to = spelled(("motion", index, "points", number, "to"))
 
-    def edits(place: tuple[float, float], steps: tuple[float, float]) -> Edits:
+    def edits(place: Place, steps: Place) -> Edits:
         now = Decimal(own["at"])
         with localcontext(EXACT):
             by = step_near(steps[0])
@@ -771,4 +685,34 @@ def _point(segment: dict[str, Any], index: int, number: int, start: Decimal) -> 
 
     at = float(start + Decimal(own["at"])), float(own["to"])
     keys = {place_of_at: "cam angle in the segment", place_of_to: "position"}
-    return Pull(f"point {index + 1}.{number + 1}", "point", at, "xy", keys, edits)
+    name = f"point {index + 1}.{number + 1}"
+    return _handle(motion, name, "point", at, "xy", keys, unit, edits)
+
+
+def _handle(
+    motion: list[dict[str, Any]],
+    name: str,
+    kind: str,
+    at: Place,
+    moves: Moves,
+    keys: Mapping[str, str],
+    unit: str,
+    edits: Callable[[Place, Place], Edits],
+) -> Handle:
+    """The handle of a point of a motion, whose `edits` may state what is so already.
+
+    `keys` are those of the scene that it changes, with their names.
+    """
+
+    def before(key: str) -> Any:
+        return value_at({"motion": motion}, path_of(key) or ())
+
+    def differing(to: Place, steps: Place) -> Edits:
+        found = edits(to, steps)
+        return {key: value for key, value in found.items() if value is not before(key)}
+
+    values = tuple(
+        _value(key, label, unit if key.endswith(".to") else "°", before(key))
+        for key, label in keys.items()
+    )
+    return Handle(name, kind, "plan", PLAN, at, moves, values, differing)

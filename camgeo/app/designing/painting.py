@@ -16,7 +16,16 @@ from typing import Any, Final
 import numpy as np
 
 from camgeo.app.answers.answer import in_a_line
-from camgeo.app.answers.report import (
+from camgeo.app.designing.children import Job, JobError
+from camgeo.app.designing.edits import changed
+from camgeo.app.designing.faults import faults_as_data
+from camgeo.app.designing.form import form, plan
+from camgeo.app.designing.handles import handles
+from camgeo.app.designing.recent import Recent
+from camgeo.design.design import Design
+from camgeo.errors import CamgeoError, SceneError
+from camgeo.numeric.arrays import FloatArray
+from camgeo.pictures.charts import (
     MOTION,
     Chart,
     Reading,
@@ -27,15 +36,6 @@ from camgeo.app.answers.report import (
     readings,
     shown,
 )
-from camgeo.app.designing.children import Job, JobError
-from camgeo.app.designing.edits import changed
-from camgeo.app.designing.faults import faults_as_data
-from camgeo.app.designing.form import form, plan
-from camgeo.app.designing.handles import handles
-from camgeo.app.designing.recent import Recent
-from camgeo.design.design import Design
-from camgeo.errors import CamgeoError, SceneError
-from camgeo.numeric.arrays import FloatArray
 from camgeo.pictures.mechanism import Animation, animation
 from camgeo.pictures.model import Figure, figure_data, listed
 from camgeo.pictures.thinned import thinned, thinned_turn
@@ -109,8 +109,8 @@ def _stated(found: Document, recent: Recent) -> dict[str, Any]:
     # Joints are dragged more often than anything else, and the form does not show them.
     shown = repr({key: value for key, value in found.exact.items() if key != "motion"})
     return {
-        "form": recent.kept("form", (shown,), lambda: [each.to_data() for each in form(found)]),
-        "plan": [each.to_data() for each in plan(found)],
+        "form": recent.kept("form", (shown,), lambda: form(found)),
+        "plan": plan(found),
         "effects": sorted(effects) if isinstance(effects := found.at(("effects",)), dict) else [],
     }
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
@@ -129,7 +129,6 @@ class Arguments:
 
     def __init__(self, job: Job) -> None:
         self._given = job.arguments
-        self._kind = job.kind
 
     def flag(self, name: str, *, otherwise: bool) -> bool:
         """True or false; `otherwise` if it is not given."""
@@ -141,30 +140,16 @@ class Arguments:
     def number(self, name: str) -> float | None:
         """A finite number; None if it is not given."""
         value = self._given.get(name)
-        if value is None:
-            return None
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self._wrong(name, "a number")
-        try:
-            number = float(value)
-        except OverflowError:
-            number = math.inf
-        if not math.isfinite(number):
-            raise self._wrong(name, "a finite number")
-        return number
+        return None if value is None else self._finite(name, value)
 
     def pair(self, name: str) -> tuple[float, float] | None:
         """Two finite numbers; None if it is not given."""
         value = self._given.get(name)
         if value is None:
             return None
-        if not isinstance(value, list | tuple) or len(value) != 2:
+        if not isinstance(value, list | tuple) or len(value) != 2 or None in value:
             raise self._wrong(name, "two numbers")
-        low, high = (
-            Arguments(Job(self._kind, arguments={name: each})).number(name) for each in value
-        )
-        if low is None or high is None:
-            raise self._wrong(name, "two numbers")
+        low, high = (self._finite(name, each) for each in value)
         return low, high
 
     def index(self, name: str) -> int:
@@ -182,6 +167,13 @@ class Arguments:
         if not isinstance(value, list | tuple) or not all(isinstance(each, str) for each in value):
             raise self._wrong(name, "a list of texts")
         return tuple(value)
+
+    def _finite(self, name: str, value: Any) -> float:
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise self._wrong(name, "a number")
+        if not abs(value) <= sys.float_info.max:
+            raise self._wrong(name, "a finite number")
+        return float(value)
 
     def _wrong(self, name: str, allowed: str) -> JobError:
         return JobError(f"{name} must be {allowed}")
