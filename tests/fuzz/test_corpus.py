@@ -20,7 +20,7 @@ from tests.fuzz.case import CORPUS, OPEN, SLOW, Case, restore, store
 from tests.fuzz.invariants import Failure, Outcome
 from tests.fuzz.runner import SEPARATOR, fuzz, kept, known_failures
 from tests.fuzz.worker import Worker
-from tests.long_form import LONG
+from tests.long_form import LONG, examples
 from tests.thinned import share
 
 MOST_OPEN: Final = 10
@@ -105,3 +105,25 @@ def test_an_open_case_that_passes_refuses_the_run(tmp_path: Path) -> None:
     assert mark.name == "xfail"
     assert mark.kwargs["strict"]
     assert "a limit" in mark.kwargs["reason"]
+
+
+# -- fuzz ------------------------------------------------------------------------------------------
+# Random cases, the same in every run; `python -m tests.fuzz --seed fresh` draws others.
+
+
+SEED: Final = 2026
+
+FIRST: Final = examples(218, long=150)
+"""Number of the first case: from here all kinds come soon, and one builds files that verify."""
+
+CASES: Final = examples(10, long=31)
+
+
+def test_random_cases(capsys: pytest.CaptureFixture[str]) -> None:
+    report = fuzz(SEED, first=FIRST, count=CASES, minimise=20)
+    with capsys.disabled():
+        print(f"\n{report.text}")  # noqa: T201 - so that a run can be repeated
+    assert not report.found, "\n\n".join((*report.messages, report.text))
+    assert report.cases.total() == CASES
+    assert min(report.cases.values()) >= 2
+    assert report.verified >= 1

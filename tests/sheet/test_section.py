@@ -13,8 +13,8 @@ from shapely.geometry.base import BaseGeometry
 
 from camgeo.cam.cam import Contact
 from camgeo.geometry.contour.contour import Contour
+from camgeo.part.assembly import bevelled as part_with
 from camgeo.part.assembly import bore_boundary
-from camgeo.part.bevels import bevelled as part_with
 from camgeo.part.part import Boundary, Layer, Part
 from camgeo.part.spec import Chamfer, Chamfers, Keyway, PartSpec
 from camgeo.pictures.sheet.marks import Chain, Hatched, Mark

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -11,13 +12,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour
-from camgeo.milling.cut import MOST_PASSES, ContourCut, passes
+from camgeo.milling.cut import ContourCut
 from camgeo.milling.machine import load
-from camgeo.milling.moves import ArcFeed, Feed, Heights, Operation, Rapid, Toolpath
-from camgeo.milling.tool import Tool
+from camgeo.milling.making import MOST_PASSES, passes
+from camgeo.milling.milling import Heights, Tool
+from camgeo.milling.moves import ArcFeed, Feed, Operation, Rapid, Toolpath
 from camgeo.part.boundaries import ExactBoundary
+from tests.part.parts import refused
 
 TOOL = Tool(number=1, diameter=6.0, spindle_speed=3000.0, feed=300.0, plunge_feed=100.0)
 
@@ -37,15 +39,6 @@ CUT = ContourCut(
 HOME = Rapid((0.0, 0.0, 5.0))
 
 
-def test_places_have_their_coordinates() -> None:
-    with pytest.raises(GeometryError, match="must be 3 coordinates"):
-        Feed((0.0, 0.0), 1.0)  # type: ignore[arg-type]  # wrong on purpose
-    with pytest.raises(GeometryError, match="must be 2 coordinates"):
-        ArcFeed((0.0, 0.0, 0.0), 0j, ccw=True, feed=1.0)  # type: ignore[arg-type]  # wrong on purpose
-    with pytest.raises(GeometryError, match="true or false"):
-        ArcFeed((0.0, 0.0, 0.0), (0.0, 0.0), ccw=1, feed=1.0)  # type: ignore[arg-type]  # wrong on purpose
-
-
 @pytest.mark.parametrize(
     "change",
     [
@@ -58,25 +51,42 @@ def test_places_have_their_coordinates() -> None:
     ],
 )
 def test_cuts(change: dict[str, Any]) -> None:
-    with pytest.raises(GeometryError) as caught:
+    with refused("toolpath"):
         replace(CUT, **change)
-    assert caught.value.key == "toolpath"
 
 
-def test_operations_begin_above_the_part_and_have_names_of_their_own() -> None:
-    with pytest.raises(GeometryError, match="must begin with a traverse"):
-        Operation(CUT, ())
-    with pytest.raises(GeometryError, match="must begin with a traverse"):
-        Operation(CUT, (Feed((0.0, 0.0, -1.0), 100.0), HOME))
-    operation = Operation(CUT, (HOME,))
-    with pytest.raises(GeometryError, match="its own name"):
-        Toolpath(Heights.of(5.0), (operation, operation))
-    with pytest.raises(GeometryError) as caught:
-        Heights(math.nan, 2.0)
-    assert caught.value.key == "output.gcode.clearance_height"
-    with pytest.raises(GeometryError, match="to 5") as caught:
-        Heights(5.0, 6.0)
-    assert caught.value.key == "output.gcode.retract_height"
+def once() -> Operation:
+    return Operation(CUT, (HOME,))
+
+
+REFUSED: list[tuple[Callable[[], object], str, str]] = [
+    (lambda: Feed((0.0, 0.0), 1.0), "must be 3 coordinates", "toolpath"),  # type: ignore[arg-type]  # wrong on purpose
+    (lambda: ArcFeed((0.0, 0.0, 0.0), 0j, True, 1.0), "must be 2 coordinates", "toolpath"),  # type: ignore[arg-type]  # wrong on purpose
+    (lambda: ArcFeed((0.0, 0.0, 0.0), (0.0, 0.0), 1, 1.0), "true or false", "toolpath"),  # type: ignore[arg-type]  # wrong on purpose
+    (lambda: Operation(CUT, ()), "must begin with a traverse", "toolpath"),
+    (
+        lambda: Operation(CUT, (Feed((0.0, 0.0, -1.0), 100.0), HOME)),
+        "must begin with a traverse",
+        "toolpath",
+    ),
+    (lambda: Toolpath(Heights(5.0, 5.0), (once(), once())), "its own name", "toolpath"),
+    (lambda: Heights(math.nan, 2.0), "above 0", "output.gcode.clearance_height"),
+    (lambda: Heights(5.0, 6.0), "to 5", "output.gcode.retract_height"),
+    (lambda: passes(0.0, -10.0, 1e-9), r"must be at least 0\.01 mm", "tool.stepdown"),
+    (
+        lambda: replace(load("linuxcnc").program, end=("M{two}",)),
+        "no braces but",
+        "program.end",
+    ),
+]
+
+
+@pytest.mark.parametrize(("make", "message", "key"), REFUSED)
+def test_what_is_wrong_is_refused_with_its_key(
+    make: Callable[[], object], message: str, key: str
+) -> None:
+    with refused(key, message):
+        make()
 
 
 @given(st.floats(0.01, 60.0), st.floats(0.1, 80.0))
@@ -90,12 +100,3 @@ def test_passes_are_equal_and_no_more_than_needed(depth: float, stepdown: float)
 
 def test_no_more_passes_than_sense() -> None:
     assert len(passes(0.0, -10.0, 10.0 / MOST_PASSES)) == MOST_PASSES
-    with pytest.raises(GeometryError, match=r"must be at least 0\.01 mm") as caught:
-        passes(0.0, -10.0, 1e-9)
-    assert caught.value.key == "tool.stepdown"
-
-
-def test_blocks_of_a_machine_can_be_filled_in() -> None:
-    with pytest.raises(GeometryError, match="no braces but") as caught:
-        replace(load("linuxcnc").program, end=("M{two}",))
-    assert caught.value.key == "program.end"

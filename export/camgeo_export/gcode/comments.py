@@ -14,9 +14,8 @@ from camgeo.design.product import Product, title_of
 from camgeo.design.verify import length_of
 from camgeo.errors import ToleranceError
 from camgeo.milling.cut import Cut
-from camgeo.milling.holding import HOW
 from camgeo.milling.machine import ROUNDING_SHARE, ROUNDING_UNITS, Machine, TextForm
-from camgeo.milling.milling import Stock
+from camgeo.milling.milling import HOW, Stock
 from camgeo.milling.zero import Zero, described
 from camgeo.units import MM_PER, LengthUnit
 

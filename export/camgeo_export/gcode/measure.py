@@ -15,7 +15,7 @@ from camgeo.geometry.contour.spline import SplineContour
 from camgeo.milling.compensation import mode_of, side_of
 from camgeo.milling.cut import AreaCut, ContourCut, Cut, LetterCut
 from camgeo.milling.machine import Machine, load
-from camgeo.milling.tool import WEAR
+from camgeo.milling.milling import WEAR
 from camgeo.milling.track import Track
 from camgeo.units import MM_PER
 from camgeo_export.gcode.comments import Stated, stated

@@ -8,8 +8,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from camgeo.geometry.contour.contour import Contour, Pieces, distances
-from camgeo.milling.areas import inside
-from camgeo.milling.plan import crossings
+from camgeo.milling.plan import crossings, inside
 from tests.toolpath.plane.tracks import any_track
 
 RECTANGLE = Contour.polygon(np.array([-50.0 - 25.0j, 50.0 - 25.0j, 50.0 + 25.0j, -50.0 + 25.0j]))
