@@ -8,18 +8,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.contour import Contour, Pieces, distances
 from camgeo.milling.course import course_of
 from camgeo.milling.cut import AreaCut, Cut, PointCut
 from camgeo.milling.machine import load
 from camgeo.milling.moves import ArcFeed, Feed, Move, Operation, Point, Rapid, Toolpath
-from camgeo.milling.plan import Cutting, engaged, entries, plan_toolpath
+from camgeo.milling.plan import Cutting, crossings, engaged, entries, inside, plan_toolpath
 from camgeo.numeric.arrays import ComplexArray, taken
 from camgeo.part.boundaries import ExactBoundary
 from tests.toolpath.milled import HEIGHTS, tool
+from tests.toolpath.plane.tracks import any_track
 
 RADIUS = 3.0
 DEPTH = -1.0
@@ -305,3 +306,37 @@ def test_what_is_drilled_before_is_air() -> None:
 
 def test_without_operations_that_clear_an_area() -> None:
     assert engaged(Toolpath(HEIGHTS, ()), (ROUND_BLANK,), 0.0) == ()
+
+
+# -- crossings -------------------------------------------------------------------------------------
+# What closed contours enclose, and where circles meet lines and arcs.
+
+
+RECTANGLE = Contour.polygon(np.array([-50.0 - 25.0j, 50.0 - 25.0j, 50.0 + 25.0j, -50.0 + 25.0j]))
+
+
+@given(places, st.floats(1.0, 10.0))
+@example(0j, 1.0)
+def test_inside_of_contours(point: complex, radius: float) -> None:
+    boundary = Pieces.around([Contour.circle(radius), RECTANGLE])
+    if abs(abs(point) - radius) < 1e-9:
+        return
+    # Both together are the rectangle without the circle.
+    assert inside(boundary, np.array([point]))[0] == (abs(point) > radius)
+
+
+@pytest.mark.parametrize("distance", [0.0, 1.5])
+@pytest.mark.parametrize("seed", range(10))
+def test_a_circle_passes_a_distance_at_its_crossings_only(seed: int, distance: float) -> None:
+    """Between neighbouring angles all points are nearer, or all are farther off."""
+    rng = np.random.default_rng(seed)
+    pieces = any_track(rng).pieces
+    place, radius = complex(*rng.uniform(-5.0, 5.0, 2)), float(rng.uniform(1.0, 6.0))
+    ends = np.sort(np.mod(crossings(pieces, place, radius, distance), 2.0 * np.pi))
+    ends = np.concatenate(([0.0], ends, [2.0 * np.pi]))
+    wide = np.flatnonzero(np.diff(ends) > 1e-6)
+    shares = np.array([0.01, 0.3, 0.7, 0.99])
+    angles = ends[wide, None] + np.diff(ends)[wide, None] * shares
+    off = distances((place + radius * np.exp(1j * angles)).ravel(), pieces)
+    farther = (off > distance).reshape(angles.shape)
+    assert np.all(farther == farther[:, :1])
