@@ -44,16 +44,14 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.milling.course import Course, course_of
 from camgeo.milling.cut import AreaCut, ContourCut
-from camgeo.milling.holding import Holding
 from camgeo.milling.judged import Side, runs_of, setup_of
 from camgeo.milling.machine import Machine, load
 from camgeo.milling.machining_time import block_times, blocks_of, contour_time
-from camgeo.milling.milling import MillingSpec, Stock
-from camgeo.milling.moves import Feed, Heights, Move, Operation, Rapid, Toolpath
+from camgeo.milling.milling import Heights, Holding, MillingSpec, Stock, Tool
+from camgeo.milling.moves import Feed, Move, Operation, Rapid, Toolpath
 from camgeo.milling.plan import Cutting, Engagement, plan_toolpath
 from camgeo.milling.planned import sequence_of
 from camgeo.milling.simulation import simulate
-from camgeo.milling.tool import Tool
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.part import Boundary, Part
 
@@ -175,7 +173,7 @@ def loose(found: Roughed) -> int:
     cuts = tuple(each.cut for each in found.whole.operations)
     spec = MillingSpec(tools=(), stock=found.stock, holding=found.holding)
     setup = setup_of(Side(found.part, spec, cuts, runs), 1e-3)
-    return len(simulate(setup, runs).of("loose"))
+    return sum(each.name == "loose" for each in simulate(setup, runs).flaws)
 
 
 def engaged(found: Roughed, course: Course, spacing: float, bottom: float = math.inf) -> Engagement:

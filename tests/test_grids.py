@@ -315,12 +315,12 @@ CLOSED: dict[str, dict[str, str]] = {
             "a bracket of a turn; `least_distance` then decides whether the lead is clear"
         ),
     },
-    "camgeo/milling/areas.py": {
+    "camgeo/milling/strategies/clear.py": {
         "np.linspace(0.0, 2.0 * np.pi, PER_TURN, endpoint=False)": (
             "paces a spiral; `require_clear` proves that it leaves the part alone"
         ),
     },
-    "camgeo/milling/stages.py": {
+    "camgeo/milling/simulation.py": {
         "np.arange(1, SLICES + 1)": (
             "slabs of a point or of rounded corners; gouge and rest are told of a slab's middle"
         ),

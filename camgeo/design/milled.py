@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     from camgeo.design.drawn import DrawnDisc
     from camgeo.milling.cut import ContourCut, Cut
     from camgeo.milling.features import Feature
+    from camgeo.milling.judged import Done
     from camgeo.milling.milling import GcodeSpec, MillingSpec, Stock
     from camgeo.milling.moves import Toolpath
     from camgeo.milling.plan import Engaged
     from camgeo.milling.planned import Sequence
-    from camgeo.milling.simulation import Done
-    from camgeo.milling.stages import Flaw, Run
+    from camgeo.milling.simulation import Flaw, Run
     from camgeo.milling.zero import Zero
     from camgeo.part.part import Part
     from camgeo.scene.scene import Scene
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class MilledDisc(Pickled):
     """One side of a disc as seen by its milling programs, in coordinates in which tools come from
-    above (`camgeo.milling.holding`).
+    above (`camgeo.milling.milling`).
 
     What cannot be planned raises `SceneError` with the key that is at fault.
 
@@ -183,8 +183,7 @@ class MilledDisc(Pickled):
     @property
     def zero(self) -> Zero:
         """Of the program; raises SceneError if the blank has no such corner."""
-        from camgeo.milling.holding import NOT
-        from camgeo.milling.milling import Stock
+        from camgeo.milling.milling import NOT, Stock
 
         stock = Stock() if self.spec is None else self.spec.stock
         turned = NOT if self.spec is None else self.spec.turned
@@ -220,8 +219,7 @@ class MilledDisc(Pickled):
         """What the simulation of a program finds that lies within `tolerance` [mm]; of the second
         side from what the first one leaves.
         """
-        from camgeo.milling.judged import runs_of
-        from camgeo.milling.simulation import settled
+        from camgeo.milling.judged import runs_of, settled
 
         cuts = tuple(operation.cut for operation in toolpath.operations)
         with self.ledger.entry("simulation"):
@@ -231,7 +229,7 @@ class MilledDisc(Pickled):
         """How the cutter is engaged in each roughing operation of a program, with places as the
         work lies; on the second side at most, as if the first had left all of the blank.
         """
-        from camgeo.milling.holding import mirrored
+        from camgeo.milling.milling import mirrored
         from camgeo.milling.plan import engaged_of
 
         part, spec = self.part, self.spec
@@ -323,8 +321,8 @@ def job(
         allowed in addition to what is.
     ahead : whether a side that follows is simulated, too.
     """
-    from camgeo.milling.judged import Side, runs_of
-    from camgeo.milling.simulation import ALLOWED, LEVEL, simulated
+    from camgeo.milling.judged import Side, runs_of, simulated
+    from camgeo.milling.simulation import ALLOWED, LEVEL
 
     assert milled.spec is not None  # for there is a program
     density = None if milled.scene.part is None else milled.scene.part.density

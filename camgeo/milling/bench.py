@@ -7,17 +7,19 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Final, Self
 
+import numpy as np
 import shapely
 
 from camgeo.errors import GeometryError
+from camgeo.geometry.outline.path import Stretch
+from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.milling.cut import Tightest, tightest
-from camgeo.milling.milling import MillingSpec
-from camgeo.milling.stages import Area, grown, polygon
-from camgeo.milling.tool import COMPUTED, CONTROL, END_MILL, Tool, ToolError
+from camgeo.milling.milling import COMPUTED, CONTROL, END_MILL, MillingSpec, Tool, ToolError
+from camgeo.milling.polygons import Area, grown, polygon
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary, Part, Wall
 from camgeo.part.spec import text_of
+from camgeo.units import TURN, at_cam_angles
 
 SAME: Final = 2.0**-48
 """Radii that differ by less, relative to them, are equal: the rounding of a sum of two lengths."""
@@ -266,3 +268,68 @@ def bore_of(wall: Wall) -> ExactBoundary:
     """The boundary of the bore."""
     assert isinstance(wall.boundary, ExactBoundary)  # as every bore is
     return wall.boundary
+
+
+# -- fitting --------------------------------------------------------------------------------------
+# Which cutters reach all of a wall, and where the tightest place is.
+
+
+@dataclass(frozen=True, slots=True)
+class Tightest:
+    """The smallest concave radius of a wall.
+
+    Attributes
+    ----------
+    radius : of the wall [mm], seen from the side without material; that of the largest cutter that
+        fits.
+    cam_angle : where [rad]; None for a wall that is the same all round.
+    """
+
+    radius: float
+    cam_angle: float | None = None
+
+    @property
+    def sentence(self) -> str:
+        """How large it is, and where."""
+        where = "" if self.cam_angle is None else f" {at_cam_angles(self.cam_angle, form='.4f')}"
+        return f"its smallest concave radius is {self.radius:.6g} mm{where}"
+
+
+def tightest(boundary: Boundary) -> Tightest | None:
+    """The place of a wall that limits cutters most; None where it is convex all round.
+
+    Of a flank it follows from the extremes of the pitch curve's curvature: the parallel on which
+    the cutter's centre runs is regular while 1 + d kappa > 0, with d its distance from the curve.
+    """
+    if isinstance(boundary, ExactBoundary):
+        return Tightest(boundary.round_radius) if boundary.hole else None
+    if not isinstance(boundary, CurveBoundary):
+        return None
+    found = [_of_stretch(each, hole=boundary.hole) for each in boundary.path.stretches]
+    places = (each for each in found if each is not None)
+    return min(places, key=lambda each: each.radius, default=None)
+
+
+def _of_stretch(stretch: Stretch, *, hole: bool) -> Tightest | None:
+    curve = stretch.curve
+    try:
+        bends = curvature_extremes(curve.pitch)
+    except GeometryError:  # a cusp, in what is trimmed away: the fit of the path decides
+        return None
+    inside = (bends.phi - stretch.start) % TURN <= stretch.end - stretch.start
+    ends = np.array([stretch.start, stretch.end])
+    kappa = np.concatenate(
+        (
+            bends.values[inside],
+            curve.pitch.curvature(ends[:1], "right"),
+            curve.pitch.curvature(ends[1:], "left"),
+        )
+    )
+    phi = np.concatenate((bends.phi[inside], ends))
+    # Outside, d grows with the cutter, and kappa < 0 is the limit; in a hole it is kappa > 0.
+    bend = kappa if hole else -kappa
+    worst = int(np.argmax(bend))
+    if bend[worst] <= 0.0:
+        return None
+    distance = curve.distance if hole else -curve.distance
+    return Tightest(float(1.0 / bend[worst] + distance), float(phi[worst]) % TURN)

@@ -20,8 +20,8 @@ from camgeo.geometry.contour.contour import least_distance
 from camgeo.geometry.contour.spline import Arc
 from camgeo.milling.cut import ContourCut, Cut
 from camgeo.milling.machine import Compensation
+from camgeo.milling.milling import COMPUTED, CONTROL
 from camgeo.milling.moves import ArcFeed, Feed, Move, Operation, Point, Stop, piece_of
-from camgeo.milling.tool import COMPUTED, CONTROL
 from camgeo.milling.track import Track
 
 KEY: Final = "output.gcode.compensation"

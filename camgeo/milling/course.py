@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.geometry.contour.contour import Pieces
-from camgeo.milling.moves import ArcFeed, Move, Point, Rapid, Stop, arc_sweeps
-from camgeo.numeric.arrays import FloatArray, IntArray, frozen, taken
+from camgeo.milling.moves import ArcFeed, Move, Point, Rapid, Stop
+from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, freeze_fields, taken
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,9 +33,7 @@ class Course(Pieces):
 
     def __post_init__(self) -> None:
         Pieces.__post_init__(self)
-        for name in ("from_z", "to_z"):
-            object.__setattr__(self, name, frozen(getattr(self, name), np.float64))
-        object.__setattr__(self, "moves", frozen(self.moves, np.intp))
+        freeze_fields(self, from_z=float, to_z=float, moves=np.intp)
 
     @property
     def highest(self) -> FloatArray:
@@ -79,6 +77,13 @@ def below(course: Course, z: float) -> Course:
     found = course.part(first, np.where(course.to_z > z, share, 1.0))
     low, high = np.minimum(found.from_z, z), np.minimum(found.to_z, z)  # which rounding may exceed
     return Course(found.starts, found.ends, found.sweeps, found.centres, low, high, found.moves)
+
+
+def arc_sweeps(starts: ComplexArray, ends: ComplexArray, turns: FloatArray) -> FloatArray:
+    """(n,) as `arc_sweep`, of arms (n,) and their directions (n,): 1 counter-clockwise, else -1."""
+    found = np.angle(ends / starts) * turns
+    found = np.where(found < -0.5 * np.pi, found + 2.0 * np.pi, found)
+    return turns * np.maximum(found, 0.0)
 
 
 def course_of(moves: Iterable[Move | Stop], at: Point | None = None) -> Course:

@@ -7,7 +7,6 @@ the scene.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import partial
 from typing import Annotated, Final
@@ -15,11 +14,18 @@ from typing import Annotated, Final
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.path import Stretch
-from camgeo.geometry.pieces import curvature_extremes
 from camgeo.kinematics.mechanism.values import Radius
-from camgeo.milling.holding import Obstacle, Tabs
-from camgeo.milling.tool import COMPUTED, DRILL, CompensationWord, Rounds, Text, Tool, Truth
+from camgeo.milling.milling import (
+    COMPUTED,
+    DRILL,
+    CompensationWord,
+    Obstacle,
+    Rounds,
+    Tabs,
+    Text,
+    Tool,
+    Truth,
+)
 from camgeo.numeric.checked import (
     array,
     check_fields,
@@ -32,12 +38,7 @@ from camgeo.numeric.checked import (
     positive,
     shown,
 )
-from camgeo.part.boundaries import CurveBoundary, ExactBoundary
-from camgeo.part.part import Boundary, require_boundary
-from camgeo.units import TURN, at_cam_angles
-
-MOST_PASSES: Final = 1_000
-"""Of one cut; a pass thinner than a thousandth of a part is a typing error."""
+from camgeo.part.part import Boundary, BoundaryField, boundary_tuple
 
 SLACK: Final = 0.05
 """Of the allowance, that a roughing path may deviate."""
@@ -146,7 +147,7 @@ class ContourCut(Cut):
         As `Cut`; with key "part" if the centre's path is not a boundary.
     """
 
-    centre: Boundary
+    centre: BoundaryField
     right: Annotated[Text, "toolpath"] = ""
     left: Annotated[Text, "toolpath"] = ""
     room: Annotated[Size, "toolpath"] = 0.0
@@ -159,10 +160,6 @@ class ContourCut(Cut):
     width: Annotated[Radius, "toolpath"] = 0.0
     tabs: Tabs | None = None
     compensation: Annotated[CompensationWord, "toolpath"] = COMPUTED
-
-    def __post_init__(self) -> None:
-        Cut.__post_init__(self)
-        require_boundary(self.centre)
 
     @property
     def contact_radius(self) -> float:
@@ -200,20 +197,15 @@ class AreaCut(Cut):
         neither a wall nor a stock, or the stepover exceeds the cutter's diameter.
     """
 
-    walls: tuple[Boundary, ...]
-    stock: Boundary | None = None
-    cleared: tuple[Boundary, ...] = ()
+    walls: Annotated[tuple[Boundary, ...], boundary_tuple, "toolpath"]
+    stock: BoundaryField | None = None
+    cleared: Annotated[tuple[Boundary, ...], boundary_tuple, "toolpath"] = ()
     stepover: Annotated[float, positive, "toolpath"]
     slot: Annotated[Radius, "toolpath"] = 0.0
 
     def __post_init__(self) -> None:
         Cut.__post_init__(self)
-        stock = () if self.stock is None else (self.stock,)
-        walls = instance("toolpath", self.walls, tuple, "a tuple of boundaries")
-        cleared = instance("toolpath", self.cleared, tuple, "a tuple of boundaries")
-        for each in (*walls, *stock, *cleared):
-            require_boundary(each)
-        if not walls and not stock:
+        if not self.walls and self.stock is None:
             raise GeometryError("an area needs a wall or the outline of the blank", "toolpath")
         if self.stepover > self.tool.diameter:
             message = f"must be at most the cutter's diameter, {self.tool.diameter:g} mm"
@@ -308,13 +300,8 @@ class LetterCut(Cut):
         As `Cut`; with key "part" if a wall is not a boundary.
     """
 
-    walls: tuple[Boundary, ...]
+    walls: Annotated[tuple[Boundary, ...], boundary_tuple, "toolpath"]
     stepover: Annotated[float, positive, "toolpath"]
-
-    def __post_init__(self) -> None:
-        Cut.__post_init__(self)
-        for each in instance("toolpath", self.walls, tuple, "a tuple of boundaries"):
-            require_boundary(each)
 
     @property
     def produced(self) -> tuple[str, ...]:
@@ -325,87 +312,3 @@ class LetterCut(Cut):
 def slack_of(allowance: float) -> float:
     """By how much the path of a roughing that leaves `allowance` [mm] may be off [mm]."""
     return min(SLACK * allowance, MOST_SLACK)
-
-
-def passes(top: float, bottom: float, largest: float | None) -> tuple[float, ...]:
-    """Z of equal passes of at most `largest` [mm], the last at `bottom` exactly; one if None.
-
-    Raises
-    ------
-    GeometryError
-        With key "tool.stepdown", if that makes more than `MOST_PASSES`.
-    """
-    depth = positive("part", top - bottom, "mm")
-    count = 1
-    if largest is not None:
-        share = depth / positive("tool.stepdown", largest, "mm") * (1.0 - 1e-12)
-        if share > MOST_PASSES:
-            message = f"must be at least {depth / MOST_PASSES:.3g} mm: no more passes than that"
-            raise GeometryError(message, "tool.stepdown", f"{largest:g}")
-        count = max(1, math.ceil(share))
-    return (*(top - depth * (k + 1) / count for k in range(count - 1)), bottom)
-
-
-# -- fitting --------------------------------------------------------------------------------------
-# Which cutters reach all of a wall, and where the tightest place is.
-
-
-@dataclass(frozen=True, slots=True)
-class Tightest:
-    """The smallest concave radius of a wall.
-
-    Attributes
-    ----------
-    radius : of the wall [mm], seen from the side without material; that of the largest cutter that
-        fits.
-    cam_angle : where [rad]; None for a wall that is the same all round.
-    """
-
-    radius: float
-    cam_angle: float | None = None
-
-    @property
-    def sentence(self) -> str:
-        """How large it is, and where."""
-        where = "" if self.cam_angle is None else f" {at_cam_angles(self.cam_angle, form='.4f')}"
-        return f"its smallest concave radius is {self.radius:.6g} mm{where}"
-
-
-def tightest(boundary: Boundary) -> Tightest | None:
-    """The place of a wall that limits cutters most; None where it is convex all round.
-
-    Of a flank it follows from the extremes of the pitch curve's curvature: the parallel on which
-    the cutter's centre runs is regular while 1 + d kappa > 0, with d its distance from the curve.
-    """
-    if isinstance(boundary, ExactBoundary):
-        return Tightest(boundary.round_radius) if boundary.hole else None
-    if not isinstance(boundary, CurveBoundary):
-        return None
-    found = [_of_stretch(each, hole=boundary.hole) for each in boundary.path.stretches]
-    places = (each for each in found if each is not None)
-    return min(places, key=lambda each: each.radius, default=None)
-
-
-def _of_stretch(stretch: Stretch, *, hole: bool) -> Tightest | None:
-    curve = stretch.curve
-    try:
-        bends = curvature_extremes(curve.pitch)
-    except GeometryError:  # a cusp, in what is trimmed away: the fit of the path decides
-        return None
-    inside = (bends.phi - stretch.start) % TURN <= stretch.end - stretch.start
-    ends = np.array([stretch.start, stretch.end])
-    kappa = np.concatenate(
-        (
-            bends.values[inside],
-            curve.pitch.curvature(ends[:1], "right"),
-            curve.pitch.curvature(ends[1:], "left"),
-        )
-    )
-    phi = np.concatenate((bends.phi[inside], ends))
-    # Outside, d grows with the cutter, and kappa < 0 is the limit; in a hole it is kappa > 0.
-    bend = kappa if hole else -kappa
-    worst = int(np.argmax(bend))
-    if bend[worst] <= 0.0:
-        return None
-    distance = curve.distance if hole else -curve.distance
-    return Tightest(float(1.0 / bend[worst] + distance), float(phi[worst]) % TURN)

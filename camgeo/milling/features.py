@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from camgeo.check.finding import Finding, Severity
 from camgeo.milling.bench import BORE, SAME
 from camgeo.milling.cut import ContourCut, Cut
-from camgeo.milling.judged import Side, faces, finished_by
+from camgeo.milling.judged import Side, faces, finished_by, is_finished
 from camgeo.milling.milling import Stock
-from camgeo.milling.simulation import ALLOWED, is_finished
+from camgeo.milling.simulation import ALLOWED
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Bevel, Part, Wall
 from camgeo.part.spec import Keyway, text_of

@@ -1,10 +1,10 @@
-"""A toolpath as a simulation judges it: its runs, and the setup that it starts from."""
+"""A job as a simulation judges it: its runs, what each side starts from, and the verdict."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -14,17 +14,29 @@ from camgeo.geometry.contour.contour import Contour, Pieces
 from camgeo.milling.bench import BORE, Bench, is_open
 from camgeo.milling.course import Course, course_of
 from camgeo.milling.cut import AreaCut, ContourCut, Cut, LetterCut
-from camgeo.milling.holding import FIXTURE, ONION_SKIN, TABS, Holding, Obstacle, rectangle
-from camgeo.milling.milling import MillingSpec
+from camgeo.milling.milling import (
+    CHAMFER_MILL,
+    DRILL,
+    FIXTURE,
+    ONION_SKIN,
+    TABS,
+    Holding,
+    MillingSpec,
+    Obstacle,
+    Tool,
+    mirrored,
+    rectangle,
+)
 from camgeo.milling.moves import Move, Point, Stop, Toolpath
-from camgeo.milling.stages import (
+from camgeo.milling.simulation import (
     Body,
     Chamfer,
     Flaw,
     Run,
     Setup,
+    Simulation,
+    simulate,
 )
-from camgeo.milling.tool import CHAMFER_MILL, DRILL, Tool
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Boundary, Part, Wall
 from camgeo.part.spec import text_of
@@ -38,6 +50,10 @@ ROUGHLY: Final = 1.0
 
 UNKNOWN: Final = 2.0
 """Diameters of the cutter by which a blank of unknown outline reaches beyond the course."""
+
+
+PART_FINENESS: Final = 1e-3
+"""Of the contours with which the part is compared [mm]."""
 
 
 def runs_of(toolpath: Toolpath) -> tuple[Run, ...]:
@@ -99,7 +115,7 @@ class Side:
         return self.part.layers[0].z0
 
 
-def setup_of(side: Side, tolerance: float, others: Iterable[Cut] = ()) -> Setup:
+def setup_of(side: Side, tolerance: float = PART_FINENESS, others: Iterable[Cut] = ()) -> Setup:
     """What a program starts from, and the part that must come of it, within `tolerance` [mm].
 
     Its cuts say which walls are cut, and where the outline of the blank is not known, its runs how
@@ -161,12 +177,9 @@ def left_out(part: Part, cuts: Iterable[Cut]) -> tuple[str, ...]:
         each.name
         for each in part.boundaries
         if (isinstance(each, ExactBoundary) and each.hole) or text_of(each.name)
-        if each.name not in made and (each.name != BORE or not _is_round(each))
+        if each.name not in made
+        if each.name != BORE or not (isinstance(each, ExactBoundary) and each.is_round)
     )
-
-
-def _is_round(boundary: Boundary) -> bool:
-    return isinstance(boundary, ExactBoundary) and boundary.is_round
 
 
 def _chamfers(cuts: Iterable[Cut], tolerance: float) -> Iterator[Chamfer]:
@@ -190,7 +203,7 @@ def _letters(cuts: Iterable[Cut]) -> dict[str, list[Contour]]:
     found = [each for each in cuts if isinstance(each, LetterCut)]
     if not found:
         return {}
-    from camgeo.milling.making import reached
+    from camgeo.milling.strategies.marks import reached
 
     return {each.produced[0]: reached(each) for each in found}
 
@@ -254,10 +267,6 @@ def _produced(cuts: Iterable[Cut]) -> set[str]:
 # The verdict on a program: what its simulation finds, and what of it must not be run.
 
 
-PART_FINENESS: Final = 1e-3
-"""Of the contours with which the part is compared [mm]."""
-
-
 def finished_by(cut: Cut) -> tuple[str, ...]:
     """Names of the walls that a cut leaves as they are to be."""
     return () if cut.allowance else cut.produced
@@ -309,3 +318,128 @@ def verdict(flaws: Iterable[Flaw]) -> tuple[Finding, ...]:
         )
         for each in flaws
     )
+
+
+# -- sides ----------------------------------------------------------------------------------------
+# A job of one side or two, simulated: the second side starts from what the first one has left.
+#
+# Each side is judged in coordinates in which its tools come from above (`camgeo.milling.milling`);
+# what is handed on is turned over, slab by slab. What the part must be in the end is asked after
+# the last side alone, of the material that both have left.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Done:
+    """A side that is simulated."""
+
+    side: Side
+    setup: Setup
+    simulation: Simulation
+
+
+def setups_of(sides: Sequence[Side], of: int) -> tuple[Setup, ...]:
+    """What each side, the first ones `of` a job, starts from but for the material that is left, and
+    what must come of it.
+    """
+    found: list[Setup] = []
+    for k, side in enumerate(sides):
+        others = [cut for other in sides if other is not side for cut in other.cuts]
+        setup = setup_of(side, others=others)
+        if k:
+            setup = _second(setup, side, sides[k - 1], found[k - 1])
+        found.append(
+            replace(
+                setup,
+                final=k == of - 1,
+                density=side.density,
+                unfinished=tuple(_unfinished(sides)),
+            )
+        )
+    return tuple(found)
+
+
+def simulated(sides: Sequence[Side], *, allowed: float, level: float, of: int) -> tuple[Done, ...]:
+    """Each of the first sides `of` a job, as `simulate` judges it, from what the one before it has
+    left.
+    """
+    done: list[Done] = []
+    for side, setup in zip(sides, setups_of(sides, of), strict=True):
+        own = setup
+        if done:
+            first = done[-1]
+            left = first.simulation.turned_over(first.setup, first.side.runs, first.side.lowest)
+            own = replace(setup, before=left)
+        found = simulate(own, side.runs, allowed=allowed, level=level)
+        done.append(Done(side, own, found))
+    return tuple(done)
+
+
+def settled(done: Sequence[Done]) -> tuple[tuple[Flaw, ...], ...]:
+    """The flaws of each side, as its work lies."""
+    return tuple(tuple(_seen(flaw, each.side) for flaw in each.simulation.flaws) for each in done)
+
+
+def _unfinished(sides: Sequence[Side]) -> Iterator[Contour]:
+    """The walls that stated operations leave unfinished: what they leave there is to be watched."""
+    if not any(side.milling.operations for side in sides):
+        return
+    for wall in sides[0].part.walls:
+        if not is_finished(wall, sides):
+            yield wall.boundary.arcs(PART_FINENESS, "fast").contour
+
+
+def is_finished(wall: Wall, sides: Sequence[Side]) -> bool:
+    """Whether one side leaves all of a wall as it is to be, or two that meet on it."""
+    first, name = sides[0], wall.boundary.name
+    down = finished_down_to(first.cuts, name)
+    if down <= lowest_of(wall, first.milling.holding):
+        return True
+    if len(sides) == 1:
+        return False
+    second, low = sides[1], first.lowest
+    turned = replace(wall, z0=low - wall.z1, z1=low - wall.z0)
+    below = finished_down_to(second.cuts, name)
+    return below <= lowest_of(turned, second.milling.holding) or down <= low - below
+
+
+def _seen(flaw: Flaw, side: Side) -> Flaw:
+    """The same with its place as the work lies."""
+    x, y, z = flaw.place
+    place = mirrored(complex(x, y), side.milling.turned)
+    return replace(flaw, place=(place.real, place.imag, z))
+
+
+def _second(setup: Setup, side: Side, first: Side, before: Setup) -> Setup:
+    """The setup of a second side, whose blank is what the first one has left.
+
+    A fixture holds the part alone. What the first side has left hanging may stay, unless a wall is
+    finished that frees the part.
+    """
+    holding = side.milling.holding
+    own, hanging = _height_left(holding), _height_left(first.milling.holding)
+    if any(_frees(cut, side) for cut in side.cuts):
+        hanging = None
+    held = setup.held
+    if holding is not None and holding.kind == FIXTURE:
+        held = tuple(body.contours for body in setup.part)
+    chamfers = (replace(each, turned=first.lowest) for each in before.chamfers)
+    return replace(
+        setup,
+        held=held,
+        joined=None if own is None else side.lowest + own,
+        hanging=None if hanging is None else -hanging,
+        chamfers=(*setup.chamfers, *chamfers),
+    )
+
+
+def _height_left(holding: Holding | None) -> float | None:
+    """Height [mm] of what a holding leaves on the part: tabs, a skin; None for nothing."""
+    if holding is None or holding.tabs is None:
+        return None if holding is None else holding.skin
+    return holding.tabs.height
+
+
+def _frees(cut: Cut, side: Side) -> bool:
+    """Whether a cut of the second side finishes a wall around the part."""
+    around = {wall.boundary.name for wall in side.part.walls if not wall.boundary.hole}
+    return bool(around & set(finished_by(cut)))

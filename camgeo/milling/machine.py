@@ -7,22 +7,23 @@ import math
 import re
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from importlib.resources import files
 from pathlib import Path
 from string import Formatter
 from types import MappingProxyType
-from typing import Annotated, Any, Final, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Final
 
 from jsonschema_rs import Draft202012Validator, ValidationError
 
 from camgeo.errors import Fault, FileError, GeometryError, SceneError, meant, unreadable
-from camgeo.milling.milling import LONGEST_SPIN_UP
-from camgeo.milling.tool import COMPUTED, CONTROL, WEAR, FeedRate
+from camgeo.milling.milling import COMPUTED, CONTROL, WEAR, FeedRate, SpinUp
 from camgeo.numeric.checked import (
+    CheckedFields,
     check_fields,
     instance,
+    instance_from_table,
     instances,
     number,
     one_of,
@@ -131,7 +132,6 @@ LineLength = Annotated[int, partial(whole, least=1, most=LONGEST_LINE)]
 DecimalCount = Annotated[int, partial(whole, least=1, most=MOST_DECIMALS)]
 Sweep = Annotated[float, partial(number, least=SMALLEST_SWEEP, most=LARGEST_SWEEP)]
 Share = Annotated[float, partial(number, least=0.0, most=0.9)]
-Seconds = Annotated[float, partial(number, least=0.0, most=LONGEST_SPIN_UP, unit="s")]
 Codes = Annotated[tuple[float, ...], codes]
 Meanings = Annotated[Mapping[str, str], meanings]
 WorkOffsets = Annotated[Mapping[str, str], offsets]
@@ -146,7 +146,7 @@ MOST_BLOCKS: Final = 10_000
 
 
 @dataclass(frozen=True, slots=True)
-class Dynamics:
+class Dynamics(CheckedFields, path="dynamics."):
     """How a machine moves, and how far its controller looks ahead.
 
     Attributes
@@ -173,9 +173,6 @@ class Dynamics:
     junction_deviation: Annotated[float, partial(number, least=0.0, unit="mm")] = 0.0
     velocity_jump: Annotated[float, partial(number, least=0.0, unit="mm/s")] = 0.0
     block_time: Annotated[float, partial(number, least=0.0, unit="s")] = 0.0
-
-    def __post_init__(self) -> None:
-        check_fields(self, "dynamics.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -212,7 +209,7 @@ class Compensation:
 
 
 @dataclass(frozen=True, slots=True)
-class Smoothing:
+class Smoothing(CheckedFields, path="smoothing."):
     """`[smoothing]`: smoothing of the path, whose error counts against the tolerance.
 
     Attributes
@@ -231,9 +228,6 @@ class Smoothing:
     smallest: Size
     end: Plain = ()
     largest: Size = 1.0
-
-    def __post_init__(self) -> None:
-        check_fields(self, "smoothing.")
 
 
 # -- machine reading ------------------------------------------------------------------------------
@@ -272,7 +266,7 @@ def _sets(key: str, given: Any) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True, slots=True)
-class RadiusDifference:
+class RadiusDifference(CheckedFields, path="reading.radius_difference."):
     """By how much the radii at the two ends of an arc may differ in each unit of the program [mm].
 
     More is refused if it is more than the share `relative` of the radius, and if it is 100 times as
@@ -283,12 +277,9 @@ class RadiusDifference:
     inch: Size
     relative: Size = 0.0
 
-    def __post_init__(self) -> None:
-        check_fields(self, "reading.radius_difference.")
-
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class Reading(CheckedFields, path="reading."):
     """What the controller takes, lengths in mm; the defaults are what most do.
 
     Attributes
@@ -346,9 +337,6 @@ class Reading:
     short_radius: Size | None = None
     helix: Annotated[str, partial(one_of, choices=("any", "polar", "none"))] = "any"
     compensated: Annotated[tuple[str, ...], partial(_choices, allowed=COMPENSATED)] = ()
-
-    def __post_init__(self) -> None:
-        check_fields(self, "reading.")
 
 
 # -- machine --------------------------------------------------------------------------------------
@@ -510,42 +498,10 @@ def parse(text: str, file: str) -> Machine:
         raise SceneError([Fault("", "", f"not TOML: {error}")], file) from None
     if faults := faults_of(table):
         raise SceneError(faults, file)
-    faults = []
-    machine: Machine | None = _build(Machine, table, faults)
-    if machine is None or faults:
-        raise SceneError(faults, file)
-    return machine
-
-
-def _build(kind: Any, table: Mapping[str, Any], faults: list[Fault]) -> Any:
-    """An object of the dataclass `kind` from a table that fits the schema; None with `faults`."""
-    hints = _hints(kind)
-    values: dict[str, Any] = {}
-    for own in fields(kind):
-        if own.name not in table:
-            continue
-        given, hint = table[own.name], hints[own.name]
-        kinds = (hint, *get_args(hint))
-        inner = next((each for each in kinds if is_dataclass(each)), None)
-        if inner is not None and get_origin(hint) is tuple:
-            values[own.name] = tuple(_build(inner, each, faults) for each in given)
-        elif inner is None:
-            values[own.name] = tuple(given) if isinstance(given, list) else given
-        else:
-            values[own.name] = _build(inner, given, faults)
-    if faults:
-        return None
     try:
-        return kind(**values)
+        return instance_from_table(Machine, table, floats=False)
     except GeometryError as error:
-        faults.append(Fault(error.key, error.value, error.message))
-        return None
-
-
-@functools.cache
-def _hints(kind: Any) -> dict[str, Any]:
-    """The types of the fields of a dataclass; a profile has many objects of some."""
-    return get_type_hints(kind)
+        raise SceneError([Fault(error.key, error.value, error.message)], file) from None
 
 
 # -- machine schema -------------------------------------------------------------------------------
@@ -689,14 +645,11 @@ class TextForm:
 
 
 @dataclass(frozen=True, slots=True)
-class Decimals:
+class Decimals(CheckedFields, path="numbers."):
     """A number of decimals in each unit of length."""
 
     mm: DecimalCount
     inch: DecimalCount
-
-    def __post_init__(self) -> None:
-        check_fields(self, "numbers.")
 
     def of(self, unit: LengthUnit) -> int:
         """That of `unit`."""
@@ -704,14 +657,11 @@ class Decimals:
 
 
 @dataclass(frozen=True, slots=True)
-class Increments:
+class Increments(CheckedFields, path="numbers."):
     """What 1 means in a number without a decimal point, in the unit itself."""
 
     mm: Annotated[float, partial(number, above=0.0, most=1.0)]
     inch: Annotated[float, partial(number, above=0.0, most=1.0)]
-
-    def __post_init__(self) -> None:
-        check_fields(self, "numbers.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -751,14 +701,11 @@ class NumberForm:
 
 
 @dataclass(frozen=True, slots=True)
-class UnitWords:
+class UnitWords(CheckedFields, path="unit."):
     """`[unit]`: words that switch to a unit of length; None if the controller has none."""
 
     mm: Text
     inch: Text
-
-    def __post_init__(self) -> None:
-        check_fields(self, "unit.")
 
     def of(self, unit: LengthUnit) -> str:
         """That of `unit`."""
@@ -766,7 +713,7 @@ class UnitWords:
 
 
 @dataclass(frozen=True, slots=True)
-class ProgramFrame:
+class ProgramFrame(CheckedFields, path="program."):
     """`[program]`: blocks around the operations.
 
     Attributes
@@ -784,12 +731,9 @@ class ProgramFrame:
     start: Annotated[tuple[str, ...], blocks_with("name", "number", "unit")] = ()
     blank: Annotated[tuple[str, ...], blocks_with("x0", "y0", "z0", "x1", "y1", "z1")] = ()
 
-    def __post_init__(self) -> None:
-        check_fields(self, "program.")
-
 
 @dataclass(frozen=True, slots=True)
-class ToolChange:
+class ToolChange(CheckedFields, path="tool_change."):
     """`[tool_change]`: how a tool comes into the spindle.
 
     Attributes
@@ -806,9 +750,6 @@ class ToolChange:
     length_offset: Annotated[tuple[str, ...], blocks_with("tool", "z")]
     repeat: Flag = False
     approach: Annotated[str, partial(one_of, choices=("z-first", "xy-first"))] = "z-first"
-
-    def __post_init__(self) -> None:
-        check_fields(self, "tool_change.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -837,7 +778,7 @@ class Retract:
 
 
 @dataclass(frozen=True, slots=True)
-class Spindle:
+class Spindle(CheckedFields, path="spindle."):
     """`[spindle]`: blocks that start it clockwise, with {speed}, and stop it.
 
     `spin_up` is the dwell [s] after starting it; `whole_speed` whether {speed} is rounded to one.
@@ -845,24 +786,18 @@ class Spindle:
 
     clockwise: Annotated[tuple[str, ...], blocks_with("speed")]
     off: Plain
-    spin_up: Seconds = 0.0
+    spin_up: SpinUp = 0.0
     whole_speed: Flag = False
-
-    def __post_init__(self) -> None:
-        check_fields(self, "spindle.")
 
 
 @dataclass(frozen=True, slots=True)
-class Coolant:
+class Coolant(CheckedFields, path="coolant."):
     """`[coolant]`: blocks that switch it; None for what the controller does not have."""
 
     off: Plain
     flood: Plain | None = None
     mist: Plain | None = None
     through: Plain | None = None
-
-    def __post_init__(self) -> None:
-        check_fields(self, "coolant.")
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -877,7 +812,7 @@ class Coolant:
 
 
 @dataclass(frozen=True, slots=True)
-class Dwell:
+class Dwell(CheckedFields, path="dwell."):
     """`[dwell]`: blocks of a pause, with {dwell} in `unit`, "s" or "ms".
 
     `point_seconds` : whether a time with a decimal point is in seconds although `unit` is "ms".
@@ -887,12 +822,9 @@ class Dwell:
     unit: Annotated[str, partial(one_of, choices=("s", "ms"))]
     point_seconds: Flag = False
 
-    def __post_init__(self) -> None:
-        check_fields(self, "dwell.")
-
 
 @dataclass(frozen=True, slots=True)
-class ArcLimits:
+class ArcLimits(CheckedFields, path="arcs."):
     """`[arcs]`: arcs that the controller accepts, lengths in mm.
 
     Attributes
@@ -917,9 +849,6 @@ class ArcLimits:
     largest_sweep: Sweep = 180.0
     interpolation: Size = 0.0
 
-    def __post_init__(self) -> None:
-        check_fields(self, "arcs.")
-
     @property
     def largest_turn(self) -> float:
         """`largest_sweep` [rad]."""
@@ -927,7 +856,7 @@ class ArcLimits:
 
 
 @dataclass(frozen=True, slots=True)
-class Words:
+class Words(CheckedFields, path="words."):
     """`[words]`: all words that the controller accepts.
 
     Attributes
@@ -943,9 +872,6 @@ class Words:
     letters: Text
     names: Texts = ()
     meaning: Meanings | None = None
-
-    def __post_init__(self) -> None:
-        check_fields(self, "words.")
 
     @property
     def own_meanings(self) -> dict[str, str]:

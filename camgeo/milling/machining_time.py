@@ -29,7 +29,14 @@ import numpy as np
 from camgeo.geometry.contour.contour import Contour
 from camgeo.milling.machine import Dynamics, Machine
 from camgeo.milling.moves import Move, Point, Rapid, Stop, Toolpath, piece_of
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, frozen, grouped
+from camgeo.numeric.arrays import (
+    BoolArray,
+    ComplexArray,
+    FloatArray,
+    IntArray,
+    freeze_fields,
+    grouped,
+)
 
 SECONDS: Final = 60.0
 """Of a minute, the unit of time of feeds."""
@@ -61,10 +68,8 @@ class Blocks:
     moves: IntArray
 
     def __post_init__(self) -> None:
-        for name in ("lengths", "feeds", "radii", "starts", "ends"):
-            object.__setattr__(self, name, frozen(getattr(self, name), np.float64))
-        object.__setattr__(self, "rests", frozen(self.rests, np.bool_))
-        object.__setattr__(self, "moves", frozen(self.moves, np.int64))
+        freeze_fields(self, lengths=float, feeds=float, radii=float, starts=float, ends=float)
+        freeze_fields(self, rests=np.bool_, moves=np.int64)
 
     def __len__(self) -> int:
         return len(self.lengths)

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import takewhile
 from typing import Final
 
 import numpy as np
-import shapely
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.outline.envelope import Envelope
 from camgeo.geometry.outline.path import Path
 from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.milling.areas import MOST_TURNS
 from camgeo.milling.bench import COARSE, SAME, Bench, as_wide, bore_of, flank_curve, is_open
 from camgeo.milling.cut import (
     MOST_SLACK,
@@ -25,17 +23,17 @@ from camgeo.milling.cut import (
     LetterCut,
     LineCut,
     PointCut,
-    passes,
     slack_of,
 )
-from camgeo.milling.milling import ROUND
-from camgeo.milling.stages import Area, parts, polygon, rings
-from camgeo.milling.tool import END_MILL, Tool, ToolError
-from camgeo.numeric.arrays import ComplexArray
+from camgeo.milling.milling import END_MILL, Tool, ToolError
+from camgeo.milling.strategies.marks import unfit_for_letters
+from camgeo.numeric.checked import positive
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary, largest_radius
-from camgeo.part.nozzle import unreached
 from camgeo.part.part import Boundary, Wall
 from camgeo.part.spec import text_of
+
+MOST_PASSES: Final = 1_000
+"""Of one cut; a pass thinner than a thousandth of a part is a typing error."""
 
 BESIDE: Final = 1.25
 """Diameters of the widest cutter that are cleared beside the disc: a slot, and an allowance."""
@@ -65,7 +63,7 @@ def rough_outside(
     """
     holding = bench.milling.holding
     framed = holding is not None and holding.tabs is not None
-    if framed or bench.milling.stock.shape != ROUND or wall.boundary.hole:
+    if framed or bench.milling.stock.diameter is None or wall.boundary.hole:
         return rough_around(bench, wall, tool, top, allowance)
     cleared = clear_outside(bench, wall, tool, top, allowance)
     if cleared is not None:
@@ -149,6 +147,43 @@ def slot_between(bench: Bench, inner: Wall, outer: Wall, tool: Tool, top: float)
     )
 
 
+LOOPS: Final = 0.5
+
+
+LARGEST_LOOPS: Final = 0.9
+"""Radius of the loops of a trochoidal slot, as a share of that within which the cutter is flat:
+usually, and at most, so that no core is left in them.
+"""
+
+
+def loops_along(
+    bench: Bench, wall: Wall, other: Wall | None, tool: Tool, top: float, allowance: float
+) -> AreaCut:
+    """Along a wall by loops, in a slot wider than the cutter by `LOOPS`.
+
+    `other` is the flank across a groove: the slot is as wide as that, less both allowances, if
+    loops make it at once.
+    """
+    boundary, bottom = wall.boundary, bench.bottom(wall)
+    flat = tool.radius - tool.corner_radius
+    slot, walls = 2.0 * (tool.radius + LOOPS * flat), [boundary]
+    if other is not None:
+        groove = 2.0 * (abs(flank_curve(wall).distance) - allowance)
+        if groove <= 2.0 * (tool.radius + LARGEST_LOOPS * flat):
+            slot, walls = groove, [boundary, other.boundary]
+    return AreaCut(
+        name=f"rough {boundary.name}",
+        strategy="trochoid",
+        tool=tool,
+        top=top,
+        depths=depths_of(tool, top, bottom),
+        allowance=allowance,
+        walls=tuple(walls),
+        stepover=stepover_of(tool),
+        slot=slot,
+    )
+
+
 def clear_area(
     bench: Bench,
     name: str,
@@ -194,7 +229,7 @@ def no_engraver(bench: Bench, tool: Tool, walls: Sequence[Wall]) -> str:
     wall = walls[0]
     if text_of(wall.boundary.name):
         reason = "" if is_open(bench.part, wall) else "they are not open on this face"
-        reason = reason or unfit(tool, [each.boundary for each in walls])
+        reason = reason or unfit_for_letters(tool, [each.boundary for each in walls])
         return reason or bench.too_short(tool, bench.bottom(wall), wall.z1)
     width = 2.0 * float(np.max(bore_of(wall).exact.radii))
     if tool.kind != END_MILL or tool.corner_radius:
@@ -245,6 +280,25 @@ def ends_of(boundary: ExactBoundary) -> tuple[complex, complex] | None:
     return complex(middles[0]), complex(middles[-1])
 
 
+def passes(top: float, bottom: float, largest: float | None) -> tuple[float, ...]:
+    """Z of equal passes of at most `largest` [mm], the last at `bottom` exactly; one if None.
+
+    Raises
+    ------
+    GeometryError
+        With key "tool.stepdown", if that makes more than `MOST_PASSES`.
+    """
+    depth = positive("part", top - bottom, "mm")
+    count = 1
+    if largest is not None:
+        share = depth / positive("tool.stepdown", largest, "mm") * (1.0 - 1e-12)
+        if share > MOST_PASSES:
+            message = f"must be at least {depth / MOST_PASSES:.3g} mm: no more passes than that"
+            raise GeometryError(message, "tool.stepdown", f"{largest:g}")
+        count = max(1, math.ceil(share))
+    return (*(top - depth * (k + 1) / count for k in range(count - 1)), bottom)
+
+
 def depths_of(tool: Tool, top: float, bottom: float) -> tuple[float, ...]:
     """Z of equal passes [mm]; raises ToolError without a stepdown."""
     if tool.stepdown is None:
@@ -259,82 +313,3 @@ def stepover_of(tool: Tool) -> float:
         message = f"tool {tool.number} states no stepover to clear an area; none is invented"
         raise ToolError(message, tool, "stepover")
     return tool.stepover
-
-
-# -- lettering ------------------------------------------------------------------------------------
-# The strokes of engraved letters, and what a round cutter makes of them.
-#
-# Strokes are polygons a thousandth of a millimetre off at most; where the centre of a cutter may
-# be, they are shrunk by slightly more than its radius, and the paths that follow are proved to keep
-# off the exact outlines (`camgeo.milling.strategies.marks`).
-
-
-FINE: Final = 1e-3
-"""Tolerance [mm] of the outlines of strokes, of their chords, and of what paths are thinned by."""
-
-OFF: Final = 4.0 * FINE
-"""By how much cutters stay off letters [mm], so that their paths can be proved to cut none: once
-for each of these, and for the chords of round corners."""
-
-CORNERS: Final = 24
-"""Chords of a quarter of a round corner."""
-
-
-def strokes(walls: Sequence[Boundary]) -> list[Area]:
-    """A polygon for each connected stroke [mm]."""
-    return parts(polygon([each.arcs(FINE, "fast").contour for each in walls], FINE))
-
-
-def unfit(tool: Tool, walls: Sequence[Boundary]) -> str:
-    """Why a tool does not make the strokes of letters; empty if it does."""
-    if tool.kind != END_MILL or tool.corner_radius:
-        return "letters are cut with a flat end mill"
-    if not tool.plunges:
-        return "letters take a tool that plunges"
-    for stroke in strokes(walls):
-        place = unreached(stroke, tool.radius + OFF)
-        if place is not None:
-            x, y = place
-            return f"{tool.diameter:g} mm are wider than a stroke at X {x:.4g}, Y {y:.4g} mm"
-    return ""
-
-
-def centres(stroke: Area, cut: LetterCut) -> list[Contour]:
-    """Paths of the cutter's centre that clear a stroke, the innermost first: counter-clockwise in a
-    hole and clockwise around what stands in it, where the cut climbs.
-
-    Raises
-    ------
-    GeometryError
-        With key "tool.stepover", if they are more than `MOST_TURNS`.
-    """
-    step = min(cut.stepover, cut.tool.radius)
-    first = cut.tool.radius + cut.allowance + OFF
-    shrunk = (
-        shapely.buffer(stroke, -(first + number * step), quad_segs=CORNERS)
-        for number in range(int(stroke.length / step) + 2)
-    )
-    found: list[Contour] = []
-    for number, area in enumerate(takewhile(lambda each: not each.is_empty, shrunk)):
-        if number == MOST_TURNS:
-            message = f"makes more than {MOST_TURNS} rounds in a stroke of {cut.name}"
-            raise GeometryError(message, "tool.stepover", f"{cut.stepover:g}")
-        thin = shapely.orient_polygons(shapely.simplify(area, FINE))
-        found += [_round(ring[:-1], climb=cut.climb) for ring in rings(thin)]
-    return found[::-1]
-
-
-def _round(ring: ComplexArray, *, climb: bool) -> Contour:
-    """A path along a ring, of which outer ones run counter-clockwise."""
-    contour = Contour.polygon(ring)
-    return contour if climb else contour.reversed()
-
-
-def reached(cut: LetterCut) -> list[Contour]:
-    """The outlines of what the cutter makes of the letters: their corners are round."""
-    found: list[Contour] = []
-    for stroke in strokes(cut.walls):
-        within = shapely.buffer(stroke, -cut.tool.radius, quad_segs=CORNERS)
-        made = shapely.buffer(within, cut.tool.radius, quad_segs=CORNERS)
-        found += [Contour.polygon(ring[:-1]) for ring in rings(made)]
-    return found

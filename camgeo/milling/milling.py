@@ -1,43 +1,418 @@
-"""What a scene says on milling: tools, blank, holding, operations; declared, checked and built.
+"""What a scene says on milling: tools, blank, holding, operations; declared and checked.
 
 The tables are in milling.json, with lengths and angles as in all tables of a scene.
 """
 
 from __future__ import annotations
 
+import cmath
 import json
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from camgeo.errors import GeometryError
-from camgeo.kinematics.mechanism.values import Length, Place, Radius
-from camgeo.milling.holding import AXES, NOT, ONION_SKIN, TABS, Clamp, Holding, Tabs, rectangle
-from camgeo.milling.tool import (
-    CHAMFER_MILL,
-    COMPUTED,
-    DRILL,
-    END_MILL,
-    CompensationWord,
-    CoolantWord,
-    FeedRate,
-    Rounds,
-    SpindleSpeed,
-    Text,
-    Tool,
-    ToolNumber,
-    Truth,
+from camgeo.kinematics.mechanism.values import Angle, Length, Place, Radius
+from camgeo.numeric.checked import (
+    CheckedFields,
+    check_fields,
+    finite,
+    hold,
+    instance,
+    instances,
+    number,
+    one_of,
+    positive,
+    whole,
 )
-from camgeo.numeric.checked import check_fields, hold, instance, instances, number, one_of, whole
 from camgeo.record import Brief, schema_beside
 
 if TYPE_CHECKING:
-    from camgeo.milling.moves import Heights
+    from camgeo.geometry.contour.contour import Contour
+    from camgeo.numeric.arrays import ComplexArray
     from camgeo.part.boundaries import ExactBoundary
+    from camgeo.part.part import Boundary
+
+
+# -- tool ------------------------------------------------------------------------------------------
+# Tools, and how each is run.
+
+
+LARGEST_NUMBER: Final = 99_999
+"""Of a tool in a controller's tool table."""
+
+MOST_FLUTES: Final = 100
+
+MOST_SPRINGS: Final = 10
+"""Rounds that take nothing off any more."""
+
+END_MILL: Final = "end-mill"
+DRILL: Final = "drill"
+CHAMFER_MILL: Final = "chamfer-mill"
+
+KINDS: Final = (END_MILL, DRILL, CHAMFER_MILL)
+
+COOLANTS: Final = ("off", "flood", "mist", "through")
+
+COMPUTED: Final = "computed"
+WEAR: Final = "wear"
+CONTROL: Final = "control"
+
+COMPENSATIONS: Final = (COMPUTED, WEAR, CONTROL)
+"""Of the cutter's radius: by the computed path; by that, with the controller adding the wear; by
+the controller."""
+
+
+LONGEST_SPIN_UP: Final = 600.0
+"""Seconds that a spindle may take."""
+
+
+ToolNumber = Annotated[int, partial(whole, least=1, most=LARGEST_NUMBER)]
+FluteCount = Annotated[int, partial(whole, least=1, most=MOST_FLUTES)]
+Rounds = Annotated[int, partial(whole, least=0, most=MOST_SPRINGS)]
+SpindleSpeed = Annotated[float, partial(positive, unit="rev/min")]
+FeedRate = Annotated[float, partial(positive, unit="mm/min")]
+ToolKind = Annotated[str, partial(one_of, choices=KINDS)]
+CoolantWord = Annotated[str, partial(one_of, choices=COOLANTS)]
+CompensationWord = Annotated[str, partial(one_of, choices=COMPENSATIONS)]
+Engagement = Annotated[float, partial(number, above=0.0, most=math.pi, unit="rad")]
+Steepness = Annotated[float, partial(number, above=0.0, most=0.5 * math.pi, unit="rad")]
+Tip = Annotated[float, partial(number, above=0.0, most=math.pi, unit="rad")]
+Text = Annotated[str, partial(instance, kind=str, what="a text")]
+Truth = Annotated[bool, partial(instance, kind=bool, what="true or false")]
+
+
+class ToolError(GeometryError):
+    """A tool cannot do what is asked of it, or lacks what that takes.
+
+    Attributes
+    ----------
+    number : of the tool.
+    field : its attribute that is at fault, or empty for the tool as a whole.
+    """
+
+    def __init__(self, message: str, tool: Tool, field: str = "") -> None:
+        super().__init__(message, f"tool.{field}" if field else "tool")
+        self.number = tool.number
+        self.field = field
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tool:
+    """A tool, and how it is run; None for what nobody has stated.
+
+    Attributes
+    ----------
+    number : in the tool table.
+    diameter : [mm].
+    spindle_speed : [rev/min], clockwise.
+    feed : in the plane at the contact of cutter and wall, of a drill along Z [mm/min].
+    plunge_feed : of ramps, helices and plunges into material [mm/min].
+    name : for the operator; may be empty.
+    kind : one of `KINDS`.
+    corner_radius : of an end mill [mm], at most half the diameter.
+    tip_angle : included angle of the point of a drill or a chamfer mill [rad].
+    flutes : number of cutting edges.
+    flute_length : of the cutting edges, from the tip [mm].
+    stick_out : from the tip to the holder [mm], at least the flute length.
+    shank_diameter : above the cutting edges [mm].
+    stepdown : largest depth of a pass that does not follow a roughed wall [mm].
+    stepover : largest distance of neighbouring paths that clear an area [mm].
+    engagement : largest angle over which the cutter is in contact outside slots and entries [rad].
+    plunges : whether it may enter material straight along Z.
+    ramp_angle : steepest entry into material [rad].
+    coolant : one of `COOLANTS`.
+
+    Raises
+    ------
+    GeometryError
+        With the key in `tool`, if a value is invalid.
+    """
+
+    number: ToolNumber
+    diameter: Length
+    spindle_speed: SpindleSpeed
+    feed: FeedRate
+    plunge_feed: FeedRate
+    name: Text = ""
+    kind: ToolKind = END_MILL
+    corner_radius: Radius = 0.0
+    tip_angle: Tip | None = None
+    flutes: FluteCount | None = None
+    flute_length: Length | None = None
+    stick_out: Length | None = None
+    shank_diameter: Length | None = None
+    stepdown: Length | None = None
+    stepover: Length | None = None
+    engagement: Engagement | None = None
+    plunges: Truth = False
+    ramp_angle: Steepness | None = None
+    coolant: CoolantWord | None = None
+
+    def __post_init__(self) -> None:
+        check_fields(self, "tool.")
+        if self.corner_radius > self.radius:
+            message = f"must be at most half the diameter, {self.radius:g} mm"
+            raise GeometryError(message, "tool.corner_radius", f"{self.corner_radius:g}")
+        if self.stepover is not None and self.stepover > self.diameter:
+            message = f"must be at most the diameter, {self.diameter:g} mm"
+            raise GeometryError(message, "tool.stepover", f"{self.stepover:g}")
+        flutes, out = self.flute_length, self.stick_out
+        if flutes is not None and out is not None and out < flutes:
+            message = f"must be at least the flute length, {flutes:g} mm"
+            raise GeometryError(message, "tool.stick_out", f"{out:g}")
+
+    @property
+    def radius(self) -> float:
+        """Half the diameter [mm]."""
+        return self.diameter / 2.0
+
+    @property
+    def tip_length(self) -> float:
+        """Length of the point, which does not cut at the full diameter [mm]; 0 of a flat one."""
+        if self.tip_angle is None:
+            return self.corner_radius
+        return self.radius / math.tan(0.5 * self.tip_angle)
+
+
+# -- holding ---------------------------------------------------------------------------------------
+# How a blank is held while it is milled.
+
+
+TABS: Final = "tabs"
+SCREWS: Final = "screws"
+ONION_SKIN: Final = "onion-skin"
+CLAMPS: Final = "clamps"
+FIXTURE: Final = "fixture"
+
+HOLDINGS: Final = (TABS, SCREWS, ONION_SKIN, CLAMPS, FIXTURE)
+
+MOST_TABS: Final = 100
+
+TabCount = Annotated[int, partial(whole, least=1, most=MOST_TABS)]
+
+
+@dataclass(frozen=True, slots=True)
+class Tabs(CheckedFields, path="holding."):
+    """Bridges that a through-cut leaves between part and waste.
+
+    Attributes
+    ----------
+    count : evenly spaced along the wall.
+    width : of each along the wall [mm].
+    height : above the lower face of the part [mm]; in a cut, above its last depth.
+
+    Raises
+    ------
+    GeometryError
+        With the key in `holding`, if a value is invalid.
+    """
+
+    count: TabCount
+    width: Length
+    height: Length
+
+
+@dataclass(frozen=True, slots=True)
+class Obstacle:
+    """What no cutter may touch: an upright body below `top` [mm], above the upper face of the part.
+
+    Attributes
+    ----------
+    name : for messages.
+    outline : around it.
+    top : its height; 0 is the upper face of the part.
+    """
+
+    name: str
+    outline: Boundary
+    top: float
+
+    def __post_init__(self) -> None:
+        from camgeo.part.part import require_boundary
+
+        instance("holding", self.name, str, "a text")
+        require_boundary(self.outline)
+        hold(self, top=finite("holding.height", self.top, "mm"))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Clamp(CheckedFields, path="clamp."):
+    """A clamp on the blank, a rectangle, or a screw, a circle.
+
+    Attributes
+    ----------
+    place : of its centre, seen from the cam axis [mm].
+    length, width : along its own x and y [mm]; of a circle both are its diameter.
+    height : of its top above the upper face of the part [mm].
+    angle : of its x from that of the cam [rad].
+    round : whether it is a circle.
+    since : name of the operation before which it is set; empty if it is there from the start.
+    until : name of the operation before which it is taken away; empty if it stays.
+    called : its place in messages, where that is not its own; None for its own.
+
+    Raises
+    ------
+    GeometryError
+        With the key in `clamp`, if a value is invalid.
+    """
+
+    place: Place
+    length: Length
+    width: Length
+    height: Length
+    angle: Angle = 0.0
+    round: Truth = False
+    since: Text = ""
+    until: Text = ""
+    called: Place | None = None
+
+    def turned_over(self, about: str) -> Clamp:
+        """One that is stated as work turned over lies, in the part's coordinates."""
+        place = mirrored(self.place, about)
+        return replace(self, place=place, angle=-self.angle, called=self.place)
+
+    @property
+    def what(self) -> str:
+        """In a word."""
+        return "screw" if self.round else "clamp"
+
+    @property
+    def obstacle(self) -> Obstacle:
+        """What cutters must clear."""
+        from camgeo.geometry.contour.contour import Contour
+        from camgeo.part.boundaries import ExactBoundary
+
+        name = f"{self.what} at {_places(self.place if self.called is None else self.called)} mm"
+        if self.round:
+            contour = Contour.circle(self.length / 2.0, self.place)
+        else:
+            half = 0.5 * complex(self.length, self.width)
+            contour = rectangle(half, self.place, cmath.exp(1j * self.angle))
+        return Obstacle(name, ExactBoundary(self.what, hole=False, exact=contour), self.height)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Holding:
+    """How the blank is held, and what becomes of the part when it is cut out of it.
+
+    Attributes
+    ----------
+    kind : "tabs"; "screws" through the part, onto what lies below; "onion-skin", a skin below the
+        part that is removed later; "clamps" on the part; "fixture", from below: vacuum, tape, soft
+        jaws, a longer blank in a chuck.
+    through : how far through-cuts go below the lower face of the part [mm].
+    tabs : of kind "tabs".
+    skin : thickness of an onion skin [mm].
+    clamps : and screws, of any kind.
+
+    Raises
+    ------
+    GeometryError
+        With the key in `holding`, if a value is invalid, missing, or belongs to another kind.
+    """
+
+    kind: Annotated[str, partial(one_of, choices=HOLDINGS)]
+    through: Radius = 0.0
+    tabs: Tabs | None = None
+    skin: Length | None = None
+    clamps: tuple[Clamp, ...] = ()
+
+    def __post_init__(self) -> None:
+        check_fields(self, "holding.")
+        given = instance("holding.clamps", self.clamps, tuple, "a tuple of clamps")
+        hold(self, clamps=instances("holding.clamps", given, (Clamp,), "clamps"))
+        own = {"tabs": TABS, "skin": ONION_SKIN}
+        for key, kind in own.items():
+            if (getattr(self, key) is not None) != (self.kind == kind):
+                message = "is missing" if self.kind == kind else f'belongs to kind "{kind}"'
+                raise GeometryError(message, f"holding.{key}")
+        if self.kind in (CLAMPS, SCREWS) and not self.clamps:
+            what = self.kind.removesuffix("s")
+            raise GeometryError(
+                f"needs [[holding.{what}]] at least once", "holding.kind", self.kind
+            )
+
+    def turned_over(self, about: str) -> Holding:
+        """The same with clamps in the part's coordinates, which are stated as the work lies."""
+        return replace(self, clamps=tuple(each.turned_over(about) for each in self.clamps))
+
+
+def rectangle(half: complex, centre: complex, along: complex = 1.0 + 0j) -> Contour:
+    """Around a `centre` [mm], counter-clockwise, half as long and as wide as `half` [mm] says; its
+    length lies `along` a direction, of size 1.
+    """
+    import numpy as np
+
+    from camgeo.geometry.contour.contour import Contour
+
+    corners = np.array([-half, half.conjugate(), half, -half.conjugate()])
+    return Contour.polygon(centre + corners * along)
+
+
+def _places(place: complex) -> str:
+    return f"{place.real:g}, {place.imag:g}"
+
+
+# -- turning --------------------------------------------------------------------------------------
+# Work that is turned over for its second side: how coordinates of part and machine correspond.
+#
+# Cuts and moves are those of a part whose tools come from above, on both sides. For the second side
+# its heights are reflected (`Part.turned_over`), its X and Y are kept, so that all curves stay what
+# they are, exactly. On the machine the work has been turned by half a turn about X or Y: what lies
+# there is the mirror image of that part: arcs change their sense, left and right change places.
+
+
+X: Final = "x"
+Y: Final = "y"
+
+AXES: Final = (X, Y)
+"""Axes of the machine about which work is turned over."""
+
+NOT: Final = ""
+"""In place of an axis: of the first side."""
+
+OTHER: Final[Mapping[str, str]] = MappingProxyType(
+    {"left": "right", "right": "left", "off": "off", "": ""}
+)
+"""What sides of a path are called in a mirror."""
+
+
+HOW: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        X: "turned over about X: what was in front is at the back",
+        Y: "turned over about Y: what was on the left is on the right",
+    }
+)
+"""What is done with the work, for the operator."""
+
+
+def mirrored(place: complex, about: str) -> complex:
+    """A place or a direction of the part as it lies on the machine, work turned over `about` an
+    axis; and the other way round, for it is its own inverse.
+    """
+    # Adding 0 keeps a negative zero out of print.
+    if about == X:
+        return complex(place.real, 0.0 - place.imag)
+    if about == Y:
+        return complex(0.0 - place.real, place.imag)
+    return place
+
+
+def mirrored_all(places: ComplexArray, about: str) -> ComplexArray:
+    """Places of the part as they lie on the machine, like `mirrored`."""
+    if about == X:
+        return places.conjugate()
+    return -places.conjugate() if about == Y else places
+
+
+# -- operations ------------------------------------------------------------------------------------
+# What operations do, and all that is stated; imports nothing that computes.
 
 
 TABLES: Final = ("tool", "stock", "holding", "operation", "second_side")
@@ -45,52 +420,56 @@ TABLES: Final = ("tool", "stock", "holding", "operation", "second_side")
 
 SECOND_SIDE: Final = "second_side"
 
-FACE: Final = "face"
-DRILLING: Final = "drill"
-BORE: Final = "bore"
-ROUGH: Final = "rough"
-FINISH: Final = "finish"
-SLOT: Final = "slot"
-CHAMFER: Final = "chamfer"
-ENGRAVE: Final = "engrave"
 
-OPERATIONS: Final = (FACE, DRILLING, BORE, ROUGH, FINISH, SLOT, CHAMFER, ENGRAVE)
+class Kind(StrEnum):
+    """What operations do."""
 
-RAMP: Final = "ramp"
-TROCHOIDAL: Final = "trochoidal"
-SPIRAL: Final = "spiral"
+    FACE = "face"
+    DRILL = "drill"
+    BORE = "bore"
+    ROUGH = "rough"
+    FINISH = "finish"
+    SLOT = "slot"
+    CHAMFER = "chamfer"
+    ENGRAVE = "engrave"
 
-STRATEGIES: Final = (RAMP, TROCHOIDAL, SPIRAL)
-"""Of roughing."""
 
-ALONG_A_WALL: Final = (ROUGH, FINISH, CHAMFER)
+class Roughing(StrEnum):
+    """How a wall is roughed."""
+
+    RAMP = "ramp"
+    TROCHOIDAL = "trochoidal"
+    SPIRAL = "spiral"
+
+
+ALONG_A_WALL: Final = (Kind.ROUGH, Kind.FINISH, Kind.CHAMFER)
 """Kinds of operations that name their boundary."""
 
-MAY_NAME_IT: Final = (DRILLING, ENGRAVE)
+MAY_NAME_IT: Final = (Kind.DRILL, Kind.ENGRAVE)
 """Kinds that have a usual one."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class OperationSpec:
+class OperationSpec(CheckedFields, path="operation."):
     """One `[[operation]]`; None for what is as with the tool.
 
     Attributes
     ----------
-    kind : one of `OPERATIONS`.
+    kind : one of `Kind`.
     tool : its number.
     boundary : name of the wall that is cut; empty where the kind says it.
     name : in the program; empty for kind and boundary.
     allowance : left on the wall [mm].
     depth : from the upper end of the wall [mm]; None for all of it.
-    strategy : of roughing, one of `STRATEGIES`; empty for what suits the blank.
+    strategy : of roughing, one of `Roughing`; empty for what suits the blank.
     size : of a chamfer along the face [mm].
     stepdown, stepover : [mm].
     springs : rounds at full depth behind the one that finishes.
     climb : climb milling, not conventional.
     spindle_speed : [rev/min].
     feed, plunge_feed : [mm/min].
-    coolant : one of `camgeo.milling.tool.COOLANTS`.
-    compensation : of a finish, one of `camgeo.milling.milling.COMPENSATIONS`; None for that of all.
+    coolant : one of `COOLANTS`.
+    compensation : of a finish, one of `COMPENSATIONS`; None for that of all.
     stop : what the operator does before it; empty for no stop.
     note : for the operator.
 
@@ -100,13 +479,13 @@ class OperationSpec:
         With the key in `operation`, if a value is invalid.
     """
 
-    kind: Annotated[str, partial(one_of, choices=OPERATIONS)]
+    kind: Annotated[str, partial(one_of, choices=[each.value for each in Kind])]
     tool: ToolNumber
     boundary: Text = ""
     name: Text = ""
     allowance: Radius = 0.0
     depth: Length | None = None
-    strategy: Annotated[str, partial(one_of, choices=("", *STRATEGIES))] = ""
+    strategy: Annotated[str, partial(one_of, choices=["", *(each.value for each in Roughing)])] = ""
     size: Length | None = None
     stepdown: Length | None = None
     stepover: Length | None = None
@@ -119,10 +498,6 @@ class OperationSpec:
     compensation: CompensationWord | None = None
     stop: Text = ""
     note: Text = ""
-
-    def __post_init__(self) -> None:
-        # `tool` is a number here, and no table of its own.
-        check_fields(self, "operation.")
 
     def run(self, tool: Tool) -> Tool:
         """The tool as it is run in this operation; raises GeometryError like `Tool`."""
@@ -212,80 +587,6 @@ def tables() -> dict[str, dict[str, Any]]:
     return found
 
 
-def tool_of(table: Mapping[str, Any]) -> Tool:
-    """The tool of a converted table `[[tool]]`; raises GeometryError with the key in `tool`."""
-    given = _with_counts(table)
-    cutting, load = given.pop("cutting_speed", None), given.pop("chip_load", None)
-    if cutting is not None:
-        # As a controller shows it, and as the feed of each edge is reckoned from.
-        given["spindle_speed"] = max(1.0, float(round(cutting / (math.pi * given["diameter"]))))
-    if load is not None:
-        given["feed"] = load * given["flutes"] * given["spindle_speed"]
-    if given.get("kind") == DRILL:
-        given["plunge_feed"] = given["feed"]
-    return Tool(**given)
-
-
-def stock_of(table: Mapping[str, Any]) -> Stock:
-    """The blank of a converted table `[stock]`; raises GeometryError with the key in `stock`."""
-    given = dict(table)
-    if "centre" in given:
-        given["centre"] = complex(*given["centre"])
-    return Stock(**given)
-
-
-def holding_of(table: Mapping[str, Any]) -> Holding:
-    """The holding of a converted table; raises GeometryError with the key in `holding`."""
-    given = _with_counts(table)
-    clamps = [_clamp(each) for each in given.pop("clamp", ())]
-    clamps += [_screw(each) for each in given.pop("screw", ())]
-    tabs = None
-    if given["kind"] == TABS:
-        tabs = Tabs(*(given.pop(key) for key in ("count", "width", "height")))
-    return Holding(
-        kind=given["kind"],
-        through=given.get("through", 0.0),
-        tabs=tabs,
-        skin=given.get("thickness"),
-        clamps=tuple(clamps),
-    )
-
-
-def _clamp(table: Mapping[str, Any]) -> Clamp:
-    return Clamp(**{**table, "place": complex(*table["place"])})
-
-
-def _screw(table: Mapping[str, Any]) -> Clamp:
-    given = dict(table)
-    width = given.pop("head_diameter")
-    return _clamp({**given, "length": width, "width": width, "round": True})
-
-
-def operation_of(table: Mapping[str, Any]) -> OperationSpec:
-    """The operation of a converted table; raises GeometryError with the key in `operation`."""
-    given = _with_counts(table)
-    climb = given.pop("direction", "climb") == "climb"
-    return OperationSpec(**given, climb=climb)
-
-
-def second_side_of(table: Mapping[str, Any]) -> SecondSide:
-    """The setup of a converted table `[second_side]`; raises GeometryError with the key in it."""
-    given = {key: value for key, value in table.items() if key not in OWN_TABLES}
-    return SecondSide(**given, holding=holding_of(table["holding"]))
-
-
-NUMBERS: Final[Mapping[str, Callable[[Any], Any]]] = {
-    **dict.fromkeys(("number", "flutes", "count", "springs", "tool"), int),
-    "spindle_speed": float,
-}
-"""What keys of converted tables are made: whole numbers, and the speed as it is written."""
-
-
-def _with_counts(table: Mapping[str, Any]) -> dict[str, Any]:
-    """The table, in which whole numbers are such, and the speed as it is written is a number."""
-    return {key: NUMBERS[key](value) if key in NUMBERS else value for key, value in table.items()}
-
-
 # Rules between keys ---------------------------------------------------------------------------
 
 
@@ -348,16 +649,16 @@ def operation_faults(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     if kind not in (*ALONG_A_WALL, *MAY_NAME_IT) and "boundary" in table:
         known = ", ".join((*ALONG_A_WALL, *MAY_NAME_IT))
         yield "boundary", f'belongs to {known}; "{kind}" knows what it cuts'
-    if kind != ROUGH and "strategy" in table:
-        yield "strategy", f'belongs to kind "{ROUGH}"'
-    if kind not in (ROUGH, FINISH, BORE) and "depth" in table:
-        yield "depth", f'belongs to kinds "{ROUGH}", "{FINISH}", "{BORE}"'
-    if kind == CHAMFER and "size" not in table:
+    if kind != Kind.ROUGH and "strategy" in table:
+        yield "strategy", f'belongs to kind "{Kind.ROUGH}"'
+    if kind not in (Kind.ROUGH, Kind.FINISH, Kind.BORE) and "depth" in table:
+        yield "depth", f'belongs to kinds "{Kind.ROUGH}", "{Kind.FINISH}", "{Kind.BORE}"'
+    if kind == Kind.CHAMFER and "size" not in table:
         yield "size", "is missing: how wide the chamfer is"
-    if kind != FINISH and "compensation" in table:
-        yield "compensation", f'belongs to kind "{FINISH}"'
-    if kind != CHAMFER and "size" in table:
-        yield "size", f'belongs to kind "{CHAMFER}"'
+    if kind != Kind.FINISH and "compensation" in table:
+        yield "compensation", f'belongs to kind "{Kind.FINISH}"'
+    if kind != Kind.CHAMFER and "size" in table:
+        yield "size", f'belongs to kind "{Kind.CHAMFER}"'
 
 
 TableFaults = Callable[[Mapping[str, Any]], Iterator[tuple[str, str]]]
@@ -375,9 +676,6 @@ FAULTS: Final[Mapping[str, TableFaults]] = {
 # -- spec -----------------------------------------------------------------------------------------
 # The specification of the milling program in a scene.
 
-
-LONGEST_SPIN_UP: Final = 600.0
-"""Seconds that a spindle may take."""
 
 AXIS: Final = "axis"
 
@@ -418,6 +716,32 @@ EARLIER: Final = {
 
 NEEDED: Final = ("spindle_speed", "feed", "plunge_feed", "pass_depth")
 """Those of them that nobody may invent."""
+
+
+@dataclass(frozen=True, slots=True)
+class Heights:
+    """Z of traverses [mm].
+
+    Attributes
+    ----------
+    clearance : between operations, above blank and clamps.
+    retract : within an operation, above the blank.
+
+    Raises
+    ------
+    GeometryError
+        With the key in `output.gcode`, if a height is not above 0, or the retract height above the
+        clearance.
+    """
+
+    clearance: float
+    retract: float
+
+    def __post_init__(self) -> None:
+        clearance = positive("output.gcode.clearance_height", self.clearance, "mm")
+        key = "output.gcode.retract_height"
+        retract = number(key, self.retract, above=0.0, most=clearance, unit="mm")
+        hold(self, clearance=clearance, retract=retract)
 
 
 @dataclass(frozen=True, slots=True)
@@ -479,7 +803,7 @@ class GcodeSpec:
     @property
     def heights(self) -> Heights:
         """Of traverses."""
-        from camgeo.milling.moves import Heights  # a declaration imports nothing that computes
+        # a declaration imports nothing that computes
 
         clearance = self.clearance_height
         return Heights(clearance, self.retract_height or clearance)
@@ -520,7 +844,7 @@ OWN_TABLES: Final = ("holding", "operation")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SecondSide:
+class SecondSide(CheckedFields, path="second_side."):
     """How `[second_side]` is set up, in mm: as the work lies when it has been turned over.
 
     Attributes
@@ -544,9 +868,6 @@ class SecondSide:
     work_offset: Text = ""
     clearance_height: Length | None = None
     retract_height: Length | None = None
-
-    def __post_init__(self) -> None:
-        check_fields(self, "second_side.")
 
     def program(self, first: GcodeSpec) -> GcodeSpec:
         """What its program is asked for, beside what that of the `first` side is; raises

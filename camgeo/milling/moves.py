@@ -7,16 +7,22 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Final, Self
-
-import numpy as np
+from typing import Annotated, Any, Final
 
 from camgeo.errors import FileError, GeometryError
 from camgeo.geometry.contour.spline import Arc
 from camgeo.milling.cut import Cut
-from camgeo.milling.tool import Tool
-from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
-from camgeo.numeric.checked import LARGEST, finite, hold, instance, number, one_of, positive, shown
+from camgeo.milling.milling import Heights, Text, Tool
+from camgeo.numeric.arrays import phase
+from camgeo.numeric.checked import (
+    LARGEST,
+    CheckedFields,
+    finite,
+    instance,
+    one_of,
+    positive,
+    shown,
+)
 from camgeo.reading import PROGRAM_LINES
 
 Point = tuple[float, float, float]
@@ -83,16 +89,13 @@ class ArcFeed:
 
 
 @dataclass(frozen=True, slots=True)
-class Stop:
+class Stop(CheckedFields):
     """A halt for the operator, at the clearance height, with the spindle off.
 
     `note` says what has to be done.
     """
 
-    note: str
-
-    def __post_init__(self) -> None:
-        instance("toolpath", self.note, str, "a text")
+    note: Annotated[Text, "toolpath"]
 
 
 def too_long() -> FileError:
@@ -104,37 +107,6 @@ def too_long() -> FileError:
 
 
 Move = Rapid | Feed | ArcFeed
-
-
-@dataclass(frozen=True, slots=True)
-class Heights:
-    """Z of traverses [mm].
-
-    Attributes
-    ----------
-    clearance : between operations, above blank and clamps.
-    retract : within an operation, above the blank.
-
-    Raises
-    ------
-    GeometryError
-        With the key in `output.gcode`, if a height is not above 0, or the retract height above the
-        clearance.
-    """
-
-    clearance: float
-    retract: float
-
-    def __post_init__(self) -> None:
-        clearance = positive("output.gcode.clearance_height", self.clearance, "mm")
-        key = "output.gcode.retract_height"
-        retract = number(key, self.retract, above=0.0, most=clearance, unit="mm")
-        hold(self, clearance=clearance, retract=retract)
-
-    @classmethod
-    def of(cls, height: float) -> Self:
-        """Both at `height` [mm]."""
-        return cls(height, height)
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,22 +179,8 @@ class Toolpath:
             raise GeometryError(message, "toolpath", ", ".join(names))
 
 
-# -- feeds ----------------------------------------------------------------------------------------
-# The feed of the cutter's centre for a feed at its contact with the wall.
-
-
-def centre_feed(feed: float, radius: float, tool_radius: float, *, inside: bool) -> float:
-    """Feed of the centre [mm/min] for at most `feed` at the contact.
-
-    Along a wall around the arc's centre at `radius` + `tool_radius` (`inside`), the contact runs
-    faster than the centre in this ratio, so the centre is slowed. Along a wall that it runs around
-    the outside of, the contact is the slower of the two, and the feed stays.
-
-    Parameters
-    ----------
-    radius : of the centre's arc [mm], above 0.
-    """
-    return feed * radius / (radius + tool_radius) if inside else feed
+# -- pieces ---------------------------------------------------------------------------------------
+# Moves as lines and arcs in the plane.
 
 
 def piece_of(at: Point, move: Move) -> Arc:
@@ -245,10 +203,3 @@ def arc_sweep(start: complex, end: complex, *, ccw: bool) -> float:
         turn += 2.0 * math.pi
     turn = max(turn, 0.0)
     return turn if ccw else -turn
-
-
-def arc_sweeps(starts: ComplexArray, ends: ComplexArray, turns: FloatArray) -> FloatArray:
-    """(n,) as `arc_sweep`, of arms (n,) and their directions (n,): 1 counter-clockwise, else -1."""
-    found = np.angle(ends / starts) * turns
-    found = np.where(found < -0.5 * np.pi, found + 2.0 * np.pi, found)
-    return turns * np.maximum(found, 0.0)

@@ -13,26 +13,14 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, Effort, Pieces, distances
-from camgeo.milling.areas import inside
 from camgeo.milling.compensation import limits_of
 from camgeo.milling.course import Course, course_of
 from camgeo.milling.cut import AreaCut, Cut
-from camgeo.milling.judged import PART_FINENESS, Side, runs_of, setup_of
+from camgeo.milling.judged import Side, runs_of, setup_of
 from camgeo.milling.machine import ArcLimits
-from camgeo.milling.milling import MillingSpec
-from camgeo.milling.moves import (
-    ArcFeed,
-    Heights,
-    Move,
-    Operation,
-    Point,
-    Stop,
-    Toolpath,
-    piece_of,
-    too_long,
-)
+from camgeo.milling.milling import END_MILL, Heights, MillingSpec, ToolError
+from camgeo.milling.moves import ArcFeed, Move, Operation, Point, Stop, Toolpath, piece_of, too_long
 from camgeo.milling.strategies import STRATEGIES
-from camgeo.milling.tool import END_MILL, ToolError
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, frozen, taken
 from camgeo.part.part import Part
 from camgeo.reading import PROGRAM_LINES
@@ -176,7 +164,7 @@ def engaged_of(toolpath: Toolpath, part: Part, milling: MillingSpec) -> tuple[En
     cuts = tuple(operation.cut for operation in toolpath.operations)
     if not any(isinstance(cut, AreaCut) for cut in cuts):
         return ()
-    setup = setup_of(Side(part, milling, cuts, runs_of(toolpath)), PART_FINENESS)
+    setup = setup_of(Side(part, milling, cuts, runs_of(toolpath)))
     return engaged(toolpath, setup.blank, setup.top)
 
 
@@ -203,7 +191,7 @@ def engaged(toolpath: Toolpath, blank: Sequence[Contour], top: float) -> tuple[E
     for operation in toolpath.operations:
         if isinstance(operation.cut, AreaCut):
             course, radius = course_of(operation.moves), operation.tool.radius
-            cutting = Cutting(course, radius, tuple(blank), top, tuple(cleared))
+            cutting = Cutting(course, radius, blank, top, cleared)
             found.append(_engaged(operation.cut, cutting))
         cleared.append(cleared_by(operation))
     return tuple(found)
@@ -342,74 +330,6 @@ def cleared_by(operation: Operation) -> tuple[Course, float]:
     return course, tool.radius
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Cutting:
-    """A cutter on its course through a blank.
-
-    Attributes
-    ----------
-    course : of the centre; traverses left out.
-    radius : of the cutter [mm].
-    blank : contours, of which a point of the blank is within an odd number.
-    top : Z of the upper face of the blank [mm]; above it there is air.
-    cleared : what other cutters have swept before, each with its radius [mm].
-    """
-
-    course: Course
-    radius: float
-    blank: tuple[Contour, ...]
-    top: float = 0.0
-    cleared: tuple[tuple[Course, float], ...] = ()
-
-    def angle(self, piece: int, share: float) -> float:
-        """Engagement [rad], 0 to pi, at a share of one piece's length; exact."""
-        return _Judge(self).angle(piece, share)
-
-    def engagement(self, spacing: float, only: Sequence[int] | None = None) -> Engagement:
-        """The engagement along the course, sampled at most `spacing` [mm] apart.
-
-        `only` names the moves that are judged; all by default.
-        """
-        judge = _Judge(self)
-        lengths = self.course.lengths
-        chosen = lengths > 0.0
-        if only is not None:
-            chosen &= np.isin(self.course.moves, np.asarray(only))
-        pieces = np.flatnonzero(chosen)
-        shares, angles, weights = [], [], []
-        for piece in pieces:
-            count = max(2, int(np.ceil(lengths[piece] / spacing)) + 1)
-            inset = min(INSET / lengths[piece], 0.1)
-            at = np.linspace(inset, 1.0 - inset, count)
-            shares.append(at)
-            angles.append(np.array([judge.angle(int(piece), float(share)) for share in at]))
-            step = np.full(count, lengths[piece] / (count - 1))
-            step[[0, -1]] *= 0.5
-            weights.append(step)
-        best = [int(np.argmax(each)) for each in angles]
-        largest = np.array([each[place] for each, place in zip(angles, best, strict=True)])
-        where = np.array([at[place] for at, place in zip(shares, best, strict=True)])
-        if len(pieces):
-            top = int(np.argmax(largest))
-            where[top], largest[top] = judge.refined(
-                int(pieces[top]), shares[top], best[top], float(largest[top])
-            )
-        air = [
-            judge.air(int(piece), at, each) * float(lengths[piece])
-            for piece, at, each in zip(pieces, shares, angles, strict=True)
-        ]
-        places = taken(self.course, pieces).at(where)
-        return Engagement(
-            frozen(pieces, np.intp),
-            frozen(lengths[pieces], np.float64),
-            frozen(largest, np.float64),
-            frozen(places, np.complex128),
-            frozen(air, np.float64),
-            frozen(np.concatenate(angles or [np.zeros(0)]), np.float64),
-            frozen(np.concatenate(weights or [np.zeros(0)]), np.float64),
-        )
-
-
 def crossings(pieces: Pieces, place: complex, radius: float, distance: float) -> FloatArray:
     """(m,) angles [rad] at which the circle around `place` may meet what is `distance` away.
 
@@ -442,6 +362,27 @@ def crossings(pieces: Pieces, place: complex, radius: float, distance: float) ->
     return np.concatenate(found) if found else np.zeros(0)
 
 
+def inside(boundary: Pieces, places: ComplexArray) -> BoolArray:
+    """(k,) whether `places` (k,) lie within an odd number of the closed contours of `boundary`."""
+    q = places[:, None]
+    start, end = boundary.starts - q, boundary.ends - q
+    up = start.imag <= 0.0
+    crosses = up != (end.imag <= 0.0)
+    along = boundary.ends - boundary.starts
+    side = start.real * end.imag - start.imag * end.real  # > 0 where q lies left of the chord
+    # On the chord itself as if q lay a little higher, as for the ends of the chord.
+    side = np.where(side != 0.0, side, np.where(along.real != 0.0, along.real, -along.imag))
+    odd = crosses & (np.where(up, side, -side) > 0.0)
+    arcs = boundary.sweeps != 0.0
+    if np.any(arcs):
+        # Between chord and arc the arc has q on the other side.
+        within = np.abs(q - boundary.centres) < np.abs(boundary.starts - boundary.centres)
+        beyond = side * np.sign(boundary.sweeps) < 0.0
+        odd ^= arcs & within & beyond
+    found: BoolArray = np.sum(odd, axis=1) % 2 == 1
+    return found
+
+
 def _pairs(middle: FloatArray, cosine: FloatArray) -> list[FloatArray]:
     """Both angles around `middle` with that cosine, where there are any."""
     real = np.abs(cosine) <= 1.0
@@ -465,35 +406,93 @@ class _Low:
         return self.numbers[:last][close]
 
 
-class _Judge:
-    """Angles of one cutting, with its boundary made once."""
+class Cutting:
+    """A cutter on its course through a blank.
 
-    def __init__(self, cutting: Cutting) -> None:
-        self.cutting = cutting
-        self.boundary = Pieces.around(cutting.blank)
-        self._lowest = cutting.course.lowest
+    Attributes
+    ----------
+    course : of the centre; traverses left out.
+    radius : of the cutter [mm].
+    blank : contours, of which a point of the blank is within an odd number.
+    top : Z of the upper face of the blank [mm]; above it there is air.
+    cleared : what other cutters have swept before, each with its radius [mm].
+    """
+
+    def __init__(
+        self,
+        course: Course,
+        radius: float,
+        blank: Iterable[Contour],
+        top: float = 0.0,
+        cleared: Sequence[tuple[Course, float]] = (),
+    ) -> None:
+        self.course, self.radius, self.top, self.cleared = course, radius, top, cleared
+        self.boundary = Pieces.around(blank)
+        self._lowest = course.lowest
         self._low: dict[tuple[int, float], _Low] = {}
+
+    def engagement(self, spacing: float, only: Sequence[int] | None = None) -> Engagement:
+        """The engagement along the course, sampled at most `spacing` [mm] apart.
+
+        `only` names the moves that are judged; all by default.
+        """
+        lengths = self.course.lengths
+        chosen = lengths > 0.0
+        if only is not None:
+            chosen &= np.isin(self.course.moves, np.asarray(only))
+        pieces = np.flatnonzero(chosen)
+        shares, angles, weights = [], [], []
+        for piece in pieces:
+            count = max(2, int(np.ceil(lengths[piece] / spacing)) + 1)
+            inset = min(INSET / lengths[piece], 0.1)
+            at = np.linspace(inset, 1.0 - inset, count)
+            shares.append(at)
+            angles.append(np.array([self.angle(int(piece), float(share)) for share in at]))
+            step = np.full(count, lengths[piece] / (count - 1))
+            step[[0, -1]] *= 0.5
+            weights.append(step)
+        best = [int(np.argmax(each)) for each in angles]
+        largest = np.array([each[place] for each, place in zip(angles, best, strict=True)])
+        where = np.array([at[place] for at, place in zip(shares, best, strict=True)])
+        if len(pieces):
+            top = int(np.argmax(largest))
+            where[top], largest[top] = self.refined(
+                int(pieces[top]), shares[top], best[top], float(largest[top])
+            )
+        air = [
+            self.air(int(piece), at, each) * float(lengths[piece])
+            for piece, at, each in zip(pieces, shares, angles, strict=True)
+        ]
+        places = taken(self.course, pieces).at(where)
+        return Engagement(
+            frozen(pieces, np.intp),
+            frozen(lengths[pieces], np.float64),
+            frozen(largest, np.float64),
+            frozen(places, np.complex128),
+            frozen(air, np.float64),
+            frozen(np.concatenate(angles or [np.zeros(0)]), np.float64),
+            frozen(np.concatenate(weights or [np.zeros(0)]), np.float64),
+        )
 
     def _low_of(self, number: int, level: float) -> _Low:
         """What a cutter that ran before, or of number -1 the own one, has run at one height."""
         key = (number, level)
         if key not in self._low:
-            cutting = self.cutting
-            course = cutting.course if number < 0 else cutting.cleared[number][0]
+            course = self.course if number < 0 else self.cleared[number][0]
             self._low[key] = _Low(course, level)
         return self._low[key]
 
     def angle(self, piece: int, share: float) -> float:
-        cutting, radius = self.cutting, self.cutting.radius
-        course = cutting.course
+        """Engagement [rad], 0 to pi, at a share of one piece's length; exact."""
+        course, radius = self.course, self.radius
         level = float(self._lowest[piece])
-        if level >= cutting.top:
+        if level >= self.top:
             return 0.0
         here = taken(course, [piece])
         there = here.at(np.array([share]))
         place, way = complex(there[0]), complex(here.tangents(there)[0])
         swept: list[tuple[Pieces, float]] = [(self._before(piece, share, place, level), radius)]
-        for number, (other, size) in enumerate(cutting.cleared):
+        for number, (other, size) in enumerate(self.cleared):
             close = self._low_of(number, level).near(place, radius + size)
             swept.append((taken(other, close), size))
         edges = [crossings(self.boundary, place, radius, 0.0)]
@@ -518,8 +517,8 @@ class _Judge:
 
     def _before(self, piece: int, share: float, place: complex, level: float) -> Pieces:
         """What the cutter has run before, as low as here, and near enough to matter."""
-        course = self.cutting.course
-        close = self._low_of(-1, level).near(place, 2.0 * self.cutting.radius, piece)
+        course = self.course
+        close = self._low_of(-1, level).near(place, 2.0 * self.radius, piece)
         if share <= 0.0:
             return taken(course, close)
         found = taken(course, np.append(close, piece))  # its own way, down a ramp too

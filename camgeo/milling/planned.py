@@ -29,7 +29,6 @@ from camgeo.milling.bench import (
     letters_of,
 )
 from camgeo.milling.cut import AreaCut, ContourCut, Cut
-from camgeo.milling.holding import CLAMPS, FIXTURE, SCREWS, Clamp, Obstacle
 from camgeo.milling.judged import LOOSE_CORE, left_out
 from camgeo.milling.making import (
     clear_area,
@@ -42,11 +41,21 @@ from camgeo.milling.making import (
     rough_outside,
     slot_between,
 )
-from camgeo.milling.milling import MillingSpec
-from camgeo.milling.moves import Heights
-from camgeo.milling.stages import Area
+from camgeo.milling.milling import (
+    CLAMPS,
+    COMPUTED,
+    DRILL,
+    FIXTURE,
+    SCREWS,
+    Clamp,
+    Heights,
+    MillingSpec,
+    Obstacle,
+    Tool,
+    ToolError,
+)
+from camgeo.milling.polygons import Area
 from camgeo.milling.stated import stated_cuts
-from camgeo.milling.tool import COMPUTED, DRILL, Tool, ToolError
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import Part, Wall
 from camgeo.part.spec import text_of
@@ -460,12 +469,10 @@ def _is_there(clamp: Clamp, index: int, names: list[str]) -> bool:
 
 def _moved(clamps: tuple[Clamp, ...], name: str) -> Iterator[str]:
     """What the operator does before the operation `name`: sets first, then takes away."""
-    for clamp in clamps:
-        if clamp.since == name:
-            yield f"set the {clamp.obstacle.name}"
-    for clamp in clamps:
-        if clamp.until == name:
-            yield f"take away the {clamp.obstacle.name}"
+    for key, verb in (("since", "set"), ("until", "take away")):
+        yield from (
+            f"{verb} the {each.obstacle.name}" for each in clamps if getattr(each, key) == name
+        )
 
 
 def _clears(cut: Cut, obstacle: Obstacle) -> None:
@@ -584,7 +591,7 @@ def sequence_of(
         listed = ", ".join(f"{cut.name} (tool {cut.tool.number})" for cut in cuts)
         listed = listed or "nothing to mill"
         findings.insert(0, Finding(SEQUENCE, "ok", f"planned: {listed}"))
-    if milling.turned:  # the machine runs the mirror image, see `camgeo.milling.holding`
+    if milling.turned:  # the machine runs the mirror image, see `camgeo.milling.milling`
         cuts = [replace(cut, climb=not cut.climb) for cut in cuts]
     cuts = guarded(bench, cuts, heights)
     findings += told_of_holding(bench, cuts)

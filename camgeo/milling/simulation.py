@@ -3,7 +3,7 @@
 The blank is cut into slabs between all heights that matter: those of the part, of the blank, and of
 passes at one depth. In each slab the material is an area, and every move takes away what its cutter
 sweeps there. So it judges any moves, whatever planned them: those of camgeo's strategies as well as
-those of a program that the interpreter has read. `camgeo.milling.stages` says how exact the areas
+those of a program that the interpreter has read. `camgeo.milling.polygons` says how exact the areas
 are.
 
 In each slab a cutter has the radius that it has in its middle: exactly that of an upright wall, and
@@ -21,40 +21,10 @@ import numpy as np
 import shapely
 
 from camgeo.geometry.contour.contour import Contour
-from camgeo.milling.course import Course, below, course_of
-from camgeo.milling.cut import Cut
-from camgeo.milling.holding import FIXTURE, Holding, mirrored
-from camgeo.milling.judged import (
-    PART_FINENESS,
-    Side,
-    finished_by,
-    finished_down_to,
-    lowest_of,
-    setup_of,
-)
+from camgeo.milling.course import Course, alike, below, course_of
 from camgeo.milling.moves import Feed, Move, Point, Rapid, Stop
-from camgeo.milling.stages import (
-    NOTHING,
-    Area,
-    Before,
-    Flaw,
-    Known,
-    Run,
-    Setup,
-    Slab,
-    Stage,
-    areas,
-    each_once,
-    farthest,
-    grown,
-    parts,
-    place_in,
-    polygon,
-    swept,
-    swept_below,
-)
-from camgeo.numeric.arrays import taken
-from camgeo.part.part import Wall
+from camgeo.milling.polygons import NOTHING, Area, grown, parts, polygon
+from camgeo.numeric.arrays import ComplexArray, FloatArray, taken
 
 FINENESS: Final = 1e-3
 """Deviation of chords [mm] unless stated."""
@@ -68,6 +38,243 @@ STEP: Final = 5e-3
 
 LEVEL: Final = 1e-6
 """Heights [mm] that differ by less are one, unless stated."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Body:
+    """An upright body between two heights [mm]; a point is in it if within an odd number of its
+    contours.
+    """
+
+    name: str
+    z0: float
+    z1: float
+    contours: tuple[Contour, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Slab:
+    """The material between two heights [mm]."""
+
+    z0: float
+    z1: float
+    material: Area
+
+    @property
+    def middle(self) -> float:
+        """Height of its middle [mm]."""
+        return 0.5 * (self.z0 + self.z1)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stage:
+    """The material after an operation, slab by slab from the lowest."""
+
+    operation: str
+    slabs: tuple[Slab, ...]
+
+    @property
+    def volume(self) -> float:
+        """Of the material [mm^3]."""
+        return sum((slab.z1 - slab.z0) * float(slab.material.area) for slab in self.slabs)
+
+
+@dataclass(frozen=True, slots=True)
+class Flaw:
+    """Something that a machinist would not accept.
+
+    Attributes
+    ----------
+    name : "rapid", "plunge", "gouge", "obstacle", "depth", "shank", "loose" or "rest".
+    operation : in which it arises.
+    text : what is wrong, in words.
+    value, limit : what was found and what is allowed, in `unit`.
+    place : of its largest extent, in the part's coordinates; as the work lies where it is shown.
+    watched : whether it is no fault, but something for the machinist to watch.
+    """
+
+    name: str
+    operation: str
+    text: str
+    value: float
+    limit: float
+    place: Point
+    unit: str = "mm"
+    watched: bool = False
+
+    @property
+    def sentence(self) -> str:
+        """In words, with its operation and its place."""
+        x, y, z = self.place
+        return f"{self.operation}: {self.text} at X {x:.4g}, Y {y:.4g}, Z {z:.4g} mm"
+
+    @property
+    def excess(self) -> float:
+        """By how much the limit is missed."""
+        return abs(self.value - self.limit)
+
+
+def _without(material: Area, area: Area) -> Area:
+    """What is left of the material when `area` is taken away."""
+    gone = material.is_empty or area.is_empty
+    return material if gone else shapely.difference(material, area)
+
+
+def areas(slabs: Iterable[Slab]) -> list[Area]:
+    """The material of each."""
+    return [slab.material for slab in slabs]
+
+
+def each_once(answer: Callable[..., Any], *several: Iterable[Any]) -> list[Any]:
+    """The `answer` to each of `several`, or to those of one place in all of them, once for those
+    that are the same objects.
+    """
+    rows = list(zip(*several, strict=True))
+    keys = [tuple(map(id, row)) for row in rows]
+    known = {key: answer(*row) for key, row in dict(zip(keys, rows, strict=True)).items()}
+    return [known[key] for key in keys]
+
+
+# -- setup ----------------------------------------------------------------------------------------
+# What a simulation of a milling program is given: what each tool does, and what it starts from.
+
+
+SLICES: Final = 4
+"""Slabs of a point or of rounded corners at their lowest."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Run:
+    """What one tool does: an operation.
+
+    Attributes
+    ----------
+    name : of the operation.
+    moves : in order, halts among them.
+    radius : of the cutter [mm].
+    point : height [mm] of its point or its rounded corners, below the full radius.
+    rounded : whether that is a rounded corner, and not a cone.
+    plunges : whether it may go straight down into material.
+    shank : radius above the cutting edges, and their length [mm]; None if not known.
+    obstacles : that no move may touch below their tops.
+    start : where it stands before; None if the first move is a traverse.
+    """
+
+    name: str
+    moves: tuple[Move | Stop, ...]
+    radius: float
+    point: float = 0.0
+    rounded: bool = False
+    plunges: bool = True
+    shank: tuple[float, float] | None = None
+    obstacles: tuple[Body, ...] = ()
+    start: Point | None = None
+
+    def radius_at(self, height: FloatArray) -> FloatArray:
+        """(n,) radius [mm] at heights (n,) above the tip, that of the tip below it."""
+        if self.point <= 0.0:
+            return np.full(len(height), self.radius)
+        up = np.clip(height, 0.0, self.point)
+        if self.rounded:
+            return self.radius - self.point + np.sqrt(up * (2.0 * self.point - up))
+        return self.radius * up / self.point
+
+    def slices(self, tip: float, top: float) -> list[float]:
+        """Z [mm] from a tip up to a `top` between which the radius changes by equal steps or so."""
+        share = np.arange(1, SLICES + 1) / SLICES
+        if self.rounded:
+            share = 1.0 - np.cos(0.5 * np.pi * share)
+        high = self.point if self.rounded else min(self.point, max(top - tip, 0.0))
+        return (tip + high * share).tolist() if high > 0.0 else []
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chamfer:
+    """An edge of the part that a cone takes off.
+
+    Attributes
+    ----------
+    run : of the cone; its moves do not matter.
+    course : exact, of its tip, all at one height.
+    top : Z above which it is to take nothing off [mm].
+    turned : height of the part's other face [mm], if it was taken off from there: run, course and
+        top are those of that side.
+    """
+
+    run: Run
+    course: Course
+    top: float
+    turned: float | None = None
+
+    def height(self, z: float) -> float:
+        """A height of the side from which it was taken off, seen from this one; and back [mm]."""
+        return z if self.turned is None else self.turned - z
+
+    @property
+    def heights(self) -> list[float]:
+        """Between which the section of the part changes by equal steps or so [mm]."""
+        own = self.run.slices(float(np.min(self.course.lowest)), self.top)
+        return [self.height(z) for z in own]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Before:
+    """What another side has left, seen from this one.
+
+    Attributes
+    ----------
+    slabs : of the material, from the lowest.
+    corners : heights [mm] between which rounded corners of its cutters were lowest.
+    """
+
+    slabs: tuple[Slab, ...]
+    corners: tuple[tuple[float, float], ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Setup:
+    """What a program starts from, and what must come of it.
+
+    Attributes
+    ----------
+    blank : contours, of which a point of it is within an odd number.
+    top, bottom : of the blank, Z [mm].
+    part : what must be left.
+    held : outlines within which the blank is held all the time, beside the clamps and screws of
+        each run; None if that is not to be judged.
+    rim : contours of the strip along the outline of the blank by which it is held where nothing
+        else holds it, as with tabs; None if it is not.
+    fixture : whether a fixture below all of the blank is to hold what nothing else holds.
+    chamfers : edges that the part lacks.
+    lowest : Z below which no tip may go but for its point [mm]; None for no limit.
+    joined : Z up to which waste may hold on to the part [mm]: tabs, a skin; None for none.
+    hanging : Z from which on it may do so; None for none.
+    before : what an earlier side has left of the blank; None for all of it.
+    final : whether the part must be all there is in the end, and no other side follows.
+    unfinished : walls that the stated operations of all sides leave unfinished, or roughed.
+    known : whether the outline of the blank is stated, and not one that reaches beyond all cuts.
+    density : of the material [t/mm^3]; None if it is not stated.
+    """
+
+    blank: tuple[Contour, ...]
+    top: float
+    bottom: float
+    part: tuple[Body, ...] = ()
+    held: tuple[tuple[Contour, ...], ...] | None = None
+    rim: tuple[Contour, ...] | None = None
+    fixture: bool = False
+    chamfers: tuple[Chamfer, ...] = ()
+    lowest: float | None = None
+    joined: float | None = None
+    hanging: float | None = None
+    before: Before | None = None
+    final: bool = True
+    unfinished: tuple[Contour, ...] = ()
+    known: bool = True
+    density: float | None = None
+
+
+# -- simulation ---
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,9 +293,18 @@ class Simulation:
     flaws: tuple[Flaw, ...]
     part: tuple[Area, ...]
 
-    def of(self, name: str) -> tuple[Flaw, ...]:
-        """The flaws of one kind."""
-        return tuple(each for each in self.flaws if each.name == name)
+    def turned_over(self, setup: Setup, runs: Iterable[Run], lowest: float) -> Before:
+        """What is left of the piece with the part in it, seen from the other side of a part whose
+        lower face is at Z `lowest` [mm].
+        """
+        slabs = self.stages[-1].slabs if self.stages else ()
+        return Before(
+            tuple(
+                Slab(lowest - each.z1, lowest - each.z0, each.material)
+                for each in reversed(_with_the_part(slabs, self.part))
+            ),
+            tuple((lowest - z1, lowest - z0) for z0, z1 in corners_of(setup, runs)),
+        )
 
 
 def simulate(
@@ -118,7 +334,9 @@ def simulate(
     for run in runs:
         flaws += bench.run(run)
         stages.append(Stage(run.name, bench.slabs))
-    flaws += left_flaws(stages, part, runs, setup, allowed, corners=corners_of(setup, runs))
+    flaws += _loose_pieces(stages, part, runs, setup, allowed)
+    if stages and setup.final:
+        flaws += _rests(stages[-1], part, setup, allowed, corners_of(setup, runs))
     order = {run.name: place for place, run in enumerate(runs)}
     flaws.sort(key=lambda each: order[each.operation])
     return Simulation(tuple(stages), tuple(flaws), part)
@@ -280,14 +498,10 @@ class _Bench:
         yield from self._clear(run, course)
         reached, cleared = self._swept(run, course)
         yield from self._gouges(run, course, reached)
-        left: dict[tuple[int, int], Area] = {}  # slabs of one section are cut once
-        slabs = []
-        for slab, area in zip(self.slabs, cleared, strict=True):
-            both = (id(slab.material), id(area))
-            if both not in left:
-                left[both] = slab.without(area).material
-            slabs.append(replace(slab, material=left[both]))
-        self.slabs = tuple(slabs)
+        left = each_once(_without, areas(self.slabs), cleared)  # slabs of one section are cut once
+        self.slabs = tuple(
+            replace(slab, material=each) for slab, each in zip(self.slabs, left, strict=True)
+        )
         if run.shank is not None:
             radius, length = run.shank
             yield from self._meets(
@@ -347,14 +561,8 @@ class _Bench:
                 yield Flaw(name, run.name, text(depth), depth, 0.0, _point(place_in(touched), tip))
 
     def _gouges(self, run: Run, course: Course, reached: Sequence[Area]) -> Iterator[Flaw]:
-        known: dict[tuple[int, int], Area] = {}
-        for number, (slab, kernel, area) in enumerate(
-            zip(self.slabs, self.kernels, reached, strict=True)
-        ):
-            both = (id(area), id(kernel))
-            if both not in known:
-                known[both] = shapely.intersection(area, kernel)
-            touched = known[both]
+        both = each_once(shapely.intersection, reached, self.kernels)
+        for number, (slab, touched) in enumerate(zip(self.slabs, both, strict=True)):
             if parts(touched):
                 low = below(course, slab.z1 - 2.0 * self.level)
                 depth, where = self._depth(number, touched)
@@ -480,12 +688,8 @@ def pieces(slabs: Sequence[Slab]) -> tuple[Piece, ...]:
             number = owner[number]
         return number
 
-    shared: dict[tuple[int, int], list[list[int]]] = {}
-    for k, (low_parts, high_parts) in enumerate(pairwise(apart)):
-        both = (id(low_parts), id(high_parts))
-        if both not in shared:
-            shared[both] = np.argwhere(overlap(low_parts, high_parts) > TOUCHING).tolist()
-        for low, high in shared[both]:
+    for k, shared in enumerate(each_once(overlap, apart[:-1], apart[1:])):
+        for low, high in np.argwhere(shared > TOUCHING).tolist():
             owner[root(int(offsets[k] + low))] = root(int(offsets[k + 1] + high))
     flat = [each for slab in single for each in slab]
     groups: dict[int, list[tuple[int, Area]]] = {}
@@ -504,45 +708,38 @@ def overlap(areas: Sequence[Area], others: Sequence[Area]) -> np.ndarray[Any, An
     return found
 
 
-def left_flaws(
-    stages: Sequence[Stage],
-    part: Sequence[Area],
-    runs: Sequence[Run],
-    setup: Setup,
-    allowed: float,
-    *,
-    corners: Sequence[tuple[float, float]] = (),
-) -> Iterator[Flaw]:
-    """Pieces that come loose, each where it does, and what is left on the part at the end.
-
-    Parameters
-    ----------
-    part : in each slab.
-    runs : of each stage, with the clamps and screws that are set.
-    setup : what the program starts from, and what it has to leave.
-    allowed : thickness [mm] that may be left; what is nowhere thicker is no piece.
-    corners : heights [mm] between which rounded corners of cutters are, where those are lowest.
-    """
-    if setup.held is not None:
-        held = [polygon(each, FINENESS) for each in setup.held]
-        yield from _loose_pieces(stages, part, runs, held, setup, allowed)
-    if stages and setup.final:
-        yield from _rests(stages[-1], part, setup, allowed, corners)
+def _with_the_part(slabs: Sequence[Slab], part: Sequence[Area]) -> tuple[Slab, ...]:
+    """The material without pieces that are apart from the part: they are taken away."""
+    gone: dict[int, list[Area]] = {}
+    for piece in pieces(slabs):
+        if piece.shared(part) <= TOUCHING:
+            for k, area in piece.areas:
+                gone.setdefault(k, []).append(area)
+    return tuple(
+        replace(slab, material=_without(slab.material, shapely.union_all(gone[k])))
+        if k in gone
+        else slab
+        for k, slab in enumerate(slabs)
+    )
 
 
 def _loose_pieces(
     stages: Sequence[Stage],
     part: Sequence[Area],
     runs: Sequence[Run],
-    always: Sequence[Area],
     setup: Setup,
     allowed: float,
 ) -> Iterator[Flaw]:
-    """Pieces that neither what holds `always` nor the clamps of a run hold, each once.
+    """Pieces that neither what holds the blank all the time nor the clamps of a run hold, each once
+    where it comes loose; none if what holds it is not to be judged.
 
-    Until the first clamp is set, a blank that is still one piece is held in a way that is not
-    stated: screws often stand in a bore that is milled first.
+    What is nowhere thicker than `allowed` [mm] is no piece. Until the first clamp is set, a blank
+    that is still one piece is held in a way that is not stated: screws often stand in a bore that
+    is milled first.
     """
+    if setup.held is None:
+        return
+    always = [polygon(each, FINENESS) for each in setup.held]
     known: list[Piece] = []
     clamped = bool(always) or setup.rim is not None
     rim = [] if setup.rim is None else [polygon(setup.rim, FINENESS)]
@@ -649,7 +846,9 @@ def _rests(
     allowed: float,
     corners: Sequence[tuple[float, float]],
 ) -> Iterator[Flaw]:
-    """Material that is left beside the part, or on one of its faces."""
+    """Material that is left beside the part, or on one of its faces, thicker than `allowed` [mm];
+    where rounded corners of cutters are lowest, between heights `corners` [mm], it is told apart.
+    """
     found: dict[int, Flaw] = {}  # the largest fault, of what is meant, and of what corners leave
     known: dict[tuple[int, ...], list[tuple[Area, float]]] = {}
     unfinished = shapely.boundary([polygon([each], 0.5 * allowed) for each in setup.unfinished])
@@ -681,150 +880,146 @@ def _rests(
     yield from (found[kind] for kind in sorted(found))
 
 
-# -- sides ----------------------------------------------------------------------------------------
-# A job of one side or two, simulated: the second side starts from what the first one has left.
-#
-# Each side is judged in coordinates in which its tools come from above (`camgeo.milling.holding`);
-# what is handed on is turned over, slab by slab. What the part must be in the end is asked after
-# the last side alone, of the material that both have left.
+# -- sweep ----------------------------------------------------------------------------------------
+# Areas that a cutter passes over on its course.
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Done:
-    """A side that is simulated."""
+FINEST: Final = 1e-5
+"""Of chords [mm], see `camgeo.milling.polygons`."""
 
-    side: Side
-    setup: Setup
-    simulation: Simulation
+SHARE: Final = 0.005
+"""Of a distance, to which the farthest point of an area is sought."""
+
+LONGEST: Final = 200
+"""Points of a line that is widened at once. A line of several turns is met by itself at every turn:
+in parts its area takes a quarter of the time."""
 
 
-def setups_of(sides: Sequence[Side], of: int) -> tuple[Setup, ...]:
-    """What each side, the first ones `of` a job, starts from but for the material that is left, and
-    what must come of it.
+def swept(course: Course, radius: float, fineness: float) -> Area:
+    """What a circle of `radius` [mm] passes over on `course`."""
+    if not len(course) or radius <= 0.0:
+        return NOTHING
+    chains = (part for chain in _chains(_once(course), fineness) for part in _in_parts(chain))
+    shapes = [_shape(part) for part in chains]
+    found = shapely.buffer(shapes, radius, quad_segs=_quarter(radius, fineness))
+    while len(found) > 1:  # neighbours first: half the time of all at once
+        rest = found[len(found) // 2 * 2 :]
+        found = np.append(shapely.union(found[:-1:2], found[1::2]), rest)
+    return found[0]
+
+
+Known = dict[tuple[float, float, bytes], tuple[Area, Area]]
+"""What has been swept: areas and the same a little grown, by radius, fineness and pieces."""
+
+
+def swept_below(
+    course: Course, heights: Iterable[float], radius: float, fineness: float, known: Known
+) -> list[Area]:
+    """What a circle of `radius` [mm] passes over with its tip not above each of `heights` [mm],
+    which ascend.
+
+    What is new at a height is added to the area at the one before. Where nothing reaches beyond
+    that by more than twice the fineness, as chords of the same path do, both are the same object,
+    so that what follows is computed once for all slabs between passes. What equal pieces sweep is
+    looked up in `known`, and added to it.
     """
-    found: list[Setup] = []
-    for k, side in enumerate(sides):
-        others = [cut for other in sides if other is not side for cut in other.cuts]
-        setup = setup_of(side, PART_FINENESS, others)
-        if k:
-            setup = _second(setup, side, sides[k - 1], found[k - 1])
-        found.append(
-            replace(
-                setup,
-                final=k == of - 1,
-                density=side.density,
-                unfinished=tuple(_unfinished(sides)),
-            )
-        )
-    return tuple(found)
+    same = alike(course)
+    highest, lowest = course.highest, course.lowest
+    level = course.from_z == course.to_z
+    done = np.zeros(len(course), dtype=np.bool_)
+    area: Area = NOTHING
+    wide: Area = NOTHING
+    found = []
+    for z in heights:
+        fresh = (lowest <= z) & ~done[same]
+        for which in (fresh & level, fresh & ~level):
+            if not np.any(which):
+                continue
+            pieces = below(taken(course, which), z)
+            more, more_wide = _swept_once(pieces, radius, fineness, known)
+            if area.is_empty:
+                area, wide = more, more_wide
+            elif not shapely.covers(wide, more):
+                area = shapely.union(area, more)
+                wide = _wide(area, fineness)
+        done[same[fresh & (highest <= z)]] = True
+        found.append(area)
+    return found
 
 
-def simulated(sides: Sequence[Side], *, allowed: float, level: float, of: int) -> tuple[Done, ...]:
-    """Each of the first sides `of` a job, as `simulate` judges it, from what the one before it has
-    left.
+def _swept_once(course: Course, radius: float, fineness: float, known: Known) -> tuple[Area, Area]:
+    """What is swept, looked up in `known` or added to it, and the same a little grown."""
+    columns = (course.starts, course.ends, course.sweeps, course.centres)
+    key = (radius, fineness, b"".join(each.tobytes() for each in columns))
+    if key not in known:
+        area = swept(course, radius, fineness)
+        known[key] = area, _wide(area, fineness)
+    return known[key]
+
+
+def _wide(area: Area, fineness: float) -> Area:
+    """`area` with what chords may leave at its edge, prepared for questions."""
+    found = grown(area, 2.0 * fineness)
+    shapely.prepare(found)
+    return found
+
+
+def place_in(area: Area) -> complex:
+    """A point within the largest part of `area`."""
+    point = shapely.point_on_surface(max(parts(area), key=lambda each: each.area))
+    return complex(point.x, point.y)
+
+
+def farthest(area: Area, edge: Area) -> tuple[float, complex]:
+    """How far from `edge` a point of `area` lies at most [mm], and that point: of all points, not
+    of its corners alone, to a hundredth.
     """
-    done: list[Done] = []
-    for side, setup in zip(sides, setups_of(sides, of), strict=True):
-        own = replace(setup, before=_turned(done[-1])) if done else setup
-        found = simulate(own, side.runs, allowed=allowed, level=level)
-        done.append(Done(side, own, found))
-    return tuple(done)
+    corners = shapely.get_coordinates(area)
+    away = shapely.distance(shapely.points(corners), edge)
+    most = int(np.argmax(away))
+    low, high, place = max(float(away[most]), FINEST), np.inf, complex(*corners[most])
+    step = SHARE
+    while high > (1.0 + SHARE) * low:
+        middle = (1.0 + step) * low if np.isinf(high) else 0.5 * (low + high)
+        beyond = shapely.difference(area, grown(edge, middle))
+        if parts(beyond):
+            low, place, step = middle, place_in(beyond), 1.0
+        else:
+            high = middle
+    return float(shapely.distance(shapely.Point(place.real, place.imag), edge)), place
 
 
-def settled(done: Sequence[Done]) -> tuple[tuple[Flaw, ...], ...]:
-    """The flaws of each side, as its work lies."""
-    return tuple(tuple(_seen(flaw, each.side) for flaw in each.simulation.flaws) for each in done)
+def _quarter(radius: float, fineness: float) -> int:
+    """Chords of a quarter of a circle within `fineness`."""
+    angle = 2.0 * np.arccos(max(0.0, 1.0 - max(fineness, FINEST) / radius))
+    return max(4, int(np.ceil(0.5 * np.pi / angle)))
 
 
-def _unfinished(sides: Sequence[Side]) -> Iterator[Contour]:
-    """The walls that stated operations leave unfinished: what they leave there is to be watched."""
-    if not any(side.milling.operations for side in sides):
-        return
-    for wall in sides[0].part.walls:
-        if not is_finished(wall, sides):
-            yield wall.boundary.arcs(PART_FINENESS, "fast").contour
-
-
-def is_finished(wall: Wall, sides: Sequence[Side]) -> bool:
-    """Whether one side leaves all of a wall as it is to be, or two that meet on it."""
-    first, name = sides[0], wall.boundary.name
-    down = finished_down_to(first.cuts, name)
-    if down <= lowest_of(wall, first.milling.holding):
-        return True
-    if len(sides) == 1:
-        return False
-    second, low = sides[1], first.lowest
-    turned = replace(wall, z0=low - wall.z1, z1=low - wall.z0)
-    below = finished_down_to(second.cuts, name)
-    return below <= lowest_of(turned, second.milling.holding) or down <= low - below
-
-
-def _seen(flaw: Flaw, side: Side) -> Flaw:
-    """The same with its place as the work lies."""
-    x, y, z = flaw.place
-    place = mirrored(complex(x, y), side.milling.turned)
-    return replace(flaw, place=(place.real, place.imag, z))
-
-
-def _second(setup: Setup, side: Side, first: Side, before: Setup) -> Setup:
-    """The setup of a second side, whose blank is what the first one has left.
-
-    A fixture holds the part alone. What the first side has left hanging may stay, unless a wall is
-    finished that frees the part.
+def _once(course: Course) -> Course:
+    """The course without pieces that it repeats: further rounds of a path sweep nothing more, and
+    what overlaps itself takes GEOS far longer.
     """
-    holding = side.milling.holding
-    own, hanging = _height_left(holding), _height_left(first.milling.holding)
-    if any(_frees(cut, side) for cut in side.cuts):
-        hanging = None
-    held = setup.held
-    if holding is not None and holding.kind == FIXTURE:
-        held = tuple(body.contours for body in setup.part)
-    chamfers = (replace(each, turned=first.lowest) for each in before.chamfers)
-    return replace(
-        setup,
-        held=held,
-        joined=None if own is None else side.lowest + own,
-        hanging=None if hanging is None else -hanging,
-        chamfers=(*setup.chamfers, *chamfers),
-    )
+    first = alike(course) == np.arange(len(course))
+    return course if np.all(first) else taken(course, first)
 
 
-def _height_left(holding: Holding | None) -> float | None:
-    """Height [mm] of what a holding leaves on the part: tabs, a skin; None for nothing."""
-    if holding is None or holding.tabs is None:
-        return None if holding is None else holding.skin
-    return holding.tabs.height
+def _chains(course: Course, fineness: float) -> list[ComplexArray]:
+    """Points along the course, one array for each part without a gap."""
+    piece, ends = course.chords(max(fineness, FINEST))
+    gaps = np.flatnonzero(course.starts[1:] != course.ends[:-1]) + 1
+    starts = course.starts[np.concatenate(([0], gaps))]
+    parts = np.split(ends, np.searchsorted(piece, gaps))
+    return [np.concatenate(([start], part)) for start, part in zip(starts, parts, strict=True)]
 
 
-def _frees(cut: Cut, side: Side) -> bool:
-    """Whether a cut of the second side finishes a wall around the part."""
-    around = {wall.boundary.name for wall in side.part.walls if not wall.boundary.hole}
-    return bool(around & set(finished_by(cut)))
+def _in_parts(chain: ComplexArray) -> Iterator[ComplexArray]:
+    """Parts of a chain, each from the end of the one before."""
+    for first in range(0, max(len(chain) - 1, 1), LONGEST):
+        yield chain[first : first + LONGEST + 1]
 
 
-def _turned(done: Done) -> Before:
-    """What a side has left of the piece with the part in it, seen from the other side."""
-    low, simulation = done.side.lowest, done.simulation
-    slabs = simulation.stages[-1].slabs if simulation.stages else ()
-    kept = _with_the_part(slabs, simulation.part)
-    corners = corners_of(done.setup, done.side.runs)
-    return Before(
-        tuple(Slab(low - each.z1, low - each.z0, each.material) for each in reversed(kept)),
-        tuple((low - z1, low - z0) for z0, z1 in corners),
-    )
-
-
-def _with_the_part(slabs: Sequence[Slab], part: Sequence[Area]) -> tuple[Slab, ...]:
-    """The material without pieces that are apart from the part: they are taken away."""
-    found = pieces(slabs)
-    away = [piece for piece in found if piece.shared(part) <= TOUCHING]
-    if not away:
-        return tuple(slabs)
-    gone: dict[int, list[Area]] = {}
-    for piece in away:
-        for k, area in piece.areas:
-            gone.setdefault(k, []).append(area)
-    return tuple(
-        slab.without(shapely.union_all(gone[k]) if k in gone else NOTHING)
-        for k, slab in enumerate(slabs)
-    )
+def _shape(chain: ComplexArray) -> Any:
+    """A line through points, or the point that all of them are."""
+    keep = np.concatenate(([True], np.diff(chain) != 0.0))
+    points = np.column_stack((chain[keep].real, chain[keep].imag))
+    return shapely.LineString(points) if len(points) > 1 else shapely.Point(points[0])

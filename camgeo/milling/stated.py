@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Final
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import least_distance
-from camgeo.milling.bench import COARSE, SAME, Bench, as_wide, bore_of, flank_curve, letters_of
-from camgeo.milling.cut import (
-    AreaCut,
-    ContourCut,
-    Cut,
+from camgeo.milling.bench import (
+    COARSE,
+    SAME,
+    Bench,
+    as_wide,
+    bore_of,
+    flank_curve,
+    letters_of,
     tightest,
 )
+from camgeo.milling.cut import AreaCut, ContourCut, Cut
 from camgeo.milling.making import (
     clear_area,
     clear_around,
@@ -23,36 +26,25 @@ from camgeo.milling.making import (
     drill_all,
     engraved,
     finish_along,
+    loops_along,
     no_engraver,
     rough_around,
     rough_outside,
     slot_between,
-    stepover_of,
 )
 from camgeo.milling.milling import (
-    BORE,
-    CHAMFER,
-    DRILLING,
-    ENGRAVE,
-    FACE,
-    FINISH,
-    RAMP,
-    ROUGH,
-    SLOT,
-    SPIRAL,
-    TROCHOIDAL,
+    CHAMFER_MILL,
+    COMPUTED,
+    DRILL,
+    END_MILL,
+    Kind,
     OperationSpec,
+    Roughing,
+    Tool,
 )
 from camgeo.milling.strategies.trochoid import NARROWEST
-from camgeo.milling.tool import CHAMFER_MILL, COMPUTED, DRILL, END_MILL, Tool
 from camgeo.milling.track import Track
 from camgeo.part.part import Boundary, Wall
-
-LOOPS: Final = 0.5
-LARGEST_LOOPS: Final = 0.9
-"""Radius of the loops of a trochoidal slot, as a share of that within which the cutter is flat:
-usually, and at most, so that no core is left in them.
-"""
 
 BELOW = 0.1
 """How far the point of a chamfer mill runs beside the wall, as a share of the chamfer's size."""
@@ -62,7 +54,7 @@ HOLE_NAME, MARK_NAME = "bore", "mark"
 
 FLANKS = ("inner flank", "outer flank")
 
-KIND_OF_TOOL = {DRILLING: DRILL, CHAMFER: CHAMFER_MILL}
+KIND_OF_TOOL = {Kind.DRILL: DRILL, Kind.CHAMFER: CHAMFER_MILL}
 """What kinds of operations need; the others need an end mill."""
 
 
@@ -80,7 +72,7 @@ def stated_cuts(bench: Bench) -> list[Cut]:
     for k, spec in enumerate(bench.milling.operations):
         key = f"operation[{k + 1}]"
         tool = spec.run(tools[spec.tool])
-        needed = KIND_OF_TOOL.get(spec.kind, END_MILL)
+        needed = KIND_OF_TOOL.get(Kind(spec.kind), END_MILL)
         if tool.kind != needed:
             message = f'"{spec.kind}" needs a tool of kind "{needed}", not "{tool.kind}"'
             raise GeometryError(message, f"{key}.tool", f"{spec.tool}")
@@ -90,40 +82,12 @@ def stated_cuts(bench: Bench) -> list[Cut]:
             raise GeometryError("each operation needs its own name", f"{key}.name", name)
         note = "; ".join(text for text in (spec.note, cut.note) if text)
         found.append(replace(cut, name=name, climb=spec.climb, stop=spec.stop, note=note))
-        faced = faced or spec.kind == FACE
+        faced = faced or spec.kind == Kind.FACE
     return found
 
 
 def _names(walls: tuple[Boundary, ...]) -> list[str]:
     return [wall.name for wall in walls]
-
-
-def loops_along(
-    bench: Bench, wall: Wall, other: Wall | None, tool: Tool, top: float, allowance: float
-) -> AreaCut:
-    """Along a wall by loops, in a slot wider than the cutter by `LOOPS`.
-
-    `other` is the flank across a groove: the slot is as wide as that, less both allowances, if
-    loops make it at once.
-    """
-    boundary, bottom = wall.boundary, bench.bottom(wall)
-    flat = tool.radius - tool.corner_radius
-    slot, walls = 2.0 * (tool.radius + LOOPS * flat), [boundary]
-    if other is not None:
-        groove = 2.0 * (abs(flank_curve(wall).distance) - allowance)
-        if groove <= 2.0 * (tool.radius + LARGEST_LOOPS * flat):
-            slot, walls = groove, [boundary, other.boundary]
-    return AreaCut(
-        name=f"rough {boundary.name}",
-        strategy="trochoid",
-        tool=tool,
-        top=top,
-        depths=depths_of(tool, top, bottom),
-        allowance=allowance,
-        walls=tuple(walls),
-        stepover=stepover_of(tool),
-        slot=slot,
-    )
 
 
 class _Stated:
@@ -150,20 +114,16 @@ class _Stated:
     def cut(self) -> Cut:
         """The cut; GeometryError with the operation's key if the tool cannot make it."""
         kinds = {
-            FACE: self._face,
-            DRILLING: self._drill,
-            BORE: self._bore,
-            SLOT: self._slot,
-            ENGRAVE: self._engrave,
+            Kind.FACE: self._face,
+            Kind.DRILL: self._drill,
+            Kind.BORE: self._bore,
+            Kind.ROUGH: self._rough,
+            Kind.FINISH: self._finish,
+            Kind.SLOT: self._slot,
+            Kind.CHAMFER: self._chamfer,
+            Kind.ENGRAVE: self._engrave,
         }
-        if self.spec.kind in kinds:
-            return kinds[self.spec.kind]()
-        wall = self._wall(self.spec.boundary)
-        if self.spec.kind == ROUGH:
-            return self._rough(wall)
-        if self.spec.kind == FINISH:
-            return self._finish(wall)
-        return self._chamfer(wall)
+        return kinds[Kind(self.spec.kind)]()
 
     def _wall(self, name: str) -> Wall:
         wall, depth = self.bench.wall(name, f"{self.key}.boundary"), self.spec.depth
@@ -255,26 +215,27 @@ class _Stated:
             self.bench, "rough bore", "bore", self.tool, self.top, bottom, walls, allowance
         )
 
-    def _rough(self, wall: Wall) -> Cut:
-        boundary, bench, tool = wall.boundary, self.bench, self.tool
+    def _rough(self) -> Cut:
+        wall, bench, tool = self._wall(self.spec.boundary), self.bench, self.tool
+        boundary = wall.boundary
         self._require_reach(wall)
         if wall in bench.bosses:
-            if self.spec.strategy not in ("", SPIRAL):
+            if self.spec.strategy not in ("", Roughing.SPIRAL):
                 message = "leaves what is around it; all of that is cleared"
                 raise GeometryError(message, f"{self.key}.strategy", f'"{self.spec.strategy}"')
             return clear_around(bench, wall, tool, self.top, self.spec.allowance)
         # The inner flank of a groove bounds an island, which no blank surrounds.
         outermost = not boundary.hole and not boundary.name.endswith("flank")
-        if self.spec.strategy == TROCHOIDAL:
+        if self.spec.strategy == Roughing.TROCHOIDAL:
             return self._loops(wall)
-        if self.spec.strategy == SPIRAL:
+        if self.spec.strategy == Roughing.SPIRAL:
             return self._cleared(wall, outermost=outermost)
-        ramp = self.spec.strategy == RAMP or not outermost
+        ramp = self.spec.strategy == Roughing.RAMP or not outermost
         make = rough_around if ramp else rough_outside
         return make(bench, wall, tool, self._top(wall), self.spec.allowance)
 
     def _cleared(self, wall: Wall, *, outermost: bool) -> Cut:
-        key, value = f"{self.key}.strategy", f'"{SPIRAL}"'
+        key, value = f"{self.key}.strategy", f'"{Roughing.SPIRAL}"'
         if not outermost or self.bench.milling.stock.outline is None:
             message = "clears what is around the part in a blank whose outline is stated"
             raise GeometryError(message, key, value)
@@ -288,16 +249,16 @@ class _Stated:
     def _loops(self, wall: Wall) -> Cut:
         bench, holding = self.bench, self.bench.milling.holding
         if holding is not None and holding.tabs is not None and bench.is_through(wall):
-            message = f'leaves no tabs: state "{RAMP}", or another holding'
-            raise GeometryError(message, f"{self.key}.strategy", f'"{TROCHOIDAL}"')
+            message = f'leaves no tabs: state "{Roughing.RAMP}", or another holding'
+            raise GeometryError(message, f"{self.key}.strategy", f'"{Roughing.TROCHOIDAL}"')
         other = None
         if wall.boundary.name in FLANKS:
             (other,) = (self._wall(name) for name in FLANKS if name != wall.boundary.name)
         return loops_along(bench, wall, other, self.tool, self._top(wall), self.spec.allowance)
 
-    def _finish(self, wall: Wall) -> Cut:
+    def _finish(self) -> Cut:
         """At full depth if the wall is roughed that deep, else in passes that enter on the path."""
-        boundary, bench, tool = wall.boundary, self.bench, self.tool
+        wall, bench, tool = self._wall(self.spec.boundary), self.bench, self.tool
         self._require_reach(wall)
         bottom = bench.bottom(wall)
         room = self._room(wall, bottom)
@@ -323,7 +284,7 @@ class _Stated:
             return replace(made, strategy="slot")
         if not self.spec.allowance:
             return made
-        centre = boundary.offset(tool.radius + self.spec.allowance)
+        centre = wall.boundary.offset(tool.radius + self.spec.allowance)
         return replace(made, centre=centre, allowance=self.spec.allowance)
 
     def _room(self, wall: Wall, bottom: float) -> float | None:
@@ -391,9 +352,9 @@ class _Stated:
         self._require(self.bench.too_short(self.tool, self.bench.bottom(outer), top))
         return slot_between(self.bench, inner, outer, self.tool, top)
 
-    def _chamfer(self, wall: Wall) -> Cut:
+    def _chamfer(self) -> Cut:
         """The edge that lies up: a pointed cutter runs with its point beside and below the edge."""
-        size, tool = self.spec.size, self.tool
+        wall, size, tool = self._wall(self.spec.boundary), self.spec.size, self.tool
         assert size is not None  # which the rules of the scene require
         if wall.z1 != 0.0:
             message = f"its {self.bench.milling.up} edge is not on the {self.bench.milling.up} face"

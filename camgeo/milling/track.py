@@ -146,39 +146,6 @@ def chained(tracks: Iterable[Track]) -> Track:
     )
 
 
-def biarcs(points: ComplexArray, tangents: ComplexArray) -> Track:
-    """Two arcs of equal tangent length between each pair of neighbouring `points`.
-
-    Parameters
-    ----------
-    points : (n,) complex [mm], distinct neighbours.
-    tangents : (n,) unit, less than half a turn between neighbours.
-    """
-    start, end = points[:-1], points[1:]
-    chord, both = end - start, tangents[:-1] + tangents[1:]
-    # Equal tangent lengths d at both ends: |chord - d (t0 + t1)| = 2 d.
-    square = np.abs(chord) ** 2
-    along = (np.conj(chord) * both).real
-    opening = 2.0 * (1.0 - (np.conj(tangents[:-1]) * tangents[1:]).real)
-    length = square / (along + np.sqrt(along * along + opening * square))
-    middle = 0.5 * (start + end + length * (tangents[:-1] - tangents[1:]))
-    across = (chord - length * both) / (2.0 * length)
-    vertices = np.append(np.column_stack((start, middle)).ravel(), points[-1])
-    first = np.column_stack((tangents[:-1], across)).ravel()
-    return tangential(vertices, first)
-
-
-def tangential(vertices: ComplexArray, tangents: ComplexArray) -> Track:
-    """The arcs between `vertices` (n + 1,) [mm] that leave with the unit `tangents` (n,)."""
-    chords = np.diff(vertices)
-    half = np.angle(chords * np.conj(tangents))
-    lengths = np.abs(chords)
-    flat = lengths * np.abs(half) <= 4.0 * FLAT
-    radii = lengths / (2.0 * np.sin(np.where(flat, 1.0, half)))
-    centres = np.where(flat, 0.0, vertices[:-1] + 1j * tangents * radii)
-    return Track(vertices, np.where(flat, 0.0, 2.0 * half), centres)
-
-
 # -- leads ----------------------------------------------------------------------------------------
 # Tangential leads: tracks that join a closed path at one of its points without a corner.
 #

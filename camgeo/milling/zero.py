@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from camgeo.errors import GeometryError
-from camgeo.milling.holding import NOT, mirrored
-from camgeo.milling.milling import AXIS, CORNERS, PART_TOP, GcodeSpec, Stock
+from camgeo.milling.milling import AXIS, CORNERS, NOT, PART_TOP, GcodeSpec, Stock, mirrored
 from camgeo.milling.moves import Point
 from camgeo.part.part import Part
 from camgeo.units import MM_PER, LengthUnit

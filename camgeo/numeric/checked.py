@@ -15,7 +15,18 @@ from decimal import Decimal
 from functools import cache, partial
 from numbers import Complex, Integral, Real
 from types import MappingProxyType, NoneType, UnionType
-from typing import Annotated, Any, Final, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import (
+    Annotated,
+    Any,
+    ClassVar,
+    Final,
+    TypeVar,
+    Union,
+    cast,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
 
 import numpy as np
 
@@ -205,6 +216,22 @@ def check_fields(owner: object, path: str = "") -> None:
             hold(owner, **{name: check(path + key, value)})
 
 
+class CheckedFields:
+    """A frozen dataclass whose fields are checked on entry, see `check_fields`; `path` is what the
+    keys in messages begin with.
+    """
+
+    __slots__ = ()
+    _path: ClassVar[str] = ""
+
+    def __init_subclass__(cls, *, path: str | None = None) -> None:
+        if path is not None:  # a class is made again, without it, for its slots
+            cls._path = path
+
+    def __post_init__(self) -> None:
+        check_fields(self, self._path)
+
+
 @cache
 def checks_of(kind: type) -> Mapping[str, tuple[Check, str, bool]]:
     """The check, the key and whether None is allowed, for each field that has a check."""
@@ -219,6 +246,42 @@ def checks_of(kind: type) -> Mapping[str, tuple[Check, str, bool]]:
                 _, check, *key = get_args(each)
                 found[name] = check, *(key or [name]), NoneType in kinds
     return found
+
+
+def instance_from_table(kind: type[Kind], table: Mapping[str, Any], *, floats: bool = True) -> Kind:
+    """An object of the dataclass `kind` from a table with the names of its fields; raises as it
+    does.
+
+    A table within it becomes what its field takes, a list a tuple, or a point where the field is
+    one, and a decimal number a float. With `floats`, as all numbers of scenes are, those of fields
+    of whole numbers become such.
+    """
+    values, known = dict(table), cast("Any", kind)  # which is hashable, though mypy denies it
+    for name, hint in _hints(known).items():
+        if name in values:
+            values[name] = _field_value(hint, values[name], floats=floats)
+    return kind(**values)
+
+
+@cache
+def _hints(kind: type) -> dict[str, Any]:
+    """The types of the fields of a dataclass."""
+    return get_type_hints(kind)
+
+
+def _field_value(hint: Any, given: Any, *, floats: bool) -> Any:
+    """A value of a table as a field of that type takes it."""
+    kinds = (hint, *get_args(hint))
+    inner = next((each for each in kinds if is_dataclass(each)), None)
+    if isinstance(given, Mapping) and isinstance(inner, type):
+        return instance_from_table(inner, given, floats=floats)
+    if isinstance(given, list | tuple):
+        if complex in kinds:
+            return complex(*given)
+        return tuple(_field_value(inner, each, floats=floats) for each in given)
+    if isinstance(given, Decimal) and float in kinds:
+        return float(given)
+    return int(given) if floats and int in kinds and isinstance(given, float) else given
 
 
 def hold(owner: object, **values: Any) -> None:

@@ -5,14 +5,14 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
 
 from camgeo.cam.cam import Contact
-from camgeo.errors import GeometryError
+from camgeo.errors import GeometryError, UndercutError
 from camgeo.geometry.contour.contour import (
     Contour,
     Pieces,
@@ -20,20 +20,25 @@ from camgeo.geometry.contour.contour import (
     surely_apart,
     winding_number,
 )
+from camgeo.geometry.outline.outline import real_outline
 from camgeo.geometry.outline.path import Path, radii
+from camgeo.geometry.pieces import curvature_extremes
+from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.lazy import Ledger
 from camgeo.numeric.checked import positive
-from camgeo.part.bevels import bevelled
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary, largest_radius, numbers_of
 from camgeo.part.lettering import Letter
-from camgeo.part.part import OF_RETURN, Boundary, Layer, Part
+from camgeo.part.part import OF_RETURN, Bevel, Boundary, Layer, Part, Wall
 from camgeo.part.spec import (
     BOTH,
     ENGRAVING,
+    KEY,
     LOWER,
     MAIN,
     RETURN,
     UPPER,
+    Chamfer,
+    Chamfers,
     Counterbore,
     DShaft,
     Engraving,
@@ -246,10 +251,13 @@ def assembled(
         holes: Holes | None = getattr(spec, table)
         if holes is None:
             continue
-        for hole, wide in zip(
-            hole_boundaries(holes, name), counterbore_boundaries(holes), strict=True
-        ):
-            mouth = wide or hole
+        for number, middle in enumerate(holes.middles, start=1):
+            hole, wide = hole_boundary(f"{name} {number}", holes.hole, middle), holes.counterbore
+            mouth = (
+                hole
+                if wide is None
+                else hole_boundary(f"{COUNTERBORE} {number}", wide.diameter, middle)
+            )
             hub = _require_clear(mouth, f"part.{table}", features, tolerance)
             foot, top = (low, high) if hub else (bottom, 0.0)
             if hub and spec.set_screw is not None:
@@ -261,7 +269,7 @@ def assembled(
             features.append(Feature(mouth, seat, top, COUNTERBORE))
             under.append(Feature(hole, foot, seat))
     if spec.mark is not None:
-        mark = mark_boundary(spec.mark)
+        mark = ExactBoundary("mark", hole=True, exact=mark_outline(spec.mark))
         upper = [each for each in features if each.layer != LOWER_HUB]
         if hub := _require_clear(mark, "part.mark", upper, tolerance):
             raise GeometryError(f"the mark lies under the {hub}", key="part.mark")
@@ -420,13 +428,15 @@ def require_room(
         for number, letters in enumerate(texts, start=1):
             key = f"part.{ENGRAVING}[{number}]"
             whole = Pieces.around(contour for each in letters for contour in each.contours)
-            if least_distance(whole, pieces) <= fit.deviation + _deviation(letters):
+            if least_distance(whole, pieces) <= fit.deviation + max(
+                each.deviation for each in letters
+            ):
                 letter = min(letters, key=lambda each: _apart(each, pieces))
                 message = f"must lie clear of the {boundary.name}, which the {letter.where} touches"
                 raise GeometryError(message, key=key)
             for each in letters:
                 inside = winding_number(fit.contour, _start(each.contours[0])) != 0
-                if _surrounds(each, fit.contour):
+                if any(winding_number(outline, _start(fit.contour)) for outline in each.contours):
                     message = f"the {each.where} lies around the {boundary.name}"
                     raise GeometryError(message, key=key)
                 if boundary in own:
@@ -445,14 +455,6 @@ def _start(contour: Contour) -> complex:
     return complex(contour.vertices[0])
 
 
-def _surrounds(letter: Letter, contour: Contour) -> bool:
-    return any(winding_number(each, _start(contour)) for each in letter.contours)
-
-
-def _deviation(letters: Iterable[Letter]) -> float:
-    return max(each.deviation for each in letters)
-
-
 def _apart(letter: Letter, pieces: Pieces) -> float:
     return least_distance(Pieces.around(letter.contours), pieces)
 
@@ -468,7 +470,7 @@ def _apart(letter: Letter, pieces: Pieces) -> float:
 SPACER: Final = "spacer"
 """Name of the boundary, and of its layer."""
 
-KEY: Final = "part.pair.spacer"
+SPACER_KEY: Final = "part.pair.spacer"
 
 
 def build_pair(
@@ -534,7 +536,7 @@ def _require_spacer_within(pair: Pair, path: Path, name: str, tolerance: float) 
         raise GeometryError(
             f"the spacer reaches {0.5 * pair.spacer:.6g} mm from the cam axis, but the flank of the"
             f" {name} disc comes as near as {nearest.value:.6g} mm {at_cam_angles(nearest.place)}",
-            key=KEY,
+            key=SPACER_KEY,
             value=f"{pair.spacer:g}",
         )
 
@@ -546,12 +548,15 @@ def _returning(main: Part, other: Part) -> Iterator[Layer]:
 
     def own(boundary: Boundary) -> Boundary:
         name = boundary.name
+        flank: Any = boundary  # it shares only its name with one of the main disc
         if name not in known:
             there = taken.get(name)
             if there is None:
                 known[name] = boundary
             else:
-                known[name] = there if _alike(boundary, there) else _renamed(boundary)
+                known[name] = (
+                    there if _alike(boundary, there) else replace(flank, name=f"{OF_RETURN}{name}")
+                )
         return known[name]
 
     outline = other.outermost
@@ -566,13 +571,6 @@ def _alike(one: Boundary, other: Boundary) -> bool:
     return one.hole == other.hole and numbers_of(one.exact) == numbers_of(other.exact)
 
 
-def _renamed(boundary: Any) -> Boundary:
-    """A boundary that shares only its name with one of the main disc, like its flank."""
-    name = boundary.name
-    found: Boundary = replace(boundary, name=f"{OF_RETURN}{name}")
-    return found
-
-
 def _through(
     circle: ExactBoundary, upper: Layer, lower: Layer, tolerance: float
 ) -> tuple[Boundary, ...]:
@@ -584,7 +582,7 @@ def _through(
     for one, other in (sides, sides[::-1]):
         for each in one:
             if each not in other:
-                raise GeometryError(f"the {each.name} ends under the spacer", key=KEY)
+                raise GeometryError(f"the {each.name} ends under the spacer", key=SPACER_KEY)
     return tuple(sides[0])
 
 
@@ -595,10 +593,10 @@ def _inside(circle: ExactBoundary, layer: Layer, tolerance: float) -> Iterator[B
         fit = each.beside(tolerance)
         if surely_apart(ring, fit) <= 0.0:
             raise GeometryError(
-                f"the spacer must lie clear of the {each.name}, which it touches", key=KEY
+                f"the spacer must lie clear of the {each.name}, which it touches", key=SPACER_KEY
             )
         if winding_number(fit.contour, complex(circle.exact.vertices[0])):
-            raise GeometryError(f"the {each.name} lies around the spacer", key=KEY)
+            raise GeometryError(f"the {each.name} lies around the spacer", key=SPACER_KEY)
         if winding_number(circle.exact, complex(fit.contour.vertices[0])):
             yield each
 
@@ -662,28 +660,9 @@ def flattened(diameter: float, flat: DShaft) -> Contour:
     return Contour(corners, np.array([0.0, TURN - opening]), np.zeros(2, dtype=np.complex128))
 
 
-def hole_boundaries(holes: Holes, name: str) -> tuple[ExactBoundary, ...]:
-    """Round holes as boundaries, `name` with a number each."""
-    return tuple(
-        ExactBoundary(f"{name} {number}", hole=True, exact=Contour.circle(0.5 * holes.hole, middle))
-        for number, middle in enumerate(holes.middles, start=1)
-    )
-
-
-def counterbore_boundaries(holes: Holes) -> tuple[ExactBoundary | None, ...]:
-    """The counterbores of the holes, in their order, with a number each; None without any."""
-    if holes.counterbore is None:
-        return (None,) * holes.count
-    radius = 0.5 * holes.counterbore.diameter
-    return tuple(
-        ExactBoundary(f"{COUNTERBORE} {number}", hole=True, exact=Contour.circle(radius, middle))
-        for number, middle in enumerate(holes.middles, start=1)
-    )
-
-
-def mark_boundary(mark: Mark) -> ExactBoundary:
-    """The outline of a timing mark."""
-    return ExactBoundary("mark", hole=True, exact=mark_outline(mark))
+def hole_boundary(name: str, diameter: float, middle: complex) -> ExactBoundary:
+    """A round hole as a boundary."""
+    return ExactBoundary(name, hole=True, exact=Contour.circle(0.5 * diameter, middle))
 
 
 def mark_outline(mark: Mark) -> Contour:
@@ -710,3 +689,205 @@ def mark_outline(mark: Mark) -> Contour:
     corners = np.array([near - 1j * half, far - 1j * half, far + 1j * half, near + 1j * half])
     centres = np.array([0.0, far, 0.0, near])
     return Contour(along * corners, np.array([0.0, math.pi, 0.0, math.pi]), along * centres)
+
+
+# -- bevels ---------------------------------------------------------------------------------------
+# The chamfers of a part: which edges have one, and whether there is room for it.
+
+
+TABLES: Final = {
+    "outline": "outline",
+    "inner flank": "outline",
+    "outer flank": "outline",
+    "rim": "rim",
+    "bore": "bore",
+    "hub": "hub",
+    "lower hub": "hub",
+    "bolt hole": "bolt_circle",
+    "counterbore": "bolt_circle",
+    "lightening hole": "lightening_holes",
+}
+"""The fields of `Chamfers`, by the names of boundaries without a number."""
+
+
+def bevelled(part: Part, chamfers: Chamfers, tolerance: float) -> Part:
+    """The part with chamfers.
+
+    Parameters
+    ----------
+    part : with its heights, and sharp edges.
+    tolerance : of contours [mm] that show that chamfers stay clear of all else.
+
+    Raises
+    ------
+    GeometryError
+        With the key of the scene, if there is no room for a chamfer, or no edge to have it.
+    """
+    part.require_heights()
+    found: list[Bevel] = []
+    for field in fields(chamfers):
+        chamfer: Chamfer | None = getattr(chamfers, field.name)
+        if chamfer is None:
+            continue
+        own = list(_bevels(part, field.name, chamfer, tolerance))
+        if not own:
+            where = "" if chamfer.edges == BOTH else f" on the {chamfer.edges} side"
+            message = f"there is no such edge{where}"
+            raise GeometryError(message, key=f"{KEY}.{field.name}")
+        found += own
+    for bevel in found:
+        _require_bevel_clear(bevel, found, part, tolerance)
+    return replace(part, bevels=tuple(found))
+
+
+def _table(boundary: Boundary) -> str:
+    """Which chamfer a boundary has."""
+    name = boundary.name.removeprefix(OF_RETURN)
+    kind, _, number = name.rpartition(" ")
+    return TABLES.get(kind if number.isdigit() else name, "")
+
+
+def _bevels(part: Part, name: str, chamfer: Chamfer, tolerance: float) -> Iterator[Bevel]:
+    """A chamfer along all edges that it is stated for."""
+    key, width = f"{KEY}.{name}.width", chamfer.width
+    for wall in part.walls:
+        if _table(wall.boundary) != name:
+            continue
+        ends = [
+            upper
+            for upper, side in ((False, LOWER), (True, UPPER))
+            if chamfer.edges in (side, BOTH) and _is_outer(part, wall, tolerance, upper=upper)
+        ]
+        if not ends:
+            continue
+        high = wall.z1 - wall.z0
+        if len(ends) * width >= high:
+            raise GeometryError(
+                f"must be less than {high / len(ends):.6g} mm, of a wall of {high:.6g} mm with"
+                f" {'two such edges' if len(ends) > 1 else 'one such edge'}",
+                key=key,
+                value=f"{width:g}",
+            )
+        edge = _edge(wall.boundary, width, key)
+        for upper in ends:
+            z = wall.z1 if upper else wall.z0
+            yield Bevel(wall.boundary, edge, width, width, z, upper=upper)
+
+
+def _is_outer(part: Part, wall: Wall, tolerance: float, *, upper: bool) -> bool:
+    """Whether a wall ends at a face on which nothing stands beyond it: neither at the foot of a
+    hub, nor at the floor of a groove or a counterbore.
+    """
+    if upper:
+        beyond = [layer for layer in part.layers if layer.z0 == wall.z1]
+    else:
+        beyond = [layer for layer in part.layers if layer.z1 == wall.z0]
+    place = complex(wall.boundary.beside(tolerance).contour.vertices[0])
+    return not any(
+        winding_number(each.beside(tolerance).contour, place)
+        for layer in beyond
+        for each in layer.boundaries
+    )
+
+
+def _edge(boundary: Boundary, width: float, key: str) -> Boundary:
+    """The inner edge of a chamfer, exact; GeometryError with the `key` if there is none."""
+    name = f"chamfer of the {boundary.name}"
+    if isinstance(boundary, CurveBoundary):
+        _require_parallel(boundary, width, key)
+    elif (
+        isinstance(boundary, ExactBoundary)
+        and not boundary.hole
+        and width >= (radius := boundary.round_radius)
+    ):
+        message = f"must be less than the radius of the {boundary.name}, {radius:.6g} mm"
+        raise GeometryError(message, key=key, value=f"{width:g}")
+    return boundary.inset(width, name)
+
+
+def _require_parallel(boundary: CurveBoundary, width: float, key: str) -> None:
+    """GeometryError unless the parallel at `width` [mm] within the material is whole.
+
+    It is the flank that a roller larger by as much would make: where nothing of that is trimmed,
+    the parallel neither has a cusp nor comes to itself, and nor do those between.
+    """
+    value = f"{width:g}"
+    if any(each.distance == 0.0 for each in boundary.path.pivots):
+        message = f"the {boundary.name} has a corner, along which there is no chamfer"
+        raise GeometryError(message, key=key, value=value)
+    curve = boundary.path.stretches[0].curve
+    sign = 1.0 if boundary.hole else -1.0
+    limit, angle = _smallest_radius(curve, sign)
+    if width >= limit:
+        raise GeometryError(
+            f"must be less than {limit:.6g} mm, the smallest radius of the {boundary.name} where it"
+            f" goes round material, {at_cam_angles(angle)}",
+            key=key,
+            value=value,
+        )
+    if not curve.pitch.follower.has_pitch_curve:
+        return  # the contact curve of a flat face is convex, and so are its parallels
+    try:
+        trimmed = real_outline(WorkingCurve(curve.pitch, curve.distance + sign * width)).is_trimmed
+    except (GeometryError, UndercutError):
+        trimmed = True
+    if trimmed:
+        message = f"is too large: the chamfer of the {boundary.name} would come to itself"
+        raise GeometryError(message, key=key, value=value)
+
+
+def _smallest_radius(curve: WorkingCurve, sign: float) -> tuple[float, float]:
+    """Of a flank where it goes round material [mm], and at which cam angle [rad]; infinite if it
+    does so nowhere. `sign` is that of the parallel within the material.
+
+    A parallel of the pitch curve at d is regular while 1 + d kappa > 0.
+    """
+    bends = curvature_extremes(curve.pitch)
+    bend, angle = bends.smallest() if sign > 0.0 else bends.largest()
+    against = -sign * bend
+    if against <= 0.0:
+        return math.inf, angle
+    return 1.0 / against - sign * curve.distance, angle
+
+
+def _reach(bevel: Bevel) -> float:
+    """How far [mm] from its boundary the edge of a chamfer is at most: farther at corners."""
+    wall, edge = bevel.boundary, bevel.edge
+    if isinstance(wall, ExactBoundary) and isinstance(edge, ExactBoundary) and wall.corner_radius:
+        return float(np.max(np.abs(edge.exact.vertices - wall.exact.counter_clockwise().vertices)))
+    return bevel.width
+
+
+def _heights(bevel: Bevel) -> tuple[float, float]:
+    """Between which a chamfer is [mm]."""
+    return min(bevel.z, bevel.foot), max(bevel.z, bevel.foot)
+
+
+def _require_bevel_clear(
+    bevel: Bevel, bevels: Sequence[Bevel], part: Part, tolerance: float
+) -> None:
+    """GeometryError if a chamfer comes to another boundary, or to its chamfer, at its heights."""
+    low, high = _heights(bevel)
+    near = {
+        each.name: each
+        for layer in part.layers
+        if layer.z0 <= high and low <= layer.z1
+        for each in layer.boundaries
+        if each != bevel.boundary
+    }
+    own = bevel.boundary.beside(tolerance)
+    for other in near.values():
+        widths = (
+            _reach(each)
+            for each in bevels
+            if each.boundary == other and _heights(each)[0] <= high and low <= _heights(each)[1]
+        )
+        apart = surely_apart(own, other.beside(tolerance))
+        if apart <= _reach(bevel) + max(widths, default=0.0):
+            name = _table(bevel.boundary)
+            raise GeometryError(
+                f"the chamfer of the {bevel.boundary.name} comes to the {other.name},"
+                f" {apart:.4g} mm away",
+                key=f"{KEY}.{name}.width",
+                value=f"{bevel.width:g}",
+            )

@@ -5,7 +5,8 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, TypeVar
+from functools import partial
+from typing import Annotated, Any, TypeVar
 
 import numpy as np
 
@@ -28,7 +29,7 @@ from camgeo.geometry.outline.path import (
     radii,
 )
 from camgeo.lazy import Ledger
-from camgeo.numeric.checked import instance, positive
+from camgeo.numeric.checked import CheckedFields, instance, positive
 from camgeo.record import Pickled
 
 BESIDE = "beside"
@@ -36,9 +37,12 @@ BESIDE = "beside"
 
 Found = TypeVar("Found", Fit, SplineFit)
 
+Name = Annotated[str, partial(instance, kind=str, what="the name of a boundary"), "part"]
+Hole = Annotated[bool, partial(instance, kind=bool, what="true or false"), "part"]
+
 
 @dataclass(frozen=True, slots=True)
-class CurveBoundary(Pickled):
+class CurveBoundary(Pickled, CheckedFields):
     """The outline of a flank as a boundary, see `camgeo.part.part.Boundary`.
 
     Attributes
@@ -49,17 +53,13 @@ class CurveBoundary(Pickled):
         contour: several files need the same one, and a solid has each outline twice.
     """
 
-    name: str
-    hole: bool
-    path: Path
-    ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
+    name: Name
+    hole: Hole
+    path: Annotated[Path, partial(instance, kind=Path, what="an outline"), "part"]
+    ledger: Annotated[Ledger, partial(instance, kind=Ledger, what="a ledger"), "part"] = field(
+        default_factory=Ledger, repr=False, compare=False
+    )
     known: dict[Any, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
-
-    def __post_init__(self) -> None:
-        instance("part", self.name, str, "the name of a boundary")
-        instance("part", self.hole, bool, "true or false")
-        instance("part", self.path, Path, "an outline")
-        instance("part", self.ledger, Ledger, "a ledger")
 
     def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Lines and arcs; raises ToleranceError, or UndercutError if the path is not an outline."""
@@ -209,7 +209,7 @@ def numbers_of(contour: Contour | SplineContour) -> bytes:
 
 
 @dataclass(frozen=True, slots=True)
-class ExactBoundary(Pickled):
+class ExactBoundary(Pickled, CheckedFields):
     """An outline of lines and arcs as a boundary, see `camgeo.part.part.Boundary`.
 
     Attributes
@@ -220,18 +220,15 @@ class ExactBoundary(Pickled):
     known : the deviations already found, by contour.
     """
 
-    name: str
-    hole: bool
-    exact: Contour
-    core: Contour | None = None
+    name: Name
+    hole: Hole
+    exact: Annotated[
+        Contour, partial(instance, kind=Contour, what="an outline of lines and arcs"), "part"
+    ]
+    core: (
+        Annotated[Contour, partial(instance, kind=Contour, what="a circle, or None"), "part"] | None
+    ) = None
     known: dict[Any, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
-
-    def __post_init__(self) -> None:
-        instance("part", self.name, str, "the name of a boundary")
-        instance("part", self.hole, bool, "true or false")
-        instance("part", self.exact, Contour, "an outline of lines and arcs")
-        if self.core is not None:
-            instance("part", self.core, Contour, "a circle, or None")
 
     @property
     def is_round(self) -> bool:

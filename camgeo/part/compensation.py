@@ -28,9 +28,9 @@ from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour, Spli
 from camgeo.geometry.outline.outline import real_outline
 from camgeo.geometry.outline.path import Moments, Path, SecondMoments
 from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.numeric.checked import check_fields, positive
+from camgeo.numeric.checked import CheckedFields, positive
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
-from camgeo.part.part import Boundary, Layer, Part, require_boundary
+from camgeo.part.part import Boundary, BoundaryField, Layer, Part
 from camgeo.part.printing import Foot, PrintSpec
 from camgeo.part.spec import PartSpec
 from camgeo.record import Pickled
@@ -238,7 +238,7 @@ Factor = Annotated[float, positive]
 
 
 @dataclass(frozen=True, slots=True)
-class ScaledBoundary(Pickled):
+class ScaledBoundary(Pickled, CheckedFields):
     """A boundary scaled about the cam axis, see `camgeo.part.part.Boundary`.
 
     Every question is put to the boundary itself, at its own scale: a deviation is proved there and
@@ -250,12 +250,8 @@ class ScaledBoundary(Pickled):
     factor : by which it is larger.
     """
 
-    unscaled: Boundary
+    unscaled: BoundaryField
     factor: Factor
-
-    def __post_init__(self) -> None:
-        require_boundary(self.unscaled)
-        check_fields(self)
 
     @property
     def name(self) -> str:

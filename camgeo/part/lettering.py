@@ -36,10 +36,11 @@ from camgeo.geometry.outline.path import (
 )
 from camgeo.geometry.outline.path import ROUNDING as SUMMED
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, frozen, grouped
-from camgeo.numeric.checked import array, instance, positive
+from camgeo.numeric.checked import array, check_fields
 from camgeo.numeric.quadrature import gauss
-from camgeo.part.boundaries import once
+from camgeo.part.boundaries import Hole, Name, once
 from camgeo.part.glyphs import glyph, kerning
+from camgeo.part.part import Size
 from camgeo.part.spec import CIRCLE, ENGRAVING, LETTER, OUTWARD, Engraving
 from camgeo.record import Pickled
 from camgeo.units import TURN
@@ -245,16 +246,14 @@ class LetterBoundary(Pickled):
     known : the fits already made, by form and tolerance, and the deviations already found.
     """
 
-    name: str
-    hole: bool
+    name: Name
+    hole: Hole
     pieces: ComplexArray
-    coarsest: float
+    coarsest: Size
     known: dict[Any, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        instance("part", self.name, str, "the name of a boundary")
-        instance("part", self.hole, bool, "true or false")
-        positive("part", self.coarsest, "mm")
+        check_fields(self)
         pieces = np.asarray(self.pieces, dtype=np.complex128)
         array("part", np.abs(pieces), 2)
         closed = pieces.shape[1:] == (3,) and np.array_equal(

@@ -23,7 +23,7 @@ from camgeo.geometry.contour.contour import (
 )
 from camgeo.geometry.outline.exact_flank import ExactFlank
 from camgeo.geometry.outline.path import Flank, Moments, total
-from camgeo.numeric.arrays import FloatArray, frozen
+from camgeo.numeric.arrays import FloatArray, freeze_fields
 from camgeo.numeric.quadrature import gauss, nodes_beside
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Band, Boundary, Layer, Part
@@ -60,8 +60,7 @@ class Solid:
     centre_error: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "centre", frozen(self.centre, np.float64))
-        object.__setattr__(self, "inertia", frozen(self.inertia, np.float64))
+        freeze_fields(self, centre=float, inertia=float)
 
 
 def solid(part: Part, tolerance: float = TOLERANCE) -> Solid:
@@ -221,21 +220,15 @@ class Web:
     place: complex
 
 
-def thinnest(part: Part, limit: float | None = None) -> Web | None:
+def thinnest_of_each(part: Part, limit: float | None = None) -> tuple[Web | None, Web | None]:
     """The web of the smallest thickness, as exact as its comparison with a `limit` [mm] takes, or
-    without one with its usual thickness. None if the part has no holes.
+    without one with its usual thickness, None if the part has no holes; and without a limit the web
+    that is thinnest as a share of its usual thickness, None if no web has one.
 
     Raises
     ------
     UndercutError, ToleranceError
         If a boundary has no contour.
-    """
-    return thinnest_of_each(part, limit)[0]
-
-
-def thinnest_of_each(part: Part, limit: float | None = None) -> tuple[Web | None, Web | None]:
-    """That of `thinnest`, and without a limit the web that is thinnest as a share of its usual
-    thickness, None if no web has one; raises like `thinnest`.
     """
     sizes = (_thickness, _share) if limit is None else (_thickness,)
     found: dict[Size, tuple[float, float, Web]] = {}
@@ -255,7 +248,7 @@ def thinnest_of_each(part: Part, limit: float | None = None) -> tuple[Web | None
 
 def surely_thick(part: Part, limit: float | None = None) -> bool:
     """Whether circles about the boundaries suffice to show that no web is thinner than the `limit`
-    [mm], or where that is None than its usual thickness; raises like `thinnest`.
+    [mm], or where that is None than its usual thickness; raises like `thinnest_of_each`.
     """
     return all(
         _least(one, hole) >= (_usual(one, hole) if limit is None else limit)

@@ -35,12 +35,7 @@ MOST_DENSITY: Final = 1e6 / KG_M3
 _STEEL: Final = "E, nu: EN 1993-1-1, 3.2.6; density: EN 1993-1-2, 3.2.2; "
 
 
-def density(key: str, value: Any) -> float:
-    """`value` as a density [t/mm^3]; raises GeometryError with `key`."""
-    return number(key, value, least=LEAST_DENSITY, most=MOST_DENSITY, unit="t/mm^3")
-
-
-Density = Annotated[float, density]
+Density = Annotated[float, partial(number, least=LEAST_DENSITY, most=MOST_DENSITY, unit="t/mm^3")]
 
 
 @dataclass(frozen=True, slots=True)

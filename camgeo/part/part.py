@@ -5,15 +5,25 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import groupby, pairwise
 from operator import itemgetter
-from typing import Any, Final, Literal, Protocol, overload
+from typing import Annotated, Any, Final, Literal, Protocol, overload
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, Effort, Fit, Form, winding_number
 from camgeo.geometry.contour.spline import SplineContour, SplineFit
 from camgeo.geometry.outline.path import Moments, SecondMoments
-from camgeo.numeric.checked import finite, hold, instance, number, positive, shown
+from camgeo.numeric.checked import (
+    CheckedFields,
+    check_fields,
+    finite,
+    hold,
+    instance,
+    number,
+    positive,
+    shown,
+)
 from camgeo.record import Brief
 
 OF_RETURN: Final = "return "
@@ -42,19 +52,16 @@ class Layer:
         boundary or two of the same name.
     """
 
-    z0: float
-    z1: float
-    boundaries: tuple[Boundary, ...]
-    name: str = "disc"
+    z0: Height
+    z1: Height
+    boundaries: Annotated[tuple[Boundary, ...], boundary_tuple, "part"]
+    name: Annotated[str, partial(instance, kind=str, what="the name of a layer"), "part"] = "disc"
 
     def __post_init__(self) -> None:
-        hold(self, z0=finite("part", self.z0, "mm"), z1=finite("part", self.z1, "mm"))
-        instance("part", self.name, str, "the name of a layer")
+        check_fields(self)
         if self.z0 > self.z1:
             heights = f"from {self.z0} to {self.z1} mm"
             raise GeometryError(f"the {self.name} must reach upwards", key="part", value=heights)
-        for each in instance("part", self.boundaries, tuple, "a tuple of boundaries"):
-            require_boundary(each)
         names = [each.name for each in self.boundaries]
         if not names or len(set(names)) < len(names):
             message = f"the {self.name} needs boundaries, each with its own name"
@@ -65,13 +72,12 @@ class Layer:
 class Wall:
     """The upright face along one boundary, from the height `z0` to `z1` [mm]."""
 
-    boundary: Boundary
-    z0: float
+    boundary: BoundaryField
+    z0: Height
     z1: float
 
     def __post_init__(self) -> None:
-        require_boundary(self.boundary)
-        hold(self, z0=finite("part", self.z0, "mm"))
+        check_fields(self)
         hold(self, z1=number("part", self.z1, least=self.z0, unit="mm"))
 
 
@@ -140,10 +146,12 @@ class Part(Brief):
 
     def _require_ends(self) -> None:
         """GeometryError unless each chamfer is at an end of a wall, and leaves some of it."""
-        ends = ((wall, upper) for wall in self.walls for upper in (False, True))
-        if sum(self._bevel(wall, upper=upper) is not None for wall, upper in ends) < len(
-            self.bevels
-        ):
+        ends = (
+            self._bevel(wall.boundary, z, upper=upper)
+            for wall in self.walls
+            for z, upper in ((wall.z0, False), (wall.z1, True))
+        )
+        if sum(each is not None for each in ends) < len(self.bevels):
             raise GeometryError("each chamfer must be at an end of a wall", key="part")
         if any(band.z0 >= band.z1 for band in self.bands):
             raise GeometryError("chamfers must leave some of a wall", key="part")
@@ -221,11 +229,10 @@ class Part(Brief):
                     found.append(Wall(boundary, run[0].z0, run[-1].z1))
         return tuple(found)
 
-    def _bevel(self, wall: Wall, *, upper: bool) -> Bevel | None:
-        """The chamfer at an end of a wall."""
-        z = wall.z1 if upper else wall.z0
+    def _bevel(self, boundary: Boundary, z: float, *, upper: bool) -> Bevel | None:
+        """The chamfer along a boundary at a height where its wall ends, `upper`, or begins."""
         for each in self.bevels:
-            if (each.z, each.upper) == (z, upper) and each.boundary == wall.boundary:
+            if (each.z, each.upper) == (z, upper) and each.boundary == boundary:
                 return each
         return None
 
@@ -235,7 +242,7 @@ class Part(Brief):
         found: list[Band] = []
         for wall in self.walls:
             own, z0, z1 = wall.boundary, wall.z0, wall.z1
-            lower, upper = self._bevel(wall, upper=False), self._bevel(wall, upper=True)
+            lower, upper = self._bevel(own, z0, upper=False), self._bevel(own, z1, upper=True)
             if lower is not None:
                 z0 = lower.foot
                 found.append(Band(own, lower.edge, own, wall.z0, z0, lower.width))
@@ -260,12 +267,8 @@ class Part(Brief):
     ) -> Iterator[Boundary]:
         """What bounds the flat faces at a height where walls end, `upper`, or begin."""
         for each in boundaries:
-            own = (
-                bevel.edge
-                for bevel in self.bevels
-                if (bevel.z, bevel.upper) == (z, upper) and bevel.boundary == each
-            )
-            yield next(own, each)
+            bevel = self._bevel(each, z, upper=upper)
+            yield each if bevel is None else bevel.edge
 
     def require_heights(self) -> None:
         """Raise GeometryError with the key of a height that the scene does not give.
@@ -401,7 +404,7 @@ class Boundary(Protocol):
     def inset(self, distance: float, name: str) -> Boundary:
         """The exact parallel at `distance` [mm] within the material, with a name of its own.
 
-        Nothing is trimmed: `camgeo.part.bevels` makes sure that there is such a parallel. Corners
+        Nothing is trimmed: `camgeo.part.assembly` makes sure that there is such a parallel. Corners
         of lines and arcs stay corners; of a flank there are none, or GeometryError is raised.
         """
 
@@ -464,12 +467,32 @@ def require_boundary(value: Any) -> None:
         raise GeometryError("must be a boundary of a part", "part", shown(value))
 
 
+def valid_boundary(_: str, value: Any) -> Boundary:
+    """`value`; raises as `require_boundary`."""
+    require_boundary(value)
+    found: Boundary = value
+    return found
+
+
+def boundary_tuple(key: str, value: Any) -> tuple[Boundary, ...]:
+    """`value`; GeometryError with `key` unless it is a tuple, and as `require_boundary`."""
+    for each in instance(key, value, tuple, "a tuple of boundaries"):
+        require_boundary(each)
+    found: tuple[Boundary, ...] = value
+    return found
+
+
+BoundaryField = Annotated[Boundary, valid_boundary, "part"]
+Height = Annotated[float, partial(finite, unit="mm"), "part"]
+Size = Annotated[float, partial(positive, unit="mm"), "part"]
+
+
 # -- bands ----------------------------------------------------------------------------------------
 # The faces around a part: upright ones, and chamfers at their ends.
 
 
 @dataclass(frozen=True, slots=True)
-class Bevel:
+class Bevel(CheckedFields):
     """A chamfer along one end of a wall.
 
     Attributes
@@ -482,19 +505,12 @@ class Bevel:
     upper : whether the face is the upper end of the wall.
     """
 
-    boundary: Boundary
-    edge: Boundary
-    width: float
-    height: float
-    z: float
-    upper: bool
-
-    def __post_init__(self) -> None:
-        for each in (self.boundary, self.edge):
-            require_boundary(each)
-        hold(self, width=positive("part", self.width, "mm"), z=finite("part", self.z, "mm"))
-        hold(self, height=positive("part", self.height, "mm"))
-        instance("part", self.upper, bool, "true or false")
+    boundary: BoundaryField
+    edge: BoundaryField
+    width: Size
+    height: Size
+    z: Height
+    upper: Annotated[bool, partial(instance, kind=bool, what="true or false"), "part"]
 
     @property
     def foot(self) -> float:

@@ -8,7 +8,7 @@ from functools import partial
 from typing import Annotated, Any, Final
 
 from camgeo.kinematics.mechanism.values import Length
-from camgeo.numeric.checked import check_fields, number, whole
+from camgeo.numeric.checked import CheckedFields, instance_from_table, number, whole
 
 LEAST_SHRINKAGE, MOST_SHRINKAGE = -10.0, 20.0
 """Of a length, in percent; printed parts of some materials grow."""
@@ -21,7 +21,7 @@ Steps = Annotated[int, partial(whole, least=1, most=MOST_STEPS)]
 
 
 @dataclass(frozen=True, slots=True)
-class Foot:
+class Foot(CheckedFields, path="print.elephant_foot."):
     """How the lowest layers are drawn in: the weight of the part and the hot bed squeeze them wide.
 
     Attributes
@@ -40,9 +40,6 @@ class Foot:
     height: Length
     steps: Steps = 1
 
-    def __post_init__(self) -> None:
-        check_fields(self, "print.elephant_foot.")
-
     @property
     def insets(self) -> tuple[float, ...]:
         """By which each step is drawn in [mm], from the lowest one upwards."""
@@ -50,7 +47,7 @@ class Foot:
 
 
 @dataclass(frozen=True, slots=True)
-class Shrinkage:
+class Shrinkage(CheckedFields, path="print.shrinkage."):
     """How much smaller a printed part comes out than its file says.
 
     Attributes
@@ -66,9 +63,6 @@ class Shrinkage:
     xy: Percent = 0.0
     z: Percent = 0.0
 
-    def __post_init__(self) -> None:
-        check_fields(self, "print.shrinkage.")
-
     @property
     def scale_xy(self) -> float:
         """By which the part in the file is larger in the plane of the disc."""
@@ -81,7 +75,7 @@ class Shrinkage:
 
 
 @dataclass(frozen=True, slots=True)
-class PrintSpec:
+class PrintSpec(CheckedFields, path="print."):
     """`[print]`: how bodies are compensated, and with what they are printed.
 
     Attributes
@@ -104,9 +98,6 @@ class PrintSpec:
     elephant_foot: Foot | None = None
     shrinkage: Shrinkage | None = None
     nozzle: Length | None = None
-
-    def __post_init__(self) -> None:
-        check_fields(self, "print.")
 
     @property
     def scale_xy(self) -> float:
@@ -160,12 +151,4 @@ class PrintSpec:
 
 def print_of(table: Mapping[str, Any]) -> PrintSpec:
     """The specification of a converted table `[print]`, lengths in mm; raises GeometryError."""
-    given = dict(table)
-    if "elephant_foot" in given:
-        foot = dict(given["elephant_foot"])
-        if "steps" in foot:
-            foot["steps"] = int(foot["steps"])
-        given["elephant_foot"] = Foot(**foot)
-    if "shrinkage" in given:
-        given["shrinkage"] = Shrinkage(**given["shrinkage"])
-    return PrintSpec(**given)
+    return instance_from_table(PrintSpec, table)

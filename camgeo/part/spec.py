@@ -5,14 +5,24 @@ from __future__ import annotations
 import cmath
 import unicodedata
 from bisect import bisect_left
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Annotated, Any, Final, NamedTuple, Self
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.values import Angle, Length
-from camgeo.numeric.checked import check_fields, instance, instances, number, one_of, shown, whole
+from camgeo.numeric.checked import (
+    CheckedFields,
+    check_fields,
+    instance,
+    instance_from_table,
+    instances,
+    number,
+    one_of,
+    shown,
+    whole,
+)
 from camgeo.part.glyphs import require_glyphs
 from camgeo.part.materials import Density, density_of
 from camgeo.units import TURN
@@ -29,7 +39,7 @@ DISCS: Final = (MAIN, RETURN)
 
 
 @dataclass(frozen=True, slots=True)
-class Pair:
+class Pair(CheckedFields, path="part.pair."):
     """How the discs of a conjugate pair stand on one hub.
 
     Attributes
@@ -49,9 +59,6 @@ class Pair:
     spacer: Length
     upper: Annotated[str, partial(one_of, choices=DISCS)] = MAIN
     roller_width: Length | None = None
-
-    def __post_init__(self) -> None:
-        check_fields(self, "part.pair.")
 
 
 # -- engraving ------------------------------------------------------------------------------------
@@ -199,7 +206,7 @@ MOST_HOLES: Final = 100
 
 
 @dataclass(frozen=True, slots=True)
-class Keyway:
+class Keyway(CheckedFields, path="part.keyway."):
     """Keyway of the bore, a slot with parallel sides.
 
     Attributes
@@ -219,9 +226,6 @@ class Keyway:
     depth: Length
     angle: Angle = 0.0
 
-    def __post_init__(self) -> None:
-        check_fields(self, "part.keyway.")
-
     @classmethod
     def by_standard(cls, bore: float, angle: float = 0.0) -> Self:
         """By DIN 6885-1, deep form, for a bore of that diameter [mm]; raises GeometryError with key
@@ -232,7 +236,7 @@ class Keyway:
 
 
 @dataclass(frozen=True, slots=True)
-class DShaft:
+class DShaft(CheckedFields, path="part.d_shaft."):
     """DShaft side of the bore for a D-shaft, parallel to the cam axis.
 
     Attributes
@@ -251,12 +255,9 @@ class DShaft:
     across: Length
     angle: Angle = 0.0
 
-    def __post_init__(self) -> None:
-        check_fields(self, "part.d_shaft.")
-
 
 @dataclass(frozen=True, slots=True)
-class Hub:
+class Hub(CheckedFields, path="part.hub."):
     """A round hub about the cam axis, on one face of the disc or on both.
 
     Attributes
@@ -275,12 +276,9 @@ class Hub:
     height: Length
     side: Annotated[str, partial(one_of, choices=SIDES)] = UPPER
 
-    def __post_init__(self) -> None:
-        check_fields(self, "part.hub.")
-
 
 @dataclass(frozen=True, slots=True)
-class SetScrew:
+class SetScrew(CheckedFields, path="part.set_screw."):
     """Radial hole through the hub into the bore; prismatic layers do not have it.
 
     Attributes
@@ -298,9 +296,6 @@ class SetScrew:
     diameter: Length
     height: Length
     angle: Angle = 0.0
-
-    def __post_init__(self) -> None:
-        check_fields(self, "part.set_screw.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -338,7 +333,7 @@ Count = Annotated[int, partial(whole, least=1, most=MOST_HOLES)]
 
 
 @dataclass(frozen=True, slots=True)
-class Counterbore:
+class Counterbore(CheckedFields, path="part.bolt_circle.counterbore."):
     """The wider upper end of a bolt hole, for the head of a screw.
 
     Attributes
@@ -354,9 +349,6 @@ class Counterbore:
 
     diameter: Length
     depth: Length
-
-    def __post_init__(self) -> None:
-        check_fields(self, "part.bolt_circle.counterbore.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -515,40 +507,17 @@ def part_of(table: Mapping[str, Any], name: str) -> PartSpec:
 
     `name` is engraved where a text is not given.
     """
-    given = dict(table)
+    given = {key: table[key] for key in table if key != "material"}
     given[ENGRAVING] = engravings_of(given.get(ENGRAVING, ()), name)
     given["density"] = density_of(table)
-    given.pop("material", None)
-    features: Mapping[str, Callable[..., Any]] = {
-        "keyway": Keyway,
-        "d_shaft": DShaft,
-        "hub": Hub,
-        "mark": Mark,
-        "set_screw": SetScrew,
-        "bolt_circle": Holes,
-        "lightening_holes": Holes,
-        "pair": Pair,
-    }
-    for name, made in features.items():
-        if name not in given:
-            continue
-        own = {**given[name]}
-        if "counterbore" in own:
-            own["counterbore"] = Counterbore(**own["counterbore"])
-        if "count" in own:
-            own["count"] = int(own["count"])
-        if own.pop("standard", None):
-            given[name] = Keyway.by_standard(given["bore"], **own)
-        else:
-            given[name] = made(**own)
-    if "chamfers" in given:
-        stated = {name: Chamfer(**each) for name, each in given["chamfers"].items()}
-        given["chamfers"] = Chamfers(**stated)
-    return PartSpec(**given)
+    keyway = dict(given.get("keyway", {}))
+    if keyway.pop("standard", None):
+        given["keyway"] = Keyway.by_standard(given["bore"], **keyway)
+    return instance_from_table(PartSpec, given)
 
 
 # -- chamfers -------------------------------------------------------------------------------------
-# What a scene states of chamfers; `camgeo.part.bevels` makes them.
+# What a scene states of chamfers; `camgeo.part.assembly` makes them.
 
 
 KEY: Final = "part.chamfers"
@@ -556,7 +525,7 @@ KEY: Final = "part.chamfers"
 
 
 @dataclass(frozen=True, slots=True)
-class Chamfer:
+class Chamfer(CheckedFields, path=f"{KEY}."):
     """A chamfer of 45 degrees.
 
     Attributes
@@ -572,9 +541,6 @@ class Chamfer:
 
     width: Length
     edges: Annotated[str, partial(one_of, choices=SIDES)] = BOTH
-
-    def __post_init__(self) -> None:
-        check_fields(self, f"{KEY}.")
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,35 +2,38 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from functools import cache
-from typing import TYPE_CHECKING, Any, Final, TypeVar
+from functools import cache, partial
+from typing import Any, Final, TypeVar
 
 from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.milling.milling import (
+    DRILL,
     EARLIER,
+    END_MILL,
     FAULTS,
+    OWN_TABLES,
     SECOND_SIDE,
+    TABS,
+    Clamp,
     GcodeSpec,
+    Holding,
     MillingSpec,
+    OperationSpec,
+    SecondSide,
     Stock,
-    holding_of,
-    operation_of,
-    second_side_of,
-    stock_of,
-    tool_of,
+    Tabs,
+    Tool,
+    ToolError,
 )
-from camgeo.milling.tool import END_MILL, Tool, ToolError
+from camgeo.numeric.checked import instance_from_table
 from camgeo.scene.formats.gcode import misfits, tables_are_whole
 from camgeo.scene.keys import KeyPath, path_of
 from camgeo.scene.schema import MILLING, Composed, milling_tables, schema
 from camgeo.scene.schema_faults import judged
 from camgeo.scene.values import Broken, Inside, ValidValues, document
-
-if TYPE_CHECKING:
-    from camgeo.milling.holding import Holding
-    from camgeo.milling.milling import OperationSpec, SecondSide
 
 PROGRAM: Final = ("output", "gcode")
 """Key of the table with the options of the program."""
@@ -148,7 +151,7 @@ class MillingBuilder:
         known = {tool.number for tool in tools}
         library = self._library()
         tools += [tool for tool in library or () if tool.number not in known]
-        stock: Stock | None = self._one("stock", stock_of)
+        stock: Stock | None = self._one("stock", partial(instance_from_table, Stock))
         holding: Holding | None = self._one("holding", holding_of)
         operations, from_below = (self._operations(name, tools, library) for name in OPERATIONS)
         second: SecondSide | None = self._one(SECOND_SIDE, second_side_of)
@@ -266,6 +269,61 @@ def tools_of(data: bytes) -> list[Tool]:
     if faults:
         raise SceneError(faults)
     return tools
+
+
+# Building ---------------------------------------------------------------------------------------
+
+
+def tool_of(table: Mapping[str, Any]) -> Tool:
+    """The tool of a converted table `[[tool]]`; raises GeometryError with the key in `tool`."""
+    given = dict(table)
+    cutting, load = given.pop("cutting_speed", None), given.pop("chip_load", None)
+    if cutting is not None:
+        # As a controller shows it, and as the feed of each edge is reckoned from.
+        given["spindle_speed"] = max(1.0, float(round(cutting / (math.pi * given["diameter"]))))
+    if load is not None:
+        given["feed"] = load * given["flutes"] * float(given["spindle_speed"])
+    if given.get("kind") == DRILL:
+        given["plunge_feed"] = given["feed"]
+    return instance_from_table(Tool, given)
+
+
+def holding_of(table: Mapping[str, Any]) -> Holding:
+    """The holding of a converted table; raises GeometryError with the key in `holding`."""
+    given = dict(table)
+    clamps = [instance_from_table(Clamp, each) for each in given.pop("clamp", ())]
+    clamps += [_screw(each) for each in given.pop("screw", ())]
+    tabs = None
+    if given["kind"] == TABS:
+        tabs = instance_from_table(
+            Tabs, {key: given.pop(key) for key in ("count", "width", "height")}
+        )
+    return Holding(
+        kind=given["kind"],
+        through=given.get("through", 0.0),
+        tabs=tabs,
+        skin=given.get("thickness"),
+        clamps=tuple(clamps),
+    )
+
+
+def _screw(table: Mapping[str, Any]) -> Clamp:
+    given = dict(table)
+    width = given.pop("head_diameter")
+    return instance_from_table(Clamp, {**given, "length": width, "width": width, "round": True})
+
+
+def operation_of(table: Mapping[str, Any]) -> OperationSpec:
+    """The operation of a converted table; raises GeometryError with the key in `operation`."""
+    given = dict(table)
+    climb = given.pop("direction", "climb") == "climb"
+    return instance_from_table(OperationSpec, {**given, "climb": climb})
+
+
+def second_side_of(table: Mapping[str, Any]) -> SecondSide:
+    """The setup of a converted table `[second_side]`; raises GeometryError with the key in it."""
+    given = {key: value for key, value in table.items() if key not in OWN_TABLES}
+    return SecondSide(**given, holding=holding_of(table["holding"]))
 
 
 # Faults of planning -----------------------------------------------------------------------------

@@ -15,7 +15,7 @@ from camgeo.app.answers.setup import SetupSheet, html, setup_sheet
 from camgeo.app.cli.main import main
 from camgeo.design.design import Design
 from camgeo.milling.plan import Engaged
-from camgeo.milling.stages import Flaw
+from camgeo.milling.simulation import Flaw
 from camgeo.scene.scene import load_scene
 from tests.answers.documents import FIXTURES, document
 

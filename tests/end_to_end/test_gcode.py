@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 from camgeo.milling.cut import ContourCut
-from camgeo.milling.tool import Tool
+from camgeo.milling.milling import Tool
 from tests.end_to_end.built import CHORDS, Built
 from tests.end_to_end.exact import TURN, Flank
 from tests.end_to_end.features import DENSE

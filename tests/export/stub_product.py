@@ -29,20 +29,11 @@ from camgeo.kinematics.laws import make_law
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.milling import machine
 from camgeo.milling.cut import ContourCut
-from camgeo.milling.milling import GcodeSpec, MillingSpec, Stock
-from camgeo.milling.moves import (
-    ArcFeed,
-    Feed,
-    Heights,
-    Move,
-    Operation,
-    Rapid,
-    Toolpath,
-    centre_feed,
-)
+from camgeo.milling.milling import GcodeSpec, MillingSpec, Stock, Tool
+from camgeo.milling.moves import ArcFeed, Feed, Move, Operation, Rapid, Toolpath
 from camgeo.milling.plan import divided
 from camgeo.milling.planned import Sequence
-from camgeo.milling.tool import Tool
+from camgeo.milling.strategies.walk import centre_feed
 from camgeo.milling.zero import OF_THE_PART, Zero
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Layer, Part
@@ -330,7 +321,7 @@ class StubProduct(Product):
             assert isinstance(cut.centre, CircleBoundary)
             moves = _moves(cut, contour, cut.centre.centre, self.gcode.clearance_height)
             operations.append(Operation(cut, tuple(divided(moves, largest))))
-        return Toolpath(Heights.of(self.gcode.clearance_height), tuple(operations))
+        return Toolpath(self.gcode.heights, tuple(operations))
 
     def table(self) -> Table:
         phi = np.linspace(0.0, 2.0 * math.pi, 73)

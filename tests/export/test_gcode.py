@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from camgeo.errors import FileError, SceneError, ToleranceError
 from camgeo.milling import machine as machines
 from camgeo.milling.machine import Machine
-from camgeo.milling.milling import GcodeSpec
-from camgeo.milling.moves import ArcFeed, Feed, Heights, Operation, Rapid, Stop, Toolpath
+from camgeo.milling.milling import GcodeSpec, Heights
+from camgeo.milling.moves import ArcFeed, Feed, Operation, Rapid, Stop, Toolpath
 from camgeo.units import LengthUnit
 from camgeo_export.gcode.writer import (
     WRITER,
@@ -505,7 +505,7 @@ def test_a_stop_lifts_the_tool_and_comes_back_from_above() -> None:
         Stop("move the clamp (left)"), Rapid((1.0, 2.0, 5.0)), Feed((1.0, 2.0, -1.0), 100.0),
         Rapid((1.0, 2.0, 5.0)),
     )  # fmt: skip
-    path = Toolpath(Heights.of(5.0), (Operation(cut, moves),))
+    path = Toolpath(Heights(5.0, 5.0), (Operation(cut, moves),))
     found = {}
     for name in ("linuxcnc", "haas", "sinumerik"):
         lines = printed(path, machines.load(name), coolant="flood").lines
@@ -531,7 +531,7 @@ def test_an_operation_that_ends_low_is_left_with_the_length_of_its_tool(name: st
     machine = machines.load(name)
     first, second = StubProduct(gcode=spec(name), second_tool=OTHER).cuts[:2]
     moves = (Rapid((1.0, 2.0, 5.0)), Feed((1.0, 2.0, -1.0), 100.0), Rapid((1.0, 2.0, 1.0)))
-    path = Toolpath(Heights.of(5.0), (Operation(first, moves), Operation(second, moves)))
+    path = Toolpath(Heights(5.0, 5.0), (Operation(first, moves), Operation(second, moves)))
     lines = printed(path, machine).lines
     low = positions(lines, r"Z[-+]?1\.0+( R0 FMAX)?$")
     assert len(low) == 2
@@ -645,7 +645,7 @@ def test_a_helix_keeps_its_pitch(name: str) -> None:
     turns = (ArcFeed((-3.0, 0.0, -0.5), (0.0, 0.0), True, 200.0),
              ArcFeed((3.0, 0.0, -1.0), (0.0, 0.0), True, 200.0))  # fmt: skip
     moves = (Rapid((3.0, 0.0, 5.0)), Feed((3.0, 0.0, 0.0), 100.0), *turns, Rapid((3.0, 0.0, 5.0)))
-    made = printed(Toolpath(Heights.of(5.0), (Operation(cut, moves),)), machine)
+    made = printed(Toolpath(Heights(5.0, 5.0), (Operation(cut, moves),)), machine)
     assert (made.speller.arcs == 2) == machine.arcs.helical
     if machine.arcs.helical:
         assert any(re.match(r"G3 X-3.0+ Y0.0+ Z-0.50+ I-3.0+ J0.0+", line) for line in made.lines)
@@ -669,5 +669,5 @@ def test_centres_may_be_absolute() -> None:
     arc = ArcFeed((10.0, 12.0, -1.0), (10.0, 11.0), True, 200.0)
     down = Feed((10.0, 10.0, -1.0), 100.0)
     moves = (Rapid((10.0, 10.0, 5.0)), down, arc, Rapid((10.0, 12.0, 5.0)))
-    lines = printed(Toolpath(Heights.of(5.0), (Operation(cut, moves),)), absolute).lines
+    lines = printed(Toolpath(Heights(5.0, 5.0), (Operation(cut, moves),)), absolute).lines
     assert "G3 X10.0000 Y12.0000 I10.0000 J11.0000 F200" in lines

@@ -27,8 +27,7 @@ from camgeo.design.writing import Writer
 from camgeo.errors import FileError, GeometryError, ToleranceError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.numeric.arrays import FloatArray, IntArray
-from camgeo.part.assembly import bore_boundary
-from camgeo.part.bevels import bevelled
+from camgeo.part.assembly import bevelled, bore_boundary
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.mass import solid
 from camgeo.part.part import Bevel, Boundary, Layer, Part

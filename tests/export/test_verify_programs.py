@@ -10,7 +10,7 @@ from camgeo.design.verify import Check
 from camgeo.milling.machine import load
 from camgeo.milling.milling import GcodeSpec
 from camgeo.milling.moves import ArcFeed, Feed
-from camgeo.milling.stages import Run
+from camgeo.milling.simulation import Run
 from camgeo.units import LengthUnit
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import run

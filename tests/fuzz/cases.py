@@ -7,10 +7,9 @@ from random import Random
 from typing import Final
 
 from tests.fuzz.case import Case
-from tests.fuzz.extremes import extreme_case
+from tests.fuzz.extremes import extreme_case, number_case
 from tests.fuzz.files import file_case
 from tests.fuzz.lines import line_case
-from tests.fuzz.numbers import number_case
 from tests.fuzz.scenes import scene_case
 
 KINDS: Final[Mapping[str, tuple[Callable[[Random], Case], float]]] = {

@@ -3,15 +3,25 @@ strokes, long radii; where most faults were that other random scenes found after
 
 from __future__ import annotations
 
-from pathlib import Path
 from random import Random
 from typing import Any, Final
 
 from camgeo.kinematics.laws import FAMILIES
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS
-from tests.fuzz.case import PYTHON, SCENE, Case, Step, toml
+from tests.fuzz.case import (
+    PYTHON,
+    SCENE,
+    SCENE_STEPS,
+    Case,
+    Path,
+    Step,
+    changed,
+    paths,
+    toml,
+    value_at,
+)
 from tests.fuzz.drawn import WHOLE, table
-from tests.fuzz.scenes import FIXTURES, FOLLOWER_TABLES, accepted, segments
+from tests.fuzz.scenes import FIXTURES, FOLLOWER_TABLES, accepted, fixtures, segments, values_of
 
 USUAL_LAWS: Final = ("polynomial-345", "modified-sine", "auto")
 
@@ -29,7 +39,7 @@ def extreme_case(rng: Random) -> Case:
     """A scene without effects or milling, and the commands that compute its curves."""
     values = _values(rng)
     for _ in range(10):
-        if accepted(values, Path(FIXTURES)):
+        if accepted(values, FIXTURES):
             break
         values = _values(rng)
     steps: list[Step] = [(PYTHON, SCENE), ("check", SCENE)]
@@ -99,3 +109,35 @@ def _motion(rng: Random, stroke: float) -> list[dict[str, Any]]:
 def _size(rng: Random, low: float, high: float) -> float:
     """A number of a magnitude between the powers `low` and `high` of ten."""
     return float(f"{10.0 ** rng.uniform(low, high):.4g}")
+
+
+# -- numbers ---------------------------------------------------------------------------------------
+# Scenes of the fixtures with one number far from where its designer had it.
+
+
+FACTORS: Final = (1e-6, 1e-3, 0.05, 20.0, 1e3, 1e6)
+
+HUGE: Final = 1e9
+
+
+def number_case(rng: Random) -> Case:
+    """A scene that is accepted with one of its numbers changed; it is checked, built, verified."""
+    for _ in range(20):
+        path = rng.choice(fixtures())
+        values = values_of(path)
+        place = rng.choice([each for each in paths(values) if is_number(values, each)])
+        size = value_at(values, place)
+        other = rng.choice((*(size * factor for factor in FACTORS), HUGE))
+        values = changed(values, place, float(f"{other:.6g}"))
+        if accepted(values, path.parent):
+            break
+    text = toml(values)
+    files = {each.name: each.read_bytes() for each in path.parent.glob("*.csv")}
+    files = {name: data for name, data in files.items() if name in text}
+    source = f"{path.stem}, {'.'.join(map(str, place))}"
+    return Case({**files, SCENE: text.encode()}, SCENE_STEPS, source, both=False)
+
+
+def is_number(values: dict[str, Any], place: Path) -> bool:
+    """Whether a size is there, and not the version of the format."""
+    return type(value_at(values, place)) in (int, float) and place != ("camgeo",)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import pytest
@@ -13,8 +14,8 @@ import shapely
 
 from camgeo.numeric.arrays import FloatArray
 from camgeo.pictures.model import Axis, Figure, Line, Panel, Style, figure_data, over
-from tests.judges.chromium import CHROMIUM
-from tests.judges.chromium_viewer import shown
+from camgeo_export.browser.bundles import bundle
+from tests.judges.chromium import CHROMIUM, measured
 from tests.judges.files import reports
 
 pytestmark = pytest.mark.skipif(bool(CHROMIUM.absent()), reason=CHROMIUM.absent() or "is there")
@@ -92,3 +93,65 @@ def test_drawings_are_redrawn_in_place(tmp_path: Path) -> None:
     ]
     answer = shown(datas)
     assert answer["differing"] == [0] * 2 * len(datas)
+
+
+# -- chromium viewer -------------------------------------------------------------------------------
+# Chromium runs the viewer of notebooks, which draws with the modules that all pages share.
+
+
+PROBE: Final = """
+const datas = JSON.parse(document.getElementById("data").textContent);
+function shown(data) {
+  const holder = document.body.appendChild(document.createElement("div"));
+  const calls = new Map();
+  const model = {
+    get: (name) => (name === "data" ? data : 0),
+    set: () => {},
+    save_changes: () => {},
+    on: (event, call) => calls.set(event, call),
+    off: (event) => calls.delete(event),
+  };
+  const remove = viewer.render({ model, el: holder });
+  return {
+    redraw(other) { data = other; calls.get("change:data")(); },
+    root: holder.firstChild.shadowRoot,
+    ended() { remove(); return !calls.size && !holder.firstChild; },
+  };
+}
+const tree = (e) => [e.tagName, [...e.attributes].map((a) => `${a.name}=${a.value}`).sort(),
+  e.children.length ? [...e.children].map(tree) : e.textContent];
+const picture = (view) => [...view.root.querySelectorAll("svg, figcaption")].map((e) =>
+  JSON.stringify(tree(e)).replace(/clip-\\d+/g, "clip"));
+const view = shown(datas[0]);
+const differing = [];
+for (const data of [...datas, ...datas]) {
+  view.redraw(data);
+  const fresh = shown(data);
+  const [mine, other] = [picture(view), picture(fresh)];
+  differing.push(mine.filter((each, k) => each !== other[k]).length);
+  if (!fresh.ended()) differing.push(-1);
+}
+document.body.dataset.camgeo = JSON.stringify({
+  differing,
+  paths: [...view.root.querySelectorAll("path")].map((e) => e.getAttribute("d")),
+  texts: view.root.textContent,
+  images: view.root.querySelectorAll("img, script").length,
+});
+"""
+"""Shows all data in one viewer, one after the other, and each in a viewer of its own."""
+
+
+def shown(datas: Sequence[Any]) -> dict[str, Any]:
+    """What the probe finds; of `paths`, `texts` and `images` those of the last of `datas`."""
+    script, count = re.subn(
+        r"export\{(\w+) as default\};\s*$", r"var viewer=\1;", bundle("viewer.js")
+    )
+    assert count == 1
+    data = json.dumps(datas).replace("<", "\\u003c")
+    page = (
+        '<!DOCTYPE html><html><meta charset="utf-8"><body>'
+        f'<script type="application/json" id="data">{data}</script>'
+        f"<script>{script}</script><script>{PROBE}</script></body></html>"
+    )
+    answer, _ = measured("the viewer", page)
+    return answer

@@ -38,11 +38,19 @@ from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import MotionPlan, Move
 from camgeo.milling.cut import AreaCut, ContourCut, PointCut
-from camgeo.milling.holding import Clamp, Holding, Tabs
 from camgeo.milling.machine import load
-from camgeo.milling.milling import GcodeSpec, MillingSpec, OperationSpec, Stock
-from camgeo.milling.moves import ArcFeed, Feed, Heights, Operation, Rapid, Stop, Toolpath
-from camgeo.milling.tool import Tool
+from camgeo.milling.milling import (
+    Clamp,
+    GcodeSpec,
+    Heights,
+    Holding,
+    MillingSpec,
+    OperationSpec,
+    Stock,
+    Tabs,
+    Tool,
+)
+from camgeo.milling.moves import ArcFeed, Feed, Operation, Rapid, Stop, Toolpath
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Layer, Part, Wall
 from camgeo.part.spec import Keyway, PartSpec
@@ -133,7 +141,7 @@ EXAMPLES: tuple[Any, ...] = (
     Feed((0.0, 0.0, -1.0), 100.0),
     ArcFeed((0.0, 0.0, -1.0), (5.0, 0.0), ccw=True, feed=100.0),
     Operation(CUT, (HOME,)),
-    Toolpath(Heights.of(5.0), (Operation(CUT, (HOME,)),)),
+    Toolpath(Heights(5.0, 5.0), (Operation(CUT, (HOME,)),)),
     MACHINE,
     *(getattr(MACHINE, each.name) for each in fields(MACHINE) if is_table(each.name)),
     MACHINE.numbers.decimals,

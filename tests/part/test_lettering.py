@@ -27,7 +27,7 @@ from camgeo.geometry.outline.path import total
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.glyphs import CAPITAL, FILE, glyph, kerning, require_glyphs
 from camgeo.part.lettering import Letter, LetterBoundary, lettered
-from camgeo.part.mass import solid, thinnest
+from camgeo.part.mass import solid, thinnest_of_each
 from camgeo.part.part import Part
 from camgeo.part.spec import SENSES, Engraving, Holes, Hub, Mark, PartSpec, engravings_of, text_of
 from tests.part.parts import DISC, made, refused
@@ -345,7 +345,8 @@ def test_what_is_cut_away_is_the_letters() -> None:
 
 def test_letters_are_no_walls() -> None:
     found, plain = (
-        thinnest(made(Contact.INNER, spec)) for spec in (replace(DISC, engraving=(TEXT,)), DISC)
+        thinnest_of_each(made(Contact.INNER, spec))[0]
+        for spec in (replace(DISC, engraving=(TEXT,)), DISC)
     )
     assert found == plain
 

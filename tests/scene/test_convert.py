@@ -13,10 +13,7 @@ from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import Dwell
-from camgeo.milling.holding import Holding
-from camgeo.milling.milling import GcodeSpec, MillingSpec, Stock
-from camgeo.milling.moves import Heights
-from camgeo.milling.tool import Tool
+from camgeo.milling.milling import GcodeSpec, Heights, Holding, MillingSpec, Stock, Tool
 from camgeo.part.spec import Chamfer, Chamfers, Engraving, Hub, Keyway, Mark, PartSpec
 from camgeo.scene.formats import csv, gcode
 from camgeo.scene.formats.format import OutputSpec

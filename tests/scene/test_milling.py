@@ -12,8 +12,7 @@ from camgeo.app.answers.check import check
 from camgeo.app.answers.setup import setup_sheet
 from camgeo.design.design import Design
 from camgeo.errors import SceneError
-from camgeo.milling.holding import Clamp, Tabs
-from camgeo.milling.tool import Tool
+from camgeo.milling.milling import Clamp, Tabs, Tool
 from camgeo.scene.formats.format import find_format
 from camgeo.scene.scene import Scene, load_scene, parse_scene
 from tests.findings import known

@@ -15,7 +15,7 @@ from camgeo.app.answers.lint import Lint, lint
 from camgeo.app.answers.setup import SetupSheet, html, setup_sheet
 from camgeo.design.product import sides_of
 from camgeo.errors import SceneError
-from camgeo.milling.holding import HOW
+from camgeo.milling.milling import HOW
 from camgeo.pictures.backplot import figure
 from camgeo.pictures.model import Area
 from camgeo.scene.scene import parse_scene

@@ -18,8 +18,8 @@ import camgeo
 from camgeo.cam.cam import Contact
 from camgeo.design.product import Product
 from camgeo.geometry.contour.contour import Contour
+from camgeo.part.assembly import bevelled as part_with
 from camgeo.part.assembly import bore_boundary
-from camgeo.part.bevels import bevelled as part_with
 from camgeo.part.part import Boundary, Layer, Part
 from camgeo.part.spec import Chamfer, Chamfers, Keyway, PartSpec
 from camgeo.pictures.sheet.front import (

@@ -13,11 +13,8 @@ from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import MotionPlan
 from camgeo.milling.cut import Cut
-from camgeo.milling.holding import Holding
-from camgeo.milling.milling import MillingSpec, OperationSpec, Stock
-from camgeo.milling.moves import Heights
+from camgeo.milling.milling import Heights, Holding, MillingSpec, OperationSpec, Stock, Tool
 from camgeo.milling.planned import Sequence, sequence_of
-from camgeo.milling.tool import Tool
 from camgeo.part.assembly import build_part
 from camgeo.part.part import Part
 from camgeo.part.spec import Holes, Hub, Mark, PartSpec

@@ -11,8 +11,8 @@ import camgeo
 from camgeo.geometry.contour.contour import Contour
 from camgeo.milling.course import course_of
 from camgeo.milling.cut import ContourCut
-from camgeo.milling.moves import ArcFeed, Feed, Heights, Operation, Rapid, Toolpath
-from camgeo.milling.tool import Tool
+from camgeo.milling.milling import Heights, Tool
+from camgeo.milling.moves import ArcFeed, Feed, Operation, Rapid, Toolpath
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.pictures.backplot import plotted
 
@@ -40,7 +40,7 @@ def test_kinds_of_a_program() -> None:
         ContourCut(name=name, strategy="profile", tool=TOOL, top=0.0, depths=(-2.0,), centre=path)
         for name in ("first", "second")
     ]
-    toolpath = Toolpath(Heights.of(5.0), tuple(Operation(cut, moves) for cut in cuts))
+    toolpath = Toolpath(Heights(5.0, 5.0), tuple(Operation(cut, moves) for cut in cuts))
     first, second = plotted(toolpath, BLANK, 0.0, 0.01)
     kinds = [trace.kind for trace in first.traces]
     assert kinds == ["entry", "air", "cut", "entry", "cut", "rapid"]

@@ -3,22 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import camgeo
+from camgeo.app.answers.answer import text
+from camgeo.app.answers.check import check
+from camgeo.app.answers.setup import setup_sheet
 from camgeo.cam.cam import Contact
 from camgeo.check.finding import Finding
-from camgeo.design.milled import MilledDisc
+from camgeo.design.design import Design
+from camgeo.design.milled import MilledDisc, compared
 from camgeo.errors import GeometryError, SceneError
 from camgeo.milling.cut import AreaCut, LineCut
+from camgeo.milling.features import Feature
 from camgeo.milling.judged import left_out
 from camgeo.milling.machine import load
 from camgeo.milling.moves import Feed, Stop
 from camgeo.milling.plan import plan_toolpath
 from camgeo.milling.strategies import STRATEGIES
+from tests.answers.documents import document
 from tests.toolpath.milled import ENGRAVER, HEIGHTS, HUB_TOOLS, HUBBED, named, sequence
 
 SCENE = """
@@ -274,3 +282,125 @@ size = 1
         ("warning", "no operation makes the chamfers of lower edge of the bore"),
         ("warning", "upper edge of the bore: chamfer bore; it is made along the circle alone"),
     ]
+
+
+# -- feature comparison ----------------------------------------------------------------------------
+# Parts compared with their operations, feature by feature: check, JSON and setup sheet.
+
+
+FOUND = Path(__file__).parents[2] / "fixtures" / "found"
+
+CHAMFERED = (FOUND / "chamfer_contradicts_part.toml").read_text("utf-8")
+
+CHAMFERS = "chamfers = { outline = { width = 0.8 }, bore = { width = 1 } }\n"
+MARK = "mark = { radius = 26, width = 3, depth = 1, angle = 90 }\n"
+
+
+@cache
+def designed(scene: str) -> Design:
+    """The design of a scene, computed once for all tests."""
+    return camgeo.loads(scene)
+
+
+def told(scene: str) -> dict[str, list[Finding]]:
+    """The findings on the program, by their names, that are more than "ok"."""
+    found = check(designed(scene)).machining
+    assert found is not None
+    names: dict[str, list[Finding]] = {}
+    for each in found.findings:
+        if each.severity != "ok":
+            names.setdefault(each.name, []).append(each)
+    return names
+
+
+def test_a_chamfer_that_is_larger_than_that_of_the_part_is_refused(tmp_path: Path) -> None:
+    design = designed(CHAMFERED)
+    found = told(CHAMFERED)
+    larger = found["chamfers"][-1]
+    assert (larger.severity, larger.value, larger.limit, larger.unit) == ("broken", 2.0, 0.8, "mm")
+    assert larger.sentence.startswith("upper edge of the outline: chamfer outline; 2 mm wide")
+    assert check(design).exit_code == 1
+    with pytest.raises(camgeo.errors.UnsafeError, match=r"the part states 0\.8 mm"):
+        design.write(tmp_path, ["gcode"])
+    assert not any(tmp_path.iterdir())
+    sheet = setup_sheet(design)
+    assert sheet.exit_code == 1
+    assert "no gouge" not in text(sheet)
+    assert f"BROKEN  {larger.sentence}" in text(sheet).splitlines()
+
+
+def test_every_feature_is_named_with_what_makes_it() -> None:
+    """In JSON of both answers the same."""
+    design = designed(CHAMFERED)
+    (program,) = document(check(design))["machining"]["programs"].values()
+    rows = {each["name"]: each for each in program["features"]}
+    assert document(setup_sheet(design))["features"] == program["features"]
+    by = {name: (each["operations"], each["severity"]) for name, each in rows.items()}
+    assert by == {
+        "upper face": ([], "ok"),
+        "lower face": ([], "ok"),
+        "outline": (["outline"], "ok"),
+        "bore": ([], "ok"),
+        "mark": ([], "warning"),
+        "keyway": ([], "warning"),
+        "lower edge of the outline": ([], "warning"),
+        "upper edge of the outline": (["chamfer outline"], "broken"),
+        "lower edge of the bore": ([], "warning"),
+        "upper edge of the bore": ([], "warning"),
+    }
+    assert (rows["upper edge of the outline"]["stated_mm"], 2.0) == (
+        0.8,
+        rows["upper edge of the outline"]["made_mm"],
+    )
+    assert "8 mm wide at 90 deg" in rows["keyway"]["sentence"]
+    found = told(CHAMFERED)
+    assert [each.sentence for each in found["left-out"]] == ["no operation makes mark"]
+    assert found["chamfers"][0].sentence == (
+        "no operation makes the chamfers of lower edge of the outline, bore"
+    )
+
+
+def edge(scene: str) -> Feature:
+    """The upper edge of the outline."""
+    features = compared(camgeo.loads(scene.replace(MARK, "")).disc.milled)
+    (found,) = (each for each in features if each.name == "upper edge of the outline")
+    return found
+
+
+SIZE = "size = 2\n"
+
+
+@pytest.mark.parametrize(
+    ("changes", "severity", "words"),
+    [
+        ({}, "broken", ""),
+        ({SIZE: "size = 0.9\n"}, "broken", ""),
+        ({SIZE: "size = 0.8\n"}, "ok", ""),
+        ({SIZE: "size = 0.5\n"}, "warning", ""),
+        # 60 degrees at the point: as wide on the face, 0.8 / tan 30 = 1.39 mm high.
+        (
+            {SIZE: "size = 0.8\n", "tip_angle = 90": "tip_angle = 60"},
+            "broken",
+            "0.8 mm wide and 1.39 mm high",
+        ),
+        ({CHAMFERS: ""}, "warning", "2 mm wide, the part states a sharp edge"),
+    ],
+)
+def test_a_chamfer_of_another_shape_is_told(
+    changes: dict[str, str], severity: str, words: str
+) -> None:
+    scene = CHAMFERED
+    for old, new in changes.items():
+        assert old in scene
+        scene = scene.replace(old, new)
+    found = edge(scene)
+    assert found.severity == severity
+    assert words in found.sentence
+
+
+def test_what_the_blank_is_higher_is_told() -> None:
+    """Its lower face is cut by nobody."""
+    scene = CHAMFERED.replace("bottom = 0\n", "bottom = 1.5\n").replace('"screws"', '"fixture"')
+    _, found, *_ = compared(camgeo.loads(scene).disc.milled)
+    assert found.sentence == "lower face: no operation takes off 1.5 mm of the blank"
+    assert (found.severity, found.stated, found.made) == ("warning", 0.0, 1.5)

@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 from camgeo.milling.cut import ContourCut, PointCut
+from camgeo.milling.milling import CHAMFER_MILL, DRILL
 from camgeo.milling.moves import Operation, Rapid
-from camgeo.milling.tool import CHAMFER_MILL, DRILL
 from camgeo.part.part import Part, Wall
 from tests.kept import compare_documents
 from tests.toolpath.cutting import Step, steps_of

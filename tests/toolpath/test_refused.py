@@ -5,27 +5,39 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Final
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from camgeo.cam.cam import Contact
-from camgeo.errors import GeometryError
-from camgeo.milling.holding import Clamp, Holding, Tabs
-from camgeo.milling.milling import Stock
-from camgeo.milling.moves import Heights
+from camgeo.geometry.contour.contour import POINTS, Contour
+from camgeo.milling.cut import ContourCut
+from camgeo.milling.machine import load
+from camgeo.milling.making import MOST_PASSES, passes
+from camgeo.milling.milling import Clamp, Heights, Holding, Stock, Tabs, Tool
+from camgeo.milling.moves import ArcFeed, Feed, Operation, Rapid, Toolpath
 from camgeo.milling.planned import LARGEST
+from camgeo.milling.simulation import FINENESS
+from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.spec import Hub, PartSpec
+from tests.part.parts import refused
 from tests.toolpath.milled import (
     BORE,
     HOOKED,
     HUB_TOOLS,
     HUBBED,
+    RIM,
     SPEC,
     THICKNESS,
     TOOLS,
     Operations,
+    named,
     operation,
     sequence,
     tool,
@@ -88,7 +100,7 @@ PLANNED: Final[list[tuple[Contact, dict[str, Any], str, str]]] = [
      "free while nothing that is set stands on it", "holding"),
     (INNER, clamped("clamps", clamp(50.0j, 20.0, 60.0)),
      "rough outline with tool 1 runs into the clamp", "holding"),
-    (INNER, {**clamped("screws", WASHER), "heights": Heights.of(8.0)},
+    (INNER, {**clamped("screws", WASHER), "heights": Heights(8.0, 8.0)},
      "above the screw at 0, 0 mm, 8 mm high", "output.gcode.clearance_height"),
     (INNER, clamped("clamps", clamp(0j, 30.0, 30.0, until="outlin")),
      'no such operation; there are "rough bore"', "holding.clamp.until"),
@@ -156,9 +168,8 @@ def test_a_planned_sequence_is_refused(
 ) -> None:
     tools = given.get("tools", ())
     own = {name: each for name, each in given.items() if name != "tools"}
-    with pytest.raises(GeometryError, match=message) as caught:
+    with refused(key, message):
         sequence(contact, *tools, **{"spec": SPEC, **own})
-    assert caught.value.key == key
 
 
 @pytest.mark.parametrize(("contact", "operations", "given", "message", "key"), STATED)
@@ -167,6 +178,153 @@ def test_an_operation_is_refused(
 ) -> None:
     tools = given.get("tools", TOOLS)
     own = {name: each for name, each in given.items() if name != "tools"}
-    with pytest.raises(GeometryError, match=message) as caught:
+    with refused(f"operation[{len(operations)}].{key}", message):
         sequence(contact, *tools, **own, operations=operations)
-    assert caught.value.key == f"operation[{len(operations)}].{key}"
+
+
+# -- guard -----------------------------------------------------------------------------------------
+# Holding: what cuts something free is held, clamps come and go, and nothing runs into them.
+
+
+ASIDE = Clamp(place=100.0 + 0j, length=20.0, width=20.0, height=8.0)
+
+ON_IT = Clamp(place=20.0j, length=8.0, width=8.0, height=8.0, since="rough outline")
+
+
+def test_a_skin_is_left_below_the_part_and_told() -> None:
+    found = sequence(INNER, holding=Holding(kind="onion-skin", skin=0.3))
+    assert {cut.bottom for cut in found.cuts} == {0.3 - THICKNESS}
+    assert [each.severity for each in found.findings if each.name == "onion-skin"] == ["warning"]
+
+
+def test_tabs_stand_on_what_is_cut_free_and_are_told_on_a_flank() -> None:
+    holding = Holding(kind="tabs", through=0.5, tabs=Tabs(4, 6.0, 2.0))
+    found = sequence(INNER, holding=holding)
+    tabs = {cut.name: cut.tabs is not None for cut in found.cuts if isinstance(cut, ContourCut)}
+    assert tabs == {"rough bore": False, "bore": False, "rough outline": True, "outline": True}
+    (told,) = (each for each in found.findings if each.name == "tabs-on-a-flank")
+    assert told.severity == "warning"
+    assert "4 tabs of 6 mm, up to 2 mm" in told.sentence
+    stock = Stock(length=170.0, width=170.0, bore=25.0)
+    rim = sequence(GROOVE, tool(12.0), stock=stock, holding=holding)
+    assert not any(each.name == "tabs-on-a-flank" for each in rim.findings)
+    cut = named(rim)["rim"]
+    assert isinstance(cut, ContourCut)
+    # The cut ends below the part; tabs are stated from its lower face.
+    assert cut.tabs == Tabs(4, 6.0, 2.5)
+
+
+def test_a_screw_is_set_when_the_bore_is_there() -> None:
+    holding = Holding(kind="screws", through=0.5, clamps=(WASHER,))
+    found = named(sequence(INNER, holding=holding))
+    assert [len(cut.obstacles) for cut in found.values()] == [0, 0, 1, 1]
+    assert found["rough outline"].stop == "set the screw at 0, 0 mm"
+    assert found["outline"].stop == ""
+
+
+@pytest.mark.parametrize(
+    ("contact", "given"),
+    [
+        (GROOVE, {"stock": Stock(bore=BORE), "holding": None}),  # cut into the blank
+        (GROOVE, {"stock": Stock(shape="round", diameter=RIM, bore=BORE), "holding": None}),
+        (INNER, {"stock": Stock(length=170.0, width=170.0, bore=BORE)}),
+        (INNER, {"holding": Holding(kind="clamps", through=0.5, clamps=(ASIDE, ON_IT))}),
+    ],
+)
+def test_what_may_just_be(contact: Contact, given: dict[str, Any]) -> None:
+    """`test_refused.py` has what may not."""
+    assert sequence(contact, **given).cuts
+
+
+def test_chords_of_the_largest_work_can_be_simulated() -> None:
+    assert math.pi / math.acos(1.0 - FINENESS / LARGEST) < 25_000 < POINTS
+
+
+def test_a_core_that_a_fixture_must_hold_is_told() -> None:
+    (told,) = (each for each in sequence(OUTER).findings if each.name == "loose-core")
+    assert told.severity == "warning"
+
+
+# -- doors -----------------------------------------------------------------------------------------
+# Refusals of the classes of a program, beyond those that tests/mechanism/test_values.py covers.
+
+
+TOOL = Tool(number=1, diameter=6.0, spindle_speed=3000.0, feed=300.0, plunge_feed=100.0)
+
+HOLE = ExactBoundary("bore", hole=True, exact=Contour.circle(5.0))
+
+CUT = ContourCut(
+    name="bore",
+    strategy="profile",
+    tool=TOOL,
+    top=0.0,
+    depths=(-2.0, -4.0),
+    centre=HOLE,
+    right="bore",
+    room=1.0,
+)
+
+HOME = Rapid((0.0, 0.0, 5.0))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"depths": ()},
+        {"depths": (-4.0, -2.0)},
+        {"depths": (-2.0, math.nan)},
+        {"top": -3.0},
+        {"allowance": -0.1},
+        {"compensation": "left"},
+    ],
+)
+def test_cuts(change: dict[str, Any]) -> None:
+    with refused("toolpath"):
+        replace(CUT, **change)
+
+
+def once() -> Operation:
+    return Operation(CUT, (HOME,))
+
+
+REFUSED: list[tuple[Callable[[], object], str, str]] = [
+    (lambda: Feed((0.0, 0.0), 1.0), "must be 3 coordinates", "toolpath"),  # type: ignore[arg-type]  # wrong on purpose
+    (lambda: ArcFeed((0.0, 0.0, 0.0), 0j, True, 1.0), "must be 2 coordinates", "toolpath"),  # type: ignore[arg-type]  # wrong on purpose
+    (lambda: ArcFeed((0.0, 0.0, 0.0), (0.0, 0.0), 1, 1.0), "true or false", "toolpath"),  # type: ignore[arg-type]  # wrong on purpose
+    (lambda: Operation(CUT, ()), "must begin with a traverse", "toolpath"),
+    (
+        lambda: Operation(CUT, (Feed((0.0, 0.0, -1.0), 100.0), HOME)),
+        "must begin with a traverse",
+        "toolpath",
+    ),
+    (lambda: Toolpath(Heights(5.0, 5.0), (once(), once())), "its own name", "toolpath"),
+    (lambda: Heights(math.nan, 2.0), "above 0", "output.gcode.clearance_height"),
+    (lambda: Heights(5.0, 6.0), "to 5", "output.gcode.retract_height"),
+    (lambda: passes(0.0, -10.0, 1e-9), r"must be at least 0\.01 mm", "tool.stepdown"),
+    (
+        lambda: replace(load("linuxcnc").program, end=("M{two}",)),
+        "no braces but",
+        "program.end",
+    ),
+]
+
+
+@pytest.mark.parametrize(("make", "message", "key"), REFUSED)
+def test_what_is_wrong_is_refused_with_its_key(
+    make: Callable[[], object], message: str, key: str
+) -> None:
+    with refused(key, message):
+        make()
+
+
+@given(st.floats(0.01, 60.0), st.floats(0.1, 80.0))
+def test_passes_are_equal_and_no_more_than_needed(depth: float, stepdown: float) -> None:
+    found = passes(1.0, 1.0 - depth, stepdown)
+    assert found[-1] == 1.0 - depth
+    assert -np.diff((1.0, *found)) == pytest.approx(depth / len(found))
+    assert depth / len(found) <= stepdown * (1.0 + 1e-9)
+    assert len(found) == 1 or depth / (len(found) - 1) > stepdown
+
+
+def test_no_more_passes_than_sense() -> None:
+    assert len(passes(0.0, -10.0, 10.0 / MOST_PASSES)) == MOST_PASSES

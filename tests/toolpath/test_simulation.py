@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,10 +13,24 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.geometry.contour.contour import Contour
-from camgeo.milling.course import course_of
+from camgeo.milling.course import below, course_of
 from camgeo.milling.moves import ArcFeed, Feed, Move, Point, Rapid, Stop
-from camgeo.milling.simulation import Simulation, simulate
-from camgeo.milling.stages import Body, Chamfer, Flaw, Run, Setup
+from camgeo.milling.polygons import NOTHING, parts, polygon, rings
+from camgeo.milling.simulation import (
+    Body,
+    Chamfer,
+    Flaw,
+    Known,
+    Run,
+    Setup,
+    Simulation,
+    place_in,
+    simulate,
+    swept,
+    swept_below,
+    unlifted,
+)
+from camgeo_export.verify.gcode import Depth, depths
 
 RADIUS = 3.0
 FEED = 100.0
@@ -56,12 +71,15 @@ def circle(radius: float, z: float, turns: int = 1) -> tuple[Move, ...]:
     )  # fmt: skip
 
 
-def ran(setup: Setup, *programs: Sequence[Move | Stop], plunges: bool = True) -> Simulation:
+def ran(setup: Setup, *programs: Sequence[Move | Stop]) -> Simulation:
     runs = [
-        Run(f"cut {number}", tuple(moves), RADIUS, plunges=plunges)
-        for number, moves in enumerate(programs, start=1)
+        Run(f"cut {number}", tuple(moves), RADIUS) for number, moves in enumerate(programs, start=1)
     ]
     return simulate(setup, runs)
+
+
+def flaws_of(found: Simulation, name: str) -> list[Flaw]:
+    return [flaw for flaw in found.flaws if flaw.name == name]
 
 
 def names(found: Simulation) -> list[str]:
@@ -93,7 +111,7 @@ def test_a_core_comes_loose() -> None:
     """What a bore wider than two cutters leaves: a disc of the path's radius less the cutter's."""
     held = replace(PLATE, held=((rectangle(100.0, 60.0), rectangle(90.0, 50.0)),))
     found = ran(held, circle(8.0, -2.0), circle(8.0, DEPTH))
-    (loose,) = found.of("loose")
+    (loose,) = flaws_of(found, "loose")
     assert loose.operation == "cut 2"
     assert loose.value == pytest.approx(4.0 * math.pi * 5.0**2, abs=4.0 * FINE)
     assert abs(complex(*loose.place[:2])) < 5.0
@@ -131,7 +149,7 @@ def test_a_rest_has_its_thickness() -> None:
 def test_a_gouge_has_its_depth(depth: float) -> None:
     part = Body("disc", DEPTH, 0.0, (Contour.circle(15.0),))
     found = ran(replace(PLATE, part=(part,)), circle(18.0 - depth, DEPTH))
-    (gouge,) = found.of("gouge")
+    (gouge,) = flaws_of(found, "gouge")
     assert gouge.value == pytest.approx(depth, abs=5e-3)
     assert gouge.limit == 0.02
     assert abs(complex(*gouge.place[:2])) == pytest.approx(15.0 - depth, abs=5e-3)
@@ -144,76 +162,86 @@ def test_a_ramp_gouges_where_it_is_low_enough() -> None:
     down = over(-20.0, 0.0, 0.0, Feed((20.0, 0.0, -2.0), FEED))
     assert names(ran(setup, down)) == ["rest"]
     deeper = over(-20.0, 0.0, 0.0, Feed((20.0, 0.0, -2.5), FEED))
-    (gouge,) = ran(setup, deeper).of("gouge")
+    (gouge,) = flaws_of(ran(setup, deeper), "gouge")
     # The floor is entered where the ramp is below -2, at 4/5 of its length.
     assert gouge.place[0] > 12.0 - RADIUS
 
 
-def test_a_traverse_through_material() -> None:
-    low: list[Move] = [Rapid((-60.0, 0.0, 5.0)), Rapid((-60.0, 0.0, -1.0)), Rapid((0.0, 0.0, -1.0))]
-    (rapid,) = ran(PLATE, low).flaws
-    assert rapid.name == "rapid"
-    assert rapid.value == pytest.approx(1.0)
-    assert rapid.limit == 0.0
-    into: list[Move] = [Rapid((0.0, 0.0, 5.0)), Rapid((0.0, 0.0, -3.0))]
-    (down,) = ran(PLATE, into).flaws
-    assert down.name == "rapid"
-    assert down.value == pytest.approx(3.0)
-    # In a slot that is cut already it is none.
-    slot = over(-60.0, 0.0, -2.0, Feed((0.0, 0.0, -2.0), FEED))
-    assert names(ran(PLATE, slot, low)) == []
+def one(*moves: Move, **own: Any) -> Run:
+    return Run("cut", moves, RADIUS, **own)
 
 
-def test_a_plunge_of_a_tool_that_must_not() -> None:
-    program = over(0.0, 0.0, -1.0, Feed((10.0, 0.0, -1.0), FEED))
-    assert names(ran(PLATE, program)) == []
-    (plunge,) = ran(PLATE, program, plunges=False).flaws
-    assert plunge.name == "plunge"
-    assert plunge.value == pytest.approx(1.0)
-    assert plunge.place[:2] == pytest.approx((0.0, 0.0), abs=RADIUS)
-    # Beside the blank, and down a helix, it may.
-    beside = over(-60.0, 0.0, -1.0, Feed((0.0, 0.0, -1.0), FEED))
-    helix = over(
-        2.0, 0.0, 0.0, *(ArcFeed((x, 0.0, z), (0.0, 0.0), True, FEED)
-                         for x, z in ((-2.0, -0.5), (2.0, -1.0))),
-    )  # fmt: skip
-    assert names(ran(PLATE, beside, helix, plunges=False)) == []
+LOW = (Rapid((-60.0, 0.0, 5.0)), Rapid((-60.0, 0.0, -1.0)), Rapid((0.0, 0.0, -1.0)))
+
+DOWN = over(0.0, 0.0, -1.0, Feed((10.0, 0.0, -1.0), FEED))
+
+HELIX = over(
+    2.0, 0.0, 0.0,
+    *(ArcFeed((x, 0.0, z), (0.0, 0.0), True, FEED) for x, z in ((-2.0, -0.5), (2.0, -1.0))),
+)  # fmt: skip
+
+CLAMPED = {"obstacles": (Body("clamp", 0.0, 10.0, (rectangle(10.0, 60.0),)),)}
+
+HUB = replace(PLATE, top=10.0)
+
+PAST = (
+    *over(-60.0, 34.0, 0.0, Feed((60.0, 34.0, 0.0), FEED)),
+    Rapid((60.0, 34.0, 12.0)), Rapid((-60.0, 26.0, 12.0)),
+    *over(-60.0, 26.0, -1.0, Feed((60.0, 26.0, -1.0), FEED)),
+)  # fmt: skip
+"""Along a hub that stands up 10 mm."""
+
+TOLD: dict[str, tuple[Setup, list[Run], str, Any, float]] = {
+    "a traverse through material": (PLATE, [one(*LOW)], "rapid", pytest.approx(1.0), 0.0),
+    "a traverse down into it": (
+        PLATE, [one(Rapid((0.0, 0.0, 5.0)), Rapid((0.0, 0.0, -3.0)))], "rapid", pytest.approx(3.0),
+        0.0,
+    ),
+    "a traverse in a slot": (
+        PLATE, [one(*over(-60.0, 0.0, -2.0, Feed((0.0, 0.0, -2.0), FEED))), one(*LOW)], "", 0.0, 0.0
+    ),
+    "a plunge": (PLATE, [one(*DOWN)], "", 0.0, 0.0),
+    "a plunge of a tool that must not": (
+        PLATE, [one(*DOWN, plunges=False)], "plunge", pytest.approx(1.0), 0.0
+    ),
+    "a plunge beside the blank": (
+        PLATE, [one(*over(-60.0, 0.0, -1.0, Feed((0.0, 0.0, -1.0), FEED)), plunges=False)],
+        "", 0.0, 0.0,
+    ),
+    "down a helix": (PLATE, [one(*HELIX, plunges=False)], "", 0.0, 0.0),
+    "an obstacle": (
+        PLATE, [one(*over(-60.0, 0.0, -2.0, Feed((-7.0, 0.0, -2.0), FEED)), **CLAMPED)],
+        "obstacle", pytest.approx(1.0, abs=0.01), 0.0,
+    ),
+    "above an obstacle": (
+        PLATE, [one(Rapid((-60.0, 0.0, 12.0)), Rapid((60.0, 0.0, 12.0)), **CLAMPED)], "", 0.0, 0.0
+    ),
+    "a traverse below its top": (
+        PLATE, [one(Rapid((-60.0, 0.0, 8.0)), Rapid((60.0, 0.0, 8.0)), **CLAMPED)],
+        "obstacle", pytest.approx(RADIUS, abs=0.03), 0.0,
+    ),
+    "a tip that goes too deep": (
+        replace(PLATE, lowest=-4.5), [one(*over(-60.0, 0.0, -5.0))], "depth", -5.0, -4.5
+    ),
+    "a tip as deep as it may": (
+        replace(PLATE, lowest=-4.5), [one(*over(-60.0, 0.0, -4.5))], "", 0.0, 0.0
+    ),
+    "a shank in a hub": (HUB, [one(*PAST, shank=(5.0, 3.0))], "shank", pytest.approx(8.0), 0.0),
+    "a slim shank": (HUB, [one(*PAST, shank=(2.9, 3.0))], "", 0.0, 0.0),
+}  # fmt: skip
+"""Setup and runs, and the only flaw: its name, empty for none, its value and its limit."""
 
 
-def test_obstacles_below_their_tops() -> None:
-    clamp = Body("clamp", 0.0, 10.0, (rectangle(10.0, 60.0),))
-
-    def flaws(moves: Sequence[Move]) -> tuple[Flaw, ...]:
-        return simulate(PLATE, [Run("slot", tuple(moves), RADIUS, obstacles=(clamp,))]).flaws
-
-    (touched,) = flaws(over(-60.0, 0.0, -2.0, Feed((-7.0, 0.0, -2.0), FEED)))
-    assert touched.name == "obstacle"
-    assert touched.value == pytest.approx(1.0, abs=0.01)
-    assert "clamp" in touched.sentence
-    assert flaws([Rapid((-60.0, 0.0, 12.0)), Rapid((60.0, 0.0, 12.0))]) == ()
-    (low,) = flaws([Rapid((-60.0, 0.0, 8.0)), Rapid((60.0, 0.0, 8.0))])
-    assert low.name == "obstacle"
-
-
-def test_a_tip_that_goes_too_deep() -> None:
-    setup = replace(PLATE, lowest=-4.5)
-    (deep,) = ran(setup, over(-60.0, 0.0, -5.0)).flaws
-    assert (deep.name, deep.value, deep.limit) == ("depth", -5.0, -4.5)
-    assert names(ran(setup, over(-60.0, 0.0, -4.5))) == []
-
-
-def test_a_shank_in_a_hub() -> None:
-    """A shank of 5 mm above edges of 3 mm, along a hub that stands up 10 mm."""
-    hub = replace(PLATE, top=10.0)
-    past = over(-60.0, 26.0, -1.0, Feed((60.0, 26.0, -1.0), FEED))
-    cleared = over(-60.0, 34.0, 0.0, Feed((60.0, 34.0, 0.0), FEED))
-    lift = Rapid((60.0, 34.0, 12.0)), Rapid((-60.0, 26.0, 12.0))
-    runs = [Run("past", (*cleared, *lift, *past), RADIUS, shank=(5.0, 3.0))]
-    (rubs,) = simulate(hub, runs).flaws
-    assert rubs.name == "shank"
-    assert rubs.value == pytest.approx(8.0)
-    slim = [replace(runs[0], shank=(2.9, 3.0))]
-    assert simulate(hub, slim).flaws == ()
+@pytest.mark.parametrize("name", TOLD)
+def test_what_a_cutter_runs_into(name: str) -> None:
+    setup, runs, flaw, value, limit = TOLD[name]
+    found = simulate(setup, runs).flaws
+    told = [(each.name, each.value, each.limit) for each in found]
+    assert told == ([(flaw, value, limit)] if flaw else [])
+    if flaw == "obstacle":
+        assert "clamp" in found[0].sentence
+    if flaw == "plunge":
+        assert found[0].place[:2] == pytest.approx((0.0, 0.0), abs=RADIUS)
 
 
 def test_a_drill_clears_the_full_circle_above_its_point() -> None:
@@ -319,3 +347,235 @@ def test_an_empty_program_leaves_the_blank() -> None:
     assert found.stages[0].volume == pytest.approx(24_000.0)
     start: Point = (0.0, 0.0, 5.0)
     assert simulate(PLATE, [Run("up", (Rapid((0.0, 0.0, 9.0)),), RADIUS, start=start)]).flaws == ()
+
+
+# -- sweep -----------------------------------------------------------------------------------------
+# Areas that a cutter sweeps, against closed forms, within what their chords allow.
+
+
+LINE: list[Move] = [Feed((20.0, 0.0, 0.0), FEED)]
+ARC: list[Move] = [
+    ArcFeed((-30.0, 0.0, 0.0), (0.0, 0.0), True, FEED),
+    ArcFeed((30.0, 0.0, 0.0), (0.0, 0.0), True, FEED),
+]
+
+
+@pytest.mark.parametrize("fineness", [1e-2, 1e-3, 1e-4])
+def test_a_line_and_a_ring(fineness: float) -> None:
+    """The area is off by less than twice the fineness along the edge."""
+    line = swept(course_of(LINE, (0.0, 0.0, 0.0)), RADIUS, fineness)
+    assert line.area == pytest.approx(120.0 + math.pi * 9.0, abs=2.0 * fineness * 2.0 * math.pi * 3)
+    ring = swept(course_of(ARC, (30.0, 0.0, 0.0)), RADIUS, fineness)
+    edge = 2.0 * math.pi * (33.0 + 27.0)
+    assert ring.area == pytest.approx(math.pi * (33.0**2 - 27.0**2), abs=2.0 * fineness * edge)
+    outer, inner = rings(ring)
+    for points, radius in ((outer, 33.0), (inner, 27.0)):
+        assert np.max(np.abs(np.abs(points) - radius)) < 2.0 * fineness
+
+
+def test_separate_pieces_are_joined_where_they_overlap() -> None:
+    moves = [*LINE, Rapid((0.0, 5.0, 0.0)), Feed((20.0, 5.0, 0.0), FEED)]
+    found = swept(course_of(moves, (0.0, 0.0, 0.0)), RADIUS, 1e-3)
+    assert len(parts(found)) == 1
+    apart = swept(course_of(moves, (0.0, 0.0, 0.0)), 2.0, 1e-3)
+    assert len(parts(apart)) == 2
+    assert abs(place_in(apart).imag) < 8.0
+
+
+def test_nothing_is_swept_by_nothing() -> None:
+    assert swept(course_of([]), RADIUS, 1e-3).is_empty
+    assert parts(NOTHING) == []
+
+
+def test_contours_within_contours_are_holes() -> None:
+    found = polygon([Contour.circle(10.0), Contour.circle(4.0), Contour.circle(1.0)], 1e-4)
+    assert found.area == pytest.approx(math.pi * (100.0 - 16.0 + 1.0), rel=1e-4)
+
+
+@pytest.mark.parametrize("rounds", [2, 5])
+def test_further_rounds_sweep_nothing_more(rounds: int) -> None:
+    once = swept(course_of(ARC, (30.0, 0.0, 0.0)), RADIUS, 1e-3)
+    again = swept(course_of(ARC * rounds, (30.0, 0.0, 0.0)), RADIUS, 1e-3)
+    assert again.equals(once)
+    assert len(again.exterior.coords) == len(once.exterior.coords)
+
+
+def test_what_is_new_at_each_height_is_added() -> None:
+    """Rounds at several depths, down a ramp each: as if each height were swept afresh."""
+    fineness, step = 1e-3, 2.0
+    moves: list[Move] = []
+    for depth in (step, 2.0 * step):
+        moves += [
+            ArcFeed((-30.0, 0.0, -depth), (0.0, 0.0), True, FEED),
+            ArcFeed((30.0, 0.0, -depth), (0.0, 0.0), True, FEED),
+            ArcFeed((-30.0, 0.0, -depth), (0.0, 0.0), True, FEED),
+        ]
+        moves.append(Feed((30.0, 0.0, -depth), FEED))
+    course = course_of(moves, (30.0, 0.0, 0.0))
+    heights = [-5.0, -4.0, -3.1, -2.0, -1.3, 0.0, 1.0]
+    found = swept_below(course, heights, RADIUS, fineness, {})
+    for z, area in zip(heights, found, strict=True):
+        afresh = swept(below(course, z), RADIUS, fineness)
+        assert area.symmetric_difference(afresh).area < 4.0 * fineness * 4.0 * math.pi * 33.0
+    assert found[0].is_empty
+    assert found[-1] is found[-2]  # nothing is new there
+
+
+def test_what_is_swept_again_is_the_same_object() -> None:
+    """Ramps that end elsewhere in each pass, as read from a program, leave the areas as they are:
+    what is asked of slabs is asked once.
+    """
+    around = [0.0, 0.4, 0.9, 2.0, 2.7, 3.5, 4.4, 5.2]
+    moves: list[Move] = []
+    for depth in range(1, 30):
+        for lap in (around, [each + 0.01 * depth for each in around]):
+            moves += [
+                ArcFeed(
+                    (30.0 * math.cos(end), 30.0 * math.sin(end), -depth), (0.0, 0.0), True, FEED
+                )
+                for end in [*lap[1:], lap[0]]
+            ]
+    course = course_of(moves, (30.0, 0.0, 0.0))
+    heights = [-29.0 + 0.5 * k for k in range(58)]
+    known: Known = {}
+    found = swept_below(course, heights, RADIUS, 1e-3, known)
+    assert len({id(each) for each in found}) == 1
+    again = swept_below(course, heights[:1], RADIUS, 1e-3, known)
+    assert again[0] is known[next(iter(known))][0]
+
+
+# -- course ----------------------------------------------------------------------------------------
+# The course of a cutter: its pieces, and the parts of them below a height.
+
+
+def test_traverses_and_halts_are_left_out() -> None:
+    moves: list[Move | Stop] = [
+        Rapid((0.0, 0.0, 5.0)),
+        Feed((0.0, 0.0, -1.0), FEED),
+        Stop("turn it"),
+        Feed((4.0, 3.0, -1.0), FEED),
+        Rapid((9.0, 9.0, -1.0)),
+        ArcFeed((9.0, 5.0, -2.0), (9.0, 7.0), True, FEED),
+    ]
+    course = course_of(moves)
+    assert course.moves.tolist() == [1, 3, 5]
+    assert course.lengths == pytest.approx([0.0, 5.0, 2.0 * math.pi])
+    assert course.starts[2] == 9.0 + 9.0j
+    assert course.from_z.tolist() == [5.0, -1.0, -1.0]
+    assert course.lowest.tolist() == [-1.0, -1.0, -2.0]
+
+
+@given(st.floats(-3.0, 1.0), st.booleans(), st.booleans())
+def test_below_a_height_is_the_share_that_lies_there(z: float, down: bool, arc: bool) -> None:
+    """A ramp between 0 and -2, on a line or an arc of the same length."""
+    first, last = (0.0, -2.0) if down else (-2.0, 0.0)
+    half = math.pi * 5.0
+    ramp: Move = (
+        ArcFeed((10.0, 0.0, last), (5.0, 0.0), True, FEED)
+        if arc
+        else Feed((half, 0.0, last), FEED)
+    )  # fmt: skip
+    course = course_of([ramp], (0.0, 0.0, first))
+    found = below(course, z)
+    share = min(1.0, max(0.0, 0.5 * (z + 2.0)))
+    assert math.fsum(found.lengths) == pytest.approx(share * half, abs=1e-9)
+    if len(found):
+        assert np.max(found.highest) <= z
+        kept = found.ends[0] if down else found.starts[0]
+        assert kept == (course.ends[0] if down else course.starts[0])
+        # What was cut off ends on the same ramp.
+        other = complex((found.starts if down else found.ends)[0])
+        place = course.at(np.array([1.0 - share if down else share]))
+        assert abs(other - place[0]) < 1e-9
+
+
+@given(st.lists(st.floats(0.1, 3.0), min_size=1, max_size=9), st.floats(0.0, 2.0))
+def test_pecks_are_one_plunge(steps: list[float], back: float) -> None:
+    """However often the drill is lifted, and stops above the depth that it has reached."""
+    place = (3.0, 4.0)
+    depths = np.cumsum(steps).tolist()
+    moves: list[Move] = [Rapid((*place, 5.0))]
+    for k, depth in enumerate(depths):
+        if k:
+            moves += [Rapid((*place, 5.0)), Rapid((*place, back - depths[k - 1]))]
+        moves.append(Feed((*place, -depth), FEED))
+    moves += [Rapid((*place, 5.0)), Rapid((9.0, 9.0, 5.0))]
+    whole = [moves[0], Feed((*place, -depths[-1]), FEED), *moves[-2:]]
+    assert unlifted(moves) == whole
+
+
+def test_lifts_after_which_it_is_not_the_same_stay() -> None:
+    """A cut in the plane, or a traverse deeper than the hole."""
+    down, up = Feed((0.0, 0.0, -2.0), FEED), Rapid((0.0, 0.0, 5.0))
+    for again in (
+        [Rapid((0.0, 0.0, -1.0)), Feed((4.0, 0.0, -1.0), FEED)],
+        [Rapid((0.0, 0.0, -2.5)), Feed((0.0, 0.0, -3.0), FEED)],
+        [Feed((0.0, 0.0, -1.5), FEED)],
+    ):
+        moves: list[Move] = [up, down, up, *again]
+        assert unlifted(moves) == moves
+
+
+# -- reach -----------------------------------------------------------------------------------------
+# Material at a cutter: slots, passes, walls beside it, air, in closed form.
+
+
+def run(*moves: Move, start: Point = (-60.0, 0.0, 5.0), radius: float = RADIUS) -> Run:
+    return Run("cut", moves, radius, start=start)
+
+
+def along(y: float, z: float) -> tuple[Move, ...]:
+    """Through the plate along X, from outside to outside."""
+    return Rapid((-60.0, y, 5.0)), Feed((-60.0, y, z), FEED), Feed((60.0, y, z), FEED)
+
+
+def found(*runs: Run, setup: Setup = PLATE) -> list[Depth]:
+    return list(depths(setup, runs))
+
+
+def worst(*runs: Run) -> tuple[float, float]:
+    each = found(*runs)
+    return max(d.ahead for d in each), max(d.beside for d in each)
+
+
+def test_a_slot_and_its_passes() -> None:
+    assert worst(run(*along(0.0, -3.0))) == (3.0, 3.0)
+    assert worst(run(*along(0.0, -1.0), *along(0.0, -2.5))) == (1.5, 2.5)
+    assert worst(run(*along(0.0, -1.0)), run(*along(0.0, -2.5))) == (1.5, 2.5)
+
+
+def test_along_a_wall_that_is_roughed_nothing_stands_ahead() -> None:
+    """The second cut takes 0.3 mm off the side of the first, at full depth."""
+    rough, finish = run(*along(0.0, -4.0)), run(*along(0.3, -4.0))
+    second = [each for each in found(rough, finish) if each.run == 1]
+    assert max(each.ahead for each in second) == 0.0
+    assert max(each.beside for each in second) == 4.0
+
+
+def test_air_is_no_material() -> None:
+    assert worst(run(*along(40.0, -4.0))) == (0.0, 0.0)  # beside the plate
+    assert worst(run(*along(0.0, 1.0))) == (0.0, 0.0)  # above it
+    assert found(run(Feed((0.0, 0.0, -1.0), FEED), start=(0.0, 0.0, 5.0))) == []  # straight down
+
+
+def test_a_ramp_digs_as_deep_as_it_has_come() -> None:
+    down = Feed((20.0, 0.0, -2.0), FEED)
+    (middle, end) = found(run(down, start=(-20.0, 0.0, 0.0)))
+    assert middle.ahead == pytest.approx(1.0)
+    assert end.ahead == pytest.approx(2.0)
+    assert end.place == (20.0, 0.0, -2.0)
+
+
+@pytest.mark.parametrize("ccw", [True, False])
+def test_rounds_of_a_slot(ccw: bool) -> None:
+    """What the cutter has just cut lies behind it, also on an arc."""
+
+    def round_at(z: float) -> tuple[Move, ...]:
+        return tuple(ArcFeed((x, 0.0, z), (0.0, 0.0), ccw, FEED) for x in (-10.0, 10.0))
+
+    down = Feed((10.0, 0.0, -1.5), FEED), Feed((10.0, 0.0, -4.0), FEED)
+    both = found(run(down[0], *round_at(-1.5), down[1], *round_at(-4.0), start=(10.0, 0.0, 5.0)))
+    # The end of a round looks into its own beginning.
+    assert [each.ahead for each in both[:3]] == pytest.approx([1.5] * 3)
+    assert max(each.ahead for each in both[4:]) == pytest.approx(2.5)
+    assert [each.move for each in both] == [1, 1, 2, 2, 4, 4, 5, 5]

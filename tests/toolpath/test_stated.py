@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 
 from camgeo.cam.cam import Contact
 from camgeo.geometry.contour.contour import distances
-from camgeo.milling.cut import AreaCut, ContourCut, Cut, PointCut, slack_of
+from camgeo.milling.cut import AreaCut, ContourCut, Cut, slack_of
 from camgeo.milling.milling import OperationSpec, Stock
 from camgeo.milling.moves import ArcFeed
 from camgeo.milling.strategies import STRATEGIES
@@ -48,26 +47,6 @@ def cuts(
     return named(sequence(contact, *TOOLS, stock=stock, operations=operations))
 
 
-def test_each_kind_makes_its_cut() -> None:
-    found = cuts(
-        operation("face"), operation("drill", tool=2), operation("bore", allowance=0.2),
-        operation("finish", "bore"),
-        operation("rough", "outline", allowance=0.3), operation("finish", "outline", springs=2),
-        operation("chamfer", "outline", 3, size=0.5),
-    )  # fmt: skip
-    assert list(found) == [
-        "face", "drill bore", "rough bore", "bore", "rough outline", "outline", "chamfer outline",
-    ]  # fmt: skip
-    kinds = [AreaCut, PointCut, AreaCut, ContourCut, AreaCut, ContourCut, ContourCut]
-    assert [type(cut) for cut in found.values()] == kinds
-    assert found["face"].top == 1.0
-    assert {cut.top for name, cut in found.items() if name != "face"} == {0.0}
-    assert (found["rough bore"].allowance, found["rough outline"].allowance) == (0.2, 0.3)
-    finish = found["outline"]
-    assert isinstance(finish, ContourCut)
-    assert (finish.depths, finish.springs, finish.cleared) == ((BOTTOM,), 2, True)
-
-
 def test_a_wall_that_nothing_has_roughed_is_finished_in_passes() -> None:
     finish = cuts(operation("finish", "outline"), stock=Stock())["outline"]
     assert isinstance(finish, ContourCut)
@@ -76,23 +55,6 @@ def test_a_wall_that_nothing_has_roughed_is_finished_in_passes() -> None:
         "outline"
     ]
     assert len(roughed.depths) == 1
-
-
-def test_an_operation_overrides_its_tool() -> None:
-    own: dict[str, Any] = {
-        "feed": 200.0,
-        "spindle_speed": 2000.0,
-        "stepdown": 1.5,
-        "coolant": "mist",
-    }
-    cut = cuts(operation("rough", "outline", **own), stock=Stock())["rough outline"]
-    assert len(cut.depths) == 7
-    run = cut.tool
-    assert (run.feed, run.spindle_speed, run.coolant) == (200.0, 2000.0, "mist")
-    assert run.plunge_feed == MILL.plunge_feed
-    other = operation("rough", "outline", name="first", climb=False, stop="turn", note="slowly")
-    cut = cuts(other, stock=Stock())["first"]
-    assert (cut.climb, cut.stop, cut.note) == (False, "turn", "slowly")
 
 
 @pytest.mark.parametrize(
@@ -162,32 +124,9 @@ def test_leads_stay_in_the_slot_that_roughing_has_made(
 
 
 def test_the_strategy_of_a_slot_may_be_stated() -> None:
-    """Loops need room beside the cutter; leads stay beside the allowance that they leave."""
-    found = cuts(
-        operation("rough", "outline", allowance=0.3, strategy="trochoidal", stepdown=20.0),
-        operation("finish", "outline"), stock=Stock(),
-    )  # fmt: skip
-    loops, finish = found["rough outline"], found["outline"]
-    assert isinstance(loops, AreaCut)
-    assert loops.strategy == "trochoid"
-    assert loops.slot == pytest.approx(1.5 * MILL.diameter)
-    assert len(loops.depths) == 1
-    assert isinstance(finish, ContourCut)
-    assert finish.cleared
-    assert 0.3 < finish.room < 0.3 + loops.slot - MILL.diameter
     ramp = cuts(operation("face"), operation("rough", "outline", strategy="ramp"))["rough outline"]
     assert isinstance(ramp, ContourCut)  # though the blank is round
     assert ramp.strategy == "slot"
-
-
-def test_a_known_plate_may_be_cleared_by_a_spiral() -> None:
-    operations = (operation("rough", "outline", strategy="spiral"), operation("finish", "outline"))
-    found = cuts(*operations, stock=Stock(length=160.0, width=150.0))
-    rough, finish = found["rough outline"], found["outline"]
-    assert isinstance(rough, AreaCut)
-    assert rough.stock is not None
-    assert isinstance(finish, ContourCut)
-    assert finish.room == MILL.radius
 
 
 def test_loops_clear_a_groove_at_once_where_they_are_small_enough() -> None:
@@ -200,12 +139,6 @@ def test_loops_clear_a_groove_at_once_where_they_are_small_enough() -> None:
     assert [wall.name for wall in loops(10.0).walls] == ["outer flank", "inner flank"]
     assert loops(10.0).slot == pytest.approx(2.0 * (ROLLER - 0.2))
     assert [wall.name for wall in loops(6.0).walls] == ["outer flank"]
-
-
-def test_a_slot_is_cut_with_a_tool_as_wide() -> None:
-    slot = cuts(operation("slot", tool=4), contact=GROOVE, stock=Stock(bore=BORE))["groove"]
-    assert isinstance(slot, ContourCut)
-    assert slot.tool == SLOTTER
 
 
 @pytest.mark.parametrize("stock", [Stock(), ROUND])

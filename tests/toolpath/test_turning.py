@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.milling.holding import AXES, NOT, OTHER, Clamp, mirrored, mirrored_all
-from camgeo.milling.zero import Zero
+from camgeo.geometry.contour.contour import Contour
+from camgeo.milling.milling import AXES, NOT, OTHER, Clamp, Stock, mirrored, mirrored_all
+from camgeo.milling.zero import OF_THE_PART, Zero, described
+from camgeo.part.boundaries import ExactBoundary
+from camgeo.part.part import Layer, Part
 
 LENGTHS = st.floats(-1e3, 1e3)
 PLACES = st.builds(complex, LENGTHS, LENGTHS)
@@ -65,3 +70,47 @@ def test_a_clamp_stands_where_it_is_stated(about: str) -> None:
     for corner in wanted:
         assert np.min(np.abs(found - corner)) <= ROUNDING
     assert turned.obstacle.name == stated.obstacle.name == "clamp at 30, 10 mm"
+
+
+# -- blank -----------------------------------------------------------------------------------------
+# The blank of a program, in words and as a box, from any zero.
+
+
+RIM: Final = ExactBoundary("rim", hole=False, exact=Contour.circle(20.0))
+
+PART: Final = Part((Layer(-8.0, 0.0, (RIM,)), Layer(0.0, 5.0, (RIM,), "hub")))
+
+PLATE: Final = Stock(length=80.0, width=60.0, centre=3 - 2j, top=1.0, bottom=2.0)
+
+CORNER: Final = Zero("front-left", "blank-top", -37 - 32j, 6.0)
+
+
+@pytest.mark.parametrize(
+    ("stock", "zero", "said"),
+    [
+        (
+            PLATE,
+            OF_THE_PART,
+            "plate, 80 x 60 mm, 16 mm high, its upper face at Z 6, its middle at X 3, Y -2",
+        ),
+        (
+            PLATE,
+            CORNER,
+            "plate, 80 x 60 mm, 16 mm high, its upper face at Z 0, its middle at X 40, Y 30",
+        ),
+        (
+            Stock(shape="round", diameter=50.0, bore=8.0),
+            OF_THE_PART,
+            "round, diameter 50 mm, 13 mm high, bore 8 mm, its upper face at Z 5",
+        ),
+        (Stock(), OF_THE_PART, "plate of unstated size, 13 mm high, its upper face at Z 5"),
+    ],
+)
+def test_it_is_described_from_the_zero(stock: Stock, zero: Zero, said: str) -> None:
+    assert described(stock, PART, zero) == said
+
+
+def test_inches() -> None:
+    stock = Stock(shape="round", diameter=50.8)
+    said = described(stock, PART, OF_THE_PART, "inch")
+    assert said == "round, diameter 2 inch, 0.511811 inch high, its upper face at Z 0.19685"

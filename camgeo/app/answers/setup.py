@@ -38,14 +38,24 @@ from camgeo.design.product import Product, programs_of, sides_of
 from camgeo.errors import GeometryError
 from camgeo.milling.compensation import limits_of
 from camgeo.milling.features import Feature
-from camgeo.milling.holding import CLAMPS, FIXTURE, HOW, ONION_SKIN, SCREWS, TABS, Clamp, Holding
 from camgeo.milling.machine import Machine, load
 from camgeo.milling.machining_time import OperationTime, times_on
-from camgeo.milling.moves import Heights, Operation, Stop, Toolpath
+from camgeo.milling.milling import (
+    CLAMPS,
+    FIXTURE,
+    HOW,
+    ONION_SKIN,
+    SCREWS,
+    TABS,
+    Clamp,
+    Heights,
+    Holding,
+    Tool,
+)
+from camgeo.milling.moves import Operation, Stop, Toolpath
 from camgeo.milling.plan import Engaged
 from camgeo.milling.planned import SEQUENCE
-from camgeo.milling.stages import Flaw
-from camgeo.milling.tool import Tool
+from camgeo.milling.simulation import Flaw
 from camgeo.milling.zero import Zero, described
 from camgeo.scene.scene import Scene
 from camgeo.units import MM_PER, LengthUnit, clock, counted, in_unit

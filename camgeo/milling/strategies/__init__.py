@@ -11,7 +11,8 @@ from typing import Final
 
 from camgeo.geometry.contour.contour import Effort
 from camgeo.milling.cut import Cut
-from camgeo.milling.moves import Heights, Move
+from camgeo.milling.milling import Heights
+from camgeo.milling.moves import Move
 from camgeo.milling.strategies.around import profile, slot
 from camgeo.milling.strategies.clear import clear, moat
 from camgeo.milling.strategies.marks import drill, engrave, letters

@@ -14,9 +14,9 @@ from camgeo.errors import GeometryError, UndercutError
 from camgeo.geometry.contour.contour import Contour, Effort
 from camgeo.milling.compensation import side_of
 from camgeo.milling.cut import ContourCut, Cut
-from camgeo.milling.moves import Heights, Move
-from camgeo.milling.strategies.walk import RAMP, SAME, Walk
-from camgeo.milling.tool import CONTROL, ToolError
+from camgeo.milling.milling import CONTROL, Heights, ToolError
+from camgeo.milling.moves import Move
+from camgeo.milling.strategies.walk import SAME, Walk, cut_of_kind
 from camgeo.milling.track import Beside, Track, begun, flattest, joined, started
 
 MOST_ROUNDS = 1000
@@ -35,7 +35,7 @@ def profile(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> lis
     GeometryError
         If the cutter is too large for the boundary, or there is no room for leads.
     """
-    cut = contour_cut(cut)
+    cut = cut_of_kind(cut, ContourCut, "runs along a path")
     if not (cut.cleared and cut.room):
         return slot(cut, heights, tolerance, effort)
     walk = Walk(cut, heights)
@@ -97,7 +97,7 @@ def slot(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[M
         If the cutter is too large for the path, or the path so short that the descent would take
         more than `MOST_ROUNDS`.
     """
-    cut = contour_cut(cut)
+    cut = cut_of_kind(cut, ContourCut, "runs along a path")
     walk = Walk(cut, heights)
     contour = fitted(cut, tolerance, effort)
     if cut.tabs is None:
@@ -121,6 +121,10 @@ def slot(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[M
         walk.profile(track, lifted(cut, track, cut.bottom, cut.bottom), both=both)
     walk.up()
     return walk.moves
+
+
+RAMP = math.radians(3.0)
+"""Descent into material where the tool states none; its Z feed is limited all the same."""
 
 
 def ramp_of(cut: Cut) -> float:
@@ -159,13 +163,6 @@ def descend(walk: Walk, round_: Track, top: float, bottom: float) -> None:
         walk.down(top)
     for z in descent(walk.cut, top, bottom, round_.length):
         walk.follow(round_, z)
-
-
-def contour_cut(cut: Cut) -> ContourCut:
-    """The cut, if it is one along a path; else TypeError."""
-    if not isinstance(cut, ContourCut):
-        raise TypeError(f"{cut.name}: the strategy {cut.strategy} runs along a path")
-    return cut
 
 
 def farthest_along_x(contour: Contour) -> float:

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import takewhile
+from typing import Final
+
 import shapely
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, Effort, Fit, least_distance
 from camgeo.milling.cut import Cut, LetterCut, LineCut, PointCut
-from camgeo.milling.making import FINE, centres, strokes
-from camgeo.milling.moves import Heights, Move
-from camgeo.milling.stages import Area
+from camgeo.milling.milling import END_MILL, Heights, Tool
+from camgeo.milling.moves import Move
+from camgeo.milling.polygons import Area, parts, polygon, rings
 from camgeo.milling.strategies.around import descent
-from camgeo.milling.strategies.walk import Walk
+from camgeo.milling.strategies.clear import MOST_TURNS
+from camgeo.milling.strategies.walk import Walk, cut_of_kind
 from camgeo.milling.track import Track
+from camgeo.numeric.arrays import ComplexArray
+from camgeo.part.nozzle import unreached
+from camgeo.part.part import Boundary
 
 
 def drill(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[Move]:  # noqa: ARG001  all strategies are called alike
@@ -20,8 +28,7 @@ def drill(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[
 
     All of it at the feed of a drill, or the plunge feed of a cutter: no rapid enters a hole.
     """
-    if not isinstance(cut, PointCut):
-        raise TypeError(f"{cut.name}: the strategy {cut.strategy} cuts at points")
+    cut = cut_of_kind(cut, PointCut, "cuts at points")
     walk = Walk(cut, heights)
     for place in cut.points:
         walk.above(place)
@@ -40,8 +47,7 @@ def engrave(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> lis
     """To each depth in turn by ramps along the line, straight down where the tool may plunge, and
     once along it there.
     """
-    if not isinstance(cut, LineCut):
-        raise TypeError(f"{cut.name}: the strategy {cut.strategy} cuts along a line")
+    cut = cut_of_kind(cut, LineCut, "cuts along a line")
     walk = Walk(cut, heights)
     line = Track.line(cut.start, cut.end)
     walk.above(cut.start)
@@ -62,7 +68,23 @@ def engrave(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> lis
 
 
 # -- letters --------------------------------------------------------------------------------------
-# The strokes of letters: rounds within each, from the inside outwards.
+# The strokes of engraved letters, and what a round cutter makes of them: rounds within each, from
+# the inside outwards.
+#
+# Strokes are polygons a thousandth of a millimetre off at most; where the centre of a cutter may
+# be, they are shrunk by slightly more than its radius, and the paths that follow are proved to keep
+# off the exact outlines.
+
+
+FINE: Final = 1e-3
+"""Tolerance [mm] of the outlines of strokes, of their chords, and of what paths are thinned by."""
+
+OFF: Final = 4.0 * FINE
+"""By how much cutters stay off letters [mm], so that their paths can be proved to cut none: once
+for each of these, and for the chords of round corners."""
+
+CORNERS: Final = 24
+"""Chords of a quarter of a round corner."""
 
 
 def letters(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[Move]:  # noqa: ARG001  all strategies are called alike
@@ -74,8 +96,7 @@ def letters(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> lis
     GeometryError
         With key "toolpath", if a path comes too near to an outline.
     """
-    if not isinstance(cut, LetterCut):
-        raise TypeError(f"{cut.name}: the strategy {cut.strategy} cuts letters")
+    cut = cut_of_kind(cut, LetterCut, "cuts letters")
     walk = Walk(cut, heights)
     walls = [each.arcs(FINE, "fast") for each in cut.walls]
     for stroke in strokes(cut.walls):
@@ -106,3 +127,63 @@ def _require_clear(path: Contour, walls: list[Fit], cut: LetterCut) -> None:
         if apart < needed:
             message = f"{cut.name} comes {needed - apart:.3g} mm too near to an outline"
             raise GeometryError(message, key="toolpath")
+
+
+def strokes(walls: Sequence[Boundary]) -> list[Area]:
+    """A polygon for each connected stroke [mm]."""
+    return parts(polygon([each.arcs(FINE, "fast").contour for each in walls], FINE))
+
+
+def unfit_for_letters(tool: Tool, walls: Sequence[Boundary]) -> str:
+    """Why a tool does not make the strokes of letters; empty if it does."""
+    if tool.kind != END_MILL or tool.corner_radius:
+        return "letters are cut with a flat end mill"
+    if not tool.plunges:
+        return "letters take a tool that plunges"
+    for stroke in strokes(walls):
+        place = unreached(stroke, tool.radius + OFF)
+        if place is not None:
+            x, y = place
+            return f"{tool.diameter:g} mm are wider than a stroke at X {x:.4g}, Y {y:.4g} mm"
+    return ""
+
+
+def centres(stroke: Area, cut: LetterCut) -> list[Contour]:
+    """Paths of the cutter's centre that clear a stroke, the innermost first: counter-clockwise in a
+    hole and clockwise around what stands in it, where the cut climbs.
+
+    Raises
+    ------
+    GeometryError
+        With key "tool.stepover", if they are more than `MOST_TURNS`.
+    """
+    step = min(cut.stepover, cut.tool.radius)
+    first = cut.tool.radius + cut.allowance + OFF
+    shrunk = (
+        shapely.buffer(stroke, -(first + number * step), quad_segs=CORNERS)
+        for number in range(int(stroke.length / step) + 2)
+    )
+    found: list[Contour] = []
+    for number, area in enumerate(takewhile(lambda each: not each.is_empty, shrunk)):
+        if number == MOST_TURNS:
+            message = f"makes more than {MOST_TURNS} rounds in a stroke of {cut.name}"
+            raise GeometryError(message, "tool.stepover", f"{cut.stepover:g}")
+        thin = shapely.orient_polygons(shapely.simplify(area, FINE))
+        found += [_round(ring[:-1], climb=cut.climb) for ring in rings(thin)]
+    return found[::-1]
+
+
+def _round(ring: ComplexArray, *, climb: bool) -> Contour:
+    """A path along a ring, of which outer ones run counter-clockwise."""
+    contour = Contour.polygon(ring)
+    return contour if climb else contour.reversed()
+
+
+def reached(cut: LetterCut) -> list[Contour]:
+    """The outlines of what the cutter makes of the letters: their corners are round."""
+    found: list[Contour] = []
+    for stroke in strokes(cut.walls):
+        within = shapely.buffer(stroke, -cut.tool.radius, quad_segs=CORNERS)
+        made = shapely.buffer(within, cut.tool.radius, quad_segs=CORNERS)
+        found += [Contour.polygon(ring[:-1]) for ring in rings(made)]
+    return found

@@ -19,9 +19,18 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, Effort
 from camgeo.milling.cut import AreaCut, Cut
-from camgeo.milling.moves import Heights, Move, too_long
+from camgeo.milling.milling import Heights
+from camgeo.milling.moves import Move, too_long
 from camgeo.milling.strategies.around import descend
-from camgeo.milling.strategies.walk import SPENT, Walk, along, coarse, limit_of, require_clear
+from camgeo.milling.strategies.walk import (
+    SPENT,
+    Walk,
+    along,
+    coarse,
+    cut_of_kind,
+    limit_of,
+    require_clear,
+)
 from camgeo.milling.track import Track, chained, flattest, started
 from camgeo.reading import PROGRAM_LINES
 
@@ -59,8 +68,7 @@ def trochoid(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> li
     GeometryError
         If the cutter is too large for the wall or the slot, or no step keeps the engagement.
     """
-    if not isinstance(cut, AreaCut):
-        raise TypeError(f"{cut.name}: the strategy {cut.strategy} clears an area")
+    cut = cut_of_kind(cut, AreaCut, "clears an area")
     fine, wall = coarse(cut, tolerance), cut.walls[0]
     path = along(wall, cut, fine)
     path = started(path, next(flattest(path)))

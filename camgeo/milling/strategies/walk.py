@@ -5,27 +5,34 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Final
+from typing import Final, TypeVar
 
 import numpy as np
 
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.geometry.contour.contour import Contour, least_distance
-from camgeo.milling.areas import Morph, Star, paced
 from camgeo.milling.cut import AreaCut, Cut, slack_of
-from camgeo.milling.moves import ArcFeed, Feed, Heights, Move, Rapid, centre_feed, too_long
+from camgeo.milling.milling import Heights
+from camgeo.milling.moves import ArcFeed, Feed, Move, Rapid, too_long
 from camgeo.milling.track import Track
 from camgeo.part.part import Boundary
 from camgeo.reading import PROGRAM_LINES
-
-RAMP = math.radians(3.0)
-"""Descent into material where the tool states none; its Z feed is limited all the same."""
 
 SHORTEST = 0.05
 """Least length of a piece that is made by dividing another [mm]."""
 
 SAME = 1e-9
 """Places and heights [mm] that differ by less are one."""
+
+
+CutKind = TypeVar("CutKind", bound=Cut)
+
+
+def cut_of_kind(cut: Cut, kind: type[CutKind], does: str) -> CutKind:
+    """The cut, if it is one of the `kind` that its strategy `does`; else TypeError."""
+    if not isinstance(cut, kind):
+        raise TypeError(f"{cut.name}: the strategy {cut.strategy} {does}")
+    return cut
 
 
 class Walk:
@@ -195,8 +202,6 @@ SPENT: Final = 3.0
 """Tolerances by which a roughing path is moved off the wall: its last round deviates by one, the
 spiral before it by another, and the wall in the proof by the third."""
 
-SHORTEST_START: Final = 0.05
-"""Least length of a piece at which a round begins [mm]: shorter ones could vanish in rounding."""
 
 STEEPER: Final = 3.0
 """How much faster than on a straight wall the engagement may grow with the depth of cut, where the
@@ -221,6 +226,20 @@ def limit_of(cut: AreaCut, tolerance: float) -> float:
     # cos(limit) = 1 - depth / radius on a straight wall, and both turns may be a tolerance off.
     steep = radius * math.sin(min(limit, 0.5 * math.pi))
     return max(0.5 * limit, limit - STEEPER * 2.0 * tolerance / steep)
+
+
+def centre_feed(feed: float, radius: float, tool_radius: float, *, inside: bool) -> float:
+    """Feed of the centre [mm/min] for at most `feed` at the contact.
+
+    Along a wall around the arc's centre at `radius` + `tool_radius` (`inside`), the contact runs
+    faster than the centre in this ratio, so the centre is slowed. Along a wall that it runs around
+    the outside of, the contact is the slower of the two, and the feed stays.
+
+    Parameters
+    ----------
+    radius : of the centre's arc [mm], above 0.
+    """
+    return feed * radius / (radius + tool_radius) if inside else feed
 
 
 def along(wall: Boundary, cut: AreaCut, tolerance: float, farther: float = 0.0) -> Contour:
@@ -256,19 +275,3 @@ def require_clear(track: Track, wall: Boundary, cut: AreaCut, tolerance: float) 
     if apart < cut.tool.radius + cut.allowance - EQUAL:
         short = cut.tool.radius + cut.allowance - apart
         raise GeometryError(f"{cut.name} comes {short:.3g} mm too near to the wall", "toolpath")
-
-
-def spiral(
-    cut: AreaCut, a: Star, b: Star, finish: float, tolerance: float, *, outward: bool
-) -> Morph:
-    """The spiral from a to b, outward in a hole, that ends in the direction `finish` [rad]."""
-    return paced(
-        a,
-        b,
-        sense=1 if outward == cut.climb else -1,
-        side=-1 if cut.climb else 1,
-        finish=finish,
-        radius=cut.tool.radius,
-        limit=limit_of(cut, tolerance),
-        step=min(cut.stepover, 2.0 * (cut.tool.radius - cut.tool.corner_radius) or cut.stepover),
-    )

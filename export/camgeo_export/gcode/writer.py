@@ -20,7 +20,6 @@ from camgeo.errors import Fault, GeometryError, SceneError, ToleranceError
 from camgeo.milling.compensation import KEY as KEY_OF_COMPENSATION
 from camgeo.milling.compensation import Limit, limits_of, mode_of, programmed
 from camgeo.milling.cut import Cut
-from camgeo.milling.holding import HOW, OTHER
 from camgeo.milling.machine import (
     KEY,
     ROUNDING_SHARE,
@@ -33,7 +32,7 @@ from camgeo.milling.machine import (
     load,
 )
 from camgeo.milling.machining_time import toolpath_times
-from camgeo.milling.milling import GcodeSpec, Stock
+from camgeo.milling.milling import HOW, OTHER, WEAR, GcodeSpec, Stock, Tool
 from camgeo.milling.moves import (
     ArcFeed,
     Feed,
@@ -45,7 +44,6 @@ from camgeo.milling.moves import (
     arc_sweep,
     too_long,
 )
-from camgeo.milling.tool import WEAR, Tool
 from camgeo.milling.zero import OF_THE_PART, Zero, box, described
 from camgeo.numeric.checked import one_of
 from camgeo.reading import PROGRAM_LINES

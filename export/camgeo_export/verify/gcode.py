@@ -35,18 +35,16 @@ from camgeo.design.verify import (
 from camgeo.errors import FileError, SceneError
 from camgeo.geometry.contour.contour import HALF_TURN, Contour, Pieces, distances, least_distance
 from camgeo.geometry.contour.spline import SplineContour
-from camgeo.milling.areas import inside
 from camgeo.milling.bench import Bench as Workbench
 from camgeo.milling.compensation import mode_of, side_of
 from camgeo.milling.course import Course, course_of
 from camgeo.milling.cut import AreaCut, ContourCut, Cut, LetterCut
-from camgeo.milling.judged import Side, run_with, runs_of
+from camgeo.milling.judged import Done, Side, run_with, runs_of, settled, simulated
 from camgeo.milling.machine import Machine, load
-from camgeo.milling.milling import MillingSpec
+from camgeo.milling.milling import END_MILL, WEAR, MillingSpec, Tool
 from camgeo.milling.moves import ArcFeed, Feed, Move, Point, Rapid
-from camgeo.milling.simulation import ALLOWED, Done, settled, simulated
-from camgeo.milling.stages import Flaw, Run, Setup
-from camgeo.milling.tool import END_MILL, WEAR, Tool
+from camgeo.milling.plan import inside
+from camgeo.milling.simulation import ALLOWED, Flaw, Run, Setup
 from camgeo.milling.track import Track
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, joined, taken
 from camgeo.reading import PROGRAM, check_text

@@ -8,14 +8,15 @@ from functools import cache
 import numpy as np
 import pytest
 
-from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, distances
 from camgeo.geometry.outline.path import whole
-from camgeo.milling.areas import Morph, Star, engagements, fitted, paced
-from camgeo.milling.track import Track
+from camgeo.milling.strategies.clear import Morph, Star, biarcs, engagements, fitted, paced
+from camgeo.milling.track import Track, chained
 from camgeo.numeric.arrays import BoolArray, ComplexArray
 from camgeo.part.boundaries import CurveBoundary
 from tests.contour.cams import dwell, flank, move, translating
+from tests.part.parts import refused
+from tests.toolpath.plane.tracks import any_track, dense
 
 RADIUS = 5.0
 
@@ -148,6 +149,135 @@ def test_a_square_blank() -> None:
 
 def test_steps_too_small_are_refused() -> None:
     blank = star(Contour.circle(BLANK + RADIUS))
-    with pytest.raises(GeometryError, match="turns of the roughing spiral") as caught:
+    with refused("tool.stepover", "turns of the roughing spiral"):
         paced(blank, cam(), sense=-1, side=-1, finish=0.0, radius=RADIUS, limit=LIMIT, step=1e-3)
-    assert caught.value.key == "tool.stepover"
+
+
+# -- star ------------------------------------------------------------------------------------------
+# Contours seen from a pole.
+
+
+SLOT = Contour(
+    np.array([-10 - 1j, 10 - 1j, 10 + 1j, -10 + 1j]),
+    np.array([0.0, np.pi, 0.0, np.pi]),
+    np.array([0j, 10.0, 0j, -10.0]),
+)
+
+WAISTED = Contour(
+    np.array([4 - 3j, 4 + 3j, -4 + 3j, -4 - 3j]),
+    np.array([0.0, -1.0, 0.0, -1.0]),
+    np.array([0j, 3j + 4j / np.tan(0.5), 0j, -3j - 4j / np.tan(0.5)]),
+)
+"""Two sides bent inward."""
+
+
+POLES = [(SLOT, 2 + 0.1j), (WAISTED, 0.3j), (SLOT.reversed(), 0j)]
+
+
+@pytest.mark.parametrize(("contour", "pole"), POLES)
+def test_rays_meet_the_contour(contour: Contour, pole: complex) -> None:
+    star = Star.of(contour, pole)
+    assert star is not None
+    rays = np.linspace(-7.0, 9.0, 700)
+    r, slope = star.at(rays)
+    assert np.max(distances(star.points(rays), Track.around(contour))) < 1e-12
+    step = 1e-6
+    ahead, behind = (star.at(rays + each)[0] for each in (step, -step))
+    # Apart from kinks and jumps of curvature within a step of a ray.
+    assert np.quantile(np.abs((ahead - behind) / (2.0 * step) - slope), 0.98) < 1e-6
+    assert np.all(r > 0.0)
+
+
+@pytest.mark.parametrize("pole", [0.95j, 10.95 + 0j, 20 + 0j])
+def test_steep_or_outside_is_none(pole: complex) -> None:
+    assert Star.of(SLOT, pole) is None
+
+
+def test_what_turns_back_is_none() -> None:
+    hook = np.array([0j, 10 + 0j, 10 + 10j, 5 + 10j, 5 + 4j, 4 + 4j, 4 + 10j, 0 + 10j])
+    assert Star.of(Contour.polygon(hook), 2 + 2j) is None
+
+
+@pytest.mark.parametrize(("contour", "pole"), POLES)
+def test_nothing_is_nearer_or_farther_than_its_distances(contour: Contour, pole: complex) -> None:
+    star, other = Star.of(contour, pole), Star.of(Contour.circle(30.0, pole + 1.0), pole)
+    assert star is not None
+    assert other is not None
+    rays = np.linspace(0.0, 2.0 * np.pi, 100_001)
+    own = star.at(rays)[0]
+    for found, values in (
+        (star.distances(), own),
+        (star.distances(beyond=other), own - other.at(rays)[0]),
+    ):
+        for end, sign in ((found.lowest, -1.0), (found.highest, 1.0)):
+            most = float(np.max(sign * values))
+            assert most - 1e-9 <= sign * end.value <= most + 1e-3
+
+
+def test_the_distances_of_a_square_that_lies_askew() -> None:
+    square = Star.of(Contour.polygon(10.0 * np.exp(1j * (0.1003 + 0.5 * np.pi * np.arange(4)))))
+    assert square is not None
+    found = square.distances()
+    assert found.highest.value == pytest.approx(10.0, abs=1e-12)
+    assert found.lowest.value == pytest.approx(np.sqrt(50.0), abs=1e-12)
+
+
+# -- track -----------------------------------------------------------------------------------------
+# Chains of lines and arcs: parts of them, and biarcs.
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_parts_lie_on_the_whole(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    track = any_track(rng)
+    start, end = np.sort(rng.uniform(0.0, track.length, 2))
+    part = track.between(float(start), float(end))
+    assert part.length == pytest.approx(end - start, rel=1e-9)
+    assert np.max(distances(dense(part, 30), track)) < 1e-10
+    ends, along = track.at(np.array([start, end]))
+    assert np.abs(ends - [part.start, part.end]) == pytest.approx([0.0, 0.0], abs=1e-10)
+    assert np.array(part.headings) == pytest.approx(along, abs=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_half_turns_are_the_same(seed: int) -> None:
+    track = any_track(np.random.default_rng(seed))
+    track = chained((track, Track.arc(track.end, track.end + 2.0, 6.0)))
+    fine = track.halved()
+    assert fine.length == pytest.approx(track.length, rel=1e-12)
+    assert np.max(distances(dense(fine, 5), track)) < 1e-10
+    assert np.max(np.abs(fine.sweeps)) <= np.pi
+    back = track.reversed()
+    assert back.start == track.end
+    assert np.max(distances(dense(back, 5), track)) < 1e-10
+    both = chained((track, back))
+    assert both.end == track.start
+    assert both.length == pytest.approx(2.0 * track.length)
+
+
+def test_once_round_a_contour() -> None:
+    circle = Track.around(Contour.circle(3.0, 1j))
+    assert circle.start == circle.end == 3.0 + 1j
+    assert circle.length == pytest.approx(6.0 * np.pi)
+    assert circle.headings[0] == pytest.approx(1j)
+
+
+def test_biarcs_are_tangential_and_exact_on_circles() -> None:
+    turn = np.linspace(0.0, 2.0, 5)
+    track = biarcs(4.0 * np.exp(1j * turn), 1j * np.exp(1j * turn))
+    assert np.abs(track.centres) == pytest.approx(np.zeros(8), abs=1e-12)
+    assert np.sum(track.sweeps) == pytest.approx(2.0)
+
+
+def test_biarcs_join_without_a_corner() -> None:
+    t = np.linspace(0.0, 6.0, 40)
+    points, along = t + 1j * np.sin(t), 1.0 + 1j * np.cos(t)
+    track = biarcs(points, along / np.abs(along))
+    out = np.where(track.sweeps == 0.0, track.ends - track.starts,
+                   1j * np.sign(track.sweeps) * (track.ends - track.centres))  # fmt: skip
+    into = np.where(track.sweeps == 0.0, track.ends - track.starts,
+                    1j * np.sign(track.sweeps) * (track.starts - track.centres))  # fmt: skip
+    assert np.max(np.abs(np.angle(into[1:] * np.conj(out[:-1])))) < 1e-7
+    assert np.max(distances(t + 1j * np.sin(t), track)) < 1e-12
+    fine = np.linspace(0.0, 6.0, 1000)
+    assert np.max(distances(fine + 1j * np.sin(fine), track)) < 1e-3

@@ -12,9 +12,9 @@ import numpy as np
 from camgeo.geometry.contour.contour import Contour, Effort, distances
 from camgeo.geometry.outline.path import whole
 from camgeo.milling.cut import AreaCut, ContourCut, Cut
-from camgeo.milling.moves import Heights, Move, Rapid
+from camgeo.milling.milling import Heights, Tool
+from camgeo.milling.moves import Move, Rapid
 from camgeo.milling.strategies import STRATEGIES
-from camgeo.milling.tool import Tool
 from camgeo.milling.track import Track
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary
