@@ -24,9 +24,8 @@ if TYPE_CHECKING:  # each effect imports the modules that it computes with
     from camgeo.cam.cam import Cam, Drive
     from camgeo.dynamics.state.state import Model, Train, Used
     from camgeo.dynamics.state.written import Contours, HasPart, State, Writing
-    from camgeo.kinematics.mechanism.linkage import Member
     from camgeo.kinematics.mechanism.slider_crank import SliderCrank
-    from camgeo.kinematics.mechanism.values import Touching
+    from camgeo.kinematics.mechanism.values import Member, Touching
     from camgeo.kinematics.time_course import TimeCourse
     from camgeo.part.spec import PartSpec
     from camgeo.units import LengthUnit, LiftUnit
