@@ -193,7 +193,7 @@ CLOSED: dict[str, dict[str, str]] = {
             "refuses early; the outline has cut off what runs back, and the fit is proved"
         ),
     },
-    "camgeo/geometry/contour/least_pieces.py": {
+    "camgeo/studies/accuracy/contours.py": {
         "np.linspace(piece.start, piece.end, CELLS + 1)": (
             "sums an estimate that is shown beside the pieces of a fit; decides nothing"
         ),

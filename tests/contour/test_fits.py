@@ -28,7 +28,6 @@ from camgeo.geometry.contour.contour import Contour, Fit, require_simple
 from camgeo.geometry.contour.cubics import fewest_cubics, fit_spline
 from camgeo.geometry.contour.fewest_arcs import Strands, fewest_arcs
 from camgeo.geometry.contour.fewest_chords import fewest_chords
-from camgeo.geometry.contour.least_pieces import forced_pieces, least_arcs, least_chords
 from camgeo.geometry.contour.proof import deviation
 from camgeo.geometry.outline.path import Path, Pivot, Stretch, area, whole
 from camgeo.geometry.pieces import smooth_pieces
@@ -39,6 +38,7 @@ from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import IntArray
 from camgeo.part.boundaries import CurveBoundary
+from camgeo.studies.accuracy.contours import forced_pieces, least_arcs, least_chords
 from tests.contour.cams import TURN, curves, dwell, flank, move, outline
 from tests.contour.cams import translating as cam
 from tests.contour.paths import (

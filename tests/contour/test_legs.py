@@ -12,12 +12,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import ToleranceError, UndercutError
-from camgeo.geometry.contour.least_pieces import (
-    forced_pieces,
-    least_arcs,
-    least_chords,
-    least_cubics,
-)
 from camgeo.geometry.contour.legs import (
     APART,
     STEP,
@@ -38,6 +32,7 @@ from camgeo.geometry.outline.path import Path, Pivot, Stretch, whole
 from camgeo.geometry.pieces import Piece, smooth_pieces
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.numeric.arrays import FloatArray
+from camgeo.studies.accuracy.contours import forced_pieces, least_arcs, least_chords, least_cubics
 from tests.contour.cams import TURN, dwell, flank, move, translating
 from tests.contour.paths import break_count, cut_off_lobe, hard_curve, shocks
 from tests.strategies import attack

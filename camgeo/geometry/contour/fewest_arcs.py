@@ -13,13 +13,16 @@ from numpy.typing import NDArray
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo.geometry.contour.arcs import FLAT, fit_arcs, rest_arcs, turn_arc
 from camgeo.geometry.contour.contour import Fit
-from camgeo.geometry.contour.least_pieces import ARC
 from camgeo.geometry.contour.legs import APART, Bends, Chain, bends_of, clearly_less, in_steps
 from camgeo.geometry.contour.proof import Group, fit_by_groups, proved_fit
 from camgeo.geometry.outline.path import Path
 from camgeo.geometry.pieces import Piece
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+
+ARC = math.sqrt(3.0) / 216.0
+"""The best arcs leave the error ARC |dkappa/ds| h^3 on a span h: a C1 quadratic spline leaves
+B_3(t)/6 of a cubic, and the largest value of Bernoulli's polynomial B_3 is sqrt(3)/36."""
 
 AIM = 0.988
 """Fraction of the tolerance that the sampled deviation may reach: the proof adds 1 %, and samples
