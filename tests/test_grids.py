@@ -290,7 +290,7 @@ CLOSED: dict[str, dict[str, str]] = {
     "camgeo/geometry/outline/replay.py": {
         "np.arange(count, dtype=np.float64)": PICTURE,
     },
-    "camgeo/geometry/outline/crossings.py": {
+    "camgeo/geometry/outline/envelope.py": {
         "np.arange(SAMPLES)": (
             "a run of cells that provably turns by less than a right angle, with four borders at"
             " most in it; other tails are left to the search by boxes"

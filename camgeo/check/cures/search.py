@@ -607,8 +607,8 @@ class Neck:
 
 
 def crossings(discs: Discs) -> Pairs:
-    """The crossings of each flank with itself, see `camgeo.geometry.outline.crossings`."""
-    from camgeo.geometry.outline.crossings import find_crossings  # only regular flanks need it
+    """The crossings of each flank with itself, see `find_crossings`."""
+    from camgeo.geometry.outline.cusps import find_crossings
 
     return tuple(
         (number, each.first, each.second)

@@ -1,4 +1,5 @@
-"""Undercut of a flank: cusps, and the ranges between them in which the envelope runs backwards.
+"""Undercut of a flank: cusps, and the ranges between them in which the envelope runs backwards; and
+where it crosses itself.
 
 One scalar decides: 1 + d kappa of the parallel at d, or the pace that has its sign. Between
 neighbouring extremes of the curvature it is monotone, so that no range is missed, however narrow.
@@ -12,12 +13,15 @@ imply, the extremes there are added; then all cells are looked at once more.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from camgeo.geometry.outline.envelope import (
     Cells,
     Envelope,
     envelope_of,
+    find_nodes,
     halved,
     unresolved,
 )
@@ -218,3 +222,41 @@ def with_places(pitch: PitchCurve, bends: Extremes, angles: FloatArray) -> Extre
     values = np.concatenate((bends.values, pitch.curvature(added)))
     order = np.argsort(phi, kind="stable")
     return Extremes(frozen(phi[order], np.float64), frozen(values[order], np.float64))
+
+
+@dataclass(frozen=True, slots=True)
+class Crossing:
+    """A point that a flank passes twice.
+
+    Attributes
+    ----------
+    first, second : cam angles [rad] in [0, 2 pi), first < second.
+    point : its place [mm].
+    """
+
+    first: float
+    second: float
+    point: complex
+
+
+def find_crossings(curve: WorkingCurve, bends: Extremes | None = None) -> tuple[Crossing, ...]:
+    """All crossings of the parallel `curve` with itself, by the first cam angle.
+
+    Mere contacts are not crossings. `bends` are the extremes of the pitch curve's curvature, if
+    known.
+
+    Raises
+    ------
+    GeometryError
+        If the question cannot be decided, e.g. where the flank lies on itself along a stretch.
+    """
+    envelope = envelope_of(curve)
+    nodes = find_nodes(envelope, backward_ranges(envelope, bends))
+    crossing = [node for node in nodes if not node.touching]
+    places = np.array([(node.first, node.second) for node in crossing]).reshape(-1, 2)
+    angles = envelope.angles_at(places).tolist()
+    found = [
+        Crossing(first, second, node.point)
+        for (first, second), node in zip(angles, crossing, strict=True)
+    ]
+    return tuple(sorted(found, key=lambda each: (each.first, each.second)))

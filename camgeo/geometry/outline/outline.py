@@ -27,9 +27,15 @@ from camgeo.geometry.outline.clearance import (
     surely_clear_of_axis,
 )
 from camgeo.geometry.outline.convex import SMALLEST, Convexity, touch
-from camgeo.geometry.outline.crossings import Node, find_crossings, find_nodes
-from camgeo.geometry.outline.cusps import CUSP, PASSES, backward_ranges, deep_ranges, with_places
-from camgeo.geometry.outline.envelope import Envelope, divide, envelope_of
+from camgeo.geometry.outline.cusps import (
+    CUSP,
+    PASSES,
+    backward_ranges,
+    deep_ranges,
+    find_crossings,
+    with_places,
+)
+from camgeo.geometry.outline.envelope import Envelope, Node, divide, envelope_of, find_nodes
 from camgeo.geometry.outline.path import Element, Path, Pivot, Stretch, whole
 from camgeo.geometry.pieces import Extremes, centres_at, curvature_extremes, halves, turn_cells
 from camgeo.geometry.pitch_curve import PitchCurve
