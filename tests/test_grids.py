@@ -198,7 +198,7 @@ CLOSED: dict[str, dict[str, str]] = {
             "sums an estimate that is shown beside the pieces of a fit; decides nothing"
         ),
     },
-    "camgeo/geometry/contour/spline_replay.py": {
+    "camgeo/geometry/outline/roller.py": {
         "np.linspace(0.0, 1.0, LOOKS)": (
             "cubics of camgeo's own fits, of which each turns by little; others are not replayed"
         ),

@@ -228,6 +228,7 @@ def test_a_fit_gives_the_motion_back(scene: str, side: int, tolerance: float) ->
     # along the flank moves it by no more.
     phi = np.linspace(0.0, TURN, 721)
     steepest = 1.0 / math.sin(float(np.min(curve.pitch.transmission_angle(phi))))
+    assert isinstance(found.lift, ActualLift)
     arm = 1.0 if found.lift.path.reach[1] == math.inf else curve.pitch.follower.arm  # type: ignore[attr-defined]  # only rockers have an arm
     assert (
         0.1 * tolerance / arm < abs(found.largest_error.value) < steepest * tolerance / arm * 1.001

@@ -22,7 +22,6 @@ from camgeo.geometry.contour.arcs import fit_arcs
 from camgeo.geometry.contour.chords import fit_polyline
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.spline import CubicSpline, SplineContour, strands_of
-from camgeo.geometry.contour.spline_replay import Chain, replay_spline
 from camgeo.geometry.outline.outline import real_outline
 from camgeo.geometry.outline.path import whole
 from camgeo.geometry.outline.replay import (
@@ -32,8 +31,9 @@ from camgeo.geometry.outline.replay import (
     play,
     replay_contour,
     replay_outline,
+    replay_spline,
 )
-from camgeo.geometry.outline.roller import ActualLift, PlayedLift
+from camgeo.geometry.outline.roller import ActualLift, Chain, PlayedLift
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.follower_path import path_of
@@ -143,7 +143,7 @@ def test_derivatives_are_those_of_the_lift(made: Made) -> None:
 
 def test_what_holds_the_roller_is_its_radius_away_and_nothing_is_nearer(made: Made) -> None:
     replay, contour = made
-    if contour is None or not hasattr(replay.lift, "branches"):
+    if contour is None or not isinstance(replay.lift, ActualLift):
         return  # corners of an outline, and a face, are compared elsewhere
     some = np.arange(0, len(replay.phi), 41)
     at = centres(replay, replay.phi[some], replay.actual[0, some])

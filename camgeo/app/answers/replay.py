@@ -48,18 +48,18 @@ from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.geometry.contour.contour import Contour, crossing, winding_number
 from camgeo.geometry.contour.foreign import Outlines, by_arcs
 from camgeo.geometry.contour.spline import SplineContour
-from camgeo.geometry.contour.spline_replay import replay_spline
 from camgeo.geometry.outline.face import FaceLift
 from camgeo.geometry.outline.path import Flank, area
 from camgeo.geometry.outline.replay import (
-    CORNER,
     Jumps,
     Replay,
     closing_error,
     play,
     replay_contour,
     replay_outline,
+    replay_spline,
 )
+from camgeo.geometry.outline.roller import CORNER
 from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme, Extremes

@@ -19,7 +19,13 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, Effort, Form
 from camgeo.geometry.contour.spline import SplineContour
 from camgeo.geometry.outline.path import Flank
-from camgeo.geometry.outline.replay import DiscLift, Replay, extreme_play, replay_contour
+from camgeo.geometry.outline.replay import (
+    DiscLift,
+    Replay,
+    extreme_play,
+    replay_contour,
+    replay_spline,
+)
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.mechanism.face import FlatFollower, flat_follower
 from camgeo.kinematics.mechanism.follower import RelativeJet
@@ -368,8 +374,6 @@ def _replayed(pitch: PitchCurve, contour: Contour | SplineContour, flank: Flank)
             raise GeometryError(
                 "a flat face on splines: its motion is not computed", key=KEY, value=MODEL
             )
-        from camgeo.geometry.contour.spline_replay import replay_spline  # few contours are splines
-
         return replay_spline(pitch, contour, flank)
     return replay_contour(pitch, contour, flank)
 

@@ -350,6 +350,14 @@ class SplineContour:
         return type(self)(tuple(chain.from_iterable(parts)))
 
     @property
+    def pieces(self) -> list[Arc | ComplexArray]:
+        """Arcs and lines, and (4,) complex [mm] Bezier points of each cubic, in order."""
+        found: list[Arc | ComplexArray] = []
+        for strand in self.strands:
+            found += [strand] if isinstance(strand, Arc) else list(strand.beziers)
+        return found
+
+    @property
     def splines(self) -> tuple[CubicSpline, ...]:
         """The splines among the strands."""
         return tuple(each for each in self.strands if isinstance(each, CubicSpline))

@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import singledispatch
-from typing import Literal, Protocol
+from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 
@@ -37,7 +37,7 @@ from camgeo.geometry.outline.outline import (
     too_rough,
 )
 from camgeo.geometry.outline.path import Path
-from camgeo.geometry.outline.roller import AS_DEMANDED, LinesAndArcs
+from camgeo.geometry.outline.roller import AS_DEMANDED
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.mechanism.face import Touch, flat_follower
 from camgeo.kinematics.mechanism.follower import Follower
@@ -46,6 +46,9 @@ from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from camgeo.kinematics.motion import Motion
 from camgeo.numeric.arrays import SIDES, ComplexArray, FloatArray, IntArray, Side, ascending, phase
 from camgeo.units import TURN
+
+if TYPE_CHECKING:
+    from camgeo.geometry.contour.contour import Contour
 
 WIDEST = math.pi / 4.0
 """Widest range of normals [rad] of the cells in which distances are compared."""
@@ -101,7 +104,7 @@ class Hull:
         return self.circles.distance(self.touched, self.normals)
 
 
-def hull_of(contour: LinesAndArcs) -> Hull:
+def hull_of(contour: Contour) -> Hull:
     """The convex hull of `contour`.
 
     Raises
@@ -237,7 +240,7 @@ class FaceLift:
 
     @property
     def outward(self) -> int:
-        """See `camgeo.geometry.outline.replay.DiscLift`."""
+        """See `camgeo.geometry.outline.roller.ActualLift`."""
         return self.path.outward
 
     @property
@@ -247,12 +250,12 @@ class FaceLift:
 
     @property
     def knots(self) -> FloatArray:
-        """See `camgeo.geometry.outline.replay.DiscLift`."""
+        """See `camgeo.geometry.outline.roller.ActualLift`."""
         return self.motion.borders
 
     @property
     def as_demanded(self) -> bool:
-        """See `camgeo.geometry.outline.replay.DiscLift`."""
+        """See `camgeo.geometry.outline.roller.ActualLift`."""
         return True
 
     def number(self, phi: FloatArray, side: Side = "right") -> IntArray:
@@ -260,13 +263,13 @@ class FaceLift:
         return piece_at(self.borders, self.numbers, phi, side)
 
     def held_by(self, numbers: IntArray) -> tuple[IntArray, FloatArray]:
-        """See `camgeo.geometry.outline.replay.DiscLift`."""
+        """See `camgeo.geometry.outline.roller.ActualLift`."""
         bent = self.circles.radii[numbers] > 0.0
         return self.circles.elements[numbers], np.where(bent, TURN, self.widths[numbers])
 
     def without_corners(self, corner: float) -> FaceLift:
         """The same lift where the face does not rock about corners of up to `corner` [rad], see
-        `camgeo.geometry.outline.roller.ActualLift.without_corners`.
+        `ActualLift.without_corners`.
 
         Nothing but corners may lie between two corners; of such a row only what turns by no more
         than `corner` together is left out.
@@ -322,14 +325,14 @@ class FaceLift:
         )
 
     def heading(self, phi: FloatArray, jet: FloatArray) -> ComplexArray:
-        """See `camgeo.geometry.outline.replay.DiscLift`: of the contact, if it did not wander."""
+        """See `camgeo.geometry.outline.roller.ActualLift`: of the contact, if it did not wander."""
         at = flat_follower(self.pitch.follower).touch(_full(jet), self.path.rotation)
         way: ComplexArray = at.distance + 1j * at.contact[0]
         del phi
         return way
 
     def shift_of(self, joint: float, error: FloatArray) -> FloatArray:
-        """See `camgeo.geometry.outline.replay.DiscLift`.
+        """See `camgeo.geometry.outline.roller.ActualLift`.
 
         The contact is off along the face by its error, in which that of the velocity counts, and
         runs along the outline with the pace p.
@@ -347,16 +350,16 @@ def _full(jet: FloatArray) -> FloatArray:
     return np.vstack((jet, np.zeros_like(jet[:1])))
 
 
-def face_on(hull: Hull, pitch: PitchCurve) -> FaceLift:
-    """The flat face of `pitch` on a contour with the convex `hull`.
+def face_on(contour: Contour, pitch: PitchCurve) -> FaceLift:
+    """The flat face of `pitch` on `contour`.
 
     Raises
     ------
     GeometryError
-        If the contour does not go round the cam axis, or a rocker's face cannot lie on it all
-        round, with its contact on the rocker's own side of the pivot's foot.
+        As `hull_of`; if the contour does not go round the cam axis, or a rocker's face cannot lie
+        on it all round, with its contact on the rocker's own side of the pivot's foot.
     """
-    path = face_path_of(pitch.follower, pitch.rotation)
+    path, hull = face_path_of(pitch.follower, pitch.rotation), hull_of(contour)
     _require_axis(hull)
     lift = path.lift_of(hull.ends())
     angles = path.angle_of(hull.normals, lift)
