@@ -14,9 +14,9 @@ import pytest
 import camgeo
 from camgeo.cam.cam import Disc, Drive
 from camgeo.design.design import Design
+from camgeo.design.value_table import radius_of_curvature
 from camgeo.errors import UnknownNameError
 from camgeo.geometry import pieces, pitch_curve
-from camgeo.geometry.pieces import radius_of_curvature
 from camgeo.kinematics import plan
 from camgeo.lazy import lazy_names
 

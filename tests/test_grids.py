@@ -179,6 +179,9 @@ CLOSED: dict[str, dict[str, str]] = {
         "np.arange(PARTS)": VERTICES,
     },
     "camgeo/geometry/contour/fewest_chords.py": {
+        "np.linspace(piece.start, piece.end, 257)": (
+            "refuses early; the outline has cut off what runs back, and the fit is proved"
+        ),
         "np.arange(CELLS)": VERTICES,
         "np.linspace(-1.0, 1.0, 2 * NEAR + 1)": VERTICES,
     },
@@ -187,11 +190,6 @@ CLOSED: dict[str, dict[str, str]] = {
     },
     "camgeo/geometry/contour/cubics.py": {
         "np.arange(ORDER)": NODES,
-    },
-    "camgeo/geometry/contour/legs.py": {
-        "np.linspace(piece.start, piece.end, 257)": (
-            "refuses early; the outline has cut off what runs back, and the fit is proved"
-        ),
     },
     "camgeo/studies/accuracy/contours.py": {
         "np.linspace(piece.start, piece.end, CELLS + 1)": (

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from decimal import Decimal
-from fractions import Fraction
 from functools import partial
 from typing import Final
 
@@ -139,18 +137,6 @@ def piecewise_lowest(function: Quantity, edges: FloatArray) -> Extreme:
 def piecewise_highest(function: Quantity, edges: FloatArray) -> Extreme:
     """The largest value alone, see `piecewise_lowest`."""
     return _extremes(function, edges, TOPS).highest
-
-
-def ceiling(function: Quantity, edges: FloatArray) -> float:
-    """A bound of the largest value, for much less: nothing is refined, and each point of the grid
-    counts with the larger of the steps to its neighbours, eight times what a parabola may rise.
-    """
-    grid = grid_of(edges)
-    values = function(grid.ravel(), "right").reshape(grid.shape)
-    steps = np.pad(np.abs(np.diff(values, axis=1)), ((0, 0), (1, 1)))
-    inside = values + np.maximum(steps[:, :-1], steps[:, 1:])
-    ends = function(edges[:-1], "right"), function(edges[1:], "left")
-    return float(max(np.max(each) for each in (inside, *ends)))
 
 
 def _extremes(function: Quantity, edges: FloatArray, signs: tuple[float, ...]) -> Extremes:
@@ -862,29 +848,3 @@ def largest_magnitude(coefficients: Sequence[float], low: float, high: float) ->
     turns = roots_inside(derivative(coefficients), low, high)
     places = np.concatenate((turns, [low, high]))
     return float(np.max(np.abs(horner(coefficients, places)))) * (1.0 + ROUNDING_OF_ROOTS)
-
-
-def bernstein(powers: Sequence[Decimal] | Sequence[Fraction]) -> tuple[float, ...]:
-    """(n + 1,) c_i, each rounded once, of the sum of c_i z^i w^(n - i) with w = 1 - z.
-
-    From exact coefficients in ascending powers of z. The terms cancel less than those of any other
-    form over [0, 1]; where all c_i have one sign, not at all.
-    """
-    exact = [Fraction(c) for c in powers]
-    n = len(exact) - 1
-    # Sums of integers over one denominator: adding fractions takes most of the time of a law.
-    below = math.lcm(*(c.denominator for c in exact))
-    above = [c.numerator * (below // c.denominator) for c in exact]
-    return tuple(
-        sum(math.comb(n - k, i - k) * above[k] for k in range(i + 1)) / below for i in range(n + 1)
-    )
-
-
-def scaled_horner(
-    coefficients: Sequence[float] | FloatArray, small: FloatArray, large: FloatArray
-) -> FloatArray:
-    """The sum of c_i small^i large^(n - i) = large^n times a polynomial in small/large."""
-    value = horner(coefficients, small / large)
-    for _ in range(len(coefficients) - 1):
-        value *= large
-    return value

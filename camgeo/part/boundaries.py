@@ -13,7 +13,7 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.contour.chords import fit_polyline, sampled_polyline
 from camgeo.geometry.contour.contour import Contour, Effort, Fit, require_simple
 from camgeo.geometry.contour.exact import chords_of, distance_between, fewest_chords_of
-from camgeo.geometry.contour.parallel import corner_radius, parallel
+from camgeo.geometry.contour.parallel import corners, parallel
 from camgeo.geometry.contour.proof import deviation
 from camgeo.geometry.contour.spline import CubicSpline, SplineContour, SplineFit, strands_of
 from camgeo.geometry.outline.clearance import stays_on_one_side, surely_clear_of_axis
@@ -208,6 +208,18 @@ def numbers_of(contour: Contour | SplineContour) -> bytes:
     return b"".join(each.tobytes() for each in rolled)
 
 
+def corner_radius(contour: Contour) -> float | None:
+    """Radius [mm] of the smallest arc that ends at a corner; None if there is none.
+
+    Where it meets a line p from its centre, both move out by d, and the corner slides along a
+    parabola: its distance from the foot of the centre is the root of r^2 - p^2 + 2 d (r - p). So
+    areas within parallels are analytic in d down to -(r + p) / 2, below -r / 2.
+    """
+    at = corners(contour)
+    radii = contour.radii[(at | np.roll(at, -1)) & (contour.sweeps != 0.0)]
+    return float(np.min(radii)) if len(radii) else None
+
+
 @dataclass(frozen=True, slots=True)
 class ExactBoundary(Pickled):
     """An outline of lines and arcs as a boundary, see `camgeo.part.part.Boundary`.
@@ -257,7 +269,7 @@ class ExactBoundary(Pickled):
 
     @property
     def corner_radius(self) -> float | None:
-        """See `camgeo.geometry.contour.parallel.corner_radius`."""
+        """See `corner_radius`."""
         return corner_radius(self.exact)
 
     def inset(self, distance: float, name: str) -> ExactBoundary:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.cam.cam import Cam, Disc, Drive, discs_together, drives_together, smooth_angles
+from camgeo.cam.cam import Cam, Disc, Drive, smooth_angles
 from camgeo.design.design import Design
 from camgeo.errors import GeometryError
 from camgeo.geometry.pitch_curve import BLOCK
@@ -27,6 +27,7 @@ from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.kinematics.time_course import ConstantSpeed, SpeedCurve
 from camgeo.numeric.arrays import FloatArray, Quantity, Side
 from camgeo.scene.scene import load_scene
+from camgeo.studies.sweep.rows import discs_together, drives_together
 from camgeo.units import TURN, LiftUnit
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"

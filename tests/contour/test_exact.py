@@ -25,9 +25,10 @@ from camgeo.geometry.contour.exact import (
     fewest_chords_of,
     matching_chords_of,
 )
-from camgeo.geometry.contour.parallel import corner_radius, corners, parallel, steps_to
+from camgeo.geometry.contour.parallel import corners, parallel, steps_to
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.part.assembly import bore_outline, flattened
+from camgeo.part.boundaries import corner_radius
 from camgeo.part.spec import DShaft, Keyway
 from tests.contour.cams import outline
 from tests.long_form import examples

@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import ToleranceError, UndercutError
+from camgeo.geometry.contour.fewest_chords import require_regular
 from camgeo.geometry.contour.legs import (
     APART,
     STEP,
@@ -25,7 +26,6 @@ from camgeo.geometry.contour.legs import (
     ladder,
     least_counts,
     legs_of,
-    require_regular,
 )
 from camgeo.geometry.contour.proof import proved
 from camgeo.geometry.outline.path import Path, Pivot, Stretch, whole

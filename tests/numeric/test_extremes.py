@@ -9,6 +9,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from camgeo.dynamics.effects.lift_off.elastic_speed import ceiling
 from camgeo.numeric.arrays import SIDES, FloatArray, IntArray, Side
 from camgeo.numeric.extremes import (
     FEWEST_SAMPLES,
@@ -19,7 +20,6 @@ from camgeo.numeric.extremes import (
     SAMPLES,
     WIDEST,
     OfRows,
-    ceiling,
     cells_between,
     dips,
     extremes_of_each,

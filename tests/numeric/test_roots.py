@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from camgeo.kinematics.laws.polynomials import bernstein, scaled_horner
 from camgeo.numeric.arrays import FloatArray, IntArray
 from camgeo.numeric.extremes import (
     MAX_STEPS,
     Function,
-    bernstein,
     bracketed_roots,
     derivative,
     horner,
@@ -25,7 +25,6 @@ from camgeo.numeric.extremes import (
     roots_in_rows,
     roots_inside,
     roots_on_grid,
-    scaled_horner,
     sign_changes,
 )
 from tests.strategies import attack

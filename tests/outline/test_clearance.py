@@ -16,13 +16,12 @@ from hypothesis import strategies as st
 import camgeo
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.clearance import (
-    are_clear,
     nearest_to_axis,
     stays_on_one_side,
     surely_clear_of_axis,
 )
 from camgeo.geometry.outline.cusps import sure_bends, undercut_ranges
-from camgeo.geometry.outline.outline import backward_angles
+from camgeo.geometry.outline.outline import are_clear, backward_angles
 from camgeo.geometry.pieces import Extremes, curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve

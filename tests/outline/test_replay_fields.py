@@ -15,6 +15,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import camgeo
+from camgeo.app.answers.replay import closing_error
 from camgeo.check.flank import largest_deviation
 from camgeo.design.design import Design
 from camgeo.errors import GeometryError
@@ -27,7 +28,6 @@ from camgeo.geometry.outline.path import whole
 from camgeo.geometry.outline.replay import (
     AS_DEMANDED_ELEMENT,
     Replay,
-    closing_error,
     play,
     replay_contour,
     replay_outline,

@@ -53,7 +53,7 @@ from camgeo.geometry.outline.path import Flank, area
 from camgeo.geometry.outline.replay import (
     Jumps,
     Replay,
-    closing_error,
+    extreme_play,
     play,
     replay_contour,
     replay_outline,
@@ -311,6 +311,19 @@ def _contact(cam: Cam, replay: Replay) -> FaceContact | None:
     slack, face = SLACK * cam.follower.base_radius, cam.follower.face
     leaves = face is not None and not face[0] - slack <= low.value <= high.value <= face[1] + slack
     return FaceContact(low, high, leaves)
+
+
+def closing_error(main: Replay, other: Replay) -> Extremes:
+    """`extreme_play` between two discs.
+
+    Raises
+    ------
+    GeometryError
+        If both discs push the follower in the same sense, so that it is not between them.
+    """
+    if main.lift.outward == other.lift.outward:
+        raise GeometryError("the two discs push the follower in the same sense: they do not close")
+    return extreme_play(main, other)
 
 
 def _closing(cam: Cam, main: Replay, other: Replay) -> Extremes:

@@ -338,15 +338,6 @@ looked at for `joints_apart`; a pace that changes thousandfold between two joint
 """
 
 
-def require_regular(curve: WorkingCurve, piece: Piece) -> None:
-    """Raise UndercutError if 1 + d kappa is negative at some sample of the piece.
-
-    It may be zero at single points, at a cusp without undercut, but not over a whole dwell.
-    """
-    grid = np.linspace(piece.start, piece.end, 257)[1:-1]
-    check_regular(curve, piece, curve.regularity(grid))
-
-
 def check_regular(curve: WorkingCurve, piece: Piece, regularity: FloatArray) -> None:
     """`require_regular` where `regularity` (n,), 1 + d kappa at samples, is known already."""
     smallest = float(np.min(regularity))

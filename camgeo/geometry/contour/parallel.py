@@ -136,18 +136,6 @@ def corners(contour: Contour) -> BoolArray:
     return found
 
 
-def corner_radius(contour: Contour) -> float | None:
-    """Radius [mm] of the smallest arc that ends at a corner; None if there is none.
-
-    Where it meets a line p from its centre, both move out by d, and the corner slides along a
-    parabola: its distance from the foot of the centre is the root of r^2 - p^2 + 2 d (r - p). So
-    areas within parallels are analytic in d down to -(r + p) / 2, below -r / 2.
-    """
-    at = corners(contour)
-    radii = contour.radii[(at | np.roll(at, -1)) & (contour.sweeps != 0.0)]
-    return float(np.min(radii)) if len(radii) else None
-
-
 def steps_to(contour: Contour, distance: float, limit: float) -> int:
     """Least number of equal steps to a parallel between which corners leave the chords of the
     parabolas along which they slide by at most `limit` [mm].

@@ -525,19 +525,6 @@ def play(main: Replay, other: Replay, phi: FloatArray, side: Side = "right") -> 
     return outward * (other.lift.at(phi, side) - main.lift.at(phi, side))
 
 
-def closing_error(main: Replay, other: Replay) -> Extremes:
-    """`extreme_play` between two discs.
-
-    Raises
-    ------
-    GeometryError
-        If both discs push the follower in the same sense, so that it is not between them.
-    """
-    if main.lift.outward == other.lift.outward:
-        raise GeometryError("the two discs push the follower in the same sense: they do not close")
-    return extreme_play(main, other)
-
-
 def extreme_play(main: Replay, other: Replay) -> Extremes:
     """Smallest and largest `play` over the turn, between two discs, or between two flanks if `main`
     is on the inner one.
