@@ -23,8 +23,7 @@ from camgeo.check.flank import check_outline, check_standstill, check_undercut
 from camgeo.check.machine import check_follower, check_linkage
 from camgeo.design.value_table import cam_angles
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.cusps import find_crossings
-from camgeo.geometry.outline.outline import real_outline
+from camgeo.geometry.outline.outline import find_crossings, real_outline
 from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve

@@ -270,15 +270,13 @@ CLOSED: dict[str, dict[str, str]] = {
             "the variation of one polynomial between two borders, four places for each of its nodes"
         ),
     },
-    "camgeo/geometry/outline/cusps.py": {
-        "np.linspace(*ends, SAMPLES + 2, axis=1)": (
-            "extremes in a cell that shows some to be missing; `sure_bends` looks until none does"
-        ),
-    },
     "camgeo/geometry/outline/face.py": {
         "np.arange(0.0, TURN, WIDEST)": "first cells; the circles over each are compared exactly",
     },
     "camgeo/geometry/outline/outline.py": {
+        "np.linspace(*ends, PLACES_NEAR + 2, axis=1)": (
+            "extremes in a cell that shows some to be missing; `sure_bends` looks until none does"
+        ),
         "np.linspace(*second, SAMPLES)": (
             "where Newton's method fails; the bridge that it then finds is exact, or it is refused"
         ),

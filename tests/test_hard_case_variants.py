@@ -26,7 +26,7 @@ from camgeo.check.machine import check_follower, check_linkage
 from camgeo.design.design import Design
 from camgeo.design.value_table import radius_of_curvature
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.cusps import find_crossings, undercut_ranges
+from camgeo.geometry.outline.outline import find_crossings, undercut_ranges
 from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve

@@ -154,7 +154,7 @@ class Disc(Pickled):
         bends = curvature_extremes(self.pitch_curve)
         if not self.follower.has_pitch_curve:
             return bends
-        from camgeo.geometry.outline.cusps import sure_bends
+        from camgeo.geometry.outline.outline import sure_bends
 
         for _, flank in self.flanks:
             bends = sure_bends(flank, bends)

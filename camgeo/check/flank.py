@@ -18,9 +18,8 @@ import numpy as np
 from camgeo.cam.cam import Cam
 from camgeo.check.finding import STATED, Finding, Severity, held
 from camgeo.geometry.outline.convex import SMALLEST, Convexity, convexity
-from camgeo.geometry.outline.cusps import CUSP, INSIDE, undercut_ranges
 from camgeo.geometry.outline.face import contact_places
-from camgeo.geometry.outline.outline import Outline
+from camgeo.geometry.outline.outline import CUSP, INSIDE, Outline, undercut_ranges
 from camgeo.geometry.outline.path import Path
 from camgeo.geometry.pieces import Extremes, extremes, extremes_of_each, turn_cells, turn_enclosed
 from camgeo.geometry.pitch_curve import STANDSTILL, PitchCurve

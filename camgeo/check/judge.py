@@ -376,7 +376,7 @@ def _name_trim(found: Checks) -> None:
 def _of_outline(cam: Cam, name: str, flank: WorkingCurve, severity: Severity) -> list[Finding]:
     """What remains of a flank, and what the follower does on it."""
     from camgeo.check.flank import check_lost_stroke, check_outline
-    from camgeo.geometry.outline.cusps import undercut_ranges
+    from camgeo.geometry.outline.outline import undercut_ranges
 
     disc = cam.disc
     try:

@@ -33,7 +33,7 @@ from camgeo.check.flank import check_standstill, check_undercut
 from camgeo.check.judge import Judgement
 from camgeo.check.machine import check_follower
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.cusps import find_crossings
+from camgeo.geometry.outline.outline import find_crossings
 from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.laws import make_law

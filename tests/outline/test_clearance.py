@@ -20,8 +20,7 @@ from camgeo.geometry.outline.clearance import (
     stays_on_one_side,
     surely_clear_of_axis,
 )
-from camgeo.geometry.outline.cusps import sure_bends, undercut_ranges
-from camgeo.geometry.outline.outline import are_clear, backward_angles
+from camgeo.geometry.outline.outline import are_clear, backward_angles, sure_bends, undercut_ranges
 from camgeo.geometry.pieces import Extremes, curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve

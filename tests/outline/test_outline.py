@@ -21,9 +21,14 @@ from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.exact import chords_of
 from camgeo.geometry.outline import outline
 from camgeo.geometry.outline.clearance import stays_on_one_side
-from camgeo.geometry.outline.cusps import backward_ranges, find_crossings
 from camgeo.geometry.outline.envelope import KINK, Envelope, Node, envelope_of
-from camgeo.geometry.outline.outline import Outline, _unsettled, real_outline
+from camgeo.geometry.outline.outline import (
+    Outline,
+    _unsettled,
+    backward_ranges,
+    find_crossings,
+    real_outline,
+)
 from camgeo.geometry.outline.path import Path, Pivot, Stretch, area
 from camgeo.geometry.outline.replay import replay_contour, replay_outline
 from camgeo.geometry.pitch_curve import PitchCurve

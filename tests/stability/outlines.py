@@ -9,8 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.geometry.outline.cusps import Crossing, find_crossings
-from camgeo.geometry.outline.outline import real_outline
+from camgeo.geometry.outline.outline import Crossing, find_crossings, real_outline
 from camgeo.geometry.outline.path import area
 from camgeo.geometry.outline.replay import Replay, replay_outline
 from camgeo.geometry.pieces import curvature_extremes

@@ -17,7 +17,7 @@ from camgeo.check.finding import BROKEN, CONVEXITY, NO_OUTLINE, RETURN, UNDERCUT
 from camgeo.check.flank import transmission_angle_extremes
 from camgeo.check.machine import check_follower
 from camgeo.errors import GeometryError, SceneError
-from camgeo.geometry.outline.cusps import CUSP
+from camgeo.geometry.outline.outline import CUSP
 from camgeo.geometry.pieces import Extremes, curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.together import one_curve
@@ -608,7 +608,7 @@ class Neck:
 
 def crossings(discs: Discs) -> Pairs:
     """The crossings of each flank with itself, see `find_crossings`."""
-    from camgeo.geometry.outline.cusps import find_crossings
+    from camgeo.geometry.outline.outline import find_crossings
 
     return tuple(
         (number, each.first, each.second)

@@ -29,7 +29,7 @@ from camgeo.geometry.outline.convex import (
     smallest_radius,
     smallest_turn,
 )
-from camgeo.geometry.outline.cusps import CUSP
+from camgeo.geometry.outline.outline import CUSP
 from camgeo.geometry.pieces import curvature_extremes, extremes, smooth_pieces
 from camgeo.kinematics.motion import lift_range
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, dot

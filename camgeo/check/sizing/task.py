@@ -29,7 +29,7 @@ from camgeo.check.finding import Limits, forbidding
 from camgeo.check.judge import linkage_findings
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.convex import SMALLEST, touch
-from camgeo.geometry.outline.cusps import find_crossings
+from camgeo.geometry.outline.outline import find_crossings
 from camgeo.geometry.pieces import Extremes, extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.mechanism.follower import Follower
