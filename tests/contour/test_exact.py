@@ -16,19 +16,11 @@ from hypothesis import strategies as st
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo.geometry.contour import exact as exact_module
 from camgeo.geometry.contour.contour import Contour, Fit
-from camgeo.geometry.contour.exact import (
-    ROUNDING,
-    SHARPNESS,
-    chords_of,
-    distance,
-    distance_between,
-    fewest_chords_of,
-    matching_chords_of,
-)
+from camgeo.geometry.contour.exact import ROUNDING, SHARPNESS, distance, distance_between
 from camgeo.geometry.contour.parallel import corners, parallel, steps_to
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.part.assembly import bore_outline, flattened
-from camgeo.part.boundaries import corner_radius
+from camgeo.part.boundaries import chords_of, corner_radius, fewest_chords_of, matching_chords_of
 from camgeo.part.spec import DShaft, Keyway
 from tests.contour.cams import outline
 from tests.long_form import examples

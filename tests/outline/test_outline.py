@@ -18,7 +18,6 @@ from camgeo.check.flank import check_standstill
 from camgeo.design.design import Design
 from camgeo.errors import GeometryError, SceneError, UndercutError
 from camgeo.geometry.contour.contour import Contour
-from camgeo.geometry.contour.exact import chords_of
 from camgeo.geometry.outline import outline
 from camgeo.geometry.outline.clearance import stays_on_one_side
 from camgeo.geometry.outline.envelope import KINK, Envelope, Node, envelope_of
@@ -37,6 +36,7 @@ from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray, IntArray, ascending
+from camgeo.part.boundaries import chords_of
 from camgeo.scene.scene import parse_scene
 from camgeo.units import TURN
 from tests.contour.cams import SCENES, dwell
