@@ -185,10 +185,8 @@ CLOSED: dict[str, dict[str, str]] = {
         "np.arange(CELLS)": VERTICES,
         "np.linspace(-1.0, 1.0, 2 * NEAR + 1)": VERTICES,
     },
-    "camgeo/geometry/contour/cubic_proof.py": {
-        "np.arange(CELLS + 1)": VERTICES,
-    },
     "camgeo/geometry/contour/cubics.py": {
+        "np.arange(CELLS + 1)": VERTICES,
         "np.arange(ORDER)": NODES,
     },
     "camgeo/studies/accuracy/contours.py": {

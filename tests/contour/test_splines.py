@@ -18,12 +18,8 @@ from scipy.interpolate import BSpline, make_interp_spline
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour import cubics
-from camgeo.geometry.contour.cubic_proof import (
-    approximating_arcs,
-    fitted_deviation,
-    spline_deviation,
-)
-from camgeo.geometry.contour.cubics import fewest_cubics, fit_spline
+from camgeo.geometry.contour.cubic_proof import approximating_arcs, spline_deviation
+from camgeo.geometry.contour.cubics import fewest_cubics, fit_spline, fitted_deviation
 from camgeo.geometry.contour.spline import (
     Arc,
     CubicSpline,

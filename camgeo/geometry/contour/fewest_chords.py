@@ -115,10 +115,7 @@ def _ladders(leg: StretchLeg) -> list[Ladder]:
 
 def _kinks(leg: StretchLeg) -> list[float]:
     """Cam angles [rad] inside the leg where its pieces do not meet smoothly to rounding."""
-    inner = [piece.start for piece in leg.pieces if leg.closed or piece.start > leg.start]
-    if not inner:
-        return []
-    at = np.array(inner)
+    at = leg.joints
     right, left = leg.point(at), leg.point(at, "left")
     turned = np.abs(leg.curve.tangent(at) - leg.curve.tangent(at, "left"))
     apart = np.abs(right - left) > KINK * np.abs(right)

@@ -832,10 +832,6 @@ FINER = 0.125
 """Fraction of the aim to try next where the pieces are too coarse for a proof, which limits how far
 they turn, round the tip of a lobe. Arcs become half as long."""
 
-SLIGHT = 0.01
-"""An arc of a turn shorter than this fraction of the tolerance is a corner: files rounded to a
-tenth of the tolerance, as programs do, could not keep its ends distinct."""
-
 PieceOfLeg = tuple[StretchLeg, Piece]
 
 FitPieces = Callable[[Sequence[PieceOfLeg], float], Sequence[Chain]]
@@ -886,7 +882,7 @@ def fitted(
         for leg in legs:
             if isinstance(leg, StretchLeg):
                 parts.append((leg, [next(chains) for _ in leg.pieces]))
-            elif leg.length <= SLIGHT * tolerance:
+            elif leg.is_slight(tolerance):
                 parts.append((leg, [Chain.empty()]))
             else:
                 parts.append((leg, [fit_turn(leg, aim)]))
@@ -935,8 +931,7 @@ def _require_joined(legs: Sequence[StretchLeg], tolerance: float) -> None:
     No contour could be proved across such a gap.
     """
     for leg in legs:
-        starts = [piece.start for piece in leg.pieces if leg.closed or piece.start > leg.start]
-        inner = np.array(starts)
-        gaps = np.abs(leg.point(inner) - leg.point(inner, "left")) if len(inner) else inner
+        inner = leg.joints
+        gaps = np.abs(leg.point(inner) - leg.point(inner, "left"))
         if np.any(gaps > tolerance):
             raise torn_apart(float(inner[int(np.argmax(gaps))]))
