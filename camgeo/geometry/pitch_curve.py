@@ -231,8 +231,7 @@ class PitchCurve(Pickled):
         moves the follower outwards. Raises GeometryError where Z' = 0.
         """
         relative = self.relative_jet(phi, side, order=1)
-        along: FloatArray = relative.reach * relative.u / self.speed(relative)
-        return along
+        return np.asarray(relative.reach * relative.u / self.speed(relative))
 
     def speed(self, relative: RelativeJet) -> FloatArray:
         """|Z'| (n,) [mm/rad], never zero.

@@ -105,8 +105,7 @@ def grid_of(edges: FloatArray) -> FloatArray:
     samples = int(np.clip(MOST_POINTS // max(pieces, 1), FEWEST_SAMPLES, SAMPLES))
     share = np.linspace(0.0, 1.0, samples)
     share[0], share[-1] = INSET, 1.0 - INSET
-    grid: FloatArray = edges[:-1, np.newaxis] + np.diff(edges)[:, np.newaxis] * share
-    return grid
+    return np.asarray(edges[:-1, np.newaxis] + np.diff(edges)[:, np.newaxis] * share)
 
 
 def piecewise_extremes(function: Quantity, edges: FloatArray) -> Extremes:
@@ -572,8 +571,7 @@ def _counted(hull: FloatArray, error: FloatArray, slopes: FloatArray) -> BoolArr
     most, seen = (
         np.count_nonzero(np.diff(np.sign(each), axis=1), axis=1) for each in (hull, slopes)
     )
-    found: BoolArray = sure & (most == seen)
-    return found
+    return np.asarray(sure & (most == seen))
 
 
 def _negligible(hull: FloatArray, error: FloatArray, values: FloatArray) -> BoolArray:
@@ -585,8 +583,7 @@ def _negligible(hull: FloatArray, error: FloatArray, values: FloatArray) -> Bool
     wrong = np.minimum(np.max(hull, axis=1), np.max(-hull, axis=1))
     share = 4.0 * (error + np.maximum(wrong, 0.0)) / np.max(np.abs(hull), axis=1)
     change = np.ptp(values, axis=1) * np.minimum(share, 1.0)
-    found: BoolArray = change <= NEGLIGIBLE_CHANGE * np.max(np.abs(values), axis=1)
-    return found
+    return np.asarray(change <= NEGLIGIBLE_CHANGE * np.max(np.abs(values), axis=1))
 
 
 # -- roots ----------------------------------------------------------------------------------------
@@ -683,8 +680,7 @@ def _next_step(newest: FloatArray, across: FloatArray, last: FloatArray) -> Floa
         smallest = np.spacing(np.abs(a)) / np.abs(b - a)
     t = np.where(quadratic & np.isfinite(t), t, 0.5)
     smallest = np.minimum(smallest, 0.5)
-    share: FloatArray = np.clip(t, smallest, 1.0 - smallest)
-    return share
+    return np.asarray(np.clip(t, smallest, 1.0 - smallest))
 
 
 def sign_changes(grid: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -330,8 +330,7 @@ class ArcLength:
     @property
     def totals(self) -> FloatArray:
         """(pieces,) integral of the difficulty over each piece."""
-        totals: FloatArray = np.sum(self.density * np.diff(self.s, axis=1), axis=1)
-        return totals
+        return np.asarray(np.sum(self.density * np.diff(self.s, axis=1), axis=1))
 
     def require_finite(self) -> None:
         """Raise GeometryError if the curve stands still or its difficulty is not finite."""
@@ -502,8 +501,7 @@ class Trial:
 
 def limits(course: ArcLength, aim: float) -> FloatArray:
     """(pieces,) cubics that each piece needs for `aim` [mm], asymptotically; not whole numbers."""
-    needed: FloatArray = CUBIC_CONSTANT * course.totals * aim**-0.25
-    return needed
+    return np.asarray(CUBIC_CONSTANT * course.totals * aim**-0.25)
 
 
 def fewest(course: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[Found]:
@@ -775,8 +773,7 @@ def _peaks(off: FloatArray, first: IntArray, last: IntArray) -> FloatArray:
     bend = after - 2.0 * here + before
     fall = np.divide(0.5 * slope * slope, bend, out=np.zeros_like(bend), where=bend != 0.0)
     peaks = np.where(np.abs(slope) < np.abs(bend), np.abs(here - fall), 0.0)
-    largest: FloatArray = np.max(peaks, axis=1)
-    return largest
+    return np.asarray(np.max(peaks, axis=1))
 
 
 def _curve(

@@ -266,8 +266,7 @@ def _bounded(
 def _least(values: FloatArray, group: IntArray) -> FloatArray:
     """The least of `values` (m,) in each run of equal numbers in the ascending `group` (m,)."""
     first = np.flatnonzero(np.diff(group, prepend=-1))
-    least: FloatArray = np.minimum.reduceat(values, first)
-    return least
+    return np.asarray(np.minimum.reduceat(values, first))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -305,8 +304,7 @@ class _Frame:
         """(n,) [mm] distance of `points` in these axes from line or circle, positive outside."""
         x, y = points.real, points.imag
         power = (x * (x - self.chord) + y * y) * self.sine - self.chord * y * self.cosine
-        off: FloatArray = power / (np.abs(self.from_centre(points)) + 0.5 * self.chord)
-        return off
+        return np.asarray(power / (np.abs(self.from_centre(points)) + 0.5 * self.chord))
 
     def beyond(self, points: ComplexArray) -> FloatArray:
         """(n,) [mm] how far `points` in these axes lie beyond the normals at the ends."""
@@ -374,8 +372,7 @@ def _share(cells: _Pieces, pieces: _Pieces) -> FloatArray:
     square = np.where(round_piece, frame.sine, 1.0) * own.chord * own.chord
     foot = -(gradient * np.conj(cells.chord)).real / square
     share = np.where(bent, on_arc, np.where(round_piece, foot, 0.0))
-    clipped: FloatArray = np.clip(share, 0.0, 1.0)
-    return clipped
+    return np.asarray(np.clip(share, 0.0, 1.0))
 
 
 def distance_between(exact: Contour, contour: Contour) -> float:

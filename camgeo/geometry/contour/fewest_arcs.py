@@ -271,8 +271,7 @@ class JointedCurve:
         )
         # Joints between chords of no length are not free, and do not turn.
         scale = np.where(self.scale > 0.0, self.scale, 1.0)
-        steps: FloatArray = found / np.stack((np.ones(len(found)), scale), axis=1)
-        return steps
+        return np.asarray(found / np.stack((np.ones(len(found)), scale), axis=1))
 
     def deviations(self, off: FloatArray) -> FloatArray:
         """(n,) [mm] largest distance of the curve from each arc, from samples."""
@@ -530,8 +529,7 @@ class Layout:
 
     def largest(self, values: FloatArray) -> FloatArray:
         """(k,) for each spline the largest value (n,) of its arcs."""
-        found: FloatArray = np.maximum.reduceat(values, self.first_arcs)
-        return found
+        return np.asarray(np.maximum.reduceat(values, self.first_arcs))
 
     def excess(self, deviations: FloatArray) -> FloatArray:
         """(n,) logarithms of the arcs' `deviations` (n,) over their geometric mean in a spline,
@@ -625,8 +623,7 @@ class Difficulty:
         """(j,) cam angles [rad] of `places` (j,), see `joints`."""
         part = places - 2.0 * layout.of_joints(pieces)
         starts, spans = layout.of_joints(self.starts[pieces]), layout.of_joints(self.spans[pieces])
-        angles: FloatArray = starts + spans * part
-        return angles
+        return np.asarray(starts + spans * part)
 
 
 def evened(layout: Layout, places: FloatArray, shrink: FloatArray) -> FloatArray:
@@ -723,5 +720,4 @@ class ArcSystem:
             overwrite_b=True,
             check_finite=False,
         )
-        found: FloatArray = unknowns.reshape(-1, 3)[:, :2]
-        return found
+        return np.asarray(unknowns.reshape(-1, 3)[:, :2])

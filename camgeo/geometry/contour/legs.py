@@ -613,11 +613,9 @@ mirror images, neither is less."""
 
 def in_steps(logarithms: FloatArray) -> FloatArray:
     """(n,) multiples of `STEP`, the nearest to `logarithms` (n,)."""
-    found: FloatArray = np.rint(logarithms / STEP) * STEP
-    return found
+    return np.asarray(np.rint(logarithms / STEP) * STEP)
 
 
 def clearly_less(found: FloatArray, best: FloatArray) -> BoolArray:
     """(n,) whether a deviation `found` is less than `best`, which may be infinite."""
-    less: BoolArray = found < CLEARLY * best
-    return less
+    return np.asarray(found < CLEARLY * best)

@@ -132,8 +132,7 @@ def corners(contour: Contour) -> BoolArray:
     ahead = np.where(round_, 1j * np.sign(contour.sweeps) * arms, contour.ends - contour.vertices)
     ahead = ahead / np.abs(ahead)
     leaving = np.roll(ahead * np.exp(1j * contour.sweeps), 1)
-    found: BoolArray = np.abs((np.conj(leaving) * ahead).imag) > SMOOTH
-    return found
+    return np.asarray(np.abs((np.conj(leaving) * ahead).imag) > SMOOTH)
 
 
 def steps_to(contour: Contour, distance: float, limit: float) -> int:

@@ -119,8 +119,7 @@ class _Cells:
     def have_middles(self) -> BoolArray:
         """(n,) whether there is a number between the ends of each."""
         middle = 0.5 * (self.low + self.high)
-        found: BoolArray = (self.low < middle) & (middle < self.high)
-        return found
+        return np.asarray((self.low < middle) & (middle < self.high))
 
     def halved(self, which: BoolArray) -> _Cells:
         cells = taken(self, which)
@@ -516,8 +515,7 @@ def _arc_cells(taylor: Taylor, run: Run, piece: IntArray) -> tuple[FloatArray, .
     square_z = pitch_radius * pitch_radius + 2.0 * square
 
     def reach_at(growth: FloatArray) -> FloatArray:
-        reach: FloatArray = np.sqrt(np.clip(square_z + 2.0 * growth, 0.0, BOUNDLESS))
-        return reach
+        return np.asarray(np.sqrt(np.clip(square_z + 2.0 * growth, 0.0, BOUNDLESS)))
 
     nearest, farthest = reach_at(least - rest), reach_at(most + rest)
     slowest, fastest = taylor.pace_range()
@@ -530,8 +528,7 @@ def _arc_cells(taylor: Taylor, run: Run, piece: IntArray) -> tuple[FloatArray, .
         # Radius r -> signed distance of the offset point from the arc, see the module.
         total = reach + shift
         square = total * total - 2.0 * reach * shift * versine
-        signed: FloatArray = np.sqrt(np.maximum(square, 0.0)) - radius
-        return signed
+        return np.asarray(np.sqrt(np.maximum(square, 0.0)) - radius)
 
     pulls_in = shift > 0.0
     outer, inner = np.where(pulls_in, small, large), np.where(pulls_in, large, small)
@@ -653,8 +650,7 @@ def _directions(vertices: ComplexArray, contour: Contour) -> ComplexArray:
     arriving, leaving = (chord * turned)[:-1], (chord * np.conj(turned))[1:]
     both = arriving / np.abs(arriving) + leaving / np.abs(leaving)
     size = np.abs(both)
-    directions: ComplexArray = np.where(size > 0.0, both / np.where(size > 0.0, size, 1.0), 0.0)
-    return directions
+    return np.asarray(np.where(size > 0.0, both / np.where(size > 0.0, size, 1.0), 0.0))
 
 
 def locate(path: Path, contour: Contour) -> tuple[Run, ...]:

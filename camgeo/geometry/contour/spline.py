@@ -128,8 +128,7 @@ def at(pieces: ComplexArray, t: FloatArray) -> ComplexArray:
     """(n, k) complex [mm] points of the `pieces` (n, 4) at `t` (k,) in [0, 1]."""
     w = 1.0 - t
     powers = np.stack((w**3, 3.0 * w * w * t, 3.0 * w * t * t, t**3))
-    points: ComplexArray = pieces @ powers
-    return points
+    return np.asarray(pieces @ powers)
 
 
 def area(pieces: ComplexArray) -> float:

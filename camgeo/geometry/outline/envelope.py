@@ -464,13 +464,12 @@ def meet(one: Cells, other: Cells) -> BoolArray:
     turned = np.conj(one.tangent) * other.tangent
     cosine, sine = np.abs(turned.real), np.abs(turned.imag)
     from_one, from_other = np.conj(one.tangent) * way, np.conj(other.tangent) * way
-    touching: BoolArray = (
+    return np.asarray(
         (np.abs(from_one.real) <= one.along + cosine * other.along + sine * other.across)
         & (np.abs(from_one.imag) <= one.across + sine * other.along + cosine * other.across)
         & (np.abs(from_other.real) <= other.along + cosine * one.along + sine * one.across)
         & (np.abs(from_other.imag) <= other.across + sine * one.along + cosine * one.across)
     )
-    return touching
 
 
 def cross_once(one: Cells, other: Cells) -> BoolArray:
@@ -478,8 +477,7 @@ def cross_once(one: Cells, other: Cells) -> BoolArray:
     turned = np.conj(one.tangent) * other.tangent
     between = np.abs(np.angle(turned))
     between = np.minimum(between, np.pi - between)
-    once: BoolArray = between > one.turn + other.turn
-    return once
+    return np.asarray(between > one.turn + other.turn)
 
 
 # -- division -------------------------------------------------------------------------------------
@@ -552,8 +550,7 @@ class Division:
         one_way = self.changes[last] - self.changes[first] == 0
         one_way &= self.unsure[last + 1] == self.unsure[first]
         square = self.turned[last + 1] - self.turned[first] < 0.5 * STRAIGHT
-        plain: BoolArray = short & ((flips == 0) | ((flips == 1) & (one_way | square)))
-        return plain
+        return np.asarray(short & ((flips == 0) | ((flips == 1) & (one_way | square))))
 
 
 def divide(envelope: Envelope, cusps: FloatArray) -> Division:
@@ -610,8 +607,7 @@ def _touches(cells: Cells, cusps: FloatArray) -> BoolArray:
         return np.zeros(len(cells), dtype=np.bool_)
     # The last cell ends where the first one begins.
     high = np.append(cells.low[1:], cells.low[0])
-    touched: BoolArray = np.isin(cells.low, cusps) | np.isin(high, cusps)
-    return touched
+    return np.asarray(np.isin(cells.low, cusps) | np.isin(high, cusps))
 
 
 def _sums(values: FloatArray | BoolArray) -> NDArray[Any]:
@@ -726,8 +722,7 @@ def _decide(envelope: Envelope, cells: Cells, pairs: tuple[IntArray, IntArray]) 
 def _slim(envelope: Envelope, cells: Cells) -> BoolArray:
     """Cells that bend by no more than rounding: their neighbours there touch them."""
     size = np.abs(cells.middle) + abs(envelope.curve.distance)
-    slim: BoolArray = cells.across <= 2.0 * ROUNDING * size
-    return slim
+    return np.asarray(cells.across <= 2.0 * ROUNDING * size)
 
 
 def _tiny(envelope: Envelope, cells: Cells) -> BoolArray:
@@ -804,8 +799,7 @@ def _node(one: float, other: float, point: complex, *, touching: bool = False) -
 
 def _near(places: FloatArray, cells: Cells, share: float) -> BoolArray:
     room = share * (cells.high - cells.low)
-    near: BoolArray = (places >= cells.low - room) & (places <= cells.high + room)
-    return near
+    return np.asarray((places >= cells.low - room) & (places <= cells.high + room))
 
 
 def _distinct(nodes: list[Node], total: float) -> tuple[Node, ...]:

@@ -580,8 +580,7 @@ class GuidedFace:
     def _turned(self, phi: FloatArray, centres: ComplexArray) -> ComplexArray:
         """The centres against the direction of the guide."""
         axis = self.follower.guide_angle
-        turned: ComplexArray = centres * np.exp(1j * (self.rotation * phi - axis))
-        return turned
+        return np.asarray(centres * np.exp(1j * (self.rotation * phi - axis)))
 
     def jet(self, phi: FloatArray, centres: ComplexArray, radii: FloatArray) -> FloatArray:
         """See `FacePath`."""
@@ -643,8 +642,7 @@ class RockingFace:
     def _seen(self, phi: FloatArray, centres: ComplexArray) -> ComplexArray:
         """The centres seen from the pivot, against the line to the cam axis."""
         turned = centres * np.exp(1j * (self.rotation * phi - self._axis))
-        seen: ComplexArray = turned + self.follower.centre_distance
-        return seen
+        return np.asarray(turned + self.follower.centre_distance)
 
     def jet(self, phi: FloatArray, centres: ComplexArray, radii: FloatArray) -> FloatArray:
         """See `FacePath`.

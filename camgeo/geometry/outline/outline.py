@@ -1167,5 +1167,4 @@ def changes(borders: FloatArray, held: IntArray) -> tuple[FloatArray, IntArray]:
 
 def piece_at(borders: FloatArray, held: IntArray, angle: FloatArray, side: Side) -> IntArray:
     """(n,) the piece at `angle` (n,) [rad] of any turn, seen from that side; see `changes`."""
-    found: IntArray = held[np.searchsorted(borders, np.remainder(angle, TURN), side) - 1]
-    return found
+    return np.asarray(held[np.searchsorted(borders, np.remainder(angle, TURN), side) - 1])

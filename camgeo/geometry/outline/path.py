@@ -185,8 +185,7 @@ def encloses_axis(path: Path) -> bool:
 
 
 def _turning(point: ComplexArray, way: ComplexArray) -> FloatArray:
-    found: FloatArray = (way / point).imag
-    return found
+    return np.asarray((way / point).imag)
 
 
 def _turn_of_arc(pivot: Pivot) -> float:
@@ -390,8 +389,7 @@ Integrand = Callable[[ComplexArray, ComplexArray], FloatArray | ComplexArray]
 
 
 def _area(point: ComplexArray, way: ComplexArray) -> FloatArray:
-    found: FloatArray = 0.5 * (np.conj(point) * way).imag
-    return found
+    return np.asarray(0.5 * (np.conj(point) * way).imag)
 
 
 def _first(point: ComplexArray, way: ComplexArray) -> ComplexArray:
@@ -399,8 +397,7 @@ def _first(point: ComplexArray, way: ComplexArray) -> ComplexArray:
 
 
 def _polar(point: ComplexArray, way: ComplexArray) -> FloatArray:
-    found: FloatArray = 0.25 * (point * np.conj(point)).real * (np.conj(point) * way).imag
-    return found
+    return np.asarray(0.25 * (point * np.conj(point)).real * (np.conj(point) * way).imag)
 
 
 def _square(point: ComplexArray, way: ComplexArray) -> ComplexArray:

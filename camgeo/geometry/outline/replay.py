@@ -472,8 +472,7 @@ class Replay:
         if not self.lift.as_demanded:
             return edges
         apart = self.lift.number(0.5 * (edges[:-1] + edges[1:])) != AS_DEMANDED
-        kept: FloatArray = edges[np.append(True, apart) | np.append(apart, True)]
-        return kept
+        return np.asarray(edges[np.append(True, apart) | np.append(apart, True)])
 
     def _peak(self, quantity: Quantity, more: FloatArray | None = None) -> Extreme | None:
         """Of the largest magnitude; it is smooth between `edges_between` and what there is `more`

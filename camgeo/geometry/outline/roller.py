@@ -100,8 +100,7 @@ class PlayedLift:
         angles, q = self.path.cam_angle_of(points)
         normals = 1j * self.parallel.pitch.rotation * tangents
         along, _ = self.path.along(angles, q)
-        lever: FloatArray = self.path.outward * dot(normals, along)
-        return lever
+        return np.asarray(self.path.outward * dot(normals, along))
 
     def jet(self, phi: FloatArray, side: Side = "right", order: int = 2) -> FloatArray:
         """(3, n) lift with two derivatives [mm or rad per rad^k] at `phi` (n,) [rad], whatever the
@@ -231,8 +230,7 @@ class ActualLift:
         q = self.path.start + self.outward * jet[0]
         turn = -1j * self.path.rotation * self.path.point(phi, q)
         along, _ = self.path.along(phi, q)
-        way: ComplexArray = turn + along * self.outward * jet[1]
-        return way
+        return np.asarray(turn + along * self.outward * jet[1])
 
     def shift_of(self, _: float, error: FloatArray) -> FloatArray:
         """(n,) [rad] how far from a joint of the demanded motion its place on the disc may lie, by
@@ -635,8 +633,7 @@ def cut(
 def _unit(vectors: ComplexArray) -> ComplexArray:
     """(n,) in the directions of `vectors` (n,); 0 of 0."""
     size = np.abs(vectors)
-    out: ComplexArray = np.divide(vectors, size, out=np.zeros_like(vectors), where=size > 0.0)
-    return out
+    return np.asarray(np.divide(vectors, size, out=np.zeros_like(vectors), where=size > 0.0))
 
 
 def _within(points: ComplexArray, reach: tuple[float, float]) -> ComplexArray:
@@ -644,8 +641,7 @@ def _within(points: ComplexArray, reach: tuple[float, float]) -> ComplexArray:
     distance = np.abs(points)
     wanted = np.clip(distance, *reach)
     scale = np.divide(wanted, distance, out=np.ones_like(distance), where=distance > 0.0)
-    moved: ComplexArray = points * scale
-    return moved
+    return np.asarray(points * scale)
 
 
 # -- spline contours ------------------------------------------------------------------------------
