@@ -613,7 +613,7 @@ def _hc21a(params: Values, expected: Values) -> list[Measured]:
             (math.degrees(bends.phi[back][worst]), expected["phi_on_return"]),
         ),
         share("point of the flank there", (complex(flank.point(tip)[0]), expected["inner_point"])),
-        distance("speed of the flank there", "mm/rad", 40.0, (flank.pace(tip)[0], 0)),
+        distance("speed of the flank there", "mm/rad", 40.0, (flank.traced(tip)[2][0], 0)),
     ]
 
 

@@ -123,24 +123,19 @@ def piecewise_extremes(function: Quantity, edges: FloatArray) -> Extremes:
     edge has the extreme value except for rounding, the edge is the place: near a flat top
     many arguments have that value.
     """
-    return _extremes(function, edges, BOTH)
+    return extremes_of_each(ONE, function, edges)[0]
 
 
 def piecewise_lowest(function: Quantity, edges: FloatArray) -> Extreme:
     """The smallest value alone, see `piecewise_extremes`: no turning point of the largest one is
     refined.
     """
-    return _extremes(function, edges, BOTTOMS).lowest
+    return extremes_of_each(ONE, function, edges, BOTTOMS)[0].lowest
 
 
 def piecewise_highest(function: Quantity, edges: FloatArray) -> Extreme:
     """The largest value alone, see `piecewise_lowest`."""
-    return _extremes(function, edges, TOPS).highest
-
-
-def _extremes(function: Quantity, edges: FloatArray, signs: tuple[float, ...]) -> Extremes:
-    """Both values; only those selected by `signs` are refined."""
-    return extremes_of_each(ONE, function, edges, signs)[0]
+    return extremes_of_each(ONE, function, edges, TOPS)[0].highest
 
 
 def extremes_of_each(

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 
-from camgeo.geometry.pitch_curve import BLOCK, PitchCurve, cells_in_blocks, in_blocks, joints
+from camgeo.geometry.pitch_curve import BLOCK, PitchCurve, in_blocks, joints
 from camgeo.kinematics.laws import make_law
 from camgeo.kinematics.laws.law import Law
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
@@ -249,7 +249,7 @@ def test_a_point_has_the_same_value_in_any_array() -> None:
 def test_blocks_cover_all_cells_once_in_order(count: int) -> None:
     sizes: list[int] = []
 
-    @cells_in_blocks
+    @in_blocks
     def ends(_: object, low: FloatArray, high: FloatArray) -> FloatArray:
         sizes.append(len(low))
         return np.stack((low, high))

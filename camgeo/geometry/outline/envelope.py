@@ -140,15 +140,15 @@ class Envelope:
     @cached_property
     def angle_offsets(self) -> FloatArray:
         """(m,) cam angle minus path parameter along each element; 0 for turns."""
-        pairs = zip(self.starts, self.elements, strict=True)
-        offsets = [
-            each.start - start if isinstance(each, Stretch) else 0.0 for start, each in pairs
-        ]
-        return frozen(offsets, np.float64)
+        return frozen(np.where(self.is_pivot, 0.0, self._angles - self.starts), np.float64)
 
     @cached_property
     def _spans(self) -> FloatArray:
-        return np.array([_span(each) for each in self.elements])
+        spans = [
+            abs(each.sweep) if isinstance(each, Pivot) else each.end - each.start
+            for each in self.elements
+        ]
+        return np.array(spans)
 
     @cached_property
     def borders(self) -> FloatArray:
@@ -261,10 +261,6 @@ class Envelope:
 def envelope_of(curve: WorkingCurve) -> Envelope:
     """The envelope at the distance of `curve`."""
     return Envelope(curve)
-
-
-def _span(element: Element) -> float:
-    return abs(element.sweep) if isinstance(element, Pivot) else element.end - element.start
 
 
 # -- cells ----------------------------------------------------------------------------------------

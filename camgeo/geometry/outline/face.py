@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import singledispatch
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -326,7 +326,8 @@ class FaceLift:
 
     def heading(self, phi: FloatArray, jet: FloatArray) -> ComplexArray:
         """See `camgeo.geometry.outline.roller.ActualLift`: of the contact, if it did not wander."""
-        at = flat_follower(self.pitch.follower).touch(_full(jet), self.path.rotation)
+        full = np.vstack((jet, np.zeros_like(jet[:1])))  # with a third derivative
+        at = flat_follower(self.pitch.follower).touch(full, self.path.rotation)
         way: ComplexArray = at.distance + 1j * at.contact[0]
         del phi
         return way
@@ -343,11 +344,6 @@ class FaceLift:
             pace = abs(float(at.pace[0, 0]))
             shifts.append(float(self.path.wander(at)[0]) / pace if pace > 0.0 else math.inf)
         return np.asarray(max(shifts) * np.abs(error[1]))
-
-
-def _full(jet: FloatArray) -> FloatArray:
-    """A jet (3, n) with zeros for the third derivative."""
-    return np.vstack((jet, np.zeros_like(jet[:1])))
 
 
 def face_on(contour: Contour, pitch: PitchCurve) -> FaceLift:
@@ -501,52 +497,6 @@ ROUNDING = 1e-12
 """How far rounding may take a sine beyond 1: the face is square to the line of centres there."""
 
 
-class FacePath(Protocol):
-    """The places that a flat face can have, in cam coordinates.
-
-    Attributes
-    ----------
-    rotation : sigma, +1 if the cam turns counter-clockwise, -1 clockwise.
-    outward : +1 if a positive lift moves the face outward, else -1.
-    """
-
-    @property
-    def rotation(self) -> int: ...
-
-    @property
-    def outward(self) -> int: ...
-
-    def lift_of(self, distance: FloatArray) -> FloatArray:
-        """(n,) lift [mm or rad] of the face at `distance` (n,) [mm] from the cam axis.
-
-        Raises GeometryError where it cannot be there.
-        """
-
-    def angle_of(self, theta: FloatArray, lift: FloatArray) -> FloatArray:
-        """(n,) cam angles [rad] at which the face of that `lift` (n,) has the normal at theta (n,)
-        [rad] in the cam; as continuous as theta, not reduced to a turn.
-        """
-
-    def jet(self, phi: FloatArray, centres: ComplexArray, radii: FloatArray) -> FloatArray:
-        """(4, n) lift and three derivatives [mm or rad per rad^k] at `phi` (n,) [rad] with the face
-        on the circles about `centres` (n,) of `radii` (n,) [mm], in cam coordinates.
-        """
-
-    def contact(self, phi: FloatArray, centres: ComplexArray, radii: FloatArray) -> FloatArray:
-        """(n,) [mm] place of the contact along the face, as of `FlatFollower`.
-
-        NaN where a rocker's face cannot reach the circle.
-        """
-
-    def turning(self, centres: ComplexArray) -> FloatArray:
-        """(2, n) cam angles [rad] at which the place of the contact with circles about `centres`
-        (n,) is extreme.
-        """
-
-    def wander(self, touch: Touch) -> FloatArray:
-        """(n,) how far the contact lies along the face per unit of the velocity of the lift."""
-
-
 @singledispatch
 def face_path_of(follower: Follower, rotation: int) -> FacePath:
     """The path of a flat-faced `follower` on a cam that turns in the sense `rotation`.
@@ -560,21 +510,32 @@ def face_path_of(follower: Follower, rotation: int) -> FacePath:
 
 @dataclass(frozen=True, slots=True)
 class GuidedFace:
-    """The face of a translating follower."""
+    """The face of a translating follower: the places that it can have, in cam coordinates.
+
+    Attributes
+    ----------
+    rotation : sigma, +1 if the cam turns counter-clockwise, -1 clockwise.
+    """
 
     follower: TranslatingFlat
     rotation: int
 
     @property
     def outward(self) -> int:
+        """+1 if a positive lift moves the face outward, else -1."""
         return self.follower.direction
 
     def lift_of(self, distance: FloatArray) -> FloatArray:
-        """See `FacePath`."""
+        """(n,) lift [mm or rad] of the face at `distance` (n,) [mm] from the cam axis.
+
+        Raises GeometryError where it cannot be there.
+        """
         return np.asarray(self.outward * (distance - self.follower.base_radius))
 
     def angle_of(self, theta: FloatArray, _: FloatArray) -> FloatArray:
-        """See `FacePath`."""
+        """(n,) cam angles [rad] at which the face of that lift (n,) has the normal at theta (n,)
+        [rad] in the cam; as continuous as theta, not reduced to a turn.
+        """
         return np.asarray(self.rotation * (self.follower.guide_angle - theta))
 
     def _turned(self, phi: FloatArray, centres: ComplexArray) -> ComplexArray:
@@ -583,23 +544,30 @@ class GuidedFace:
         return np.asarray(centres * np.exp(1j * (self.rotation * phi - axis)))
 
     def jet(self, phi: FloatArray, centres: ComplexArray, radii: FloatArray) -> FloatArray:
-        """See `FacePath`."""
+        """(4, n) lift and three derivatives [mm or rad per rad^k] at `phi` (n,) [rad] with the face
+        on the circles about `centres` (n,) of `radii` (n,) [mm], in cam coordinates.
+        """
         turned = self._turned(phi, centres)
         rise = turned.real + (radii - self.follower.base_radius)
         slope = -self.rotation * turned.imag
         return self.outward * np.stack((rise, slope, -turned.real, -slope))
 
     def contact(self, phi: FloatArray, centres: ComplexArray, _: FloatArray) -> FloatArray:
-        """See `FacePath`."""
+        """(n,) [mm] place of the contact along the face, as of `FlatFollower`.
+
+        NaN where a rocker's face cannot reach the circle.
+        """
         return np.asarray(-self._turned(phi, centres).imag)
 
     def turning(self, centres: ComplexArray) -> FloatArray:
-        """See `FacePath`: with the centre at the height of the cam axis."""
+        """(2, n) cam angles [rad] at which the place of the contact with circles about `centres`
+        (n,) is extreme: with the centre at the height of the cam axis.
+        """
         angle = self.follower.guide_angle - np.angle(centres)
         return self.rotation * np.stack((angle - 0.5 * math.pi, angle + 0.5 * math.pi))
 
     def wander(self, touch: Touch) -> FloatArray:
-        """See `FacePath`."""
+        """(n,) how far the contact lies along the face per unit of the velocity of the lift."""
         return np.ones_like(touch.distance)
 
 
@@ -620,7 +588,7 @@ class RockingFace:
         return phase(-self.follower.pivot)
 
     def lift_of(self, distance: FloatArray) -> FloatArray:
-        """See `FacePath`."""
+        """See `GuidedFace`."""
         follower = self.follower
         sine = (distance - follower.face_offset) / follower.centre_distance
         if np.any(~(np.abs(sine) <= 1.0 + ROUNDING)):
@@ -634,7 +602,7 @@ class RockingFace:
         return np.asarray(self.outward * (chi - follower.start_angle))
 
     def angle_of(self, theta: FloatArray, lift: FloatArray) -> FloatArray:
-        """See `FacePath`."""
+        """See `GuidedFace`."""
         chi = self.follower.face_angle(lift)
         normal = self._axis + self.follower.arm_side * (chi + 0.5 * math.pi)
         return np.asarray(self.rotation * (normal - theta))
@@ -645,7 +613,7 @@ class RockingFace:
         return np.asarray(turned + self.follower.centre_distance)
 
     def jet(self, phi: FloatArray, centres: ComplexArray, radii: FloatArray) -> FloatArray:
-        """See `FacePath`.
+        """See `GuidedFace`.
 
         With g = V'/V the rates of arg V and ln |V| are its imaginary and its real part.
         """
@@ -670,19 +638,22 @@ class RockingFace:
         return self.outward * np.stack((chi - follower.start_angle, first, second, third))
 
     def contact(self, phi: FloatArray, centres: ComplexArray, radii: FloatArray) -> FloatArray:
-        """See `FacePath`."""
+        """See `GuidedFace`."""
         away, over = np.abs(self._seen(phi, centres)), np.abs(self.follower.face_offset - radii)
         square = (away - over) * (away + over)
         return np.sqrt(np.where(square >= 0.0, square, np.nan))
 
     def turning(self, centres: ComplexArray) -> FloatArray:
-        """See `FacePath`: with the centre on the line of centres, between axis and pivot first."""
+        """See `GuidedFace`; the centre is on the line of centres, between axis and pivot first."""
         angle = self._axis + math.pi - np.angle(centres)
         return self.rotation * np.stack((angle, angle + math.pi))
 
     def wander(self, touch: Touch) -> FloatArray:
-        """See `FacePath`: q = l_1 cos chi / tau."""
+        """See `GuidedFace`: q = l_1 cos chi / tau."""
         return np.asarray(np.abs(touch.contact[0] / touch.turn[0]))
+
+
+FacePath = GuidedFace | RockingFace
 
 
 face_path_of.register(TranslatingFlat, GuidedFace)

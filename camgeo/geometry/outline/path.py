@@ -316,10 +316,11 @@ def path_moments(path: Path, tolerance: float) -> Moments:
 
     Arcs about a pivot are in closed form.
     """
-    pivots = [each for each in path.pivots if each.distance != 0.0]
-    return total(
-        (*(_moments_of_stretch(each, tolerance) for each in path.stretches), _of_arcs(pivots))
-    )
+    parts = [piece_moments(*_arcs_of(path))]
+    for stretch in path.stretches:
+        sums = stretch_integrals(stretch, LOW_ORDER, tolerance)
+        parts.append(total(Moments(one.real, other, *errors) for one, other, *errors in sums))
+    return total(parts)
 
 
 def area(path: Path) -> float:
@@ -327,8 +328,10 @@ def area(path: Path) -> float:
     return path_moments(path, SHARE).area
 
 
-def _of_arcs(pivots: list[Pivot]) -> Moments:
-    return piece_moments(
+def _arcs_of(path: Path) -> tuple[ComplexArray, ComplexArray, FloatArray, ComplexArray]:
+    """Starts and ends (n,) [mm], sweeps (n,) [rad] and centres (n,) [mm] of its arcs."""
+    pivots = [each for each in path.pivots if each.distance != 0.0]
+    return (
         np.array([each.start for each in pivots], dtype=np.complex128),
         np.array([each.end for each in pivots], dtype=np.complex128),
         np.array([each.sweep for each in pivots], dtype=np.float64),
@@ -409,12 +412,6 @@ SECOND_ORDER: Final[tuple[Integrand, Integrand]] = (_polar, _square)
 
 Sums = tuple[complex, complex, float, float]
 """Two integrals, and the estimates of their errors."""
-
-
-def _moments_of_stretch(stretch: Stretch, tolerance: float) -> Moments:
-    """Area and first moment from the contour integrals along the stretch."""
-    sums = stretch_integrals(stretch, LOW_ORDER, tolerance)
-    return total(Moments(one.real, other, *errors) for one, other, *errors in sums)
 
 
 def stretch_integrals(
@@ -508,13 +505,7 @@ class SecondMoments:
 
 def path_second_moments(path: Path, tolerance: float) -> SecondMoments:
     """Second moments of the region inside `path`; parameters as for `path_moments`."""
-    pivots = [each for each in path.pivots if each.distance != 0.0]
-    arcs = piece_second_moments(
-        np.array([each.start for each in pivots], dtype=np.complex128),
-        np.array([each.end for each in pivots], dtype=np.complex128),
-        np.array([each.sweep for each in pivots], dtype=np.float64),
-        np.array([each.centre for each in pivots], dtype=np.complex128),
-    )
+    arcs = piece_second_moments(*_arcs_of(path))
     sums = [
         each
         for stretch in path.stretches

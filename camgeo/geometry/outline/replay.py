@@ -414,7 +414,9 @@ class Replay:
 
         At ignored corners it does not count.
         """
-        return self._peak(self._acceleration)
+        return self._peak(
+            lambda phi, side: np.where(self._is_smooth(phi, side), self.lift.jet(phi, side)[2], 0.0)
+        )
 
     @property
     def largest_acceleration_error(self) -> Extreme | None:
@@ -458,9 +460,6 @@ class Replay:
         """(n,) actual - demanded lift at `phi` (n,) [rad], or its first derivative."""
         actual = self.lift.jet(phi, side)[1] if order else self.lift.at(phi, side)
         return np.asarray(actual - self.lift.motion.jet(phi, side, 2 * order or 1)[order])
-
-    def _acceleration(self, phi: FloatArray, side: Side) -> FloatArray:
-        return np.where(self._is_smooth(phi, side), self.lift.jet(phi, side)[2], 0.0)
 
     def _is_smooth(self, phi: FloatArray, side: Side) -> BoolArray:
         """(n,) False at ignored corners."""
