@@ -99,20 +99,6 @@ def test_itself_is_no_distance(exact: Contour) -> None:
 
 
 @some
-@given(st.floats(-5.0, 0.7), st.floats(0.0, 6.3), st.floats(0.6, 1.2))
-def test_shifted_and_scaled_circles(size: float, angle: float, factor: float) -> None:
-    """Two circles: the largest distance is known, |shift| + |difference of the radii|."""
-    step = 10.0**size * complex(np.cos(angle), np.sin(angle))
-    circle = Contour.circle(factor * RADIUS, step)
-    true = abs(step) + abs(factor - 1.0) * RADIUS
-    try:
-        bound = distance_between(PLAIN, circle)
-    except GeometryError:
-        return
-    assert true - 1e-15 <= bound <= true * 1.02 + 1e-12
-
-
-@some
 @given(st.floats(1.0, 7.0), st.floats(0.1, 4.0), st.floats(0.0, 6.2))
 def test_another_keyway(width: float, depth: float, angle: float) -> None:
     _caught(SLOTTED, bore_outline(2.0 * RADIUS, Keyway(width, depth, angle)))
@@ -158,16 +144,6 @@ def test_a_bore_without_its_keyway_is_off_by_its_corners() -> None:
     for plain in (PLAIN, chords_of(PLAIN, 0.001).contour):
         assert _caught(SLOTTED, plain) > 2.0
         assert _caught(plain, SLOTTED) > 2.0
-
-
-def test_circles_cut_elsewhere_agree() -> None:
-    for start in np.linspace(0.0, 2.0 * np.pi, 17):
-        place = RADIUS * np.exp(1j * start)
-        halves = Contour(np.array([place, -place]), np.full(2, np.pi), np.zeros(2, np.complex128))
-        whole = Contour(np.array([place]), np.array([2.0 * np.pi]), np.zeros(1, np.complex128))
-        assert distance_between(PLAIN, halves) < NOTHING
-        assert distance_between(PLAIN, whole) < NOTHING
-        assert distance_between(whole, halves) < NOTHING
 
 
 def test_twice_round_is_refused() -> None:

@@ -49,7 +49,6 @@ from tests.contour.paths import (
     Dense,
     break_count,
     corner,
-    cut_off_lobe,
     dense_of,
     hard_curve,
     shocks,
@@ -510,13 +509,6 @@ def test_tips_sharper_than_the_tolerance(fitter: Fitter, tolerance: float) -> No
     sharp = whole(WorkingCurve(curve.pitch, 0.9999 * curve.distance))
     fit = fitter(sharp, tolerance)
     assert Dense.of(sharp).measured(fit.contour) <= fit.deviation + SAGITTA <= tolerance + SAGITTA
-
-
-def test_nothing_is_left_beyond_the_neck_of_a_lobe() -> None:
-    """HC22: the corner is 9.06 mm from the axis, the lobe that falls away reached to 136 mm."""
-    contour = fitted(fit_arcs, "cut-off lobe", 1e-3).contour
-    far = int(np.argmax(np.abs(contour.vertices)))
-    assert contour.vertices[far] == cut_off_lobe().pivots[0].centre
 
 
 # What cannot be fitted --------------------------------------------------------------------------

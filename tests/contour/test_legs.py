@@ -68,13 +68,6 @@ def test_no_sliver_next_to_a_break(steps: int) -> None:
     assert (pieces[0].start, pieces[-1].end) == (angle, angle + TURN)
 
 
-def test_whole_path_has_the_pieces_of_the_curve() -> None:
-    (leg,) = legs_of(whole(CAM))
-    assert leg.closed
-    assert isinstance(leg, StretchLeg)
-    assert leg.pieces == smooth_pieces(CAM)
-
-
 def test_legs_begin_where_corners_and_arcs_end() -> None:
     (only,) = legs_of(cut_off_lobe())
     assert only.first == cut_off_lobe().pivots[0].centre
@@ -165,12 +158,6 @@ def test_joints_near_a_cusp_are_kept_apart() -> None:
     assert np.min(np.abs(np.diff(curve.point(kept)))) >= least
     # Those that are far enough from each other all stay.
     assert len(kept) >= np.count_nonzero(np.abs(np.diff(points)) >= least)
-
-
-def test_joints_of_a_regular_curve_all_stay() -> None:
-    curve = translating(dwell(60), move(120, 15.0), dwell(60), move(120, 0.0))
-    joints = np.linspace(1.1, 3.1, 100_000)
-    assert joints_apart(curve, joints) is joints
 
 
 def test_refined_bends_are_linear_and_no_speed_is_negative() -> None:
@@ -276,12 +263,6 @@ def test_a_disc_without_a_move_needs_its_one_arc() -> None:
     assert least_cubics(path, EPS) == 0.0
     assert forced_pieces(path) == 1
     assert break_count(path) == 1
-
-
-def test_dwells_and_joints_are_counted() -> None:
-    path = whole(translating(dwell(100), move(80, 10.0), dwell(20), move(160, 0.0)))
-    assert forced_pieces(path) == 2
-    assert break_count(path) == 4
 
 
 def _whole(values: FloatArray, steps: FloatArray, lengths: FloatArray) -> float:

@@ -163,22 +163,6 @@ def test_on_a_grid_no_place_is_evaluated_twice() -> None:
     assert len(set(asked)) == len(asked)
 
 
-def test_brackets_whose_ends_are_known_are_not_evaluated_there() -> None:
-    asked: list[float] = []
-
-    def remembered(x: FloatArray) -> FloatArray:
-        asked.extend(x.tolist())
-        return np.sin(x)
-
-    low, high = np.array([3.0, 6.0]), np.array([4.0, 6.5])
-    ends = np.stack((np.sin(low), np.sin(high)))
-    found = bracketed_roots(remembered, low, high, ends=ends)
-    assert found == pytest.approx([math.pi, 2.0 * math.pi], rel=4.0 * 2.0**-52)
-    assert not {3.0, 4.0, 6.0, 6.5} & set(asked)
-    without = bracketed_roots(np.sin, low, high)
-    assert found.tolist() == without.tolist()
-
-
 def test_each_bracket_has_its_own_function() -> None:
     """The numbers of the brackets go with the places, in any subset of them."""
     shifts = np.array([0.1, 5.5, 2.0, 3.3])

@@ -3,9 +3,7 @@ pieces over a turn; knife edges, whose flank is the pitch curve."""
 
 from __future__ import annotations
 
-import cmath
 import math
-from dataclasses import replace
 from decimal import Decimal
 
 import numpy as np
@@ -32,7 +30,6 @@ from camgeo.geometry.outline.path import Path, Pivot, Stretch, area
 from camgeo.geometry.outline.replay import replay_contour, replay_outline
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray, IntArray, ascending
@@ -236,40 +233,6 @@ def test_a_mild_cam_is_left_whole(pitch: PitchCurve, side: int) -> None:
         assert outline.path.is_whole
         assert outline.dropped == ()
         assert outline.lobes == ()
-
-
-@attack
-@given(wild_pitch_curves(), signs(), st.none() | st.floats(-3.0, 3.0))
-def test_turning_or_mirroring_the_scene_does_so_to_the_outline(
-    pitch: PitchCurve, side: int, angle: float | None
-) -> None:
-    """It is turned by an angle, or mirrored at the x-axis if there is none."""
-    follower, sense = pitch.follower, -1 if angle is None else 1
-
-    def image(place: complex) -> complex:
-        return place.conjugate() if angle is None else place * cmath.exp(1j * angle)
-
-    changed: TranslatingRoller | OscillatingRoller
-    if isinstance(follower, TranslatingRoller):
-        guide = sense * follower.guide_angle + (angle or 0.0)
-        changed = replace(follower, guide_angle=guide, offset=sense * follower.offset)
-    else:
-        assert isinstance(follower, OscillatingRoller)
-        pivot, arm_side = image(follower.pivot), sense * follower.arm_side
-        changed = replace(follower, pivot=pivot, arm_side=arm_side)
-    other = PitchCurve(pitch.motion, changed, sense * pitch.rotation)
-    one, two = outline_of(flank_of(pitch, side)), outline_of(flank_of(other, side))
-    assert (one is None) == (two is None)
-    if one is None or two is None:
-        return
-    assert len(one.path.elements) == len(two.path.elements)
-    assert len(one.lobes) == len(two.lobes)
-    for first, second in zip(corners(one.path), corners(two.path), strict=True):
-        # The more the branches differ, the better the crossing is known.
-        known = ROUNDING * size_of(pitch) / abs(math.sin(first.sweep))
-        assert abs(image(first.centre) - second.centre) <= 16.0 * known
-        assert second.sweep == pytest.approx(sense * first.sweep, abs=1e-6)
-    assert area(two.path) == pytest.approx(sense * area(one.path), rel=1e-9)
 
 
 def test_a_neck_that_all_but_closes_is_found_open_or_closed() -> None:
