@@ -452,7 +452,9 @@ def least_distance(one: Run, other: Run) -> float:
         off = np.abs(of_a[rows, None] - of_b) - reach_a[rows, None] - reach_b
         row, column = np.nonzero(off < least)
         if len(row):
-            least = min(least, _between(taken(a, rows[row]), taken(b, column)))
+            some, others = taken(a, rows[row]), taken(b, column)
+            mixed = _of_arc_and_line(some, others), _of_arc_and_line(others, some)
+            least = min(least, _of_arcs(some, others), _of_lines(some, others), *mixed)
     return least
 
 
@@ -476,19 +478,14 @@ def _bounds(pieces: Pieces) -> tuple[ComplexArray, FloatArray]:
     return middles, reaches
 
 
-def _between(a: Pieces, b: Pieces) -> float:
-    """The least distance [mm] of inner points of pairs on a common normal, or 0 where they cross.
-
-    Infinite if there is neither.
-    """
-    return min(_of_arcs(a, b), _of_arc_and_line(a, b), _of_arc_and_line(b, a), _of_lines(a, b))
-
-
 def _least(values: FloatArray, valid: BoolArray) -> float:
     return float(np.min(values[valid], initial=np.inf))
 
 
 def _of_arcs(a: Pieces, b: Pieces) -> float:
+    """The least distance [mm] of inner points of pairs of arcs on a common normal; 0 where they
+    cross, infinite if there is neither. So do the next two of others.
+    """
     between = b.centres - a.centres
     apart = np.abs(between)
     bent = (a.sweeps != 0.0) & (b.sweeps != 0.0) & (apart > 0.0)

@@ -61,7 +61,9 @@ def _meeting(one: Carrier, other: Carrier, near: complex, distance: float) -> co
         along = (apart**2 + one[1] ** 2 - other[1] ** 2) / (2.0 * apart) if apart else math.inf
         found = _either_side(one[0], between / (apart or 1.0), along, one[1])
     elif isinstance(one[1], float) or isinstance(other[1], float):
-        (centre, radius), (point, direction) = sorted((one, other), key=_is_line)
+        (centre, radius), (point, direction) = sorted(
+            (one, other), key=lambda each: not isinstance(each[1], float)
+        )
         assert isinstance(radius, float)
         foot = ((centre - point) * np.conj(direction)).real
         away = point + foot * direction - centre
@@ -75,10 +77,6 @@ def _meeting(one: Carrier, other: Carrier, near: complex, distance: float) -> co
     if not found:
         raise _gone(distance)
     return min(found, key=lambda point: abs(point - near))
-
-
-def _is_line(carrier: Carrier) -> bool:
-    return not isinstance(carrier[1], float)
 
 
 def _either_side(

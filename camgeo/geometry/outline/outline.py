@@ -181,14 +181,13 @@ def require_room(flank: WorkingCurve) -> None:
     """Raise UndercutError if the roller reaches over the cam axis, GeometryError if it would run
     through its own flank: trimming helps neither.
     """
-    if flank.distance <= 0.0:
+    inside = flank.distance <= 0.0
+    if inside and not surely_clear_of_axis(flank.pitch, -flank.distance):
         _require_axis(flank)
     _require_simple(flank.pitch)
 
 
 def _require_axis(flank: WorkingCurve) -> None:
-    if surely_clear_of_axis(flank.pitch, -flank.distance):
-        return
     nearest, phi = nearest_to_axis(flank.pitch)
     if nearest <= -flank.distance:
         raise UndercutError(

@@ -120,7 +120,6 @@ def replay_outline(
     outline: Path,
     *,
     step: float = STEP,
-    corner: float = CORNER,
     clearance: float = 0.0,
 ) -> Replay:
     """The follower of `pitch` on a real outline, exactly.
@@ -150,7 +149,7 @@ def replay_outline(
         if len(corners) != len(starts):
             raise GeometryError("a stretch is missing where the outline has no corner for the face")
         face = face_between(pitch, corners, starts, ends)
-        return compared(pitch, face, press, step, corner)
+        return compared(pitch, face, press, step)
     radius = abs(distance)
     # A pivot at no distance from the roller centre is the roller's turn about its own centre.
     pivots = [each for each in outline.offset(-distance).pivots if each.distance != 0.0]
@@ -168,7 +167,7 @@ def replay_outline(
     centres = np.array([each.centre for each in pivots], dtype=np.complex128)
     # A knife edge has no such pivots.
     lift = lift_over(pitch, centres, press, radius or 1.0, _gaps(stretches), played)
-    return compared(pitch, lift, press, step, corner)
+    return compared(pitch, lift, press, step)
 
 
 def _require_inner(press: int) -> None:
