@@ -57,15 +57,6 @@ def _measured(exact: Contour, contour: Contour) -> float:
     )
 
 
-def _caught(exact: Contour, contour: Contour) -> float:
-    try:
-        bound = distance_between(exact, contour)
-    except GeometryError:
-        return math.inf
-    assert bound >= _measured(exact, contour) - 1e-12
-    return bound
-
-
 @few
 @given(outlines, st.floats(-6.0, 0.0))
 def test_chords_keep_their_tolerance(exact: Contour, size: float) -> None:
@@ -96,12 +87,6 @@ def test_chords_are_few() -> None:
 def test_itself_is_no_distance(exact: Contour) -> None:
     for same in (exact, exact.reversed(), exact.split(1.0), exact.split(0.01).reversed()):
         assert distance_between(exact, same) < NOTHING
-
-
-@some
-@given(st.floats(1.0, 7.0), st.floats(0.1, 4.0), st.floats(0.0, 6.2))
-def test_another_keyway(width: float, depth: float, angle: float) -> None:
-    _caught(SLOTTED, bore_outline(2.0 * RADIUS, Keyway(width, depth, angle)))
 
 
 STEPS = (1e-12, 1e-9, 1e-6, 1e-3)
@@ -142,8 +127,8 @@ def test_a_bore_without_its_keyway_is_off_by_its_corners() -> None:
     for plain in (PLAIN, PLAIN.split(1.0), PLAIN.split(0.3).reversed()):
         assert distance_between(SLOTTED, plain) == pytest.approx(corner, rel=1e-8)
     for plain in (PLAIN, chords_of(PLAIN, 0.001).contour):
-        assert _caught(SLOTTED, plain) > 2.0
-        assert _caught(plain, SLOTTED) > 2.0
+        assert distance_between(SLOTTED, plain) > 2.0
+        assert distance_between(plain, SLOTTED) > 2.0
 
 
 def test_twice_round_is_refused() -> None:

@@ -295,12 +295,6 @@ def test_integrals_agree_with_points_of_the_flank(name: tuple[str, int]) -> None
     assert least_cubics(path, EPS) == pytest.approx(cubics, rel=5e-3)
 
 
-def test_the_powers_of_the_tolerance() -> None:
-    path = whole(flank("setzhub", -1))
-    for limit, power in ((least_chords, 1 / 2), (least_arcs, 1 / 3), (least_cubics, 1 / 4)):
-        assert limit(path, 1e-6) == pytest.approx(limit(path, 1e-3) * 1000.0**power)
-
-
 def test_ladder_is_the_same_from_everywhere() -> None:
     rungs = [1]
     while rungs[-1] < 100_000:
