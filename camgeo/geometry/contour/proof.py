@@ -671,7 +671,10 @@ def locate(path: Path, contour: Contour) -> tuple[Run, ...]:
         contour = contour.reversed()
     if legs[0].closed:
         return (_closed_run(legs[0], samples[0], contour),)
-    corners = np.array([_first(leg) for leg in legs])
+    firsts = [
+        leg.point(np.array([leg.start]))[0] if leg.first is None else leg.first for leg in legs
+    ]
+    corners = np.array(firsts)
     nearest = np.array([int(np.argmin(np.abs(contour.vertices - corner))) for corner in corners])
     contour = contour.rolled(int(nearest[0]))
     counts = _counts(legs, nearest, len(contour))
@@ -690,10 +693,6 @@ class _Samples:
     points: ComplexArray
     along: FloatArray
 
-    def at(self, along: FloatArray) -> FloatArray:
-        """Parameters near the places that are `along` (n,) [mm] of the leg from its start."""
-        return np.interp(along, self.along, self.grid)
-
 
 def _samples(leg: Leg) -> _Samples:
     inner = leg.borders[(leg.borders > leg.start) & (leg.borders < leg.end)]
@@ -706,12 +705,6 @@ def _samples(leg: Leg) -> _Samples:
     points = np.append(leg.point(inside), leg.point(grid[-1:], "left"))
     along = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(points)))))
     return _Samples(grid, points, along)
-
-
-def _first(leg: Leg) -> complex:
-    if leg.first is not None:
-        return leg.first
-    return complex(leg.point(np.array([leg.start]))[0])
 
 
 def _counts(legs: tuple[Leg, ...], nearest: IntArray, pieces: int) -> IntArray:
@@ -734,7 +727,7 @@ def _open_run(leg: Leg, sampled: _Samples, contour: Contour, start: int, stop: i
     if stop > start:
         place = along_contour * (sampled.along[-1] / along_contour[-1])
         angles[0] = leg.start
-        guess = sampled.at(place[1:-1])
+        guess = np.interp(place[1:-1], sampled.along, sampled.grid)
         pieces = Contour(
             contour.vertices[start:stop], contour.sweeps[start:stop], contour.centres[start:stop]
         )
@@ -752,7 +745,7 @@ def _closed_run(leg: Leg, sampled: _Samples, contour: Contour) -> Run:
     share = along_contour[:-1] / along_contour[-1]
     place = sampled.along[first] + share * sampled.along[-1]
     turns, rest = np.divmod(place, sampled.along[-1])
-    guess = sampled.at(rest) + TURN * turns
+    guess = np.interp(rest, sampled.along, sampled.grid) + TURN * turns
     around = Contour(
         np.append(contour.vertices[-1], contour.vertices),
         np.append(contour.sweeps[-1], contour.sweeps),

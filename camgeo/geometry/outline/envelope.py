@@ -654,25 +654,23 @@ def find_nodes(envelope: Envelope, backward: list[tuple[float, float]]) -> tuple
     """All crossings and contacts of `envelope`, given the ranges in which it runs backwards."""
     ends = np.array([place for span in backward for place in span])
     division = divide(envelope, envelope.within(ends) if len(ends) else ends)
-    tails: tuple[SwallowTail, ...] = ()
-    if backward:
-        tails = swallow_tails(division, backward)
-    pairs = _apart(division, tails)
-    nodes = [_node(tail.first, tail.second, tail.point) for tail in tails]
+    tails = swallow_tails(division, backward) if backward else []
+    pairs = _apart(division, [run for _, run in tails])
+    nodes = [node for node, _ in tails]
     nodes += _decide(envelope, division.cells, pairs)
     return _distinct(nodes, envelope.total)
 
 
-def _apart(division: Division, tails: tuple[SwallowTail, ...]) -> tuple[IntArray, IntArray]:
-    """Pairs of cells that may cross and do not belong to a run already settled."""
+def _apart(division: Division, runs: list[Run]) -> tuple[IntArray, IntArray]:
+    """Pairs of cells that may cross and do not belong to one of the `runs`, already settled."""
     first, second = overlapping(division.envelope, division.cells)
     count = len(division.cells)
     plain = division.is_plain(first, second) | division.is_plain(second, first + count)
-    # Both inside the run of a tail is what is known: how far a run gets that holds each cell.
+    # Both inside a run is what is known: how far a run gets that holds each cell.
     reach = np.zeros(count, dtype=np.intp)
-    for tail in tails:
-        reach[tail.start] = max(reach[tail.start], tail.start + tail.cells)
-        reach[0] = max(reach[0], tail.start + tail.cells - count)
+    for run in runs:
+        reach[run.first] = max(reach[run.first], run.first + run.cells)
+        reach[0] = max(reach[0], run.first + run.cells - count)
     reach = np.maximum.accumulate(reach)
     plain |= (reach[first] > second) | (reach[second] > first + count)
     first, second = first[~plain], second[~plain]
@@ -1008,28 +1006,12 @@ def _samples(envelope: Envelope, places: FloatArray) -> EnvelopeSamples:
     )
 
 
-@dataclass(frozen=True, slots=True)
-class SwallowTail:
-    """The one crossing of a run of cells with two cusps.
-
-    Attributes
-    ----------
-    first, second : path parameters in [0, total) of the crossing, before and after the cusps.
-    point : its place [mm].
-    start, cells : the run in which there is no other: its first cell and their number.
-    """
-
-    first: float
-    second: float
-    point: complex
-    start: int
-    cells: int
-
-
 def swallow_tails(
     division: Division, backward: list[tuple[float, float]]
-) -> tuple[SwallowTail, ...]:
-    """The tails of the ranges `backward` that cross within a short run of cells."""
+) -> list[tuple[Node, Run]]:
+    """The crossings of the ranges `backward` that cross within a short run of cells, each with that
+    run, in which there is no other.
+    """
     envelope, line = division.envelope, Line(division)
     spans = [span for span in backward if span[1] - span[0] < envelope.total]
     runs = [line.steady_run(*span) for span in spans]
@@ -1041,12 +1023,12 @@ def swallow_tails(
         for k, run in zip(looked_at, small, strict=True):
             runs[k] = run
     known = [(span, run) for span, run in zip(spans, runs, strict=True) if run is not None]
-    return _tails(envelope, known) if known else ()
+    return _tails(envelope, known) if known else []
 
 
 def _tails(
     envelope: Envelope, known: list[tuple[tuple[float, float], Run]]
-) -> tuple[SwallowTail, ...]:
+) -> list[tuple[Node, Run]]:
     """The crossings of the runs about ranges, all by Newton's method at once."""
     start, end, low, high = np.array([(*span, run.low, run.high) for span, run in known]).T
     middle, half = 0.5 * (start + end), 0.5 * (end - start)
@@ -1083,12 +1065,12 @@ def _tails(
     chosen = np.flatnonzero(found)
     places = envelope.within(np.stack((x[chosen], y[chosen])))
     points = np.mean(_samples(envelope, places).points, axis=0)
-    return tuple(
-        SwallowTail(first, second, complex(point), known[k][1].first, known[k][1].cells)
+    return [
+        (_node(first, second, complex(point)), known[k][1])
         for k, (first, second), point in zip(
             chosen, places.T.tolist(), points.tolist(), strict=True
         )
-    )
+    ]
 
 
 def _borders(envelope: Envelope) -> FloatArray:

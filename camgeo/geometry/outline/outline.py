@@ -670,23 +670,9 @@ def with_places(pitch: PitchCurve, bends: Extremes, angles: FloatArray) -> Extre
     return Extremes(frozen(phi[order], np.float64), frozen(values[order], np.float64))
 
 
-@dataclass(frozen=True, slots=True)
-class Crossing:
-    """A point that a flank passes twice.
-
-    Attributes
-    ----------
-    first, second : cam angles [rad] in [0, 2 pi), first < second.
-    point : its place [mm].
-    """
-
-    first: float
-    second: float
-    point: complex
-
-
-def find_crossings(curve: WorkingCurve, bends: Extremes | None = None) -> tuple[Crossing, ...]:
-    """All crossings of the parallel `curve` with itself, by the first cam angle.
+def find_crossings(curve: WorkingCurve, bends: Extremes | None = None) -> tuple[Node, ...]:
+    """All crossings of the parallel `curve` with itself, each by its cam angles [rad] in [0, 2 pi)
+    in place of path parameters, ordered by the first one.
 
     Mere contacts are not crossings. `bends` are the extremes of the pitch curve's curvature, if
     known.
@@ -702,7 +688,7 @@ def find_crossings(curve: WorkingCurve, bends: Extremes | None = None) -> tuple[
     places = np.array([(node.first, node.second) for node in crossing]).reshape(-1, 2)
     angles = envelope.angles_at(places).tolist()
     found = [
-        Crossing(first, second, node.point)
+        Node(first, second, node.point)
         for (first, second), node in zip(angles, crossing, strict=True)
     ]
     return tuple(sorted(found, key=lambda each: (each.first, each.second)))
