@@ -19,11 +19,9 @@ from camgeo.geometry.contour.legs import (
     Bends,
     StretchLeg,
     TurnLeg,
-    above,
     clearly_less,
     in_steps,
     joints_apart,
-    ladder,
     least_counts,
     legs_of,
 )
@@ -293,12 +291,3 @@ def test_integrals_agree_with_points_of_the_flank(name: tuple[str, int]) -> None
     assert least_chords(path, EPS) == pytest.approx(chords, rel=2e-3)
     assert least_arcs(path, EPS) == pytest.approx(arcs, rel=3e-3)
     assert least_cubics(path, EPS) == pytest.approx(cubics, rel=5e-3)
-
-
-def test_ladder_is_the_same_from_everywhere() -> None:
-    rungs = [1]
-    while rungs[-1] < 100_000:
-        rungs.append(above(rungs[-1]))
-    for value in (0.0, 1.0, 1.5, 57.2, 200.0, 201.0, 70_000.5):
-        assert ladder(value) == next(rung for rung in rungs if rung >= value)
-    assert max(b / a for a, b in pairwise(rungs[200:])) <= 1.0101

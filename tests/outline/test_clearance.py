@@ -73,13 +73,6 @@ def test_blind_to_all_extremes_it_finds_the_same_ranges(pitch: PitchCurve, side:
         assert one == pytest.approx(other, abs=1e-9)
 
 
-def test_where_nothing_is_missing_nothing_is_added() -> None:
-    params, _ = hard_case("HC21c")
-    flank = inner_of(pitch_curve_of({"kappa": 1, **params}))
-    bends = curvature_extremes(flank.pitch)
-    assert sure_bends(flank, bends) is bends
-
-
 TABLE = """
 camgeo = 1
 name = "noisy"
