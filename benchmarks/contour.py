@@ -4,7 +4,7 @@ First the fits of one flank with their proofs, as multiples of the time that the
 derivatives takes at 30,000 and at 600,000 points, measured in turns in one run: the pitch curve
 with three derivatives, and the points and the curvature of the flank, as `camgeo table` computes
 them; and their numbers of pieces over the least possible for small tolerances, see
-`camgeo.geometry.contour.least_pieces`.
+`camgeo.studies.accuracy.contours`.
 
 Then each form compared with the programs of `peers.py`. They get exact points, evenly spaced and so
 dense that less than a hundredth of the tolerance is lost. Bisection of its own parameter brings
@@ -69,18 +69,13 @@ from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.cubics import fewest_cubics, fit_spline
 from camgeo.geometry.contour.fewest_arcs import fewest_arcs
 from camgeo.geometry.contour.fewest_chords import fewest_chords
-from camgeo.geometry.contour.least_pieces import (
-    forced_pieces,
-    least_arcs,
-    least_chords,
-    least_cubics,
-)
 from camgeo.geometry.contour.spline import CubicSpline, SplineContour
 from camgeo.geometry.outline.path import Path as OutlinePath
 from camgeo.geometry.pieces import Piece, smooth_pieces
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
 from camgeo.scene.scene import load_scene
+from camgeo.studies.accuracy.contours import forced_pieces, least_arcs, least_chords, least_cubics
 from camgeo.units import TURN
 
 Fitting = Callable[[OutlinePath, float], Any]

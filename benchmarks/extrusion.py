@@ -38,9 +38,8 @@ import trimesh
 
 import camgeo
 from camgeo.geometry.contour.contour import Contour, Fit
-from camgeo.geometry.contour.exact import chords_of
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.part.boundaries import CurveBoundary, ExactBoundary
+from camgeo.part.boundaries import CurveBoundary, ExactBoundary, chords_of
 from camgeo.part.part import Layer, Part
 from camgeo_export.solid.prism import body
 

@@ -63,8 +63,7 @@ from scipy.spatial import KDTree
 from camgeo.design.design import Design
 from camgeo.errors import ToleranceError
 from camgeo.geometry.contour.arcs import fit_arcs
-from camgeo.geometry.outline.cusps import sure_bends
-from camgeo.geometry.outline.outline import real_outline
+from camgeo.geometry.outline.outline import real_outline, sure_bends
 from camgeo.geometry.outline.path import Path as OutlinePath
 from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve

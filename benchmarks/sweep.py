@@ -45,14 +45,23 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 
 from camgeo.app.answers.sweep import answer_of
-from camgeo.cam.cam import Disc, discs_together
+from camgeo.cam.cam import Disc
 from camgeo.design.design import Design
 from camgeo.scene.scene import load_scene
 from camgeo.studies.sweep import rows
 from camgeo.studies.sweep.cluster import Cluster
 from camgeo.studies.sweep.family import Family, Point, family_of
 from camgeo.studies.sweep.pool import Pool
-from camgeo.studies.sweep.rows import Chunks, Engine, Loop, Row, Work, asked_of, rows_of
+from camgeo.studies.sweep.rows import (
+    Chunks,
+    Engine,
+    Loop,
+    Row,
+    Work,
+    asked_of,
+    discs_together,
+    rows_of,
+)
 from camgeo.studies.sweep.sweep import sweep
 from camgeo.units import TURN
 

@@ -23,8 +23,7 @@ from camgeo.check.finding import Finding
 from camgeo.check.machine import check_follower, check_linkage
 from camgeo.design.value_table import cam_angles
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.crossings import find_crossings
-from camgeo.geometry.outline.outline import real_outline
+from camgeo.geometry.outline.outline import find_crossings, real_outline
 from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
@@ -614,7 +613,7 @@ def _hc21a(params: Values, expected: Values) -> list[Measured]:
             (math.degrees(bends.phi[back][worst]), expected["phi_on_return"]),
         ),
         share("point of the flank there", (complex(flank.point(tip)[0]), expected["inner_point"])),
-        distance("speed of the flank there", "mm/rad", 40.0, (flank.pace(tip)[0], 0)),
+        distance("speed of the flank there", "mm/rad", 40.0, (flank.traced(tip)[2][0], 0)),
     ]
 
 

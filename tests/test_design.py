@@ -15,9 +15,9 @@ import camgeo
 from camgeo.app.answers.explain import lazy_names
 from camgeo.cam.cam import Disc, Drive
 from camgeo.design.design import Design
+from camgeo.design.value_table import radius_of_curvature
 from camgeo.errors import UnknownNameError
 from camgeo.geometry import pieces, pitch_curve
-from camgeo.geometry.pieces import radius_of_curvature
 from camgeo.kinematics import plan
 
 SETZHUB = Path(__file__).parents[1] / "fixtures" / "scenes" / "setzhub.toml"

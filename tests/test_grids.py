@@ -177,26 +177,22 @@ CLOSED: dict[str, dict[str, str]] = {
         "np.arange(PARTS)": VERTICES,
     },
     "camgeo/geometry/contour/fewest_chords.py": {
-        "np.arange(CELLS)": VERTICES,
-        "np.linspace(-1.0, 1.0, 2 * NEAR + 1)": VERTICES,
-    },
-    "camgeo/geometry/contour/cubic_proof.py": {
-        "np.arange(CELLS + 1)": VERTICES,
-    },
-    "camgeo/geometry/contour/cubics.py": {
-        "np.arange(ORDER)": NODES,
-    },
-    "camgeo/geometry/contour/legs.py": {
         "np.linspace(piece.start, piece.end, 257)": (
             "refuses early; the outline has cut off what runs back, and the fit is proved"
         ),
+        "np.arange(CELLS)": VERTICES,
+        "np.linspace(-1.0, 1.0, 2 * NEAR + 1)": VERTICES,
     },
-    "camgeo/geometry/contour/least_pieces.py": {
+    "camgeo/geometry/contour/cubics.py": {
+        "np.arange(CELLS + 1)": VERTICES,
+        "np.arange(ORDER)": NODES,
+    },
+    "camgeo/studies/accuracy/contours.py": {
         "np.linspace(piece.start, piece.end, CELLS + 1)": (
             "sums an estimate that is shown beside the pieces of a fit; decides nothing"
         ),
     },
-    "camgeo/geometry/contour/spline_replay.py": {
+    "camgeo/geometry/outline/roller.py": {
         "np.linspace(0.0, 1.0, LOOKS)": (
             "cubics of camgeo's own fits, of which each turns by little; others are not replayed"
         ),
@@ -270,15 +266,13 @@ CLOSED: dict[str, dict[str, str]] = {
             "the variation of one polynomial between two borders, four places for each of its nodes"
         ),
     },
-    "camgeo/geometry/outline/cusps.py": {
-        "np.linspace(*ends, SAMPLES + 2, axis=1)": (
-            "extremes in a cell that shows some to be missing; `sure_bends` looks until none does"
-        ),
-    },
     "camgeo/geometry/outline/face.py": {
         "np.arange(0.0, TURN, WIDEST)": "first cells; the circles over each are compared exactly",
     },
     "camgeo/geometry/outline/outline.py": {
+        "np.linspace(*ends, PLACES_NEAR + 2, axis=1)": (
+            "extremes in a cell that shows some to be missing; `sure_bends` looks until none does"
+        ),
         "np.linspace(*second, SAMPLES)": (
             "where Newton's method fails; the bridge that it then finds is exact, or it is refused"
         ),
@@ -288,7 +282,7 @@ CLOSED: dict[str, dict[str, str]] = {
     "camgeo/geometry/outline/replay.py": {
         "np.arange(count, dtype=np.float64)": PICTURE,
     },
-    "camgeo/geometry/outline/crossings.py": {
+    "camgeo/geometry/outline/envelope.py": {
         "np.arange(SAMPLES)": (
             "a run of cells that provably turns by less than a right angle, with four borders at"
             " most in it; other tails are left to the search by boxes"

@@ -24,10 +24,10 @@ from camgeo.check.disc import check_standstill, check_undercut
 from camgeo.check.finding import Finding
 from camgeo.check.machine import check_follower, check_linkage
 from camgeo.design.design import Design
+from camgeo.design.value_table import radius_of_curvature
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.crossings import find_crossings
-from camgeo.geometry.outline.cusps import undercut_ranges
-from camgeo.geometry.pieces import curvature_extremes, radius_of_curvature
+from camgeo.geometry.outline.outline import find_crossings, undercut_ranges
+from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.linkage import LinkedMotion

@@ -28,8 +28,7 @@ from camgeo.check.disc import (
 from camgeo.check.machine import DEAD_CENTRE, check_linkage
 from camgeo.design.value_table import cam_angles
 from camgeo.errors import GeometryError, SceneError, UndercutError
-from camgeo.geometry.outline.crossings import find_crossings
-from camgeo.geometry.outline.outline import real_outline
+from camgeo.geometry.outline.outline import find_crossings, real_outline
 from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
@@ -509,7 +508,7 @@ def test_hc21a_roller_exactly_at_the_limit() -> None:
     tip = angles(expected["phi_deg"])
     assert flank.point(tip)[0] == exactly(number(expected["inner_point"]), rel=REL)
     # |Z'| is some 40 mm/rad, 1 + d kappa a rounding of 1.
-    assert flank.pace(tip)[0] == exactly(expected["inner_speed"], abs=40.0 * 1e-14)
+    assert flank.traced(tip)[2][0] == exactly(expected["inner_speed"], abs=40.0 * 1e-14)
     # One cusp: neither undercut nor nothing.
     (finding,) = check_undercut(flank, "inner", bends)
     assert (finding.name, finding.severity) == ("cusp-inner", "no-disc")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property
@@ -15,15 +14,13 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.outline.path import Flank
 from camgeo.geometry.pieces import Extremes, curvature_extremes, extremes
 from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.together import Together, one_curve, one_motion
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.linkage import linked
-from camgeo.kinematics.mechanism.several import several
 from camgeo.kinematics.mechanism.values import Length, Member
 from camgeo.kinematics.motion import Dwell, Jet, Motion
 from camgeo.kinematics.plan import MotionPlan
 from camgeo.lazy import Ledger, built, lazy
-from camgeo.numeric.arrays import FloatArray, IntArray, Side, merged
+from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.checked import check_fields, hold, one_of
 from camgeo.record import Pickled
 from camgeo.units import TURN, LiftUnit
@@ -156,7 +153,7 @@ class Disc(Pickled):
         bends = curvature_extremes(self.pitch_curve)
         if not self.follower.has_pitch_curve:
             return bends
-        from camgeo.geometry.outline.cusps import sure_bends
+        from camgeo.geometry.outline.outline import sure_bends
 
         for _, flank in self.flanks:
             bends = sure_bends(flank, bends)
@@ -568,33 +565,3 @@ def smooth_angles(motion: Motion, course: TimeCourse | None) -> FloatArray:
     if course is not None:
         edges.append(course.borders)
     return merged(np.concatenate(edges))
-
-
-# -- together -------------------------------------------------------------------------------------
-# Many drives, or discs, of one plan as one, to be evaluated at once.
-
-
-def drives_together(drives: Sequence[Drive]) -> Together[Drive]:
-    """Drives that differ in numbers of their linkages only."""
-
-    def joined(some: tuple[Drive, ...], which: IntArray, times: int) -> Drive:
-        one = replace(some[0], ledger=Ledger())
-        vars(one)["motion"] = one_motion([drive.motion for drive in some], which, times)
-        return one
-
-    return Together(tuple(drives), joined)
-
-
-def discs_together(discs: Sequence[Disc]) -> Together[Disc]:
-    """Discs that differ in numbers of their followers, and of the linkages of their drives, only.
-
-    Of the one that they make only the curves can be used.
-    """
-
-    def joined(some: tuple[Disc, ...], which: IntArray, times: int) -> Disc:
-        follower = several([disc.follower for disc in some], which)
-        one = replace(some[0], follower=follower, ledger=Ledger())
-        vars(one)["pitch_curve"] = one_curve([disc.pitch_curve for disc in some], which, times)
-        return one
-
-    return Together(tuple(discs), joined)

@@ -34,11 +34,10 @@ from camgeo.check.finding import (
 from camgeo.check.machine import LINKAGE, check_closure, check_follower, linkage_findings
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.convex import SMALLEST, Convexity, convexity
-from camgeo.geometry.outline.cusps import CUSP, INSIDE, undercut_ranges
 from camgeo.geometry.outline.face import contact_places
-from camgeo.geometry.outline.outline import Outline
+from camgeo.geometry.outline.outline import CUSP, INSIDE, Outline, undercut_ranges
 from camgeo.geometry.outline.path import Flank, Path
-from camgeo.geometry.pieces import Extremes, extremes, extremes_of_each, slowest
+from camgeo.geometry.pieces import Extremes, extremes, extremes_of_each, turn_cells, turn_enclosed
 from camgeo.geometry.pitch_curve import STANDSTILL, PitchCurve
 from camgeo.geometry.together import curves_together
 from camgeo.geometry.working_curve import WorkingCurve
@@ -563,6 +562,17 @@ def check_face(curve: PitchCurve, outline: Path) -> tuple[Finding, ...]:
 
 STANDSTILL_SHARE = math.sqrt(STANDSTILL)
 """Smallest |Z'| as a fraction of the base radius per rad; below it the curvature has no digits."""
+
+
+def slowest(pitch: PitchCurve) -> float:
+    """A lower bound of |Z'| [mm/rad] over the turn; negative where the cells are too wide to tell.
+
+    |Z'| changes over half a cell of width 2 h by at most h |Z''| + h^2/2 max |Z'''|.
+    """
+    low, high = turn_cells(pitch)
+    half = 0.5 * (high - low)
+    jet, (_, _, third) = turn_enclosed(pitch)
+    return float(np.min(np.abs(jet[1]) - half * (np.abs(jet[2]) + 0.5 * half * third)))
 
 
 def check_standstill(curve: PitchCurve) -> tuple[Finding, ...]:

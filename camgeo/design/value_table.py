@@ -15,7 +15,6 @@ import numpy as np
 from camgeo.cam.cam import Cam, Demanded, Disc, Drive
 from camgeo.errors import GeometryError, meant
 from camgeo.geometry.outline.convex import touch
-from camgeo.geometry.pieces import radius_of_curvature
 from camgeo.kinematics.motion import Jet
 from camgeo.kinematics.time_course import in_time
 from camgeo.lazy import Ledger, lazy
@@ -416,3 +415,12 @@ def of_effect(unit: LengthUnit, column: Column) -> tuple[str, Quantity]:
 
     values = column.values if divisor == 1.0 else divided
     return f"{column.name} [{own}]" if own else column.name, values
+
+
+def radius_of_curvature(kappa: FloatArray) -> FloatArray:
+    """(n,) [mm] signed radius of the curvature `kappa` [1/mm]; infinite exactly at an inflection.
+
+    Prefer the curvature, which has no poles.
+    """
+    radius: FloatArray = np.full_like(kappa, np.inf)
+    return np.divide(1.0, kappa, out=radius, where=kappa != 0.0)

@@ -135,17 +135,6 @@ def halves(low: FloatArray, high: FloatArray, which: BoolArray) -> tuple[FloatAr
     return np.concatenate((low, middle)), np.concatenate((middle, high))
 
 
-def slowest(pitch: PitchCurve) -> float:
-    """A lower bound of |Z'| [mm/rad] over the turn; negative where the cells are too wide to tell.
-
-    |Z'| changes over half a cell of width 2 h by at most h |Z''| + h^2/2 max |Z'''|.
-    """
-    low, high = turn_cells(pitch)
-    half = 0.5 * (high - low)
-    jet, (_, _, third) = turn_enclosed(pitch)
-    return float(np.min(np.abs(jet[1]) - half * (np.abs(jet[2]) + 0.5 * half * third)))
-
-
 # -- circles --------------------------------------------------------------------------------------
 # The stretches of a pitch curve that are exactly arcs, run through evenly as the cam turns.
 #
@@ -379,12 +368,3 @@ def _turning(
 def curvature_extremes(curve: PitchCurve) -> Extremes:
     """All local extremes of the curvature kappa [1/mm] of the pitch curve; Z' must not vanish."""
     return extremes(curve, curve.curvature, curve.curvature_slope)
-
-
-def radius_of_curvature(kappa: FloatArray) -> FloatArray:
-    """(n,) [mm] signed radius of the curvature `kappa` [1/mm]; infinite exactly at an inflection.
-
-    Prefer the curvature, which has no poles.
-    """
-    radius: FloatArray = np.full_like(kappa, np.inf)
-    return np.divide(1.0, kappa, out=radius, where=kappa != 0.0)

@@ -68,28 +68,19 @@ the overhead of numpy's calls is spread over many points."""
 
 
 def in_blocks(method: Method) -> Method:
-    """`method(self, phi, side)`, (n,) -> (..., n), evaluated in blocks; a number becomes (1,)."""
+    """`method(self, phi, side)`, (n,) -> (..., n), evaluated in blocks; a number becomes (1,).
+
+    Or `method(self, low, high)`, of the cells between two arrays (n,).
+    """
 
     @wraps(method)
-    def whole(owner: Any, phi: FloatArray, side: Side = "right") -> NDArray[Any]:
+    def whole(owner: Any, phi: FloatArray, side: Side | FloatArray = "right") -> NDArray[Any]:
         phi = np.atleast_1d(phi)
         if len(phi) <= BLOCK:
             return method(owner, phi, side)
-        blocks = np.array_split(phi, math.ceil(len(phi) / BLOCK))
-        return np.concatenate([method(owner, block, side) for block in blocks], axis=-1)
-
-    return cast("Method", whole)
-
-
-def cells_in_blocks(method: Method) -> Method:
-    """The same for `method(self, low, high)`, of the cells between two arrays (n,)."""
-
-    @wraps(method)
-    def whole(owner: Any, low: FloatArray, high: FloatArray) -> NDArray[Any]:
-        if len(low) <= BLOCK:
-            return method(owner, low, high)
-        number = math.ceil(len(low) / BLOCK)
-        blocks = zip(np.array_split(low, number), np.array_split(high, number), strict=True)
+        count = math.ceil(len(phi) / BLOCK)
+        sides = [side] * count if isinstance(side, str) else np.array_split(side, count)
+        blocks = zip(np.array_split(phi, count), sides, strict=True)
         return np.concatenate([method(owner, *block) for block in blocks], axis=-1)
 
     return cast("Method", whole)
@@ -231,8 +222,7 @@ class PitchCurve(Pickled):
         moves the follower outwards. Raises GeometryError where Z' = 0.
         """
         relative = self.relative_jet(phi, side, order=1)
-        along: FloatArray = relative.reach * relative.u / self.speed(relative)
-        return along
+        return np.asarray(relative.reach * relative.u / self.speed(relative))
 
     def speed(self, relative: RelativeJet) -> FloatArray:
         """|Z'| (n,) [mm/rad], never zero.
@@ -249,7 +239,7 @@ class PitchCurve(Pickled):
             raise GeometryError(self.follower.standstill)
         return size
 
-    @cells_in_blocks
+    @in_blocks
     def speed_bounds(self, low: FloatArray, high: FloatArray) -> FloatArray:
         """(3, n) upper bounds of |Z'|, |Z''|, |Z'''| over cells [low, high] (n,) [rad]."""
         middle, bounds = self.motion.jet_and_bounds(low, high)

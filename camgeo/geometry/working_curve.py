@@ -100,13 +100,6 @@ class WorkingCurve(Pickled):
         kappa = self.pitch.curvature(phi, side)
         return kappa / (1.0 + self.distance * kappa)
 
-    def pace(self, phi: FloatArray, side: Side = "right") -> FloatArray:
-        """(n,) ds/dphi = |Z'| (1 + d kappa) [mm/rad]; negative in undercut."""
-        relative = self.pitch.relative_jet(phi, side, order=2)
-        speed = self.pitch.speed(relative)
-        kappa = bend_of_path(relative, speed, self.pitch.rotation)
-        return speed * (1.0 + self.distance * kappa)
-
     def points_and_tangents(self, phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """`point` and `tangent` (n,) at `phi` (n,) [rad], right-hand, from one evaluation.
 
@@ -124,9 +117,10 @@ class WorkingCurve(Pickled):
     def traced(
         self, phi: FloatArray, side: Side = "right"
     ) -> tuple[ComplexArray, ComplexArray, FloatArray]:
-        """`point`, `tangent` and `pace` (n,) at `phi` (n,) [rad], for little more than one of them.
+        """`point`, `tangent` and pace (n,) at `phi` (n,) [rad], for little more than one of them.
 
-        Not in blocks: for up to some thousand points, where calls cost more than arithmetic.
+        The pace is ds/dphi = |Z'| (1 + d kappa) [mm/rad], negative in undercut. Not in blocks: for
+        up to some thousand points, where calls cost more than arithmetic.
         """
         pitch = self.pitch
         relative = pitch.relative_jet(np.atleast_1d(phi), side, order=2)

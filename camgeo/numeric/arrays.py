@@ -54,8 +54,7 @@ def read_only(array: NDArray[Number]) -> NDArray[Number]:
 
 def dot(a: ComplexArray, b: ComplexArray | complex) -> FloatArray:
     """(n,) scalar products of plane vectors."""
-    found: FloatArray = a.real * b.real + a.imag * b.imag
-    return found
+    return np.asarray(a.real * b.real + a.imag * b.imag)
 
 
 def ascending(values: FloatArray) -> FloatArray:
@@ -67,8 +66,7 @@ def ascending(values: FloatArray) -> FloatArray:
     ordered = np.sort(values)
     if not len(ordered):
         return ordered
-    distinct: FloatArray = ordered[np.concatenate(([True], ordered[1:] != ordered[:-1]))]
-    return distinct
+    return np.asarray(ordered[np.concatenate(([True], ordered[1:] != ordered[:-1]))])
 
 
 def grouped(counts: IntArray) -> tuple[IntArray, IntArray]:

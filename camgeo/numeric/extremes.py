@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from decimal import Decimal
-from fractions import Fraction
 from functools import partial
 from typing import Final
 
@@ -107,8 +105,7 @@ def grid_of(edges: FloatArray) -> FloatArray:
     samples = int(np.clip(MOST_POINTS // max(pieces, 1), FEWEST_SAMPLES, SAMPLES))
     share = np.linspace(0.0, 1.0, samples)
     share[0], share[-1] = INSET, 1.0 - INSET
-    grid: FloatArray = edges[:-1, np.newaxis] + np.diff(edges)[:, np.newaxis] * share
-    return grid
+    return np.asarray(edges[:-1, np.newaxis] + np.diff(edges)[:, np.newaxis] * share)
 
 
 def piecewise_extremes(function: Quantity, edges: FloatArray) -> Extremes:
@@ -126,36 +123,19 @@ def piecewise_extremes(function: Quantity, edges: FloatArray) -> Extremes:
     edge has the extreme value except for rounding, the edge is the place: near a flat top
     many arguments have that value.
     """
-    return _extremes(function, edges, BOTH)
+    return extremes_of_each(ONE, function, edges)[0]
 
 
 def piecewise_lowest(function: Quantity, edges: FloatArray) -> Extreme:
     """The smallest value alone, see `piecewise_extremes`: no turning point of the largest one is
     refined.
     """
-    return _extremes(function, edges, BOTTOMS).lowest
+    return extremes_of_each(ONE, function, edges, BOTTOMS)[0].lowest
 
 
 def piecewise_highest(function: Quantity, edges: FloatArray) -> Extreme:
     """The largest value alone, see `piecewise_lowest`."""
-    return _extremes(function, edges, TOPS).highest
-
-
-def ceiling(function: Quantity, edges: FloatArray) -> float:
-    """A bound of the largest value, for much less: nothing is refined, and each point of the grid
-    counts with the larger of the steps to its neighbours, eight times what a parabola may rise.
-    """
-    grid = grid_of(edges)
-    values = function(grid.ravel(), "right").reshape(grid.shape)
-    steps = np.pad(np.abs(np.diff(values, axis=1)), ((0, 0), (1, 1)))
-    inside = values + np.maximum(steps[:, :-1], steps[:, 1:])
-    ends = function(edges[:-1], "right"), function(edges[1:], "left")
-    return float(max(np.max(each) for each in (inside, *ends)))
-
-
-def _extremes(function: Quantity, edges: FloatArray, signs: tuple[float, ...]) -> Extremes:
-    """Both values; only those selected by `signs` are refined."""
-    return extremes_of_each(ONE, function, edges, signs)[0]
+    return extremes_of_each(ONE, function, edges, TOPS)[0].highest
 
 
 def extremes_of_each(
@@ -586,8 +566,7 @@ def _counted(hull: FloatArray, error: FloatArray, slopes: FloatArray) -> BoolArr
     most, seen = (
         np.count_nonzero(np.diff(np.sign(each), axis=1), axis=1) for each in (hull, slopes)
     )
-    found: BoolArray = sure & (most == seen)
-    return found
+    return np.asarray(sure & (most == seen))
 
 
 def _negligible(hull: FloatArray, error: FloatArray, values: FloatArray) -> BoolArray:
@@ -599,8 +578,7 @@ def _negligible(hull: FloatArray, error: FloatArray, values: FloatArray) -> Bool
     wrong = np.minimum(np.max(hull, axis=1), np.max(-hull, axis=1))
     share = 4.0 * (error + np.maximum(wrong, 0.0)) / np.max(np.abs(hull), axis=1)
     change = np.ptp(values, axis=1) * np.minimum(share, 1.0)
-    found: BoolArray = change <= NEGLIGIBLE_CHANGE * np.max(np.abs(values), axis=1)
-    return found
+    return np.asarray(change <= NEGLIGIBLE_CHANGE * np.max(np.abs(values), axis=1))
 
 
 # -- roots ----------------------------------------------------------------------------------------
@@ -697,8 +675,7 @@ def _next_step(newest: FloatArray, across: FloatArray, last: FloatArray) -> Floa
         smallest = np.spacing(np.abs(a)) / np.abs(b - a)
     t = np.where(quadratic & np.isfinite(t), t, 0.5)
     smallest = np.minimum(smallest, 0.5)
-    share: FloatArray = np.clip(t, smallest, 1.0 - smallest)
-    return share
+    return np.asarray(np.clip(t, smallest, 1.0 - smallest))
 
 
 def sign_changes(grid: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -862,29 +839,3 @@ def largest_magnitude(coefficients: Sequence[float], low: float, high: float) ->
     turns = roots_inside(derivative(coefficients), low, high)
     places = np.concatenate((turns, [low, high]))
     return float(np.max(np.abs(horner(coefficients, places)))) * (1.0 + ROUNDING_OF_ROOTS)
-
-
-def bernstein(powers: Sequence[Decimal] | Sequence[Fraction]) -> tuple[float, ...]:
-    """(n + 1,) c_i, each rounded once, of the sum of c_i z^i w^(n - i) with w = 1 - z.
-
-    From exact coefficients in ascending powers of z. The terms cancel less than those of any other
-    form over [0, 1]; where all c_i have one sign, not at all.
-    """
-    exact = [Fraction(c) for c in powers]
-    n = len(exact) - 1
-    # Sums of integers over one denominator: adding fractions takes most of the time of a law.
-    below = math.lcm(*(c.denominator for c in exact))
-    above = [c.numerator * (below // c.denominator) for c in exact]
-    return tuple(
-        sum(math.comb(n - k, i - k) * above[k] for k in range(i + 1)) / below for i in range(n + 1)
-    )
-
-
-def scaled_horner(
-    coefficients: Sequence[float] | FloatArray, small: FloatArray, large: FloatArray
-) -> FloatArray:
-    """The sum of c_i small^i large^(n - i) = large^n times a polynomial in small/large."""
-    value = horner(coefficients, small / large)
-    for _ in range(len(coefficients) - 1):
-        value *= large
-    return value

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Annotated, Any, TypeVar
@@ -13,8 +14,16 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.chords import fit_polyline, sampled_polyline
 from camgeo.geometry.contour.contour import Contour, Effort, Fit, require_simple
-from camgeo.geometry.contour.exact import chords_of, distance_between, fewest_chords_of
-from camgeo.geometry.contour.parallel import corner_radius, parallel
+from camgeo.geometry.contour.exact import (
+    ROUNDING,
+    arc_angles,
+    arc_count,
+    arc_offset,
+    circle_count,
+    distance_between,
+)
+from camgeo.geometry.contour.legs import too_many
+from camgeo.geometry.contour.parallel import corners, parallel
 from camgeo.geometry.contour.proof import deviation
 from camgeo.geometry.contour.spline import CubicSpline, SplineContour, SplineFit, strands_of
 from camgeo.geometry.outline.clearance import stays_on_one_side, surely_clear_of_axis
@@ -29,6 +38,7 @@ from camgeo.geometry.outline.path import (
     radii,
 )
 from camgeo.lazy import Ledger
+from camgeo.numeric.arrays import BoolArray, ComplexArray, IntArray, grouped
 from camgeo.numeric.checked import CheckedFields, instance, positive
 from camgeo.record import Pickled
 
@@ -208,6 +218,18 @@ def numbers_of(contour: Contour | SplineContour) -> bytes:
     return b"".join(each.tobytes() for each in rolled)
 
 
+def corner_radius(contour: Contour) -> float | None:
+    """Radius [mm] of the smallest arc that ends at a corner; None if there is none.
+
+    Where it meets a line p from its centre, both move out by d, and the corner slides along a
+    parabola: its distance from the foot of the centre is the root of r^2 - p^2 + 2 d (r - p). So
+    areas within parallels are analytic in d down to -(r + p) / 2, below -r / 2.
+    """
+    at = corners(contour)
+    radii = contour.radii[(at | np.roll(at, -1)) & (contour.sweeps != 0.0)]
+    return float(np.min(radii)) if len(radii) else None
+
+
 @dataclass(frozen=True, slots=True)
 class ExactBoundary(Pickled, CheckedFields):
     """An outline of lines and arcs as a boundary, see `camgeo.part.part.Boundary`.
@@ -254,7 +276,7 @@ class ExactBoundary(Pickled, CheckedFields):
 
     @property
     def corner_radius(self) -> float | None:
-        """See `camgeo.geometry.contour.parallel.corner_radius`."""
+        """See `corner_radius`."""
         return corner_radius(self.exact)
 
     def inset(self, distance: float, name: str) -> ExactBoundary:
@@ -345,3 +367,130 @@ def _radii(contour: Contour) -> list[float]:
                 if turned % (2.0 * np.pi) <= abs(sweep):
                     radii.append(abs(centre + radius * direction))
     return [float(radius) for radius in radii]
+
+
+# -- chords ---------------------------------------------------------------------------------------
+# Straight pieces along lines and arcs.
+
+
+MAX_CHORDS = 2_000_000
+"""Chords at most."""
+
+
+WIDEST = 1.6
+"""Largest span of a chord [rad], however small the arc: a circle keeps four."""
+
+
+def chords_of(exact: Contour, tolerance: float) -> Fit:
+    """Straight pieces with vertices on `exact`, at most `tolerance` [mm] off it."""
+    radii = exact.radii
+    largest = float(np.max(radii, initial=0.0))
+    if largest > 0.0 and math.pi * math.sqrt(largest / (2.0 * tolerance)) > MAX_CHORDS:
+        raise too_many(MAX_CHORDS, "straight pieces", tolerance)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # Sagitta r (1 - cos(step/2)) = tolerance, without the cancellation of 1 - cos.
+        steps = 4.0 * np.arcsin(np.sqrt(np.minimum(tolerance / (2.0 * radii), 0.5)))
+    counts = np.where(radii > 0.0, np.ceil(np.abs(exact.sweeps) / np.minimum(steps, WIDEST)), 1)
+    index, number = grouped(counts.astype(np.intp))
+    arm = exact.vertices[index] - exact.centres[index]
+    turned = exact.centres[index] + arm * np.exp(1j * exact.sweeps[index] * number / counts[index])
+    vertices = np.where(exact.sweeps[index] == 0.0, exact.vertices[index], turned)
+    return _fit(exact, vertices, index, tolerance)
+
+
+def fewest_chords_of(exact: Contour, tolerance: float) -> Fit:
+    """The fewest straight pieces within `tolerance` [mm] of `exact`, on both sides of it.
+
+    Corners of `exact` are vertices; along its arcs vertices lie off them. A whole circle has no
+    corner. There are never more pieces than from `chords_of`.
+
+    Raises
+    ------
+    ToleranceError
+        If more than `MAX_CHORDS` pieces would be needed.
+    """
+    if np.all(_on_first_circle(exact)):
+        return _chords_of_circle(exact, tolerance)
+    found: list[ComplexArray] = []
+    for k, (sweep, radius) in enumerate(zip(exact.sweeps, exact.radii, strict=True)):
+        if sweep == 0.0:
+            found.append(exact.vertices[k : k + 1])
+            continue
+        count = _checked(arc_count(tolerance, radius, abs(sweep), WIDEST), tolerance)
+        found.append(_along_arc(exact, k, count, radius, abs(sweep)))
+    index = np.repeat(np.arange(len(exact)), [len(each) for each in found])
+    return _fit(exact, np.concatenate(found), index, tolerance)
+
+
+def matching_chords_of(contours: Sequence[Contour], tolerance: float) -> list[ComplexArray]:
+    """(n,) complex [mm] polygons within `tolerance` [mm] of contours with the same kinds of pieces,
+    such as parallels, as many pieces along each: vertices that belong together have the same index.
+    """
+    found: list[list[ComplexArray]] = [[] for _ in contours]
+    for k, sweep in enumerate(contours[0].sweeps):
+        if sweep == 0.0:
+            for own, contour in zip(found, contours, strict=True):
+                own.append(contour.vertices[k : k + 1])
+            continue
+        sizes = [(float(each.radii[k]), float(abs(each.sweeps[k]))) for each in contours]
+        count = max(_checked(arc_count(tolerance, *size, WIDEST), tolerance) for size in sizes)
+        for own, contour, (radius, turned) in zip(found, contours, sizes, strict=True):
+            own.append(_along_arc(contour, k, count, radius, turned))
+    return [np.concatenate(own) for own in found]
+
+
+def _along_arc(contour: Contour, k: int, count: int, radius: float, sweep: float) -> ComplexArray:
+    """(count,) vertices of the chords of an arc, the first one its start."""
+    start, centre = contour.vertices[k], contour.centres[k]
+    offset = arc_offset(count, radius, sweep)
+    turned = arc_angles(count, radius, sweep, offset)[1:-1]
+    arm = (1.0 + offset / radius) * (start - centre)
+    along = centre + arm * np.exp(1j * np.sign(contour.sweeps[k]) * turned)
+    return np.append(start, along)
+
+
+def _chords_of_circle(exact: Contour, tolerance: float) -> Fit:
+    """At least three chords, none over more than `WIDEST`; their vertices lie r tan^2(pi/(2 n)) off
+    the circle.
+    """
+    centre, radius = complex(exact.centres[0]), float(exact.radii[0])
+    count = _checked(circle_count(tolerance, radius, WIDEST), tolerance)
+    offset = radius * math.tan(0.5 * math.pi / count) ** 2
+    arm = (1.0 + offset / radius) * (complex(exact.vertices[0]) - centre)
+    step = math.copysign(2.0 * math.pi / count, float(exact.sweeps[0]))
+    vertices = centre + arm * np.exp(1j * step * np.arange(count))
+    return _fit(exact, vertices, np.zeros(count, dtype=np.intp), tolerance)
+
+
+def _fit(exact: Contour, vertices: ComplexArray, index: IntArray, tolerance: float) -> Fit:
+    """The polygon of `vertices` (n,) [mm], whose chord i belongs to the piece `index[i]` (n,).
+
+    A chord and its part of an arc lie within the same angle about the centre, and along each ray
+    from there within the largest difference of their radii: at a vertex, or at the foot of the
+    perpendicular.
+    """
+    contour, centres, radii = Contour.polygon(vertices), exact.centres[index], exact.radii[index]
+    start, end = contour.vertices - centres, contour.ends - centres
+    along = (end - start) / np.where(end == start, 1.0, np.abs(end - start))
+    foot = np.abs((np.conj(along) * 0.5 * (start + end)).imag)
+    off = np.max(np.abs([np.abs(start) - radii, np.abs(end) - radii, radii - foot]), axis=0)
+    largest = float(np.max(off[radii > 0.0], initial=0.0))
+    rounding = 2.0 * ROUNDING * float(np.max(np.abs(vertices)))
+    return Fit(contour, largest + rounding, tolerance)
+
+
+def _checked(count: int, tolerance: float) -> int:
+    if count > MAX_CHORDS:
+        raise too_many(MAX_CHORDS, "straight pieces", tolerance)
+    return count
+
+
+def _on_first_circle(exact: Contour) -> BoolArray:
+    """(n,) whether a piece is an arc of the same circle as the first one."""
+    same: BoolArray = (
+        (exact.sweeps != 0.0)
+        & (exact.sweeps[0] != 0.0)
+        & (exact.centres == exact.centres[0])
+        & np.isclose(exact.radii, exact.radii[0], rtol=1e-12, atol=0.0)
+    )
+    return same

@@ -22,23 +22,19 @@ from camgeo.geometry.contour.contour import (
     winding_number,
 )
 from camgeo.geometry.contour.cubic_proof import approximating_arcs
-from camgeo.geometry.contour.exact import MAX_CHORDS, ROUNDING, distance_between
+from camgeo.geometry.contour.exact import ROUNDING, distance_between
 from camgeo.geometry.contour.legs import too_many
 from camgeo.geometry.contour.proof import ENOUGH
 from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour, SplineFit, elevated
 from camgeo.geometry.outline.path import (
-    LOW_ORDER,
-    NODES,
-    SECOND_ORDER,
-    Integrand,
     Moments,
     SecondMoments,
+    quadratic_moments,
+    quadratic_second_moments,
 )
-from camgeo.geometry.outline.path import ROUNDING as SUMMED
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, frozen, grouped
 from camgeo.numeric.checked import array, check_fields
-from camgeo.numeric.quadrature import gauss
-from camgeo.part.boundaries import Hole, Name, once
+from camgeo.part.boundaries import MAX_CHORDS, Hole, Name, once
 from camgeo.part.glyphs import glyph, kerning
 from camgeo.part.part import Size
 from camgeo.part.spec import CIRCLE, ENGRAVING, LETTER, OUTWARD, Engraving
@@ -263,7 +259,7 @@ class LetterBoundary(Pickled):
             raise GeometryError(
                 "must be quadratic curves, end to end and closed", "part", self.name
             )
-        if _integrals(pieces, LOW_ORDER)[0][0].real < 0.0:
+        if quadratic_moments(pieces).area < 0.0:
             pieces = pieces[::-1, ::-1]
         object.__setattr__(self, "pieces", frozen(pieces, np.complex128))
 
@@ -384,13 +380,11 @@ class LetterBoundary(Pickled):
 
     def moments(self, tolerance: float) -> Moments:
         """Exact but for rounding, see `camgeo.part.part.Boundary`."""
-        (area, of_area), (first, of_first) = _integrals(self.pieces, LOW_ORDER)
-        return Moments(area.real, first, SUMMED * of_area, SUMMED * of_first)
+        return quadratic_moments(self.pieces)
 
     def second_moments(self, tolerance: float) -> SecondMoments:
         """Exact but for rounding, see `camgeo.part.part.Boundary`."""
-        (polar, of_polar), (square, of_square) = _integrals(self.pieces, SECOND_ORDER)
-        return SecondMoments(polar.real, square, SUMMED * of_polar, SUMMED * of_square)
+        return quadratic_second_moments(self.pieces)
 
     def farthest(self) -> tuple[float, float | None]:
         """See `camgeo.part.part.Boundary`; no cam angle belongs to a point of it."""
@@ -453,23 +447,3 @@ def _between_points(one: SplineContour, other: SplineContour) -> float:
             return math.inf
         largest = max(largest, abs(mine.start - theirs.start), abs(mine.end - theirs.end))
     return largest
-
-
-def _integrals(
-    pieces: ComplexArray, integrands: tuple[Integrand, Integrand]
-) -> list[tuple[complex, float]]:
-    """Contour integrals along quadratic curves, each with that of its magnitude: by quadrature,
-    which is exact for polynomials but for rounding.
-    """
-    count = len(pieces)
-    t, half, weights = gauss(np.zeros(count), np.ones(count), NODES)
-    start, middle, end = (pieces[:, k, np.newaxis] for k in range(3))
-    point = (1.0 - t) ** 2 * start + 2.0 * t * (1.0 - t) * middle + t * t * end
-    way = 2.0 * ((1.0 - t) * (middle - start) + t * (end - middle))
-    found = []
-    for integrand in integrands:
-        values = integrand(point, way)
-        each = half * (values @ weights)
-        total = complex(math.fsum(each.real), math.fsum(each.imag))
-        found.append((total, math.fsum(half * (np.abs(values) @ weights))))
-    return found

@@ -116,7 +116,7 @@ def _slices(part: Part) -> Iterator[_Slice]:
     is a polynomial of its distance, the area of degree 2, the first moments of 3, the second ones
     of 4, and with the powers of z none is above degree 4; the rule is exact for 5. Beside mitred
     corners more nodes are exact but for rounding, see
-    `camgeo.geometry.contour.parallel.corner_radius`.
+    `camgeo.part.boundaries.corner_radius`.
     """
     for band in part.bands:
         if band.is_upright:

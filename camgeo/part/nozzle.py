@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from camgeo.check.finding import Finding, Severity
-from camgeo.geometry.outline.cusps import sure_bends
+from camgeo.geometry.outline.outline import sure_bends
 from camgeo.geometry.outline.path import Stretch
 from camgeo.geometry.pieces import curvature_extremes
 from camgeo.numeric.arrays import ComplexArray

@@ -13,7 +13,6 @@ import camgeo
 from camgeo.design.design import Design
 from camgeo.design.writing import find_writer
 from camgeo.errors import ToleranceError
-from camgeo.geometry.contour.least_pieces import forced_pieces
 from camgeo.geometry.outline.replay import replay_contour
 from camgeo.part.part import WRITTEN_SHARE, written_contour
 from camgeo.scene.formats.dxf import FORMAT
@@ -26,6 +25,7 @@ from camgeo.studies.accuracy.contours import (
     contour_rows,
     drawn_as,
     flanks_of,
+    forced_pieces,
 )
 from tests.findings import known
 

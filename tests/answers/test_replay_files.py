@@ -17,8 +17,8 @@ from camgeo.app.cli.main import main
 from camgeo.design.design import Design
 from camgeo.errors import CamgeoError, SceneError
 from camgeo.geometry.contour.spline import SplineContour
-from camgeo.geometry.contour.spline_replay import replay_spline
 from camgeo.geometry.outline.path import Flank
+from camgeo.geometry.outline.replay import replay_spline
 from camgeo_export.dxf.reader import READER
 from camgeo_export.dxf.writer import WRITER
 from tests.answers.documents import FIXTURES, document

@@ -4,7 +4,6 @@ and its width between the two sides of a yoke."""
 from __future__ import annotations
 
 import math
-import pickle
 from decimal import Decimal
 from functools import cache
 from pathlib import Path
@@ -97,21 +96,6 @@ def test_both_flanks_run_beside_the_roller_centre(
         one = Cam(drive, follower, rotation, contact, clearance)
         assert one.distances == pytest.approx(wanted)
         assert [name for name, _ in one.disc.flanks] == [contact.value]
-
-
-def test_what_is_not_stated_is_a_plate_that_turns_counter_clockwise_without_play() -> None:
-    for made, other in (
-        (Cam(MM, SLIDE), Cam(MM, SLIDE, 1, Contact.INNER, 0.0, None, None)),
-        (Disc(MM, SLIDE), Disc(MM, SLIDE, 1, Contact.INNER, 0.0)),
-    ):
-        assert made == other
-        assert "ledger" not in repr(made)
-        assert made != type(made)(MM, SLIDE, -1)
-        assert pickle.loads(pickle.dumps(made)).rotation == 1
-    disc = Cam(MM, SLIDE, -1, Contact.OUTER, 0.5).disc
-    assert (disc.rotation, disc.contact, disc.clearance) == (-1, Contact.OUTER, 0.5)
-    assert disc.drive is MM
-    assert disc.follower is SLIDE
 
 
 @pytest.mark.parametrize("kind", [Cam, Disc])

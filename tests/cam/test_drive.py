@@ -4,7 +4,6 @@ drives, or discs, evaluated at once."""
 from __future__ import annotations
 
 import math
-import pickle
 from dataclasses import replace
 from decimal import Decimal
 from pathlib import Path
@@ -13,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.cam.cam import Cam, Disc, Drive, discs_together, drives_together, smooth_angles
+from camgeo.cam.cam import Cam, Disc, Drive, smooth_angles
 from camgeo.design.design import Design
 from camgeo.errors import GeometryError
 from camgeo.geometry.pitch_curve import BLOCK
@@ -27,6 +26,7 @@ from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.kinematics.time_course import ConstantSpeed, SpeedCurve
 from camgeo.numeric.arrays import FloatArray, Quantity, Side
 from camgeo.scene.scene import load_scene
+from camgeo.studies.sweep.rows import discs_together, drives_together
 from camgeo.units import TURN, LiftUnit
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
@@ -98,27 +98,6 @@ def test_the_motion_is_that_of_the_near_end_of_the_linkage(
     assert caught.value.key == "unit"
     assert caught.value.value == wrong
     assert repr(unit) in caught.value.message
-
-
-def test_without_a_linkage_the_motion_is_the_plan() -> None:
-    drive = Drive(PLAN)
-    assert drive.motion is PLAN
-    assert drive.far_end is None
-    assert drive.demanded_of == "follower"
-    assert drive.unit == "mm"
-    assert drive.time_course is None
-    assert Drive(PLAN, unit="rad").motion is PLAN
-
-
-def test_drives_of_equal_values_are_equal_whatever_was_computed() -> None:
-    one, other = Drive(PLAN, speed=3.0), Drive(PLAN, speed=3.0)
-    assert one.smooth_angles is one.smooth_angles
-    assert one == other
-    assert "ledger" not in repr(one)
-    again = pickle.loads(pickle.dumps(one))
-    assert again.smooth_angles.tolist() == one.smooth_angles.tolist()
-    assert one != Drive(PLAN, speed=3.5)
-    assert one != Drive(PLAN, speed=3.0, unit="rad")
 
 
 @pytest.mark.parametrize("side", ["left", "right"])

@@ -23,7 +23,7 @@ from camgeo.check.finding import Limits
 from camgeo.check.judge import Judgement
 from camgeo.check.machine import check_follower
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.crossings import find_crossings
+from camgeo.geometry.outline.outline import find_crossings
 from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.laws import make_law

@@ -42,7 +42,7 @@ from camgeo.check.machine import (
     linkage_findings,
 )
 from camgeo.design.design import Design
-from camgeo.geometry.outline.cusps import undercut_ranges
+from camgeo.geometry.outline.outline import undercut_ranges
 from camgeo.geometry.outline.path import whole
 from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve

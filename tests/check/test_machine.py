@@ -17,11 +17,12 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import camgeo
+from camgeo.app.answers.replay import closing_error
 from camgeo.check.machine import check_linkage, check_pair, leverage_slope
 from camgeo.design.design import Design
 from camgeo.geometry.contour.arcs import fit_arcs
 from camgeo.geometry.outline.path import whole
-from camgeo.geometry.outline.replay import closing_error, replay_contour
+from camgeo.geometry.outline.replay import replay_contour
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.conjugate import return_on_lever

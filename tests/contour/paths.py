@@ -55,7 +55,7 @@ def crossing(curve: WorkingCurve, one: float, other: float) -> tuple[float, floa
     for _ in range(20):
         first, along = at(curve, one)
         second, across = at(curve, other)
-        one_pace, other_pace = curve.pace(np.array([one, other]))
+        one_pace, other_pace = curve.traced(np.array([one, other]))[2]
         rows = np.array([along * one_pace, -across * other_pace])
         matrix = np.stack((rows.real, rows.imag))
         ahead = second - first

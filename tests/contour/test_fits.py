@@ -28,7 +28,6 @@ from camgeo.geometry.contour.contour import Contour, Fit, require_simple
 from camgeo.geometry.contour.cubics import fewest_cubics, fit_spline
 from camgeo.geometry.contour.fewest_arcs import Strands, fewest_arcs
 from camgeo.geometry.contour.fewest_chords import fewest_chords
-from camgeo.geometry.contour.least_pieces import forced_pieces, least_arcs, least_chords
 from camgeo.geometry.contour.proof import deviation
 from camgeo.geometry.outline.path import Path, Pivot, Stretch, area, whole
 from camgeo.geometry.pieces import smooth_pieces
@@ -39,6 +38,7 @@ from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import IntArray
 from camgeo.part.boundaries import CurveBoundary
+from camgeo.studies.accuracy.contours import forced_pieces, least_arcs, least_chords
 from tests.contour.cams import TURN, curves, dwell, flank, move, outline
 from tests.contour.cams import translating as cam
 from tests.contour.paths import (
@@ -49,7 +49,6 @@ from tests.contour.paths import (
     Dense,
     break_count,
     corner,
-    cut_off_lobe,
     dense_of,
     hard_curve,
     shocks,
@@ -510,13 +509,6 @@ def test_tips_sharper_than_the_tolerance(fitter: Fitter, tolerance: float) -> No
     sharp = whole(WorkingCurve(curve.pitch, 0.9999 * curve.distance))
     fit = fitter(sharp, tolerance)
     assert Dense.of(sharp).measured(fit.contour) <= fit.deviation + SAGITTA <= tolerance + SAGITTA
-
-
-def test_nothing_is_left_beyond_the_neck_of_a_lobe() -> None:
-    """HC22: the corner is 9.06 mm from the axis, the lobe that falls away reached to 136 mm."""
-    contour = fitted(fit_arcs, "cut-off lobe", 1e-3).contour
-    far = int(np.argmax(np.abs(contour.vertices)))
-    assert contour.vertices[far] == cut_off_lobe().pivots[0].centre
 
 
 # What cannot be fitted --------------------------------------------------------------------------

@@ -12,32 +12,25 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import ToleranceError, UndercutError
-from camgeo.geometry.contour.least_pieces import (
-    forced_pieces,
-    least_arcs,
-    least_chords,
-    least_cubics,
-)
+from camgeo.geometry.contour.fewest_chords import require_regular
 from camgeo.geometry.contour.legs import (
     APART,
     STEP,
     Bends,
     StretchLeg,
     TurnLeg,
-    above,
     clearly_less,
     in_steps,
     joints_apart,
-    ladder,
     least_counts,
     legs_of,
-    require_regular,
 )
 from camgeo.geometry.contour.proof import proved
 from camgeo.geometry.outline.path import Path, Pivot, Stretch, whole
 from camgeo.geometry.pieces import Piece, smooth_pieces
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.numeric.arrays import FloatArray
+from camgeo.studies.accuracy.contours import forced_pieces, least_arcs, least_chords, least_cubics
 from tests.contour.cams import TURN, dwell, flank, move, translating
 from tests.contour.paths import break_count, cut_off_lobe, hard_curve, shocks
 from tests.strategies import attack
@@ -71,13 +64,6 @@ def test_no_sliver_next_to_a_break(steps: int) -> None:
     pieces = StretchLeg(CAM, angle, angle + TURN, False, None).pieces
     assert len(pieces) == 4
     assert (pieces[0].start, pieces[-1].end) == (angle, angle + TURN)
-
-
-def test_whole_path_has_the_pieces_of_the_curve() -> None:
-    (leg,) = legs_of(whole(CAM))
-    assert leg.closed
-    assert isinstance(leg, StretchLeg)
-    assert leg.pieces == smooth_pieces(CAM)
 
 
 def test_legs_begin_where_corners_and_arcs_end() -> None:
@@ -170,12 +156,6 @@ def test_joints_near_a_cusp_are_kept_apart() -> None:
     assert np.min(np.abs(np.diff(curve.point(kept)))) >= least
     # Those that are far enough from each other all stay.
     assert len(kept) >= np.count_nonzero(np.abs(np.diff(points)) >= least)
-
-
-def test_joints_of_a_regular_curve_all_stay() -> None:
-    curve = translating(dwell(60), move(120, 15.0), dwell(60), move(120, 0.0))
-    joints = np.linspace(1.1, 3.1, 100_000)
-    assert joints_apart(curve, joints) is joints
 
 
 def test_refined_bends_are_linear_and_no_speed_is_negative() -> None:
@@ -283,12 +263,6 @@ def test_a_disc_without_a_move_needs_its_one_arc() -> None:
     assert break_count(path) == 1
 
 
-def test_dwells_and_joints_are_counted() -> None:
-    path = whole(translating(dwell(100), move(80, 10.0), dwell(20), move(160, 0.0)))
-    assert forced_pieces(path) == 2
-    assert break_count(path) == 4
-
-
 def _whole(values: FloatArray, steps: FloatArray, lengths: FloatArray) -> float:
     """Integral over a whole piece, of which the `steps` leave out a little at both ends."""
     share = np.sum(lengths) * POINTS / len(lengths) / np.sum(steps)
@@ -317,18 +291,3 @@ def test_integrals_agree_with_points_of_the_flank(name: tuple[str, int]) -> None
     assert least_chords(path, EPS) == pytest.approx(chords, rel=2e-3)
     assert least_arcs(path, EPS) == pytest.approx(arcs, rel=3e-3)
     assert least_cubics(path, EPS) == pytest.approx(cubics, rel=5e-3)
-
-
-def test_the_powers_of_the_tolerance() -> None:
-    path = whole(flank("setzhub", -1))
-    for limit, power in ((least_chords, 1 / 2), (least_arcs, 1 / 3), (least_cubics, 1 / 4)):
-        assert limit(path, 1e-6) == pytest.approx(limit(path, 1e-3) * 1000.0**power)
-
-
-def test_ladder_is_the_same_from_everywhere() -> None:
-    rungs = [1]
-    while rungs[-1] < 100_000:
-        rungs.append(above(rungs[-1]))
-    for value in (0.0, 1.0, 1.5, 57.2, 200.0, 201.0, 70_000.5):
-        assert ladder(value) == next(rung for rung in rungs if rung >= value)
-    assert max(b / a for a, b in pairwise(rungs[200:])) <= 1.0101

@@ -18,13 +18,8 @@ from scipy.interpolate import BSpline, make_interp_spline
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour import cubics
-from camgeo.geometry.contour.cubic_proof import (
-    approximating_arcs,
-    fitted_deviation,
-    spline_deviation,
-)
-from camgeo.geometry.contour.cubics import fewest_cubics, fit_spline
-from camgeo.geometry.contour.least_pieces import forced_pieces, least_cubics
+from camgeo.geometry.contour.cubic_proof import approximating_arcs, spline_deviation
+from camgeo.geometry.contour.cubics import fewest_cubics, fit_spline, fitted_deviation
 from camgeo.geometry.contour.spline import (
     Arc,
     CubicSpline,
@@ -38,6 +33,7 @@ from camgeo.geometry.outline.path import Path, whole
 from camgeo.geometry.pieces import smooth_pieces
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.studies.accuracy.contours import forced_pieces, least_cubics
 from tests.contour.cams import FLANKS, TURN, curves, dwell, flank, move, outline
 from tests.contour.cams import translating as cam
 from tests.contour.paths import PATHS, SAGITTA, break_count, dense_path

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
+from camgeo.check.disc import slowest
 from camgeo.errors import GeometryError
 from camgeo.geometry import pieces
 from camgeo.geometry.pieces import (
@@ -17,7 +18,6 @@ from camgeo.geometry.pieces import (
     curvature_extremes,
     extremes,
     halves,
-    slowest,
     smooth_pieces,
     turn_cells,
 )

@@ -7,18 +7,19 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from decimal import Decimal
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import assume, given
 
-from camgeo.geometry.pitch_curve import BLOCK, PitchCurve, cells_in_blocks, in_blocks, joints
+from camgeo.geometry.pitch_curve import BLOCK, PitchCurve, in_blocks, joints
 from camgeo.kinematics.laws import make_law
 from camgeo.kinematics.laws.law import Law
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
-from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
+from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import TURN
 from tests.integrals import cells, integrals
 from tests.reference import inner_of, mechanisms, pitch_curve_of
@@ -219,18 +220,19 @@ def test_its_sign_is_that_of_outward_motion(name: str, rotation: int, direction:
     )
 
 
+@pytest.mark.parametrize("cells", [False, True])
 @pytest.mark.parametrize("count", [0, 1, BLOCK - 1, BLOCK, BLOCK + 1, 2 * BLOCK, 3 * BLOCK + 7])
-def test_blocks_cover_all_points_once_in_order(count: int) -> None:
+def test_blocks_cover_all_points_or_cells_once_in_order(count: int, cells: bool) -> None:
     sizes = []
 
     @in_blocks
-    def function(_: None, x: FloatArray, side: Side) -> FloatArray:
-        assert side == "left"
+    def function(_: None, x: FloatArray, other: Any) -> FloatArray:
         sizes.append(len(x))
-        return np.stack((x, 2.0 * x))
+        return np.stack((x, other if cells else (2.0 if other == "left" else np.nan) * x))
 
     x = np.arange(float(count))
-    assert np.array_equal(function(None, x, "left"), np.stack((x, 2.0 * x)))
+    found = function(None, x, x + 0.5 if cells else "left")
+    assert np.array_equal(found, np.stack((x, x + 0.5 if cells else 2.0 * x)))
     assert max(sizes) <= BLOCK
     assert sum(sizes) == count
 
@@ -243,17 +245,3 @@ def test_a_point_has_the_same_value_in_any_array() -> None:
     assert np.array_equal(curve.curvature(phi)[some], curve.curvature(phi[some]))
     inner = inner_of(curve)
     assert np.array_equal(inner.point(phi)[some], inner.point(phi[some]))
-
-
-@pytest.mark.parametrize("count", [0, 1, BLOCK, BLOCK + 1, 3 * BLOCK + 7])
-def test_blocks_cover_all_cells_once_in_order(count: int) -> None:
-    sizes: list[int] = []
-
-    @cells_in_blocks
-    def ends(_: object, low: FloatArray, high: FloatArray) -> FloatArray:
-        sizes.append(len(low))
-        return np.stack((low, high))
-
-    phi = np.arange(float(count))
-    assert np.array_equal(ends(None, phi, phi + 0.5), np.stack((phi, phi + 0.5)))
-    assert max(sizes) <= BLOCK

@@ -410,8 +410,9 @@ def test_the_life_under_a_steady_force(speed: int, bearing: dict[str, Any]) -> N
     assert turns == pytest.approx(
         1e6 * (9000.0 / 700.0) ** (3.0 if bearing else 10.0 / 3.0), rel=2e-9
     )
+    flank = subject.cam.disc.inner_curve
     length = piecewise_integral(
-        subject.cam.disc.inner_curve.pace, subject.drive.smooth_angles, 1e-12
+        lambda phi: flank.traced(phi)[2], subject.drive.smooth_angles, 1e-12
     ).value
     expected = length / (TURN * 10.0) * speed
     assert value(result, "roller-speed") == pytest.approx(expected, rel=1e-9)

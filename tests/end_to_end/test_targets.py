@@ -11,14 +11,9 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.geometry.contour.least_pieces import (
-    forced_pieces,
-    least_arcs,
-    least_chords,
-    least_cubics,
-)
 from camgeo.geometry.outline.path import Path as Outline
 from camgeo.part.boundaries import CurveBoundary
+from camgeo.studies.accuracy.contours import forced_pieces, least_arcs, least_chords, least_cubics
 from tests.contour.paths import break_count
 from tests.end_to_end.built import SCENES
 
@@ -73,5 +68,5 @@ def test_few_pieces(scene: Path, form: str) -> None:
 
 
 def _forced_by_breaks(form: str, breaks: int, forced: int) -> float:
-    """Pieces that ends of smooth pieces cost, see `camgeo.geometry.contour.least_pieces`."""
+    """Pieces that ends of smooth pieces cost, see `camgeo.studies.accuracy.contours`."""
     return 0.0 if form == "polyline" else float(breaks - forced)

@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 from camgeo.geometry.contour.contour import Contour
-from camgeo.geometry.contour.least_pieces import CHORD, least_chords
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary
+from camgeo.studies.accuracy.contours import CHORD, least_chords
 from tests.end_to_end.built import Built
 
 MOST = 1.05

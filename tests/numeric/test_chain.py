@@ -204,7 +204,6 @@ def of_reading(
 
 SIZES = st.floats(-1.0, 1.0).map(lambda power: 10.0**power)
 ANY = st.one_of(st.just(0.0), st.floats(-3.0, 1.0).map(lambda power: 10.0**power))
-STAGES = st.builds(Stage, SIZES, SIZES.map(lambda k: 400.0 * k), ANY.map(lambda c: 10.0 * c))
 HELD = st.builds(
     Stage,
     SIZES,
@@ -403,64 +402,6 @@ def test_the_amplitude_in_a_rest_is_not_exceeded_at_critical_damping() -> None:
         assert np.max(np.abs(rest)) <= amplitude
         found.append(amplitude)
     assert found == pytest.approx([found[1]] * 3, rel=1e-6)
-
-
-def test_a_closing_spring_shortens_the_train_as_springs_in_series_do() -> None:
-    """So slowly that nothing else acts: (1 - k / (k + g)) of the lift is missing."""
-    train = chain([Stage(1e-9, 300.0, 0.002), Stage(1e-9, 150.0, 0.002, 20.0)])
-    response = steady_state(train, polynomials(), 0.0)
-    t = np.array([0.45, 0.5, 0.54])
-    both = 1.0 / (1.0 / 300.0 + 1.0 / 150.0)
-    push = LIFT / (1.0 / both + 1.0 / 20.0)
-    assert response.states(t, "right")[0] == pytest.approx(-push / both, rel=1e-9)
-    assert response.forces([0, 1], t, "right") == pytest.approx(np.full((2, 3), push), rel=1e-9)
-
-
-# -- one and two masses --------------------------------------------------------------------------
-
-
-def test_two_masses_have_the_equations_of_their_own_page() -> None:
-    """e_1'' = -2 D w e_1' - w^2 e_1 + m r - y'', e_2'' = -r - y'': the roots of
-
-    (s^2 + a s + w^2 + m (b s + v^2)) (s^2 + b s + v^2) = m (b s + v^2)^2, a = 2 D w, b = 2 D_2 v.
-    """
-    w, damping, v, ratio, other = 4.3, 0.05, 9.0, 0.3, 0.02
-    a, b = 2.0 * damping * w, 2.0 * other * v
-    link = np.polynomial.Polynomial([v * v, b])
-    first = np.polynomial.Polynomial([w * w, a, 1.0]) + ratio * link
-    second = link + np.polynomial.Polynomial([0.0, 0.0, 1.0])
-    roots = (first * second - ratio * link**2).roots()
-    roots = roots[roots.imag > 0.0]
-    train = chain([Stage(1.0, w * w, a), Stage(ratio, ratio * v * v, ratio * b)])
-    assert train.poles == pytest.approx(roots[np.argsort(np.abs(roots))], rel=1e-13)
-
-
-def test_a_small_second_mass_leaves_the_first_one_as_it_is() -> None:
-    """To the first order in the ratio of the masses."""
-    base, t = polynomials(), np.linspace(0.0, 1.0, 101)
-    w, v = TURN * 4.3, TURN * 9.0
-    alone = steady_state(one_mass(w, 0.05), base, 0.0).states(t, "right")[0]
-    off = []
-    for ratio in (1e-4, 1e-6, 1e-8):
-        stages = [Stage(1.0, w * w, 0.1 * w), Stage(ratio, ratio * v * v, ratio * 0.1 * v)]
-        found = steady_state(chain(stages, 0), base, 0.0).states(t, "right")[0]
-        off.append(np.max(np.abs(found - alone)))
-    assert off[0] / off[1] == pytest.approx(100.0, rel=0.01)
-    assert off[1] / off[2] == pytest.approx(100.0, rel=0.01)
-
-
-def test_masses_on_stiff_springs_are_one() -> None:
-    base, t = polynomials(), np.linspace(0.0, 1.0, 101)
-    w = TURN * 5.1
-    one = steady_state(one_mass(w, 0.06), base, 0.0).states(t, "right")[0]
-    off = []
-    for stiff in (100.0, 1000.0):
-        link = Stage(0.25, stiff**2 * w * w, stiff * w)
-        stages = [Stage(0.25, w * w, 0.12 * w), link, link, link]
-        found = steady_state(chain(stages), base, 0.0).states(t, "right")[0]
-        off.append(np.max(np.abs(found - one)))
-    assert off[0] < 1e-3 * float(np.max(np.abs(one)))
-    assert off[0] / off[1] == pytest.approx(100.0, rel=0.1)  # with the inverse of the stiffness
 
 
 # -- under load ----------------------------------------------------------------------------------

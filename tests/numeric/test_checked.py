@@ -82,12 +82,6 @@ def test_one_of_a_few() -> None:
         checked.one_of("task", 1, ("R-R",))
 
 
-def test_instances() -> None:
-    assert checked.instance("law", "text", str, "a name") == "text"
-    with pytest.raises(GeometryError, match="must be a name"):
-        checked.instance("law", 3, str, "a name")
-
-
 def test_arrays_are_copied_and_read_only() -> None:
     given_values = np.array([1, 2, 3])
     found = checked.array("t", given_values)

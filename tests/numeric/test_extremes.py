@@ -9,6 +9,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from camgeo.dynamics.effects.lift_off.elastic_speed import ceiling
 from camgeo.numeric.arrays import SIDES, FloatArray, IntArray, Side
 from camgeo.numeric.extremes import (
     FEWEST_SAMPLES,
@@ -19,7 +20,6 @@ from camgeo.numeric.extremes import (
     SAMPLES,
     WIDEST,
     OfRows,
-    ceiling,
     cells_between,
     dips,
     extremes_of_each,
@@ -220,23 +220,6 @@ def test_one_of_both_alone(sizes: list[float], jump: float, edge: float) -> None
     both = piecewise_extremes(waves, edges)
     assert piecewise_highest(waves, edges) == both.highest
     assert piecewise_lowest(waves, edges) == both.lowest
-
-
-def test_one_alone_is_found_with_half_the_work() -> None:
-    asked: list[int] = []
-
-    def counted(x: FloatArray, side: Side) -> FloatArray:
-        asked.append(len(x))
-        return np.sin(x)
-
-    edges = np.linspace(0.0, TURN, 9)
-    on_grid = grid_of(edges).size
-    works = []
-    for find in (piecewise_extremes, piecewise_highest, piecewise_lowest):
-        asked.clear()
-        find(counted, edges)
-        works.append(sum(asked) - on_grid - 2 * (len(edges) - 1))
-    assert works[1] == works[2] == works[0] / 2
 
 
 EDGES = np.linspace(0.0, TURN, 9)

@@ -238,19 +238,6 @@ def test_pieces_add_up_and_jumps_at_edges_cost_nothing() -> None:
     assert calls == [5 * NODES, 10 * NODES]
 
 
-def test_a_looser_tolerance_costs_less() -> None:
-    costs = []
-    for tolerance in (1e-3, 1e-6, 1e-9):
-        asked: list[int] = []
-        piecewise_integral(
-            lambda x, asked=asked: (asked.append(len(x)), np.sqrt(x))[1],  # type: ignore[misc]  # mypy infers no type for a lambda with defaults
-            np.array([0.0, 1.0]),
-            tolerance,
-        )
-        costs.append(sum(asked))
-    assert costs[0] < costs[1] < costs[2]
-
-
 @pytest.mark.parametrize("place", [-1.02, -1.5, -3.0, -30.0])
 def test_nodes_for_a_root_that_branches_outside(place: float) -> None:
     """Integral of the root of x - place over [-1, 1], to rounding."""

@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from camgeo.kinematics.laws.polynomials import bernstein, scaled_horner
 from camgeo.numeric.arrays import FloatArray, IntArray
 from camgeo.numeric.extremes import (
     MAX_STEPS,
     Function,
-    bernstein,
     bracketed_roots,
     derivative,
     horner,
@@ -25,7 +25,6 @@ from camgeo.numeric.extremes import (
     roots_in_rows,
     roots_inside,
     roots_on_grid,
-    scaled_horner,
     sign_changes,
 )
 from tests.strategies import attack
@@ -162,22 +161,6 @@ def test_on_a_grid_no_place_is_evaluated_twice() -> None:
 
     roots_on_grid(remembered, np.linspace(0.5, 20.0, 60))
     assert len(set(asked)) == len(asked)
-
-
-def test_brackets_whose_ends_are_known_are_not_evaluated_there() -> None:
-    asked: list[float] = []
-
-    def remembered(x: FloatArray) -> FloatArray:
-        asked.extend(x.tolist())
-        return np.sin(x)
-
-    low, high = np.array([3.0, 6.0]), np.array([4.0, 6.5])
-    ends = np.stack((np.sin(low), np.sin(high)))
-    found = bracketed_roots(remembered, low, high, ends=ends)
-    assert found == pytest.approx([math.pi, 2.0 * math.pi], rel=4.0 * 2.0**-52)
-    assert not {3.0, 4.0, 6.0, 6.5} & set(asked)
-    without = bracketed_roots(np.sin, low, high)
-    assert found.tolist() == without.tolist()
 
 
 def test_each_bracket_has_its_own_function() -> None:

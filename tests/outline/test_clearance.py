@@ -16,13 +16,11 @@ from hypothesis import strategies as st
 import camgeo
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.clearance import (
-    are_clear,
     nearest_to_axis,
     stays_on_one_side,
     surely_clear_of_axis,
 )
-from camgeo.geometry.outline.cusps import sure_bends, undercut_ranges
-from camgeo.geometry.outline.outline import backward_angles
+from camgeo.geometry.outline.outline import are_clear, backward_angles, sure_bends, undercut_ranges
 from camgeo.geometry.pieces import Extremes, curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
@@ -73,13 +71,6 @@ def test_blind_to_all_extremes_it_finds_the_same_ranges(pitch: PitchCurve, side:
     assert len(found) == len(seen)
     for one, other in zip(sorted(found), sorted(seen), strict=True):
         assert one == pytest.approx(other, abs=1e-9)
-
-
-def test_where_nothing_is_missing_nothing_is_added() -> None:
-    params, _ = hard_case("HC21c")
-    flank = inner_of(pitch_curve_of({"kappa": 1, **params}))
-    bends = curvature_extremes(flank.pitch)
-    assert sure_bends(flank, bends) is bends
 
 
 TABLE = """

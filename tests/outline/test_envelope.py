@@ -91,12 +91,6 @@ def test_boxes_of_halves_are_a_quarter_as_wide(pitch: PitchCurve, side: int) -> 
         assert np.all(half[known] <= 0.3 * coarse.across[known] + 1e-12)
 
 
-def test_no_cells_have_no_halves() -> None:
-    envelope = envelope_of(pitch_curve_of(hard_case("HC18")[0]), 1)
-    cells = cells_of(envelope, 4)
-    assert len(halved(envelope, cells.some(np.zeros(len(cells), dtype=np.bool_)))) == 0
-
-
 def test_as_many_cells_are_halved_as_may_be_and_no_more(monkeypatch: pytest.MonkeyPatch) -> None:
     envelope = envelope_of(pitch_curve_of({**hard_case("HC21c")[0], "kappa": 1}), -1)
     cells = cells_of(envelope, 4)

@@ -9,11 +9,9 @@ from decimal import Decimal
 
 import numpy as np
 import pytest
-import shapely
 from hypothesis import assume, given, reject, settings
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
-from shapely.geometry.base import BaseGeometry
 
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.geometry.contour.arcs import fit_arcs
@@ -68,26 +66,6 @@ def test_no_sample_lies_beyond_the_extremes(curve: PitchCurve) -> None:
     contact = np.concatenate([at.contact[0] for at in samples])
     assert np.min(contact) >= places.smallest()[0] - 1e-12 * size
     assert np.max(contact) <= places.largest()[0] + 1e-12 * size
-
-
-@attack
-@given(curve=flat_curves(), more=st.floats(-5.0, 60.0))
-def test_a_parallel_face_has_a_parallel_outline(curve: PitchCurve, more: float) -> None:
-    """Base radius, and for a rocker the face offset as well, larger by D: all radii are by D."""
-    follower = curve.follower
-    assume(follower.base_radius + more > 1.0)
-    base = follower.base_radius + more
-    if isinstance(follower, TranslatingFlat):
-        other: TranslatingFlat | OscillatingFlat = replace(follower, base_radius=base)
-    else:
-        assert isinstance(follower, OscillatingFlat)
-        offset = follower.face_offset + more
-        other = replace(follower, base_radius=base, face_offset=offset)
-    here, there = convexity(curve), convexity(replace(curve, follower=other))
-    assume(here.turn[0] > 0.0)
-    scale = 1e-11 * (abs(here.radius[0]) + base + 200.0)
-    assert there.radius[0] == pytest.approx(here.radius[0] + more, abs=scale)
-    assert there.clearance[0] == pytest.approx(here.clearance[0] + more, abs=scale)
 
 
 @settings(attack, max_examples=20)
@@ -245,23 +223,6 @@ def test_what_is_left_is_the_intersection_of_all_half_planes(curve: PitchCurve) 
     assert len(lost.drops) == 0
 
 
-def test_the_area_is_that_of_the_half_planes() -> None:
-    """Compared with squares that shapely intersects: a disc with two corners."""
-    pitch = tappet()
-    outline = outline_of(pitch)
-    assert len(outline.path.pivots) == 2
-    step = math.radians(0.5)
-    normal, distance = demanded(pitch, np.arange(0.0, TURN, step))
-    left: BaseGeometry = shapely.box(-200.0, -200.0, 200.0, 200.0)
-    for n, h in zip(normal.tolist(), distance.tolist(), strict=True):
-        ends = [n * (h + far + 1j * side) for far, side in ((-400, -400), (0, -400), (0, 400),
-                                                            (-400, 400))]  # fmt: skip
-        left = left.intersection(shapely.Polygon([(z.real, z.imag) for z in ends]))
-    # An arc of the radius rho over one step is left out by rho^2 step^3 / 24 at most.
-    rho = float(np.max(np.abs(touch(pitch, np.arange(0.0, TURN, step)).pace[0])))
-    assert 0.0 <= left.area - abs(area(outline.path)) <= rho**2 * step**2 * TURN / 24.0
-
-
 def test_an_arc_that_two_corners_cut_off_is_left_out() -> None:
     """Two rises with a short rest between them: the rest is not touched at all."""
     pitch = tappet(10.0, (20, 6.0), (20, 12.0), (60, 0.0))
@@ -344,22 +305,6 @@ def test_a_fit_of_it_replays_the_same_loss() -> None:
     assert other.largest_loss.value == pytest.approx(one.largest_loss.value, abs=fit.deviation)
     phi = np.linspace(0.0, TURN, 1000)
     assert other.lift.at(phi) == pytest.approx(one.lift.at(phi), abs=fit.deviation)
-
-
-def test_a_mirrored_cam_is_trimmed_alike() -> None:
-    rocker = OscillatingFlat(complex(-90.0, 20.0), 40.0, 5.0, -1)
-    plan = MotionPlan(
-        (
-            Dwell(Decimal(30)), Move(Decimal(60), 0.35, LAW), Dwell(Decimal(40)),
-            Move(Decimal(80), 0.0, LAW), Dwell(Decimal(150)),
-        )
-    )  # fmt: skip
-    pitch = PitchCurve(plan, rocker, 1)
-    mirrored = replace(rocker, pivot=rocker.pivot.conjugate(), arm_side=1)
-    one, other = outline_of(pitch), outline_of(PitchCurve(plan, mirrored, -1))
-    assert one.dropped
-    assert np.array(other.dropped) == pytest.approx(np.array(one.dropped), abs=1e-12)
-    check_against_half_planes(pitch, one)
 
 
 def test_a_lobe_far_too_steep_is_all_cut_off() -> None:

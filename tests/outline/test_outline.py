@@ -3,9 +3,7 @@ pieces over a turn; knife edges, whose flank is the pitch curve."""
 
 from __future__ import annotations
 
-import cmath
 import math
-from dataclasses import replace
 from decimal import Decimal
 
 import numpy as np
@@ -18,21 +16,24 @@ from camgeo.check.disc import check_standstill
 from camgeo.design.design import Design
 from camgeo.errors import GeometryError, SceneError, UndercutError
 from camgeo.geometry.contour.contour import Contour
-from camgeo.geometry.contour.exact import chords_of
 from camgeo.geometry.outline import outline
 from camgeo.geometry.outline.clearance import stays_on_one_side
-from camgeo.geometry.outline.crossings import Node, find_crossings
-from camgeo.geometry.outline.cusps import backward_ranges
-from camgeo.geometry.outline.envelope import KINK, Envelope, envelope_of
-from camgeo.geometry.outline.outline import Outline, _unsettled, real_outline
+from camgeo.geometry.outline.envelope import KINK, Envelope, Node, envelope_of
+from camgeo.geometry.outline.outline import (
+    Outline,
+    _unsettled,
+    backward_ranges,
+    find_crossings,
+    real_outline,
+)
 from camgeo.geometry.outline.path import Path, Pivot, Stretch, area
 from camgeo.geometry.outline.replay import replay_contour, replay_outline
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray, IntArray, ascending
+from camgeo.part.boundaries import chords_of
 from camgeo.scene.scene import parse_scene
 from camgeo.units import TURN
 from tests.contour.cams import SCENES, dwell
@@ -232,40 +233,6 @@ def test_a_mild_cam_is_left_whole(pitch: PitchCurve, side: int) -> None:
         assert outline.path.is_whole
         assert outline.dropped == ()
         assert outline.lobes == ()
-
-
-@attack
-@given(wild_pitch_curves(), signs(), st.none() | st.floats(-3.0, 3.0))
-def test_turning_or_mirroring_the_scene_does_so_to_the_outline(
-    pitch: PitchCurve, side: int, angle: float | None
-) -> None:
-    """It is turned by an angle, or mirrored at the x-axis if there is none."""
-    follower, sense = pitch.follower, -1 if angle is None else 1
-
-    def image(place: complex) -> complex:
-        return place.conjugate() if angle is None else place * cmath.exp(1j * angle)
-
-    changed: TranslatingRoller | OscillatingRoller
-    if isinstance(follower, TranslatingRoller):
-        guide = sense * follower.guide_angle + (angle or 0.0)
-        changed = replace(follower, guide_angle=guide, offset=sense * follower.offset)
-    else:
-        assert isinstance(follower, OscillatingRoller)
-        pivot, arm_side = image(follower.pivot), sense * follower.arm_side
-        changed = replace(follower, pivot=pivot, arm_side=arm_side)
-    other = PitchCurve(pitch.motion, changed, sense * pitch.rotation)
-    one, two = outline_of(flank_of(pitch, side)), outline_of(flank_of(other, side))
-    assert (one is None) == (two is None)
-    if one is None or two is None:
-        return
-    assert len(one.path.elements) == len(two.path.elements)
-    assert len(one.lobes) == len(two.lobes)
-    for first, second in zip(corners(one.path), corners(two.path), strict=True):
-        # The more the branches differ, the better the crossing is known.
-        known = ROUNDING * size_of(pitch) / abs(math.sin(first.sweep))
-        assert abs(image(first.centre) - second.centre) <= 16.0 * known
-        assert second.sweep == pytest.approx(sense * first.sweep, abs=1e-6)
-    assert area(two.path) == pytest.approx(sense * area(one.path), rel=1e-9)
 
 
 def test_a_neck_that_all_but_closes_is_found_open_or_closed() -> None:

@@ -16,8 +16,7 @@ from hypothesis import strategies as st
 import camgeo
 from camgeo.design.design import Design
 from camgeo.geometry.contour.contour import Contour
-from camgeo.geometry.outline.crossings import find_crossings
-from camgeo.geometry.outline.outline import real_outline
+from camgeo.geometry.outline.outline import find_crossings, real_outline
 from camgeo.geometry.outline.path import (
     ROUNDING,
     Path,

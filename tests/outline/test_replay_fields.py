@@ -15,6 +15,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import camgeo
+from camgeo.app.answers.replay import closing_error
 from camgeo.check.disc import largest_deviation
 from camgeo.design.design import Design
 from camgeo.errors import GeometryError
@@ -22,18 +23,17 @@ from camgeo.geometry.contour.arcs import fit_arcs
 from camgeo.geometry.contour.chords import fit_polyline
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.spline import CubicSpline, SplineContour, strands_of
-from camgeo.geometry.contour.spline_replay import Chain, replay_spline
 from camgeo.geometry.outline.outline import real_outline
 from camgeo.geometry.outline.path import whole
 from camgeo.geometry.outline.replay import (
     AS_DEMANDED_ELEMENT,
     Replay,
-    closing_error,
     play,
     replay_contour,
     replay_outline,
+    replay_spline,
 )
-from camgeo.geometry.outline.roller import ActualLift, PlayedLift
+from camgeo.geometry.outline.roller import ActualLift, Chain, PlayedLift
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.follower_path import path_of
@@ -143,11 +143,11 @@ def test_derivatives_are_those_of_the_lift(made: Made) -> None:
 
 def test_what_holds_the_roller_is_its_radius_away_and_nothing_is_nearer(made: Made) -> None:
     replay, contour = made
-    if contour is None or not hasattr(replay.lift, "branches"):
+    if contour is None or not isinstance(replay.lift, ActualLift):
         return  # corners of an outline, and a face, are compared elsewhere
     some = np.arange(0, len(replay.phi), 41)
     at = centres(replay, replay.phi[some], replay.actual[0, some])
-    follower: Any = replay.lift.path.follower  # type: ignore[attr-defined]  # that of a roller
+    follower: Any = replay.lift.path.follower
     shape, element = outline(contour), replay.element[some]
     assert np.all(element != AS_DEMANDED_ELEMENT)
     pieces, vertices = element >= 0, element < 0

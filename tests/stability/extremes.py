@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from camgeo.check.disc import transmission_angle_extremes
-from camgeo.geometry.outline.cusps import undercut_ranges
+from camgeo.geometry.outline.outline import undercut_ranges
 from camgeo.geometry.pieces import Extremes, curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve

@@ -9,8 +9,8 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.geometry.outline.crossings import Crossing, find_crossings
-from camgeo.geometry.outline.outline import real_outline
+from camgeo.geometry.outline.envelope import Node
+from camgeo.geometry.outline.outline import find_crossings, real_outline
 from camgeo.geometry.outline.path import area
 from camgeo.geometry.outline.replay import Replay, replay_outline
 from camgeo.geometry.pieces import curvature_extremes
@@ -102,7 +102,7 @@ def _crossings(spec: CamSpec, side: int) -> Case:
     engine = find_crossings(_flank(spec, side))
     exact_outline = ExactOutline(spec, side)
 
-    def at(guess: float) -> Crossing:
+    def at(guess: float) -> Node:
         return min(engine, key=lambda crossing: abs(crossing.first - guess))
 
     def found(guesses: FloatArray) -> tuple[FloatArray | ComplexArray, ...]:
@@ -205,10 +205,10 @@ def _lost(replay: Replay, phi: FloatArray) -> FloatArray:
     return np.asarray(replay.press * lift.outward * difference)
 
 
-def _cut(spec: CamSpec, side: int) -> Crossing:
+def _cut(spec: CamSpec, side: int) -> Node:
     """The crossing at which the disc ends: the one with the widest range between its cam angles."""
     return max(find_crossings(_flank(spec, side)), key=lambda each: each.second - each.first)
 
 
-def _guesses(crossing: Crossing) -> tuple[float, float]:
+def _guesses(crossing: Node) -> tuple[float, float]:
     return round(crossing.first, GUESS), round(crossing.second, GUESS)

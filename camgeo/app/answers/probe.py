@@ -332,7 +332,7 @@ def _paces(flank: ExactFlank, course: FloatArray) -> FloatArray:
         if not np.any(which):
             continue
         if isinstance(each, Stretch):
-            found[which] = flank.curve.pace(each.start + along[which])
+            found[which] = flank.curve.traced(each.start + along[which])[2]
         else:
             found[which] = abs(each.distance)
     return found

@@ -46,18 +46,18 @@ from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.geometry.contour.contour import Contour, crossing, winding_number
 from camgeo.geometry.contour.foreign import Outlines, by_arcs
 from camgeo.geometry.contour.spline import SplineContour
-from camgeo.geometry.contour.spline_replay import replay_spline
 from camgeo.geometry.outline.face import FaceLift
 from camgeo.geometry.outline.path import Flank, area
 from camgeo.geometry.outline.replay import (
-    CORNER,
     Jumps,
     Replay,
-    closing_error,
+    extreme_play,
     play,
     replay_contour,
     replay_outline,
+    replay_spline,
 )
+from camgeo.geometry.outline.roller import CORNER
 from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme, Extremes
@@ -304,6 +304,19 @@ def _contact(cam: Cam, replay: Replay) -> FaceContact | None:
     slack, face = SLACK * cam.follower.base_radius, cam.follower.face
     leaves = face is not None and not face[0] - slack <= low.value <= high.value <= face[1] + slack
     return FaceContact(low, high, leaves)
+
+
+def closing_error(main: Replay, other: Replay) -> Extremes:
+    """`extreme_play` between two discs.
+
+    Raises
+    ------
+    GeometryError
+        If both discs push the follower in the same sense, so that it is not between them.
+    """
+    if main.lift.outward == other.lift.outward:
+        raise GeometryError("the two discs push the follower in the same sense: they do not close")
+    return extreme_play(main, other)
 
 
 def _closing(cam: Cam, main: Replay, other: Replay) -> Extremes:

@@ -16,7 +16,7 @@ from camgeo.check.disc import transmission_angle_extremes
 from camgeo.check.finding import CONVEXITY, UNDERCUT
 from camgeo.check.machine import check_follower
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.cusps import CUSP
+from camgeo.geometry.outline.outline import CUSP
 from camgeo.geometry.pieces import Extremes, curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.together import LinkedMotions, Repeated, one_curve
@@ -611,8 +611,8 @@ class Neck:
 
 
 def crossings(discs: Discs) -> Pairs:
-    """The crossings of each flank with itself, see `camgeo.geometry.outline.crossings`."""
-    from camgeo.geometry.outline.crossings import find_crossings  # only regular flanks need it
+    """The crossings of each flank with itself, see `find_crossings`."""
+    from camgeo.geometry.outline.outline import find_crossings
 
     return tuple(
         (number, each.first, each.second)

@@ -28,7 +28,7 @@ from camgeo.cam.cam import Cam
 from camgeo.check.finding import Limits, forbidding
 from camgeo.check.machine import linkage_findings
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.crossings import find_crossings
+from camgeo.geometry.outline.outline import find_crossings
 from camgeo.geometry.pieces import Extremes, extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.mechanism.follower import Follower

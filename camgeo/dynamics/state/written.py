@@ -21,7 +21,13 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, Effort, Form
 from camgeo.geometry.contour.spline import SplineContour
 from camgeo.geometry.outline.path import Flank
-from camgeo.geometry.outline.replay import DiscLift, Replay, extreme_play, replay_contour
+from camgeo.geometry.outline.replay import (
+    DiscLift,
+    Replay,
+    extreme_play,
+    replay_contour,
+    replay_spline,
+)
 from camgeo.geometry.outline.roller import AS_DEMANDED
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.mechanism.face import FlatFollower, flat_follower
@@ -268,7 +274,7 @@ class ReplayedMotion:
     On a corner the roller turns about a point of the disc, over which a flat face rocks, so the
     lift and three derivatives are known in closed form
     (`camgeo.kinematics.mechanism.follower_path.lift_jet`,
-    `camgeo.geometry.outline.face.FacePath.jet`).
+    `camgeo.geometry.outline.face.GuidedFace.jet`).
 
     Attributes
     ----------
@@ -650,8 +656,6 @@ def _replayed(pitch: PitchCurve, contour: Contour | SplineContour, flank: Flank)
             raise GeometryError(
                 "a flat face on splines: its motion is not computed", key=KEY, value=MODEL
             )
-        from camgeo.geometry.contour.spline_replay import replay_spline  # few contours are splines
-
         return replay_spline(pitch, contour, flank)
     return replay_contour(pitch, contour, flank)
 

@@ -159,8 +159,7 @@ def _parts(count: int) -> FloatArray:
     for number, size in enumerate(OUTER[: (count + 1) // 2]):
         sizes[[number, -1 - number]] = size
     reached = np.concatenate(([0.0], np.cumsum(sizes)))
-    parts: FloatArray = reached / reached[-1]
-    return parts
+    return np.asarray(reached / reached[-1])
 
 
 ORDER = 3.0
@@ -377,8 +376,7 @@ def _tridiagonal(outer: FloatArray, middle: FloatArray, right: FloatArray) -> Fl
         return right / middle
     bands = np.zeros((2, len(middle)))
     bands[0, 1:], bands[1] = outer, middle
-    found: FloatArray = solveh_banded(bands, right, overwrite_ab=True, check_finite=False)
-    return found
+    return np.asarray(solveh_banded(bands, right, overwrite_ab=True, check_finite=False))
 
 
 PARTS = 6
@@ -480,10 +478,9 @@ class Biarcs:
 
     def turned_over(self, curve: WorkingCurve) -> BoolArray:
         """(S,) spans with an arc whose parallel on the pitch curve has turned inside out."""
-        bad: BoolArray = np.any(
-            -curve.pitch.rotation * curve.distance * self.curvatures >= 1.0, axis=1
+        return np.asarray(
+            np.any(-curve.pitch.rotation * curve.distance * self.curvatures >= 1.0, axis=1)
         )
-        return bad
 
     def chain(self) -> Chain:
         """The arcs one after the other; the flattest are lines."""
@@ -534,8 +531,7 @@ class _Arcs:
         arm = places - self.vertices[:, arc]
         bend, ahead = self.curvatures[:, arc], self.tangents[:, arc]
         right = arm.real * ahead.imag - arm.imag * ahead.real
-        near: FloatArray = 0.5 * bend * (arm.real**2 + arm.imag**2) + right
-        return near
+        return np.asarray(0.5 * bend * (arm.real**2 + arm.imag**2) + right)
 
     def distances_to(
         self, points: ComplexArray, tangents: ComplexArray, slopes: FloatArray

@@ -28,8 +28,6 @@ from camgeo.geometry.contour.legs import (
 )
 from camgeo.geometry.contour.proof import (
     AIM,
-    FitPieces,
-    FitTurn,
     Group,
     fit_by_groups,
     fitted,
@@ -156,7 +154,9 @@ def fit_polyline(path: Path, tolerance: float) -> Fit:
     GeometryError
         If the contour cannot be compared with the path.
     """
-    return proved_fit(path, tolerance, AIM * tolerance, *_fits(tolerance))
+    fit_turn = partial(_arc_chords, tolerance=tolerance)
+    fit_pieces = fit_by_groups(_group, tolerance)
+    return proved_fit(path, tolerance, AIM * tolerance, fit_pieces, fit_turn)
 
 
 def sampled_polyline(path: Path, tolerance: float) -> Contour:
@@ -171,13 +171,9 @@ def sampled_polyline(path: Path, tolerance: float) -> Contour:
     GeometryError
         If the path has a gap.
     """
-    fit = fitted(path, tolerance, *_fits(tolerance))
+    fit_turn = partial(_arc_chords, tolerance=tolerance)
+    fit = fitted(path, tolerance, fit_by_groups(_group, tolerance), fit_turn)
     return contour_of(fit(AIM * tolerance)).counter_clockwise()
-
-
-def _fits(tolerance: float) -> tuple[FitPieces, FitTurn]:
-    """How the pieces of a path are fitted, and its turns."""
-    return fit_by_groups(_group, tolerance), partial(_arc_chords, tolerance=tolerance)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -358,8 +358,7 @@ class Pieces:
         turned = 1j * np.sign(self.sweeps) * (places - self.centres)
         along = np.where(self.sweeps == 0.0, self.ends - self.starts, turned)
         size = np.abs(along)
-        found: ComplexArray = np.divide(along, np.where(size > 0.0, size, 1.0))
-        return found
+        return np.asarray(np.divide(along, np.where(size > 0.0, size, 1.0)))
 
     def between(self, first: FloatArray, last: FloatArray) -> Pieces:
         """The part of each from the share `first` to the share `last` (n,) of its length."""
@@ -388,15 +387,13 @@ class Pieces:
         """(n,) whether the ray along `arms` (n,) from the centre of each arc meets it."""
         turned = np.angle(arms * np.conj(self.starts - self.centres))
         turned = np.mod(np.where(self.sweeps < 0.0, -turned, turned), TURN)
-        on: BoolArray = (self.sweeps != 0.0) & (turned <= np.abs(self.sweeps))
-        return on
+        return np.asarray((self.sweeps != 0.0) & (turned <= np.abs(self.sweeps)))
 
     def feet(self, places: ComplexArray) -> FloatArray:
         """(n,) where the foot of `places` (n,) [mm] lies on each line, as a share of its length."""
         chords = self.ends - self.starts
         squares = np.where(chords == 0.0, 1.0, np.abs(chords) ** 2)
-        shares: FloatArray = ((places - self.starts) * np.conj(chords)).real / squares
-        return shares
+        return np.asarray(((places - self.starts) * np.conj(chords)).real / squares)
 
     def apart(self, places: ComplexArray) -> FloatArray:
         """(n,) distance [mm] of `places` (n,) from its piece each; (k, n) of places (k, 1).
@@ -409,8 +406,7 @@ class Pieces:
         at_ends = np.minimum(np.abs(places - self.starts), np.abs(places - self.ends))
         arms = places - self.centres
         to_arc = np.where(self.faces(arms), np.abs(np.abs(arms) - self.radii), at_ends)
-        found: FloatArray = np.where(self.sweeps == 0.0, to_line, to_arc)
-        return found
+        return np.asarray(np.where(self.sweeps == 0.0, to_line, to_arc))
 
 
 # -- nearness -------------------------------------------------------------------------------------
@@ -456,7 +452,9 @@ def least_distance(one: Run, other: Run) -> float:
         off = np.abs(of_a[rows, None] - of_b) - reach_a[rows, None] - reach_b
         row, column = np.nonzero(off < least)
         if len(row):
-            least = min(least, _between(taken(a, rows[row]), taken(b, column)))
+            some, others = taken(a, rows[row]), taken(b, column)
+            mixed = _of_arc_and_line(some, others), _of_arc_and_line(others, some)
+            least = min(least, _of_arcs(some, others), _of_lines(some, others), *mixed)
     return least
 
 
@@ -480,19 +478,14 @@ def _bounds(pieces: Pieces) -> tuple[ComplexArray, FloatArray]:
     return middles, reaches
 
 
-def _between(a: Pieces, b: Pieces) -> float:
-    """The least distance [mm] of inner points of pairs on a common normal, or 0 where they cross.
-
-    Infinite if there is neither.
-    """
-    return min(_of_arcs(a, b), _of_arc_and_line(a, b), _of_arc_and_line(b, a), _of_lines(a, b))
-
-
 def _least(values: FloatArray, valid: BoolArray) -> float:
     return float(np.min(values[valid], initial=np.inf))
 
 
 def _of_arcs(a: Pieces, b: Pieces) -> float:
+    """The least distance [mm] of inner points of pairs of arcs on a common normal; 0 where they
+    cross, infinite if there is neither. So do the next two of others.
+    """
     between = b.centres - a.centres
     apart = np.abs(between)
     bent = (a.sweeps != 0.0) & (b.sweeps != 0.0) & (apart > 0.0)

@@ -13,13 +13,16 @@ from numpy.typing import NDArray
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo.geometry.contour.arcs import FLAT, fit_arcs, rest_arcs, turn_arc
 from camgeo.geometry.contour.contour import Fit
-from camgeo.geometry.contour.least_pieces import ARC
 from camgeo.geometry.contour.legs import APART, Bends, Chain, bends_of, clearly_less, in_steps
 from camgeo.geometry.contour.proof import Group, fit_by_groups, proved_fit
 from camgeo.geometry.outline.path import Path
 from camgeo.geometry.pieces import Piece
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+
+ARC = math.sqrt(3.0) / 216.0
+"""The best arcs leave the error ARC |dkappa/ds| h^3 on a span h: a C1 quadratic spline leaves
+B_3(t)/6 of a cubic, and the largest value of Bernoulli's polynomial B_3 is sqrt(3)/36."""
 
 AIM = 0.988
 """Fraction of the tolerance that the sampled deviation may reach: the proof adds 1 %, and samples
@@ -268,8 +271,7 @@ class JointedCurve:
         )
         # Joints between chords of no length are not free, and do not turn.
         scale = np.where(self.scale > 0.0, self.scale, 1.0)
-        steps: FloatArray = found / np.stack((np.ones(len(found)), scale), axis=1)
-        return steps
+        return np.asarray(found / np.stack((np.ones(len(found)), scale), axis=1))
 
     def deviations(self, off: FloatArray) -> FloatArray:
         """(n,) [mm] largest distance of the curve from each arc, from samples."""
@@ -527,8 +529,7 @@ class Layout:
 
     def largest(self, values: FloatArray) -> FloatArray:
         """(k,) for each spline the largest value (n,) of its arcs."""
-        found: FloatArray = np.maximum.reduceat(values, self.first_arcs)
-        return found
+        return np.asarray(np.maximum.reduceat(values, self.first_arcs))
 
     def excess(self, deviations: FloatArray) -> FloatArray:
         """(n,) logarithms of the arcs' `deviations` (n,) over their geometric mean in a spline,
@@ -622,8 +623,7 @@ class Difficulty:
         """(j,) cam angles [rad] of `places` (j,), see `joints`."""
         part = places - 2.0 * layout.of_joints(pieces)
         starts, spans = layout.of_joints(self.starts[pieces]), layout.of_joints(self.spans[pieces])
-        angles: FloatArray = starts + spans * part
-        return angles
+        return np.asarray(starts + spans * part)
 
 
 def evened(layout: Layout, places: FloatArray, shrink: FloatArray) -> FloatArray:
@@ -720,5 +720,4 @@ class ArcSystem:
             overwrite_b=True,
             check_finite=False,
         )
-        found: FloatArray = unknowns.reshape(-1, 3)[:, :2]
-        return found
+        return np.asarray(unknowns.reshape(-1, 3)[:, :2])

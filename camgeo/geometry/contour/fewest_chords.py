@@ -14,10 +14,10 @@ from camgeo.errors import GeometryError, ToleranceError
 from camgeo.geometry.contour.chords import MAX_CHORDS, fit_polyline
 from camgeo.geometry.contour.contour import Fit
 from camgeo.geometry.contour.exact import arc_angles, arc_count, arc_offset
-from camgeo.geometry.contour.legs import Chain, StretchLeg, TurnLeg, require_regular, too_many
+from camgeo.geometry.contour.legs import Chain, StretchLeg, TurnLeg, check_regular, too_many
 from camgeo.geometry.contour.proof import SHARPNESS, PieceOfLeg, proved_fit
-from camgeo.geometry.contour.spline import monotone
 from camgeo.geometry.outline.path import Path
+from camgeo.geometry.pieces import Piece
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.follower import bend_of_path
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, ascending, grouped
@@ -94,6 +94,15 @@ def fewest_chords(path: Path, tolerance: float) -> Fit:
     return fit
 
 
+def require_regular(curve: WorkingCurve, piece: Piece) -> None:
+    """Raise UndercutError if 1 + d kappa is negative at some sample of the piece.
+
+    It may be zero at single points, at a cusp without undercut, but not over a whole dwell.
+    """
+    grid = np.linspace(piece.start, piece.end, 257)[1:-1]
+    check_regular(curve, piece, curve.regularity(grid))
+
+
 def _ladders(leg: StretchLeg) -> list[Ladder]:
     """The ladders along a whole leg, from corner to corner."""
     cuts = _kinks(leg)
@@ -106,10 +115,7 @@ def _ladders(leg: StretchLeg) -> list[Ladder]:
 
 def _kinks(leg: StretchLeg) -> list[float]:
     """Cam angles [rad] inside the leg where its pieces do not meet smoothly to rounding."""
-    inner = [piece.start for piece in leg.pieces if leg.closed or piece.start > leg.start]
-    if not inner:
-        return []
-    at = np.array(inner)
+    at = leg.joints
     right, left = leg.point(at), leg.point(at, "left")
     turned = np.abs(leg.curve.tangent(at) - leg.curve.tangent(at, "left"))
     apart = np.abs(right - left) > KINK * np.abs(right)
@@ -828,3 +834,23 @@ def _peaks(heights: FloatArray) -> FloatArray:
     slope, bend = 0.5 * (after - before), before - 2.0 * here + after
     inside = np.abs(slope) < np.abs(bend)
     return here - np.where(inside, 0.5 * slope * slope / np.where(inside, bend, 1.0), 0.0)
+
+
+def monotone(x: FloatArray, y: FloatArray, at: FloatArray) -> FloatArray:
+    """(m,) values at `at` (m,) of the table `y` (n,) over `x` (n,), both strictly ascending.
+
+    Piecewise cubic, its slopes at the points the harmonic means of those on both sides (F. N.
+    Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5, 1984): it ascends as the table does. Beyond
+    the ends the first and last cubic continue.
+    """
+    width = np.diff(x)
+    slope = np.diff(y) / width
+    slopes = np.empty(len(x))
+    before, after = 2.0 * width[1:] + width[:-1], width[1:] + 2.0 * width[:-1]
+    slopes[1:-1] = (before + after) / (before / slope[:-1] + after / slope[1:])
+    slopes[0], slopes[-1] = slope[0], slope[-1]
+    k = np.clip(np.searchsorted(x, at, side="right") - 1, 0, len(width) - 1)
+    s = (at - x[k]) / width[k]
+    m0, m1, d = slopes[k], slopes[k + 1], slope[k]
+    rise: FloatArray = s * (m0 + s * ((3.0 * d - 2.0 * m0 - m1) + s * (m0 + m1 - 2.0 * d)))
+    return y[k] + width[k] * rise

@@ -30,6 +30,11 @@ ROUNDING = 2.0**-52 * 32.0
 """Rounding of a point, as a fraction of the lengths that it is computed from."""
 
 
+SLIGHT = 0.01
+"""An arc of a turn shorter than this fraction of the tolerance is a corner: files rounded to a
+tenth of the tolerance, as programs do, could not keep its ends distinct."""
+
+
 @dataclass(frozen=True, slots=True)
 class StretchLeg:
     """A stretch of a parallel as a leg; t is the cam angle.
@@ -78,6 +83,12 @@ class StretchLeg:
                 end = self.end if end > self.end - SNAP else end
                 found.append(Piece(start, end, piece.centre))
         return tuple(found)
+
+    @property
+    def joints(self) -> FloatArray:
+        """(k,) t at which one of its pieces follows another."""
+        starts = [each.start for each in self.pieces if self.closed or each.start > self.start]
+        return np.array(starts, dtype=np.float64)
 
     def point(self, t: FloatArray, side: Side = "right") -> ComplexArray:
         """(n,) complex [mm] points at `t` (n,)."""
@@ -140,6 +151,10 @@ class TurnLeg:
     def length(self) -> float:
         """Length of the arc [mm]."""
         return self.radius * self.end
+
+    def is_slight(self, tolerance: float) -> bool:
+        """Whether it is a corner for a `tolerance` [mm], see `SLIGHT`."""
+        return self.length <= SLIGHT * tolerance
 
     @property
     def borders(self) -> FloatArray:
@@ -338,15 +353,6 @@ looked at for `joints_apart`; a pace that changes thousandfold between two joint
 """
 
 
-def require_regular(curve: WorkingCurve, piece: Piece) -> None:
-    """Raise UndercutError if 1 + d kappa is negative at some sample of the piece.
-
-    It may be zero at single points, at a cusp without undercut, but not over a whole dwell.
-    """
-    grid = np.linspace(piece.start, piece.end, 257)[1:-1]
-    check_regular(curve, piece, curve.regularity(grid))
-
-
 def check_regular(curve: WorkingCurve, piece: Piece, regularity: FloatArray) -> None:
     """`require_regular` where `regularity` (n,), 1 + d kappa at samples, is known already."""
     smallest = float(np.min(regularity))
@@ -539,8 +545,8 @@ def least_counts(
             if not distance <= 2.0 * aim:
                 share = (distance / aim) ** (1.0 / order) if aim > 0.0 else np.inf
                 counts[piece] = max(counts[piece], ladder(FAR * min(share, 4.0) * count))
-            marks[piece] = marked(marks[piece], count, distance)
-            if is_stuck(marks[piece], count) or counts[piece] > most:
+            marks[piece] = still_closer(marks[piece], count, distance, tolerance)
+            if counts[piece] > most:
                 raise stuck_at(distance, tolerance)
     return [done[piece] for piece in range(len(counts))]
 
@@ -551,14 +557,16 @@ Mark = tuple[int, float]
 UNTRIED: Mark = (1, math.inf)
 
 
-def marked(mark: Mark, count: int, distance: float) -> Mark:
-    """The last number of parts that reduced the distance, after another one than `mark`'s."""
-    return (count, distance) if distance <= STUCK * mark[1] else mark
+def still_closer(mark: Mark, count: int, distance: float, tolerance: float) -> Mark:
+    """The last number of parts that reduced the distance, `mark` or `count` with its `distance`.
 
-
-def is_stuck(mark: Mark, count: int) -> bool:
-    """Whether more parts than `count` are no use, if `mark` was the last of use, see `STUCK`."""
-    return count >= STUCK_AFTER * max(mark[0], FINE)
+    Raises ToleranceError if more parts than `count` are no use, see `STUCK`.
+    """
+    if distance <= STUCK * mark[1]:
+        mark = count, distance
+    if count >= STUCK_AFTER * max(mark[0], FINE):
+        raise stuck_at(distance, tolerance)
+    return mark
 
 
 def stuck_at(distance: float, tolerance: float) -> ToleranceError:
@@ -605,11 +613,9 @@ mirror images, neither is less."""
 
 def in_steps(logarithms: FloatArray) -> FloatArray:
     """(n,) multiples of `STEP`, the nearest to `logarithms` (n,)."""
-    found: FloatArray = np.rint(logarithms / STEP) * STEP
-    return found
+    return np.asarray(np.rint(logarithms / STEP) * STEP)
 
 
 def clearly_less(found: FloatArray, best: FloatArray) -> BoolArray:
     """(n,) whether a deviation `found` is less than `best`, which may be infinite."""
-    less: BoolArray = found < CLEARLY * best
-    return less
+    return np.asarray(found < CLEARLY * best)

@@ -30,33 +30,21 @@ def parallel(contour: Contour, distance: float) -> Contour:
     GeometryError
         If a piece turns inside out, or neighbours do not meet.
     """
-    starts, ends = contour.vertices, contour.ends
-    round_ = contour.sweeps != 0.0
-    signs = np.sign(contour.sweeps)
-    arms = starts - contour.centres
-    ahead = np.where(round_, 1j * signs * arms, ends - starts)
-    ahead /= np.abs(ahead)
-    # Turned by the sweep, the direction at its start is that at its end.
-    leaving = ahead * np.exp(1j * contour.sweeps)
-    radii = contour.radii + signs * distance
+    starts, round_ = contour.vertices, contour.sweeps != 0.0
+    ahead, sharp = _ahead(contour), corners(contour)
+    radii = contour.radii + np.sign(contour.sweeps) * distance
     if np.any(round_ & (radii <= 0.0)):
         raise _gone(distance)
     shifted = starts - 1j * distance * ahead
-    corners = []
-    for k in range(len(contour)):
-        before = k - 1
-        turn = (np.conj(leaving[before]) * ahead[k]).imag
-        if abs(turn) <= SMOOTH:
-            corners.append(complex(shifted[k]))
-            continue
+    vertices = shifted.copy()
+    for k in np.flatnonzero(sharp).tolist():
         carriers = [
             (complex(contour.centres[j]), float(radii[j]))
             if round_[j]
             else (complex(shifted[j]), complex(ahead[j]))
-            for j in (before, k)
+            for j in (k - 1, k)
         ]
-        corners.append(_meeting(carriers[0], carriers[1], complex(starts[k]), distance))
-    vertices = np.array(corners)
+        vertices[k] = _meeting(carriers[0], carriers[1], complex(starts[k]), distance)
     sweeps = _sweeps(contour, vertices, ahead, distance)
     return Contour(vertices, sweeps, contour.centres)
 
@@ -73,7 +61,9 @@ def _meeting(one: Carrier, other: Carrier, near: complex, distance: float) -> co
         along = (apart**2 + one[1] ** 2 - other[1] ** 2) / (2.0 * apart) if apart else math.inf
         found = _either_side(one[0], between / (apart or 1.0), along, one[1])
     elif isinstance(one[1], float) or isinstance(other[1], float):
-        (centre, radius), (point, direction) = sorted((one, other), key=_is_line)
+        (centre, radius), (point, direction) = sorted(
+            (one, other), key=lambda each: not isinstance(each[1], float)
+        )
         assert isinstance(radius, float)
         foot = ((centre - point) * np.conj(direction)).real
         away = point + foot * direction - centre
@@ -87,10 +77,6 @@ def _meeting(one: Carrier, other: Carrier, near: complex, distance: float) -> co
     if not found:
         raise _gone(distance)
     return min(found, key=lambda point: abs(point - near))
-
-
-def _is_line(carrier: Carrier) -> bool:
-    return not isinstance(carrier[1], float)
 
 
 def _either_side(
@@ -125,27 +111,19 @@ def _sweeps(
     return sweeps
 
 
+def _ahead(contour: Contour) -> ComplexArray:
+    """(n,) unit direction at the start of each piece."""
+    turned = 1j * np.sign(contour.sweeps) * (contour.vertices - contour.centres)
+    ahead = np.where(contour.sweeps != 0.0, turned, contour.ends - contour.vertices)
+    return np.asarray(ahead / np.abs(ahead))
+
+
 def corners(contour: Contour) -> BoolArray:
     """(n,) whether the piece before each vertex comes to it in another direction."""
-    arms = contour.vertices - contour.centres
-    round_ = contour.sweeps != 0.0
-    ahead = np.where(round_, 1j * np.sign(contour.sweeps) * arms, contour.ends - contour.vertices)
-    ahead = ahead / np.abs(ahead)
+    ahead = _ahead(contour)
+    # Turned by the sweep, the direction at the start of a piece is that at its end.
     leaving = np.roll(ahead * np.exp(1j * contour.sweeps), 1)
-    found: BoolArray = np.abs((np.conj(leaving) * ahead).imag) > SMOOTH
-    return found
-
-
-def corner_radius(contour: Contour) -> float | None:
-    """Radius [mm] of the smallest arc that ends at a corner; None if there is none.
-
-    Where it meets a line p from its centre, both move out by d, and the corner slides along a
-    parabola: its distance from the foot of the centre is the root of r^2 - p^2 + 2 d (r - p). So
-    areas within parallels are analytic in d down to -(r + p) / 2, below -r / 2.
-    """
-    at = corners(contour)
-    radii = contour.radii[(at | np.roll(at, -1)) & (contour.sweeps != 0.0)]
-    return float(np.min(radii)) if len(radii) else None
+    return np.asarray(np.abs((np.conj(leaving) * ahead).imag) > SMOOTH)
 
 
 def steps_to(contour: Contour, distance: float, limit: float) -> int:

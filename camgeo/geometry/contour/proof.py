@@ -119,8 +119,7 @@ class _Cells:
     def have_middles(self) -> BoolArray:
         """(n,) whether there is a number between the ends of each."""
         middle = 0.5 * (self.low + self.high)
-        found: BoolArray = (self.low < middle) & (middle < self.high)
-        return found
+        return np.asarray((self.low < middle) & (middle < self.high))
 
     def halved(self, which: BoolArray) -> _Cells:
         cells = taken(self, which)
@@ -516,8 +515,7 @@ def _arc_cells(taylor: Taylor, run: Run, piece: IntArray) -> tuple[FloatArray, .
     square_z = pitch_radius * pitch_radius + 2.0 * square
 
     def reach_at(growth: FloatArray) -> FloatArray:
-        reach: FloatArray = np.sqrt(np.clip(square_z + 2.0 * growth, 0.0, BOUNDLESS))
-        return reach
+        return np.asarray(np.sqrt(np.clip(square_z + 2.0 * growth, 0.0, BOUNDLESS)))
 
     nearest, farthest = reach_at(least - rest), reach_at(most + rest)
     slowest, fastest = taylor.pace_range()
@@ -530,8 +528,7 @@ def _arc_cells(taylor: Taylor, run: Run, piece: IntArray) -> tuple[FloatArray, .
         # Radius r -> signed distance of the offset point from the arc, see the module.
         total = reach + shift
         square = total * total - 2.0 * reach * shift * versine
-        signed: FloatArray = np.sqrt(np.maximum(square, 0.0)) - radius
-        return signed
+        return np.asarray(np.sqrt(np.maximum(square, 0.0)) - radius)
 
     pulls_in = shift > 0.0
     outer, inner = np.where(pulls_in, small, large), np.where(pulls_in, large, small)
@@ -653,8 +650,7 @@ def _directions(vertices: ComplexArray, contour: Contour) -> ComplexArray:
     arriving, leaving = (chord * turned)[:-1], (chord * np.conj(turned))[1:]
     both = arriving / np.abs(arriving) + leaving / np.abs(leaving)
     size = np.abs(both)
-    directions: ComplexArray = np.where(size > 0.0, both / np.where(size > 0.0, size, 1.0), 0.0)
-    return directions
+    return np.asarray(np.where(size > 0.0, both / np.where(size > 0.0, size, 1.0), 0.0))
 
 
 def locate(path: Path, contour: Contour) -> tuple[Run, ...]:
@@ -675,7 +671,10 @@ def locate(path: Path, contour: Contour) -> tuple[Run, ...]:
         contour = contour.reversed()
     if legs[0].closed:
         return (_closed_run(legs[0], samples[0], contour),)
-    corners = np.array([_first(leg) for leg in legs])
+    firsts = [
+        leg.point(np.array([leg.start]))[0] if leg.first is None else leg.first for leg in legs
+    ]
+    corners = np.array(firsts)
     nearest = np.array([int(np.argmin(np.abs(contour.vertices - corner))) for corner in corners])
     contour = contour.rolled(int(nearest[0]))
     counts = _counts(legs, nearest, len(contour))
@@ -694,10 +693,6 @@ class _Samples:
     points: ComplexArray
     along: FloatArray
 
-    def at(self, along: FloatArray) -> FloatArray:
-        """Parameters near the places that are `along` (n,) [mm] of the leg from its start."""
-        return np.interp(along, self.along, self.grid)
-
 
 def _samples(leg: Leg) -> _Samples:
     inner = leg.borders[(leg.borders > leg.start) & (leg.borders < leg.end)]
@@ -710,12 +705,6 @@ def _samples(leg: Leg) -> _Samples:
     points = np.append(leg.point(inside), leg.point(grid[-1:], "left"))
     along = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(points)))))
     return _Samples(grid, points, along)
-
-
-def _first(leg: Leg) -> complex:
-    if leg.first is not None:
-        return leg.first
-    return complex(leg.point(np.array([leg.start]))[0])
 
 
 def _counts(legs: tuple[Leg, ...], nearest: IntArray, pieces: int) -> IntArray:
@@ -738,7 +727,7 @@ def _open_run(leg: Leg, sampled: _Samples, contour: Contour, start: int, stop: i
     if stop > start:
         place = along_contour * (sampled.along[-1] / along_contour[-1])
         angles[0] = leg.start
-        guess = sampled.at(place[1:-1])
+        guess = np.interp(place[1:-1], sampled.along, sampled.grid)
         pieces = Contour(
             contour.vertices[start:stop], contour.sweeps[start:stop], contour.centres[start:stop]
         )
@@ -756,7 +745,7 @@ def _closed_run(leg: Leg, sampled: _Samples, contour: Contour) -> Run:
     share = along_contour[:-1] / along_contour[-1]
     place = sampled.along[first] + share * sampled.along[-1]
     turns, rest = np.divmod(place, sampled.along[-1])
-    guess = sampled.at(rest) + TURN * turns
+    guess = np.interp(rest, sampled.along, sampled.grid) + TURN * turns
     around = Contour(
         np.append(contour.vertices[-1], contour.vertices),
         np.append(contour.sweeps[-1], contour.sweeps),
@@ -832,10 +821,6 @@ FINER = 0.125
 """Fraction of the aim to try next where the pieces are too coarse for a proof, which limits how far
 they turn, round the tip of a lobe. Arcs become half as long."""
 
-SLIGHT = 0.01
-"""An arc of a turn shorter than this fraction of the tolerance is a corner: files rounded to a
-tenth of the tolerance, as programs do, could not keep its ends distinct."""
-
 PieceOfLeg = tuple[StretchLeg, Piece]
 
 FitPieces = Callable[[Sequence[PieceOfLeg], float], Sequence[Chain]]
@@ -886,7 +871,7 @@ def fitted(
         for leg in legs:
             if isinstance(leg, StretchLeg):
                 parts.append((leg, [next(chains) for _ in leg.pieces]))
-            elif leg.length <= SLIGHT * tolerance:
+            elif leg.is_slight(tolerance):
                 parts.append((leg, [Chain.empty()]))
             else:
                 parts.append((leg, [fit_turn(leg, aim)]))
@@ -935,8 +920,7 @@ def _require_joined(legs: Sequence[StretchLeg], tolerance: float) -> None:
     No contour could be proved across such a gap.
     """
     for leg in legs:
-        starts = [piece.start for piece in leg.pieces if leg.closed or piece.start > leg.start]
-        inner = np.array(starts)
-        gaps = np.abs(leg.point(inner) - leg.point(inner, "left")) if len(inner) else inner
+        inner = leg.joints
+        gaps = np.abs(leg.point(inner) - leg.point(inner, "left"))
         if np.any(gaps > tolerance):
             raise torn_apart(float(inner[int(np.argmax(gaps))]))

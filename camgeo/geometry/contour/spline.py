@@ -128,8 +128,7 @@ def at(pieces: ComplexArray, t: FloatArray) -> ComplexArray:
     """(n, k) complex [mm] points of the `pieces` (n, 4) at `t` (k,) in [0, 1]."""
     w = 1.0 - t
     powers = np.stack((w**3, 3.0 * w * w * t, 3.0 * w * t * t, t**3))
-    points: ComplexArray = pieces @ powers
-    return points
+    return np.asarray(pieces @ powers)
 
 
 def area(pieces: ComplexArray) -> float:
@@ -350,6 +349,14 @@ class SplineContour:
         return type(self)(tuple(chain.from_iterable(parts)))
 
     @property
+    def pieces(self) -> list[Arc | ComplexArray]:
+        """Arcs and lines, and (4,) complex [mm] Bezier points of each cubic, in order."""
+        found: list[Arc | ComplexArray] = []
+        for strand in self.strands:
+            found += [strand] if isinstance(strand, Arc) else list(strand.beziers)
+        return found
+
+    @property
     def splines(self) -> tuple[CubicSpline, ...]:
         """The splines among the strands."""
         return tuple(each for each in self.strands if isinstance(each, CubicSpline))
@@ -435,23 +442,3 @@ def highest(
             inside = (t > 0.0) & (t < 1.0) & (radicand > 0.0)
             found = np.where(inside, np.maximum(found, value), found)
     return found
-
-
-def monotone(x: FloatArray, y: FloatArray, at: FloatArray) -> FloatArray:
-    """(m,) values at `at` (m,) of the table `y` (n,) over `x` (n,), both strictly ascending.
-
-    Piecewise cubic, its slopes at the points the harmonic means of those on both sides (F. N.
-    Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5, 1984): it ascends as the table does. Beyond
-    the ends the first and last cubic continue.
-    """
-    width = np.diff(x)
-    slope = np.diff(y) / width
-    slopes = np.empty(len(x))
-    before, after = 2.0 * width[1:] + width[:-1], width[1:] + 2.0 * width[:-1]
-    slopes[1:-1] = (before + after) / (before / slope[:-1] + after / slope[1:])
-    slopes[0], slopes[-1] = slope[0], slope[-1]
-    k = np.clip(np.searchsorted(x, at, side="right") - 1, 0, len(width) - 1)
-    s = (at - x[k]) / width[k]
-    m0, m1, d = slopes[k], slopes[k + 1], slope[k]
-    rise: FloatArray = s * (m0 + s * ((3.0 * d - 2.0 * m0 - m1) + s * (m0 + m1 - 2.0 * d)))
-    return y[k] + width[k] * rise

@@ -23,7 +23,16 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.outline.path import Element, Flank, Path, Pivot, Stretch
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.plan import SNAP
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, dot, joined, taken
+from camgeo.numeric.arrays import (
+    SIDES,
+    BoolArray,
+    ComplexArray,
+    FloatArray,
+    IntArray,
+    dot,
+    joined,
+    taken,
+)
 from camgeo.numeric.extremes import indexed_roots
 from camgeo.units import TURN
 
@@ -50,12 +59,14 @@ class Places:
     phi : (n,) cam angles [rad] in [0, 2 pi).
     points : (n,) complex [mm].
     normals : (n,) complex, unit, out of the material.
+    tangents : (n,) complex, unit, of the pitch curve; of no meaning on a turn.
     """
 
     course: FloatArray
     phi: FloatArray
     points: ComplexArray
     normals: ComplexArray
+    tangents: ComplexArray
 
     def __len__(self) -> int:
         return len(self.phi)
@@ -144,7 +155,7 @@ class ExactFlank:
         """Places at most `CELL` apart, in order, the ends of all elements among them: so a corner
         occurs twice, with the normals on both of its sides.
         """
-        return joined([each.places for each in self._grids])
+        return joined(self._grids)
 
     @cached_property
     def turned(self) -> FloatArray:
@@ -165,7 +176,8 @@ class ExactFlank:
         """The feet of `points` (n,) [mm], in cam coordinates."""
         nearest = self._nearest_cells(points)
         found = Feet(taken(self.nodes, nearest), np.empty(len(points)))
-        on_stretch = self._is_stretch[nearest]
+        kinds = np.array([isinstance(each, Stretch) for each in self.path.elements])
+        on_stretch = kinds[self._element[nearest]]
         for which, part in (
             (on_stretch, self._feet_on_stretches),
             (~on_stretch, self._feet_on_arcs),
@@ -193,8 +205,9 @@ class ExactFlank:
 
     def _feet_on_stretches(self, points: ComplexArray, node: IntArray) -> Feet:
         """Feet near the cells that begin at `node` (n,)."""
-        nodes = self.nodes
-        first, last = self._ends[0][node], self._ends[1][node]
+        nodes, element = self.nodes, self._element[node]
+        first, after = (np.searchsorted(self._element, element, side) for side in SIDES)
+        last = after - 1
         sides, turns = [], []
         for wanted in (node - 1, node + 2):
             # A whole curve has no end: beyond it, it begins again.
@@ -203,10 +216,10 @@ class ExactFlank:
             shifted = wanted - over * (last - first)
             sides.append(shifted if open_ended else np.clip(wanted, first, last))
             turns.append(over * self.total if open_ended else np.zeros(len(node)))
-        ahead = np.stack([dot(points - nodes.points[side], self._tangents[side]) for side in sides])
+        ahead = np.stack([dot(points - nodes.points[side], nodes.tangents[side]) for side in sides])
         low, high = (nodes.course[side] + turn for side, turn in zip(sides, turns, strict=True))
         crossing = (ahead[0] > 0.0) & (ahead[1] < 0.0)
-        offsets = self._offsets[node]
+        offsets = self._shifts[element]
 
         def ahead_of(course: FloatArray, which: IntArray) -> FloatArray:
             index = inside[which]
@@ -256,7 +269,8 @@ class ExactFlank:
     # What is prepared once -----------------------------------------------------------------------
 
     @cached_property
-    def _grids(self) -> list[_Grid]:
+    def _grids(self) -> list[Places]:
+        """Those of `nodes` on each element that has a length."""
         found = []
         for start, each in zip(self.starts, self.path.elements, strict=False):
             low, high = _span(each)
@@ -282,7 +296,7 @@ class ExactFlank:
                 normals = self._outward * normals
                 tangents = np.zeros_like(points)
                 phi = np.full(len(grid), each.after % TURN)
-            found.append(_Grid(Places(course, phi, points, normals), tangents))
+            found.append(Places(course, phi, points, normals, tangents))
         return found
 
     @property
@@ -291,37 +305,21 @@ class ExactFlank:
         return -self.side.sign
 
     @cached_property
-    def _tangents(self) -> ComplexArray:
-        return np.concatenate([each.tangents for each in self._grids])
-
-    @cached_property
     def _element(self) -> IntArray:
         """(k,) number of the element of each node."""
         used = [k for k, each in enumerate(self.path.elements) if np.ptp(_span(each)) > 0.0]
-        return np.repeat(used, [len(each.places) for each in self._grids])
+        return np.repeat(used, [len(each) for each in self._grids])
 
     @cached_property
-    def _is_stretch(self) -> BoolArray:
-        kinds = np.array([isinstance(each, Stretch) for each in self.path.elements])
-        return np.asarray(kinds[self._element])
-
-    @cached_property
-    def _offsets(self) -> FloatArray:
-        """(k,) cam angle less u of each node's stretch."""
+    def _shifts(self) -> FloatArray:
+        """(m,) cam angle less u on each element, if it is a stretch."""
         lows = np.array([_span(each)[0] for each in self.path.elements])
-        return np.asarray((lows - self.starts[:-1])[self._element])
-
-    @cached_property
-    def _ends(self) -> tuple[IntArray, IntArray]:
-        """First and last node of the element of each node."""
-        counts = np.array([len(each.places) for each in self._grids])
-        last = np.cumsum(counts) - 1
-        return np.repeat(last - counts + 1, counts), np.repeat(last, counts)
+        return lows - self.starts[:-1]
 
     @cached_property
     def _cells(self) -> IntArray:
         """The nodes at which a cell begins."""
-        return np.flatnonzero(self._ends[1] != np.arange(len(self.nodes)))
+        return np.flatnonzero(self._element[1:] == self._element[:-1])
 
     @cached_property
     def _tree(self) -> tuple[STRtree, IntArray]:
@@ -342,13 +340,11 @@ class ExactFlank:
         normals = self._outward * 1j * self.curve.pitch.rotation * tangents
         turned = phi % TURN
         turned[(turned < SNAP) | (TURN - turned < SNAP)] = 0.0
-        return Places(course, turned, points, normals)
+        return Places(course, turned, points, normals, tangents)
 
     def _on(self, element: IntArray, along: FloatArray) -> Places:
         """Places on the elements of these numbers (n,), `along` (n,) [rad] from their starts."""
-        lows = np.array([_span(each)[0] for each in self.path.elements])
-        course = self.starts[element] + along
-        found = self._on_curve(course, lows[element] - self.starts[element])
+        found = self._on_curve(self.starts[element] + along, self._shifts[element])
         for number, each in enumerate(self.path.elements):
             which = element == number
             if isinstance(each, Pivot) and np.any(which):
@@ -356,14 +352,6 @@ class ExactFlank:
                 found.points[which], found.normals[which] = points, self._outward * normals
                 found.phi[which] = each.after % TURN
         return found
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Grid:
-    """The nodes of one element, with the tangents of the pitch curve there; 0 on a turn."""
-
-    places: Places
-    tangents: ComplexArray
 
 
 def _span(element: Element) -> tuple[float, float]:

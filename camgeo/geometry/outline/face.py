@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import singledispatch
-from typing import Literal, Protocol
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -37,7 +37,7 @@ from camgeo.geometry.outline.outline import (
     too_rough,
 )
 from camgeo.geometry.outline.path import Path
-from camgeo.geometry.outline.roller import AS_DEMANDED, LinesAndArcs
+from camgeo.geometry.outline.roller import AS_DEMANDED
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.mechanism.face import Touch, flat_follower
 from camgeo.kinematics.mechanism.follower import Follower
@@ -46,6 +46,9 @@ from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from camgeo.kinematics.motion import Motion
 from camgeo.numeric.arrays import SIDES, ComplexArray, FloatArray, IntArray, Side, ascending, phase
 from camgeo.units import TURN
+
+if TYPE_CHECKING:
+    from camgeo.geometry.contour.contour import Contour
 
 WIDEST = math.pi / 4.0
 """Widest range of normals [rad] of the cells in which distances are compared."""
@@ -101,7 +104,7 @@ class Hull:
         return self.circles.distance(self.touched, self.normals)
 
 
-def hull_of(contour: LinesAndArcs) -> Hull:
+def hull_of(contour: Contour) -> Hull:
     """The convex hull of `contour`.
 
     Raises
@@ -237,7 +240,7 @@ class FaceLift:
 
     @property
     def outward(self) -> int:
-        """See `camgeo.geometry.outline.replay.DiscLift`."""
+        """See `camgeo.geometry.outline.roller.ActualLift`."""
         return self.path.outward
 
     @property
@@ -247,12 +250,12 @@ class FaceLift:
 
     @property
     def knots(self) -> FloatArray:
-        """See `camgeo.geometry.outline.replay.DiscLift`."""
+        """See `camgeo.geometry.outline.roller.ActualLift`."""
         return self.motion.borders
 
     @property
     def as_demanded(self) -> bool:
-        """See `camgeo.geometry.outline.replay.DiscLift`."""
+        """See `camgeo.geometry.outline.roller.ActualLift`."""
         return True
 
     def number(self, phi: FloatArray, side: Side = "right") -> IntArray:
@@ -260,13 +263,13 @@ class FaceLift:
         return piece_at(self.borders, self.numbers, phi, side)
 
     def held_by(self, numbers: IntArray) -> tuple[IntArray, FloatArray]:
-        """See `camgeo.geometry.outline.replay.DiscLift`."""
+        """See `camgeo.geometry.outline.roller.ActualLift`."""
         bent = self.circles.radii[numbers] > 0.0
         return self.circles.elements[numbers], np.where(bent, TURN, self.widths[numbers])
 
     def without_corners(self, corner: float) -> FaceLift:
         """The same lift where the face does not rock about corners of up to `corner` [rad], see
-        `camgeo.geometry.outline.roller.ActualLift.without_corners`.
+        `ActualLift.without_corners`.
 
         Nothing but corners may lie between two corners; of such a row only what turns by no more
         than `corner` together is left out.
@@ -322,14 +325,15 @@ class FaceLift:
         )
 
     def heading(self, phi: FloatArray, jet: FloatArray) -> ComplexArray:
-        """See `camgeo.geometry.outline.replay.DiscLift`: of the contact, if it did not wander."""
-        at = flat_follower(self.pitch.follower).touch(_full(jet), self.path.rotation)
+        """See `camgeo.geometry.outline.roller.ActualLift`: of the contact, if it did not wander."""
+        full = np.vstack((jet, np.zeros_like(jet[:1])))  # with a third derivative
+        at = flat_follower(self.pitch.follower).touch(full, self.path.rotation)
         way: ComplexArray = at.distance + 1j * at.contact[0]
         del phi
         return way
 
     def shift_of(self, joint: float, error: FloatArray) -> FloatArray:
-        """See `camgeo.geometry.outline.replay.DiscLift`.
+        """See `camgeo.geometry.outline.roller.ActualLift`.
 
         The contact is off along the face by its error, in which that of the velocity counts, and
         runs along the outline with the pace p.
@@ -342,21 +346,16 @@ class FaceLift:
         return np.asarray(max(shifts) * np.abs(error[1]))
 
 
-def _full(jet: FloatArray) -> FloatArray:
-    """A jet (3, n) with zeros for the third derivative."""
-    return np.vstack((jet, np.zeros_like(jet[:1])))
-
-
-def face_on(hull: Hull, pitch: PitchCurve) -> FaceLift:
-    """The flat face of `pitch` on a contour with the convex `hull`.
+def face_on(contour: Contour, pitch: PitchCurve) -> FaceLift:
+    """The flat face of `pitch` on `contour`.
 
     Raises
     ------
     GeometryError
-        If the contour does not go round the cam axis, or a rocker's face cannot lie on it all
-        round, with its contact on the rocker's own side of the pivot's foot.
+        As `hull_of`; if the contour does not go round the cam axis, or a rocker's face cannot lie
+        on it all round, with its contact on the rocker's own side of the pivot's foot.
     """
-    path = face_path_of(pitch.follower, pitch.rotation)
+    path, hull = face_path_of(pitch.follower, pitch.rotation), hull_of(contour)
     _require_axis(hull)
     lift = path.lift_of(hull.ends())
     angles = path.angle_of(hull.normals, lift)
@@ -498,52 +497,6 @@ ROUNDING = 1e-12
 """How far rounding may take a sine beyond 1: the face is square to the line of centres there."""
 
 
-class FacePath(Protocol):
-    """The places that a flat face can have, in cam coordinates.
-
-    Attributes
-    ----------
-    rotation : sigma, +1 if the cam turns counter-clockwise, -1 clockwise.
-    outward : +1 if a positive lift moves the face outward, else -1.
-    """
-
-    @property
-    def rotation(self) -> int: ...
-
-    @property
-    def outward(self) -> int: ...
-
-    def lift_of(self, distance: FloatArray) -> FloatArray:
-        """(n,) lift [mm or rad] of the face at `distance` (n,) [mm] from the cam axis.
-
-        Raises GeometryError where it cannot be there.
-        """
-
-    def angle_of(self, theta: FloatArray, lift: FloatArray) -> FloatArray:
-        """(n,) cam angles [rad] at which the face of that `lift` (n,) has the normal at theta (n,)
-        [rad] in the cam; as continuous as theta, not reduced to a turn.
-        """
-
-    def jet(self, phi: FloatArray, centres: ComplexArray, radii: FloatArray) -> FloatArray:
-        """(4, n) lift and three derivatives [mm or rad per rad^k] at `phi` (n,) [rad] with the face
-        on the circles about `centres` (n,) of `radii` (n,) [mm], in cam coordinates.
-        """
-
-    def contact(self, phi: FloatArray, centres: ComplexArray, radii: FloatArray) -> FloatArray:
-        """(n,) [mm] place of the contact along the face, as of `FlatFollower`.
-
-        NaN where a rocker's face cannot reach the circle.
-        """
-
-    def turning(self, centres: ComplexArray) -> FloatArray:
-        """(2, n) cam angles [rad] at which the place of the contact with circles about `centres`
-        (n,) is extreme.
-        """
-
-    def wander(self, touch: Touch) -> FloatArray:
-        """(n,) how far the contact lies along the face per unit of the velocity of the lift."""
-
-
 @singledispatch
 def face_path_of(follower: Follower, rotation: int) -> FacePath:
     """The path of a flat-faced `follower` on a cam that turns in the sense `rotation`.
@@ -557,47 +510,64 @@ def face_path_of(follower: Follower, rotation: int) -> FacePath:
 
 @dataclass(frozen=True, slots=True)
 class GuidedFace:
-    """The face of a translating follower."""
+    """The face of a translating follower: the places that it can have, in cam coordinates.
+
+    Attributes
+    ----------
+    rotation : sigma, +1 if the cam turns counter-clockwise, -1 clockwise.
+    """
 
     follower: TranslatingFlat
     rotation: int
 
     @property
     def outward(self) -> int:
+        """+1 if a positive lift moves the face outward, else -1."""
         return self.follower.direction
 
     def lift_of(self, distance: FloatArray) -> FloatArray:
-        """See `FacePath`."""
+        """(n,) lift [mm or rad] of the face at `distance` (n,) [mm] from the cam axis.
+
+        Raises GeometryError where it cannot be there.
+        """
         return np.asarray(self.outward * (distance - self.follower.base_radius))
 
     def angle_of(self, theta: FloatArray, _: FloatArray) -> FloatArray:
-        """See `FacePath`."""
+        """(n,) cam angles [rad] at which the face of that lift (n,) has the normal at theta (n,)
+        [rad] in the cam; as continuous as theta, not reduced to a turn.
+        """
         return np.asarray(self.rotation * (self.follower.guide_angle - theta))
 
     def _turned(self, phi: FloatArray, centres: ComplexArray) -> ComplexArray:
         """The centres against the direction of the guide."""
         axis = self.follower.guide_angle
-        turned: ComplexArray = centres * np.exp(1j * (self.rotation * phi - axis))
-        return turned
+        return np.asarray(centres * np.exp(1j * (self.rotation * phi - axis)))
 
     def jet(self, phi: FloatArray, centres: ComplexArray, radii: FloatArray) -> FloatArray:
-        """See `FacePath`."""
+        """(4, n) lift and three derivatives [mm or rad per rad^k] at `phi` (n,) [rad] with the face
+        on the circles about `centres` (n,) of `radii` (n,) [mm], in cam coordinates.
+        """
         turned = self._turned(phi, centres)
         rise = turned.real + (radii - self.follower.base_radius)
         slope = -self.rotation * turned.imag
         return self.outward * np.stack((rise, slope, -turned.real, -slope))
 
     def contact(self, phi: FloatArray, centres: ComplexArray, _: FloatArray) -> FloatArray:
-        """See `FacePath`."""
+        """(n,) [mm] place of the contact along the face, as of `FlatFollower`.
+
+        NaN where a rocker's face cannot reach the circle.
+        """
         return np.asarray(-self._turned(phi, centres).imag)
 
     def turning(self, centres: ComplexArray) -> FloatArray:
-        """See `FacePath`: with the centre at the height of the cam axis."""
+        """(2, n) cam angles [rad] at which the place of the contact with circles about `centres`
+        (n,) is extreme: with the centre at the height of the cam axis.
+        """
         angle = self.follower.guide_angle - np.angle(centres)
         return self.rotation * np.stack((angle - 0.5 * math.pi, angle + 0.5 * math.pi))
 
     def wander(self, touch: Touch) -> FloatArray:
-        """See `FacePath`."""
+        """(n,) how far the contact lies along the face per unit of the velocity of the lift."""
         return np.ones_like(touch.distance)
 
 
@@ -618,7 +588,7 @@ class RockingFace:
         return phase(-self.follower.pivot)
 
     def lift_of(self, distance: FloatArray) -> FloatArray:
-        """See `FacePath`."""
+        """See `GuidedFace`."""
         follower = self.follower
         sine = (distance - follower.face_offset) / follower.centre_distance
         if np.any(~(np.abs(sine) <= 1.0 + ROUNDING)):
@@ -632,7 +602,7 @@ class RockingFace:
         return np.asarray(self.outward * (chi - follower.start_angle))
 
     def angle_of(self, theta: FloatArray, lift: FloatArray) -> FloatArray:
-        """See `FacePath`."""
+        """See `GuidedFace`."""
         chi = self.follower.face_angle(lift)
         normal = self._axis + self.follower.arm_side * (chi + 0.5 * math.pi)
         return np.asarray(self.rotation * (normal - theta))
@@ -640,11 +610,10 @@ class RockingFace:
     def _seen(self, phi: FloatArray, centres: ComplexArray) -> ComplexArray:
         """The centres seen from the pivot, against the line to the cam axis."""
         turned = centres * np.exp(1j * (self.rotation * phi - self._axis))
-        seen: ComplexArray = turned + self.follower.centre_distance
-        return seen
+        return np.asarray(turned + self.follower.centre_distance)
 
     def jet(self, phi: FloatArray, centres: ComplexArray, radii: FloatArray) -> FloatArray:
-        """See `FacePath`.
+        """See `GuidedFace`.
 
         With g = V'/V the rates of arg V and ln |V| are its imaginary and its real part.
         """
@@ -669,19 +638,22 @@ class RockingFace:
         return self.outward * np.stack((chi - follower.start_angle, first, second, third))
 
     def contact(self, phi: FloatArray, centres: ComplexArray, radii: FloatArray) -> FloatArray:
-        """See `FacePath`."""
+        """See `GuidedFace`."""
         away, over = np.abs(self._seen(phi, centres)), np.abs(self.follower.face_offset - radii)
         square = (away - over) * (away + over)
         return np.sqrt(np.where(square >= 0.0, square, np.nan))
 
     def turning(self, centres: ComplexArray) -> FloatArray:
-        """See `FacePath`: with the centre on the line of centres, between axis and pivot first."""
+        """See `GuidedFace`; the centre is on the line of centres, between axis and pivot first."""
         angle = self._axis + math.pi - np.angle(centres)
         return self.rotation * np.stack((angle, angle + math.pi))
 
     def wander(self, touch: Touch) -> FloatArray:
-        """See `FacePath`: q = l_1 cos chi / tau."""
+        """See `GuidedFace`: q = l_1 cos chi / tau."""
         return np.asarray(np.abs(touch.contact[0] / touch.turn[0]))
+
+
+FacePath = GuidedFace | RockingFace
 
 
 face_path_of.register(TranslatingFlat, GuidedFace)

@@ -185,8 +185,7 @@ def encloses_axis(path: Path) -> bool:
 
 
 def _turning(point: ComplexArray, way: ComplexArray) -> FloatArray:
-    found: FloatArray = (way / point).imag
-    return found
+    return np.asarray((way / point).imag)
 
 
 def _turn_of_arc(pivot: Pivot) -> float:
@@ -317,10 +316,11 @@ def path_moments(path: Path, tolerance: float) -> Moments:
 
     Arcs about a pivot are in closed form.
     """
-    pivots = [each for each in path.pivots if each.distance != 0.0]
-    return total(
-        (*(_moments_of_stretch(each, tolerance) for each in path.stretches), _of_arcs(pivots))
-    )
+    parts = [piece_moments(*_arcs_of(path))]
+    for stretch in path.stretches:
+        sums = stretch_integrals(stretch, LOW_ORDER, tolerance)
+        parts.append(total(Moments(one.real, other, *errors) for one, other, *errors in sums))
+    return total(parts)
 
 
 def area(path: Path) -> float:
@@ -328,8 +328,10 @@ def area(path: Path) -> float:
     return path_moments(path, SHARE).area
 
 
-def _of_arcs(pivots: list[Pivot]) -> Moments:
-    return piece_moments(
+def _arcs_of(path: Path) -> tuple[ComplexArray, ComplexArray, FloatArray, ComplexArray]:
+    """Starts and ends (n,) [mm], sweeps (n,) [rad] and centres (n,) [mm] of its arcs."""
+    pivots = [each for each in path.pivots if each.distance != 0.0]
+    return (
         np.array([each.start for each in pivots], dtype=np.complex128),
         np.array([each.end for each in pivots], dtype=np.complex128),
         np.array([each.sweep for each in pivots], dtype=np.float64),
@@ -390,8 +392,7 @@ Integrand = Callable[[ComplexArray, ComplexArray], FloatArray | ComplexArray]
 
 
 def _area(point: ComplexArray, way: ComplexArray) -> FloatArray:
-    found: FloatArray = 0.5 * (np.conj(point) * way).imag
-    return found
+    return np.asarray(0.5 * (np.conj(point) * way).imag)
 
 
 def _first(point: ComplexArray, way: ComplexArray) -> ComplexArray:
@@ -399,8 +400,7 @@ def _first(point: ComplexArray, way: ComplexArray) -> ComplexArray:
 
 
 def _polar(point: ComplexArray, way: ComplexArray) -> FloatArray:
-    found: FloatArray = 0.25 * (point * np.conj(point)).real * (np.conj(point) * way).imag
-    return found
+    return np.asarray(0.25 * (point * np.conj(point)).real * (np.conj(point) * way).imag)
 
 
 def _square(point: ComplexArray, way: ComplexArray) -> ComplexArray:
@@ -412,12 +412,6 @@ SECOND_ORDER: Final[tuple[Integrand, Integrand]] = (_polar, _square)
 
 Sums = tuple[complex, complex, float, float]
 """Two integrals, and the estimates of their errors."""
-
-
-def _moments_of_stretch(stretch: Stretch, tolerance: float) -> Moments:
-    """Area and first moment from the contour integrals along the stretch."""
-    sums = stretch_integrals(stretch, LOW_ORDER, tolerance)
-    return total(Moments(one.real, other, *errors) for one, other, *errors in sums)
 
 
 def stretch_integrals(
@@ -511,13 +505,7 @@ class SecondMoments:
 
 def path_second_moments(path: Path, tolerance: float) -> SecondMoments:
     """Second moments of the region inside `path`; parameters as for `path_moments`."""
-    pivots = [each for each in path.pivots if each.distance != 0.0]
-    arcs = piece_second_moments(
-        np.array([each.start for each in pivots], dtype=np.complex128),
-        np.array([each.end for each in pivots], dtype=np.complex128),
-        np.array([each.sweep for each in pivots], dtype=np.float64),
-        np.array([each.centre for each in pivots], dtype=np.complex128),
-    )
+    arcs = piece_second_moments(*_arcs_of(path))
     sums = [
         each
         for stretch in path.stretches
@@ -554,3 +542,35 @@ def piece_second_moments(
         ROUNDING * math.fsum(half * (np.abs(polar) @ weights)),
         ROUNDING * math.fsum(half * (np.abs(square) @ weights)),
     )
+
+
+def quadratic_moments(pieces: ComplexArray) -> Moments:
+    """Moments of the region inside closed quadratic curves (n, 3) [mm], exact but for rounding."""
+    (area, of_area), (first, of_first) = _along_quadratics(pieces, LOW_ORDER)
+    return Moments(area.real, first, ROUNDING * of_area, ROUNDING * of_first)
+
+
+def quadratic_second_moments(pieces: ComplexArray) -> SecondMoments:
+    """Second moments of that region."""
+    (polar, of_polar), (square, of_square) = _along_quadratics(pieces, SECOND_ORDER)
+    return SecondMoments(polar.real, square, ROUNDING * of_polar, ROUNDING * of_square)
+
+
+def _along_quadratics(
+    pieces: ComplexArray, integrands: tuple[Integrand, Integrand]
+) -> list[tuple[complex, float]]:
+    """Contour integrals, each with that of its magnitude: by quadrature, which is exact for
+    polynomials but for rounding.
+    """
+    count = len(pieces)
+    t, half, weights = gauss(np.zeros(count), np.ones(count), NODES)
+    start, middle, end = (pieces[:, k, np.newaxis] for k in range(3))
+    point = (1.0 - t) ** 2 * start + 2.0 * t * (1.0 - t) * middle + t * t * end
+    way = 2.0 * ((1.0 - t) * (middle - start) + t * (end - middle))
+    found = []
+    for integrand in integrands:
+        values = integrand(point, way)
+        found.append(
+            (_sum(half * (values @ weights)), math.fsum(half * (np.abs(values) @ weights)))
+        )
+    return found

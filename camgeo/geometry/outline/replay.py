@@ -9,23 +9,22 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Final, Literal, Protocol
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.acceleration_joints import AccelerationJoints
-from camgeo.geometry.outline.face import face_between, face_on, hull_of
+from camgeo.geometry.outline.face import FaceLift, face_between, face_on
 from camgeo.geometry.outline.path import Flank, Path, Stretch
 from camgeo.geometry.outline.roller import (
     AS_DEMANDED,
+    CORNER,
     ActualLift,
-    LinesAndArcs,
     PlayedLift,
-    branches,
-    circles,
-    parallel,
-    pressed,
+    lift_on,
+    lift_on_splines,
+    lift_over,
 )
 from camgeo.geometry.pieces import extremes
 from camgeo.geometry.pitch_curve import PitchCurve
@@ -36,7 +35,6 @@ from camgeo.kinematics.plan import SNAP
 from camgeo.numeric.arrays import (
     SIDES,
     BoolArray,
-    ComplexArray,
     FloatArray,
     IntArray,
     Quantity,
@@ -53,13 +51,13 @@ from camgeo.numeric.extremes import (
 )
 from camgeo.units import TURN
 
+if TYPE_CHECKING:
+    from camgeo.geometry.contour.contour import Contour
+    from camgeo.geometry.contour.spline import SplineContour
+
 STEP = math.radians(0.1)
 """Step of the cam angle between the samples, for pictures; the ends of all pieces are sampled as
 well."""
-
-CORNER = 1e-7
-"""Corners up to this angle [rad] are ignored: the directions of two pieces at their common end are
-known to the rounding of its coordinates over their length, 1e-14 mm over 1e-7 mm at worst."""
 
 DROP = 1e-9
 """Jumps of the lift up to this fraction of the base radius (of 1 rad for a rocker) are rounding."""
@@ -67,7 +65,7 @@ DROP = 1e-9
 
 def replay_contour(
     pitch: PitchCurve,
-    contour: LinesAndArcs,
+    contour: Contour,
     flank: str = Flank.INNER,
     *,
     step: float = STEP,
@@ -92,17 +90,29 @@ def replay_contour(
         follower's reach; for a flat face on an outer flank.
     """
     press = Flank(flank).sign
-    if not pitch.follower.has_pitch_curve:
+    lift: DiscLift
+    if pitch.follower.has_pitch_curve:
+        lift = lift_on(pitch, contour, press)
+    else:
         _require_inner(press)
-        return compared(
-            pitch, face_on(hull_of(contour), pitch).without_corners(corner), press, step, corner
-        )
-    path = path_of(pitch.follower, pitch.rotation)
-    found = branches(parallel(contour, -press * pitch.follower.roller_radius), path)
-    whole = (np.zeros(1), np.full(1, TURN))
-    borders, numbers = pressed(found, path, press, whole)
-    lift = ActualLift(path, pitch.motion, found, borders, numbers).without_corners(corner)
-    return compared(pitch, lift, press, step, corner)
+        lift = face_on(contour, pitch)
+    return compared(pitch, lift.without_corners(corner), press, step, corner)
+
+
+def replay_spline(
+    pitch: PitchCurve,
+    contour: SplineContour,
+    flank: str = Flank.INNER,
+    *,
+    step: float = STEP,
+    corner: float = CORNER,
+) -> Replay:
+    """The roller of `pitch` on a closed contour of cubics, arcs and lines, counter-clockwise.
+
+    Otherwise as `replay_contour`; raises as `lift_on_splines`.
+    """
+    press = Flank(flank).sign
+    return compared(pitch, lift_on_splines(pitch, contour, press), press, step, corner)
 
 
 def replay_outline(
@@ -110,7 +120,6 @@ def replay_outline(
     outline: Path,
     *,
     step: float = STEP,
-    corner: float = CORNER,
     clearance: float = 0.0,
 ) -> Replay:
     """The follower of `pitch` on a real outline, exactly.
@@ -140,28 +149,25 @@ def replay_outline(
         if len(corners) != len(starts):
             raise GeometryError("a stretch is missing where the outline has no corner for the face")
         face = face_between(pitch, corners, starts, ends)
-        return compared(pitch, face, press, step, corner)
+        return compared(pitch, face, press, step)
     radius = abs(distance)
     # A pivot at no distance from the roller centre is the roller's turn about its own centre.
     pivots = [each for each in outline.offset(-distance).pivots if each.distance != 0.0]
     if any(abs(abs(each.distance) - radius) > DROP * radius for each in pivots):
         raise GeometryError("the outline has an arc where the roller must find a corner")
-    path, played = path_of(pitch.follower, pitch.rotation), None
+    played = None
     if clearance > 0.0:
         if not outline.is_whole:
             raise GeometryError(
                 "the flank is trimmed or has a corner, and the groove has side clearance: replay a"
                 " drawing of it"
             )
+        path = path_of(pitch.follower, pitch.rotation)
         played = PlayedLift(path, WorkingCurve(pitch, 0.5 * press * clearance))
     centres = np.array([each.centre for each in pivots], dtype=np.complex128)
-    found = branches(circles(centres, radius or 1.0), path)  # a knife edge has no such pivots
-    starts, ends = _gaps(stretches)
-    borders, numbers = np.zeros(1), np.full(1, AS_DEMANDED)
-    if len(starts):
-        borders, numbers = pressed(found, path, press, (starts, ends))
-    lift = ActualLift(path, pitch.motion, found, borders, numbers, played)
-    return compared(pitch, lift, press, step, corner)
+    # A knife edge has no such pivots.
+    lift = lift_over(pitch, centres, press, radius or 1.0, _gaps(stretches), played)
+    return compared(pitch, lift, press, step)
 
 
 def _require_inner(press: int) -> None:
@@ -282,65 +288,8 @@ POLISHED: Final = 1e-6
 """Range [rad] on both sides of a largest value in which the root of its slope is its place."""
 
 
-class DiscLift(Protocol):
-    """The actual lift of a follower on a disc, over the cam angle.
-
-    Attributes
-    ----------
-    motion : the demanded lift.
-    outward : +1 if a positive lift moves the follower outward, else -1.
-    borders : (k,) cam angles [rad] in [0, 2 pi), ascending, at which what holds it changes.
-    numbers : (k,) what holds it from each border to the next, or AS_DEMANDED.
-    breaks : (m,) cam angles [rad] where a derivative of what is demanded may jump.
-    knots : (m,) the breaks and all other cam angles [rad] where its formula changes.
-    as_demanded : whether the lift is the demanded one, exactly, where it is AS_DEMANDED: not that
-        of a roller with play.
-    """
-
-    @property
-    def motion(self) -> Motion: ...
-
-    @property
-    def outward(self) -> int: ...
-
-    @property
-    def borders(self) -> FloatArray: ...
-
-    @property
-    def breaks(self) -> FloatArray: ...
-
-    @property
-    def knots(self) -> FloatArray: ...
-
-    @property
-    def as_demanded(self) -> bool: ...
-
-    @property
-    def numbers(self) -> IntArray: ...
-
-    def number(self, phi: FloatArray, side: Side = "right") -> IntArray:
-        """(n,) number of what holds it at `phi` (n,) [rad], or AS_DEMANDED."""
-
-    def held_by(self, numbers: IntArray) -> tuple[IntArray, FloatArray]:
-        """(n,) the contour's elements, as of `Replay`, and (n,) the turns of the contour [rad] at
-        vertices, a full turn elsewhere, for `numbers` (n,) other than AS_DEMANDED.
-        """
-
-    def at(self, phi: FloatArray, side: Side = "right") -> FloatArray:
-        """(n,) lift [mm or rad] at `phi` (n,) [rad]."""
-
-    def jet(self, phi: FloatArray, side: Side = "right", order: Literal[2, 3] = 2) -> FloatArray:
-        """(order + 1, n) lift with derivatives [mm or rad per rad^k] at `phi` (n,) [rad]; a roller
-        with play has two only.
-        """
-
-    def heading(self, phi: FloatArray, jet: FloatArray) -> ComplexArray:
-        """(n,) complex, a direction that turns where the velocity of `jet` (3, n) jumps."""
-
-    def shift_of(self, joint: float, error: FloatArray) -> FloatArray:
-        """(n,) [rad] how far from a `joint` [rad] of the demanded motion its place on the disc may
-        lie, by the `error` (3, n) of the lift and its derivatives around it.
-        """
+DiscLift = ActualLift | FaceLift
+"""The actual lift of a follower on a disc, over the cam angle."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -464,7 +413,9 @@ class Replay:
 
         At ignored corners it does not count.
         """
-        return self._peak(self._acceleration)
+        return self._peak(
+            lambda phi, side: np.where(self._is_smooth(phi, side), self.lift.jet(phi, side)[2], 0.0)
+        )
 
     @property
     def largest_acceleration_error(self) -> Extreme | None:
@@ -509,9 +460,6 @@ class Replay:
         actual = self.lift.jet(phi, side)[1] if order else self.lift.at(phi, side)
         return np.asarray(actual - self.lift.motion.jet(phi, side, 2 * order or 1)[order])
 
-    def _acceleration(self, phi: FloatArray, side: Side) -> FloatArray:
-        return np.where(self._is_smooth(phi, side), self.lift.jet(phi, side)[2], 0.0)
-
     def _is_smooth(self, phi: FloatArray, side: Side) -> BoolArray:
         """(n,) False at ignored corners."""
         return held_at(self.lift, self.lift.number(phi, side), self.corner)[1]
@@ -522,8 +470,7 @@ class Replay:
         if not self.lift.as_demanded:
             return edges
         apart = self.lift.number(0.5 * (edges[:-1] + edges[1:])) != AS_DEMANDED
-        kept: FloatArray = edges[np.append(True, apart) | np.append(apart, True)]
-        return kept
+        return np.asarray(edges[np.append(True, apart) | np.append(apart, True)])
 
     def _peak(self, quantity: Quantity, more: FloatArray | None = None) -> Extreme | None:
         """Of the largest magnitude; it is smooth between `edges_between` and what there is `more`
@@ -573,19 +520,6 @@ def play(main: Replay, other: Replay, phi: FloatArray, side: Side = "right") -> 
     """
     outward = main.lift.outward
     return outward * (other.lift.at(phi, side) - main.lift.at(phi, side))
-
-
-def closing_error(main: Replay, other: Replay) -> Extremes:
-    """`extreme_play` between two discs.
-
-    Raises
-    ------
-    GeometryError
-        If both discs push the follower in the same sense, so that it is not between them.
-    """
-    if main.lift.outward == other.lift.outward:
-        raise GeometryError("the two discs push the follower in the same sense: they do not close")
-    return extreme_play(main, other)
 
 
 def extreme_play(main: Replay, other: Replay) -> Extremes:

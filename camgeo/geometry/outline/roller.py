@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal, Protocol
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
@@ -31,8 +31,9 @@ from camgeo.geometry.outline.outline import (
     seen,
     together,
 )
+from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.follower_path import Bows, FollowerPath, lift_jet
+from camgeo.kinematics.mechanism.follower_path import Bows, FollowerPath, lift_jet, path_of
 from camgeo.kinematics.motion import Motion
 from camgeo.numeric.arrays import (
     BoolArray,
@@ -46,6 +47,10 @@ from camgeo.numeric.arrays import (
     joined,
 )
 from camgeo.units import TURN
+
+if TYPE_CHECKING:
+    from camgeo.geometry.contour.contour import Contour
+    from camgeo.geometry.contour.spline import Arc, SplineContour
 
 STEPS = 40
 """Most Newton steps; the parallel is near the pitch curve, so five are already many."""
@@ -95,8 +100,7 @@ class PlayedLift:
         angles, q = self.path.cam_angle_of(points)
         normals = 1j * self.parallel.pitch.rotation * tangents
         along, _ = self.path.along(angles, q)
-        lever: FloatArray = self.path.outward * dot(normals, along)
-        return lever
+        return np.asarray(self.path.outward * dot(normals, along))
 
     def jet(self, phi: FloatArray, side: Side = "right", order: int = 2) -> FloatArray:
         """(3, n) lift with two derivatives [mm or rad per rad^k] at `phi` (n,) [rad], whatever the
@@ -130,8 +134,7 @@ class PlayedLift:
             rate = (across * tangents).imag * pace
             if np.any(rate * turning <= 0.0):
                 break
-            away = np.remainder(phi - angles + math.pi, TURN) - math.pi
-            step = np.clip(away * turning / rate, -LONGEST, LONGEST)
+            step = np.clip(_signed(phi - angles) * turning / rate, -LONGEST, LONGEST)
             theta = theta + step
             if np.max(np.abs(step), initial=0.0) <= SETTLED * TURN:
                 return theta
@@ -151,6 +154,10 @@ class PlayedLift:
         return np.where(turned >= TURN, turned - TURN, turned)
 
 
+CORNER = 1e-7
+"""Corners up to this angle [rad] are ignored: the directions of two pieces at their common end are
+known to the rounding of its coordinates over their length, 1e-14 mm over 1e-7 mm at worst."""
+
 AS_DEMANDED = NONE
 """Number of the branch that is the demanded motion itself, or that with the roller's play."""
 
@@ -162,23 +169,11 @@ HALF_ARC = 0.52
 """Half an arc of at most an eighth of a turn over its chord, at most: pi/16 / sin(pi/8)."""
 
 
-class Touched(Protocol):
-    """What a roller may run on, as `camgeo.geometry.outline.roller.Branches`."""
-
-    @property
-    def elements(self) -> IntArray: ...
-
-    @property
-    def corners(self) -> FloatArray: ...
-
-    def jet(
-        self, path: FollowerPath, phi: FloatArray, index: IntArray, order: Literal[0, 2, 3]
-    ) -> FloatArray: ...
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class ActualLift:
     """The actual lift of a roller that is pressed against a disc, over the cam angle.
+
+    A `camgeo.geometry.outline.face.FaceLift` answers the same questions of a flat face.
 
     Attributes
     ----------
@@ -192,7 +187,7 @@ class ActualLift:
 
     path: FollowerPath
     motion: Motion
-    branches: Touched
+    branches: Branches | Chain
     borders: FloatArray
     numbers: IntArray
     played: PlayedLift | None = None
@@ -206,35 +201,42 @@ class ActualLift:
 
     @property
     def knots(self) -> FloatArray:
-        """See `camgeo.geometry.outline.replay.DiscLift`."""
+        """(m,) the `breaks` and all other cam angles [rad] where the formula of either changes."""
         if self.played is None:
             return self.motion.borders
         return ascending(np.concatenate((self.motion.borders, self.played.borders)))
 
     @property
     def as_demanded(self) -> bool:
-        """See `camgeo.geometry.outline.replay.DiscLift`."""
+        """Whether it is the demanded one, exactly, where it is AS_DEMANDED: no roller with play."""
         return self.played is None
 
     @property
     def outward(self) -> int:
-        """See `camgeo.geometry.outline.replay.DiscLift`."""
+        """+1 if a positive lift moves the follower outward, else -1."""
         return self.path.outward
 
     def held_by(self, numbers: IntArray) -> tuple[IntArray, FloatArray]:
-        """See `camgeo.geometry.outline.replay.DiscLift`."""
+        """(n,) the contour's elements, as of `camgeo.geometry.outline.replay.Replay`, and (n,) the
+        turns of the contour [rad] at vertices, a full turn elsewhere, for `numbers` (n,) other than
+        AS_DEMANDED.
+        """
         return self.branches.elements[numbers], self.branches.corners[numbers]
 
     def heading(self, phi: FloatArray, jet: FloatArray) -> ComplexArray:
-        """Where the roller centre runs in the cam, see `DiscLift` of `geometry.outline.replay`."""
+        """(n,) complex, where the roller centre runs in the cam: a direction that turns where the
+        velocity of `jet` (3, n) jumps.
+        """
         q = self.path.start + self.outward * jet[0]
         turn = -1j * self.path.rotation * self.path.point(phi, q)
         along, _ = self.path.along(phi, q)
-        way: ComplexArray = turn + along * self.outward * jet[1]
-        return way
+        return np.asarray(turn + along * self.outward * jet[1])
 
     def shift_of(self, _: float, error: FloatArray) -> FloatArray:
-        """See `camgeo.geometry.outline.replay.DiscLift`: as far as the roller centre is off."""
+        """(n,) [rad] how far from a joint of the demanded motion its place on the disc may lie, by
+        the `error` (3, n) of the lift and its derivatives around it: as far as the roller centre is
+        off.
+        """
         at_start = np.zeros(1), np.full(1, self.path.start)
         along, point = self.path.along(*at_start)[0], self.path.point(*at_start)
         return np.asarray(abs(complex(along[0]) / complex(point[0])) * np.abs(error[0]))
@@ -278,6 +280,39 @@ class ActualLift:
         if np.any(held):
             out[:, held] = self.branches.jet(self.path, phi[held], number[held], order)
         return out
+
+
+def lift_on(pitch: PitchCurve, contour: Contour, press: int) -> ActualLift:
+    """The lift of the roller of `pitch` on a closed contour of lines and arcs, counter-clockwise.
+
+    `press` is as for `pressed`. Raises GeometryError as `parallel` and `pressed`.
+    """
+    path = path_of(pitch.follower, pitch.rotation)
+    found = branches(parallel(contour, -press * pitch.follower.roller_radius), path)
+    whole = (np.zeros(1), np.full(1, TURN))
+    return ActualLift(path, pitch.motion, found, *pressed(found, path, press, whole))
+
+
+def lift_over(
+    pitch: PitchCurve,
+    corners: ComplexArray,
+    press: int,
+    radius: float,
+    ranges: tuple[FloatArray, FloatArray],
+    played: PlayedLift | None,
+) -> ActualLift:
+    """The lift of a roller of `radius` [mm] that runs over the `corners` (k,) [mm] of an outline in
+    the `ranges`, as of `pressed`, and elsewhere as demanded, or as `played`.
+    """
+    path = path_of(pitch.follower, pitch.rotation)
+    none, normals = np.zeros(len(corners)), np.ones(len(corners), dtype=np.complex128)
+    at, number = corners + radius, -1 - np.arange(len(corners))
+    circles = cut(at, at, normals, none + 1.0 / radius, none + TURN, none, number)
+    found = branches(circles, path)
+    borders, numbers = np.zeros(1), np.full(1, AS_DEMANDED)
+    if len(ranges[0]):
+        borders, numbers = pressed(found, path, press, ranges)
+    return ActualLift(path, pitch.motion, found, borders, numbers, played)
 
 
 def pressed(
@@ -411,27 +446,6 @@ BACKWARDS = TURN - 1e-6
 wrong way round. No branch covers more than a turn less the eighth by which arcs are cut."""
 
 
-class LinesAndArcs(Protocol):
-    """A closed contour as of `camgeo.geometry.contour.contour.Contour`, run counter-clockwise [mm,
-    rad].
-    """
-
-    @property
-    def vertices(self) -> ComplexArray: ...
-
-    @property
-    def ends(self) -> ComplexArray: ...
-
-    @property
-    def sweeps(self) -> FloatArray: ...
-
-    @property
-    def centres(self) -> ComplexArray: ...
-
-    @property
-    def area(self) -> float: ...
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Parallel:
     """Pieces of a parallel of a contour, each a line or an arc.
@@ -487,7 +501,7 @@ class Branches:
         return lift[np.newaxis]
 
 
-def parallel(contour: LinesAndArcs, distance: float) -> Parallel:
+def parallel(contour: Contour, distance: float) -> Parallel:
     """The parallel of `contour` at `distance` [mm], positive to its right-hand side.
 
     Between pieces that meet at an angle the arc about the vertex, run backwards where the contour
@@ -538,15 +552,6 @@ def parallel(contour: LinesAndArcs, distance: float) -> Parallel:
         -1 - np.roll(used, -1),
     )
     return joined([pieces, corners])
-
-
-def circles(centres: ComplexArray, radius: float) -> Parallel:
-    """Whole circles of `radius` [mm], negative for an inward normal, about `centres`."""
-    number = np.arange(len(centres))
-    starts = centres + radius
-    zero = np.zeros(len(centres))
-    normals = np.ones(len(centres), dtype=np.complex128)
-    return cut(starts, starts, normals, zero + 1.0 / radius, zero + TURN, zero, -1 - number)
 
 
 def branches(pieces: Parallel, path: FollowerPath) -> Branches:
@@ -628,8 +633,7 @@ def cut(
 def _unit(vectors: ComplexArray) -> ComplexArray:
     """(n,) in the directions of `vectors` (n,); 0 of 0."""
     size = np.abs(vectors)
-    out: ComplexArray = np.divide(vectors, size, out=np.zeros_like(vectors), where=size > 0.0)
-    return out
+    return np.asarray(np.divide(vectors, size, out=np.zeros_like(vectors), where=size > 0.0))
 
 
 def _within(points: ComplexArray, reach: tuple[float, float]) -> ComplexArray:
@@ -637,5 +641,282 @@ def _within(points: ComplexArray, reach: tuple[float, float]) -> ComplexArray:
     distance = np.abs(points)
     wanted = np.clip(distance, *reach)
     scale = np.divide(wanted, distance, out=np.ones_like(distance), where=distance > 0.0)
-    moved: ComplexArray = points * scale
-    return moved
+    return np.asarray(points * scale)
+
+
+# -- spline contours ------------------------------------------------------------------------------
+# The roller on a contour of cubic splines, arcs and lines.
+#
+# Its centre runs on the contour's parallel at the roller radius. That of a cubic has no closed
+# form: the parameter at which the roller touches it is found by Newton's method to rounding, and
+# the lift and its derivatives follow from the curvature of the parallel there and its change along
+# it.
+#
+# All parallels together, with the arcs about the corners that turn out, are one chain. If the cam
+# angle runs one way along each of them, the chain is the graph of a lift over the cam angle, so no
+# other part of it holds the roller; else the replay is refused.
+
+
+BEYOND: Final = 0.1
+"""Parameters that far beyond a cubic are still tried."""
+
+LOOKS: Final = 33
+"""Parameters of each cubic at which its parallel is looked at: whether it is regular and the cam
+angle runs one way. This is sampled, not proved; cubics of a fit turn by little."""
+
+GAP: Final = 1e-9
+"""Neighbouring branches meet within this cam angle [rad]: the rounding of their ends."""
+
+
+def lift_on_splines(pitch: PitchCurve, contour: SplineContour, press: int) -> ActualLift:
+    """The lift of the roller of `pitch` on a closed contour of cubics, arcs and lines,
+    counter-clockwise; `press` is as for `pressed`.
+
+    Raises
+    ------
+    GeometryError
+        If the contour turns in at a corner or has a curvature that the roller does not fit into, or
+        does not run once round the cam axis within the follower's reach.
+    """
+    path = path_of(pitch.follower, pitch.rotation)
+    chain, lows, highs = _chain(contour, -press * pitch.follower.roller_radius, path)
+    order = np.argsort(lows, kind="stable")
+    spans = np.remainder(highs - lows, TURN)
+    order = order[spans[order] > GAP]
+    apart = np.abs(_signed(np.roll(lows[order], -1) - highs[order]))
+    if not np.all(apart <= GAP) or not abs(float(np.sum(spans[order])) - TURN) <= GAP * len(order):
+        raise GeometryError("the spline does not lead the roller once round the cam axis")
+    return ActualLift(path, pitch.motion, chain, lows[order], order)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cubics:
+    """Parallels of cubic Bezier pieces.
+
+    Attributes
+    ----------
+    pieces : (n, 4) complex [mm] Bezier points.
+    distance : of the parallels [mm], positive to the right-hand side.
+    """
+
+    pieces: ComplexArray
+    distance: float
+
+    def traced(
+        self, index: IntArray, t: FloatArray
+    ) -> tuple[ComplexArray, ComplexArray, FloatArray, FloatArray, FloatArray]:
+        """Point, unit normal on the right, pace ds/dt, curvature [1/mm] and its change along the
+        curve [1/mm^2] of the parallels `index` (n,) at `t` (n,).
+
+        A parallel at d has the pace (1 + d kappa) times that of its curve, and the curvature
+        kappa/(1 + d kappa).
+        """
+        b = self.pieces[index]
+        w = 1.0 - t
+        sides = 3.0 * np.diff(b, axis=1)
+        bends = 2.0 * np.diff(sides, axis=1)
+        point = (
+            w**3 * b[:, 0] + 3.0 * w * w * t * b[:, 1] + 3.0 * w * t * t * b[:, 2] + t**3 * b[:, 3]
+        )
+        first = w * w * sides[:, 0] + 2.0 * w * t * sides[:, 1] + t * t * sides[:, 2]
+        second = w * bends[:, 0] + t * bends[:, 1]
+        third = bends[:, 1] - bends[:, 0]
+        speed = np.abs(first)
+        cross = (first.conj() * second).imag
+        kappa = cross / speed**3
+        grown = (first.conj() * third).imag / speed**3 - 3.0 * kappa * dot(first, second) / speed**2
+        share = 1.0 + self.distance * kappa
+        normal = -1j * first / speed
+        return (
+            point + self.distance * normal,
+            normal,
+            speed * share,
+            kappa / share,
+            grown / (speed * share**3),
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chain:
+    """What the roller runs on, arcs, then cubics; otherwise as `Branches`.
+
+    Attributes
+    ----------
+    arcs : branches of lines and arcs.
+    cubics : the others.
+    starts, ends : (m,) cam angles [rad] at the parameters 0 and 1 of the cubics, each less than
+        half a turn from the other, of any turn.
+    elements, corners : (n,), as of `Parallel`.
+    """
+
+    arcs: Branches
+    cubics: Cubics
+    starts: FloatArray
+    ends: FloatArray
+    elements: IntArray
+    corners: FloatArray
+
+    def jet(
+        self, path: FollowerPath, phi: FloatArray, index: IntArray, order: Literal[0, 2, 3]
+    ) -> FloatArray:
+        """See `Branches.jet`."""
+        out = np.empty((order + 1, len(phi)))
+        first = len(self.arcs.elements)
+        plain = index < first
+        out[:, plain] = self.arcs.jet(path, phi[plain], index[plain], order)
+        curved = ~plain
+        if np.any(curved):
+            out[:, curved] = self._on_cubics(path, phi[curved], index[curved] - first, order)
+        return out
+
+    def _on_cubics(
+        self, path: FollowerPath, phi: FloatArray, index: IntArray, order: int
+    ) -> FloatArray:
+        t = self.touching(path, phi, index)
+        point, normal, _, kappa, slope = self.cubics.traced(index, t)
+        _, q = path.cam_angle_of(point)
+        found = lift_jet(path, phi, q, Bows(point, normal, kappa), slope)
+        return found[: order + 1]
+
+    def touching(self, path: FollowerPath, phi: FloatArray, index: IntArray) -> FloatArray:
+        """(n,) parameters of the cubics `index` (n,) that the roller touches at `phi` (n,) [rad].
+
+        Raises
+        ------
+        GeometryError
+            If Newton's method finds none.
+        """
+        spans = self.ends[index] - self.starts[index]
+        t = np.clip(_signed(phi - self.starts[index]) / spans, 0.0, 1.0)
+        for _ in range(STEPS):
+            point, normal, pace, _, _ = self.cubics.traced(index, t)
+            angles, q = path.cam_angle_of(point)
+            # Along the parallel dZ = (Z_phi) dphi + (Z_q) dq; the part across the path is dphi's.
+            across = np.conj(path.along(angles, q)[0])
+            turning = (across * (-1j * path.rotation) * point).imag
+            rate = (across * 1j * normal).imag * pace
+            step = _signed(phi - angles) * turning / rate
+            moved = np.clip(t + step, -BEYOND, 1.0 + BEYOND)
+            last = np.max(np.abs((moved - t) * spans), initial=0.0)
+            t = moved
+            if last <= SETTLED * TURN:
+                return t
+        raise GeometryError("the roller does not touch the spline where it should")
+
+
+def _chain(
+    contour: SplineContour, distance: float, path: FollowerPath
+) -> tuple[Chain, FloatArray, FloatArray]:
+    """The chain, and where each of its branches begins and ends over the cam angle [rad]."""
+    pieces = contour.pieces
+    cubic = np.array([isinstance(each, np.ndarray) for each in pieces])
+    beziers = np.array([each for each in pieces if isinstance(each, np.ndarray)]).reshape(-1, 4)
+    arcs = [each for each in pieces if not isinstance(each, np.ndarray)]
+    numbers = np.arange(len(pieces))
+    plain = _arcs(arcs, numbers[~cubic], distance)
+    cubics = Cubics(beziers, distance)
+    ends = [_headings(each) for each in pieces]
+    corners = _corners(pieces, ends, distance)
+    straight = branches(joined([plain, corners]), path)
+    if np.any(straight.facing < 0.0):
+        raise _folded()
+    starts, finishes = _ranges(cubics, path)
+    forward = path.rotation < 0
+    lows, highs = (starts, finishes) if forward else (finishes, starts)
+    whole = Chain(
+        straight,
+        cubics,
+        starts,
+        finishes,
+        np.concatenate((straight.elements, numbers[cubic])),
+        np.concatenate((straight.corners, np.full(len(beziers), TURN))),
+    )
+    return (
+        whole,
+        np.concatenate((straight.lows, _in_turn(lows))),
+        np.concatenate((straight.highs, _in_turn(highs))),
+    )
+
+
+def _ranges(cubics: Cubics, path: FollowerPath) -> tuple[FloatArray, FloatArray]:
+    """Cam angles (n,) [rad] at both ends of each parallel; raises if it is folded."""
+    count = len(cubics.pieces)
+    index = np.repeat(np.arange(count), LOOKS)
+    t = np.tile(np.linspace(0.0, 1.0, LOOKS), count)
+    point, normal, pace, _, _ = cubics.traced(index, t)
+    angles, q = path.cam_angle_of(point)
+    along, _ = path.along(angles, q)
+    if not np.all((pace > 0.0) & (dot(normal, along) > 0.0)):
+        raise _folded()
+    rows = angles.reshape(count, LOOKS)
+    return rows[:, 0], rows[:, 0] + np.sum(_signed(np.diff(rows, axis=1)), axis=1)
+
+
+def _arcs(arcs: list[Arc], numbers: IntArray, distance: float) -> Parallel:
+    """The parallels of lines and arcs."""
+    starts, ends = (
+        np.array([getattr(each, of) for each in arcs], complex) for of in ("start", "end")
+    )
+    sweeps = np.array([each.sweep for each in arcs])
+    radii = np.array([each.radius for each in arcs])
+    headings = [_headings(each) for each in arcs]
+    first, last = (-1j * np.array([each[k] for each in headings], complex) for k in (0, 1))
+    curved = sweeps != 0.0
+    kappa = np.where(curved, np.sign(sweeps) / np.where(curved, radii, 1.0), 0.0)
+    share = 1.0 + kappa * distance
+    if np.any(share <= 0.0):
+        raise _folded()
+    lengths = np.where(curved, 0.0, np.abs(ends - starts))
+    return cut(
+        starts + distance * first, ends + distance * last, first, kappa / share, sweeps, lengths,
+        numbers,
+    )  # fmt: skip
+
+
+def _corners(
+    pieces: list[Arc | ComplexArray], headings: list[tuple[complex, complex]], distance: float
+) -> Parallel:
+    """The arcs about the vertices at which the contour turns."""
+    first = np.array([each[0] for each in headings])
+    last = np.roll([each[1] for each in headings], 1)
+    turns = np.angle(first * last.conj())
+    found = np.flatnonzero(np.abs(turns) > CORNER)
+    if np.any(turns[found] * distance <= 0.0):
+        raise GeometryError("the spline has a corner that turns towards the roller")
+    starts = [each[0] if isinstance(each, np.ndarray) else each.start for each in pieces]
+    vertices, before, after = np.array(starts)[found], -1j * last[found], -1j * first[found]
+    return cut(
+        vertices + distance * before,
+        vertices + distance * after,
+        before,
+        np.full(len(found), 1.0 / distance if distance else 0.0),
+        turns[found],
+        np.zeros(len(found)),
+        -1 - found,
+    )
+
+
+def _headings(piece: Arc | ComplexArray) -> tuple[complex, complex]:
+    """Unit directions at both ends of a piece."""
+    if isinstance(piece, np.ndarray):
+        ways = complex(piece[1] - piece[0]), complex(piece[3] - piece[2])
+    else:
+        ways = piece.heading(piece.start), piece.heading(piece.end)
+    return ways[0] / abs(ways[0]), ways[1] / abs(ways[1])
+
+
+def _folded() -> GeometryError:
+    return GeometryError(
+        "the spline is curved more tightly than the roller, or runs along the follower's path"
+    )
+
+
+def _signed(angles: FloatArray) -> FloatArray:
+    """(n,) the same angles [rad] in [-pi, pi)."""
+    return np.asarray(np.remainder(angles + 0.5 * TURN, TURN) - 0.5 * TURN)
+
+
+def _in_turn(angles: FloatArray) -> FloatArray:
+    """(n,) the same angles [rad] in [0, 2 pi)."""
+    found = np.remainder(angles, TURN)
+    return np.where(found < TURN, found, 0.0)

@@ -10,10 +10,12 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -22,17 +24,7 @@ from camgeo.kinematics.laws.family import Family, Given, boundary_parameters
 from camgeo.kinematics.laws.law import Boundary, Law, Region, Values
 from camgeo.kinematics.motion import TASKS
 from camgeo.numeric.arrays import FloatArray, ascending
-from camgeo.numeric.extremes import (
-    bernstein,
-    derivative,
-    largest_magnitude,
-    product,
-    roots_inside,
-    scaled_horner,
-)
-
-if TYPE_CHECKING:
-    from fractions import Fraction
+from camgeo.numeric.extremes import derivative, horner, largest_magnitude, product, roots_inside
 
 
 def _complete(name: str, orders: str) -> Family:
@@ -92,8 +84,6 @@ def law_of_boundary_values(
     start, end = (
         {ORDERS[key[0]]: value for key, value in values.items() if key[1] == side} for side in "01"
     )
-    from fractions import Fraction
-
     powers = _coefficients(start, end, rise)
     slopes = [powers]
     for _ in range(3):
@@ -134,8 +124,6 @@ def _coefficients(
 
     Those of the orders given at the start are known; the others follow from the values at the end.
     """
-    from fractions import Fraction
-
     count = 2 + len(start) + len(end)
     known = {0: Fraction(0)}
     known |= {order: Fraction(value) / math.factorial(order) for order, value in start.items()}
@@ -177,6 +165,32 @@ def _undetermined() -> GeometryError:
         " (velocity before acceleration before jerk)",
         key="law",
     )
+
+
+def bernstein(powers: Sequence[Decimal] | Sequence[Fraction]) -> tuple[float, ...]:
+    """(n + 1,) c_i, each rounded once, of the sum of c_i z^i w^(n - i) with w = 1 - z.
+
+    From exact coefficients in ascending powers of z. The terms cancel less than those of any other
+    form over [0, 1]; where all c_i have one sign, not at all.
+    """
+    exact = [Fraction(c) for c in powers]
+    n = len(exact) - 1
+    # Sums of integers over one denominator: adding fractions takes most of the time of a law.
+    below = math.lcm(*(c.denominator for c in exact))
+    above = [c.numerator * (below // c.denominator) for c in exact]
+    return tuple(
+        sum(math.comb(n - k, i - k) * above[k] for k in range(i + 1)) / below for i in range(n + 1)
+    )
+
+
+def scaled_horner(
+    coefficients: Sequence[float] | FloatArray, small: FloatArray, large: FloatArray
+) -> FloatArray:
+    """The sum of c_i small^i large^(n - i) = large^n times a polynomial in small/large."""
+    value = horner(coefficients, small / large)
+    for _ in range(len(coefficients) - 1):
+        value *= large
+    return value
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,17 +8,17 @@ import platform
 import time
 from collections.abc import Callable, Generator, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property, lru_cache, partial
 from itertools import islice
 from operator import length_hint
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Literal, Protocol
+from typing import Any, Final, Literal, Protocol
 
 import numpy as np
 
 from camgeo._version import __version__
-from camgeo.cam.cam import discs_together, drives_together
+from camgeo.cam.cam import Disc, Drive
 from camgeo.check.disc import (
     check_standstill,
     check_transmission_angle,
@@ -46,18 +46,15 @@ from camgeo.errors import (
     VersionError,
 )
 from camgeo.geometry.pieces import turn_enclosed
-from camgeo.geometry.together import Member, Together
-from camgeo.kinematics.mechanism.several import alike
-from camgeo.numeric.arrays import FloatArray, Quantity, merged
+from camgeo.geometry.together import Member, Together, one_curve, one_motion
+from camgeo.kinematics.mechanism.several import alike, several
+from camgeo.lazy import Ledger
+from camgeo.numeric.arrays import FloatArray, IntArray, Quantity, merged
 from camgeo.numeric.extremes import Extremes, extremes_of_each, piecewise_extremes
 from camgeo.scene.scene import Scene
 from camgeo.scene.values import Source, document, document_of_tree, edited
 from camgeo.studies.sweep.family import Family, Point
 from camgeo.units import counted, shortened
-
-if TYPE_CHECKING:
-    from camgeo.lazy import Ledger
-
 
 NOWHERE: Final = Path("/camgeo-sweep-has-no-folder")
 """Folder of the scenes of a sweep. A worker has the contents of the files that they name, and must
@@ -621,6 +618,32 @@ def _curves_of_each(designs: Sequence[Design], asked: Asked) -> list[Reading]:
 
 def _nth(columns: Callable[[Member], Columns], place: int) -> Callable[[Member], Quantity]:
     return lambda member: columns(member)[place][1]
+
+
+def drives_together(drives: Sequence[Drive]) -> Together[Drive]:
+    """Drives that differ in numbers of their linkages only."""
+
+    def joined(some: tuple[Drive, ...], which: IntArray, times: int) -> Drive:
+        one = replace(some[0], ledger=Ledger())
+        vars(one)["motion"] = one_motion([drive.motion for drive in some], which, times)
+        return one
+
+    return Together(tuple(drives), joined)
+
+
+def discs_together(discs: Sequence[Disc]) -> Together[Disc]:
+    """Discs that differ in numbers of their followers, and of the linkages of their drives, only.
+
+    Of the one that they make only the curves can be used.
+    """
+
+    def joined(some: tuple[Disc, ...], which: IntArray, times: int) -> Disc:
+        follower = several([disc.follower for disc in some], which)
+        one = replace(some[0], follower=follower, ledger=Ledger())
+        vars(one)["pitch_curve"] = one_curve([disc.pitch_curve for disc in some], which, times)
+        return one
+
+    return Together(tuple(discs), joined)
 
 
 def _extremes_of_each(

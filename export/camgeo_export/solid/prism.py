@@ -20,9 +20,9 @@ import shapely
 
 from camgeo.errors import FileError, GeometryError, ToleranceError
 from camgeo.geometry.contour.contour import Contour, Pieces, least_distance
-from camgeo.geometry.contour.exact import matching_chords_of
 from camgeo.geometry.contour.parallel import steps_to
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from camgeo.part.boundaries import matching_chords_of
 from camgeo.part.part import Band, Bevel, Boundary, Level, Part
 from camgeo.reading import FACETS
 from camgeo.units import counted
