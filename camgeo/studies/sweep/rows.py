@@ -49,8 +49,8 @@ from camgeo.geometry.pieces import turn_enclosed
 from camgeo.geometry.together import Member, Together, one_curve, one_motion
 from camgeo.kinematics.mechanism.several import alike, several
 from camgeo.lazy import Ledger
-from camgeo.numeric.arrays import FloatArray, IntArray, Quantity, merged
-from camgeo.numeric.extremes import Extremes, extremes_of_each, piecewise_extremes
+from camgeo.numeric.arrays import ONE, FloatArray, IntArray, Quantity, merged
+from camgeo.numeric.extremes import BOTH, BOTTOMS, TOPS, Extremes, extremes_of_each
 from camgeo.scene.scene import Scene
 from camgeo.scene.values import Source, document, document_of_tree, edited
 from camgeo.studies.sweep.family import Family, Point
@@ -604,14 +604,16 @@ def _curves_of_each(designs: Sequence[Design], asked: Asked) -> list[Reading]:
             if all(design.drive.motion is first.drive.motion for design in designs):
                 return [_extreme(first, asked, heading, quantity)] * len(designs)
             drives = [design.drive for design in designs]
-            found = _extremes_of_each(designs, drives, drives_together, _nth(of_drive, place))
+            by_drive = _nth(of_drive, place)
+            found = _extremes_of_each(designs, asked, drives, drives_together, by_drive)
             return [_read(each, asked, heading) for each in found]
     if scene.follower is not None:
         of_disc = partial(quantities_of_disc, unit=scene.unit)
         for place, (heading, _) in enumerate(of_disc(first.cam.disc)):
             if hyphened(bare(heading)) == asked.name:
                 discs = [design.cam.disc for design in designs]
-                found = _extremes_of_each(designs, discs, discs_together, _nth(of_disc, place))
+                by_disc = _nth(of_disc, place)
+                found = _extremes_of_each(designs, asked, discs, discs_together, by_disc)
                 return [_read(each, asked, heading) for each in found]
     raise NoValueError(f'has no column "{asked.name}"')
 
@@ -648,6 +650,7 @@ def discs_together(discs: Sequence[Disc]) -> Together[Disc]:
 
 def _extremes_of_each(
     designs: Sequence[Design],
+    asked: Asked,
     members: Sequence[Member],
     together: Callable[[Sequence[Member]], Together[Member]],
     quantity: Callable[[Member], Quantity],
@@ -663,7 +666,8 @@ def _extremes_of_each(
         edges = designs[numbers[0]].drive.smooth_angles
         some = together([members[number] for number in numbers])
         with np.errstate(all="ignore"):  # a value that is not finite has a reason
-            found |= zip(numbers, extremes_of_each(some, quantity, edges), strict=True)
+            each = extremes_of_each(some, quantity, edges, SIGNS[asked.how])
+        found |= zip(numbers, each, strict=True)
     return [found[number] for number in range(len(designs))]
 
 
@@ -704,7 +708,7 @@ def _extreme(
     if borders is not None and len(borders):
         edges = merged(np.concatenate((edges, borders)))
     with np.errstate(all="ignore"):  # a value that is not finite has a reason
-        found = piecewise_extremes(quantity, edges)
+        (found,) = extremes_of_each(ONE, quantity, edges, SIGNS[asked.how])
     return _read(found, asked, heading)
 
 
@@ -712,6 +716,10 @@ def _read(found: Extremes, asked: Asked, heading: str) -> Reading:
     unit = heading.rpartition(" [")[2].removesuffix("]") if heading.endswith("]") else ""
     return Reading(EXTREME[asked.how](found), unit)
 
+
+SIGNS: Final[dict[str, tuple[float, ...]]] = {"min": BOTTOMS, "max": TOPS, "peak": BOTH}
+"""Turning points that are refined: a transmission angle has a kink at 90 degrees, which no grid
+resolves, and nobody who asks for its least value wants to know where."""
 
 EXTREME: Final[dict[str, Callable[[Extremes], float]]] = {
     "min": lambda found: found.lowest.value,
