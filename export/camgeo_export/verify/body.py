@@ -28,12 +28,6 @@ PLACES = ("lower edge", "half way up", "upper edge")
 """Where a chamfer is compared."""
 
 
-def mesh_checks(product: Product, data: bytes, scale: float, tolerance: float) -> list[Check]:
-    """All checks of the body in a 3MF package; `scale` [mm] is its unit."""
-    mesh = mesh_in(data, scale)
-    return [mesh] if isinstance(mesh, Check) else body_checks(product, *mesh, tolerance)
-
-
 def mesh_in(data: bytes, scale: float) -> tuple[FloatArray, IntArray] | Check:
     """Vertices (n, 3) [mm] and triangles (m, 3) of a 3MF package; a failed check if it has none."""
     import trimesh  # a build measures its meshes without
