@@ -151,6 +151,15 @@ def last_bit_of_a_normal(data: bytes) -> bytes:
     return data[:PREFIX] + bytes([data[PREFIX] ^ 1]) + data[PREFIX + 1 :]
 
 
+def test_a_signalling_nan_is_a_difference() -> None:
+    """Its conversion to double precision raises the processor's flag of an invalid operation."""
+    good = files()["vorschub.stl"]
+    changed = good[: PREFIX + 12] + b"\x01\x00\xa0\x7f" + good[PREFIX + 16 :]
+    difference = first_difference(STL, changed, good)
+    assert difference is not None
+    assert difference.place == "facet 1"
+
+
 @pytest.mark.parametrize(
     ("name", "change"),
     [
@@ -159,10 +168,7 @@ def last_bit_of_a_normal(data: bytes) -> bytes:
         ("vorschub.3mf", partial(repacked, change=lambda _, content: content)),
         ("vorschub.step", lambda data: data.replace(b",", b" , ")),
         # The last bit of a normal: single precision has no more.
-        (
-            "vorschub.stl",
-            lambda data: data[:PREFIX] + bytes([data[PREFIX] ^ 1]) + data[PREFIX + 1 :],
-        ),
+        ("vorschub.stl", last_bit_of_a_normal),
     ],
 )
 def test_blanks_and_last_digits_are_no_difference(

@@ -55,10 +55,10 @@ class StlVerifier:
     def tokens(self, data: bytes) -> Iterator[tuple[str, str]]:
         """The words of the header, and all numbers of each facet."""
         yield from text_tokens(data[:HEADER_BYTES], "header")
-        facets = np.frombuffer(data, FACET, offset=PREFIX)
-        corners = facets["corners"].reshape(-1, 9)
-        numbers = np.hstack((facets["normal"], corners)).astype(np.float64).tolist()
-        for place, row in enumerate(zip(numbers, facets["attribute"].tolist(), strict=True), 1):
+        normals, corners = _binary_facets(data)
+        numbers = np.hstack((normals, corners.reshape(-1, 9))).tolist()
+        attributes = np.frombuffer(data, FACET, offset=PREFIX)["attribute"].tolist()
+        for place, row in enumerate(zip(numbers, attributes, strict=True), 1):
             for value in (*row[0], row[1]):
                 yield f"facet {place}", repr(value)
 
@@ -158,9 +158,7 @@ def _attributes(data: bytes) -> Check:
 def _facets_of(data: bytes) -> tuple[FloatArray, FloatArray]:
     """(m, 3) normals and (m, 3, 3) corners, as in the file; raises FileError."""
     if _is_binary(data):
-        facets = np.frombuffer(data, FACET, offset=PREFIX)
-        with np.errstate(invalid="ignore"):  # of some NaN
-            return facets["normal"].astype(np.float64), facets["corners"].astype(np.float64)
+        return _binary_facets(data)
     normals, corners = array("d"), array("d")
     for number, line in enumerate(lines_of(data), start=1):
         row = line.split(maxsplit=5)
@@ -175,6 +173,13 @@ def _facets_of(data: bytes) -> tuple[FloatArray, FloatArray]:
         np.array(normals, dtype=np.float64).reshape(-1, 3),
         np.array(corners, dtype=np.float64).reshape(-1, 3, 3),
     )
+
+
+def _binary_facets(data: bytes) -> tuple[FloatArray, FloatArray]:
+    """(m, 3) normals and (m, 3, 3) corners of a binary file."""
+    facets = np.frombuffer(data, FACET, offset=PREFIX)
+    with np.errstate(invalid="ignore"):  # a signalling NaN becomes a quiet one
+        return facets["normal"].astype(np.float64), facets["corners"].astype(np.float64)
 
 
 def _triple(words: list[str], line: int) -> tuple[float, float, float]:
