@@ -236,12 +236,17 @@ def _characteristic(regions: tuple[Region, ...], *, has_parts: bool) -> Characte
 
 def acceleration_jumps(law: Law) -> tuple[float, ...]:
     """The z inside the law at which f'' jumps: jerks in the sense of the guideline."""
+    return _acceleration_jumps(law.regions)
+
+
+@lru_cache(maxsize=256)
+def _acceleration_jumps(regions: tuple[Region, ...]) -> tuple[float, ...]:
     ends = []
-    for region in law.regions:
+    for region in regions:
         ends.append(region.values(np.array([region.start, region.end]))[2])
     scale = float(np.max(np.abs(ends)))
     found = []
-    for (before, left), (after, right) in itertools.pairwise(zip(law.regions, ends, strict=True)):
+    for (before, left), (after, right) in itertools.pairwise(zip(regions, ends, strict=True)):
         # The rounding of a border times the jerk is an acceleration.
         moved = BORDER * max(before.jerk_bound, after.jerk_bound)
         if abs(float(right[0] - left[1])) > ROUNDING * scale + moved:
