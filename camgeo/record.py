@@ -174,7 +174,7 @@ def schema_beside(file: str, name: str = "") -> dict[str, Any]:
     """
     path = pathlib.Path(file)
     stem = name or ("schema" if path.stem == "__init__" else path.stem)
-    found: dict[str, Any] = json.loads(path.with_name(f"{stem}.json").read_bytes())
+    found: dict[str, Any] = json.loads((path.parent / f"{stem}.json").read_bytes())
     return found
 
 

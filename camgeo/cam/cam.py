@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.path import Flank
+from camgeo.geometry.outline.path import Flank, Path
 from camgeo.geometry.pieces import Extremes, curvature_extremes, extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.linkage import linked
+from camgeo.kinematics.mechanism.linkage import FarEnd, Linkage, linked
 from camgeo.kinematics.mechanism.values import Length, Member
 from camgeo.kinematics.motion import Dwell, Jet, Motion
 from camgeo.kinematics.plan import MotionPlan
@@ -27,11 +27,9 @@ from camgeo.units import TURN, LiftUnit
 
 if TYPE_CHECKING:
     from camgeo.geometry.outline.outline import Outline
-    from camgeo.geometry.outline.path import Path
     from camgeo.geometry.outline.replay import Replay
     from camgeo.kinematics.mechanism.conjugate import Mount
     from camgeo.kinematics.mechanism.follower import Follower
-    from camgeo.kinematics.mechanism.linkage import FarEnd, Linkage
     from camgeo.kinematics.time_course import SpeedCurve, TimeCourse
 
 

@@ -16,7 +16,6 @@ from hypothesis import strategies as st
 
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.contact import INNER, OUTER
-from camgeo.dynamics.effects.contact_pressure import PressureRequirements, parse
 from camgeo.dynamics.effects.contact_pressure.result import (
     SHEAR_DEPTH,
     SHEAR_SHARE,
@@ -30,6 +29,8 @@ from camgeo.dynamics.effects.contact_pressure.result import (
     spin,
 )
 from camgeo.dynamics.effects.effect import Request, Results
+from camgeo.dynamics.effects.tables import PressureRequirements
+from camgeo.dynamics.effects.tables import parse_contact_pressure as parse
 from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.quadrature import Integral, piecewise_integral

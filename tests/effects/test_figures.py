@@ -13,10 +13,10 @@ import pytest
 
 from camgeo.check.finding import MOST_ALIKE, Finding, folded
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.contact_pressure import PressureRequirements
 from camgeo.dynamics.effects.contact_pressure.result import Life, life_findings
 from camgeo.dynamics.effects.lift_off.flight import UNSETTLED, Flight, unsettled
 from camgeo.dynamics.effects.lift_off.landing import with_bounces
+from camgeo.dynamics.effects.tables import PressureRequirements
 from camgeo.dynamics.effects.wording import left_over
 from camgeo.part.materials import find_material
 from camgeo.scene.scene import load_scene

@@ -192,8 +192,7 @@ class FaceOnRocker(Rocking, FaceTask):
 
     def base_radius_at(self, place: complex) -> float:
         """See `Placing`."""
-        radius: float = self.follower.face_offset - place.imag
-        return radius
+        return float(self.follower.face_offset - place.imag)
 
     def moved(self, _: complex) -> dict[str, float | complex]:
         """See `Placing`."""

@@ -88,8 +88,7 @@ class Rating:
     @property
     def base_radius(self) -> float:
         """r_G [mm]."""
-        radius: float = self.follower.base_radius
-        return radius
+        return float(self.follower.base_radius)
 
     @property
     def arm_side(self) -> str | None:

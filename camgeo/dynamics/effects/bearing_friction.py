@@ -39,17 +39,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final, Self, TypeVar
+from typing import Final, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from camgeo.dynamics.effects.forces import at_rates
+from camgeo.dynamics.effects.forces import Force, at_rates
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, Side, merged
 from camgeo.numeric.extremes import grid_of, roots_on_grid
-
-if TYPE_CHECKING:
-    from camgeo.dynamics.effects.forces import Force
 
 Scalar = TypeVar("Scalar", np.float64, np.complex128, np.bool_)
 
@@ -118,8 +115,7 @@ class BearingFriction:
 
     def drag(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) w [1 or mm]."""
-        drag: FloatArray = self.rubbing.lever * self.rubbing.senses(phi, side)
-        return drag
+        return np.asarray(self.rubbing.lever * self.rubbing.senses(phi, side))
 
     def alone(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
         """(n,) w sum |A_i| at `rates` [N or N mm]."""

@@ -26,22 +26,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
-from camgeo.dynamics.effects.forces import at_rates, rates_of, refuse_locked, shaft_and_turn
-from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, dot
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from camgeo.dynamics.effects.effect import Subject
-    from camgeo.dynamics.effects.forces import Force
-    from camgeo.dynamics.effects.results import Friction, Gravity, Inertia, Mass, Spring
-    from camgeo.kinematics.mechanism.linkage import Linkage
-    from camgeo.numeric.arrays import Number
-
+from camgeo.dynamics.effects.effect import Subject
+from camgeo.dynamics.effects.forces import Force, at_rates, rates_of, refuse_locked, shaft_and_turn
+from camgeo.dynamics.effects.results import Friction, Gravity, Inertia, Mass, Spring
+from camgeo.kinematics.mechanism.linkage import Linkage
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Number, Side, dot
 
 BEYOND: Final = ("slider", "coupler")
 """Names of the masses beyond the follower itself."""

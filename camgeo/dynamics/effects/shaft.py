@@ -318,8 +318,7 @@ class State:
 def interleaved(split: BoolArray, own: FloatArray, halves: FloatArray) -> FloatArray:
     """The rows `own` (m, ...), with two rows of `halves` in place of each one to `split`."""
     places = np.concatenate((2 * np.flatnonzero(~split), np.flatnonzero(np.repeat(split, 2))))
-    found: FloatArray = np.concatenate((own[~split], halves))[np.argsort(places)]
-    return found
+    return np.asarray(np.concatenate((own[~split], halves))[np.argsort(places)])
 
 
 def nodes_of(low: FloatArray, high: FloatArray) -> FloatArray:

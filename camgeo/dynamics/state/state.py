@@ -5,20 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Final, Literal
+from typing import Final, Literal
 
 import numpy as np
 
 from camgeo.cam.cam import Cam, Drive, smooth_angles
+from camgeo.check.finding import Limits
 from camgeo.errors import GeometryError
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.motion import FULL_ORDER, Motion
 from camgeo.kinematics.plan import breaks
 from camgeo.kinematics.time_course import TimeCourse, TimeExtremes, plan_extremes
 from camgeo.numeric.arrays import BoolArray, FloatArray, Side
-
-if TYPE_CHECKING:
-    from camgeo.check.finding import Limits
 
 Model = Literal["demanded", "outline", "written"]
 """Whose motion it is: the one that the scene demands, the one that the real outline of the disc

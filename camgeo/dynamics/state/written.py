@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Final, Protocol, Self
+from typing import Final, Protocol, Self
 
 import numpy as np
 
@@ -39,12 +39,8 @@ from camgeo.kinematics.time_course import TimeCourse, TimeExtremes, time_extreme
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, Side, ascending, read_only
 from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.numeric.kept import Answers
-from camgeo.part.part import written_contour
+from camgeo.part.part import Part, written_contour
 from camgeo.units import TURN
-
-if TYPE_CHECKING:
-    from camgeo.part.part import Part
-
 
 KEY: Final = "state.motion"
 MODEL: Final = "written"
@@ -391,8 +387,7 @@ class WrittenMotion:
         middles = 0.5 * (starts + np.append(starts[1:], starts[0] + TURN))
         rates = np.abs(self.lift.jet(middles, "right", 3)[1:])
         most = np.max(rates, axis=1, keepdims=True)
-        found: BoolArray = np.all(rates <= RESTING * most, axis=0)
-        return found
+        return np.asarray(np.all(rates <= RESTING * most, axis=0))
 
     @cached_property
     def dwells(self) -> tuple[Dwell, ...]:

@@ -18,9 +18,9 @@ from typing import Any, Final
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.dynamics.effects.balance import BalanceRequirements
 from camgeo.dynamics.effects.contact import part_of, unbalance_force
 from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request, Result
+from camgeo.dynamics.effects.tables import BalanceRequirements
 from camgeo.dynamics.effects.wording import KG, at, missed
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo.kinematics.time_course import ConstantSpeed, TimeCourse
@@ -366,8 +366,7 @@ def _diameter(unbalance: float, per_area: float, radius: float, count: int) -> f
         return None
 
     def missing(u: FloatArray) -> FloatArray:
-        found: FloatArray = np.sin(u) * np.sin(count * u) - sought
-        return found
+        return np.asarray(np.sin(u) * np.sin(count * u) - sought)
 
     u = bracketed_roots(missing, np.array([0.0]), np.array([last]))
     return 2.0 * radius * math.sin(float(u[0])) / PITCH

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final, NoReturn
+from typing import Any, Final, NoReturn
 
 import numpy as np
 
@@ -23,9 +23,9 @@ from camgeo.dynamics.effects.contact import (
     require_convex,
     sides_of,
 )
-from camgeo.dynamics.effects.contact_force import FORCES
 from camgeo.dynamics.effects.effect import Column, Quantity, Request, Subject
 from camgeo.dynamics.effects.forces import (
+    ElasticTrain,
     Force,
     all_borders,
     at_rates,
@@ -35,6 +35,7 @@ from camgeo.dynamics.effects.forces import (
 )
 from camgeo.dynamics.effects.loads import Loads
 from camgeo.dynamics.effects.results import (
+    ACTING,
     FRICTION,
     GRAVITY,
     INERTIA,
@@ -60,9 +61,6 @@ from camgeo.numeric.extremes import (
 from camgeo.numeric.kept import MOST_KEPT, recalling
 from camgeo.units import TURN
 
-if TYPE_CHECKING:
-    from camgeo.dynamics.effects.forces import ElasticTrain
-
 
 def compute(request: Request[Mapping[str, Any]]) -> ContactForce:
     """The contact force.
@@ -73,7 +71,7 @@ def compute(request: Request[Mapping[str, Any]]) -> ContactForce:
         "jamming", if the follower jams anywhere in the turn; if the pitch curve has a cusp.
     """
     subject, friction = request.subject, request.results.get(FRICTION)
-    acting = [request.results.get(key) for key in FORCES]
+    acting = [request.results.get(key) for key in ACTING]
     forces = [each.force for each in acting if each is not None]
     if friction is not None:
         forces.append(friction.force)
@@ -363,8 +361,7 @@ class ForceBalance:
         lever = self.leverage(phi, side, sense) if leverage is None else leverage
         if self.friction is None:
             return lever
-        bracket: FloatArray = lever + self.friction.per_normal(phi, side, sense)[0]
-        return bracket
+        return np.asarray(lever + self.friction.per_normal(phi, side, sense)[0])
 
     def parts(
         self, phi: FloatArray, side: Side, rates: FloatArray

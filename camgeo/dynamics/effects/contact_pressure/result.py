@@ -11,13 +11,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final, NoReturn
+from typing import Final, NoReturn
 
 import numpy as np
 
 from camgeo.check.finding import Finding, held
 from camgeo.dynamics.effects.contact import FLANKS, INNER, OUTER, sides_of, with_other_side
-from camgeo.dynamics.effects.contact_pressure import Bearing, PressureRequirements
 from camgeo.dynamics.effects.effect import (
     SPEED,
     Bound,
@@ -29,7 +28,9 @@ from camgeo.dynamics.effects.effect import (
     scaled,
 )
 from camgeo.dynamics.effects.results import CONTACT_FORCE
+from camgeo.dynamics.effects.tables import PressureRequirements, RollingElement
 from camgeo.dynamics.effects.wording import at, missed, placed
+from camgeo.dynamics.state.state import Model
 from camgeo.errors import EffectError, GeometryError
 from camgeo.kinematics.time_course import TimeCourse, period
 from camgeo.numeric.arrays import FloatArray, Side, merged
@@ -42,10 +43,6 @@ from camgeo.numeric.extremes import (
 )
 from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.units import RPM, TURN
-
-if TYPE_CHECKING:
-    from camgeo.dynamics.state.state import Model
-
 
 KEY: Final = "effects.contact-pressure"
 
@@ -413,7 +410,7 @@ def life_findings(life: Life, data: PressureRequirements) -> tuple[Finding, ...]
 # angular velocities of roller, cam and follower).
 
 
-EXPONENTS: Final[Mapping[Bearing, float]] = {"roller": 10.0 / 3.0, "ball": 3.0}
+EXPONENTS: Final[Mapping[RollingElement, float]] = {"roller": 10.0 / 3.0, "ball": 3.0}
 """p of the bearings."""
 
 TURNS: Final = 1e6

@@ -319,8 +319,7 @@ def lift_off_speed(flank: Flank, edges: FloatArray) -> Extreme:
     """
 
     def static(phi: FloatArray, side: Side) -> FloatArray:
-        at_rest: FloatArray = flank.reserve(phi, side, factor=0.0)[0]
-        return at_rest
+        return np.asarray(flank.reserve(phi, side, factor=0.0)[0])
 
     rest = piecewise_extremes(static, edges)
     if rest.lowest.value < -TOUCH * rest.magnitude:
@@ -346,8 +345,7 @@ def _speed(flank: Flank, edges: FloatArray, factor: float) -> Extreme:
 
     def discriminant(phi: FloatArray) -> FloatArray:
         r0, r1, r2 = flank.reserve(phi, "right", factor=factor)
-        found: FloatArray = r1 * r1 - 4.0 * r0 * r2
-        return found
+        return np.asarray(r1 * r1 - 4.0 * r0 * r2)
 
     # Where the discriminant is 0, two roots meet and vanish, and the slowness jumps.
     cuts = merged(np.concatenate((edges, roots_on_grid(discriminant, grid_of(edges)))))

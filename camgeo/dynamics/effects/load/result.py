@@ -15,8 +15,8 @@ import numpy as np
 
 from camgeo.dynamics.effects.effect import Column, Request, Subject
 from camgeo.dynamics.effects.forces import Force, refuse_locked, unmoved
-from camgeo.dynamics.effects.load import LoadProfile
 from camgeo.dynamics.effects.results import Acting
+from camgeo.dynamics.effects.tables import LoadProfile
 from camgeo.dynamics.effects.wording import extreme_findings
 from camgeo.errors import GeometryError
 from camgeo.kinematics.plan import SNAP, MotionPlan, in_turn
@@ -113,7 +113,6 @@ def steps(starts: FloatArray, loads: FloatArray) -> LoadProfile:
 
     def values(phi: FloatArray, side: Side) -> FloatArray:
         angle = in_turn(phi, side) + (SNAP if side == "right" else -SNAP)
-        found: FloatArray = loads[np.maximum(np.searchsorted(starts, angle, side=side) - 1, 0)]
-        return found
+        return np.asarray(loads[np.maximum(np.searchsorted(starts, angle, side=side) - 1, 0)])
 
     return LoadProfile(values, starts)

@@ -149,8 +149,7 @@ def _words_of(subject: Subject, contact: ContactForce, force: Force) -> str:
 
 def _velocity(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
     """(n,) q' [mm or rad per rad]."""
-    found: FloatArray = subject.state.motion.jet(phi, side, 1)[1]
-    return found
+    return np.asarray(subject.state.motion.jet(phi, side, 1)[1])
 
 
 def _of_force(subject: Subject, contact: ContactForce, force: Force) -> Quantity:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Literal
+from typing import Final, Literal
 
 import numpy as np
 
@@ -16,24 +17,17 @@ from camgeo.dynamics.effects.contact import (
     part_of,
     unbalance_force,
 )
-from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request, Result, scaled
+from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request, Result, Subject, scaled
 from camgeo.dynamics.effects.forces import at_rates, rates_of
 from camgeo.dynamics.effects.loads import Coupler, Loads, guide_ends
-from camgeo.dynamics.effects.reactions import Bearings
-from camgeo.dynamics.effects.results import CONTACT_FORCE, GRAVITY, INERTIA, SPRING
+from camgeo.dynamics.effects.results import CONTACT_FORCE, GRAVITY, INERTIA, SPRING, ContactForce
+from camgeo.dynamics.effects.tables import Bearings
 from camgeo.dynamics.effects.wording import N_M, extreme_finding, missed
+from camgeo.geometry.outline.path import Moments
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, resolved
 from camgeo.numeric.extremes import Extreme, piecewise_highest
 from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.units import TURN
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from camgeo.dynamics.effects.effect import Subject
-    from camgeo.dynamics.effects.results import ContactForce
-    from camgeo.geometry.outline.path import Moments
-
 
 WORK: Final = "pivot-friction-work"
 

@@ -6,18 +6,27 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import Final, Protocol
 
 import numpy as np
 
 from camgeo.check.finding import Finding, Severity
-from camgeo.dynamics.effects.effect import Column, Request, Subject, driving_slider, scaled
+from camgeo.dynamics.effects.effect import (
+    Column,
+    Quantity,
+    Request,
+    Subject,
+    driving_slider,
+    scaled,
+)
 from camgeo.dynamics.effects.forces import Force, unmoved
 from camgeo.dynamics.effects.results import HelicalSpring, Spring
-from camgeo.dynamics.effects.spring import SpringData
+from camgeo.dynamics.effects.tables import SpringData
 from camgeo.dynamics.effects.wording import at, between, degrees, placed
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.linkage import locked_at
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.motion import Motion
 from camgeo.numeric.arrays import SHARE, ComplexArray, FloatArray, Side
 from camgeo.numeric.extremes import (
     Extreme,
@@ -27,12 +36,6 @@ from camgeo.numeric.extremes import (
     stretch_below,
 )
 from camgeo.units import TURN
-
-if TYPE_CHECKING:
-    from camgeo.dynamics.effects.effect import Quantity
-    from camgeo.kinematics.mechanism.slider_crank import SliderCrank
-    from camgeo.kinematics.motion import Motion
-
 
 NEWTON_METRE: Final = 1e3
 """From N m to N mm, and from N m/rad to N mm/rad."""
@@ -269,8 +272,7 @@ def outward(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
     follower = subject.cam.follower
     jet = subject.state.motion.jet(phi, side, 1 + follower.ahead)
     relative = follower.relative_jet(jet, subject.cam.rotation, 1)
-    along: FloatArray = follower.reach * relative.u
-    return along
+    return np.asarray(follower.reach * relative.u)
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,7 +19,7 @@ from camgeo.check.finding import Finding
 from camgeo.dynamics.effects.effect import Bound, Column, Request, Subject, scaled
 from camgeo.dynamics.effects.forces import ElasticTrain, Force, search_edges
 from camgeo.dynamics.effects.results import INERTIA, LOAD, Elastic
-from camgeo.dynamics.effects.vibration import TrainData
+from camgeo.dynamics.effects.tables import TrainData
 from camgeo.dynamics.effects.wording import FORCES, MASSES, Label, at, left_over
 from camgeo.dynamics.oscillator.steady import (
     Base,
@@ -682,8 +682,7 @@ class Output:
 
     def deflection(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) output minus motion of the state [mm or rad] at `phi` (n,) [rad]."""
-        found: FloatArray = self.states(phi, side)[0]
-        return found
+        return np.asarray(self.states(phi, side)[0])
 
     def lasting(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) the deflection if the load stays as it is there."""
@@ -699,8 +698,7 @@ class Output:
 
     def acceleration(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) acceleration of the output [mm/s^2 or rad/s^2]."""
-        found: FloatArray = self.states(phi, side)[2]
-        return found
+        return np.asarray(self.states(phi, side)[2])
 
     def forces(self, links: Sequence[int], phi: FloatArray, side: Side) -> FloatArray:
         """(k, n) forces [N or N mm] in the `links`, see `Response.forces`."""
