@@ -127,6 +127,13 @@ def shaft_and_turn(subject: Subject, linkage: Linkage) -> tuple[complex, complex
     return follower.start_arm - turn * complex(pin[0]), turn
 
 
+def way_of(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
+    """(n,) dx/dq, the derivative of the demanded motion by the follower's coordinate."""
+    if subject.drive.linkage is None:
+        return np.ones(len(phi))
+    return subject.drive.linkage.per_follower(subject.state.output.jet(phi, side)[0])
+
+
 # -- immovable ------------------------------------------------------------------------------------
 # Masses that no finite force moves: where the velocity jumps, and behind a locked linkage.
 

@@ -109,9 +109,6 @@ class Effects:
         self.ledger = ledger
         self.catalogue = Catalogue(tables, find, subject.output)
         self._finder = None if speed == "stated" else self.catalogue.finder
-        self._stated: Nodes | None = None
-        self._found: Nodes | None = None
-        self._rigid: Nodes | None = None
         self._whole: dict[str, Any] = {}
         self._judged: dict[str, Any] = {}
 
@@ -198,25 +195,23 @@ class Effects:
         EffectError
             If its speed is neither found nor given.
         """
-        if self._stated is None:
-            feeds = self._finder is not None and self.catalogue.followed(self._finder)
-            kind = pkgutil.resolve_name(FED_BACK) if feeds else Nodes
-            self._stated = kind(self._given, self.catalogue, self.ledger)
         if self._finder is None and name in FINDERS and self.catalogue.followed(name):
             return self._of_rigid
         if self._finder is None or not self.catalogue.moved(name):
             return self._stated
-        if self._found is None:
-            self._found = self._turned(self._stated, self._finder)
         return self._found
 
-    @property
+    @cached_property
+    def _stated(self) -> Nodes:
+        """Where what does not depend on a found speed is computed."""
+        feeds = self._finder is not None and self.catalogue.followed(self._finder)
+        kind: type[Nodes] = pkgutil.resolve_name(FED_BACK) if feeds else Nodes
+        return kind(self._given, self.catalogue, self.ledger)
+
+    @cached_property
     def _of_rigid(self) -> Nodes:
         """Where what finds a speed is computed if no other effect follows that."""
-        if self._rigid is None:
-            ledger = self.ledger.named(OF_RIGID)
-            self._rigid = Nodes(self._given, self.catalogue.rigid(), ledger)
-        return self._rigid
+        return Nodes(self._given, self.catalogue.rigid(), self.ledger.named(OF_RIGID))
 
     @property
     def _given(self) -> Subject:
@@ -229,8 +224,11 @@ class Effects:
         first = data.first_speed
         return self.subject if first is None else self.subject.turning(ConstantSpeed(first))
 
-    def _turned(self, stated: Nodes, finder: str) -> Nodes:
+    @cached_property
+    def _found(self) -> Nodes:
         """The effects at the found speed; if there is none, at that of the scene."""
+        stated, finder = self._stated, self._finder
+        assert finder is not None  # what finds it
         try:
             found = stated.result(finder)
         except EffectError as error:
@@ -421,7 +419,6 @@ class Nodes:
         self.ledger = ledger
         self._base = base
         self._rough = rough
-        self._off: tuple[Nodes, ...] | None = None
         self._near: dict[str, Any] = {}
         self._results: dict[str, Any] = dict(known or {})
 
@@ -513,17 +510,21 @@ class Nodes:
         return VIBRATION in self.catalogue.behind(name)
 
     def _with_train(self, number: int, name: str, near: Any) -> Any:
-        """The result of the effect `name` with one of the trains that are off by the error of their
-        force, see `camgeo.dynamics.effects.forces.ElasticTrain.off`; `near` is that with the train
-        itself.
+        """The result of the effect `name` with one of the trains that are `_off`; `near` is that
+        with the train itself.
         """
-        if self._off is None:
-            train, contact = self.result(VIBRATION), self.result(CONTACT_FORCE)
-            self._off = tuple(
-                WithTrain(self, replace(train, behind=each))
-                for each in train.behind.off(contact.demand)
-            )
         return self._off[number].beside(name, near)
+
+    @cached_property
+    def _off(self) -> tuple[Nodes, ...]:
+        """With trains that are off by the error of their force, see
+        `camgeo.dynamics.effects.forces.ElasticTrain.off`.
+        """
+        train, contact = self.result(VIBRATION), self.result(CONTACT_FORCE)
+        return tuple(
+            WithTrain(self, replace(train, behind=each))
+            for each in train.behind.off(contact.demand)
+        )
 
 
 class WithTrain(Nodes):

@@ -438,7 +438,7 @@ class Catalogue:
         CycleError
             If an effect needs itself, with the path of the cycle.
         """
-        self._walk(name, ())
+        self.behind(name)
         return self.received(name)
 
     def received(self, name: str) -> tuple[str, ...]:
@@ -458,16 +458,15 @@ class Catalogue:
         """The effects of the scene that `effect` follows unless its state is a simpler one."""
         return {each.by for each in effect.refined_by if each.followed and each.by in self.tables}
 
-    def _walk(self, name: str, way: tuple[str, ...]) -> None:
+    def behind(self, name: str, way: tuple[str, ...] = ()) -> set[str]:
+        """The effects that the effect `name` is computed from, directly or not; `way` leads to it.
+
+        CycleError if an effect needs itself, with the path of the cycle.
+        """
         if name in way:
             raise CycleError((*way[way.index(name) :], name))
-        for each in self.received(name):
-            self._walk(each, (*way, name))
-
-    def behind(self, name: str) -> set[str]:
-        """The effects that the effect `name` is computed from, directly or not."""
-        inputs = self.inputs(name)
-        return set(inputs).union(*(self.behind(each) for each in inputs))
+        inputs = self.received(name)
+        return set(inputs).union(*(self.behind(each, (*way, name)) for each in inputs))
 
     def of_given_speed(self, name: str) -> bool:
         """Whether the effect `name` declares that its figures depend on the speed of the cam."""

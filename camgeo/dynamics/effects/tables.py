@@ -358,29 +358,18 @@ def parse_friction(table: Values) -> FrictionCoefficients:
 # -- reactions ------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
-class Bearings:
-    """Where the camshaft is supported.
-
-    Attributes
-    ----------
-    bearings : places of both bearings of the camshaft along its axis, from the middle plane of the
-        disc [mm]; None if they are not stated.
+def parse_reactions(table: Values) -> tuple[float, float] | None:
+    """Places of both bearings of the camshaft along its axis, which must be two, from the middle
+    plane of the disc [mm]; None if they are not stated.
     """
-
-    bearings: tuple[float, float] | None = None
-
-
-def parse_reactions(table: Values) -> Bearings:
-    """The bearings, which must be at two places."""
     if "bearings" not in table:
-        return Bearings()
+        return None
     first, second = table["bearings"]
     if first == second:
         raise GeometryError(
             "must be at two places", key="bearings", value=f"[{first:g}, {second:g}]"
         )
-    return Bearings((first, second))
+    return first, second
 
 
 # -- speed fluctuation ----------------------------------------------------------------------------

@@ -30,6 +30,10 @@ class Label:
     unit: str
     scale: float
 
+    def of(self, value: float) -> str:
+        """A `value` in the internal unit as text."""
+        return f"{self.scale * value:.4g} {self.unit}"
+
 
 FORCES: Final[Mapping[LiftUnit, Label]] = {
     "mm": Label("force", "N", 1.0),

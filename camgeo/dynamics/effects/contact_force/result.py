@@ -33,13 +33,11 @@ from camgeo.dynamics.effects.forces import (
     shocks,
     smooth_edges,
 )
-from camgeo.dynamics.effects.loads import Loads
+from camgeo.dynamics.effects.loads import loads_of
 from camgeo.dynamics.effects.results import (
     ACTING,
     FRICTION,
-    GRAVITY,
     INERTIA,
-    SPRING,
     VIBRATION,
     ContactForce,
     Friction,
@@ -149,19 +147,10 @@ def bearings_of(
     EffectError
         If the follower cannot move the far end of its linkage, on which something acts.
     """
-    results, subject = request.results, request.subject
-    friction = results.get(FRICTION)
+    friction = request.results.get(FRICTION)
     if friction is None or friction.rubbing is None:
         return None
-    inertia, gravity = results.get(INERTIA), results.get(GRAVITY)
-    coupler = None
-    if subject.drive.linkage is not None:
-        # few followers have a linkage
-        from camgeo.dynamics.effects.loads import acts_beyond, coupler_of
-
-        if acts_beyond(forces, inertia):
-            coupler = coupler_of(subject, subject.drive.linkage, forces, inertia, gravity)
-    loads = Loads(subject, inertia, gravity, results.get(SPRING), coupler)
+    loads = loads_of(request.subject, request.results, forces, idle=False)
     return BearingFriction(
         friction.rubbing,
         recalling(partial(loads.on_bearings, friction), MOST_KEPT),

@@ -28,7 +28,7 @@ from camgeo.dynamics.effects.effect import (
     scaled,
 )
 from camgeo.dynamics.effects.results import CONTACT_FORCE
-from camgeo.dynamics.effects.tables import PressureRequirements, RollingElement
+from camgeo.dynamics.effects.tables import PressureRequirements
 from camgeo.dynamics.effects.wording import at, missed, placed
 from camgeo.dynamics.state.state import Model
 from camgeo.errors import EffectError, GeometryError
@@ -410,7 +410,7 @@ def life_findings(life: Life, data: PressureRequirements) -> tuple[Finding, ...]
 # angular velocities of roller, cam and follower).
 
 
-EXPONENTS: Final[Mapping[RollingElement, float]] = {"roller": 10.0 / 3.0, "ball": 3.0}
+EXPONENTS: Final[Mapping[str, float]] = {"roller": 10.0 / 3.0, "ball": 3.0}
 """p of the bearings."""
 
 TURNS: Final = 1e6

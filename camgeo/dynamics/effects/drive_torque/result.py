@@ -46,7 +46,7 @@ from camgeo.numeric.extremes import (
     piecewise_extremes,
     roots_on_grid,
 )
-from camgeo.numeric.quadrature import piecewise_integral, piecewise_integrals
+from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.units import RPM, TURN, counted
 
 
@@ -529,9 +529,9 @@ def stored_energy(
 
     passing = roots_on_grid(surplus, grid_of(edges))
     places = merged(np.concatenate((edges, passing)))
-    stretches, error = piecewise_integrals(surplus, places, tolerance)
-    energy = np.concatenate(([0.0], np.cumsum(stretches)))
-    return StoredEnergy(extremes_of(places, energy), error + TURN * unsure)
+    stored = piecewise_integral(surplus, places, tolerance)
+    energy = np.concatenate(([0.0], np.cumsum(stored.parts)))
+    return StoredEnergy(extremes_of(places, energy), stored.error + TURN * unsure)
 
 
 def moment_of_inertia(energy: float, fluctuation: float, speed: float) -> float:

@@ -101,9 +101,7 @@ def _spin_of(rolling: Rolling) -> RollerSpin:
     edges = rolling.contact.edges
     lowest = piecewise_lowest(rolling.reserve, edges)
     skids = bool(lowest.value < 0.0 or len(rolling.reversals))
-    skid = None
-    if skids:
-        skid = steady(rolling)
+    skid = steady(rolling) if skids else None
 
     def on_pin(phi: FloatArray, side: Side) -> FloatArray:
         return (rolling.spin(phi, side) if skid is None else skid.spin(phi, side))[1] / RPM
