@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.path import Flank, Path
+from camgeo.geometry.outline.path import Flank, Path, whole
 from camgeo.geometry.pieces import Extremes, curvature_extremes, extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.linkage import FarEnd, Linkage, linked
+from camgeo.kinematics.mechanism.linkage import FarEnd, Linkage, far_end, linked
 from camgeo.kinematics.mechanism.values import Length, Member
-from camgeo.kinematics.motion import Dwell, Jet, Motion
+from camgeo.kinematics.motion import Dwell, Jet, Motion, turning_angles
 from camgeo.kinematics.plan import MotionPlan
 from camgeo.lazy import Ledger, built, lazy
 from camgeo.numeric.arrays import FloatArray, Side, merged
@@ -192,7 +192,6 @@ class Disc(Pickled):
     def pitch_path(self) -> Path:
         """The pitch curve, with its corners where the velocity jumps."""
         from camgeo.geometry.outline.envelope import Envelope
-        from camgeo.geometry.outline.path import Path
 
         return Path(Envelope(WorkingCurve(self.pitch_curve, 0.0)).elements)
 
@@ -200,7 +199,6 @@ class Disc(Pickled):
     def untrimmed_paths(self) -> tuple[Path, Path]:
         """Inner and outer flank all round, with what undercut would cut off."""
         from camgeo.geometry.outline.envelope import Envelope
-        from camgeo.geometry.outline.path import Path
 
         inner, outer = (Path(Envelope(self.curve(flank)).elements) for flank in Flank)
         return inner, outer
@@ -208,8 +206,6 @@ class Disc(Pickled):
     @property
     def flank_paths(self) -> tuple[Path, Path]:
         """Inner and outer outline; the whole curve for the flank on which no roller runs."""
-        from camgeo.geometry.outline.path import whole
-
         used = self.contact.flanks
         inner, outer = (
             self.outline(flank).path if flank in used else whole(self.curve(flank))
@@ -507,7 +503,6 @@ class Drive(Pickled):
         """The far end of the linkage with the follower anywhere; None without a linkage."""
         if self.linkage is None:
             return None
-        from camgeo.kinematics.mechanism.linkage import far_end  # few followers leave the cam
 
         return far_end(self.plan, self.linkage)
 
@@ -549,16 +544,12 @@ class Drive(Pickled):
     @property
     def far_angle(self) -> float:
         """The first cam angle [rad] at which the prescribed motion is farthest from its start."""
-        from camgeo.kinematics.motion import turning_angles
-
         angles = merged(np.concatenate((self.plan.borders, turning_angles(self.plan))))
         return float(angles[np.argmax(np.abs(self.plan.jet(angles)[0]))]) if len(angles) else 0.0
 
 
 def smooth_angles(motion: Motion, course: TimeCourse | None) -> FloatArray:
     """(k,) cam angles [rad] as of `Drive.smooth_angles`, for a follower with this `motion`."""
-    from camgeo.kinematics.motion import turning_angles
-
     edges = [motion.borders, turning_angles(motion), np.array([0.0, TURN])]
     if course is not None:
         edges.append(course.borders)

@@ -33,7 +33,7 @@ from camgeo.dynamics.effects.results import Bearing, ContactForce, LostContact, 
 from camgeo.dynamics.state.state import FIRST, SECOND
 from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, Number, Side, merged
-from camgeo.numeric.extremes import Extreme, Extremes, grid_of, piecewise_lowest, roots_on_grid
+from camgeo.numeric.extremes import Extreme, Extremes, piecewise_lowest, with_roots
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -294,8 +294,7 @@ def ranges_below(
     def above(phi: FloatArray) -> FloatArray:
         return quantity(phi, "right") - limit
 
-    cuts = merged(np.concatenate((edges, [lowest.place])))
-    cuts = merged(np.concatenate((cuts, roots_on_grid(above, grid_of(cuts)))))
+    cuts = with_roots(above, merged(np.concatenate((edges, [lowest.place]))))
     below = above(0.5 * (cuts[:-1] + cuts[1:])) < 0.0
     found = []
     for pieces in runs(below):

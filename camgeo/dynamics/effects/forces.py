@@ -27,7 +27,7 @@ from camgeo.dynamics.effects.effect import Quantity, Subject
 from camgeo.dynamics.oscillator.steady import Response
 from camgeo.dynamics.oscillator.train import Train
 from camgeo.errors import EffectError
-from camgeo.kinematics.mechanism.linkage import Linkage
+from camgeo.kinematics.mechanism.linkage import Linkage, locked_at
 from camgeo.kinematics.mechanism.values import Member
 from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.units import TURN, at_cam_angles
@@ -191,7 +191,6 @@ def refuse_locked(subject: Subject, burden: str) -> None:
     linkage = subject.drive.linkage
     if linkage is None:
         return
-    from camgeo.kinematics.mechanism.linkage import locked_at
 
     locked = locked_at(linkage, subject.state.output)
     if locked is None:

@@ -11,7 +11,7 @@ from typing import Any, Final, NoReturn
 import numpy as np
 
 from camgeo.check.finding import Finding, Severity, held
-from camgeo.dynamics.effects.bearing_friction import BearingFriction, directions, with_reversals
+from camgeo.dynamics.effects.bearing_friction import BearingFriction, directions
 from camgeo.dynamics.effects.contact import (
     INNER,
     OUTER,
@@ -55,6 +55,7 @@ from camgeo.numeric.extremes import (
     piecewise_lowest,
     roots_on_grid,
     stretch_below,
+    with_roots,
 )
 from camgeo.numeric.kept import MOST_KEPT, recalling
 from camgeo.units import TURN
@@ -484,7 +485,7 @@ def load_edges(balance: ForceBalance, edges: FloatArray) -> FloatArray:
     """
     if balance.bearings is None or balance.subject.cam.follower.pivot is not None:
         return edges
-    return with_reversals(lambda phi: balance.bearing_loads(phi, "right").real, edges)
+    return with_roots(lambda phi: balance.bearing_loads(phi, "right").real, edges)
 
 
 def refuse_jamming(balance: ForceBalance, edges: FloatArray) -> None:

@@ -1,9 +1,8 @@
 """Effect `contact-pressure`: Hertzian pressure between cam and follower, stresses and life.
 
 It needs the normal force, the curvature of roller and flank (a flat face has none) and their
-materials. See `hertz` for the formulas of the contact, `contact` for its curvature and `life` for
-the roller bearing. Friction between roller and flank adds little to the stresses of a rolling
-contact and is neglected.
+materials; see "line contact" below, and "life" for the roller bearing. Friction between roller and
+flank adds little to the stresses of a rolling contact and is neglected.
 """
 
 from __future__ import annotations
@@ -36,10 +35,9 @@ from camgeo.kinematics.time_course import TimeCourse, period
 from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import (
     Extreme,
-    grid_of,
     piecewise_highest,
     piecewise_lowest,
-    roots_on_grid,
+    with_roots,
 )
 from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.units import RPM, TURN
@@ -477,7 +475,7 @@ def rolling_life(
         return np.asarray((load / rating) ** exponent * turns)
 
     share = 0.5 * tolerance  # the estimate also contains the rounding of the sum
-    borders = merged(np.concatenate((edges, roots_on_grid(turning, grid_of(edges)))))
+    borders = with_roots(turning, edges)
     turns = piecewise_integral(lambda phi: np.abs(turning(phi)), borders, share)
     worn = piecewise_integral(wear, borders, share)
     duration = period(course)

@@ -90,12 +90,13 @@ def _borders(statics: Statics, edges: FloatArray) -> FloatArray:
         if statics.data.roller_pin:
             found.append(roots_on_grid(spin, grid_of(edges)))
         cuts = merged(np.concatenate(found))
-        for name in ("sine", "cosine", *(() if statics.swing else ("near", "far"))):
 
-            def signed(phi: FloatArray, sense: int = sense, name: str = name) -> FloatArray:
-                return np.asarray(getattr(statics.state(phi, "right", sense), name))
+        def signed(phi: FloatArray, sense: int = sense) -> FloatArray:
+            state = statics.state(phi, "right", sense)
+            guided = () if statics.swing else (state.near, state.far)
+            return np.stack((state.sine, state.cosine, *guided))
 
-            found.append(roots_on_grid(signed, grid_of(cuts)))
+        found.append(roots_on_grid(signed, grid_of(cuts)))
     return np.mod(merged(np.concatenate(found[1:])), TURN)
 
 

@@ -17,13 +17,13 @@ from camgeo.dynamics.effects.forces import rates_of, smooth_edges
 from camgeo.dynamics.effects.results import ContactForce, Spring
 from camgeo.dynamics.effects.wording import scale_of
 from camgeo.errors import EffectError
-from camgeo.numeric.arrays import SHARE, ComplexArray, FloatArray, Side, merged, read_only
+from camgeo.numeric.arrays import SHARE, ComplexArray, FloatArray, Side, read_only
 from camgeo.numeric.extremes import (
     Extreme,
     grid_of,
     piecewise_extremes,
     piecewise_highest,
-    roots_on_grid,
+    with_roots,
 )
 from camgeo.numeric.kept import Answers
 
@@ -317,8 +317,7 @@ def _least(
         slope = effect + flank.slope(phi, side, more, load(phi, side))
         return slope, flank.left(phi, side, more) + (guess - now) * effect - guess * slope
 
-    roots = roots_on_grid(lambda phi: per_unit(phi, "right"), grid_of(edges))
-    cuts = merged(np.concatenate((edges, roots)))
+    cuts = with_roots(lambda phi: per_unit(phi, "right"), edges)
     effects, rests = parts(grid_of(cuts).ravel(), "right")
     blunt = BLUNT * float(np.max(np.abs(effects)))
     none = TOUCH * float(np.max(np.abs(rests)))
@@ -369,7 +368,7 @@ def _speed(flank: Flank, edges: FloatArray, factor: float) -> Extreme:
         return np.asarray(r1 * r1 - 4.0 * r0 * r2)
 
     # Where the discriminant is 0, two roots meet and vanish, and the slowness jumps.
-    cuts = merged(np.concatenate((edges, roots_on_grid(discriminant, grid_of(edges)))))
+    cuts = with_roots(discriminant, edges)
     slowest = piecewise_highest(_slowness(flank, factor), cuts)
     if slowest.value <= 0.0:
         return Extreme(np.inf, slowest.place)

@@ -57,8 +57,8 @@ from camgeo.numeric.extremes import (
     dips,
     grid_of,
     piecewise_extremes,
-    roots_on_grid,
     sign_changes,
+    with_roots,
 )
 from camgeo.units import TURN, cam_angle
 
@@ -1183,7 +1183,7 @@ class ElasticFollower:
         while block := list(itertools.islice(cells, size)):
             cuts = np.array([block[0][0], *(high for _, high in block)])
             cuts = merged(np.concatenate((cuts, dips(reserve, grid_of(cuts)))))
-            cuts = merged(np.concatenate((cuts, roots_on_grid(reserve, grid_of(cuts)))))
+            cuts = with_roots(reserve, cuts)
             below = np.append(reserve(0.5 * (cuts[:-1] + cuts[1:])) < 0.0, False)
             if np.any(below):
                 piece = int(np.argmax(below))

@@ -1,4 +1,4 @@
-"""Effect `reactions`: forces in the bearings of follower and camshaft, see `bodies`."""
+"""Effect `reactions`: forces in the bearings of follower and camshaft, see "bodies" below."""
 
 from __future__ import annotations
 
@@ -143,7 +143,7 @@ def _friction_work(
 # centre, and the roller turns its pin by the moment -m_p. What pivot and guide carry is defined in
 # `camgeo.dynamics.effects.loads`, as friction in them needs it. On a flat face F_c acts at the
 # contact, which is the distance e to the right of the axis of its guide, so that M = N e; in a
-# conjugate pair it is that of the disc that carries. For the camshaft see `shaft`.
+# conjugate pair it is that of the disc that carries. For the camshaft see "shaft".
 
 
 @dataclass(frozen=True, slots=True, eq=False)

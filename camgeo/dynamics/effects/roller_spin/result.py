@@ -46,12 +46,11 @@ from camgeo.numeric.arrays import SHARE, FloatArray, IntArray, Side, merged
 from camgeo.numeric.extremes import (
     Extreme,
     bracketed_roots,
-    grid_of,
     indexed_roots,
     piecewise_extremes,
     piecewise_highest,
     piecewise_lowest,
-    roots_on_grid,
+    with_roots,
 )
 from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.units import RPM, TURN
@@ -433,8 +432,7 @@ def cells_of(rolling: Rolling) -> Cells:
         return np.asarray(rolling.pressing(phi, "right") / rolling.course.rates(phi)[0])
 
     for crossing in (apart, limits):
-        found = roots_on_grid(crossing, grid_of(edges))
-        edges = merged(np.concatenate((edges, found)))
+        edges = with_roots(crossing, edges)
     series = interpolated(rate, edges, EXACT)
     low, high = series.edges[:-1], series.edges[1:]
     unmet, there = moments(0.5 * (low + high))
@@ -683,7 +681,7 @@ class Rolling:
         return np.asarray(needed + self._shared(phi, side) * self.pressing(phi, side))
 
     def _shared(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) f_t, see `friction`."""
+        """(n,) f_t, see `camgeo.dynamics.effects.friction.result`."""
         friction = self.contact.friction
         if not self.alone or friction is None:
             return bearing_of(self.contact, phi, side).tangential
