@@ -13,7 +13,7 @@ import pytest
 
 from camgeo.check.finding import MOST_ALIKE, Finding, folded
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.contact_pressure.result import Life, life_findings
+from camgeo.dynamics.effects.contact_pressure import Life, life_findings
 from camgeo.dynamics.effects.lift_off.flight import UNSETTLED, Flight, Flights, refined
 from camgeo.dynamics.effects.lift_off.landing import with_bounces
 from camgeo.dynamics.effects.tables import PressureRequirements

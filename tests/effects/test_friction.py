@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.effect import Request, Results
-from camgeo.dynamics.effects.friction.result import Statics, compute, statics_of
+from camgeo.dynamics.effects.friction import Statics, compute, statics_of
 from camgeo.dynamics.effects.results import Friction
 from camgeo.dynamics.effects.tables import parse_friction as parse
 from camgeo.errors import EffectError

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from camgeo.dynamics.effects.effect import Subject
 from camgeo.dynamics.effects.forces import at_rates
-from camgeo.dynamics.effects.inertia.result import (
+from camgeo.dynamics.effects.inertia import (
     LinkedTrain,
     Train,
     at_cam,

@@ -23,7 +23,7 @@ def parse(table):
 DECLARATION: Final = """Effect(
     name="noise",
     title="noise of the follower",
-    compute="PACKAGE.result:compute",
+    compute="MODULE:compute",
     schema={
         "description": "How loud the follower is.",
         "type": "object",
@@ -87,7 +87,7 @@ def distribution(folder: Path) -> Path:
     """A distribution of its own, as pip would unpack it into `folder`."""
     package = folder / "toy_noise"
     package.mkdir()
-    declared = DECLARATION.replace("PACKAGE", "toy_noise")
+    declared = DECLARATION.replace("MODULE", "toy_noise.result")
     (package / "__init__.py").write_text(f"{IMPORTS}{PARSER}\nEFFECT = {declared}\n", "utf-8")
     (package / "result.py").write_text(RESULT, "utf-8")
     metadata = folder / "toy_noise-1.0.dist-info"
@@ -98,13 +98,10 @@ def distribution(folder: Path) -> Path:
 
 
 def tree(folder: Path) -> Path:
-    """A copy of camgeo with the effect as one of its own: a package, and one of the registry."""
+    """A copy of camgeo with the effect as one of its own: a module, and one of the registry."""
     effects = copied(folder) / "dynamics" / "effects"
-    package = effects / "noise"
-    package.mkdir()
-    (package / "__init__.py").touch()
-    (package / "result.py").write_text(RESULT, "utf-8")
-    declared = DECLARATION.replace("PACKAGE", "camgeo.dynamics.effects.noise")
+    (effects / "noise.py").write_text(RESULT, "utf-8")
+    declared = DECLARATION.replace("MODULE", "camgeo.dynamics.effects.noise")
     table, before = "DECLARED: Final = {", "        Effect(\n            **_beside(DRIVE_TORQUE)"
     replaced(
         effects / "registry.py",

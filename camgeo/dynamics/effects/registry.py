@@ -142,15 +142,15 @@ OF_ROLLER: Final = ("roller_pin", "roller_pin_diameter", "rolling")
 """Keys of the friction of a roller."""
 
 
-def _beside(name: str) -> dict[str, Any]:
-    """What follows from the `name` of an effect of camgeo: its code and schema are in the folder of
-    that name.
+def _beside(name: str, module: str = "") -> dict[str, Any]:
+    """What follows from the `name` of an effect of camgeo: its code is in the module of that name,
+    or another one, its schema beside it.
     """
-    folder = name.replace("-", "_")
+    stem = name.replace("-", "_")
     return {
         "name": str(name),  # no `Key`, which is not for JSON
-        "compute": f"camgeo.dynamics.effects.{folder}.result:compute",
-        "schema": schema_beside(__file__, f"{folder}/schema"),
+        "compute": f"camgeo.dynamics.effects.{module or stem}:compute",
+        "schema": schema_beside(__file__, stem),
     }
 
 
@@ -258,7 +258,7 @@ DECLARED: Final = {
             refined_by=(ELASTIC, *AT_SPEED),
         ),
         Effect(
-            **_beside(LIFT_OFF),
+            **_beside(LIFT_OFF, "lift_off.result"),
             title="where the follower leaves its flank, from which speed, and what prevents it",
             rules=(Only(PLAYED, "backlash"), Only(ROLLERS, "backlash")),
             needs=(CONTACT_FORCE,),

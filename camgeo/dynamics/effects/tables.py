@@ -582,7 +582,7 @@ class PressureRequirements:
 
     @property
     def modulus(self) -> float:
-        """Contact modulus E* [MPa], see `camgeo.dynamics.effects.contact_pressure.result`."""
+        """Contact modulus E* [MPa], see `camgeo.dynamics.effects.contact_pressure`."""
         return 1.0 / (self.cam.compliance + self.mate.compliance)
 
     @property

@@ -471,7 +471,7 @@ class Wound:
 # -- periodic -------------------------------------------------------------------------------------
 # The periodic motion of a cam at the end of an elastic shaft, by collocation over the whole turn.
 #
-# The equations are in `camgeo.dynamics.effects.camshaft_windup.result`, the cell is that of
+# The equations are in `camgeo.dynamics.effects.camshaft_windup`, the cell is that of
 # `camgeo.dynamics.effects.shaft`, and the error estimate is the change by one more Newton step on
 # the mesh of all halves of the cells.
 

@@ -668,7 +668,7 @@ def roller_radii(needed: float, curvature: float) -> tuple[float, float] | None:
     The upper end is infinite where the path is straight or concave; None if no radius will do.
 
     R = r (1 - r kappa) for the roller radius r, see
-    `camgeo.dynamics.effects.contact_pressure.result`. On a convex path it has a maximum, 1/(4
+    `camgeo.dynamics.effects.contact_pressure`. On a convex path it has a maximum, 1/(4
     kappa), at half the radius of curvature. The lower root of the quadratic equation is computed
     from the upper one, to avoid cancellation.
     """

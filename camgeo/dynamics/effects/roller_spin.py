@@ -14,7 +14,7 @@ It rolls while |T| is at most mu_T |N|, with the coefficient of traction mu_T. W
 groove changes flanks, it must reverse its spin, and skids whatever the traction (Norton, Cam Design
 and Manufacturing Handbook, on form-closed followers and roller slip; Newton's second law for
 rotation). Each of the two rollers of a yoke keeps its sense of spin, but nothing drives it while
-the other one carries. How far it skids is in `camgeo.dynamics.effects.roller_spin.result`.
+the other one carries. How far it skids is in `camgeo.dynamics.effects.roller_spin`.
 """
 
 from __future__ import annotations
@@ -681,7 +681,7 @@ class Rolling:
         return np.asarray(needed + self._shared(phi, side) * self.pressing(phi, side))
 
     def _shared(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) f_t, see `camgeo.dynamics.effects.friction.result`."""
+        """(n,) f_t, see `camgeo.dynamics.effects.friction`."""
         friction = self.contact.friction
         if not self.alone or friction is None:
             return bearing_of(self.contact, phi, side).tangential

@@ -1,1 +1,0 @@
-"""Effect `balance`: mass, centre of mass and unbalance of the disc."""

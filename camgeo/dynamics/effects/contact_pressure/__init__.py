@@ -1,1 +1,0 @@
-"""Effect `contact-pressure`: Hertzian pressure between cam and follower."""

@@ -1,1 +1,0 @@
-"""Effect `drive-torque`: the torque that the camshaft needs."""

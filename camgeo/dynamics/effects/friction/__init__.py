@@ -1,1 +1,0 @@
-"""Effect `friction`: Coulomb, rolling and viscous friction, and the margin against jamming."""

@@ -1,1 +1,0 @@
-"""Effect `gravity`: the weights of the masses."""

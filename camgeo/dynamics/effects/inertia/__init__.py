@@ -1,1 +1,0 @@
-"""Effect `inertia`: the masses that are moved, and their inertia forces."""

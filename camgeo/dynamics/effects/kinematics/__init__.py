@@ -1,1 +1,0 @@
-"""Effect `kinematics`: velocity, acceleration and jerk in time."""

@@ -1,1 +1,0 @@
-"""Effect `load`: the process force over the cam angle."""

@@ -1,1 +1,0 @@
-"""Effect `power-balance`: where the power of the camshaft goes."""

@@ -1,1 +1,0 @@
-"""Effect `reactions`: forces in the bearings of follower and camshaft."""

@@ -1,1 +1,0 @@
-"""Effect `roller-spin`: how the roller turns, and where it skids."""

@@ -1,1 +1,0 @@
-"""Effect `shock-spectrum`: the residual vibration after each move."""

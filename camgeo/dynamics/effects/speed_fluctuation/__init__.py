@@ -1,1 +1,0 @@
-"""Effect `speed-fluctuation`: speed of a motor-driven cam over a turn in its steady state."""

@@ -1,1 +1,0 @@
-"""Effect `spring`: a linear spring that closes the contact."""

@@ -1,1 +1,0 @@
-"""Effect `spring-surge`: waves in a helical spring that harmonics of the lift excite."""

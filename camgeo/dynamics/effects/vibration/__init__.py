@@ -1,1 +1,0 @@
-"""Effect `vibration`: an elastic follower train in its steady state."""
