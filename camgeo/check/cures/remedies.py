@@ -539,7 +539,8 @@ def face_out(task: Task) -> Cure:
         return {key: float(Decimal(repr(each)) + more) for key, each in present.items()}
 
     def made(value: float) -> Discs:
-        return task.discs.sized(**{_field(key): mm * each for key, each in raised(value).items()})
+        sizes = {_field(key): mm * each for key, each in raised(value).items()}
+        return task.discs.sized(0, **sizes)
 
     length = _sought(task, Size(old, old, made), (old, LARGEST_BASE * old), raised)
     first, *others = follower.raised_by

@@ -649,7 +649,7 @@ class Discs(tuple[Cam, ...]):
 
     def followed(self, neck: Neck) -> Neck | None:
         """The same neck of other discs; None if it cannot be followed."""
-        return self._neck(neck.disc, *map(self._angle, (neck.first, neck.second)))
+        return self._neck(neck.disc, self._angle(neck.first), self._angle(neck.second))
 
     def _neck(self, number: int, first: float, second: float) -> Neck | None:
         cam = self[number]
@@ -668,7 +668,7 @@ class Discs(tuple[Cam, ...]):
         if not any(np.all(distance * facing > 0.0) for distance in cam.distances):
             return None
         clearance = abs(chord) - 2.0 * cam.disc.flank_distance
-        return Neck(number, *map(self._place, ends), clearance)
+        return Neck(number, self._place(ends[0]), self._place(ends[1]), clearance)
 
     def _place(self, angle: float) -> Place:
         number = self.segment_at(angle % math.tau)

@@ -191,7 +191,7 @@ def _behind(
 
     @recalling
     def push(response: Response, phi: FloatArray, side: Side) -> FloatArray:
-        return Output(clock, response).forces([0], phi, side)[0]
+        return np.asarray(Output(clock, response).forces([0], phi, side)[0])
 
     def base(phi: FloatArray, side: Side) -> FloatArray:
         return in_time(clock.motion.jet(phi, side), clock.course, phi)[:3]
