@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
 
 import numpy as np
 
@@ -343,10 +343,8 @@ class Breadth:
         """(k,) cam angles [rad] at which the formula changes on either side."""
         return _on_both_sides(self.motion.borders)
 
-    @property
-    def dwells(self) -> tuple[Dwell, ...]:
-        """None: where both sides dwell the slope is simply 0."""
-        return ()
+    dwells: ClassVar[tuple[Dwell, ...]] = ()
+    """None: where both sides dwell the slope is simply 0."""
 
     def width(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) w [mm] at `phi` (n,) [rad]."""

@@ -627,9 +627,9 @@ def key_of(number: int, segment: Segment, what: str) -> str:
     return f"motion[{number + 1}].{'dwell' if isinstance(segment, Dwell) else what}"
 
 
-def degrees(value: Decimal) -> str:
+def degrees(value: Value) -> str:
     """An angle as a scene would write it, for a sentence."""
-    return f"{value.normalize():f}" if value else "0"
+    return f"{Decimal(value).normalize():f}" if value else "0"
 
 
 # -- laws -----------------------------------------------------------------------------------------
@@ -1078,10 +1078,7 @@ def _longer_segments(old: MotionPlan, new: MotionPlan, places: Sequence[int]) ->
 
 
 def _told(change: Change) -> str:
-    old, new = change.value_from, change.value_to
-    assert isinstance(old, Decimal)
-    assert isinstance(new, Decimal)
-    return f"{change.key} {degrees(new)} deg instead of {degrees(old)}"
+    return f"{change.key} {degrees(change.value_to)} deg instead of {degrees(change.value_from)}"
 
 
 # -- remedies -------------------------------------------------------------------------------------

@@ -106,8 +106,8 @@ def compute(request: Request[BalanceRequirements]) -> Balance:
         counterweight = 0.0 if balanced else abs(unbalance) / data.counterweight_radius
         findings.append(counterweight_finding(counterweight, data.counterweight_radius, unbalance))
     holes = None
-    if not balanced and data.hole_radius is not None:
-        holes, finding = _holes(part, data, unbalance, per_area)
+    if not balanced and data.holes is not None:
+        holes, finding = _holes(part, *data.holes, unbalance, per_area)
         findings.append(finding)
     return Balance(
         findings=tuple(findings),
@@ -123,12 +123,9 @@ def compute(request: Request[BalanceRequirements]) -> Balance:
 
 
 def _holes(
-    part: Part, data: BalanceRequirements, unbalance: complex, per_area: float
+    part: Part, radius: float, largest: float, unbalance: complex, per_area: float
 ) -> tuple[Row | None, Finding]:
     """The fewest holes that fit, with the finding; or the finding that says why none do."""
-    radius, largest = data.hole_radius, data.hole_diameter
-    assert radius is not None
-    assert largest is not None  # the data has both or none
     reason = ""
     room: Room | None = None
     try:

@@ -388,16 +388,20 @@ class ForceBalance:
         if self.bearings is None:
             np.divide(np.abs(needed), reserve, out=found, where=loaded)
         else:
-            found[loaded] = self._under_loads(phi, side, rates, sense)[loaded]
+            found[loaded] = self._under_loads(self.bearings, phi, side, rates, sense)[loaded]
         found *= sense
         return found
 
     def _under_loads(
-        self, phi: FloatArray, side: Side, rates: FloatArray, sense: FloatArray
+        self,
+        bearings: BearingFriction,
+        phi: FloatArray,
+        side: Side,
+        rates: FloatArray,
+        sense: FloatArray,
     ) -> FloatArray:
         """(n,) |N| on the side `sense` (n,) with friction in the bearings."""
-        found, bearings = np.zeros(len(phi)), self.bearings
-        assert bearings is not None
+        found = np.zeros(len(phi))
         demand, drag = self.demand(phi, side, rates), bearings.drag(phi, side)
         own = at_rates(bearings.own(phi, side), rates)
         for flank in (INNER, OUTER):
@@ -411,10 +415,9 @@ class ForceBalance:
             found[here] = n[here]
         return found
 
-    def bearing_loads(self, phi: FloatArray, side: Side) -> ComplexArray:
+    def bearing_loads(self, bearings: BearingFriction, phi: FloatArray, side: Side) -> ComplexArray:
         """(k, n) the loads that rub in pivot or guide, at the speed of the scene."""
-        bearings, rates = self.bearings, self.rates(phi, side)
-        assert bearings is not None
+        rates = self.rates(phi, side)
         normal = self.normal(phi, side, rates)
         per = on_carrier(normal, lambda sense: bearings.rubbing.per_normal(phi, side, sense))
         return np.asarray(at_rates(bearings.own(phi, side), rates) + per * np.abs(normal))
@@ -483,9 +486,10 @@ def load_edges(balance: ForceBalance, edges: FloatArray) -> FloatArray:
 
     Its friction has a kink there; that of a pivot has none, unless its load is 0.
     """
-    if balance.bearings is None or balance.subject.cam.follower.pivot is not None:
+    bearings = balance.bearings
+    if bearings is None or balance.subject.cam.follower.pivot is not None:
         return edges
-    return with_roots(lambda phi: balance.bearing_loads(phi, "right").real, edges)
+    return with_roots(lambda phi: balance.bearing_loads(bearings, phi, "right").real, edges)
 
 
 def refuse_jamming(balance: ForceBalance, edges: FloatArray) -> None:

@@ -302,7 +302,9 @@ def pressure_findings(worst: Worst, data: PressureRequirements) -> tuple[Finding
             "mm",
         ),
         _needed_width(worst, pressure, data),
-        _needed_radius(worst, data) if worst.roller is None else _needed_roller(worst, data),
+        _needed_radius(worst, data)
+        if worst.roller is None
+        else _needed_roller(worst, worst.roller, data),
     )
 
 
@@ -325,9 +327,8 @@ def _needed_radius(worst: Worst, data: PressureRequirements) -> Finding:
     return placed("needed-radius-of-curvature", sentence, Extreme(needed, worst.angle), "mm")
 
 
-def _needed_roller(worst: Worst, data: PressureRequirements) -> Finding:
+def _needed_roller(worst: Worst, roller: float, data: PressureRequirements) -> Finding:
     """The roller radius for the allowed pressure, with the same pitch curve and force."""
-    assert worst.roller is not None  # a flat face has its own finding
     name, load = "needed-roller-radius", worst.load / worst.width
     radii = roller_radii(needed_radius(load, data.modulus, data.allowed), worst.curvature)
     goal = f"for {data.allowed:.6g} MPa {worst.place} with the same pitch curve"
@@ -344,9 +345,9 @@ def _needed_roller(worst: Worst, data: PressureRequirements) -> Finding:
             cam_angle=worst.angle,
         )
     low, high = radii
-    nearest = high if worst.roller > high else low
+    nearest = high if roller > high else low
     upper = "or more" if math.isinf(high) else f"to {high:.6g} mm"
-    sentence = f"roller radius needed {goal}: {low:.6g} mm {upper}; it is {worst.roller:g} mm"
+    sentence = f"roller radius needed {goal}: {low:.6g} mm {upper}; it is {roller:g} mm"
     return placed(name, sentence, Extreme(nearest, worst.angle), "mm")
 
 

@@ -771,15 +771,14 @@ class BalanceRequirements:
     density : of the disc [t/mm^3].
     counterweight_radius : distance of the counterweight's centre of mass from the cam axis [mm];
         None for no counterweight.
-    hole_radius : distance of balancing holes from the cam axis [mm]; None for no holes.
-    hole_diameter : the largest diameter allowed [mm]; None without holes.
+    holes : distance of balancing holes from the cam axis, and the largest diameter allowed [mm];
+        None for no holes.
     grade : balance quality grade G [mm/s]; None for no requirement.
     """
 
     density: float
     counterweight_radius: float | None = None
-    hole_radius: float | None = None
-    hole_diameter: float | None = None
+    holes: tuple[float, float] | None = None
     grade: float | None = None
 
 
@@ -793,5 +792,6 @@ def parse_balance(table: Values) -> BalanceRequirements:
     )
     values = {**table, "density": density_of({"material": USUAL, **table})}
     if "hole_radius" in table:
-        values.setdefault("hole_diameter", LARGEST_HOLE * table["hole_radius"])
+        radius = table["hole_radius"]
+        values["holes"] = radius, table.get("hole_diameter", LARGEST_HOLE * radius)
     return data_of(BalanceRequirements, values)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Final, Literal
+from typing import ClassVar, Final, Literal
 
 import numpy as np
 
@@ -92,15 +92,8 @@ class Demanded:
     cam: Cam | None
     course: TimeCourse | None
 
-    @property
-    def model(self) -> Model:
-        """See `State`."""
-        return "demanded"
-
-    @property
-    def sense(self) -> int:
-        """See `State`."""
-        return 0
+    model: ClassVar[Model] = "demanded"
+    sense: ClassVar[int] = 0
 
     @property
     def motion(self) -> Motion:
@@ -139,7 +132,6 @@ class Demanded:
 
     def on_corner(self, phi: FloatArray, side: Side) -> BoolArray:
         """See `State`: nowhere, the flank is taken to be whole."""
-        del side
         return np.zeros(len(phi), dtype=np.bool_)
 
     def output_extremes(self, course: TimeCourse) -> TimeExtremes:

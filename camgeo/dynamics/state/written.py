@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Final, Protocol, Self
+from typing import ClassVar, Final, Protocol, Self
 
 import numpy as np
 
@@ -43,7 +43,7 @@ from camgeo.part.part import Part, written_contour
 from camgeo.units import TURN
 
 KEY: Final = "state.motion"
-MODEL: Final = "written"
+MODEL: Final[Model] = "written"
 
 
 @dataclass(frozen=True)
@@ -217,10 +217,7 @@ class OfOutline(OnDisc):
     The only flank of its `cam` is trimmed, and on its `replay` the lift does not jump.
     """
 
-    @property
-    def model(self) -> Model:
-        """See `State`."""
-        return "outline"
+    model: ClassVar[Model] = "outline"
 
     @property
     def sense(self) -> int:
@@ -454,10 +451,7 @@ class Written(OnDisc):
     sense: int
     touches: bool = True
 
-    @property
-    def model(self) -> Model:
-        """See `State`."""
-        return MODEL
+    model: ClassVar[Model] = MODEL
 
     @cached_property
     def motion(self) -> WrittenMotion:

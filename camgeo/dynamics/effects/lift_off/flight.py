@@ -1064,7 +1064,13 @@ class ElasticFollower:
     most_turns: ClassVar[int] = MOST_ELASTIC_TURNS
 
     @classmethod
-    def with_train(cls, free: FreeFollower, flank: Flank, leaps: tuple[Leaving, ...]) -> Self:
+    def with_train(
+        cls,
+        free: FreeFollower,
+        flank: Flank,
+        behind: ElasticTrain,
+        leaps: tuple[Leaving, ...] = (),
+    ) -> Self:
         """The follower `free` of `flank` with its train, whose masses are no part of its own.
 
         Raises
@@ -1072,10 +1078,7 @@ class ElasticFollower:
         EffectError
             If it vibrates so fast that its flights have too many cells.
         """
-        contact = flank.contact
-        behind = contact.behind
-        assert behind is not None  # as the caller has seen
-        mass = behind.mass
+        contact, mass = flank.contact, behind.mass
 
         def in_front(phi: FloatArray, q: FloatArray) -> FloatArray:
             both = free.inertia.at(phi, q)
