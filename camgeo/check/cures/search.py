@@ -23,7 +23,7 @@ from camgeo.geometry.together import one_curve
 from camgeo.kinematics.mechanism.several import alike
 from camgeo.kinematics.plan import SNAP, Dwell, MotionPlan
 from camgeo.lazy import Ledger
-from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.arrays import SIDES, FloatArray, Side
 from camgeo.numeric.extremes import bracketed_roots
 from camgeo.units import TURN
 
@@ -324,8 +324,6 @@ def _highest(low: FloatArray, middle: FloatArray, high: FloatArray) -> FloatArra
 # values of a size it is broken too. What no place decides by itself, as whether a flank crosses
 # itself, is left to the checks.
 
-
-SIDES: Final[tuple[Side, Side]] = ("right", "left")
 
 Range = tuple[float, float]
 """Cam angles [rad] of two breaks, or the ends of a dwell."""
