@@ -32,7 +32,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.vibration.result import Clock, clock_of
+from camgeo.dynamics.effects.vibration import Clock, clock_of
 from camgeo.dynamics.oscillator.steady import Base, Response, steady_state
 from camgeo.dynamics.oscillator.train import one_mass
 from camgeo.numeric.arrays import FloatArray, Side

@@ -168,13 +168,9 @@ TYPES: Final = {
 
 
 def schema_beside(file: str, name: str = "") -> dict[str, Any]:
-    """The JSON Schema `name` in the folder of the module `file`.
-
-    By default the one with the module's stem, or schema.json for a package.
-    """
+    """The JSON Schema `name` in the folder of the module `file`, by default that with its stem."""
     path = pathlib.Path(file)
-    stem = name or ("schema" if path.stem == "__init__" else path.stem)
-    found: dict[str, Any] = json.loads(path.with_name(f"{stem}.json").read_bytes())
+    found: dict[str, Any] = json.loads(path.with_name(f"{name or path.stem}.json").read_bytes())
     return found
 
 

@@ -24,11 +24,11 @@ from camgeo.app.answers.check import check
 from camgeo.app.answers.explain import Explanation, explain, tree_lines
 from camgeo.check.finding import MOST_ALIKE
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.balance.result import MOST_HOLES
-from camgeo.dynamics.effects.contact_pressure.result import HEAVY, SHEAR_DEPTH, SHEAR_SHARE
+from camgeo.dynamics.effects.balance import MOST_HOLES
+from camgeo.dynamics.effects.contact_pressure import HEAVY, SHEAR_DEPTH, SHEAR_SHARE
 from camgeo.dynamics.effects.effect import TOLERANCE
-from camgeo.dynamics.effects.friction.result import NEAR
-from camgeo.dynamics.effects.gravity.result import STANDARD_GRAVITY
+from camgeo.dynamics.effects.friction import NEAR
+from camgeo.dynamics.effects.gravity import STANDARD_GRAVITY
 from camgeo.dynamics.effects.lift_off.elastic_speed import MOST_STEPS, SEARCHED
 from camgeo.dynamics.effects.lift_off.flight import (
     MOST_ELASTIC_TURNS,
@@ -38,10 +38,10 @@ from camgeo.dynamics.effects.lift_off.flight import (
 )
 from camgeo.dynamics.effects.registry import EFFECTS, find_effect
 from camgeo.dynamics.effects.results import STABLE
-from camgeo.dynamics.effects.shock_spectrum.result import measured
-from camgeo.dynamics.effects.spring_surge.result import CLEAR
-from camgeo.dynamics.effects.spring_surge.result import FARTHEST as FARTHEST_SURGE
-from camgeo.dynamics.effects.vibration.result import AMPLIFICATION, SETTLED
+from camgeo.dynamics.effects.shock_spectrum import measured
+from camgeo.dynamics.effects.spring_surge import CLEAR
+from camgeo.dynamics.effects.spring_surge import FARTHEST as FARTHEST_SURGE
+from camgeo.dynamics.effects.vibration import AMPLIFICATION, SETTLED
 from camgeo.dynamics.oscillator.steady import QUIET, Shock, shock
 from camgeo.kinematics.laws import FAMILIES, make_law
 from camgeo.kinematics.laws.law import Law

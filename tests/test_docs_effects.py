@@ -177,7 +177,7 @@ def test_an_effect_can_find_what_is_reported(name: str) -> None:
     findings, columns = found_of(name)
     rest = (told_findings(name) - findings) | (told_columns(name) - columns)
     patterns = written_of(name)
-    # A load of `camgeo.dynamics.effects.reactions.result` names its finding.
+    # A load of `camgeo.dynamics.effects.reactions` names its finding.
     patterns += [f"largest-{text.replace(re.escape(' '), '-')}" for text in patterns]
     assert [each for each in rest if not any(re.fullmatch(p, each) for p in patterns)] == []
 

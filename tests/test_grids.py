@@ -225,7 +225,7 @@ CLOSED: dict[str, dict[str, str]] = {
         "np.arange(TIMES)": NODES,
         "np.arange(1, NODES)": NODES,
     },
-    "camgeo/dynamics/effects/speed_fluctuation/result.py": {
+    "camgeo/dynamics/effects/speed_fluctuation.py": {
         "np.linspace(0.0, 2.0 * top, GUESSES)": (
             "a speed to begin with; the steady state is solved to its tolerance from it, or marched"
         ),

@@ -6,18 +6,18 @@ import math
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
 
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.path import Flank
+from camgeo.geometry.outline.path import Flank, Path, whole
 from camgeo.geometry.pieces import Extremes, curvature_extremes, extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.linkage import linked
+from camgeo.kinematics.mechanism.linkage import FarEnd, Linkage, far_end, linked
 from camgeo.kinematics.mechanism.values import Length, Member
-from camgeo.kinematics.motion import Dwell, Jet, Motion
+from camgeo.kinematics.motion import Dwell, Jet, Motion, turning_angles
 from camgeo.kinematics.plan import MotionPlan
 from camgeo.lazy import Ledger, built, lazy
 from camgeo.numeric.arrays import FloatArray, Side, merged
@@ -27,11 +27,9 @@ from camgeo.units import TURN, LiftUnit
 
 if TYPE_CHECKING:
     from camgeo.geometry.outline.outline import Outline
-    from camgeo.geometry.outline.path import Path
     from camgeo.geometry.outline.replay import Replay
     from camgeo.kinematics.mechanism.conjugate import Mount
     from camgeo.kinematics.mechanism.follower import Follower
-    from camgeo.kinematics.mechanism.linkage import FarEnd, Linkage
     from camgeo.kinematics.time_course import SpeedCurve, TimeCourse
 
 
@@ -194,7 +192,6 @@ class Disc(Pickled):
     def pitch_path(self) -> Path:
         """The pitch curve, with its corners where the velocity jumps."""
         from camgeo.geometry.outline.envelope import Envelope
-        from camgeo.geometry.outline.path import Path
 
         return Path(Envelope(WorkingCurve(self.pitch_curve, 0.0)).elements)
 
@@ -202,7 +199,6 @@ class Disc(Pickled):
     def untrimmed_paths(self) -> tuple[Path, Path]:
         """Inner and outer flank all round, with what undercut would cut off."""
         from camgeo.geometry.outline.envelope import Envelope
-        from camgeo.geometry.outline.path import Path
 
         inner, outer = (Path(Envelope(self.curve(flank)).elements) for flank in Flank)
         return inner, outer
@@ -210,8 +206,6 @@ class Disc(Pickled):
     @property
     def flank_paths(self) -> tuple[Path, Path]:
         """Inner and outer outline; the whole curve for the flank on which no roller runs."""
-        from camgeo.geometry.outline.path import whole
-
         used = self.contact.flanks
         inner, outer = (
             self.outline(flank).path if flank in used else whole(self.curve(flank))
@@ -349,10 +343,8 @@ class Breadth:
         """(k,) cam angles [rad] at which the formula changes on either side."""
         return _on_both_sides(self.motion.borders)
 
-    @property
-    def dwells(self) -> tuple[Dwell, ...]:
-        """None: where both sides dwell the slope is simply 0."""
-        return ()
+    dwells: ClassVar[tuple[Dwell, ...]] = ()
+    """None: where both sides dwell the slope is simply 0."""
 
     def width(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) w [mm] at `phi` (n,) [rad]."""
@@ -509,7 +501,6 @@ class Drive(Pickled):
         """The far end of the linkage with the follower anywhere; None without a linkage."""
         if self.linkage is None:
             return None
-        from camgeo.kinematics.mechanism.linkage import far_end  # few followers leave the cam
 
         return far_end(self.plan, self.linkage)
 
@@ -551,16 +542,12 @@ class Drive(Pickled):
     @property
     def far_angle(self) -> float:
         """The first cam angle [rad] at which the prescribed motion is farthest from its start."""
-        from camgeo.kinematics.motion import turning_angles
-
         angles = merged(np.concatenate((self.plan.borders, turning_angles(self.plan))))
         return float(angles[np.argmax(np.abs(self.plan.jet(angles)[0]))]) if len(angles) else 0.0
 
 
 def smooth_angles(motion: Motion, course: TimeCourse | None) -> FloatArray:
     """(k,) cam angles [rad] as of `Drive.smooth_angles`, for a follower with this `motion`."""
-    from camgeo.kinematics.motion import turning_angles
-
     edges = [motion.borders, turning_angles(motion), np.array([0.0, TURN])]
     if course is not None:
         edges.append(course.borders)

@@ -31,19 +31,19 @@ from camgeo.check.finding import (
     held,
     is_slow,
 )
-from camgeo.check.machine import LINKAGE, check_closure, check_follower, linkage_findings
+from camgeo.check.machine import LINKAGE, check_follower, linkage_findings
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.convex import SMALLEST, Convexity, convexity
+from camgeo.geometry.outline.convex import SMALLEST, Convexity, convexity, touch
 from camgeo.geometry.outline.face import contact_places
 from camgeo.geometry.outline.outline import CUSP, INSIDE, Outline, undercut_ranges
-from camgeo.geometry.outline.path import Flank, Path
+from camgeo.geometry.outline.path import Flank, Path, area
 from camgeo.geometry.pieces import Extremes, extremes, extremes_of_each, turn_cells, turn_enclosed
-from camgeo.geometry.pitch_curve import STANDSTILL, PitchCurve
+from camgeo.geometry.pitch_curve import STANDSTILL, PitchCurve, joints
 from camgeo.geometry.together import curves_together
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.face import flat_follower
 from camgeo.lazy import Ledger
-from camgeo.numeric.arrays import FloatArray, Quantity, Side
+from camgeo.numeric.arrays import FloatArray, Quantity, Side, resolved
 from camgeo.numeric.kept import kept_with_each
 from camgeo.units import TURN, LiftUnit, at_cam_angles, cam_angle, counted, over_cam_angles
 
@@ -331,8 +331,6 @@ def check_outline(
         )
         found.append(Finding(crossing, severity, sentence, width, 0.0, "deg", start, where))
     for lobe in outline.lobes:
-        from camgeo.geometry.outline.path import area  # few cams have lobes to be measured
-
         size = abs(area(lobe))
         sentence = f"{name} flank: a lobe of {size:.6g} mm^2 is cut off and falls away"
         found.append(Finding(f"lobe-{name}", severity, sentence, size, 0.0, "mm^2"))
@@ -634,8 +632,6 @@ def _of_roller(curve: PitchCurve) -> Quantity:
 
 def _of_face(curve: PitchCurve) -> Quantity:
     """The same for a flat face, where the angle depends on the position of the contact alone."""
-    from camgeo.geometry.outline.convex import touch  # few cams have a flat face
-
     return lambda phi, side: touch(curve, phi, side).contact
 
 
@@ -684,3 +680,42 @@ def check_side_clearance(curve: PitchCurve, clearance: float) -> Finding:
     else:
         sentence = f"{head} up to ±{value:.4g} {unit}, {place}"
     return Finding("side-clearance", "ok", sentence, value, unit=unit, cam_angle=phi)
+
+
+# -- closure --------------------------------------------------------------------------------------
+# Checks of how the pitch curve joins at its breaks and after a full turn.
+
+
+POINT_LIMIT = 1e-12
+"""Largest gap as a fraction of the base radius: four hundred times the rounding of the curve."""
+
+TANGENT_LIMIT = 1e-9
+"""Largest angle between the tangents at a joint [rad]."""
+
+
+def check_closure(curve: PitchCurve, severity: Severity = "no-disc") -> tuple[Finding, ...]:
+    """Closure of the pitch curve and of its tangent.
+
+    `severity` is that of a corner in the pitch curve: "no-disc" if no disc is made then, else
+    "broken".
+    """
+    join = joints(curve)
+    limit = POINT_LIMIT * (
+        curve.follower.base_radius + float(np.max(np.abs(curve.point(join.phi))))
+    )
+    at_gap, at_turn = int(np.argmax(join.gaps)), int(np.argmax(join.turns))
+    gap = float(join.gaps[at_gap])
+    turn = math.degrees(resolved(float(join.turns[at_turn]), 1.0))
+    place = float(join.phi[at_turn])
+    statement = f"largest gap of the pitch curve at a joint {gap:.2g} mm"
+    turned = f"largest angle between the tangents at a joint {turn:.2g} deg {at_cam_angles(place)}"
+    corner: Severity = "ok"
+    if join.turns[at_turn] > TANGENT_LIMIT:
+        corner = severity
+        turned += ", a shock: the velocity of the follower jumps"
+    closed: Severity = "no-disc" if gap > limit else "ok"
+    most = math.degrees(TANGENT_LIMIT)
+    return (
+        Finding("closure", closed, statement, gap, limit, "mm", float(join.phi[at_gap])),
+        Finding("tangent-closure", corner, turned, turn, most, "deg", place),
+    )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 from functools import partial
 from typing import Annotated, Any, Final, Literal, overload
 
@@ -245,6 +246,22 @@ def held(
     verdict = f"{beyond if broken else within} {limit:g} {unit}".rstrip()
     severity: Severity = "broken" if broken else "ok"
     return Finding(name, severity, f"{statement}, {verdict}", value, limit, unit, cam_angle)
+
+
+DIGITS: Final = 6
+"""Significant digits of a value in a sentence, unless more are needed."""
+
+
+def rounded_beyond(value: float, digits: int, *, upward: bool, steps: int = 0) -> str:
+    """`value` rounded up or down to significant digits, to the side on which it cures, and `steps`
+    units of the last digit farther.
+    """
+    exact = Decimal(value)
+    if not exact and not steps:
+        return "0"
+    step = Decimal(1).scaleb((exact.adjusted() if exact else 0) + 1 - digits)
+    rounded = exact.quantize(step, rounding=ROUND_CEILING if upward else ROUND_FLOOR)
+    return f"{(rounded + (steps if upward else -steps) * step).normalize():f}"
 
 
 def forbidding(findings: Iterable[Finding]) -> tuple[Finding, ...]:

@@ -1,4 +1,4 @@
-"""Checks of the machine: linkage, form closure, roller and guide, and how the pitch curve joins."""
+"""Checks of the machine: its linkage, and whether roller and guide make a cam mechanism at all."""
 
 from __future__ import annotations
 
@@ -7,25 +7,20 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.cam.cam import Breadth, Drive
-from camgeo.check.finding import Finding, Limits, Severity, held, is_slow
-from camgeo.geometry.pieces import extremes
-from camgeo.geometry.pitch_curve import PitchCurve, joints
+from camgeo.cam.cam import Drive
+from camgeo.check.finding import Finding, Limits, held, is_slow
 from camgeo.kinematics.mechanism.follower import Follower
 from camgeo.kinematics.mechanism.linkage import (
     BACK,
     OUT,
     Linkage,
     LinkedMotion,
-    MonotoneRuns,
     clear_range,
     kept_between,
-    monotone_runs,
     position_text,
 )
-from camgeo.numeric.arrays import FloatArray, Side, resolved
 from camgeo.numeric.kept import kept_with_owner
-from camgeo.units import at_cam_angles, cam_angle
+from camgeo.units import cam_angle
 
 LINKAGE: Final = "linkage"
 """Name of the check of the linkage."""
@@ -85,21 +80,20 @@ def check_linkage(motion: LinkedMotion, limit: float | None = None) -> tuple[Fin
     coupler and the follower's member, says how well a force at the far end drives the follower
     back; it has no limit.
     """
-    runs = monotone_runs(motion.demanded)
-    spare = _to_dead_centre(motion, runs)
+    spare = _to_dead_centre(motion)
     branch = _branch(motion.linkage)
     if spare.severity == "no-disc":
         return (spare, *branch)
-    return (spare, _out(motion.linkage, runs, limit), _back(motion.linkage, runs), *branch)
+    return (spare, _out(motion, limit), _back(motion), *branch)
 
 
-def _to_dead_centre(motion: LinkedMotion, runs: MonotoneRuns) -> Finding:
+def _to_dead_centre(motion: LinkedMotion) -> Finding:
     """The length to spare where the linkage is nearest to a dead centre."""
     linkage = motion.linkage
-    position, missing = motion.tightest(runs.range)
+    position, missing = motion.tightest(motion.runs.range)
     spare = max(0.0, -missing)
     limit = DEAD_CENTRE * (linkage.crank + linkage.coupler)
-    place, phi = _place(linkage, runs, position)
+    place, phi = _place(motion, position)
     what, infinite = LINES[linkage.member]
     if spare > limit:
         sentence = f"the linkage stays {spare:.6g} mm clear of a dead centre, nearest {place}"
@@ -111,10 +105,11 @@ def _to_dead_centre(motion: LinkedMotion, runs: MonotoneRuns) -> Finding:
     return Finding("dead-centre", "no-disc", sentence, spare, limit, "mm", phi)
 
 
-def _out(linkage: Linkage, runs: MonotoneRuns, limit: float | None) -> Finding:
+def _out(motion: LinkedMotion, limit: float | None) -> Finding:
     """The smallest angle between coupler and far member, or where that member cannot be driven."""
-    name, (sine, position) = "linkage-transmission-angle", _smallest(linkage, runs, OUT)
-    place, phi = _place(linkage, runs, position)
+    name, linkage = "linkage-transmission-angle", motion.linkage
+    sine, position = _smallest(motion, OUT)
+    place, phi = _place(motion, position)
     angle = math.degrees(math.asin(min(1.0, sine)))
     least = None if limit is None else math.degrees(limit)
     if sine > DEAD_CENTRE:
@@ -130,23 +125,24 @@ def _out(linkage: Linkage, runs: MonotoneRuns, limit: float | None) -> Finding:
     return Finding(name, "no-disc", sentence, 0.0, least, "deg", phi)
 
 
-def _back(linkage: Linkage, runs: MonotoneRuns) -> Finding:
+def _back(motion: LinkedMotion) -> Finding:
     """The smallest angle between coupler and the follower's member."""
-    sine, position = _smallest(linkage, runs, BACK)
+    sine, position = _smallest(motion, BACK)
     angle = math.degrees(math.asin(min(1.0, sine)))
-    place, phi = _place(linkage, runs, position)
+    place, phi = _place(motion, position)
     sentence = (
         f"driven back, smallest transmission angle {angle:.3f} deg, between coupler and"
-        f" {BETWEEN[linkage.member][BACK]}, {place}"
+        f" {BETWEEN[motion.linkage.member][BACK]}, {place}"
     )
     return Finding("linkage-back-angle", "ok", sentence, angle, unit="deg", cam_angle=phi)
 
 
-def _smallest(linkage: Linkage, runs: MonotoneRuns, way: int) -> tuple[float, float]:
+def _smallest(motion: LinkedMotion, way: int) -> tuple[float, float]:
     """Smallest magnitude of the sine of a transmission angle, and its position [mm or rad].
 
     Exact: it is at an end of the motion, where the far member is stuck, or where the angle turns.
     """
+    linkage, runs = motion.linkage, motion.runs
     low, high = runs.range
     positions = [low, high]
     if way == OUT:
@@ -162,10 +158,10 @@ def _smallest(linkage: Linkage, runs: MonotoneRuns, way: int) -> tuple[float, fl
     return float(sines[least]), positions[least]
 
 
-def _place(linkage: Linkage, runs: MonotoneRuns, position: float) -> tuple[str, float]:
+def _place(motion: LinkedMotion, position: float) -> tuple[str, float]:
     """A position in words, and the first cam angle [rad] at which the motion is there."""
-    phi = runs.first_angle(position)
-    return f"at {position_text(linkage, position)}, cam angle {cam_angle(phi)} deg", phi
+    phi = motion.runs.first_angle(position)
+    return f"at {position_text(motion.linkage, position)}, cam angle {cam_angle(phi)} deg", phi
 
 
 def _branch(linkage: Linkage) -> tuple[Finding, ...]:
@@ -178,118 +174,6 @@ def _branch(linkage: Linkage) -> tuple[Finding, ...]:
         " dimensions are defined for a parallel one: the other `branch` may be meant"
     )
     return (Finding("linkage-branch", "warning", statement, tilt, limit, "deg", cam_angle=0.0),)
-
-
-# -- form closure ---------------------------------------------------------------------------------
-# Checks of what holds a follower both ways: the two discs of a conjugate pair, or a yoke.
-#
-# A normal force N of a disc on its roller does the work N dn on the follower, n positive outward
-# and dn/dq the leverage (`camgeo.geometry.pitch_curve.PitchCurve.leverage`). Discs can only push.
-# So a pair holds the follower both ways where the two leverages have opposite signs, and an error t
-# of a flank along its normal moves the follower by t / |dn/dq|.
-
-
-VANISHING: Final = 1e-12
-"""A product of sines of transmission angles up to this is 0: rounding of the rollers' positions."""
-
-
-def check_pair(
-    main: PitchCurve, other: PitchCurve, tolerance: float, limit: float
-) -> tuple[Finding, ...]:
-    """Form closure of a pair of discs, and the error with which the pair closes.
-
-    Parameters
-    ----------
-    main, other : pitch curves of the main disc and of the return disc, from one motion.
-    tolerance : largest error of either flank along its normal [mm].
-    limit : largest closing error allowed, as travel of the main roller [mm].
-
-    Without form closure there is no closing error. Raises GeometryError where Z' of one of the
-    curves vanishes.
-    """
-    closed = _check_form_closure(main, other)
-    if closed.severity != "ok":
-        return (closed,)
-    return (closed, _check_closing_error(main, other, tolerance, limit))
-
-
-def leverage_slope(curve: PitchCurve, phi: FloatArray, side: Side) -> FloatArray:
-    """(n,) d/dphi of `PitchCurve.leverage`, by the chain rule [1 or mm/rad, per rad].
-
-    With dn/dq = reach u / |Z'| and |Z'|^2 = u^2 + w^2 it is reach w (w u' - u w') / |Z'|^3.
-    """
-    tangent = curve.follower.tangent_jet(curve.motion.jet(phi, side), curve.rotation)
-    (u, u1), (w, w1) = tangent.u, tangent.w
-    speed = np.hypot(u, w)
-    return np.asarray(curve.follower.reach * (w / speed) * ((w * u1 - u * w1) / (speed * speed)))
-
-
-def _check_form_closure(main: PitchCurve, other: PitchCurve) -> Finding:
-    """Whether the product of the leverages, as sines of the transmission angles, is below 0."""
-    scale = 1.0 / abs(main.follower.reach * other.follower.reach)
-
-    def product(phi: FloatArray, side: Side) -> FloatArray:
-        return scale * main.leverage(phi, side) * other.leverage(phi, side)
-
-    def slope(phi: FloatArray, side: Side) -> FloatArray:
-        first, second = main.leverage(phi, side), other.leverage(phi, side)
-        one = leverage_slope(main, phi, side) * second
-        return np.asarray(one + first * leverage_slope(other, phi, side))
-
-    value, phi = extremes(main, product, slope).largest()
-    place = at_cam_angles(phi, form=".4f")
-    bound = (
-        f"product of the leverages as sines of the transmission angles {value + 0.0:.4f} {place}"
-    )
-    if value >= -VANISHING:
-        sentence = (
-            f"the two discs do not hold the follower between them: {bound}, where they do not push"
-            " it in opposite senses"
-        )
-        return Finding("form-closure", "broken", sentence, value + 0.0, 0.0, cam_angle=phi)
-    sentence = (
-        f"the two discs push the follower in opposite senses over the whole turn; largest {bound}"
-    )
-    return Finding("form-closure", "ok", sentence, value, 0.0, cam_angle=phi)
-
-
-def _check_closing_error(
-    main: PitchCurve, other: PitchCurve, tolerance: float, limit: float
-) -> Finding:
-    """Compare the play or squeeze of two discs true to `tolerance` with `limit`."""
-    scale = tolerance * abs(main.follower.reach)
-
-    def play(phi: FloatArray, side: Side) -> FloatArray:
-        either = (1.0 / np.abs(curve.leverage(phi, side)) for curve in (main, other))
-        return scale * sum(either, start=np.zeros(len(phi)))
-
-    def slope(phi: FloatArray, side: Side) -> FloatArray:
-        total = np.zeros(len(phi))
-        for curve in (main, other):
-            lever = curve.leverage(phi, side)
-            total -= leverage_slope(curve, phi, side) / (lever * np.abs(lever))
-        return total
-
-    value, phi = extremes(main, play, slope).largest()
-    statement = (
-        f"with both discs true to {tolerance:g} mm the rollers have at most {value:.6f} mm of"
-        f" play or squeeze, as travel of the main roller, {at_cam_angles(phi, form='.4f')}"
-    )
-    return held("closing-error", statement, value, limit, "mm", phi)
-
-
-def check_breadth(cam: Breadth, breadth: float, limit: float) -> Finding:
-    """Compare how far the width of `cam` is from the `breadth` [mm] of a yoke with `limit` [mm].
-
-    Where the cam is wider the yoke is squeezed, where it is narrower the yoke has play.
-    """
-    (least, narrow), (most, wide) = cam.range
-    error, phi = max((most - breadth, wide), (breadth - least, narrow))
-    statement = (
-        f"yoke of breadth {breadth:.6g} mm: the cam is {least:.6g} to {most:.6g} mm wide, off"
-        f" by up to {error + 0.0:.3g} mm {at_cam_angles(phi, form='.4f')}"
-    )
-    return held("closing-error", statement, error, limit, "mm", phi)
 
 
 # -- follower -------------------------------------------------------------------------------------
@@ -330,42 +214,3 @@ def check_follower(
             Finding("self-locking", "invalid", statement, offset, base, "mm", cam_angle=0.0)
         )
     return tuple(found)
-
-
-# -- closure --------------------------------------------------------------------------------------
-# Checks of how the pitch curve joins at its breaks and after a full turn.
-
-
-POINT_LIMIT = 1e-12
-"""Largest gap as a fraction of the base radius: four hundred times the rounding of the curve."""
-
-TANGENT_LIMIT = 1e-9
-"""Largest angle between the tangents at a joint [rad]."""
-
-
-def check_closure(curve: PitchCurve, severity: Severity = "no-disc") -> tuple[Finding, ...]:
-    """Closure of the pitch curve and of its tangent.
-
-    `severity` is that of a corner in the pitch curve: "no-disc" if no disc is made then, else
-    "broken".
-    """
-    join = joints(curve)
-    limit = POINT_LIMIT * (
-        curve.follower.base_radius + float(np.max(np.abs(curve.point(join.phi))))
-    )
-    at_gap, at_turn = int(np.argmax(join.gaps)), int(np.argmax(join.turns))
-    gap = float(join.gaps[at_gap])
-    turn = math.degrees(resolved(float(join.turns[at_turn]), 1.0))
-    place = float(join.phi[at_turn])
-    statement = f"largest gap of the pitch curve at a joint {gap:.2g} mm"
-    turned = f"largest angle between the tangents at a joint {turn:.2g} deg {at_cam_angles(place)}"
-    corner: Severity = "ok"
-    if join.turns[at_turn] > TANGENT_LIMIT:
-        corner = severity
-        turned += ", a shock: the velocity of the follower jumps"
-    closed: Severity = "no-disc" if gap > limit else "ok"
-    most = math.degrees(TANGENT_LIMIT)
-    return (
-        Finding("closure", closed, statement, gap, limit, "mm", float(join.phi[at_gap])),
-        Finding("tangent-closure", corner, turned, turn, most, "deg", place),
-    )

@@ -348,8 +348,7 @@ def stretch_below(
     As for `stretch_around`; None if it is negative nowhere, or at `place` alone. A root nearer to
     an edge than `INSET` of a piece counts as at the edge.
     """
-    cuts = merged(np.concatenate((edges, [place])))
-    cuts = merged(np.concatenate((cuts, roots_on_grid(function, grid_of(cuts)))))
+    cuts = with_roots(function, merged(np.concatenate((edges, [place]))))
     return stretch_around(cuts, function(0.5 * (cuts[:-1] + cuts[1:])) < 0.0, place)
 
 
@@ -715,6 +714,11 @@ def roots_on_grid(function: Function, grid: FloatArray) -> FloatArray:
         return found if found.ndim == 1 else found[row // of_each, np.arange(len(x))]
 
     return roots_in_rows(in_row, grid, values)[0]
+
+
+def with_roots(function: Function, edges: FloatArray) -> FloatArray:
+    """(k,) `edges` and the roots of `function` between them, see `roots_on_grid`."""
+    return merged(np.concatenate((edges, roots_on_grid(function, grid_of(edges)))))
 
 
 def roots_in_rows(

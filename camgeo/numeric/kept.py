@@ -12,9 +12,10 @@ from functools import wraps
 from threading import Lock
 from typing import Any, Concatenate, Final, Generic, ParamSpec, Protocol, TypeVar
 
+import numpy as np
 from numpy.typing import NDArray
 
-from camgeo.numeric.arrays import FloatArray, Number, Side, read_only
+from camgeo.numeric.arrays import FloatArray, Number, read_only
 
 P = ParamSpec("P")
 Out = TypeVar("Out")
@@ -74,15 +75,17 @@ class Answers(Generic[Out]):
 
 
 def recalling(
-    quantity: Callable[[FloatArray, Side], NDArray[Number]], most: int = MOST_VALUES
-) -> Callable[[FloatArray, Side], NDArray[Number]]:
+    quantity: Callable[P, NDArray[Number]], most: int = MOST_VALUES
+) -> Callable[P, NDArray[Number]]:
     """The same `quantity`, read-only, with its values at the latest cam angles, `most` in total,
-    kept.
+    kept. Of its arguments the arrays are cam angles.
     """
     answers: Answers[NDArray[Number]] = Answers(most)
 
-    def values(phi: FloatArray, side: Side) -> NDArray[Number]:
-        return answers.recall(lambda: read_only(quantity(phi, side)), side, phi)
+    def values(*question: P.args, **_: P.kwargs) -> NDArray[Number]:
+        angles = [each for each in question if isinstance(each, np.ndarray)]
+        way = tuple(each for each in question if not isinstance(each, np.ndarray))
+        return answers.recall(lambda: read_only(quantity(*question, **_)), way, *angles)
 
     return values
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -27,7 +27,8 @@ the rounding of the function exceeds the tolerance, and halving does not help.""
 
 @dataclass(frozen=True, slots=True)
 class Integral:
-    """An integral, an estimate of its absolute error, and the integral of the magnitude.
+    """An integral, an estimate of its absolute error, the integral of the magnitude, and the (m,)
+    integrals between neighbouring edges.
 
     The estimate is the change in the last halving, of which the error is a small fraction; it is at
     least the rounding of the sum, see `camgeo.numeric.arrays`.
@@ -36,23 +37,13 @@ class Integral:
     value: float
     error: float
     magnitude: float
+    parts: FloatArray = field(default_factory=lambda: np.empty(0), compare=False)
 
 
 def piecewise_integral(
     function: Callable[[FloatArray], FloatArray], edges: FloatArray, tolerance: float
 ) -> Integral:
     """The integral of `function` from the first of `edges` to the last.
-
-    See `piecewise_integrals`; the error includes the rounding of the sum.
-    """
-    parts, error, magnitude = _integrals(function, edges, tolerance)
-    return Integral(float(np.sum(parts)), error, magnitude)
-
-
-def piecewise_integrals(
-    function: Callable[[FloatArray], FloatArray], edges: FloatArray, tolerance: float
-) -> tuple[FloatArray, float]:
-    """(m,) the integrals of `function` between neighbouring edges, and the error of their sum.
 
     Parameters
     ----------
@@ -61,14 +52,6 @@ def piecewise_integrals(
     tolerance : a piece is halved until that changes its integral by less than this fraction of the
         integral of the magnitude.
     """
-    parts, error, _ = _integrals(function, edges, tolerance)
-    return parts, error
-
-
-def _integrals(
-    function: Callable[[FloatArray], FloatArray], edges: FloatArray, tolerance: float
-) -> tuple[FloatArray, float, float]:
-    """As `piecewise_integrals`, and the integral of the magnitude."""
     low, high = edges[:-1], edges[1:]
     owner = np.arange(len(low))
     out = np.zeros(len(low))
@@ -100,7 +83,7 @@ def _integrals(
     else:
         np.add.at(out, owner, parts)
         error += float(np.sum(magnitude))
-    return out, error + SHARE * scale, scale
+    return Integral(float(np.sum(out)), error + SHARE * scale, scale, out)
 
 
 def nodes_beside(place: float) -> int:

@@ -239,7 +239,7 @@ BEYOND: Final = 1.25
 
 
 class Moved(Protocol):
-    """A move, see `camgeo.dynamics.effects.shock_spectrum.result.RestToRest`."""
+    """A move, see `camgeo.dynamics.effects.shock_spectrum.RestToRest`."""
 
     @property
     def start(self) -> float: ...
@@ -250,7 +250,7 @@ class Moved(Protocol):
 
 
 class Spectrum(Protocol):
-    """The spectrum of a move, see `camgeo.dynamics.effects.shock_spectrum.result.Spectrum`."""
+    """The spectrum of a move, see `camgeo.dynamics.effects.shock_spectrum.Spectrum`."""
 
     @property
     def move(self) -> Moved: ...

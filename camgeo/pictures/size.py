@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.check.sizing.face import FaceTask
-from camgeo.check.sizing.smallest import Rating, Sizing, flocke_limits, ratio_map, row_limits
+from camgeo.check.sizing.smallest import Rating, Sizing, ratio_map, row_limits
 from camgeo.check.sizing.task import Placing, Task
 from camgeo.numeric.arrays import BoolArray, FloatArray
 from camgeo.pictures.model import (
@@ -159,7 +159,7 @@ def _regions(task: Task, sizing: Sizing, shown: Window) -> list[Mark]:
     exact = band(task, depths, low, high, columns, REGION, f"{angle}, exact")
     marks: list[Mark] = [exact]
     if sizing.construction is not None:
-        low, high = flocke_limits(sizing.construction, depths)
+        low, high = sizing.construction.row_limits(depths)
         marks.append(band(task, depths, low, high, columns, FLOCKE, f"{angle} by Flocke"))
     x = np.linspace(columns[0], columns[1], CELLS)
     y = np.linspace(depths[0], 0.0, CELLS)

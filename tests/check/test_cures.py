@@ -16,10 +16,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from camgeo.cam.cam import Cam
-from camgeo.check.cures.remedies import STEP, Change, Cure, longer_plan, offers_for
-from camgeo.check.cures.search import NARROW, UNKNOWN, Way, digits_for, first_root, rounded_beyond
+from camgeo.check.cures.remedies import STEP, Change, Cure, digits_for, longer_plan, offers_for
+from camgeo.check.cures.search import NARROW, UNKNOWN, Discs, Way, first_root
 from camgeo.check.disc import check_standstill, check_undercut
-from camgeo.check.finding import Limits
+from camgeo.check.finding import Limits, rounded_beyond
 from camgeo.check.judge import Judgement
 from camgeo.check.machine import check_follower
 from camgeo.errors import GeometryError
@@ -314,8 +314,8 @@ class Roller:
     start = 10.0
     scale = 10.0
 
-    def make(self, value: float) -> tuple[Cam, ...]:
-        return (hard("HC20b", r_R=value),)
+    def make(self, value: float) -> Discs:
+        return Discs([hard("HC20b", r_R=value)])
 
     def worst(self, _: float, __: Any) -> None:
         return None

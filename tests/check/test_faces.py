@@ -14,9 +14,8 @@ import pytest
 import tomlkit
 
 import camgeo
-from camgeo.check.disc import check_convexity, check_face
+from camgeo.check.disc import check_closure, check_convexity, check_face
 from camgeo.check.finding import Finding
-from camgeo.check.machine import check_closure
 from camgeo.geometry.outline.path import Path, whole
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve

@@ -16,6 +16,9 @@ from hypothesis import strategies as st
 import camgeo
 from camgeo.cam.cam import Breadth
 from camgeo.check.disc import (
+    POINT_LIMIT,
+    TANGENT_LIMIT,
+    check_closure,
     check_face,
     check_radius_ratio,
     check_side_clearance,
@@ -32,15 +35,8 @@ from camgeo.check.finding import (
     forbidding,
     held,
 )
-from camgeo.check.judge import worst
-from camgeo.check.machine import (
-    POINT_LIMIT,
-    TANGENT_LIMIT,
-    check_breadth,
-    check_closure,
-    check_follower,
-    linkage_findings,
-)
+from camgeo.check.judge import check_breadth, worst
+from camgeo.check.machine import check_follower, linkage_findings
 from camgeo.design.design import Design
 from camgeo.geometry.outline.outline import undercut_ranges
 from camgeo.geometry.outline.path import whole

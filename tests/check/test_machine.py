@@ -18,7 +18,8 @@ from hypothesis import strategies as st
 
 import camgeo
 from camgeo.app.answers.replay import closing_error
-from camgeo.check.machine import check_linkage, check_pair, leverage_slope
+from camgeo.check.judge import check_pair, leverage_slope
+from camgeo.check.machine import check_linkage
 from camgeo.design.design import Design
 from camgeo.geometry.contour.arcs import fit_arcs
 from camgeo.geometry.outline.path import whole

@@ -34,7 +34,6 @@ from camgeo.check.sizing.smallest import (
     conditions,
     excluded,
     flocke,
-    flocke_limits,
     nearest_cells,
     nearest_point,
     rate,
@@ -140,7 +139,7 @@ def test_flockes_region_lies_in_the_exact_one(name: str) -> None:
     tangent = math.tan(angle)
     rows = task.present.imag * np.linspace(0.3, 3.0, 40)
     low, high = row_limits(task, tangent, rows)
-    inner_low, inner_high = flocke_limits(flocke(task, tangent), rows)
+    inner_low, inner_high = flocke(task, tangent).row_limits(rows)
     met = inner_low <= inner_high
     assert np.any(met)
     assert np.all(low[met] <= inner_low[met] + 1e-9)

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from camgeo.check.finding import Finding
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.balance import parse
-from camgeo.dynamics.effects.balance.result import PITCH, Balance, most, rows
+from camgeo.dynamics.effects.balance import PITCH, Balance, most, rows
+from camgeo.dynamics.effects.tables import parse_balance as parse
 from camgeo.errors import EffectError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.outline.path import total

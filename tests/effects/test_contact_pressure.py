@@ -16,8 +16,7 @@ from hypothesis import strategies as st
 
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.contact import INNER, OUTER
-from camgeo.dynamics.effects.contact_pressure import PressureRequirements, parse
-from camgeo.dynamics.effects.contact_pressure.result import (
+from camgeo.dynamics.effects.contact_pressure import (
     SHEAR_DEPTH,
     SHEAR_SHARE,
     ContactPressure,
@@ -30,6 +29,8 @@ from camgeo.dynamics.effects.contact_pressure.result import (
     spin,
 )
 from camgeo.dynamics.effects.effect import Request, Results
+from camgeo.dynamics.effects.tables import PressureRequirements
+from camgeo.dynamics.effects.tables import parse_contact_pressure as parse
 from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.quadrature import Integral, piecewise_integral
@@ -440,7 +441,7 @@ def test_the_error_of_the_life_is_stated(tolerance: float) -> None:
 
 
 def test_a_tolerance_that_cannot_be_reached_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    module = "camgeo.dynamics.effects.contact_pressure.result.piecewise_integral"
+    module = "camgeo.dynamics.effects.contact_pressure.piecewise_integral"
     monkeypatch.setattr(module, lambda *_: Integral(1.0, 1e-3, 1.0))
     with pytest.raises(EffectError, match="the tolerance is") as caught:
         pressed(scene("groove"), steady(400.0), {"rating": 9000.0}, 1e-6)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.dynamics.effects.drive_torque.result import moment_of_inertia, stored_energy
+from camgeo.dynamics.effects.drive_torque import moment_of_inertia, stored_energy
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import RPM, TURN

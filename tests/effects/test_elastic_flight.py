@@ -211,7 +211,9 @@ def carried(of: Design) -> tuple[ElasticFollower, float]:
     walls = (Wall.of_state(subject, 1),)
     free = FreeFollower.with_forces(contact, of.effect(INERTIA), course, walls)
     start = contact.lost_contact.ranges[0].start
-    return ElasticFollower.with_train(free, Flank(subject, contact, 1, 0.0), ()), start
+    behind = contact.behind
+    assert behind is not None
+    return ElasticFollower.with_train(free, Flank(subject, contact, 1, 0.0), behind), start
 
 
 def test_a_flight_keeps_the_energy_of_all_bodies() -> None:

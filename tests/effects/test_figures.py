@@ -13,11 +13,12 @@ import pytest
 
 from camgeo.check.finding import MOST_ALIKE, Finding, folded
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.contact_pressure import PressureRequirements
-from camgeo.dynamics.effects.contact_pressure.result import Life, life_findings
-from camgeo.dynamics.effects.lift_off.flight import UNSETTLED, Flight, unsettled
+from camgeo.dynamics.effects.contact_pressure import Life, life_findings
+from camgeo.dynamics.effects.lift_off.flight import UNSETTLED, Flight, Flights, refined
 from camgeo.dynamics.effects.lift_off.landing import with_bounces
+from camgeo.dynamics.effects.tables import PressureRequirements
 from camgeo.dynamics.effects.wording import left_over
+from camgeo.errors import EffectError
 from camgeo.part.materials import find_material
 from camgeo.scene.scene import load_scene
 from tests.draws.doors import FIXTURES
@@ -128,8 +129,11 @@ def test_a_rebound_that_is_more_than_its_flight_is_told_by_itself() -> None:
 
 
 def test_flights_that_do_not_settle_have_a_reason() -> None:
-    assert unsettled(1.0, 1e-6).message == UNSETTLED
-    assert "an error of 0.01 of itself" in unsettled(0.01, 1e-6).message
+    rough, fine = (Flights((flight(1.0, speed, 1.0, rebound=False),), 1) for speed in (99.0, 100.0))
+    with pytest.raises(EffectError, match=UNSETTLED):
+        refined(lambda _: (rough, replace(fine, turns=2)), lambda _: 0.0, 1e-6)
+    with pytest.raises(EffectError, match=r"an error of 0\.02 of itself"):
+        refined(lambda _: (rough, fine), lambda told: told[0].error, 1e-6)
 
 
 @pytest.mark.long  # two seconds, and the sentence alone is new

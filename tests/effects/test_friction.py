@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.effect import Request, Results
-from camgeo.dynamics.effects.friction import parse
-from camgeo.dynamics.effects.friction.result import Statics, compute, statics_of
+from camgeo.dynamics.effects.friction import Statics, compute, statics_of
 from camgeo.dynamics.effects.results import Friction
+from camgeo.dynamics.effects.tables import parse_friction as parse
 from camgeo.errors import EffectError
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller

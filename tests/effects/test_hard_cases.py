@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.effect import ROLLERS
+from camgeo.dynamics.effects.registry import ROLLERS
 from camgeo.errors import EffectError
 from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import FloatArray, Side

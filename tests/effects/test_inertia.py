@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 
 from camgeo.dynamics.effects.effect import Subject
 from camgeo.dynamics.effects.forces import at_rates
-from camgeo.dynamics.effects.inertia import MassProperties, parse
-from camgeo.dynamics.effects.inertia.result import (
+from camgeo.dynamics.effects.inertia import (
     LinkedTrain,
     Train,
     at_cam,
@@ -23,6 +22,8 @@ from camgeo.dynamics.effects.inertia.result import (
     train_of,
 )
 from camgeo.dynamics.effects.results import Inertia
+from camgeo.dynamics.effects.tables import MassProperties
+from camgeo.dynamics.effects.tables import parse_inertia as parse
 from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN

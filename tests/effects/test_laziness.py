@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import json
-import re
 import subprocess
 import sys
 from collections.abc import Iterable, Iterator
@@ -25,8 +24,8 @@ from tests.waiting import PATIENCE
 
 SCENE = "plate_translating"
 
-COMPUTES = re.compile(r"camgeo\.dynamics\.effects\.([a-z_]+)\.result")
-"""The module of an effect that computes it."""
+COMPUTING = {find_effect(name).compute.partition(":")[0]: name for name in EFFECTS}
+"""The effects by the modules that compute them."""
 
 TABLES = {
     "kinematics": "",
@@ -156,23 +155,22 @@ def nodes(of: Design, names: tuple[str, ...]) -> set[str]:
 @pytest.fixture
 def no_effect_imported() -> Iterator[None]:
     """As in a fresh interpreter: none that computes is in `sys.modules`; put back afterwards."""
-    with imported_anew(lambda name: COMPUTES.fullmatch(name) is not None):
+    with imported_anew(COMPUTING.__contains__):
         yield
 
 
 def test_what_was_imported_before_is_back_in_its_package() -> None:
-    name = "camgeo.dynamics.effects.kinematics.result"
+    name = "camgeo.dynamics.effects.kinematics"
     before = import_module(name)
     with imported_anew(name.__eq__):
         assert import_module(name) is not before
     assert sys.modules[name] is before
-    assert sys.modules[before.__package__ or ""].result is before
+    assert sys.modules[before.__package__ or ""].kinematics is before
 
 
 def computing(modules: Iterable[str]) -> set[str]:
     """The effects among whose `modules` is the one that computes them."""
-    found = (COMPUTES.fullmatch(name) for name in modules)
-    return {each[1].replace("_", "-") for each in found if each}
+    return {COMPUTING[name] for name in modules if name in COMPUTING}
 
 
 RUN = """
@@ -207,13 +205,11 @@ def test_a_scene_without_effects_imports_nothing_of_them(tmp_path: Path) -> None
 
 
 def test_loading_a_scene_with_all_effects_imports_only_what_declares_them(tmp_path: Path) -> None:
-    """The frame's own data, each effect's package and what reads its table, nothing else."""
-    packages = {name.replace("-", "_") for name in TOGETHER}
-    declaring = {"effect", "registry", "results", "wording", *packages}
+    """The frame's own data, and what reads the tables, nothing else."""
     prefix = "camgeo.dynamics.effects."
     loaded = modules_of(text_of(TOGETHER), tmp_path)
     found = {each.removeprefix(prefix) for each in loaded if each.startswith(prefix)}
-    assert packages <= found <= declaring
+    assert found == {"effect", "registry", "results", "tables", "wording"}
 
 
 def test_a_drawing_of_a_scene_with_all_effects_imports_none_that_computes(tmp_path: Path) -> None:

@@ -12,8 +12,9 @@ import pytest
 
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.effect import DataFile
-from camgeo.dynamics.effects.load import parse, read_load_table
-from camgeo.dynamics.effects.load.result import profile_of
+from camgeo.dynamics.effects.load import profile_of
+from camgeo.dynamics.effects.tables import parse_load as parse
+from camgeo.dynamics.effects.tables import read_load_table
 from camgeo.errors import GeometryError
 from camgeo.kinematics.plan import Dwell, MotionPlan
 from camgeo.numeric.arrays import FloatArray

@@ -13,9 +13,9 @@ from typing import Any, Final
 import numpy as np
 import pytest
 
-from camgeo.dynamics.effects.effect import DataFile
+from camgeo.dynamics.effects.effect import DataFile, Results
 from camgeo.dynamics.effects.graph import Effects
-from camgeo.dynamics.effects.loads import coupler_of
+from camgeo.dynamics.effects.loads import loads_of
 from camgeo.dynamics.effects.registry import EFFECTS, find_effect
 from camgeo.errors import EffectError, GeometryError, SceneError
 from camgeo.lazy import Ledger
@@ -282,9 +282,8 @@ def test_a_slider_that_the_rocker_cannot_move_has_no_force(table: str) -> None:
 def test_what_a_locked_slider_leaves_without_an_answer() -> None:
     """The pins of its coupler, and a spring that is to close the contact."""
     subject = design("schnitt", "", *LOCKED).effects.subject
-    assert subject.drive.linkage is not None
     with pytest.raises(EffectError, match="the rocker cannot move the slider there") as caught:
-        coupler_of(subject, subject.drive.linkage, (), None, None)
+        loads_of(subject, Results({}), (), idle=True)
     assert caught.value.finding == "locked-slider"
     with pytest.raises(GeometryError, match="square to the guide"):
         design("schnitt", SPRUNG, *LOCKED).effect("spring")

@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.roller_spin.result import Rolling, Skid
+from camgeo.dynamics.effects.roller_spin import Rolling, Skid
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.scene import load_scene
 from camgeo.units import RPM, TURN

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from camgeo.dynamics.effects.shock_spectrum import result as module
-from camgeo.dynamics.effects.shock_spectrum.result import ShockSpectrum, measured
+from camgeo.dynamics.effects import shock_spectrum as module
+from camgeo.dynamics.effects.shock_spectrum import ShockSpectrum, measured
 from camgeo.dynamics.oscillator import steady
 from camgeo.dynamics.oscillator.steady import NODES, QUIET, Pieces, Shock, most_cells, solve
 from camgeo.kinematics.laws import make_law

@@ -13,10 +13,11 @@ import numpy as np
 import pytest
 
 from camgeo.design.design import Design
+from camgeo.dynamics.effects import speed_fluctuation as steady_module
 from camgeo.dynamics.effects.effect import DataFile, Request, Results
-from camgeo.dynamics.effects.speed_fluctuation import Motor, parse
-from camgeo.dynamics.effects.speed_fluctuation import result as steady_module
-from camgeo.dynamics.effects.speed_fluctuation.result import SpeedFluctuation, compute
+from camgeo.dynamics.effects.speed_fluctuation import SpeedFluctuation, compute
+from camgeo.dynamics.effects.tables import Motor
+from camgeo.dynamics.effects.tables import parse_speed_fluctuation as parse
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.quadrature import piecewise_integral

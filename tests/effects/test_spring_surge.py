@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.spring_surge.result import CLEAR, FARTHEST
+from camgeo.dynamics.effects.spring_surge import CLEAR, FARTHEST
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.scene import parse_scene
 from camgeo.units import RPM, TURN

@@ -15,19 +15,15 @@ from tests.copies import copied, replaced
 from tests.effects.scenes import SCENES
 from tests.waiting import PATIENCE
 
-DECLARATION: Final = """
-from camgeo.dynamics.effects.effect import Effect, ONE_DISC, Only
-from camgeo.dynamics.effects.results import CONTACT_FORCE
-
-
+PARSER: Final = """
 def parse(table):
     return table["gain"], table.get("gap", 0.0)
+"""
 
-
-EFFECT = Effect(
+DECLARATION: Final = """Effect(
     name="noise",
     title="noise of the follower",
-    compute="PACKAGE.result:compute",
+    compute="MODULE:compute",
     schema={
         "description": "How loud the follower is.",
         "type": "object",
@@ -42,7 +38,12 @@ EFFECT = Effect(
     rules=(Only(ONE_DISC),),
     needs=(CONTACT_FORCE,),
     keys=(("cam.speed",),),
-)
+)"""
+
+IMPORTS: Final = """
+from camgeo.dynamics.effects.effect import Effect, Only
+from camgeo.dynamics.effects.registry import ONE_DISC
+from camgeo.dynamics.effects.results import CONTACT_FORCE
 """
 
 RESULT: Final = """
@@ -86,7 +87,8 @@ def distribution(folder: Path) -> Path:
     """A distribution of its own, as pip would unpack it into `folder`."""
     package = folder / "toy_noise"
     package.mkdir()
-    (package / "__init__.py").write_text(DECLARATION.replace("PACKAGE", "toy_noise"), "utf-8")
+    declared = DECLARATION.replace("MODULE", "toy_noise.result")
+    (package / "__init__.py").write_text(f"{IMPORTS}{PARSER}\nEFFECT = {declared}\n", "utf-8")
     (package / "result.py").write_text(RESULT, "utf-8")
     metadata = folder / "toy_noise-1.0.dist-info"
     metadata.mkdir()
@@ -96,16 +98,16 @@ def distribution(folder: Path) -> Path:
 
 
 def tree(folder: Path) -> Path:
-    """A copy of camgeo with the effect as one of its own: a package, and a line of the registry."""
+    """A copy of camgeo with the effect as one of its own: a module, and one of the registry."""
     effects = copied(folder) / "dynamics" / "effects"
-    package = effects / "noise"
-    package.mkdir()
-    (package / "__init__.py").write_text(
-        DECLARATION.replace("PACKAGE", "camgeo.dynamics.effects.noise"), "utf-8"
+    (effects / "noise.py").write_text(RESULT, "utf-8")
+    declared = DECLARATION.replace("MODULE", "camgeo.dynamics.effects.noise")
+    table, before = "DECLARED: Final = {", "        Effect(\n            **_beside(DRIVE_TORQUE)"
+    replaced(
+        effects / "registry.py",
+        (table, f"{PARSER}\n{table}"),
+        (before, f"{declared},\n{before}"),
     )
-    (package / "result.py").write_text(RESULT, "utf-8")
-    line = '    "drive-torque",\n'
-    replaced(effects / "registry.py", (line, f'    "noise",\n{line}'))
     return folder
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.vibration.result import Vibration
+from camgeo.dynamics.effects.vibration import Vibration
 from camgeo.errors import EffectError
 from camgeo.kinematics.laws import make_law
 from camgeo.kinematics.time_course import in_time

@@ -18,8 +18,7 @@ from camgeo.design.linting import Bench
 from camgeo.design.product import Product
 from camgeo.design.writing import find_writer
 from camgeo.dynamics.effects.effect import DataFile
-from camgeo.dynamics.effects.load import read_load_table
-from camgeo.dynamics.effects.speed_fluctuation import read_motor
+from camgeo.dynamics.effects.tables import read_load_table, read_motor
 from camgeo.errors import CamgeoError
 from camgeo.kinematics.tables import read_lift_table, read_speed_table
 from camgeo.milling.machine import load

@@ -11,7 +11,7 @@ import pytest
 import camgeo
 from camgeo.check.disc import disc_findings
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.effect import ONE_DISC
+from camgeo.dynamics.effects.registry import ONE_DISC
 from camgeo.errors import SceneError
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller

@@ -11,37 +11,34 @@ from functools import lru_cache, singledispatch
 from itertools import chain
 from typing import Any, Final
 
+import numpy as np
+
 from camgeo.cam.cam import Cam
 from camgeo.check.cures.search import (
     BEYOND,
     CONDITIONS,
     UNKNOWN,
+    Along,
     Condition,
     Conditions,
     Discs,
     Excess,
-    Length,
-    Size,
-    Span,
     Way,
-    angles_of,
-    crossings,
-    faulty_segments,
     holds,
-    moved,
-    plan_of,
-    sized,
-    worst_place,
 )
-from camgeo.check.finding import BROKEN, NO_OUTLINE, RETURN, Finding
+from camgeo.check.finding import BROKEN, DIGITS, NO_OUTLINE, RETURN, Finding, rounded_beyond
 from camgeo.errors import GeometryError, SceneError
 from camgeo.geometry.pieces import curvature_extremes
+from camgeo.geometry.together import LinkedMotions, Repeated
 from camgeo.kinematics.laws import FAMILIES, law_of
 from camgeo.kinematics.laws.law import Law, acceleration_jumps, characteristic
 from camgeo.kinematics.mechanism.face import flat_follower
+from camgeo.kinematics.mechanism.linkage import LinkedMotion
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.motion import FULL_ORDER, Jet, Motion
 from camgeo.kinematics.plan import EXACT, Dwell, MotionPlan, Move, Segment
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.units import MM_PER, LengthUnit, in_unit, listed
 
 # -- cure -----------------------------------------------------------------------------------------
@@ -273,6 +270,107 @@ def edits_of(cure: Cure) -> dict[str, Value]:
 # Cures by one dimension of the follower: base radius, roller radius, offset or arm.
 
 
+OF_CHANGE = 3
+"""Significant digits of a change that the lengths before and after must show."""
+
+MOST_DIGITS = 17
+"""Significant digits that tell any two doubles apart."""
+
+
+@dataclass(frozen=True, slots=True)
+class Length:
+    """A length that cures, and how messages show it.
+
+    Attributes
+    ----------
+    limit : beyond which lengths cure [mm].
+    stated : a length beyond it with few digits, which cures, in the unit of the scene.
+    value : the same [mm].
+    digits : number of significant digits that show the change to it.
+    """
+
+    limit: float
+    stated: float
+    value: float
+    digits: int
+
+
+def digits_for(old: float, new: float) -> int:
+    """Significant digits that show the change from `old` to `new`."""
+    change, size = abs(new - old), max(abs(old), abs(new))
+    if change == 0.0:
+        return DIGITS
+    return min(max(DIGITS, OF_CHANGE + math.ceil(math.log10(size / change))), MOST_DIGITS)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Size:
+    """A dimension of the follower, a `Knob` of the search.
+
+    Attributes
+    ----------
+    start, scale : its present value, and what a change is compared with [mm].
+    make : the discs with another value.
+    """
+
+    start: float
+    scale: float
+    make: Callable[[float], Discs]
+
+    def worst(self, value: float, conditions: Conditions) -> Along | None:
+        """See `Knob`."""
+        found = self.make(value).worst_place(conditions)
+        if found is None:
+            return None
+        condition, number, phi = found
+
+        def cam(other: float) -> Cam | None:
+            try:
+                return self.make(other)[number]
+            except GeometryError:
+                return None
+
+        def along(values: FloatArray) -> FloatArray:
+            return condition.of_each([cam(each) for each in values.tolist()], phi)
+
+        return along
+
+    def nearest(
+        self,
+        low: float,
+        high: float,
+        conditions: Conditions,
+        judged: Callable[[float], Excess],
+        unit: LengthUnit,
+    ) -> Length | None:
+        """The nearest length between `low` and `high` [mm] at which what is `judged` holds; None if
+        there is none that 17 digits tell from its limit.
+        """
+        mm = MM_PER[unit]
+
+        def rounded(value: float) -> float:
+            upward = value > self.start
+            digits = digits_for(self.start, value)
+            return mm * float(rounded_beyond(value / mm, digits, upward=upward))
+
+        up = Way(self, max(high, self.start), conditions, judged, rounded).nearest()
+        if up is not None:
+            low = max(low, self.start - (up - self.start))
+        way = Way(self, min(low, self.start), conditions, judged, rounded)
+        down = way.nearest()
+        limit = up if down is None else down
+        if limit is None:
+            return None
+        # The fewest digits that show the change, and cure.
+        for digits in range(digits_for(self.start, limit), MOST_DIGITS + 1):
+            for steps in (0, 1):  # a rounded length may be the limit itself
+                beyond = rounded_beyond(limit / mm, digits, upward=down is None, steps=steps)
+                value = mm * float(beyond)
+                if way.keeps(value) and holds(judged(value)):
+                    return Length(limit, float(beyond), value, digits)
+        return None
+
+
 LARGEST_BASE: Final = 100.0
 """Largest base radius tried, as a multiple of the present one."""
 
@@ -307,7 +405,7 @@ def offset_or_arm(task: Task) -> Cure:
 
     Of a pair whose return disc alone is at fault, that of the return roller.
     """
-    number = 1 if len(task.discs) > 1 and _is_kept(task, task.discs[:1]) else 0
+    number = 1 if len(task.discs) > 1 and _is_kept(task, Discs(task.discs[:1])) else 0
     knob, low, high, scale, _ = _knob(task.discs[number].follower)
     return _other(task, knob, number, (low, high), scale)
 
@@ -320,7 +418,7 @@ def _other(task: Task, knob: str, number: int, within: tuple[float, float], scal
 
     @lru_cache(KNOWN)
     def made(value: float) -> Discs:
-        return sized(task.discs, number, **{field: mm * (value / mm)})
+        return task.discs.sized(number, **{field: mm * (value / mm)})
 
     size = Size(old, scale, made)
     length = _sought(task, size, within, lambda value: {key: value / mm})
@@ -352,7 +450,7 @@ def roller_radius(task: Task) -> Cure:
     """
     made, found = task.discs, list[Cure]()
     for number in reversed(range(len(made))):  # the return roller may have the main one's size
-        if len(made) > 1 and _is_kept(task, (made[number],)):
+        if len(made) > 1 and _is_kept(task, Discs([made[number]])):
             continue
         key, old = f"{TABLES[number]}.roller_radius", made[number].follower.roller_radius
         length = _smaller_roller(task, made, number, key)
@@ -361,14 +459,14 @@ def roller_radius(task: Task) -> Cure:
         if length is None:
             return task.finished(cure)
         found.append(cure)
-        made = sized(made, number, roller_radius=length.value)
+        made = made.sized(number, roller_radius=length.value)
     return _together(task, found, made)
 
 
 def _smaller_roller(task: Task, discs: Discs, number: int, key: str) -> Length | None:
     """That of one disc: of a pair the other one may be at fault too."""
     old, mm = discs[number].follower.roller_radius, MM_PER[task.unit]
-    size = Size(old, old, lambda value: (sized(discs, number, roller_radius=value)[number],))
+    size = Size(old, old, lambda value: Discs([discs.sized(number, roller_radius=value)[number]]))
     low = BEYOND * old
     if len(discs) == 1:
         return _sought(task, size, (low, old), lambda value: {key: value / mm})
@@ -399,14 +497,14 @@ def _is_kept(task: Task, discs: Discs) -> bool:
     """Whether the fault is not that of these discs."""
     try:
         crosses = task.condition.vital and _crosses(discs)
-        return not crosses and worst_place(discs, (task.condition,)) is None
+        return not crosses and discs.worst_place((task.condition,)) is None
     except GeometryError:
         return False
 
 
 def _crosses(discs: Discs) -> bool:
     try:
-        return bool(crossings(discs))
+        return bool(discs.crossings())
     except GeometryError:  # it cannot be decided
         return True
 
@@ -441,7 +539,8 @@ def face_out(task: Task) -> Cure:
         return {key: float(Decimal(repr(each)) + more) for key, each in present.items()}
 
     def made(value: float) -> Discs:
-        return (cam.sized(**{_field(key): mm * each for key, each in raised(value).items()}),)
+        sizes = {_field(key): mm * each for key, each in raised(value).items()}
+        return task.discs.sized(0, **sizes)
 
     length = _sought(task, Size(old, old, made), (old, LARGEST_BASE * old), raised)
     first, *others = follower.raised_by
@@ -528,9 +627,9 @@ def key_of(number: int, segment: Segment, what: str) -> str:
     return f"motion[{number + 1}].{'dwell' if isinstance(segment, Dwell) else what}"
 
 
-def degrees(value: Decimal) -> str:
+def degrees(value: Value) -> str:
     """An angle as a scene would write it, for a sentence."""
-    return f"{value.normalize():f}" if value else "0"
+    return f"{Decimal(value).normalize():f}" if value else "0"
 
 
 # -- laws -----------------------------------------------------------------------------------------
@@ -564,7 +663,7 @@ def other_law(task: Task) -> Cure:
     get the same.
     """
     discs = task.discs
-    plan, places = plan_of(discs), faulty_segments(task.condition, discs)
+    plan, places = discs.plan, discs.faulty_segments(task.condition)
     for number in places:
         move = plan.segments[number]
         if not (isinstance(move, Move) and move.law.task == TASK and _at_rest(plan, number, move)):
@@ -610,7 +709,7 @@ def _fitting(discs: Discs, places: Sequence[int], conditions: Conditions) -> dic
     As these depend over a move on its own law and on no other, a law is tried in all places at
     once.
     """
-    offers = {number: offers_for(plan_of(discs), number) for number in places}
+    offers = {number: offers_for(discs.plan, number) for number in places}
     fit: set[tuple[int, str]] = set()
     for name in {offer.law.name for every in offers.values() for offer in every}:
         tried = {n: each for n, every in offers.items() for each in every if each.law.name == name}
@@ -623,9 +722,9 @@ def _fitting(discs: Discs, places: Sequence[int], conditions: Conditions) -> dic
 
 def _fit(discs: Discs, offers: Mapping[int, Offer], conditions: Conditions) -> list[int]:
     """Those of the moves that keep the conditions by the `offers`."""
-    made, plan = _with(discs, offers), plan_of(discs)
+    made = _with(discs, offers)
     try:
-        return [n for n in offers if worst_place(made, conditions, angles_of(plan, n)) is None]
+        return [n for n in offers if made.worst_place(conditions, n) is None]
     except GeometryError:  # which may be for one of them alone
         if len(offers) == 1:
             return []
@@ -645,10 +744,10 @@ def _same_for_all(fitting: Mapping[int, list[Offer]]) -> list[dict[int, Offer]]:
 
 
 def _with(discs: Discs, offers: Mapping[int, Offer]) -> Discs:
-    segments = list(plan_of(discs).segments)
+    segments = list(discs.plan.segments)
     for number, offer in offers.items():
-        segments[number] = replace(_move(plan_of(discs), number), law=offer.law)
-    return moved(discs, MotionPlan(tuple(segments)))
+        segments[number] = replace(_move(discs.plan, number), law=offer.law)
+    return discs.moved(MotionPlan(tuple(segments)))
 
 
 def _at_rest(plan: MotionPlan, number: int, move: Move) -> bool:
@@ -709,6 +808,85 @@ MOST: Final = 1e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Stretched(Repeated):
+    """A motion at one cam angle, asked for n times, if the move there has n other spans.
+
+    Attributes
+    ----------
+    growth : (n,) by how much each of them is longer.
+    """
+
+    growth: FloatArray
+
+    def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
+        """See `Motion.jet`: each derivative by the cam angle is divided by the growth once more."""
+        found = self.motion.jet(phi, side, order)
+        return np.asarray(found / self.growth ** np.arange(len(found))[:, np.newaxis])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Span:
+    """The span of a move [deg], a `Knob` of the search: in a motion of that move alone.
+
+    The curvature and the transmission angle over a move depend on its own span only.
+
+    Attributes
+    ----------
+    discs : with the whole motion.
+    number : of the move in its plan.
+    """
+
+    discs: Discs
+    number: int
+
+    @property
+    def start(self) -> float:
+        """See `Knob`."""
+        return float(self.discs.plan.segments[self.number].span)
+
+    @property
+    def scale(self) -> float:
+        """See `Knob`."""
+        return self.start
+
+    def make(self, value: float) -> Discs:
+        """See `Knob`: other moves lead from the first position to that of the move, and back."""
+        plan = self.discs.plan
+        move = plan.segments[self.number]
+        assert isinstance(move, Move)
+        before = [each.to for each in plan.segments[: self.number] if not isinstance(each, Dwell)]
+        first = before[-1] if before else 0.0
+        with localcontext(EXACT):
+            span = Decimal(value)
+            rest = (360 - span) / 2
+            there = Move(rest, first, move.law) if first else Dwell(rest)
+            back = Move(rest, 0.0, move.law) if move.to else Dwell(rest)
+        return self.discs.moved(MotionPlan((there, replace(move, span=span), back)))
+
+    def worst(self, value: float, conditions: Conditions) -> Along | None:
+        """See `Knob`."""
+        discs = self.make(value)
+        found = discs.worst_place(conditions, 1)
+        if found is None:
+            return None
+        condition, number, phi = found
+        cam = discs[number]
+        curve = cam.disc.pitch_curve
+
+        def along(values: FloatArray) -> FloatArray:
+            motion: Motion
+            if isinstance(curve.motion, LinkedMotion):
+                demanded = Stretched(curve.motion.demanded, 1, values / value)
+                motion = LinkedMotions(demanded, curve.motion.linkage)
+            else:
+                motion = Stretched(curve.motion, 1, values / value)
+            other = replace(curve, motion=motion)
+            return condition.at_either_side(other, (cam,), phi, len(values))
+
+        return along
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Growth:
     """The growth of several moves by one factor, less 1, a `Knob` of the search.
 
@@ -730,18 +908,18 @@ class Growth:
             spans = {number: span * factor for number, span in self.spans.items()}
         if rounded:
             spans = {number: _rounded_up(span) for number, span in spans.items()}
-        return longer_plan(plan_of(self.discs), spans)
+        return longer_plan(self.discs.plan, spans)
 
     def make(self, value: float) -> Discs:
         """See `Knob`."""
         longer = self.plan(value, rounded=False)
         if longer is None:
             raise GeometryError("the dwells are too short", key="motion")
-        return moved(self.discs, longer)
+        return self.discs.moved(longer)
 
     def worst(self, value: float, conditions: Conditions) -> None:
         """See `Knob`; longer than they must be, moves hardly break anything."""
-        if worst_place(self.make(value), conditions) is not None:
+        if self.make(value).worst_place(conditions) is not None:
             raise GeometryError("these moves are too short", key="motion")
 
     @property
@@ -761,7 +939,7 @@ def longer_segment(task: Task) -> Cure:
     from the dwells before and after it in proportion to their length.
     """
     discs = task.discs
-    plan, places = plan_of(discs), faulty_segments(task.condition, discs)
+    plan, places = discs.plan, discs.faulty_segments(task.condition)
     for number in places:
         segment = plan.segments[number]
         if not (isinstance(segment, Move) and rests_beside(plan, number, segment.law)):
@@ -771,7 +949,7 @@ def longer_segment(task: Task) -> Cure:
     for conditions, verdict in task.stages:
         longer = _longer(task, places, conditions, verdict)
         if longer is not None:
-            return task.finished(_longer_segments(plan, longer, places), moved(discs, longer))
+            return task.finished(_longer_segments(plan, longer, places), discs.moved(longer))
     number = places[0]
     segment = plan.segments[number]
     key = key_of(number, segment, "span")
@@ -786,12 +964,12 @@ def _longer(
     verdict: Judge,
 ) -> MotionPlan | None:
     """The plan with moves that are long enough; None if there is no room for them."""
-    discs, plan = task.discs, plan_of(task.discs)
+    discs, plan = task.discs, task.discs.plan
 
     def judged(longer: MotionPlan | None) -> Excess:
         if longer is None or longer == plan:
             return UNKNOWN
-        return verdict(moved(discs, longer), edits_of(_longer_segments(plan, longer, places)))
+        return verdict(discs.moved(longer), edits_of(_longer_segments(plan, longer, places)))
 
     spans = _limits(discs, places, conditions)
     longer = None if spans is None else longer_plan(plan, spans)
@@ -812,7 +990,7 @@ def _limits(
     """For each move its least span that keeps the conditions; None if the dwells beside one are
     too short.
     """
-    plan = plan_of(discs)
+    plan = discs.plan
     spans: dict[int, Decimal] = {}
     for number in places:
         present = plan.segments[number].span
@@ -900,10 +1078,7 @@ def _longer_segments(old: MotionPlan, new: MotionPlan, places: Sequence[int]) ->
 
 
 def _told(change: Change) -> str:
-    old, new = change.value_from, change.value_to
-    assert isinstance(old, Decimal)
-    assert isinstance(new, Decimal)
-    return f"{change.key} {degrees(new)} deg instead of {degrees(old)}"
+    return f"{change.key} {degrees(change.value_to)} deg instead of {degrees(change.value_from)}"
 
 
 # -- remedies -------------------------------------------------------------------------------------
@@ -922,7 +1097,7 @@ KNOBS: Final = {
 
 
 def remedies(
-    discs: Discs,
+    cams: Iterable[Cam],
     angle: float,
     ratio: float,
     findings: Iterable[Finding],
@@ -937,10 +1112,11 @@ def remedies(
     Parameters
     ----------
     angle, ratio : the least transmission angle [rad] and the largest r_R/r_K that are allowed.
-    findings : on the discs.
+    cams : the cam, or the main and the return cam of a pair.
+    findings : on them.
     judged : see `Task`.
     """
-    found = [*findings]
+    discs, found = Discs(cams), [*findings]
     bad = [each for each in found if each.severity in BROKEN]
     names = [each.name.removeprefix(f"{RETURN}: ") for each in bad]
     if any(each.severity == "invalid" for each in bad):

@@ -6,8 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal, localcontext
-from typing import ClassVar, Final, Protocol, Self
+from typing import ClassVar, Final, Protocol
 
 import numpy as np
 
@@ -16,18 +15,17 @@ from camgeo.check.disc import transmission_angle_extremes
 from camgeo.check.finding import CONVEXITY, UNDERCUT
 from camgeo.check.machine import check_follower
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.outline import CUSP
+from camgeo.geometry.outline.convex import SMALLEST, convexity, touch
+from camgeo.geometry.outline.outline import CUSP, find_crossings
 from camgeo.geometry.pieces import Extremes, curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.together import LinkedMotions, Repeated, one_curve
-from camgeo.kinematics.mechanism.linkage import LinkedMotion
+from camgeo.geometry.together import one_curve
 from camgeo.kinematics.mechanism.several import alike
-from camgeo.kinematics.motion import FULL_ORDER, Jet, Motion
-from camgeo.kinematics.plan import EXACT, SNAP, Dwell, MotionPlan, Move
+from camgeo.kinematics.plan import SNAP, Dwell, MotionPlan
 from camgeo.lazy import Ledger
-from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.arrays import SIDES, FloatArray, Side
 from camgeo.numeric.extremes import bracketed_roots
-from camgeo.units import MM_PER, TURN, LengthUnit
+from camgeo.units import TURN
 
 # -- search ---------------------------------------------------------------------------------------
 # The nearest value of a size at which a fault is gone, whatever the size and whatever the fault.
@@ -233,8 +231,7 @@ class Way:
         to where it is known to be narrower; None if they do not, or if nothing is known.
         """
         try:
-            discs = self.knob.make(value)
-            neck = narrowest(discs, crossings(discs))
+            neck = self.knob.make(value).narrowest()
         except GeometryError:
             return None
         if neck is None or neck.clearance >= 0.0:
@@ -243,7 +240,7 @@ class Way:
 
         def clearance(x: float) -> float:
             try:
-                here = followed(self.knob.make(x), begun)
+                here = self.knob.make(x).followed(begun)
             except GeometryError:
                 here = None
             return math.nan if here is None else here.clearance
@@ -328,65 +325,8 @@ def _highest(low: FloatArray, middle: FloatArray, high: FloatArray) -> FloatArra
 # itself, is left to the checks.
 
 
-Discs = tuple[Cam, ...]
-"""The cam, or the main and the return cam of a pair. Both have one drive."""
-
-SIDES: Final[tuple[Side, Side]] = ("right", "left")
-
 Range = tuple[float, float]
 """Cam angles [rad] of two breaks, or the ends of a dwell."""
-
-
-def sized(discs: Discs, number: int = 0, **sizes: float) -> Discs:
-    """The same with other dimensions of the follower of disc `number`, as its table states them.
-
-    A return roller follows the main one in what is not stated for it. GeometryError if the
-    dimensions are impossible.
-    """
-    main, *others = discs
-    if number == 0:
-        main = main.sized(**sizes)
-    changed = [main]
-    for place, cam in enumerate(others, start=1):
-        mount = cam.mount
-        assert mount is not None  # what makes it the second disc of a pair
-        mount = mount.sized(**sizes) if place == number else mount
-        follower = mount.roller(main.follower)
-        changed.append(replace(cam, follower=follower, mount=mount, ledger=Ledger()))
-    return tuple(changed)
-
-
-def moved(discs: Discs, plan: MotionPlan) -> Discs:
-    """The same with another motion plan."""
-    main, *others = discs
-    main = main.moved(plan)
-    return (main, *(replace(cam, drive=main.drive, ledger=Ledger()) for cam in others))
-
-
-def plan_of(discs: Discs) -> MotionPlan:
-    """The motion plan of their drive."""
-    return discs[0].drive.plan
-
-
-def angles_of(plan: MotionPlan, number: int) -> Range:
-    """Cam angles [rad] at which a segment starts and ends."""
-    first, last = plan.joints_deg[number : number + 2]
-    return math.radians(float(first)), math.radians(float(last))
-
-
-def segment_at(plan: MotionPlan, angle: float) -> int:
-    """Index of the segment that contains the cam angle [rad]; the last with a length if none
-    does.
-    """
-    last = 0
-    for number, segment in enumerate(plan.segments):
-        if not segment.span:
-            continue
-        start, end = angles_of(plan, number)
-        if start <= angle < end:
-            return number
-        last = number
-    return last
 
 
 @dataclass(frozen=True, slots=True)
@@ -411,6 +351,28 @@ class Condition(ABC):
         """(n,) what has the sign of the margins at `phi` (n,) [rad], and no poles, on `curve`,
         which is that of `cams`: one for each place, or one for all.
         """
+
+    def at_either_side(
+        self, curve: PitchCurve, cams: Sequence[Cam], phi: float, count: int
+    ) -> FloatArray:
+        """(count,) see `at`, all at `phi` [rad]: at a break the smaller one."""
+        places = np.full(count, phi)
+        both = [self.at(curve, cams, places, side) for side in SIDES]
+        return np.asarray(np.minimum(*both))
+
+    def of_each(self, cams: Sequence[Cam | None], phi: float) -> FloatArray:
+        """(n,) the same of `cams` of one motion; -1 where there is no mechanism."""
+        margins = np.full(len(cams), -1.0)
+        kinds: dict[Hashable, list[int]] = {}
+        for k, cam in enumerate(cams):
+            if cam is not None:
+                kinds.setdefault(alike(cam.follower), []).append(k)
+        for places in kinds.values():
+            some = [cam for k in places if (cam := cams[k]) is not None]
+            curves = [cam.disc.pitch_curve for cam in some]
+            curve = one_curve(curves, np.arange(len(some)), 1) if len(some) > 1 else curves[0]
+            margins[places] = self.at_either_side(curve, some, phi, len(some))
+        return margins
 
 
 @dataclass(frozen=True, slots=True)
@@ -479,14 +441,12 @@ class Convex(Condition):
     vital = True
 
     def over_turn(self, cam: Cam) -> Extremes:
-        from camgeo.geometry.outline.convex import SMALLEST, convexity  # few cams have a flat face
 
         radius, phi = convexity(cam.disc.pitch_curve).radius
         margin = radius / cam.follower.base_radius - SMALLEST
         return Extremes(np.array([phi]), np.array([margin]))
 
     def at(self, curve: PitchCurve, _: Sequence[Cam], phi: FloatArray, side: Side) -> FloatArray:
-        from camgeo.geometry.outline.convex import SMALLEST, touch
 
         found, size = touch(curve, phi, side), curve.follower.base_radius
         return np.asarray(found.pace[0] - SMALLEST * size * found.turn[0])
@@ -506,28 +466,6 @@ CONDITIONS: Final[Mapping[str, Callable[[float, float], dict[str, Condition]]]] 
 """What must hold, by the fault where it does not, and by what touches the cam."""
 
 
-def worst_place(
-    discs: Discs, conditions: Conditions, within: Range | None = None
-) -> tuple[Condition, int, float] | None:
-    """The first of the `conditions` that a disc breaks, the number of the disc, and the cam angle
-    [rad] where it is worst; None if all are kept. `within` is all that is looked at.
-
-    GeometryError if there is no such mechanism: it does not close, its roller covers the cam axis,
-    its guide touches the base circle, or its roller centre stands still.
-    """
-    for number, cam in enumerate(discs):
-        inside = cam.contact.runs_inside
-        for wrong in check_follower(cam.follower, runs_on_inner=inside, clearance=cam.clearance):
-            raise GeometryError(wrong.sentence, key="follower")
-        for condition in conditions:
-            found = condition.over_turn(cam)
-            start, end = (0, len(found.phi)) if within is None else places_in(found, within)
-            worst = start + int(np.argmin(found.values[start:end]))
-            if found.values[worst] <= CUSP:
-                return condition, number, float(found.phi[worst])
-    return None
-
-
 def places_in(found: Extremes, within: Range) -> tuple[int, int]:
     """The first and the last but one of the places `found` from one cam angle to the other, these
     seen from inside.
@@ -536,30 +474,6 @@ def places_in(found: Extremes, within: Range) -> tuple[int, int]:
     start, end = within[0] + shift + SNAP, within[1] + shift - SNAP
     first = max(int(np.searchsorted(found.phi, start, side="right")) - 1, 0)
     return first, min(int(np.searchsorted(found.phi, end)) + 1, len(found.phi))
-
-
-def margin_of_either_side(
-    condition: Condition, curve: PitchCurve, cams: Sequence[Cam], phi: float, count: int
-) -> FloatArray:
-    """(count,) see `Condition.at`, all at `phi` [rad]: at a break the smaller one."""
-    places = np.full(count, phi)
-    both = [condition.at(curve, cams, places, side) for side in SIDES]
-    return np.asarray(np.minimum(*both))
-
-
-def margins_of_each(condition: Condition, cams: Sequence[Cam | None], phi: float) -> FloatArray:
-    """(n,) the same of `cams` of one motion; -1 where there is no mechanism."""
-    margins = np.full(len(cams), -1.0)
-    kinds: dict[Hashable, list[int]] = {}
-    for k, cam in enumerate(cams):
-        if cam is not None:
-            kinds.setdefault(alike(cam.follower), []).append(k)
-    for places in kinds.values():
-        some = [cam for k in places if (cam := cams[k]) is not None]
-        curves = [cam.disc.pitch_curve for cam in some]
-        curve = one_curve(curves, np.arange(len(some)), 1) if len(some) > 1 else curves[0]
-        margins[places] = margin_of_either_side(condition, curve, some, phi, len(some))
-    return margins
 
 
 # -- neck -----------------------------------------------------------------------------------------
@@ -587,8 +501,6 @@ Pair = tuple[int, float, float]
 """A crossing of a flank in use: the number of its disc, and its two cam angles [rad] in
 [0, 2 pi)."""
 
-Pairs = tuple[Pair, ...]
-
 Place = tuple[int, float]
 """A cam angle as the index of its segment in the plan and the fraction of the segment's span."""
 
@@ -608,51 +520,6 @@ class Neck:
     first: Place
     second: Place
     clearance: float
-
-
-def crossings(discs: Discs) -> Pairs:
-    """The crossings of each flank with itself, see `find_crossings`."""
-    from camgeo.geometry.outline.outline import find_crossings
-
-    return tuple(
-        (number, each.first, each.second)
-        for number, cam in enumerate(discs)
-        for _, flank in cam.disc.flanks
-        for each in find_crossings(flank)
-    )
-
-
-def narrowest(discs: Discs, pairs: Pairs) -> Neck | None:
-    """The neck with the smallest clearance near the crossings; None if none is found."""
-    necks = [neck for pair in pairs if (neck := _neck(discs, *pair)) is not None]
-    return min(necks, key=lambda neck: neck.clearance, default=None)
-
-
-def followed(discs: Discs, neck: Neck) -> Neck | None:
-    """The same neck of changed discs; None if it cannot be followed."""
-    cam = discs[neck.disc]
-    return _neck(discs, neck.disc, _angle(cam, neck.first), _angle(cam, neck.second))
-
-
-def _neck(discs: Discs, number: int, first: float, second: float) -> Neck | None:
-    cam = discs[number]
-    try:
-        pitch = cam.disc.pitch_curve
-        ends = _square_chord(pitch, first, second)
-    except GeometryError:
-        return None
-    if ends is None:
-        return None
-    angles = np.array(ends)
-    point, slope = pitch.jet(angles)[:2]
-    chord = complex(point[1] - point[0])
-    inward = 1j * pitch.rotation * slope / np.abs(slope) * np.array([1.0, -1.0])
-    facing = (np.conj(chord) * inward).real
-    # The flank lies in the chord at both its ends, or at neither.
-    if not any(np.all(distance * facing > 0.0) for distance in cam.distances):
-        return None
-    clearance = abs(chord) - 2.0 * cam.disc.flank_distance
-    return Neck(number, _place(cam, ends[0]), _place(cam, ends[1]), clearance)
 
 
 def _square_chord(pitch: PitchCurve, first: float, second: float) -> tuple[float, float] | None:
@@ -682,255 +549,153 @@ def _square_chord(pitch: PitchCurve, first: float, second: float) -> tuple[float
     return None
 
 
-def _place(cam: Cam, angle: float) -> Place:
-    number = segment_at(cam.drive.plan, angle % math.tau)
-    start, end = angles_of(cam.drive.plan, number)
-    return number, (angle % math.tau - start) / (end - start)
+# -- discs ----------------------------------------------------------------------------------------
 
 
-def _angle(cam: Cam, place: Place) -> float:
-    start, end = angles_of(cam.drive.plan, place[0])
-    return start + place[1] * (end - start)
+class Discs(tuple[Cam, ...]):
+    """The cam, or the main and the return cam of a pair. Both have one drive."""
 
+    __slots__ = ()
 
-def faulty_segments(condition: Condition, discs: Discs) -> tuple[int, ...]:
-    """Indices in the plan of the segments of `discs` that are at fault.
+    @property
+    def plan(self) -> MotionPlan:
+        """The motion plan of their drive."""
+        return self[0].drive.plan
 
-    Those in which the condition is broken; if there are none, those whose flanks cross each other,
-    without the dwells if there is a move among them: the move next to a dwell is what can change.
-    """
-    plan = plan_of(discs)
-    extremes = [condition.over_turn(cam) for cam in discs]
+    def sized(self, number: int = 0, **sizes: float) -> Discs:
+        """The same with other dimensions of the follower of disc `number`, as its table states
+        them.
 
-    def broken(within: Range) -> bool:
-        parts = ((found.values, places_in(found, within)) for found in extremes)
-        return any(np.min(values[slice(*ends)]) <= CUSP for values, ends in parts)
-
-    numbers = [number for number, segment in enumerate(plan.segments) if segment.span]
-    local = [number for number in numbers if broken(angles_of(plan, number))]
-    if local:
-        return tuple(local)
-    angles = [angle for _, *both in crossings(discs) for angle in both]
-    places = sorted({segment_at(plan, angle) for angle in angles})
-    moves = [place for place in places if not isinstance(plan.segments[place], Dwell)]
-    return tuple(moves or places or numbers)
-
-
-# -- sizes ----------------------------------------------------------------------------------------
-# A dimension of the follower as a knob, and the lengths that a designer would write.
-
-
-DIGITS = 6
-"""Significant digits of a length in a sentence, unless the change needs more."""
-
-OF_CHANGE = 3
-"""Significant digits of a change that the lengths before and after must show."""
-
-MOST_DIGITS = 17
-"""Significant digits that tell any two doubles apart."""
-
-
-@dataclass(frozen=True, slots=True)
-class Length:
-    """A length that cures, and how messages show it.
-
-    Attributes
-    ----------
-    limit : beyond which lengths cure [mm].
-    stated : a length beyond it with few digits, which cures, in the unit of the scene.
-    value : the same [mm].
-    digits : number of significant digits that show the change to it.
-    """
-
-    limit: float
-    stated: float
-    value: float
-    digits: int
-
-    @classmethod
-    def beyond(
-        cls,
-        old: float,
-        limit: float,
-        cures: Callable[[float], bool],
-        unit: LengthUnit,
-        *,
-        upward: bool,
-    ) -> Self | None:
-        """The length with the fewest digits, above `limit` if `upward`, else below, that `cures`.
-
-        The digits, in `unit`, show the change from the `old` one. All lengths in mm. None if no
-        such length cures.
+        A return roller follows the main one in what is not stated for it. GeometryError if the
+        dimensions are impossible.
         """
-        mm = MM_PER[unit]
-        for digits in range(digits_for(old, limit), MOST_DIGITS + 1):
-            for steps in (0, 1):  # a rounded length may be the limit itself
-                stated = float(rounded_beyond(limit / mm, digits, upward=upward, steps=steps))
-                if cures(mm * stated):
-                    return cls(limit, stated, mm * stated, digits)
+        main, *others = self
+        if number == 0:
+            main = main.sized(**sizes)
+        changed = [main]
+        for place, cam in enumerate(others, start=1):
+            mount = cam.mount
+            assert mount is not None  # what makes it the second disc of a pair
+            mount = mount.sized(**sizes) if place == number else mount
+            follower = mount.roller(main.follower)
+            changed.append(replace(cam, follower=follower, mount=mount, ledger=Ledger()))
+        return Discs(changed)
+
+    def moved(self, plan: MotionPlan) -> Discs:
+        """The same with another motion plan."""
+        main, *others = self
+        main = main.moved(plan)
+        return Discs((main, *(replace(each, drive=main.drive, ledger=Ledger()) for each in others)))
+
+    def angles_of(self, number: int) -> Range:
+        """Cam angles [rad] at which a segment starts and ends."""
+        first, last = self.plan.joints_deg[number : number + 2]
+        return math.radians(float(first)), math.radians(float(last))
+
+    def segment_at(self, angle: float) -> int:
+        """Index of the segment that contains the cam angle [rad]; the last with a length if none
+        does.
+        """
+        last = 0
+        for number, segment in enumerate(self.plan.segments):
+            if not segment.span:
+                continue
+            start, end = self.angles_of(number)
+            if start <= angle < end:
+                return number
+            last = number
+        return last
+
+    def worst_place(
+        self, conditions: Conditions, segment: int | None = None
+    ) -> tuple[Condition, int, float] | None:
+        """The first of the `conditions` that a disc breaks, the number of the disc, and the cam
+        angle [rad] where it is worst; None if all are kept. A `segment` is all that is looked at.
+
+        GeometryError if there is no such mechanism: it does not close, its roller covers the cam
+        axis, its guide touches the base circle, or its roller centre stands still.
+        """
+        for number, cam in enumerate(self):
+            inside = cam.contact.runs_inside
+            for wrong in check_follower(
+                cam.follower, runs_on_inner=inside, clearance=cam.clearance
+            ):
+                raise GeometryError(wrong.sentence, key="follower")
+            for condition in conditions:
+                found = condition.over_turn(cam)
+                places = (0, len(found.phi))
+                if segment is not None:
+                    places = places_in(found, self.angles_of(segment))
+                worst = places[0] + int(np.argmin(found.values[slice(*places)]))
+                if found.values[worst] <= CUSP:
+                    return condition, number, float(found.phi[worst])
         return None
 
+    def crossings(self) -> tuple[Pair, ...]:
+        """The crossings of each flank with itself, see `find_crossings`."""
+        return tuple(
+            (number, each.first, each.second)
+            for number, cam in enumerate(self)
+            for _, flank in cam.disc.flanks
+            for each in find_crossings(flank)
+        )
 
-def digits_for(old: float, new: float) -> int:
-    """Significant digits that show the change from `old` to `new`."""
-    change, size = abs(new - old), max(abs(old), abs(new))
-    if change == 0.0:
-        return DIGITS
-    return min(max(DIGITS, OF_CHANGE + math.ceil(math.log10(size / change))), MOST_DIGITS)
+    def narrowest(self) -> Neck | None:
+        """The neck with the smallest clearance near a crossing; None if none is found."""
+        necks = [neck for pair in self.crossings() if (neck := self._neck(*pair)) is not None]
+        return min(necks, key=lambda neck: neck.clearance, default=None)
 
+    def followed(self, neck: Neck) -> Neck | None:
+        """The same neck of other discs; None if it cannot be followed."""
+        return self._neck(neck.disc, self._angle(neck.first), self._angle(neck.second))
 
-def rounded_beyond(value: float, digits: int, *, upward: bool, steps: int = 0) -> str:
-    """`value` rounded up or down to significant digits, to the side on which it cures, and `steps`
-    units of the last digit farther.
-    """
-    exact = Decimal(value)
-    if not exact and not steps:
-        return "0"
-    step = Decimal(1).scaleb((exact.adjusted() if exact else 0) + 1 - digits)
-    rounded = exact.quantize(step, rounding=ROUND_CEILING if upward else ROUND_FLOOR)
-    return f"{(rounded + (steps if upward else -steps) * step).normalize():f}"
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Size:
-    """A dimension of the follower, a `Knob` of the search.
-
-    Attributes
-    ----------
-    start, scale : its present value, and what a change is compared with [mm].
-    make : the discs with another value.
-    """
-
-    start: float
-    scale: float
-    make: Callable[[float], Discs]
-
-    def worst(self, value: float, conditions: Conditions) -> Along | None:
-        """See `Knob`."""
-        found = worst_place(self.make(value), conditions)
-        if found is None:
+    def _neck(self, number: int, first: float, second: float) -> Neck | None:
+        cam = self[number]
+        try:
+            pitch = cam.disc.pitch_curve
+            ends = _square_chord(pitch, first, second)
+        except GeometryError:
             return None
-        condition, number, phi = found
-
-        def cam(other: float) -> Cam | None:
-            try:
-                return self.make(other)[number]
-            except GeometryError:
-                return None
-
-        def along(values: FloatArray) -> FloatArray:
-            return margins_of_each(condition, [cam(each) for each in values.tolist()], phi)
-
-        return along
-
-    def nearest(
-        self,
-        low: float,
-        high: float,
-        conditions: Conditions,
-        judged: Callable[[float], Excess],
-        unit: LengthUnit,
-    ) -> Length | None:
-        """The nearest length between `low` and `high` [mm] at which what is `judged` holds."""
-
-        def rounded(value: float) -> float:
-            upward, mm = value > self.start, MM_PER[unit]
-            digits = digits_for(self.start, value)
-            return mm * float(rounded_beyond(value / mm, digits, upward=upward))
-
-        up = Way(self, max(high, self.start), conditions, judged, rounded).nearest()
-        if up is not None:
-            low = max(low, self.start - (up - self.start))
-        way = Way(self, min(low, self.start), conditions, judged, rounded)
-        down = way.nearest()
-        limit = up if down is None else down
-        if limit is None:
+        if ends is None:
             return None
-
-        def cures(value: float) -> bool:
-            return way.keeps(value) and holds(judged(value))
-
-        return Length.beyond(self.start, limit, cures, unit, upward=down is None)
-
-
-# -- spans ----------------------------------------------------------------------------------------
-# The span of a move as a knob.
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Stretched(Repeated):
-    """A motion at one cam angle, asked for n times, if the move there has n other spans.
-
-    Attributes
-    ----------
-    growth : (n,) by how much each of them is longer.
-    """
-
-    growth: FloatArray
-
-    def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
-        """See `Motion.jet`: each derivative by the cam angle is divided by the growth once more."""
-        found = self.motion.jet(phi, side, order)
-        return np.asarray(found / self.growth ** np.arange(len(found))[:, np.newaxis])
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Span:
-    """The span of a move [deg], a `Knob` of the search: in a motion of that move alone.
-
-    The curvature and the transmission angle over a move depend on its own span only.
-
-    Attributes
-    ----------
-    discs : with the whole motion.
-    number : of the move in its plan.
-    """
-
-    discs: Discs
-    number: int
-
-    @property
-    def start(self) -> float:
-        """See `Knob`."""
-        return float(plan_of(self.discs).segments[self.number].span)
-
-    @property
-    def scale(self) -> float:
-        """See `Knob`."""
-        return self.start
-
-    def make(self, value: float) -> Discs:
-        """See `Knob`: other moves lead from the first position to that of the move, and back."""
-        plan = plan_of(self.discs)
-        move = plan.segments[self.number]
-        assert isinstance(move, Move)
-        before = [each.to for each in plan.segments[: self.number] if not isinstance(each, Dwell)]
-        first = before[-1] if before else 0.0
-        with localcontext(EXACT):
-            span = Decimal(value)
-            rest = (360 - span) / 2
-            there = Move(rest, first, move.law) if first else Dwell(rest)
-            back = Move(rest, 0.0, move.law) if move.to else Dwell(rest)
-        return moved(self.discs, MotionPlan((there, replace(move, span=span), back)))
-
-    def worst(self, value: float, conditions: Conditions) -> Along | None:
-        """See `Knob`."""
-        discs = self.make(value)
-        found = worst_place(discs, conditions, angles_of(plan_of(discs), 1))
-        if found is None:
+        point, slope = pitch.jet(np.array(ends))[:2]
+        chord = complex(point[1] - point[0])
+        inward = 1j * pitch.rotation * slope / np.abs(slope) * np.array([1.0, -1.0])
+        facing = (np.conj(chord) * inward).real
+        # The flank lies in the chord at both its ends, or at neither.
+        if not any(np.all(distance * facing > 0.0) for distance in cam.distances):
             return None
-        condition, number, phi = found
-        cam = discs[number]
-        curve = cam.disc.pitch_curve
+        clearance = abs(chord) - 2.0 * cam.disc.flank_distance
+        return Neck(number, self._place(ends[0]), self._place(ends[1]), clearance)
 
-        def along(values: FloatArray) -> FloatArray:
-            motion: Motion
-            if isinstance(curve.motion, LinkedMotion):
-                demanded = Stretched(curve.motion.demanded, 1, values / value)
-                motion = LinkedMotions(demanded, curve.motion.linkage)
-            else:
-                motion = Stretched(curve.motion, 1, values / value)
-            other = replace(curve, motion=motion)
-            return margin_of_either_side(condition, other, (cam,), phi, len(values))
+    def _place(self, angle: float) -> Place:
+        number = self.segment_at(angle % math.tau)
+        start, end = self.angles_of(number)
+        return number, (angle % math.tau - start) / (end - start)
 
-        return along
+    def _angle(self, place: Place) -> float:
+        start, end = self.angles_of(place[0])
+        return start + place[1] * (end - start)
+
+    def faulty_segments(self, condition: Condition) -> tuple[int, ...]:
+        """Indices in the plan of the segments that are at fault.
+
+        Those in which the condition is broken; if there are none, those whose flanks cross each
+        other, without the dwells if there is a move among them: the move next to a dwell is what
+        can change.
+        """
+        extremes = [condition.over_turn(cam) for cam in self]
+
+        def broken(within: Range) -> bool:
+            parts = ((found.values, places_in(found, within)) for found in extremes)
+            return any(np.min(values[slice(*ends)]) <= CUSP for values, ends in parts)
+
+        segments = self.plan.segments
+        numbers = [number for number, segment in enumerate(segments) if segment.span]
+        local = [number for number in numbers if broken(self.angles_of(number))]
+        if local:
+            return tuple(local)
+        angles = [angle for _, *both in self.crossings() for angle in both]
+        places = sorted({self.segment_at(angle) for angle in angles})
+        moves = [place for place in places if not isinstance(segments[place], Dwell)]
+        return tuple(moves or places or numbers)

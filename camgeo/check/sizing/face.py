@@ -99,6 +99,10 @@ class FaceTask(Placing):
         least = 2.0 * SMALLEST * (self.follower.base_radius + abs(self.present))
         return Asked(math.tan(angle), max(radius, least), least)
 
+    def moved(self, _: complex) -> dict[str, float | complex]:
+        """See `Placing`: guide or pivot are kept."""
+        return {}
+
     @property
     def top(self) -> float:
         """Height of the face in its starting position [mm], see the module."""
@@ -162,10 +166,6 @@ class FaceOnGuide(FaceTask):
         """See `Placing`."""
         return -place.imag
 
-    def moved(self, _: complex) -> dict[str, float | complex]:
-        """See `Placing`."""
-        return {}
-
     def lever(self, _: Asked) -> float:
         """See `FaceTask`: it moves on its guide wherever it is pushed."""
         return -math.inf
@@ -192,12 +192,7 @@ class FaceOnRocker(Rocking, FaceTask):
 
     def base_radius_at(self, place: complex) -> float:
         """See `Placing`."""
-        radius: float = self.follower.face_offset - place.imag
-        return radius
-
-    def moved(self, _: complex) -> dict[str, float | complex]:
-        """See `Placing`."""
-        return {}
+        return float(self.follower.face_offset - place.imag)
 
     def lever(self, asked: Asked) -> float:
         """See `FaceTask`."""

@@ -19,7 +19,7 @@ from camgeo.check.disc import disc_findings
 from camgeo.check.finding import Finding, Limits
 from camgeo.check.machine import linkage_findings
 from camgeo.check.sizing.face import FaceTask
-from camgeo.check.sizing.smallest import Conditions, Sizing, extreme_angles, rate, size, with_more
+from camgeo.check.sizing.smallest import Conditions, Sizing, extreme_angles, rate, size
 from camgeo.check.sizing.task import Task, covered, no_pairs, task_of
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.convex import contact_extremes, convexity
@@ -121,7 +121,7 @@ def rounded(
                 return made
             phi = extreme_angles(task, middle, now.tangent, now.ratio)[0]
             pairs = no_pairs(task) if made is None else covered(task, middle)
-            now = with_more(task, now, phi, pairs)
+            now = now.with_more(task, phi, pairs)
             if now.room(np.array([middle]))[0] >= 0.0:
                 break  # no known condition is broken
     return None

@@ -88,8 +88,7 @@ class Rating:
     @property
     def base_radius(self) -> float:
         """r_G [mm]."""
-        radius: float = self.follower.base_radius
-        return radius
+        return float(self.follower.base_radius)
 
     @property
     def arm_side(self) -> str | None:
@@ -382,6 +381,17 @@ class Flocke:
     bounds: FloatArray
     place: complex | None
 
+    def row_limits(self, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """As `row_limits`, for this region."""
+        low, high = np.full(len(rows), -np.inf), np.full(len(rows), np.inf)
+        for normal, bound in zip(self.normals, self.bounds, strict=True):
+            rest = bound - normal.imag * rows
+            if normal.real > 0.0:
+                low = np.maximum(low, rest / normal.real)
+            elif normal.real < 0.0:
+                high = np.minimum(high, rest / normal.real)
+        return low, high
+
 
 def flocke(task: Task, tangent: float) -> Flocke:
     """The construction for a transmission angle of atan(`tangent`)."""
@@ -504,18 +514,6 @@ def ratio_map(task: Task, columns: FloatArray, rows: FloatArray, most: float) ->
     with np.errstate(all="ignore"):  # a pitch curve may have cusps here
         worst = np.array([now.worst_ratio(row) for row in places])
     return np.where(worst <= most, np.maximum(worst, 0.0), most)
-
-
-def flocke_limits(found: Flocke, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """As `row_limits`, for the region of Flocke's construction."""
-    low, high = np.full(len(rows), -np.inf), np.full(len(rows), np.inf)
-    for normal, bound in zip(found.normals, found.bounds, strict=True):
-        rest = bound - normal.imag * rows
-        if normal.real > 0.0:
-            low = np.maximum(low, rest / normal.real)
-        elif normal.real < 0.0:
-            high = np.minimum(high, rest / normal.real)
-    return low, high
 
 
 # -- bends ----------------------------------------------------------------------------------------
@@ -1016,6 +1014,14 @@ class Conditions:
             left.append(np.min(gap, axis=1))
         return np.asarray(np.nan_to_num(np.min(left, axis=0), nan=-np.inf))
 
+    def with_more(self, task: Task, phi: FloatArray, covers: Covers) -> Conditions:
+        """The same and the conditions at the cam angles `phi` (n,) [rad] and of the pairs `covers`
+        of the `task`.
+        """
+        more = conditions(task, self.tangent, self.ratio, phi, covers).terms
+        every = covers if self.covers is None else self.covers + covers
+        return replace(self, terms=joined((self.terms, more)), covers=every)
+
     def worst_ratio(self, places: ComplexArray) -> FloatArray:
         """(k,) largest r_R/r_K for the sign that matters; Z' must not vanish."""
         kappa = self.terms.curvature(places[:, np.newaxis])
@@ -1032,13 +1038,6 @@ def samples_of(task: Task) -> FloatArray:
         for piece in smooth_pieces(task.motion)
     ]
     return np.concatenate(found)
-
-
-def with_more(task: Task, now: Conditions, phi: FloatArray, covers: Covers) -> Conditions:
-    """`now` and the conditions at the cam angles `phi` (n,) [rad] and of the pairs `covers`."""
-    more = conditions(task, now.tangent, now.ratio, phi, covers).terms
-    terms = joined((now.terms, more))
-    return replace(now, terms=terms, covers=covers if now.covers is None else now.covers + covers)
 
 
 def conditions(

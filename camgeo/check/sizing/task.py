@@ -187,8 +187,7 @@ class Terms:
 
     def to_axis(self, place: complex | ComplexArray) -> FloatArray:
         """Distance of the roller centre from the cam axis [mm], shape as of `across_and_along`."""
-        distance: FloatArray = np.abs(self.centre - self.turn * place)
-        return distance
+        return np.asarray(np.abs(self.centre - self.turn * place))
 
     def across_and_along(self, place: complex | ComplexArray) -> tuple[FloatArray, FloatArray]:
         """u, v [mm/rad] for one place, or (k, n) for places (k, 1)."""
@@ -199,8 +198,7 @@ class Terms:
         """kappa [1/mm], shape as of `across_and_along`; Z' must not vanish."""
         u, v = self.across_and_along(place)
         square = u * u + v * v
-        kappa: FloatArray = (square - self.alpha * u + self.beta * v) / (square * np.sqrt(square))
-        return kappa
+        return np.asarray((square - self.alpha * u + self.beta * v) / (square * np.sqrt(square)))
 
     def half_planes(self, tangent: float) -> tuple[ComplexArray, FloatArray]:
         """Normals n (n,) and c (n,) of u >= `tangent` v, which is Re(conj(n) P) >= c."""

@@ -1,5 +1,5 @@
-"""Effects: what a scene requests beyond the geometry, one package each.
+"""Effects: what a scene requests beyond the geometry, one module each.
 
-Nothing here is imported before a scene names it: `camgeo.dynamics.effects.registry` imports the
-package that declares an effect, and `camgeo.dynamics.effects.graph` the module that computes it.
+Nothing here is imported before a scene names it: `camgeo.dynamics.effects.registry` declares all
+effects, and `camgeo.dynamics.effects.graph` imports the module that computes one.
 """

@@ -39,17 +39,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final, Self, TypeVar
+from typing import Final, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from camgeo.dynamics.effects.forces import at_rates
-from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, Side, merged
-from camgeo.numeric.extremes import grid_of, roots_on_grid
-
-if TYPE_CHECKING:
-    from camgeo.dynamics.effects.forces import Force
+from camgeo.dynamics.effects.forces import Force, at_rates
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, Side
 
 Scalar = TypeVar("Scalar", np.float64, np.complex128, np.bool_)
 
@@ -118,8 +114,7 @@ class BearingFriction:
 
     def drag(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) w [1 or mm]."""
-        drag: FloatArray = self.rubbing.lever * self.rubbing.senses(phi, side)
-        return drag
+        return np.asarray(self.rubbing.lever * self.rubbing.senses(phi, side))
 
     def alone(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
         """(n,) w sum |A_i| at `rates` [N or N mm]."""
@@ -295,22 +290,6 @@ class RubbingLaw:
 def _chosen(pair: NDArray[Scalar], index: IntArray) -> NDArray[Scalar]:
     """Of the two in `pair` (2, ...) the one that `index` says."""
     return np.asarray(np.where(index == 0, pair[0], pair[1]))
-
-
-def with_reversals(loads: Callable[[FloatArray], FloatArray], edges: FloatArray) -> FloatArray:
-    """(k,) `edges`, and the cam angles [rad] at which a force at an end of a guide reverses.
-
-    `loads` (k, n) has these forces at n cam angles. Friction has a kink where one reverses; in a
-    pivot it has none, unless the load is 0 as a vector.
-    """
-    found, grid = [edges], grid_of(edges)
-    for row in range(len(loads(edges[:1]))):
-
-        def load(phi: FloatArray, row: int = row) -> FloatArray:
-            return np.asarray(loads(phi)[row])
-
-        found.append(roots_on_grid(load, grid))
-    return merged(np.concatenate(found))
 
 
 def with_force(

@@ -27,13 +27,13 @@ from typing import TYPE_CHECKING, Final, TypeVar
 
 import numpy as np
 
-from camgeo.dynamics.effects.effect import Quantity
+from camgeo.dynamics.effects.effect import Quantity, Result, Subject
 from camgeo.dynamics.effects.forces import shocks
-from camgeo.dynamics.effects.results import Bearing, LostContact, Range
+from camgeo.dynamics.effects.results import Bearing, ContactForce, LostContact, Range
 from camgeo.dynamics.state.state import FIRST, SECOND
 from camgeo.errors import EffectError, GeometryError
-from camgeo.numeric.arrays import BoolArray, FloatArray, merged
-from camgeo.numeric.extremes import Extreme, Extremes, grid_of, piecewise_lowest, roots_on_grid
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, Number, Side, merged
+from camgeo.numeric.extremes import Extreme, Extremes, piecewise_lowest, with_roots
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -41,10 +41,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from camgeo.cam.cam import Cam
-    from camgeo.dynamics.effects.effect import Result, Subject
-    from camgeo.dynamics.effects.results import ContactForce
     from camgeo.dynamics.state.written import HasPart
-    from camgeo.numeric.arrays import ComplexArray, Number, Side
     from camgeo.part.part import Part
 
 
@@ -243,8 +240,7 @@ def unbalance_force(
     first; the second derivative gives both).
     """
     turned = unbalance * np.exp(1j * rotation * phi)
-    found: ComplexArray = turned * (rates[0] ** 2 - 1j * rotation * rates[1])
-    return found
+    return np.asarray(turned * (rates[0] ** 2 - 1j * rotation * rates[1]))
 
 
 # -- opposite -------------------------------------------------------------------------------------
@@ -298,8 +294,7 @@ def ranges_below(
     def above(phi: FloatArray) -> FloatArray:
         return quantity(phi, "right") - limit
 
-    cuts = merged(np.concatenate((edges, [lowest.place])))
-    cuts = merged(np.concatenate((cuts, roots_on_grid(above, grid_of(cuts)))))
+    cuts = with_roots(above, merged(np.concatenate((edges, [lowest.place]))))
     below = above(0.5 * (cuts[:-1] + cuts[1:])) < 0.0
     found = []
     for pieces in runs(below):

@@ -16,7 +16,7 @@ import numpy as np
 
 from camgeo.check.finding import Finding
 from camgeo.errors import GeometryError
-from camgeo.kinematics.mechanism.values import UNIT_OF
+from camgeo.kinematics.mechanism.values import UNIT_OF, Member, Touching
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.record import Displayed
 
@@ -25,7 +25,6 @@ if TYPE_CHECKING:  # each effect imports the modules that it computes with
     from camgeo.dynamics.state.state import Model, Train, Used
     from camgeo.dynamics.state.written import Contours, HasPart, State, Writing
     from camgeo.kinematics.mechanism.slider_crank import SliderCrank
-    from camgeo.kinematics.mechanism.values import Member, Touching
     from camgeo.kinematics.time_course import TimeCourse
     from camgeo.part.spec import PartSpec
     from camgeo.units import LengthUnit, LiftUnit
@@ -400,44 +399,6 @@ class Only:
                     yield key, self.kind.refusal
 
 
-ROCKING: Final = Kind(
-    "lift", ("mm",), "is for rockers, and this follower is translating", "Rockers only."
-)
-ROLLERS: Final = Kind("touching", ("face",), "is for roller followers", "Roller followers only.")
-ROUND: Final = Kind(
-    "edged", (True,), "is for rollers: the follower has a knife edge", "Not with a knife edge."
-)
-FLATS: Final = Kind(
-    "touching", ("roller",), "is for flat-faced followers", "Flat-faced followers only."
-)
-ONE_DISC: Final = Kind(
-    "paired",
-    (True,),
-    "supports a single disc, and a conjugate pair, [follower.return], has two",
-    "Not with a conjugate pair.",
-    "return",
-)
-ONE_ROLLER: Final = Kind(
-    "paired",
-    (True,),
-    "supports a single roller, and a conjugate pair, [follower.return], has two",
-    "Not with a conjugate pair.",
-    "return",
-)
-DRIVING_SLIDER: Final = Kind(
-    "far",
-    ("", "lever", "crank"),
-    "is for a slider that drives a rocker, and the scene has no such linkage",
-    "Only with a slider that drives a rocker.",
-)
-STRAIGHT: Final = Kind(
-    "straight",
-    (False,),
-    DRIVING_SLIDER.refusal,
-    "Translating followers, or sliders that drive rockers, only.",
-)
-
-
 # -- effect ---------------------------------------------------------------------------------------
 # The declaration of an effect.
 
@@ -464,11 +425,6 @@ class Refinement:
     taken: str
     caution: str = ""
     followed: bool = False
-
-
-ELASTIC: Final = Refinement("vibration", "a rigid follower", followed=True)
-GIVEN_SPEED: Final = Refinement("speed-fluctuation", "the speed that the scene gives")
-STIFF_SHAFT: Final = Refinement("camshaft-windup", "a camshaft that does not twist")
 
 
 SPEED: Final = ("cam.speed", "cam.speed_curve")

@@ -18,22 +18,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Final, TypeVar
+from typing import Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from camgeo.dynamics.effects.effect import Quantity, Subject
 from camgeo.dynamics.oscillator.steady import Response
 from camgeo.dynamics.oscillator.train import Train
 from camgeo.errors import EffectError
+from camgeo.kinematics.mechanism.linkage import Linkage, locked_at
+from camgeo.kinematics.mechanism.values import Member
 from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.units import TURN, at_cam_angles
-
-if TYPE_CHECKING:
-    from camgeo.dynamics.effects.effect import Quantity, Subject
-    from camgeo.kinematics.mechanism.linkage import Linkage
-    from camgeo.kinematics.mechanism.values import Member
-
 
 Scalar = TypeVar("Scalar", np.float64, np.complex128)
 
@@ -130,6 +127,13 @@ def shaft_and_turn(subject: Subject, linkage: Linkage) -> tuple[complex, complex
     return follower.start_arm - turn * complex(pin[0]), turn
 
 
+def way_of(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
+    """(n,) dx/dq, the derivative of the demanded motion by the follower's coordinate."""
+    if subject.drive.linkage is None:
+        return np.ones(len(phi))
+    return subject.drive.linkage.per_follower(subject.state.output.jet(phi, side)[0])
+
+
 # -- immovable ------------------------------------------------------------------------------------
 # Masses that no finite force moves: where the velocity jumps, and behind a locked linkage.
 
@@ -174,10 +178,9 @@ def torque_shocks(subject: Subject, per_alpha: Quantity, edges: FloatArray) -> F
     jump = np.abs(motion.jet(places, "right", 1)[1] - motion.jet(places, "left", 1)[1])
     inside = np.abs(motion.jet(edges[:-1] + 0.5 * np.diff(edges), "right", 1)[1])
     heavy = (per_alpha(places, "left") != 0.0) | (per_alpha(places, "right") != 0.0)
-    hit: FloatArray = places[
-        heavy & (jump > JUMP * max(float(np.max(inside)), float(np.max(jump))))
-    ]
-    return hit
+    return np.asarray(
+        places[heavy & (jump > JUMP * max(float(np.max(inside)), float(np.max(jump))))]
+    )
 
 
 def refuse_locked(subject: Subject, burden: str) -> None:
@@ -188,7 +191,6 @@ def refuse_locked(subject: Subject, burden: str) -> None:
     linkage = subject.drive.linkage
     if linkage is None:
         return
-    from camgeo.kinematics.mechanism.linkage import locked_at
 
     locked = locked_at(linkage, subject.state.output)
     if locked is None:

@@ -109,9 +109,6 @@ class Effects:
         self.ledger = ledger
         self.catalogue = Catalogue(tables, find, subject.output)
         self._finder = None if speed == "stated" else self.catalogue.finder
-        self._stated: Nodes | None = None
-        self._found: Nodes | None = None
-        self._rigid: Nodes | None = None
         self._whole: dict[str, Any] = {}
         self._judged: dict[str, Any] = {}
 
@@ -198,25 +195,23 @@ class Effects:
         EffectError
             If its speed is neither found nor given.
         """
-        if self._stated is None:
-            feeds = self._finder is not None and self.catalogue.followed(self._finder)
-            kind = pkgutil.resolve_name(FED_BACK) if feeds else Nodes
-            self._stated = kind(self._given, self.catalogue, self.ledger)
         if self._finder is None and name in FINDERS and self.catalogue.followed(name):
             return self._of_rigid
         if self._finder is None or not self.catalogue.moved(name):
             return self._stated
-        if self._found is None:
-            self._found = self._turned(self._stated, self._finder)
         return self._found
 
-    @property
+    @cached_property
+    def _stated(self) -> Nodes:
+        """Where what does not depend on a found speed is computed."""
+        feeds = self._finder is not None and self.catalogue.followed(self._finder)
+        kind: type[Nodes] = pkgutil.resolve_name(FED_BACK) if feeds else Nodes
+        return kind(self._given, self.catalogue, self.ledger)
+
+    @cached_property
     def _of_rigid(self) -> Nodes:
         """Where what finds a speed is computed if no other effect follows that."""
-        if self._rigid is None:
-            ledger = self.ledger.named(OF_RIGID)
-            self._rigid = Nodes(self._given, self.catalogue.rigid(), ledger)
-        return self._rigid
+        return Nodes(self._given, self.catalogue.rigid(), self.ledger.named(OF_RIGID))
 
     @property
     def _given(self) -> Subject:
@@ -229,8 +224,11 @@ class Effects:
         first = data.first_speed
         return self.subject if first is None else self.subject.turning(ConstantSpeed(first))
 
-    def _turned(self, stated: Nodes, finder: str) -> Nodes:
+    @cached_property
+    def _found(self) -> Nodes:
         """The effects at the found speed; if there is none, at that of the scene."""
+        stated, finder = self._stated, self._finder
+        assert finder is not None  # what finds it
         try:
             found = stated.result(finder)
         except EffectError as error:
@@ -275,21 +273,33 @@ class Effects:
 
     def _qualified(self, name: str, result: Any) -> tuple[Finding, ...]:
         """The findings of the result of `name`, after those that say what they do not hold for."""
-        touching = isinstance(result, Touching)
+        effect, subject, findings = self.effect(name), self.subject, result.findings
+        touching, in_contact = isinstance(result, Touching), effect.premise == "contact"
+        # None if it is not known where the follower leaves the cam.
         lost = result.lost_contact if touching else self._lost_contact(name)
         at_speed_of_scene = not touching or name == CONTACT_FORCE
-        taken = self._nodes(name).at_found
-        named = tuple(each for each in self.names if not (taken and each in FINDERS))
-        effect = self.effect(name)
-        flies = lost or (lost is not None and effect.premise == "contact")
+        flies = lost or (lost is not None and in_contact)
         flown = self._flown() if flies and at_speed_of_scene else ()
-        found = qualified(
-            effect, result.findings, self.subject, lost, named, flown,
-            holding=self._holding if lost and at_speed_of_scene else "",
-            follows=self._follows(effect), elastic=self._is_elastic(effect),
-        )  # fmt: skip
-        stated = (*self._at_speed(name, result.findings), *found)
-        return stated_in(self.subject.unit, folded(stated))
+        if all(each.value is None for each in findings):  # there is nothing to qualify
+            return stated_in(subject.unit, folded(findings))
+        broken, crossed = list[Finding](), list[Finding]()
+        if in_contact and lost and holds_both_ways(subject):
+            broken.append(_on_other_side(lost, subject))
+        elif in_contact and lost:
+            holding = self._holding if at_speed_of_scene else ""
+            broken.append(_without_contact(lost, subject, flown, holding))
+        elif in_contact and flown:
+            crossed.append(_in_clearance(subject, flown))
+        trimmed, uneven = tuple(trimming(effect, subject)), tuple(_of_breadth(effect, subject))
+        if broken or uneven or (trimmed and not _follows(effect, subject)):
+            findings = [_doubted(each, effect) for each in findings]
+        taken = self._nodes(name).at_found
+        named = [each for each in self.names if not (taken and each in FINDERS)]
+        stated = [*self._at_speed(name, findings), *broken, *crossed, *trimmed, *uneven]
+        stated += as_written(effect, subject)
+        stated += (OF_TRAIN,) if self._is_elastic(effect) else ()
+        stated += _simplified(effect, named, follows=self._follows(effect))
+        return stated_in(subject.unit, folded((*stated, *findings)))
 
     def _follows(self, effect: Effect) -> bool:
         """Whether `effect` takes an elastic train of the scene into account."""
@@ -421,7 +431,6 @@ class Nodes:
         self.ledger = ledger
         self._base = base
         self._rough = rough
-        self._off: tuple[Nodes, ...] | None = None
         self._near: dict[str, Any] = {}
         self._results: dict[str, Any] = dict(known or {})
 
@@ -513,17 +522,21 @@ class Nodes:
         return VIBRATION in self.catalogue.behind(name)
 
     def _with_train(self, number: int, name: str, near: Any) -> Any:
-        """The result of the effect `name` with one of the trains that are off by the error of their
-        force, see `camgeo.dynamics.effects.forces.ElasticTrain.off`; `near` is that with the train
-        itself.
+        """The result of the effect `name` with one of the trains that are `_off`; `near` is that
+        with the train itself.
         """
-        if self._off is None:
-            train, contact = self.result(VIBRATION), self.result(CONTACT_FORCE)
-            self._off = tuple(
-                WithTrain(self, replace(train, behind=each))
-                for each in train.behind.off(contact.demand)
-            )
         return self._off[number].beside(name, near)
+
+    @cached_property
+    def _off(self) -> tuple[Nodes, ...]:
+        """With trains that are off by the error of their force, see
+        `camgeo.dynamics.effects.forces.ElasticTrain.off`.
+        """
+        train, contact = self.result(VIBRATION), self.result(CONTACT_FORCE)
+        return tuple(
+            WithTrain(self, replace(train, behind=each))
+            for each in train.behind.off(contact.demand)
+        )
 
 
 class WithTrain(Nodes):
@@ -572,50 +585,6 @@ OF_TRAIN: Final = Finding(
 
 SLACK: Final = 1e-9
 """Cam angles [rad] this close are equal but for rounding."""
-
-
-def qualified(
-    effect: Effect,
-    findings: Sequence[Finding],
-    subject: Subject,
-    lost: LostContact | None,
-    named: Sequence[str],
-    flown: Sequence[Range] = (),
-    *,
-    holding: str = "",
-    follows: bool = False,
-    elastic: bool = False,
-) -> tuple[Finding, ...]:
-    """The `findings` of `effect`, after those that say what they do not hold for.
-
-    Parameters
-    ----------
-    lost : where the follower leaves the cam; None if that is not known.
-    named : the effects that the scene names.
-    flown : where it then flies, or crosses its clearance; empty if that is not known.
-    holding : what would hold it there, in words; empty if that is not known.
-    follows : whether `effect` takes elastic trains into account.
-    elastic : whether its figures are for one.
-    """
-    if all(each.value is None for each in findings):
-        return tuple(findings)  # without figures there is nothing to qualify
-    broken: list[Finding] = []
-    crossed: list[Finding] = []
-    if effect.premise == "contact" and lost:
-        broken.append(
-            _on_other_side(lost, subject)
-            if holds_both_ways(subject)
-            else _without_contact(lost, subject, flown, holding)
-        )
-    elif effect.premise == "contact" and flown:
-        crossed.append(_in_clearance(subject, flown))
-    trimmed = tuple(trimming(effect, subject))
-    uneven = tuple(_of_breadth(effect, subject))
-    if broken or uneven or (trimmed and not _follows(effect, subject)):
-        findings = [_doubted(each, effect) for each in findings]
-    told = [*uneven, *as_written(effect, subject), *((OF_TRAIN,) if elastic else ())]
-    told += _simplified(effect, named, follows=follows)
-    return (*broken, *crossed, *trimmed, *told, *findings)
 
 
 def _doubted(finding: Finding, effect: Effect) -> Finding:

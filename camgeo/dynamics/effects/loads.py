@@ -26,22 +26,25 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
-from camgeo.dynamics.effects.forces import at_rates, rates_of, refuse_locked, shaft_and_turn
-from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, dot
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from camgeo.dynamics.effects.effect import Subject
-    from camgeo.dynamics.effects.forces import Force
-    from camgeo.dynamics.effects.results import Friction, Gravity, Inertia, Mass, Spring
-    from camgeo.kinematics.mechanism.linkage import Linkage
-    from camgeo.numeric.arrays import Number
-
+from camgeo.dynamics.effects.effect import Results, Subject
+from camgeo.dynamics.effects.forces import Force, at_rates, rates_of, refuse_locked, shaft_and_turn
+from camgeo.dynamics.effects.results import (
+    GRAVITY,
+    INERTIA,
+    SPRING,
+    Friction,
+    Gravity,
+    Inertia,
+    Mass,
+    Spring,
+)
+from camgeo.kinematics.mechanism.linkage import Linkage
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Number, Side, dot
 
 BEYOND: Final = ("slider", "coupler")
 """Names of the masses beyond the follower itself."""
@@ -154,6 +157,28 @@ class Loads:
         overhang = friction.bearing(phi, side, 1).overhang
         ends = guide_ends(force, 0.0, overhang, friction.guide_length).astype(np.complex128)
         return ends if friction.guide_length is not None else ends[:1]
+
+
+def loads_of(subject: Subject, results: Results, forces: tuple[Force, ...], *, idle: bool) -> Loads:
+    """What acts on the follower besides the contact, of all `forces`; the coupler of a linkage on
+    which nothing acts only if `idle`.
+
+    Raises
+    ------
+    EffectError
+        If the follower cannot move the far member of its linkage at some cam angle: the joints
+        would carry any force.
+    """
+    inertia, gravity = results.get(INERTIA), results.get(GRAVITY)
+    linkage, coupler = subject.drive.linkage, None
+    beyond = inertia is not None and (
+        inertia.moved > 0.0 or any(each.name in BEYOND for each in inertia.masses)
+    )
+    beyond = beyond or any(each.far is not None for each in forces)
+    if linkage is not None and (idle or beyond):
+        refuse_locked(subject, "")
+        coupler = Coupler(subject, linkage, forces, inertia, gravity)
+    return Loads(subject, inertia, gravity, results.get(SPRING), coupler)
 
 
 # -- coupler --------------------------------------------------------------------------------------
@@ -284,30 +309,3 @@ class Coupler:
         _, turn = shaft_and_turn(self.subject, self.linkage)
         pin, tip = (turn * each for each in both)
         return (pin, tip) if self.subject.cam.follower.pivot is None else (tip, pin)
-
-
-def acts_beyond(forces: tuple[Force, ...], inertia: Inertia | None) -> bool:
-    """Whether anything acts on coupler or far member of a linkage."""
-    heavy = inertia is not None and (
-        inertia.moved > 0.0 or any(each.name in BEYOND for each in inertia.masses)
-    )
-    return heavy or any(each.far is not None for each in forces)
-
-
-def coupler_of(
-    subject: Subject,
-    linkage: Linkage,
-    forces: tuple[Force, ...],
-    inertia: Inertia | None,
-    gravity: Gravity | None,
-) -> Coupler:
-    """The `linkage` of `subject`.
-
-    Raises
-    ------
-    EffectError
-        If the follower cannot move the far member at some cam angle: the joints would carry any
-        force.
-    """
-    refuse_locked(subject, "")
-    return Coupler(subject, linkage, forces, inertia, gravity)

@@ -1,45 +1,360 @@
-"""All effects by name, and their declarations."""
+"""All effects: which machines they are for, their declarations, and which of them need which."""
 
 from __future__ import annotations
 
-import importlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
-from camgeo.dynamics.effects.effect import Effect, Key
-from camgeo.dynamics.effects.results import FINDERS, Turning
+from camgeo.dynamics.effects import tables
+from camgeo.dynamics.effects.effect import (
+    SPEED,
+    Effect,
+    Key,
+    Kind,
+    Machine,
+    Only,
+    Refinement,
+    Table,
+)
+from camgeo.dynamics.effects.results import (
+    ACTING,
+    CAMSHAFT_WINDUP,
+    CONTACT_FORCE,
+    DRIVE_TORQUE,
+    FINDERS,
+    FRICTION,
+    GRAVITY,
+    INERTIA,
+    LIFT_OFF,
+    LOAD,
+    SPEED_FLUCTUATION,
+    SPRING,
+    VIBRATION,
+    Turning,
+)
 from camgeo.dynamics.state.state import Train
 from camgeo.errors import CycleError, UnknownNameError
+from camgeo.record import schema_beside
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
 
+# -- machines -------------------------------------------------------------------------------------
+
+
+ROCKING: Final = Kind(
+    "lift", ("mm",), "is for rockers, and this follower is translating", "Rockers only."
+)
+ROLLERS: Final = Kind("touching", ("face",), "is for roller followers", "Roller followers only.")
+ROUND: Final = Kind(
+    "edged", (True,), "is for rollers: the follower has a knife edge", "Not with a knife edge."
+)
+FLATS: Final = Kind(
+    "touching", ("roller",), "is for flat-faced followers", "Flat-faced followers only."
+)
+ONE_DISC: Final = Kind(
+    "paired",
+    (True,),
+    "supports a single disc, and a conjugate pair, [follower.return], has two",
+    "Not with a conjugate pair.",
+    "return",
+)
+ONE_ROLLER: Final = Kind(
+    "paired",
+    (True,),
+    "supports a single roller, and a conjugate pair, [follower.return], has two",
+    "Not with a conjugate pair.",
+    "return",
+)
+DRIVING_SLIDER: Final = Kind(
+    "far",
+    ("", "lever", "crank"),
+    "is for a slider that drives a rocker, and the scene has no such linkage",
+    "Only with a slider that drives a rocker.",
+)
+STRAIGHT: Final = Kind(
+    "straight",
+    (False,),
+    DRIVING_SLIDER.refusal,
+    "Translating followers, or sliders that drive rockers, only.",
+)
+GUIDED: Final = Kind(
+    "lift",
+    ("rad",),
+    "is for translating followers, and this follower is a rocker",
+    "Translating followers only.",
+)
+LINKED: Final = Kind(
+    "far", ("",), "is for linkages, and the scene has no [linkage]", "Only with a linkage."
+)
+TURNING: Final = Kind(
+    "far",
+    ("", "slider"),
+    "is for the lever of a four-bar linkage, or a crank driven by a slider",
+    "Only with the lever of a four-bar linkage, or a crank driven by a slider.",
+)
+PLAYED: Final = Kind(
+    "yoked",
+    (True,),
+    "is not for a yoke, [follower.yoke], whose play follows from its breadth",
+    "Not with a yoke.",
+    "yoke",
+)
+ANGLES: Final = Kind(
+    "demanded",
+    ("mm",),
+    "is for a demanded motion that is an angle, and here it is a length",
+    "Only where the demanded motion is an angle.",
+)
+LENGTHS: Final = Kind(
+    "demanded",
+    ("rad",),
+    "is for a demanded motion that is a length, and here it is an angle",
+    "Only where the demanded motion is a length.",
+)
+
+
+def tilts(machine: Machine, table: Table) -> Iterator[tuple[str, str]]:
+    """The `Rule` that a flat-faced follower with guide friction needs the length of the guide."""
+    checked = {"guide_overhang", "guide_offset"} & table.values.keys()  # its parser asks for it
+    rubs = machine.touching in ROLLERS.others and table.values.get("guide")
+    if rubs and table.lacks("guide_length") and not checked:
+        reason = (
+            "is missing: the cam presses a flat face away from the axis of its guide, so the"
+            " follower tilts, and friction depends on the length of the guide"
+        )
+        yield "guide_length", reason
+
+
+# -- declarations ---------------------------------------------------------------------------------
+
+
+ELASTIC: Final = Refinement("vibration", "a rigid follower", followed=True)
+GIVEN_SPEED: Final = Refinement("speed-fluctuation", "the speed that the scene gives")
+STIFF_SHAFT: Final = Refinement("camshaft-windup", "a camshaft that does not twist")
+
+AT_SPEED: Final = (GIVEN_SPEED, STIFF_SHAFT)
+"""Effects that find how the cam turns."""
+
+OF_ROLLER: Final = ("roller_pin", "roller_pin_diameter", "rolling")
+"""Keys of the friction of a roller."""
+
+
+def _beside(name: str, module: str = "") -> dict[str, Any]:
+    """What follows from the `name` of an effect of camgeo: its code is in the module of that name,
+    or another one, its schema beside it.
+    """
+    stem = name.replace("-", "_")
+    return {
+        "name": str(name),  # no `Key`, which is not for JSON
+        "compute": f"camgeo.dynamics.effects.{module or stem}:compute",
+        "schema": schema_beside(__file__, stem),
+    }
+
+
+DECLARED: Final = {
+    each.name: each
+    for each in (
+        Effect(
+            **_beside("kinematics"),
+            title="motion in time",
+            keys=(SPEED,),
+            of_drive=True,
+            premise="motion",
+            regardless=("turn-time",),
+            refined_by=AT_SPEED,
+        ),
+        Effect(
+            **_beside(INERTIA),
+            title="inertia force",
+            parse=tables.parse_inertia,
+            rules=(
+                Only(ROCKING, "moment_of_inertia", "rocker_mass", "rocker_centre"),
+                Only(ROLLERS, "roller_mass"),
+                Only(LINKED, "coupler_mass", "coupler_centre", "coupler_moment"),
+                Only(TURNING, "output_moment"),
+                Only(STRAIGHT, "mass"),
+            ),
+            keys=(SPEED,),
+            tabled=True,
+            premise="motion",
+            regardless=("reduced-mass", "reduced-moment-of-inertia"),
+            refined_by=(Refinement("vibration", "a rigid follower"), *AT_SPEED),
+        ),
+        Effect(
+            **_beside(GRAVITY),
+            title="weights",
+            needs=(INERTIA,),
+            keys=((f"effects.{INERTIA}",),),
+            premise="motion",
+            regardless=("weight",),
+        ),
+        Effect(
+            **_beside(LOAD),
+            title="process load",
+            parse=tables.parse_load,
+            tabled=True,
+            premise="motion",
+        ),
+        Effect(
+            **_beside(SPRING),
+            title="force of the spring that closes the contact",
+            parse=tables.parse_spring,
+            tabled=True,
+            premise="motion",
+        ),
+        Effect(
+            **_beside("spring-surge"),
+            title="surge of the helical spring",
+            needs=(SPRING,),
+            keys=(SPEED, ("effects.spring",)),
+            numerical=True,
+            premise="motion",
+            refined_by=AT_SPEED,
+        ),
+        Effect(
+            **_beside(FRICTION),
+            title="friction in guide, pivot, slider, roller and face",
+            parse=tables.parse_friction,
+            rules=(
+                Only(ONE_ROLLER, "guide_length", "guide_overhang"),
+                Only(GUIDED, "guide", "guide_length", "guide_overhang", "guide_offset"),
+                Only(ROCKING, "pivot", "pivot_diameter", "pivot_viscous"),
+                Only(ROLLERS, *OF_ROLLER),
+                Only(ROUND, *OF_ROLLER),
+                Only(FLATS, "face", "guide_offset"),
+                tilts,
+                Only(DRIVING_SLIDER, "slider"),
+                Only(STRAIGHT, "guide_viscous"),
+            ),
+            tabled=True,
+        ),
+        Effect(
+            **_beside(CONTACT_FORCE),
+            title="force between cam and follower along their common normal",
+            uses=(*ACTING, FRICTION, VIBRATION),
+            keys=(tuple(f"effects.{name}" for name in ACTING),),
+            refined_by=(ELASTIC, *AT_SPEED),
+        ),
+        Effect(
+            **_beside("reactions"),
+            title="forces in guide, pivot, pins and camshaft bearings",
+            parse=tables.parse_reactions,
+            rules=(Only(ONE_DISC, "bearings"),),
+            needs=(CONTACT_FORCE,),
+            uses=(INERTIA, GRAVITY, SPRING),
+            numerical=True,
+            refined_by=(ELASTIC, *AT_SPEED),
+        ),
+        Effect(
+            **_beside("roller-spin"),
+            title="spin of the roller, and where it skids",
+            rules=(Only(ONE_ROLLER), Only(ROLLERS), Only(ROUND)),
+            needs=(CONTACT_FORCE,),
+            keys=(SPEED,),
+            tabled=True,
+            refined_by=(ELASTIC, *AT_SPEED),
+        ),
+        Effect(
+            **_beside(LIFT_OFF, "lift_off.result"),
+            title="where the follower leaves its flank, from which speed, and what prevents it",
+            rules=(Only(PLAYED, "backlash"), Only(ROLLERS, "backlash")),
+            needs=(CONTACT_FORCE,),
+            uses=(INERTIA, SPRING),
+            numerical=True,
+            premise="motion",
+            refined_by=(
+                replace(ELASTIC, caution="an elastic one may leave the cam at a lower speed"),
+                *AT_SPEED,
+            ),
+        ),
+        Effect(
+            **_beside(DRIVE_TORQUE),
+            title="torque on the camshaft",
+            needs=(CONTACT_FORCE,),
+            numerical=True,
+            refined_by=(ELASTIC, *AT_SPEED),
+        ),
+        Effect(
+            **_beside("power-balance"),
+            title="power of the camshaft, what takes it, and the efficiency",
+            needs=(CONTACT_FORCE, DRIVE_TORQUE),
+            keys=(SPEED,),
+            numerical=True,
+            refined_by=(ELASTIC, *AT_SPEED),
+        ),
+        Effect(
+            **_beside(SPEED_FLUCTUATION),
+            title="speed of the motor-driven cam",
+            parse=tables.parse_speed_fluctuation,
+            needs=(DRIVE_TORQUE,),
+            tabled=True,
+            numerical=True,
+            refined_by=(ELASTIC,),
+        ),
+        Effect(
+            **_beside(CAMSHAFT_WINDUP),
+            title="torsion of the camshaft",
+            parse=tables.parse_camshaft_windup,
+            needs=(DRIVE_TORQUE,),
+            keys=(("cam.speed",),),
+            tabled=True,
+            numerical=True,
+            refined_by=(ELASTIC,),
+        ),
+        Effect(
+            **_beside("contact-pressure"),
+            title="pressure between cam and follower",
+            parse=tables.parse_contact_pressure,
+            rules=(Only(ROLLERS, *tables.OF_ROLLER), Only(FLATS, *tables.OF_FACE)),
+            needs=(CONTACT_FORCE,),
+            numerical=True,
+            refined_by=(ELASTIC, *AT_SPEED),
+        ),
+        Effect(
+            **_beside(VIBRATION),
+            title="vibration of the follower train",
+            parse=tables.parse_vibration,
+            rules=(
+                Only(LENGTHS, "stiffness", "limit", "masses"),
+                Only(ANGLES, "torsional_stiffness", "limit_angle", "moments"),
+            ),
+            uses=(INERTIA, LOAD),
+            keys=(SPEED,),
+            tabled=True,
+            numerical=True,
+            regardless=("natural-frequency", "time-constant", "settling"),
+            refined_by=AT_SPEED,
+        ),
+        Effect(
+            **_beside("shock-spectrum"),
+            title="shock spectrum of the moves",
+            of_plan=True,
+            refined_by=(
+                Refinement("vibration", "a train that is at rest when a move begins"),
+                *AT_SPEED,
+            ),
+        ),
+        Effect(
+            **_beside("balance"),
+            title="balance of the disc",
+            parse=tables.parse_balance,
+            rules=(Only(ONE_DISC),),
+            keys=(("part.thickness",),),
+            numerical=True,
+            premise="disc",
+            refined_by=AT_SPEED,
+        ),
+    )
+}
+"""The effects of camgeo by name, each after those that it needs."""
+
+EFFECTS: Final[tuple[str, ...]] = tuple(DECLARED)
+
 GROUP: Final = "camgeo.effects"
 """Group of the entry points of effects from other distributions, named like the effect."""
-
-EFFECTS: Final[tuple[str, ...]] = (
-    "kinematics",
-    "inertia",
-    "gravity",
-    "load",
-    "spring",
-    "spring-surge",
-    "friction",
-    "contact-force",
-    "reactions",
-    "roller-spin",
-    "lift-off",
-    "drive-torque",
-    "power-balance",
-    "speed-fluctuation",
-    "camshaft-windup",
-    "contact-pressure",
-    "vibration",
-    "shock-spectrum",
-    "balance",
-)
-"""Effects of camgeo; each is a package of the same name whose `EFFECT` declares it."""
 
 
 def find_effect(name: str) -> Effect:
@@ -52,13 +367,12 @@ def find_effect(name: str) -> Effect:
     TypeError
         If the object that another distribution registers is not an `Effect` of this name.
     """
-    if name in EFFECTS:
-        module = importlib.import_module(f"camgeo.dynamics.effects.{name.replace('-', '_')}")
-        effect: Any = module.EFFECT
-    elif entry := _foreign().get(name):
-        effect = entry.load()
-    else:
+    if name in DECLARED:
+        return DECLARED[name]
+    entry = _foreign().get(name)
+    if entry is None:
         raise UnknownNameError("effect", name, effect_names())
+    effect: Any = entry.load()
     if not isinstance(effect, Effect) or effect.name != name:
         raise TypeError(f"the object registered as effect {name!r} is not an effect of that name")
     return effect
@@ -124,7 +438,7 @@ class Catalogue:
         CycleError
             If an effect needs itself, with the path of the cycle.
         """
-        self._walk(name, ())
+        self.behind(name)
         return self.received(name)
 
     def received(self, name: str) -> tuple[str, ...]:
@@ -144,16 +458,15 @@ class Catalogue:
         """The effects of the scene that `effect` follows unless its state is a simpler one."""
         return {each.by for each in effect.refined_by if each.followed and each.by in self.tables}
 
-    def _walk(self, name: str, way: tuple[str, ...]) -> None:
+    def behind(self, name: str, way: tuple[str, ...] = ()) -> set[str]:
+        """The effects that the effect `name` is computed from, directly or not; `way` leads to it.
+
+        CycleError if an effect needs itself, with the path of the cycle.
+        """
         if name in way:
             raise CycleError((*way[way.index(name) :], name))
-        for each in self.received(name):
-            self._walk(each, (*way, name))
-
-    def behind(self, name: str) -> set[str]:
-        """The effects that the effect `name` is computed from, directly or not."""
-        inputs = self.inputs(name)
-        return set(inputs).union(*(self.behind(each) for each in inputs))
+        inputs = self.received(name)
+        return set(inputs).union(*(self.behind(each, (*way, name)) for each in inputs))
 
     def of_given_speed(self, name: str) -> bool:
         """Whether the effect `name` declares that its figures depend on the speed of the cam."""

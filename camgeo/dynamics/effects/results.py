@@ -6,24 +6,20 @@ The result class of an effect that no other effect uses is in the package of tha
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final, Literal, Self
 
-from camgeo.dynamics.effects.effect import Bound, Key, Result
+from camgeo.dynamics.effects.effect import Bound, Key, Quantity, Result
 from camgeo.dynamics.effects.wording import Label
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from camgeo.check.finding import Finding
     from camgeo.dynamics.effects.bearing_friction import BearingFriction, Rubbing
-    from camgeo.dynamics.effects.effect import Quantity
     from camgeo.dynamics.effects.forces import ElasticTrain, Force
     from camgeo.dynamics.effects.shaft import SteadyTurn
     from camgeo.kinematics.time_course import TimeCourse
-    from camgeo.numeric.arrays import ComplexArray, Side
     from camgeo.numeric.extremes import Extreme, Extremes
 
 
@@ -361,6 +357,10 @@ CONTACT_FORCE: Final = Key[ContactForce]("contact-force")
 DRIVE_TORQUE: Final = Key[DriveTorque]("drive-torque")
 SPEED_FLUCTUATION: Final = Key[Turning]("speed-fluctuation")
 CAMSHAFT_WINDUP: Final = Key[Turning]("camshaft-windup")
+
+ACTING: Final = (INERTIA, GRAVITY, LOAD, SPRING)
+"""Effects that act on the follower, besides friction."""
+
 FINDERS: Final = (SPEED_FLUCTUATION, CAMSHAFT_WINDUP)
 """The effects that find how the cam turns, of which a scene names at most one."""
 

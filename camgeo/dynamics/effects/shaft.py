@@ -9,7 +9,7 @@ from typing import Final, Generic, Protocol, TypeVar
 
 import numpy as np
 
-from camgeo.dynamics.effects.bearing_friction import LINEAR, RubbingLaw, StuckError, with_reversals
+from camgeo.dynamics.effects.bearing_friction import LINEAR, RubbingLaw, StuckError
 from camgeo.dynamics.effects.effect import Quantity, Subject
 from camgeo.dynamics.effects.forces import torque_shocks
 from camgeo.dynamics.effects.wording import at
@@ -24,7 +24,7 @@ from camgeo.numeric.arrays import (
     merged,
     read_only,
 )
-from camgeo.numeric.extremes import dips, grid_of, roots_on_grid
+from camgeo.numeric.extremes import dips, grid_of, roots_on_grid, with_roots
 from camgeo.numeric.kept import Answers
 from camgeo.units import TURN
 
@@ -318,8 +318,7 @@ class State:
 def interleaved(split: BoolArray, own: FloatArray, halves: FloatArray) -> FloatArray:
     """The rows `own` (m, ...), with two rows of `halves` in place of each one to `split`."""
     places = np.concatenate((2 * np.flatnonzero(~split), np.flatnonzero(np.repeat(split, 2))))
-    found: FloatArray = np.concatenate((own[~split], halves))[np.argsort(places)]
-    return found
+    return np.asarray(np.concatenate((own[~split], halves))[np.argsort(places)])
 
 
 def nodes_of(low: FloatArray, high: FloatArray) -> FloatArray:
@@ -563,4 +562,4 @@ def switches(
         shaft, y = turned(phi)
         return shaft.loads(law(phi, "right"), y).real
 
-    return with_reversals(loads, merged(np.concatenate((edges, found))))
+    return with_roots(loads, merged(np.concatenate((edges, found))))

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
-from camgeo.check.finding import Finding
+from camgeo.check.finding import Finding, Severity
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import resolved
-from camgeo.units import at_cam_angles, cam_angle, listed, over_cam_angles
-
-if TYPE_CHECKING:
-    from camgeo.check.finding import Severity
-    from camgeo.numeric.extremes import Extreme, Extremes
-    from camgeo.units import LiftUnit
+from camgeo.numeric.extremes import Extreme, Extremes
+from camgeo.units import LiftUnit, at_cam_angles, cam_angle, listed, over_cam_angles
 
 N_M: Final = 1e-3
 """From N mm to N m or J, and from N mm/s to W."""
@@ -33,6 +29,10 @@ class Label:
     word: str
     unit: str
     scale: float
+
+    def of(self, value: float) -> str:
+        """A `value` in the internal unit as text."""
+        return f"{self.scale * value:.4g} {self.unit}"
 
 
 FORCES: Final[Mapping[LiftUnit, Label]] = {

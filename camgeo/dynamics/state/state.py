@@ -5,20 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Final, Literal
+from typing import ClassVar, Final, Literal
 
 import numpy as np
 
 from camgeo.cam.cam import Cam, Drive, smooth_angles
+from camgeo.check.finding import Limits
 from camgeo.errors import GeometryError
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.motion import FULL_ORDER, Motion
 from camgeo.kinematics.plan import breaks
 from camgeo.kinematics.time_course import TimeCourse, TimeExtremes, plan_extremes
 from camgeo.numeric.arrays import BoolArray, FloatArray, Side
-
-if TYPE_CHECKING:
-    from camgeo.check.finding import Limits
 
 Model = Literal["demanded", "outline", "written"]
 """Whose motion it is: the one that the scene demands, the one that the real outline of the disc
@@ -94,15 +92,8 @@ class Demanded:
     cam: Cam | None
     course: TimeCourse | None
 
-    @property
-    def model(self) -> Model:
-        """See `State`."""
-        return "demanded"
-
-    @property
-    def sense(self) -> int:
-        """See `State`."""
-        return 0
+    model: ClassVar[Model] = "demanded"
+    sense: ClassVar[int] = 0
 
     @property
     def motion(self) -> Motion:
@@ -141,7 +132,6 @@ class Demanded:
 
     def on_corner(self, phi: FloatArray, side: Side) -> BoolArray:
         """See `State`: nowhere, the flank is taken to be whole."""
-        del side
         return np.zeros(len(phi), dtype=np.bool_)
 
     def output_extremes(self, course: TimeCourse) -> TimeExtremes:

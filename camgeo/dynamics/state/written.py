@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Final, Protocol, Self
+from typing import ClassVar, Final, Protocol, Self
 
 import numpy as np
 
@@ -39,15 +39,11 @@ from camgeo.kinematics.time_course import TimeCourse, TimeExtremes, time_extreme
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, Side, ascending, read_only
 from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.numeric.kept import Answers
-from camgeo.part.part import written_contour
+from camgeo.part.part import Part, written_contour
 from camgeo.units import TURN
 
-if TYPE_CHECKING:
-    from camgeo.part.part import Part
-
-
 KEY: Final = "state.motion"
-MODEL: Final = "written"
+MODEL: Final[Model] = "written"
 
 
 @dataclass(frozen=True)
@@ -221,10 +217,7 @@ class OfOutline(OnDisc):
     The only flank of its `cam` is trimmed, and on its `replay` the lift does not jump.
     """
 
-    @property
-    def model(self) -> Model:
-        """See `State`."""
-        return "outline"
+    model: ClassVar[Model] = "outline"
 
     @property
     def sense(self) -> int:
@@ -391,8 +384,7 @@ class WrittenMotion:
         middles = 0.5 * (starts + np.append(starts[1:], starts[0] + TURN))
         rates = np.abs(self.lift.jet(middles, "right", 3)[1:])
         most = np.max(rates, axis=1, keepdims=True)
-        found: BoolArray = np.all(rates <= RESTING * most, axis=0)
-        return found
+        return np.asarray(np.all(rates <= RESTING * most, axis=0))
 
     @cached_property
     def dwells(self) -> tuple[Dwell, ...]:
@@ -459,10 +451,7 @@ class Written(OnDisc):
     sense: int
     touches: bool = True
 
-    @property
-    def model(self) -> Model:
-        """See `State`."""
-        return MODEL
+    model: ClassVar[Model] = MODEL
 
     @cached_property
     def motion(self) -> WrittenMotion:

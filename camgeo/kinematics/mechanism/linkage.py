@@ -370,6 +370,11 @@ class LinkedMotion(Pickled):
         return float(positions[worst]), float(missing[worst])
 
     @property
+    def runs(self) -> MonotoneRuns:
+        """The runs of the motion that is demanded."""
+        return monotone_runs(self.demanded)
+
+    @property
     def breaks(self) -> FloatArray:
         """See `Motion`."""
         return self.demanded.breaks

@@ -55,7 +55,11 @@ class _Several(Generic[Member]):
         self._members, self._which = members, which
 
     def __getattr__(self, name: str) -> Any:
-        """Called where nothing is kept by that name."""
+        """Called where nothing is kept by that name.
+
+        Properties are evaluated member by member, so those that decide between formulas must stay
+        properties, like `FourBar._far_shaft`: inlined, they would be asked of all members at once.
+        """
         of_class = inspect.getattr_static(type(self._members[0]), name, None)
         if inspect.isfunction(of_class):
             return MethodType(of_class, self)

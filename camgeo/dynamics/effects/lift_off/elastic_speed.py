@@ -1,7 +1,7 @@
 """The speed at which a follower with an elastic train first leaves its flank, found without a gap.
 
 It is searched from low speeds upwards, from an s = 1 / f at which no vibration can be large enough,
-see `camgeo.dynamics.effects.lift_off.elastic_speed`. Where the smallest reserve at two s exceeds
+see "least reserve" below. Where the smallest reserve at two s exceeds
 its fall between them, contact is kept at all speeds between. Close to the crossing the steps shrink
 quadratically.
 """

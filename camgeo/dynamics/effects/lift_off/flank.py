@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.check.cures.search import DIGITS, rounded_beyond
+from camgeo.check.finding import DIGITS, rounded_beyond
 from camgeo.dynamics.effects.bearing_friction import unit_vectors
 from camgeo.dynamics.effects.contact import TOUCH, lowest_on_flank
 from camgeo.dynamics.effects.effect import Quantity, Subject
@@ -17,13 +17,13 @@ from camgeo.dynamics.effects.forces import rates_of, smooth_edges
 from camgeo.dynamics.effects.results import ContactForce, Spring
 from camgeo.dynamics.effects.wording import scale_of
 from camgeo.errors import EffectError
-from camgeo.numeric.arrays import SHARE, ComplexArray, FloatArray, Side, merged, read_only
+from camgeo.numeric.arrays import SHARE, ComplexArray, FloatArray, Side, read_only
 from camgeo.numeric.extremes import (
     Extreme,
     grid_of,
     piecewise_extremes,
     piecewise_highest,
-    roots_on_grid,
+    with_roots,
 )
 from camgeo.numeric.kept import Answers
 
@@ -194,6 +194,43 @@ class Flank:
         d = unit_vectors(load, np.ones_like(load))
         return np.asarray(known.drag * np.sum((np.conj(d) * per_unit).real, axis=0))
 
+    def lift_off_speed(self, edges: FloatArray) -> Extreme:
+        """The smallest speed factor at which the force on the flank falls below its margin, with
+        the cam angle [rad]; 0 if this happens at any speed, infinite if it never happens.
+
+        Parameters
+        ----------
+        edges : (k,) cam angles [rad] from 0 to 2 pi between which the coefficients are smooth.
+        """
+
+        def static(phi: FloatArray, side: Side) -> FloatArray:
+            return np.asarray(self.reserve(phi, side, factor=0.0)[0])
+
+        rest = piecewise_extremes(static, edges)
+        if rest.lowest.value < -TOUCH * rest.magnitude:
+            return Extreme(0.0, rest.lowest.place)
+
+        if self.contact.bearings is None:
+            return _speed(self, edges, 1.0)
+        found = _speed(self, edges, 1.0)
+        if np.isinf(found.value):
+            found = _speed(self, edges, FASTEST)
+        ends = (0.0, math.inf)
+        return _settled(lambda factor: _speed(self, edges, factor), found, ends, "lift-off speed")
+
+    def least_spring(self, spring: Spring, leaps: Sequence[float] = ()) -> tuple[Extreme, Extreme]:
+        """Least preload and least stiffness, each with the other one unchanged, that keep contact;
+        see `least_of`. At the cam angles `leaps` [rad], where the velocity jumps away, none does.
+        """
+        if leaps:
+            never = Extreme(math.inf, leaps[0])
+            return never, never
+        edges, loads = self.contact.edges, _pivot_loads(self, spring)
+        return (
+            least_of(self, spring.per_preload, spring.preload, edges, loads[0]),
+            least_of(self, spring.per_stiffness, spring.stiffness, edges, loads[1]),
+        )
+
 
 # -- sizing ---------------------------------------------------------------------------------------
 # The speed at which the roller first leaves its flank, and the spring that keeps it there.
@@ -249,15 +286,15 @@ def least_of(
     """
     if flank.contact.bearings is None:
         return _least(flank, per_unit, now, edges)
-    found = _least(flank, per_unit, now, edges, load, now)
-    for _ in range(MOST_STEPS):
-        if load is None or np.isinf(found.value):
-            return found
-        last = found
-        found = _least(flank, per_unit, now, edges, load, last.value)
-        if abs(found.value - last.value) <= SETTLED * last.value:
-            return found
-    raise EffectError("no least value of the spring settles with the friction in the pivot")
+    first = _least(flank, per_unit, now, edges, load, now)
+    if load is None:
+        return first
+    return _settled(
+        lambda guess: _least(flank, per_unit, now, edges, load, guess),
+        first,
+        (math.inf,),
+        "least value of the spring",
+    )
 
 
 def _least(
@@ -280,8 +317,7 @@ def _least(
         slope = effect + flank.slope(phi, side, more, load(phi, side))
         return slope, flank.left(phi, side, more) + (guess - now) * effect - guess * slope
 
-    roots = roots_on_grid(lambda phi: per_unit(phi, "right"), grid_of(edges))
-    cuts = merged(np.concatenate((edges, roots)))
+    cuts = with_roots(lambda phi: per_unit(phi, "right"), edges)
     effects, rests = parts(grid_of(cuts).ravel(), "right")
     blunt = BLUNT * float(np.max(np.abs(effects)))
     none = TOUCH * float(np.max(np.abs(rests)))
@@ -309,36 +345,19 @@ def _least(
     return least
 
 
-def lift_off_speed(flank: Flank, edges: FloatArray) -> Extreme:
-    """The smallest speed factor at which the force on `flank` falls below its margin, with the cam
-    angle [rad]; 0 if this happens at any speed, infinite if it never happens.
-
-    Parameters
-    ----------
-    edges : (k,) cam angles [rad] from 0 to 2 pi between which the coefficients are smooth.
+def _settled(
+    find: Callable[[float], Extreme], found: Extreme, ends: tuple[float, ...], what: str
+) -> Extreme:
+    """What is `found` with the directions of the loads at the value found before, until it stays,
+    or is one of the `ends`.
     """
-
-    def static(phi: FloatArray, side: Side) -> FloatArray:
-        at_rest: FloatArray = flank.reserve(phi, side, factor=0.0)[0]
-        return at_rest
-
-    rest = piecewise_extremes(static, edges)
-    if rest.lowest.value < -TOUCH * rest.magnitude:
-        return Extreme(0.0, rest.lowest.place)
-
-    if flank.contact.bearings is None:
-        return _speed(flank, edges, 1.0)
-    found = _speed(flank, edges, 1.0)
-    if np.isinf(found.value):
-        found = _speed(flank, edges, FASTEST)
     for _ in range(MOST_STEPS):
-        if found.value == 0.0 or np.isinf(found.value):
+        if found.value in ends:
             return found
-        last = found
-        found = _speed(flank, edges, last.value)
+        last, found = found, find(found.value)
         if abs(found.value - last.value) <= SETTLED * last.value:
             return found
-    raise EffectError("no lift-off speed settles with the friction in the pivot")
+    raise EffectError(f"no {what} settles with the friction in the pivot")
 
 
 def _speed(flank: Flank, edges: FloatArray, factor: float) -> Extreme:
@@ -346,11 +365,10 @@ def _speed(flank: Flank, edges: FloatArray, factor: float) -> Extreme:
 
     def discriminant(phi: FloatArray) -> FloatArray:
         r0, r1, r2 = flank.reserve(phi, "right", factor=factor)
-        found: FloatArray = r1 * r1 - 4.0 * r0 * r2
-        return found
+        return np.asarray(r1 * r1 - 4.0 * r0 * r2)
 
     # Where the discriminant is 0, two roots meet and vanish, and the slowness jumps.
-    cuts = merged(np.concatenate((edges, roots_on_grid(discriminant, grid_of(edges)))))
+    cuts = with_roots(discriminant, edges)
     slowest = piecewise_highest(_slowness(flank, factor), cuts)
     if slowest.value <= 0.0:
         return Extreme(np.inf, slowest.place)
@@ -391,22 +409,6 @@ VectorOf = Callable[[FloatArray, Side], ComplexArray]
 """(k, n) complex at n cam angles [rad]."""
 
 
-def least_spring(
-    flank: Flank, spring: Spring, leaps: Sequence[float] = ()
-) -> tuple[Extreme, Extreme]:
-    """Least preload and least stiffness, each with the other one unchanged, that keep contact; see
-    `least_of`. At the cam angles `leaps` [rad], where the velocity jumps away, none does.
-    """
-    if leaps:
-        never = Extreme(math.inf, leaps[0])
-        return never, never
-    edges, loads = flank.contact.edges, _pivot_loads(flank, spring)
-    return (
-        least_of(flank, spring.per_preload, spring.preload, edges, loads[0]),
-        least_of(flank, spring.per_stiffness, spring.stiffness, edges, loads[1]),
-    )
-
-
 def holding(
     subject: Subject,
     contact: ContactForce,
@@ -414,12 +416,12 @@ def holding(
     least: tuple[Extreme, Extreme] | None = None,
 ) -> str:
     """Which preload or which stiffness would hold a contact that is lost, each rounded so that it
-    does; empty if neither does. They are those of `least_spring`, without a margin, unless `least`
-    are known.
+    does; empty if neither does. They are those of `Flank.least_spring`, without a margin, unless
+    `least` are known.
     """
     if least is None:
         flank = Flank(subject, contact, subject.cam.contact.push, 0.0)
-        least = least_spring(flank, spring, contact.lost_contact.leaps)
+        least = flank.least_spring(spring, contact.lost_contact.leaps)
     preload, stiffness = least
     kinds = (
         ("preload", preload, spring.preload, spring.unit_of_preload),

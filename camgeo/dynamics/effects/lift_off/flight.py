@@ -38,7 +38,7 @@ from typing import ClassVar, Final, Self
 
 import numpy as np
 
-from camgeo.cam.cam import HALF, Breadth
+from camgeo.cam.cam import Breadth
 from camgeo.dynamics.effects.bearing_friction import BearingFriction
 from camgeo.dynamics.effects.contact import INNER, OUTER, TOUCH, leverage_of, ranges_below
 from camgeo.dynamics.effects.effect import Quantity, Subject
@@ -57,8 +57,8 @@ from camgeo.numeric.extremes import (
     dips,
     grid_of,
     piecewise_extremes,
-    roots_on_grid,
     sign_changes,
+    with_roots,
 )
 from camgeo.units import TURN, cam_angle
 
@@ -163,27 +163,13 @@ class FreeFollower:
         EffectError
             If they cannot be computed to the `tolerance`.
         """
-        error, whys = 1.0, [""]
-        for halvings in range(MOST_HALVINGS + 1):
-            try:
-                rough, fine = (
-                    self._chain(leavings, restitution, Nodes.of(count), halvings)
-                    for count in ORDERS
-                )
-            except StiffError as stiff:
-                whys.append(str(stiff))
-                if whys[-1] and whys[-SURE:] == SURE * whys[-1:]:
-                    break
-                continue
-            whys.append("")
-            alike = len(rough.flights) == len(fine.flights) and rough.turns == fine.turns
-            told = _told(rough.flights, fine.flights) if alike else ()
-            error = max((each.error for each in told), default=0.0) if alike else 1.0
-            if error <= max(tolerance, ROUNDING):
-                return replace(fine, flights=told)
-        if whys[-1]:
-            raise EffectError(whys[-1])
-        raise unsettled(error, tolerance)
+
+        def solved(halvings: int) -> tuple[Flights, ...]:
+            return tuple(
+                self._chain(leavings, restitution, Nodes.of(count), halvings) for count in ORDERS
+            )
+
+        return refined(solved, lambda told: max(each.error for each in told), tolerance)
 
     def _chain(
         self, leavings: tuple[Leaving, ...], restitution: float, nodes: Nodes, halvings: int
@@ -500,14 +486,14 @@ def _opposite(subject: Subject, breadth: Breadth) -> Wall:
     highest = breadth.reach * (cam.yoke_breadth - 2.0 * breadth.height)
 
     def motion(phi: FloatArray, side: Side) -> FloatArray:
-        found = -state.motion.jet(phi + HALF, side, 2)[:LIFTS]
+        found = -state.motion.jet(phi + math.pi, side, 2)[:LIFTS]
         found[0] += highest
         return np.asarray(found)
 
     def leverage(phi: FloatArray, side: Side) -> FloatArray:
-        return -state.curve.leverage(phi + HALF, side)
+        return -state.curve.leverage(phi + math.pi, side)
 
-    return Wall(OUTER, motion, leverage, (state.motion.borders + HALF) % TURN)
+    return Wall(OUTER, motion, leverage, (state.motion.borders + math.pi) % TURN)
 
 
 def _played(subject: Subject, distance: float, sense: int, flank: int) -> Wall:
@@ -700,11 +686,41 @@ def in_turns(flown: list[Flight], turns: int) -> tuple[Flight, ...]:
     return tuple(sorted(found, key=lambda each: each.leaving))
 
 
-def unsettled(error: float, tolerance: float) -> EffectError:
-    """The exception for flights whose `error` exceeds the tolerance; 1 if nothing is known."""
+def refined(
+    solved: Callable[[int], tuple[Flights, ...]],
+    worst: Callable[[tuple[Flight, ...]], float],
+    tolerance: float,
+) -> Flights:
+    """The finer of two solutions with its errors, of which the `worst` is within the `tolerance`.
+
+    Both are `solved` with cells that are halved so often.
+
+    Raises
+    ------
+    EffectError
+        If there are none.
+    """
+    error, whys = 1.0, [""]
+    for halvings in range(MOST_HALVINGS + 1):
+        try:
+            rough, fine = solved(halvings)
+        except StiffError as stiff:
+            whys.append(str(stiff))
+            if whys[-1] and whys[-SURE:] == SURE * whys[-1:]:
+                break
+            continue
+        whys.append("")
+        error = 1.0
+        if len(rough.flights) == len(fine.flights) and rough.turns == fine.turns:
+            told = _told(rough.flights, fine.flights)
+            error = worst(told) if told else 0.0
+            if error <= max(tolerance, ROUNDING):
+                return replace(fine, flights=told)
+    if whys[-1]:
+        raise EffectError(whys[-1])
     if error < 1.0:
-        return missed("the impact speed of a flight", error, "itself", tolerance)
-    return EffectError(UNSETTLED)
+        raise missed("the impact speed of a flight", error, "itself", tolerance)
+    raise EffectError(UNSETTLED)
 
 
 def apart(rough: Flight, fine: Flight) -> float:
@@ -1048,7 +1064,13 @@ class ElasticFollower:
     most_turns: ClassVar[int] = MOST_ELASTIC_TURNS
 
     @classmethod
-    def with_train(cls, free: FreeFollower, flank: Flank, leaps: tuple[Leaving, ...]) -> Self:
+    def with_train(
+        cls,
+        free: FreeFollower,
+        flank: Flank,
+        behind: ElasticTrain,
+        leaps: tuple[Leaving, ...] = (),
+    ) -> Self:
         """The follower `free` of `flank` with its train, whose masses are no part of its own.
 
         Raises
@@ -1056,10 +1078,7 @@ class ElasticFollower:
         EffectError
             If it vibrates so fast that its flights have too many cells.
         """
-        contact = flank.contact
-        behind = contact.behind
-        assert behind is not None  # as the caller has seen
-        mass = behind.mass
+        contact, mass = flank.contact, behind.mass
 
         def in_front(phi: FloatArray, q: FloatArray) -> FloatArray:
             both = free.inertia.at(phi, q)
@@ -1098,27 +1117,16 @@ class ElasticFollower:
         begin = min(each.begin for each in leavings), self.carried.at_rest
         off = replace(self.carried, more=self.carried.behind.error)
         rougher = replace(self, free=replace(self.free, carried=off), carried=off)
-        error, why = 1.0, ""
-        for halvings in range(MOST_HALVINGS + 1):
-            try:
-                found = self.repeated(begin, restitution, tolerance, Nodes.of(ORDERS[1]), halvings)
-                fine = found.flights
-                if not fine.turns:
-                    return fine
-                nodes = Nodes.of(ORDERS[0])
-                rough = rougher.repeated(found.end, restitution, tolerance, nodes, halvings).flights
-            except StiffError as stiff:
-                why = str(stiff)
-                continue
-            why = ""
-            alike = len(rough.flights) == len(fine.flights) and rough.turns == fine.turns
-            told = _told(rough.flights, fine.flights) if alike else ()
-            error = _share(told) if told else 1.0
-            if error <= max(tolerance, ROUNDING):
-                return replace(fine, flights=told)
-        if why:
-            raise EffectError(why)
-        raise unsettled(error, tolerance)
+
+        def solved(halvings: int) -> tuple[Flights, ...]:
+            found = self.repeated(begin, restitution, tolerance, Nodes.of(ORDERS[1]), halvings)
+            if not found.flights.turns:
+                return found.flights, found.flights
+            nodes = Nodes.of(ORDERS[0])
+            rough = rougher.repeated(found.end, restitution, tolerance, nodes, halvings)
+            return rough.flights, found.flights
+
+        return refined(solved, _share, tolerance)
 
     def repeated(
         self, begin: State, restitution: float, tolerance: float, nodes: Nodes, halvings: int
@@ -1178,7 +1186,7 @@ class ElasticFollower:
         while block := list(itertools.islice(cells, size)):
             cuts = np.array([block[0][0], *(high for _, high in block)])
             cuts = merged(np.concatenate((cuts, dips(reserve, grid_of(cuts)))))
-            cuts = merged(np.concatenate((cuts, roots_on_grid(reserve, grid_of(cuts)))))
+            cuts = with_roots(reserve, cuts)
             below = np.append(reserve(0.5 * (cuts[:-1] + cuts[1:])) < 0.0, False)
             if np.any(below):
                 piece = int(np.argmax(below))

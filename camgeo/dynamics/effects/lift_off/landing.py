@@ -177,7 +177,7 @@ def flown_from(
     if contact.behind is not None:
         leaps = tuple(each for each in found if each.begin == each.end)
         try:
-            elastic = ElasticFollower.with_train(free, flank, leaps)
+            elastic = ElasticFollower.with_train(free, flank, contact.behind, leaps)
         except EffectError as error:
             return _none("flight", error.message + RIGID)
         return _told(told, subject, elastic, tuple(found), restitution, tolerance)

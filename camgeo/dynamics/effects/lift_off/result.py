@@ -23,7 +23,7 @@ from camgeo.dynamics.effects.contact import (
     sides_of,
 )
 from camgeo.dynamics.effects.effect import Bound, Request, Subject, data_of
-from camgeo.dynamics.effects.lift_off.flank import Flank, least_spring, lift_off_speed
+from camgeo.dynamics.effects.lift_off.flank import Flank
 from camgeo.dynamics.effects.results import (
     CONTACT_FORCE,
     INERTIA,
@@ -176,7 +176,7 @@ def of_flank(flank: Flank, spring: Spring | None, near: ForceClosed | None = Non
         found.append(_touching(lowest, flank.toucher))
     speed, errors = None, {}
     if course is not None:
-        rigid = Extreme(0.0, leaps[0]) if leaps else lift_off_speed(flank, edges)
+        rigid = Extreme(0.0, leaps[0]) if leaps else flank.lift_off_speed(edges)
         speed = rigid
         if contact.behind is None or leaps:
             found.append(_speed(flank, rigid, course, bool(lost or leaps)))
@@ -198,7 +198,7 @@ def of_flank(flank: Flank, spring: Spring | None, near: ForceClosed | None = Non
     preload = stiffness = None
     if spring is not None:
         kept, rate = flank.toucher, spring.stiffness
-        preload, stiffness = least_spring(flank, spring, leaps)
+        preload, stiffness = flank.least_spring(spring, leaps)
         found.append(
             _least("preload", preload, spring.preload, spring.unit_of_preload, "stiffness", kept)
         )

@@ -22,7 +22,6 @@ import numpy as np
 
 from camgeo.check.finding import Finding, Severity, held
 from camgeo.dynamics.effects.bearing_friction import StuckError, linear_law
-from camgeo.dynamics.effects.camshaft_windup import ElasticShaft
 from camgeo.dynamics.effects.contact import lost_contact, ranges_below
 from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request
 from camgeo.dynamics.effects.forces import smooth_edges
@@ -51,6 +50,7 @@ from camgeo.dynamics.effects.shaft import (
     refuse_shocks,
     switches,
 )
+from camgeo.dynamics.effects.tables import ElasticShaft
 from camgeo.dynamics.effects.wording import (
     N_M,
     Label,
@@ -471,7 +471,7 @@ class Wound:
 # -- periodic -------------------------------------------------------------------------------------
 # The periodic motion of a cam at the end of an elastic shaft, by collocation over the whole turn.
 #
-# The equations are in `camgeo.dynamics.effects.camshaft_windup.result`, the cell is that of
+# The equations are in `camgeo.dynamics.effects.camshaft_windup`, the cell is that of
 # `camgeo.dynamics.effects.shaft`, and the error estimate is the change by one more Newton step on
 # the mesh of all halves of the cells.
 
@@ -611,8 +611,7 @@ class WoundTurn:
     def at(self, phi: FloatArray) -> FloatArray:
         """(n, 2) v and w at `phi` (n,) [rad], in any turn."""
         cell, x = self.mesh.placed(phi)
-        found: FloatArray = np.einsum("ni,nik->nk", legendre(x, NODES), self._series[cell])
-        return found
+        return np.asarray(np.einsum("ni,nik->nk", legendre(x, NODES), self._series[cell]))
 
     def on(self, mesh: Mesh) -> Pair:
         """v and w in the cells of another `mesh`."""
@@ -760,8 +759,7 @@ def _rounding(wound: Wound, monodromy: FloatArray, pair: Pair) -> FloatArray:
     windup = pair.largest_windup + shaft.viscosity * wound.speed / shaft.stiffness
     off = max(float(np.min(np.abs(1.0 - np.linalg.eigvals(monodromy)))), EPS)
     ratio = shaft.natural_frequency / wound.speed
-    found: FloatArray = ROUNDINGS * EPS * windup * (1.0 + 1.0 / off) * np.array([ratio, 1.0])
-    return found
+    return np.asarray(ROUNDINGS * EPS * windup * (1.0 + 1.0 / off) * np.array([ratio, 1.0]))
 
 
 def _alpha(wound: Wound, mesh: Mesh, pair: Pair) -> FloatArray:

@@ -1,9 +1,8 @@
 """Effect `contact-pressure`: Hertzian pressure between cam and follower, stresses and life.
 
 It needs the normal force, the curvature of roller and flank (a flat face has none) and their
-materials. See `hertz` for the formulas of the contact, `contact` for its curvature and `life` for
-the roller bearing. Friction between roller and flank adds little to the stresses of a rolling
-contact and is neglected.
+materials; see "line contact" below, and "life" for the roller bearing. Friction between roller and
+flank adds little to the stresses of a rolling contact and is neglected.
 """
 
 from __future__ import annotations
@@ -11,13 +10,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final, NoReturn
+from typing import Final, NoReturn
 
 import numpy as np
 
 from camgeo.check.finding import Finding, held
 from camgeo.dynamics.effects.contact import FLANKS, INNER, OUTER, sides_of, with_other_side
-from camgeo.dynamics.effects.contact_pressure import Bearing, PressureRequirements
 from camgeo.dynamics.effects.effect import (
     SPEED,
     Bound,
@@ -29,23 +27,20 @@ from camgeo.dynamics.effects.effect import (
     scaled,
 )
 from camgeo.dynamics.effects.results import CONTACT_FORCE
+from camgeo.dynamics.effects.tables import PressureRequirements
 from camgeo.dynamics.effects.wording import at, missed, placed
+from camgeo.dynamics.state.state import Model
 from camgeo.errors import EffectError, GeometryError
 from camgeo.kinematics.time_course import TimeCourse, period
 from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import (
     Extreme,
-    grid_of,
     piecewise_highest,
     piecewise_lowest,
-    roots_on_grid,
+    with_roots,
 )
 from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.units import RPM, TURN
-
-if TYPE_CHECKING:
-    from camgeo.dynamics.state.state import Model
-
 
 KEY: Final = "effects.contact-pressure"
 
@@ -307,7 +302,9 @@ def pressure_findings(worst: Worst, data: PressureRequirements) -> tuple[Finding
             "mm",
         ),
         _needed_width(worst, pressure, data),
-        _needed_radius(worst, data) if worst.roller is None else _needed_roller(worst, data),
+        _needed_radius(worst, data)
+        if worst.roller is None
+        else _needed_roller(worst, worst.roller, data),
     )
 
 
@@ -330,9 +327,8 @@ def _needed_radius(worst: Worst, data: PressureRequirements) -> Finding:
     return placed("needed-radius-of-curvature", sentence, Extreme(needed, worst.angle), "mm")
 
 
-def _needed_roller(worst: Worst, data: PressureRequirements) -> Finding:
+def _needed_roller(worst: Worst, roller: float, data: PressureRequirements) -> Finding:
     """The roller radius for the allowed pressure, with the same pitch curve and force."""
-    assert worst.roller is not None  # a flat face has its own finding
     name, load = "needed-roller-radius", worst.load / worst.width
     radii = roller_radii(needed_radius(load, data.modulus, data.allowed), worst.curvature)
     goal = f"for {data.allowed:.6g} MPa {worst.place} with the same pitch curve"
@@ -349,9 +345,9 @@ def _needed_roller(worst: Worst, data: PressureRequirements) -> Finding:
             cam_angle=worst.angle,
         )
     low, high = radii
-    nearest = high if worst.roller > high else low
+    nearest = high if roller > high else low
     upper = "or more" if math.isinf(high) else f"to {high:.6g} mm"
-    sentence = f"roller radius needed {goal}: {low:.6g} mm {upper}; it is {worst.roller:g} mm"
+    sentence = f"roller radius needed {goal}: {low:.6g} mm {upper}; it is {roller:g} mm"
     return placed(name, sentence, Extreme(nearest, worst.angle), "mm")
 
 
@@ -413,7 +409,7 @@ def life_findings(life: Life, data: PressureRequirements) -> tuple[Finding, ...]
 # angular velocities of roller, cam and follower).
 
 
-EXPONENTS: Final[Mapping[Bearing, float]] = {"roller": 10.0 / 3.0, "ball": 3.0}
+EXPONENTS: Final[Mapping[str, float]] = {"roller": 10.0 / 3.0, "ball": 3.0}
 """p of the bearings."""
 
 TURNS: Final = 1e6
@@ -480,7 +476,7 @@ def rolling_life(
         return np.asarray((load / rating) ** exponent * turns)
 
     share = 0.5 * tolerance  # the estimate also contains the rounding of the sum
-    borders = merged(np.concatenate((edges, roots_on_grid(turning, grid_of(edges)))))
+    borders = with_roots(turning, edges)
     turns = piecewise_integral(lambda phi: np.abs(turning(phi)), borders, share)
     worn = piecewise_integral(wear, borders, share)
     duration = period(course)
@@ -673,7 +669,7 @@ def roller_radii(needed: float, curvature: float) -> tuple[float, float] | None:
     The upper end is infinite where the path is straight or concave; None if no radius will do.
 
     R = r (1 - r kappa) for the roller radius r, see
-    `camgeo.dynamics.effects.contact_pressure.result`. On a convex path it has a maximum, 1/(4
+    `camgeo.dynamics.effects.contact_pressure`. On a convex path it has a maximum, 1/(4
     kappa), at half the radius of curvature. The lower root of the quadratic equation is computed
     from the upper one, to avoid cancellation.
     """

@@ -11,15 +11,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Final
 
 import numpy as np
 
 from camgeo.check.finding import Finding
 from camgeo.dynamics.effects.effect import Bound, Column, Request, Subject, scaled
-from camgeo.dynamics.effects.forces import ElasticTrain, Force, search_edges
+from camgeo.dynamics.effects.forces import ElasticTrain, Force, search_edges, way_of
 from camgeo.dynamics.effects.results import INERTIA, LOAD, Elastic
-from camgeo.dynamics.effects.vibration import TrainData
+from camgeo.dynamics.effects.tables import TrainData
 from camgeo.dynamics.effects.wording import FORCES, MASSES, Label, at, left_over
 from camgeo.dynamics.oscillator.steady import (
     Base,
@@ -34,9 +35,9 @@ from camgeo.errors import EffectError, GeometryError
 from camgeo.kinematics.motion import Dwell, Motion
 from camgeo.kinematics.plan import in_turn
 from camgeo.kinematics.time_course import ConstantSpeed, TimeCourse, in_time
-from camgeo.numeric.arrays import FloatArray, IntArray, Side, merged, read_only, resolved
+from camgeo.numeric.arrays import FloatArray, IntArray, Side, merged, resolved
 from camgeo.numeric.extremes import Extreme, Extremes, extremes_of_each, inverse, piecewise_extremes
-from camgeo.numeric.kept import MOST_VALUES, Answers
+from camgeo.numeric.kept import recalling
 from camgeo.units import RPM, TURN, cam_angle
 
 DEFLECTIONS: Final = (
@@ -86,7 +87,7 @@ def compute(request: Request[TrainData]) -> Vibration:
     subject, data = request.subject, request.data
     turns = subject.drive.unit == "rad"
     limit = data.limit_angle if turns else data.limit
-    shown = MotionUnit("deg", math.degrees(1.0)) if turns else MotionUnit("mm", 1.0)
+    shown = Label("angle", "deg", math.degrees(1.0)) if turns else Label("length", "mm", 1.0)
     force = FORCES[subject.drive.unit]
     stages = stages_of(request)
     train = train_of(data, stages) if stages else None
@@ -146,7 +147,7 @@ def _load_on(request: Request[TrainData]) -> Force | None:
     return force if force.far is None else replace(force, coefficients=force.far)
 
 
-def _errors(bounds: list[Bound], train: Train, shown: MotionUnit, force: Label) -> dict[str, Bound]:
+def _errors(bounds: list[Bound], train: Train, shown: Label, force: Label) -> dict[str, Bound]:
     """The errors of all figures; frequencies, settling and amplification are exact.
 
     The acceleration of a mode is its deflection times the square of its rate.
@@ -188,18 +189,9 @@ def _behind(
 ) -> ElasticTrain:
     """What the train passes on to the follower; the rigid forces have its `mass`."""
 
-    def per_lift(phi: FloatArray, side: Side) -> FloatArray:
-        if subject.drive.linkage is None:
-            return np.ones(len(phi))
-        return subject.drive.linkage.per_follower(clock.motion.jet(phi, side)[0])
-
-    pushes: Answers[FloatArray] = Answers(MOST_VALUES)
-
+    @recalling
     def push(response: Response, phi: FloatArray, side: Side) -> FloatArray:
-        def made() -> FloatArray:
-            return read_only(Output(clock, response).forces([0], phi, side)[0])
-
-        return pushes.recall(made, (response, side), phi)
+        return np.asarray(Output(clock, response).forces([0], phi, side)[0])
 
     def base(phi: FloatArray, side: Side) -> FloatArray:
         return in_time(clock.motion.jet(phi, side), clock.course, phi)[:3]
@@ -207,7 +199,8 @@ def _behind(
     def slip(response: Response, phi: FloatArray, side: Side) -> FloatArray:
         return np.asarray(Output(clock, response).states(phi, side)[1])
 
-    return ElasticTrain(response, mass, per_lift, push, base, load, None if load is None else slip)
+    way = partial(way_of, subject)
+    return ElasticTrain(response, mass, way, push, base, load, None if load is None else slip)
 
 
 def _response(
@@ -263,7 +256,7 @@ def _response(
 def _columns(
     output: Output,
     links: int,
-    shown: MotionUnit,
+    shown: Label,
     force: Label,
     limit: float | None,
     borders: FloatArray,
@@ -392,17 +385,6 @@ of control engineering.
 """
 
 
-@dataclass(frozen=True, slots=True)
-class MotionUnit:
-    """The unit in which the demanded motion is displayed, and the factor from the internal unit."""
-
-    unit: str
-    scale: float
-
-    def of(self, value: float) -> str:
-        return f"{self.scale * value:.4g} {self.unit}"
-
-
 def magnitude(both: Extremes) -> Extreme:
     """The extreme of larger magnitude, made positive; its cam angle in [0, 2 pi)."""
     worst = max(both.lowest, both.highest, key=lambda each: abs(each.value))
@@ -436,7 +418,7 @@ def of_modes(train: Train, period: float) -> Iterator[Finding]:
         )
 
 
-def of_error(found: Extreme, limit: float | None, shown: MotionUnit) -> Finding:
+def of_error(found: Extreme, limit: float | None, shown: Label) -> Finding:
     """The largest error of the motion, checked against its limit."""
     broken = limit is not None and found.value > limit
     against = "" if limit is None else f", {'above' if broken else 'at most'} {shown.of(limit)}"
@@ -453,7 +435,7 @@ def of_error(found: Extreme, limit: float | None, shown: MotionUnit) -> Finding:
     )
 
 
-def of_load(found: Extreme, shown: MotionUnit) -> Finding:
+def of_load(found: Extreme, shown: Label) -> Finding:
     """The part of this error by which the load deflects the train at rest."""
     return Finding(
         name=BY_LOAD,
@@ -480,7 +462,7 @@ def unexcited() -> Finding:
     )
 
 
-def of_acceleration(found: Extreme, clock: Clock, shown: MotionUnit) -> Finding:
+def of_acceleration(found: Extreme, clock: Clock, shown: Label) -> Finding:
     """The largest acceleration of the output, compared with that of a rigid train."""
     rigid = Output(clock, None)
     stiff = magnitude(piecewise_extremes(rigid.acceleration, clock.edges))
@@ -524,7 +506,7 @@ def of_forces(output: Output, links: int, edges: FloatArray, label: Label) -> It
         )
 
 
-def of_rests(clock: Clock, response: Response, shown: MotionUnit) -> Iterator[Finding]:
+def of_rests(clock: Clock, response: Response, shown: Label) -> Iterator[Finding]:
     """The vibration at the start of each dwell, the largest of them, and what is left at the
     end.
     """
@@ -560,7 +542,7 @@ def of_rests(clock: Clock, response: Response, shown: MotionUnit) -> Iterator[Fi
     )
 
 
-def of_resonance(response: Response, most: float, shown: MotionUnit) -> Iterator[Finding]:
+def of_resonance(response: Response, most: float, shown: Label) -> Iterator[Finding]:
     """The harmonic of the cam's speed nearest to each natural frequency."""
     turn = TURN / response.base.period
     for rate in response.train.poles.tolist():
@@ -586,7 +568,7 @@ def of_resonance(response: Response, most: float, shown: MotionUnit) -> Iterator
         )
 
 
-def _residual(name: str, what: str, rest: Dwell, amplitude: float, shown: MotionUnit) -> Finding:
+def _residual(name: str, what: str, rest: Dwell, amplitude: float, shown: Label) -> Finding:
     return Finding(
         name=name,
         severity="ok",
@@ -682,8 +664,7 @@ class Output:
 
     def deflection(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) output minus motion of the state [mm or rad] at `phi` (n,) [rad]."""
-        found: FloatArray = self.states(phi, side)[0]
-        return found
+        return np.asarray(self.states(phi, side)[0])
 
     def lasting(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) the deflection if the load stays as it is there."""
@@ -699,8 +680,7 @@ class Output:
 
     def acceleration(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) acceleration of the output [mm/s^2 or rad/s^2]."""
-        found: FloatArray = self.states(phi, side)[2]
-        return found
+        return np.asarray(self.states(phi, side)[2])
 
     def forces(self, links: Sequence[int], phi: FloatArray, side: Side) -> FloatArray:
         """(k, n) forces [N or N mm] in the `links`, see `Response.forces`."""

@@ -6,18 +6,27 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import Final
 
 import numpy as np
 
 from camgeo.check.finding import Finding, Severity
-from camgeo.dynamics.effects.effect import Column, Request, Subject, driving_slider, scaled
+from camgeo.dynamics.effects.effect import (
+    Column,
+    Quantity,
+    Request,
+    Subject,
+    driving_slider,
+    scaled,
+)
 from camgeo.dynamics.effects.forces import Force, unmoved
 from camgeo.dynamics.effects.results import HelicalSpring, Spring
-from camgeo.dynamics.effects.spring import SpringData
+from camgeo.dynamics.effects.tables import SpringData
 from camgeo.dynamics.effects.wording import at, between, degrees, placed
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.linkage import locked_at
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.motion import Motion
 from camgeo.numeric.arrays import SHARE, ComplexArray, FloatArray, Side
 from camgeo.numeric.extremes import (
     Extreme,
@@ -27,12 +36,6 @@ from camgeo.numeric.extremes import (
     stretch_below,
 )
 from camgeo.units import TURN
-
-if TYPE_CHECKING:
-    from camgeo.dynamics.effects.effect import Quantity
-    from camgeo.kinematics.mechanism.slider_crank import SliderCrank
-    from camgeo.kinematics.motion import Motion
-
 
 NEWTON_METRE: Final = 1e3
 """From N m to N mm, and from N m/rad to N mm/rad."""
@@ -75,20 +78,25 @@ def compute(request: Request[SpringData]) -> Spring:
         return magnitude(phi, side) / scale
 
     found = piecewise_extremes(shown, subject.state.smooth_angles)
-    wound = None
-    if data.helical is not None:
-        wound = of_wire(data.helical, magnitude, found)
+    findings = [
+        *force_findings(shown, found, subject, unit),
+        deflection(way, subject, torsion=torsion),
+        *opening(way, subject),
+    ]
+    columns = [Column("spring torque" if torsion else "spring force", unit, shown)]
+    helical = data.helical
+    if helical is not None:
+        findings += [
+            *_wire(helical),
+            *_stresses(helical, found),
+            *_closure(helical, found.highest),
+            _buckling(helical),
+        ]
+        stress = scaled(magnitude, helical.stress_per_force)
+        columns.append(Column("spring stress", "MPa", stress, helical.strength))
     return Spring(
-        findings=(
-            *force_findings(shown, found, subject, unit),
-            deflection(way, subject, torsion=torsion),
-            *opening(way, subject),
-            *(() if wound is None else wound.findings),
-        ),
-        columns=(
-            Column("spring torque" if torsion else "spring force", unit, shown),
-            *(() if wound is None else wound.columns),
-        ),
+        findings=tuple(findings),
+        columns=tuple(columns),
         force=Force(
             "spring",
             unmoved(on_follower),
@@ -100,7 +108,7 @@ def compute(request: Request[SpringData]) -> Spring:
         stiffness=stiffness,
         unit_of_preload=unit,
         unit_of_stiffness="N m/rad" if torsion else "N/mm",
-        helical=data.helical,
+        helical=helical,
         line=way.line,
         per_stroke=way.per_stroke,
     )
@@ -229,27 +237,6 @@ def _below(function: Quantity, edges: FloatArray, place: float) -> tuple[float, 
 # contact and the rate adds to it with the lift).
 
 
-class Travel(Protocol):
-    """x (n,) [mm or rad] and dx/dq (n,) at n cam angles, see the module."""
-
-    def __call__(self, phi: FloatArray, side: Side, /) -> tuple[FloatArray, FloatArray]: ...
-
-    def at(self, place: FloatArray, /) -> tuple[FloatArray, FloatArray]:
-        """The same with the member that moves the spring at `place` (n,) [mm or rad]."""
-
-    @property
-    def line(self) -> Callable[[FloatArray, Side], ComplexArray] | None:
-        """(n,) unit vectors in the drawing along which a force above 0 acts on the follower; None
-        if it is a torque, or acts on a slider.
-        """
-
-    @property
-    def per_stroke(self) -> float:
-        """dx/ds, s the stroke of the slider that the spring acts on; 0 if it acts on the
-        follower.
-        """
-
-
 SHORTEST: Final = 1e-6
 """A spring shorter than this share of its lever arms has no definite direction."""
 
@@ -269,8 +256,7 @@ def outward(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
     follower = subject.cam.follower
     jet = subject.state.motion.jet(phi, side, 1 + follower.ahead)
     relative = follower.relative_jet(jet, subject.cam.rotation, 1)
-    along: FloatArray = follower.reach * relative.u
-    return along
+    return np.asarray(follower.reach * relative.u)
 
 
 @dataclass(frozen=True, slots=True)
@@ -376,6 +362,16 @@ class BetweenPoints:
         return np.asarray(self.attachment * np.exp(2j * half) - self.anchor)
 
 
+Travel = Along | BetweenPoints
+"""x (n,) [mm or rad] and dx/dq (n,) at n cam angles, see the module. Each has
+
+at : the same with the member that moves the spring at a place (n,) [mm or rad].
+line : (n,) unit vectors in the drawing along which a force above 0 acts on the follower; None if it
+    is a torque, or acts on a slider.
+per_stroke : dx/ds, s the stroke of the slider that it acts on; 0 if it acts on the follower.
+"""
+
+
 def along_guide(subject: Subject) -> Along:
     """Along the guide of a translating follower; it relaxes towards the flank in use."""
     sense = closing_sense(subject) * subject.cam.follower.reach
@@ -474,28 +470,6 @@ INDICES: Final = (4.0, 12.0)
 
 OVERRUN: Final = 0.15
 """Share of the largest deflection that should be left to closure (as above, eq. 10-20)."""
-
-
-@dataclass(frozen=True, slots=True)
-class Wound:
-    """What the wire adds to the spring: findings, and columns over the cam angle."""
-
-    findings: tuple[Finding, ...]
-    columns: tuple[Column, ...]
-
-
-def of_wire(helical: HelicalSpring, force: Quantity, found: Extremes) -> Wound:
-    """Of the `force` (n,) [N], with its extremes `found`."""
-    stress = scaled(force, helical.stress_per_force)
-    return Wound(
-        (
-            *_wire(helical),
-            *_stresses(helical, found),
-            *_closure(helical, found.highest),
-            _buckling(helical),
-        ),
-        (Column("spring stress", "MPa", stress, helical.strength),),
-    )
 
 
 def _wire(helical: HelicalSpring) -> tuple[Finding, Finding]:

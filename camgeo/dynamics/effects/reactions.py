@@ -1,9 +1,10 @@
-"""Effect `reactions`: forces in the bearings of follower and camshaft, see `bodies`."""
+"""Effect `reactions`: forces in the bearings of follower and camshaft, see "bodies" below."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Literal
+from typing import Final, Literal
 
 import numpy as np
 
@@ -16,24 +17,16 @@ from camgeo.dynamics.effects.contact import (
     part_of,
     unbalance_force,
 )
-from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request, Result, scaled
+from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request, Result, Subject, scaled
 from camgeo.dynamics.effects.forces import at_rates, rates_of
-from camgeo.dynamics.effects.loads import Coupler, Loads, guide_ends
-from camgeo.dynamics.effects.reactions import Bearings
-from camgeo.dynamics.effects.results import CONTACT_FORCE, GRAVITY, INERTIA, SPRING
+from camgeo.dynamics.effects.loads import Coupler, Loads, guide_ends, loads_of
+from camgeo.dynamics.effects.results import CONTACT_FORCE, ContactForce
 from camgeo.dynamics.effects.wording import N_M, extreme_finding, missed
+from camgeo.geometry.outline.path import Moments
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, resolved
 from camgeo.numeric.extremes import Extreme, piecewise_highest
 from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.units import TURN
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from camgeo.dynamics.effects.effect import Subject
-    from camgeo.dynamics.effects.results import ContactForce
-    from camgeo.geometry.outline.path import Moments
-
 
 WORK: Final = "pivot-friction-work"
 
@@ -50,25 +43,16 @@ class Reactions(Result):
     bodies: Bodies
 
 
-def compute(request: Request[Bearings]) -> Reactions:
+def compute(request: Request[tuple[float, float] | None]) -> Reactions:
     """The reactions at the speed of the scene; EffectError if a figure misses the tolerance."""
-    results = request.results
-    contact = results[CONTACT_FORCE]
+    contact = request.results[CONTACT_FORCE]
     subject, edges = request.subject, contact.edges
-    inertia, gravity = results.get(INERTIA), results.get(GRAVITY)
-    coupler = None
-    if subject.drive.linkage is not None:
-        # few followers have a linkage
-        from camgeo.dynamics.effects.loads import coupler_of
-
-        linkage = subject.drive.linkage
-        coupler = coupler_of(subject, linkage, contact.forces, inertia, gravity)
-    loads = Loads(subject, inertia, gravity, results.get(SPRING), coupler)
+    loads = loads_of(subject, request.results, contact.forces, idle=True)
     bodies = Bodies(subject, contact, loads)
-    shaft = Shaft(bodies, disc_of(subject, request.tolerance), request.data.bearings)
+    shaft = Shaft(bodies, disc_of(subject, request.tolerance), request.data)
     reported = [
         *(_of_guide(bodies) if subject.cam.follower.pivot is None else _of_pivot(bodies)),
-        *([] if coupler is None else _of_joints(coupler)),
+        *([] if loads.coupler is None else _of_joints(loads.coupler)),
         *shaft.loads(),
     ]
     inside = edges[(edges > 0.0) & (edges < TURN)]
@@ -131,7 +115,7 @@ def _of_joints(coupler: Coupler) -> list[Load]:
 
 
 def _friction_work(
-    request: Request[Bearings], bodies: Bodies, edges: FloatArray
+    request: Request[tuple[float, float] | None], bodies: Bodies, edges: FloatArray
 ) -> tuple[list[Finding], dict[str, Bound]]:
     """What friction in the pivot takes a turn."""
     bearings, tolerance = bodies.contact.bearings, request.tolerance
@@ -159,7 +143,7 @@ def _friction_work(
 # centre, and the roller turns its pin by the moment -m_p. What pivot and guide carry is defined in
 # `camgeo.dynamics.effects.loads`, as friction in them needs it. On a flat face F_c acts at the
 # contact, which is the distance e to the right of the axis of its guide, so that M = N e; in a
-# conjugate pair it is that of the disc that carries. For the camshaft see `shaft`.
+# conjugate pair it is that of the disc that carries. For the camshaft see "shaft".
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -240,6 +224,11 @@ class Load:
     values: Quantity
     unit: str = "N"
 
+    @property
+    def finding(self) -> str:
+        """The name of its finding."""
+        return f"largest-{self.name.replace(' ', '-')}"
+
     def largest(self, edges: FloatArray, force: float) -> Finding:
         """The finding of its largest magnitude between `edges` (k,) [rad]; a force that is rounding
         of `force` [N] is 0.
@@ -247,8 +236,7 @@ class Load:
         end = piecewise_highest(lambda phi, side: np.abs(self.values(phi, side)), edges)
         if self.unit == "N":
             end = Extreme(resolved(end.value, force), end.place)
-        name = f"largest-{self.name.replace(' ', '-')}"
-        return extreme_finding(name, f"largest {self.words}", end, self.unit)
+        return extreme_finding(self.finding, f"largest {self.words}", end, self.unit)
 
 
 # -- shaft ----------------------------------------------------------------------------------------
@@ -262,9 +250,6 @@ class Load:
 
 TAKEN: Final = 0.1
 """Share of the tolerance for the integrals over the outlines of the disc, whose errors add up."""
-
-
-TOTAL: Final = "camshaft load"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -295,12 +280,12 @@ class Shaft:
         return found
 
     def loads(self) -> list[Load]:
-        """On the shaft, and on each bearing if they are stated."""
+        """On the shaft first, and on each bearing if they are stated."""
 
         def share(part: float) -> Quantity:
             return lambda phi, side: abs(part) * np.abs(self.load(phi, side))
 
-        found = [Load(TOTAL, "load on the camshaft", share(1.0))]
+        found = [Load("camshaft load", "load on the camshaft", share(1.0))]
         if self.bearings is not None:
             first, second = self.bearings
             for name, part in (("first", second), ("second", -first)):
@@ -328,14 +313,14 @@ class Shaft:
         error = self.disc.first_error * piecewise_highest(per_unbalance, edges).value
         error += self.disc.area_error * abs(self.bodies.loads.pull)
         largest = {each.name: each.value or 0.0 for each in found}
-        whole = largest[f"largest-{TOTAL.replace(' ', '-')}"]
+        loads = self.loads()
+        whole = largest[loads[0].finding]
         if error > tolerance * whole:
             raise missed("the load on the camshaft", error / whole, "the largest", tolerance)
         out: dict[str, Bound] = {}
-        for each in self.loads():
-            name = f"largest-{each.name.replace(' ', '-')}"
-            bound = Bound(error, whole).times(largest[name] / whole if whole else 0.0)
-            out |= {each.name: bound, name: bound}
+        for each in loads:
+            bound = Bound(error, whole).times(largest[each.finding] / whole if whole else 0.0)
+            out |= {each.name: bound, each.finding: bound}
         return out
 
 

@@ -18,11 +18,12 @@ from typing import Any, Final
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.dynamics.effects.balance import BalanceRequirements
 from camgeo.dynamics.effects.contact import part_of, unbalance_force
 from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request, Result
+from camgeo.dynamics.effects.tables import BalanceRequirements
 from camgeo.dynamics.effects.wording import KG, at, missed
 from camgeo.errors import GeometryError, ToleranceError
+from camgeo.geometry.outline.path import Moments
 from camgeo.kinematics.time_course import ConstantSpeed, TimeCourse
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, merged, phase
 from camgeo.numeric.extremes import Extreme, bracketed_roots, piecewise_highest
@@ -90,11 +91,9 @@ def compute(request: Request[BalanceRequirements]) -> Balance:
             "mass or centre of mass of the disc", error, "mass or radius", request.tolerance
         )
 
-    balanced = abs(unbalance) <= unsure
-    errors = Errors(mass, moments.area_error, abs(unbalance), unsure, radius)
+    balanced, off = abs(unbalance) <= unsure, unsure
     if balanced:  # what was found may be off by all of it
-        errors = replace(errors, unsure=unsure + abs(unbalance))
-        unbalance = 0.0j
+        unbalance, off = 0.0j, unsure + abs(unbalance)
     findings = [*disc_findings(mass, unbalance, balanced=balanced)]
     spin = None
     if course is not None:
@@ -107,29 +106,26 @@ def compute(request: Request[BalanceRequirements]) -> Balance:
         counterweight = 0.0 if balanced else abs(unbalance) / data.counterweight_radius
         findings.append(counterweight_finding(counterweight, data.counterweight_radius, unbalance))
     holes = None
-    if not balanced and data.hole_radius is not None:
-        holes, finding = _holes(part, data, unbalance, per_area)
+    if not balanced and data.holes is not None:
+        holes, finding = _holes(part, *data.holes, unbalance, per_area)
         findings.append(finding)
     return Balance(
         findings=tuple(findings),
         columns=() if spin is None else spin.columns(),
-        errors=errors.figures(spin, data.counterweight_radius, holes),
+        errors=errors_of(moments, off, radius, spin, data.counterweight_radius, holes),
         mass=mass,
         centre=unbalance / mass,
         unbalance=unbalance,
-        unbalance_error=errors.unsure,
+        unbalance_error=off,
         counterweight=counterweight,
         holes=holes,
     )
 
 
 def _holes(
-    part: Part, data: BalanceRequirements, unbalance: complex, per_area: float
+    part: Part, radius: float, largest: float, unbalance: complex, per_area: float
 ) -> tuple[Row | None, Finding]:
     """The fewest holes that fit, with the finding; or the finding that says why none do."""
-    radius, largest = data.hole_radius, data.hole_diameter
-    assert radius is not None
-    assert largest is not None  # the data has both or none
     reason = ""
     room: Room | None = None
     try:
@@ -366,8 +362,7 @@ def _diameter(unbalance: float, per_area: float, radius: float, count: int) -> f
         return None
 
     def missing(u: FloatArray) -> FloatArray:
-        found: FloatArray = np.sin(u) * np.sin(count * u) - sought
-        return found
+        return np.asarray(np.sin(u) * np.sin(count * u) - sought)
 
     u = bracketed_roots(missing, np.array([0.0]), np.array([last]))
     return 2.0 * radius * math.sin(float(u[0])) / PITCH
@@ -460,45 +455,40 @@ GRAM_MM: Final = 1e6
 """From t mm to g mm."""
 
 
-@dataclass(frozen=True, slots=True)
-class Errors:
-    """The data from which the errors of all figures follow.
+def errors_of(
+    moments: Moments,
+    unsure: float,
+    radius: float,
+    spin: Spin | None,
+    arm: float | None,
+    holes: Row | None,
+) -> dict[str, Bound]:
+    """The errors of all figures, by the names of findings and columns.
 
-    Attributes
+    Parameters
     ----------
-    mass, mass_error : [t].
-    unbalance, unsure : U and its error [t mm].
+    moments : of the disc, its mass [t] and its unbalance U [t mm].
+    unsure : the error of U [t mm].
     radius : of a solid disc of that mass [mm].
+    arm : the radius of the counterweight [mm].
     """
-
-    mass: float
-    mass_error: float
-    unbalance: float
-    unsure: float
-    radius: float
-
-    def figures(self, spin: Spin | None, arm: float | None, holes: Row | None) -> dict[str, Bound]:
-        """By the names of findings and columns; `arm` is the radius of the counterweight [mm]."""
-        scale = self.mass * self.radius
-        own = Bound(self.unsure, scale)
-        centre = self.unbalance / self.mass
-        off = (self.unsure + centre * self.mass_error) / self.mass
-        found = {
-            "disc-mass": Bound(self.mass_error, self.mass).times(KG),
-            "centre-of-mass": Bound(off, self.radius),
-            "unbalance": own.times(GRAM_MM),
-        }
-        if spin is not None:
-            forces = ("unbalance-force", "unbalance force x", "unbalance force y")
-            found |= dict.fromkeys(forces, own.times(spin.largest_force_of_unit()))
-        if arm is not None:
-            found["counterweight"] = own.times(KG / arm)
-        if (
-            holes is not None
-        ):  # d grows no faster than U, see `camgeo.dynamics.effects.balance.result`
-            share = self.unsure / self.unbalance
-            found["balancing-holes"] = Bound(share * holes.diameter, holes.diameter)
-        return found
+    mass, unbalance = moments.area, abs(moments.first)
+    own = Bound(unsure, mass * radius)
+    off = (unsure + unbalance / mass * moments.area_error) / mass
+    found = {
+        "disc-mass": Bound(moments.area_error, mass).times(KG),
+        "centre-of-mass": Bound(off, radius),
+        "unbalance": own.times(GRAM_MM),
+    }
+    if spin is not None:
+        forces = ("unbalance-force", "unbalance force x", "unbalance force y")
+        found |= dict.fromkeys(forces, own.times(spin.largest_force_of_unit()))
+    if arm is not None:
+        found["counterweight"] = own.times(KG / arm)
+    if holes is not None:  # d grows no faster than U, see "holes"
+        share = unsure / unbalance
+        found["balancing-holes"] = Bound(share * holes.diameter, holes.diameter)
+    return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,23 +6,19 @@ VDI 2143-1, eqs. (1) to (4), see `camgeo.kinematics.time_course`.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.dynamics.effects.effect import Column, Request, Result
+from camgeo.dynamics.effects.effect import Column, Request, Result, Subject
+from camgeo.kinematics.motion import Motion
 from camgeo.kinematics.time_course import TimeCourse, TimeExtremes, in_time, period, time_extremes
 from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.extremes import Extreme
 from camgeo.units import LiftUnit, at_cam_angles
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from camgeo.dynamics.effects.effect import Subject
-    from camgeo.kinematics.motion import Motion
-    from camgeo.numeric.extremes import Extreme
 
 NAMES: Final = ("velocity", "acceleration", "jerk")
 
@@ -57,8 +53,7 @@ class _Moving:
 
             def values(phi: FloatArray, side: Side, power: int = power) -> FloatArray:
                 timed = in_time(self.motion.jet(phi, side), course, phi, side)
-                found: FloatArray = self.scale * timed[power]
-                return found
+                return np.asarray(self.scale * timed[power])
 
             yield Column(f"{self.prefix}{name}", self.per(power), values)
 

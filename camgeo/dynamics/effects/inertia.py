@@ -12,15 +12,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.dynamics.effects.effect import Column, driving_slider
+from camgeo.dynamics.effects.effect import Column, Request, Subject, driving_slider
 from camgeo.dynamics.effects.forces import Force, at_rates, refuse_locked, shaft_and_turn, shocks
-from camgeo.dynamics.effects.inertia import MassProperties
 from camgeo.dynamics.effects.results import Inertia, Mass
+from camgeo.dynamics.effects.tables import MassProperties
 from camgeo.dynamics.effects.wording import (
     FORCES,
     KG_M2,
@@ -29,17 +29,13 @@ from camgeo.dynamics.effects.wording import (
     extreme_finding,
     extreme_findings,
 )
+from camgeo.kinematics.mechanism.linkage import FarEnd, Linkage
 from camgeo.kinematics.mechanism.triangle import turning
+from camgeo.kinematics.motion import Jet, Motion
+from camgeo.kinematics.time_course import TimeCourse
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes, piecewise_highest
 from camgeo.units import at_cam_angles, cam_angle
-
-if TYPE_CHECKING:
-    from camgeo.dynamics.effects.effect import Request, Subject
-    from camgeo.kinematics.mechanism.linkage import FarEnd, Linkage
-    from camgeo.kinematics.motion import Jet, Motion
-    from camgeo.kinematics.time_course import TimeCourse
-
 
 WRITTEN: Final = 1e-3
 """Relative error of a moment of inertia that may come from writing it with a few digits."""

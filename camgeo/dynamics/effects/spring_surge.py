@@ -16,13 +16,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
 from camgeo.check.finding import Finding
 from camgeo.dynamics.effects.effect import Bound, Request, Result
-from camgeo.dynamics.effects.results import SPRING
+from camgeo.dynamics.effects.results import SPRING, Spring
 from camgeo.dynamics.effects.wording import missed
 from camgeo.errors import GeometryError
 from camgeo.kinematics.time_course import period
@@ -30,9 +30,6 @@ from camgeo.numeric.arrays import SHARE, FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.units import RPM, TURN
-
-if TYPE_CHECKING:
-    from camgeo.dynamics.effects.results import Spring
 
 CLEAR: Final = 15.0
 """Times the speed of the cam that the natural frequency should be at least (Shigley, 8th ed.,

@@ -13,10 +13,10 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.dynamics.effects.effect import Column, Request, Subject
-from camgeo.dynamics.effects.forces import Force, refuse_locked, unmoved
-from camgeo.dynamics.effects.load import LoadProfile
+from camgeo.dynamics.effects.effect import Column, Request
+from camgeo.dynamics.effects.forces import Force, refuse_locked, unmoved, way_of
 from camgeo.dynamics.effects.results import Acting
+from camgeo.dynamics.effects.tables import LoadProfile
 from camgeo.dynamics.effects.wording import extreme_findings
 from camgeo.errors import GeometryError
 from camgeo.kinematics.plan import SNAP, MotionPlan, in_turn
@@ -49,7 +49,7 @@ def compute(request: Request[LoadProfile | Sequence[float]]) -> Acting:
         return np.asarray(-scale * course.values(phi, side))
 
     def on_follower(phi: FloatArray, side: Side) -> FloatArray:
-        return on_member(phi, side) * _way(subject, phi, side)
+        return on_member(phi, side) * way_of(subject, phi, side)
 
     far = subject.drive.far_end
 
@@ -101,19 +101,11 @@ def profile_of(data: LoadProfile | Sequence[float], plan: MotionPlan, unit: str)
     return steps(frozen(starts, np.float64), frozen(data, np.float64))
 
 
-def _way(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
-    """ds/dq (n,): derivative of the demanded motion by the follower's coordinate."""
-    if subject.drive.linkage is None:
-        return np.ones(len(phi))
-    return subject.drive.linkage.per_follower(subject.state.output.jet(phi, side)[0])
-
-
 def steps(starts: FloatArray, loads: FloatArray) -> LoadProfile:
     """A load for each segment: `starts` (k,) [rad], ascending from 0, and `loads` (k,)."""
 
     def values(phi: FloatArray, side: Side) -> FloatArray:
         angle = in_turn(phi, side) + (SNAP if side == "right" else -SNAP)
-        found: FloatArray = loads[np.maximum(np.searchsorted(starts, angle, side=side) - 1, 0)]
-        return found
+        return np.asarray(loads[np.maximum(np.searchsorted(starts, angle, side=side) - 1, 0)])
 
     return LoadProfile(values, starts)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
-from camgeo.check.finding import Finding
+from camgeo.check.finding import Finding, Severity
 from camgeo.dynamics.effects.bearing_friction import Rubbing
 from camgeo.dynamics.effects.contact import (
     INNER,
@@ -20,21 +20,18 @@ from camgeo.dynamics.effects.contact import (
 )
 from camgeo.dynamics.effects.effect import Column, Quantity, Request, Subject, driving_slider
 from camgeo.dynamics.effects.forces import Force, Off
-from camgeo.dynamics.effects.friction import FrictionCoefficients
 from camgeo.dynamics.effects.loads import guide_ends
 from camgeo.dynamics.effects.results import Bearing, Friction
+from camgeo.dynamics.effects.tables import FrictionCoefficients
 from camgeo.dynamics.effects.wording import at, between
 from camgeo.errors import EffectError, GeometryError
 from camgeo.kinematics.mechanism.linkage import locked_at
+from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.motion import Motion
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, merged, read_only
 from camgeo.numeric.extremes import grid_of, piecewise_lowest, roots_on_grid, stretch_below
 from camgeo.numeric.kept import Answers
 from camgeo.units import TURN
-
-if TYPE_CHECKING:
-    from camgeo.check.finding import Severity
-    from camgeo.kinematics.mechanism.slider_crank import SliderCrank
-    from camgeo.kinematics.motion import Motion
 
 
 def compute(request: Request[FrictionCoefficients]) -> Friction:
@@ -93,13 +90,13 @@ def _borders(statics: Statics, edges: FloatArray) -> FloatArray:
         if statics.data.roller_pin:
             found.append(roots_on_grid(spin, grid_of(edges)))
         cuts = merged(np.concatenate(found))
-        for name in ("sine", "cosine", *(() if statics.swing else ("near", "far"))):
 
-            def signed(phi: FloatArray, sense: int = sense, name: str = name) -> FloatArray:
-                values: FloatArray = getattr(statics.state(phi, "right", sense), name)
-                return values
+        def signed(phi: FloatArray, sense: int = sense) -> FloatArray:
+            state = statics.state(phi, "right", sense)
+            guided = () if statics.swing else (state.near, state.far)
+            return np.stack((state.sine, state.cosine, *guided))
 
-            found.append(roots_on_grid(signed, grid_of(cuts)))
+        found.append(roots_on_grid(signed, grid_of(cuts)))
     return np.mod(merged(np.concatenate(found[1:])), TURN)
 
 
@@ -578,8 +575,7 @@ class Statics:
         transmission = np.arctan2(np.abs(at.sine), np.abs(at.cosine))
         off = 0.5 * math.pi - transmission - np.arctan2(second, first)
         off -= TURN * np.round(off / TURN)
-        margin: FloatArray = np.arccos(np.clip(third / size, -1.0, 1.0)) - np.abs(off)
-        return margin
+        return np.asarray(np.arccos(np.clip(third / size, -1.0, 1.0)) - np.abs(off))
 
 
 def _sign(values: FloatArray) -> FloatArray:

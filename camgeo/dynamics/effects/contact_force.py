@@ -6,12 +6,12 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final, NoReturn
+from typing import Any, Final, NoReturn
 
 import numpy as np
 
 from camgeo.check.finding import Finding, Severity, held
-from camgeo.dynamics.effects.bearing_friction import BearingFriction, directions, with_reversals
+from camgeo.dynamics.effects.bearing_friction import BearingFriction, directions
 from camgeo.dynamics.effects.contact import (
     INNER,
     OUTER,
@@ -23,9 +23,9 @@ from camgeo.dynamics.effects.contact import (
     require_convex,
     sides_of,
 )
-from camgeo.dynamics.effects.contact_force import FORCES
 from camgeo.dynamics.effects.effect import Column, Quantity, Request, Subject
 from camgeo.dynamics.effects.forces import (
+    ElasticTrain,
     Force,
     all_borders,
     at_rates,
@@ -33,12 +33,11 @@ from camgeo.dynamics.effects.forces import (
     shocks,
     smooth_edges,
 )
-from camgeo.dynamics.effects.loads import Loads
+from camgeo.dynamics.effects.loads import loads_of
 from camgeo.dynamics.effects.results import (
+    ACTING,
     FRICTION,
-    GRAVITY,
     INERTIA,
-    SPRING,
     VIBRATION,
     ContactForce,
     Friction,
@@ -56,12 +55,10 @@ from camgeo.numeric.extremes import (
     piecewise_lowest,
     roots_on_grid,
     stretch_below,
+    with_roots,
 )
 from camgeo.numeric.kept import MOST_KEPT, recalling
 from camgeo.units import TURN
-
-if TYPE_CHECKING:
-    from camgeo.dynamics.effects.forces import ElasticTrain
 
 
 def compute(request: Request[Mapping[str, Any]]) -> ContactForce:
@@ -73,7 +70,7 @@ def compute(request: Request[Mapping[str, Any]]) -> ContactForce:
         "jamming", if the follower jams anywhere in the turn; if the pitch curve has a cusp.
     """
     subject, friction = request.subject, request.results.get(FRICTION)
-    acting = [request.results.get(key) for key in FORCES]
+    acting = [request.results.get(key) for key in ACTING]
     forces = [each.force for each in acting if each is not None]
     if friction is not None:
         forces.append(friction.force)
@@ -151,19 +148,10 @@ def bearings_of(
     EffectError
         If the follower cannot move the far end of its linkage, on which something acts.
     """
-    results, subject = request.results, request.subject
-    friction = results.get(FRICTION)
+    friction = request.results.get(FRICTION)
     if friction is None or friction.rubbing is None:
         return None
-    inertia, gravity = results.get(INERTIA), results.get(GRAVITY)
-    coupler = None
-    if subject.drive.linkage is not None:
-        # few followers have a linkage
-        from camgeo.dynamics.effects.loads import acts_beyond, coupler_of
-
-        if acts_beyond(forces, inertia):
-            coupler = coupler_of(subject, subject.drive.linkage, forces, inertia, gravity)
-    loads = Loads(subject, inertia, gravity, results.get(SPRING), coupler)
+    loads = loads_of(request.subject, request.results, forces, idle=False)
     return BearingFriction(
         friction.rubbing,
         recalling(partial(loads.on_bearings, friction), MOST_KEPT),
@@ -363,8 +351,7 @@ class ForceBalance:
         lever = self.leverage(phi, side, sense) if leverage is None else leverage
         if self.friction is None:
             return lever
-        bracket: FloatArray = lever + self.friction.per_normal(phi, side, sense)[0]
-        return bracket
+        return np.asarray(lever + self.friction.per_normal(phi, side, sense)[0])
 
     def parts(
         self, phi: FloatArray, side: Side, rates: FloatArray
@@ -401,16 +388,20 @@ class ForceBalance:
         if self.bearings is None:
             np.divide(np.abs(needed), reserve, out=found, where=loaded)
         else:
-            found[loaded] = self._under_loads(phi, side, rates, sense)[loaded]
+            found[loaded] = self._under_loads(self.bearings, phi, side, rates, sense)[loaded]
         found *= sense
         return found
 
     def _under_loads(
-        self, phi: FloatArray, side: Side, rates: FloatArray, sense: FloatArray
+        self,
+        bearings: BearingFriction,
+        phi: FloatArray,
+        side: Side,
+        rates: FloatArray,
+        sense: FloatArray,
     ) -> FloatArray:
         """(n,) |N| on the side `sense` (n,) with friction in the bearings."""
-        found, bearings = np.zeros(len(phi)), self.bearings
-        assert bearings is not None
+        found = np.zeros(len(phi))
         demand, drag = self.demand(phi, side, rates), bearings.drag(phi, side)
         own = at_rates(bearings.own(phi, side), rates)
         for flank in (INNER, OUTER):
@@ -424,10 +415,9 @@ class ForceBalance:
             found[here] = n[here]
         return found
 
-    def bearing_loads(self, phi: FloatArray, side: Side) -> ComplexArray:
+    def bearing_loads(self, bearings: BearingFriction, phi: FloatArray, side: Side) -> ComplexArray:
         """(k, n) the loads that rub in pivot or guide, at the speed of the scene."""
-        bearings, rates = self.bearings, self.rates(phi, side)
-        assert bearings is not None
+        rates = self.rates(phi, side)
         normal = self.normal(phi, side, rates)
         per = on_carrier(normal, lambda sense: bearings.rubbing.per_normal(phi, side, sense))
         return np.asarray(at_rates(bearings.own(phi, side), rates) + per * np.abs(normal))
@@ -496,9 +486,10 @@ def load_edges(balance: ForceBalance, edges: FloatArray) -> FloatArray:
 
     Its friction has a kink there; that of a pivot has none, unless its load is 0.
     """
-    if balance.bearings is None or balance.subject.cam.follower.pivot is not None:
+    bearings = balance.bearings
+    if bearings is None or balance.subject.cam.follower.pivot is not None:
         return edges
-    return with_reversals(lambda phi: balance.bearing_loads(phi, "right").real, edges)
+    return with_roots(lambda phi: balance.bearing_loads(bearings, phi, "right").real, edges)
 
 
 def refuse_jamming(balance: ForceBalance, edges: FloatArray) -> None:

@@ -14,7 +14,7 @@ It rolls while |T| is at most mu_T |N|, with the coefficient of traction mu_T. W
 groove changes flanks, it must reverse its spin, and skids whatever the traction (Norton, Cam Design
 and Manufacturing Handbook, on form-closed followers and roller slip; Newton's second law for
 rotation). Each of the two rollers of a yoke keeps its sense of spin, but nothing drives it while
-the other one carries. How far it skids is in `camgeo.dynamics.effects.roller_spin.result`.
+the other one carries. How far it skids is in `camgeo.dynamics.effects.roller_spin`.
 """
 
 from __future__ import annotations
@@ -46,12 +46,11 @@ from camgeo.numeric.arrays import SHARE, FloatArray, IntArray, Side, merged
 from camgeo.numeric.extremes import (
     Extreme,
     bracketed_roots,
-    grid_of,
     indexed_roots,
     piecewise_extremes,
     piecewise_highest,
     piecewise_lowest,
-    roots_on_grid,
+    with_roots,
 )
 from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.units import RPM, TURN
@@ -101,9 +100,7 @@ def _spin_of(rolling: Rolling) -> RollerSpin:
     edges = rolling.contact.edges
     lowest = piecewise_lowest(rolling.reserve, edges)
     skids = bool(lowest.value < 0.0 or len(rolling.reversals))
-    skid = None
-    if skids:
-        skid = steady(rolling)
+    skid = steady(rolling) if skids else None
 
     def on_pin(phi: FloatArray, side: Side) -> FloatArray:
         return (rolling.spin(phi, side) if skid is None else skid.spin(phi, side))[1] / RPM
@@ -435,8 +432,7 @@ def cells_of(rolling: Rolling) -> Cells:
         return np.asarray(rolling.pressing(phi, "right") / rolling.course.rates(phi)[0])
 
     for crossing in (apart, limits):
-        found = roots_on_grid(crossing, grid_of(edges))
-        edges = merged(np.concatenate((edges, found)))
+        edges = with_roots(crossing, edges)
     series = interpolated(rate, edges, EXACT)
     low, high = series.edges[:-1], series.edges[1:]
     unmet, there = moments(0.5 * (low + high))
@@ -685,7 +681,7 @@ class Rolling:
         return np.asarray(needed + self._shared(phi, side) * self.pressing(phi, side))
 
     def _shared(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) f_t, see `friction`."""
+        """(n,) f_t, see `camgeo.dynamics.effects.friction`."""
         friction = self.contact.friction
         if not self.alone or friction is None:
             return bearing_of(self.contact, phi, side).tangential

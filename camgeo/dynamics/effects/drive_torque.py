@@ -22,7 +22,6 @@ from camgeo.dynamics.effects.bearing_friction import (
     RubbingLaw,
     linear_law,
     with_force,
-    with_reversals,
 )
 from camgeo.dynamics.effects.contact import INNER, OUTER, carrier, leverage_of
 from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request, Subject, data_of
@@ -37,16 +36,15 @@ from camgeo.dynamics.effects.results import CONTACT_FORCE, ContactForce, DriveTo
 from camgeo.dynamics.effects.wording import KG_M2, N_M, at, degrees, missed, placed, resolved_ends
 from camgeo.errors import EffectError, GeometryError
 from camgeo.kinematics.time_course import period
-from camgeo.numeric.arrays import SHARE, FloatArray, Side, merged, resolved
+from camgeo.numeric.arrays import SHARE, FloatArray, Side, resolved
 from camgeo.numeric.extremes import (
     Extreme,
     Extremes,
     extremes_of,
-    grid_of,
     piecewise_extremes,
-    roots_on_grid,
+    with_roots,
 )
-from camgeo.numeric.quadrature import piecewise_integral, piecewise_integrals
+from camgeo.numeric.quadrature import piecewise_integral
 from camgeo.units import RPM, TURN, counted
 
 
@@ -382,7 +380,7 @@ class TorqueLaw:
         def released(phi: FloatArray) -> FloatArray:
             return self.contact.released(phi, "right", np.zeros((2, len(phi))))
 
-        edges = merged(np.concatenate((base, roots_on_grid(released, grid_of(base)))))
+        edges = with_roots(released, base)
         if self.contact.bearings is None or self.subject.cam.follower.pivot is not None:
             return edges
 
@@ -390,7 +388,7 @@ class TorqueLaw:
             law = RubbingLaw.of(self.coefficients(phi, "right"))
             return np.asarray(law.loads(0.0, 0.0).real)
 
-        return with_reversals(loads, edges)
+        return with_roots(loads, edges)
 
 
 def _gain(lever: FloatArray, velocity: FloatArray, per_normal: FloatArray) -> FloatArray:
@@ -527,11 +525,10 @@ def stored_energy(
     def surplus(phi: FloatArray) -> FloatArray:
         return mean - torque(phi)
 
-    passing = roots_on_grid(surplus, grid_of(edges))
-    places = merged(np.concatenate((edges, passing)))
-    stretches, error = piecewise_integrals(surplus, places, tolerance)
-    energy = np.concatenate(([0.0], np.cumsum(stretches)))
-    return StoredEnergy(extremes_of(places, energy), error + TURN * unsure)
+    places = with_roots(surplus, edges)
+    stored = piecewise_integral(surplus, places, tolerance)
+    energy = np.concatenate(([0.0], np.cumsum(stored.parts)))
+    return StoredEnergy(extremes_of(places, energy), stored.error + TURN * unsure)
 
 
 def moment_of_inertia(energy: float, fluctuation: float, speed: float) -> float:

@@ -50,7 +50,7 @@ from camgeo.dynamics.effects.shaft import (
     refuse_shocks,
     switches,
 )
-from camgeo.dynamics.effects.speed_fluctuation import Motor, MotorDrive
+from camgeo.dynamics.effects.tables import Motor, MotorDrive
 from camgeo.dynamics.effects.wording import N_M, Label, at, left_over, missed, placed, resolved_ends
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import SHARE, FloatArray, Side, frozen, merged, resolved

@@ -63,19 +63,7 @@ class Taker:
     torque: Quantity
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class PowerBalance(Result):
-    """The power balance.
-
-    Attributes
-    ----------
-    takers : all that takes power from the camshaft.
-    """
-
-    takers: tuple[Taker, ...]
-
-
-def compute(request: Request[object]) -> PowerBalance:
+def compute(request: Request[object]) -> Result:
     """The balance at the speed of the scene, its integrals over a turn to the tolerance.
 
     Raises
@@ -101,7 +89,7 @@ def compute(request: Request[object]) -> PowerBalance:
     if worst > request.tolerance * scale:
         raise missed("a work of the balance", worst / scale, "the largest", request.tolerance)
     shared, efficiency = _efficiency(given, works.get(_work_into(LOAD)))
-    return PowerBalance(
+    return Result(
         findings=(
             *extreme_findings(
                 "drive-power",
@@ -120,7 +108,6 @@ def compute(request: Request[object]) -> PowerBalance:
             **{name: Bound(N_M * each.error, N_M * scale) for name, each in works.items()},
             **efficiency,
         },
-        takers=takers,
     )
 
 
@@ -149,8 +136,7 @@ def _words_of(subject: Subject, contact: ContactForce, force: Force) -> str:
 
 def _velocity(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
     """(n,) q' [mm or rad per rad]."""
-    found: FloatArray = subject.state.motion.jet(phi, side, 1)[1]
-    return found
+    return np.asarray(subject.state.motion.jet(phi, side, 1)[1])
 
 
 def _of_force(subject: Subject, contact: ContactForce, force: Force) -> Quantity:
