@@ -690,10 +690,12 @@ def refined(
     solved: Callable[[int], tuple[Flights, ...]],
     worst: Callable[[tuple[Flight, ...]], float],
     tolerance: float,
+    sure: int = SURE,
 ) -> Flights:
     """The finer of two solutions with its errors, of which the `worst` is within the `tolerance`.
 
-    Both are `solved` with cells that are halved so often.
+    Both are `solved` with cells that are halved so often; `sure` halvings in turn that fail for
+    the same reason are the last.
 
     Raises
     ------
@@ -706,7 +708,7 @@ def refined(
             rough, fine = solved(halvings)
         except StiffError as stiff:
             whys.append(str(stiff))
-            if whys[-1] and whys[-SURE:] == SURE * whys[-1:]:
+            if whys[-1] and whys[-sure:] == sure * whys[-1:]:
                 break
             continue
         whys.append("")
@@ -1126,7 +1128,8 @@ class ElasticFollower:
             rough = rougher.repeated(found.end, restitution, tolerance, nodes, halvings)
             return rough.flights, found.flights
 
-        return refined(solved, _share, tolerance)
+        # A stiff train may need all of them.
+        return refined(solved, _share, tolerance, MOST_HALVINGS + 1)
 
     def repeated(
         self, begin: State, restitution: float, tolerance: float, nodes: Nodes, halvings: int
