@@ -12,7 +12,7 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from camgeo.cam.cam import Cam
@@ -34,9 +34,7 @@ from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from tests.cams import cam_of
 from tests.findings import known
 from tests.laws import LAWS
-from tests.long_form import examples
 from tests.reference import hard_case, pitch_curve_of, stroke_of, thesis_params
-from tests.strategies import SMOOTH, attack, pitch_curves
 
 NEAR = 1e-6
 """Share of the scale by which a limit is deliberately missed, ten times the step beyond it."""
@@ -448,29 +446,6 @@ def test_the_rounded_length_is_beyond_the_limit_by_little(
     beyond = reported - limit if upward else limit - reported
     # To the last digit printed, a hundredth of the change; the text is rounded once more.
     assert -math.ulp(limit) <= beyond <= 0.011 * abs(limit - old) + 1e-15 * old
-
-
-@settings(attack, max_examples=examples(4, long=12))
-@given(
-    curve=pitch_curves(SMOOTH),
-    contact=st.sampled_from(["inner", "outer", "groove"]),
-    beyond=st.floats(-5.0, -0.4).map(lambda exponent: 10.0**exponent),
-)
-def test_any_undercut_cam_is_cured(curve: PitchCurve, contact: Any, beyond: float) -> None:
-    cam = cam_on(curve, contact)
-    least = margin((cam,))
-    assume(least is not None and least < 1.0 - 1e-3)  # else no roller undercuts
-    assert least is not None
-    roller = cam.follower.roller_radius / (1.0 - least)
-    cam = cam.sized(roller_radius=roller * (1.0 + beyond))
-    assume(margin((cam,)) is not None)  # the roller does not cover the axis
-    found = cures((cam,))
-    check_lengths(cam, found)
-    cure = by_knob(found)["roller radius"]
-    assert known(cure.limit) <= roller * (1.0 + 1e-12)
-    for knob in ("longer segment", "other law"):
-        if by_knob(found)[knob].works:
-            assert is_good(applied(cam, by_knob(found)[knob]))
 
 
 @pytest.mark.parametrize("contact", [pytest.param("inner", marks=pytest.mark.long), "groove"])

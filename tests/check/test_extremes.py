@@ -165,19 +165,6 @@ def test_results_of_the_thesis_examples(name: str, sigma: int) -> None:
     assert inflections(curve) == pytest.approx(expected["inflections"], abs=1e-9)
 
 
-@pytest.mark.parametrize(("name", "sigma"), THESIS)
-def test_what_is_derived_in_the_thesis_examples(name: str, sigma: int) -> None:
-    derived = reference("thesis_examples.toml")[name]["derived"]
-    curve = pitch_curve_of(thesis_params(name, sigma))
-    follower, linkage = curve.follower, curve.motion.linkage  # type: ignore[attr-defined]  # the reference case has this kind of follower
-    assert linkage.start_position == pytest.approx(derived["s_0"], rel=1e-12)
-    assert linkage.guide_height == pytest.approx(derived["e_sk"], rel=1e-12)
-    assert follower.centre_distance == pytest.approx(derived["l_1"], rel=1e-12)  # type: ignore[attr-defined]  # the reference case has this kind of follower
-    start = math.degrees(follower.start_angle)  # type: ignore[attr-defined]  # the reference case has this kind of follower
-    assert start == pytest.approx(derived["psi_G_from_r_G"], rel=1e-12)
-    assert math.degrees(linkage.start_angle) == pytest.approx(derived["theta_0"], rel=1e-12)
-
-
 FOUND = Path(__file__).parents[2] / "fixtures" / "found"
 
 

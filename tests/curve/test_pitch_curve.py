@@ -5,7 +5,6 @@ The work of a normal force is that of the follower, and its torque that of the c
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from decimal import Decimal
 from typing import Any
 
@@ -177,47 +176,6 @@ def test_its_size_is_the_sine_of_the_transmission_angle(curve: PitchCurve) -> No
     expected = arm * np.sin(curve.transmission_angle(phi))
     # u, its square and its root; atan2 and the sine: a few roundings each.
     assert np.abs(curve.leverage(phi)) == pytest.approx(expected, rel=8.0 * EPS, abs=1e-300)
-
-
-@attack
-@given(curve=pitch_curves(BENT))
-def test_the_torque_of_the_normal_force_is_the_power_of_the_lift(curve: PitchCurve) -> None:
-    """Newton at the disc: a unit force along the normal through the roller centre has the moment
-    Im(conj(Z) n) about the cam axis; by virtual work it is leverage times q' in the cam's sense.
-    """
-    phi = angles(curve)
-    assume(len(phi))
-    lift = curve.motion.jet(phi)
-    centre = centres(curve, lift[0])
-    moment = curve.rotation * np.imag(np.conj(centre) * outward(curve, phi))
-    found = curve.leverage(phi) * lift[1]
-    # The moment is a difference of terms up to |Z|, with the normal's rounding; q' and its sines
-    # have that of cam angles in radians near a border of the motion.
-    speed = np.abs(curve.jet(phi)[1])
-    scale = np.abs(centre) + np.abs(curve.follower.reach * lift[1]) + 200.0
-    assert np.all(np.abs(moment - found) <= 64.0 * EPS * scale * (1.0 + scale / speed))
-
-
-@pytest.mark.parametrize("direction", [1, -1])
-@pytest.mark.parametrize("rotation", [1, -1])
-@pytest.mark.parametrize("name", ["trans_F_sp_e12", "osc_F_sp"])
-def test_its_sign_is_that_of_outward_motion(name: str, rotation: int, direction: int) -> None:
-    """In the rest at lift 0 nothing but the direction counts: the normal is radial there."""
-    curve = pitch_curve_of(mechanisms()[name]["params"])
-    follower = curve.follower
-    assert isinstance(follower, TranslatingRoller | OscillatingRoller)
-    turned_round = PitchCurve(curve.motion, replace(follower, direction=direction), rotation)
-    middles = np.array([dwell.start + 0.5 * dwell.span for dwell in turned_round.dwells]) % TURN
-    phi = middles[turned_round.motion.jet(middles)[0] == 0.0][:1]
-    found = turned_round.leverage(phi)[0]
-    assert math.copysign(1.0, found) == direction
-    centre = centres(turned_round, turned_round.motion.jet(phi)[0])
-    radial = np.abs(centres(turned_round, turned_round.motion.jet(phi)[0] + STEP)) - np.abs(centre)
-    # The distance from the cam axis bends by at most way^2/r, and the way is 1 or 100 mm/rad.
-    reach = abs(follower.reach)
-    assert radial[0] / STEP == pytest.approx(
-        found, rel=0.0, abs=reach * (reach / 20.0 + 1.0) * STEP
-    )
 
 
 @pytest.mark.parametrize("cells", [False, True])

@@ -9,7 +9,6 @@ from decimal import Decimal
 import mpmath
 import numpy as np
 import pytest
-import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpc, mpf
@@ -251,23 +250,6 @@ def test_both_rollers_are_where_the_rigid_follower_holds_them(
     slack = rounding(pair)
     assert np.max(np.abs(pair.main.point(phi) - main)) <= slack
     assert np.max(np.abs(pair.other.point(phi) - other)) <= slack
-
-
-@settings(attack, max_examples=25)
-@given(pairs(), st.floats(0.0, TURN))
-def test_no_point_of_either_flank_is_nearer_than_the_roller(pair: Pair, angle: float) -> None:
-    """Both rollers at one cam angle, against all of a flank that does not cross itself."""
-    phi = np.array([angle])
-    turn = np.linspace(0.0, TURN, 2001)
-    for curve, roller in zip((pair.main, pair.other), pair.in_cam(phi), strict=True):
-        radius = curve.follower.roller_radius
-        flank = WorkingCurve(curve, -radius)
-        touch = flank.point(phi) - roller
-        assert abs(touch[0]) == pytest.approx(radius, abs=rounding(pair))
-        points = flank.point(turn)
-        ring = shapely.LinearRing(np.column_stack((points.real, points.imag))[:-1])
-        if np.min(flank.regularity(turn)) > 0.05 and ring.is_simple:
-            assert np.min(np.abs(points - roller[0])) >= radius - rounding(pair)
 
 
 @given(pairs())

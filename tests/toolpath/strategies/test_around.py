@@ -73,15 +73,6 @@ def test_a_finish_runs_at_full_depth_with_spring_rounds(room: float, climb: bool
     assert (area < 0.0) == climb
 
 
-def test_the_feed_at_the_contact_is_held() -> None:
-    """Slowed inside hollow arcs, and unchanged around the outside."""
-    arcs = [step for step in steps_of(made(FINISH)) if step.sweep and step.high == step.low]
-    for step in arcs:
-        slower = step.radius / (step.radius + TOOL.radius) if step.sweep > 0.0 else 1.0
-        assert step.feed == pytest.approx(TOOL.feed * slower)
-    assert min(step.feed for step in arcs) < 0.95 * TOOL.feed
-
-
 def test_a_finish_comes_down_beside_what_is_left_on_the_wall() -> None:
     """Beside a clamp only smaller leads fit, which end in that, unless the cutter may plunge."""
 
