@@ -36,7 +36,7 @@ from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
-from camgeo.numeric.arrays import IntArray
+from camgeo.numeric.arrays import ComplexArray, IntArray
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.studies.accuracy.contours import forced_pieces, least_arcs, least_chords
 from tests.contour.cams import TURN, curves, dwell, flank, move, outline
@@ -54,7 +54,6 @@ from tests.contour.paths import (
     shocks,
     swallow_tail,
 )
-from tests.contour.tangents import PLACE, check_shared_ends, check_tangent, tangents
 from tests.laws import LAWS
 from tests.long_form import examples
 from tests.reference import hard_case
@@ -81,6 +80,43 @@ some = settings(attack, max_examples=examples(10, long=40))
 SHARP = 0.05
 """Tolerance [mm] from which on tips of the paths are so sharp that only the angle of a chord
 counts: there the limit, which counts sagittas alone, is none."""
+
+
+PLACE = 1e-13
+"""Rounding of a point of a curve some 100 mm from the axis: 8 ulp [mm]."""
+
+
+def tangents(contour: Contour) -> tuple[ComplexArray, ComplexArray]:
+    """Unit tangents at the start and at the end of each piece."""
+    arm = contour.vertices - contour.centres
+    chord = contour.ends - contour.vertices
+    along: ComplexArray = np.where(contour.sweeps != 0.0, 1j * np.sign(contour.sweeps) * arm, chord)
+    along /= np.abs(along)
+    last: ComplexArray = along * np.exp(1j * contour.sweeps)
+    return along, last
+
+
+def check_tangent(contour: Contour, except_at: ComplexArray) -> None:
+    """No corner: neighbours turn by no more than the rounding of end points over a piece."""
+    first, last = tangents(contour)
+    turns = np.abs(np.angle(np.roll(first, -1) * np.conj(last)))
+    shorter = np.minimum(contour.lengths, np.roll(contour.lengths, -1))
+    # Both tangents come from chords whose ends are PLACE off; an arc written as a line, with a
+    # sagitta of up to 1e-10 mm, turns by 4e-10 over its length.
+    lines = (contour.sweeps == 0.0) | (np.roll(contour.sweeps, -1) == 0.0)
+    allowed = (2.0 * PLACE + np.where(lines, 8e-10, 0.0)) / shorter
+    for place in except_at:
+        allowed[np.argmin(np.abs(contour.ends - place))] = np.pi
+    assert np.all(turns <= allowed)
+
+
+def check_shared_ends(contour: Contour) -> None:
+    """Each arc, turned about its centre by its sweep, meets the start of the next piece."""
+    turned = contour.centres + (contour.vertices - contour.centres) * np.exp(1j * contour.sweeps)
+    arcs = contour.sweeps != 0.0
+    # A sweep of half the angle of tangent and chord carries PLACE / chord, times the radius.
+    allowed = 8.0 * PLACE * (1.0 + contour.radii / np.maximum(contour.lengths, 1e-6))
+    assert np.all((np.abs(turned - contour.ends) <= allowed)[arcs])
 
 
 @cache
