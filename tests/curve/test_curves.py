@@ -71,25 +71,6 @@ def test_the_slope_of_the_curvature_is_its_derivative(curve: PitchCurve) -> None
     assert np.max(np.abs(found - change)) <= QUADRATURE * scale
 
 
-@pytest.mark.parametrize("name", mechanisms())
-def test_the_tangent_turns_once(name: str) -> None:
-    """Over a turn of the cam, whatever its inflections: the pitch curve is a simple closed one."""
-    curve = pitch_curve_of(mechanisms()[name]["params"])
-    low, high = cells(curve.borders, 12)
-    found = integrals(lambda phi: curve.curvature(phi) * np.abs(curve.jet(phi)[1]), low, high)
-    # The rule of 24 points leaves 1e-12 at the sharpest bend of these cams; a half turn is 3.
-    assert np.sum(found) == pytest.approx(TURN, rel=1e-10)
-
-
-@attack
-@given(curve=pitch_curves(BENT))
-def test_transmission_and_pressure_angle_fill_the_quarter(curve: PitchCurve) -> None:
-    phi = np.linspace(0.0, TURN, 97)
-    mu, pressure = curve.transmission_angle(phi), curve.pressure_angle(phi)
-    assert np.all((mu >= 0.0) & (mu <= 0.5 * math.pi))
-    assert mu + pressure == pytest.approx(np.full(97, 0.5 * math.pi), rel=4e-16)
-
-
 RIGHT = Decimal(90)
 
 
@@ -234,31 +215,6 @@ def test_an_offset_lies_square_to_the_pitch_curve(curve: PitchCurve, distance: f
     limit = 1e-14 * np.max(np.abs(z)) * np.max(np.abs(z1)) / np.min(np.abs(z1))
     # Run through clockwise for sigma = +1, a curve has its outside on the left.
     assert np.max(np.abs(normal - 1j * curve.rotation * distance)) <= limit
-
-
-@by_name
-def test_outer_encloses_pitch_encloses_inner(name: str) -> None:
-    """With no undercut the areas are those of parallels of a simple closed curve (Steiner):
-    A +- r L + pi r^2."""
-    curve = pitch_curve_of(mechanisms()[name]["params"])
-    roller = curve.follower.roller_radius
-    low, high = cells(curve.borders, 12)
-
-    def sector(points: WorkingCurve) -> float:
-        """Area by Green's theorem along the exact curve."""
-
-        def rate(phi: FloatArray) -> FloatArray:
-            point, tangent, pace = points.traced(phi)
-            return 0.5 * np.imag(np.conj(point) * tangent) * pace
-
-        return -curve.rotation * float(np.sum(integrals(rate, low, high)))
-
-    length = float(np.sum(integrals(lambda phi: np.abs(curve.jet(phi)[1]), low, high)))
-    pitch = sector(WorkingCurve(curve, 0.0))
-    inner, outer = sector(inner_of(curve)), sector(outer_of(curve))
-    assert outer > pitch > inner > 0.0
-    assert outer == pytest.approx(pitch + roller * length + math.pi * roller**2, rel=1e-11)
-    assert inner == pytest.approx(pitch - roller * length + math.pi * roller**2, rel=1e-11)
 
 
 @attack

@@ -252,18 +252,6 @@ def test_both_rollers_are_where_the_rigid_follower_holds_them(
     assert np.max(np.abs(pair.other.point(phi) - other)) <= slack
 
 
-@given(pairs())
-@settings(attack, max_examples=20)
-def test_what_moves_one_roller_outward_moves_the_other_inward(pair: Pair) -> None:
-    phi = np.linspace(0.0, TURN, 400)
-    assert np.all(pair.main.leverage(phi) * pair.other.leverage(phi) < 0.0)
-    assert np.sign(pair.other.follower.reach) == (
-        np.sign(pair.main.follower.reach)
-        if isinstance(pair.body, Lever)
-        else -np.sign(pair.main.follower.reach)
-    )
-
-
 def test_what_is_not_given_is_that_of_the_main_roller() -> None:
     carriage = return_on_carriage(GUIDE, 95.0)
     assert (carriage.offset, carriage.roller_radius) == (-30.0, 8.0)
