@@ -140,7 +140,7 @@ def test_errors_are_rounded_up() -> None:
 def test_hc26_a_crank_that_passes_180_degrees_swings_without_a_jump() -> None:
     linkage = SliderCrank(50.0, 48.0, math.asin(0.8), False, 1, -1, -1)
     motion = LinkedMotion(plan_of({"phi_H": (60, 100, 40, 100, 60)}, 10.0), linkage)
-    swing = motion.jet(np.linspace(*angles(60, 160), 2001))[0]
+    swing = motion.jet(angles(*np.linspace(60.0, 160.0, 2001)))[0]
     assert np.max(np.abs(np.diff(swing))) < math.radians(0.02)
 
 
