@@ -15,6 +15,7 @@ from camgeo.milling.cut import ContourCut, slack_of
 from camgeo.milling.milling import Clamp, Tabs, ToolError
 from camgeo.milling.moves import ArcFeed, Feed
 from camgeo.numeric.arrays import FloatArray
+from tests.findings import known
 from tests.measuring import DensePath
 from tests.part.parts import refused
 from tests.toolpath.cutting import levels, steps_of
@@ -206,7 +207,10 @@ def test_ramps_that_do_not_fit_between_tabs_are_those_of_the_tool() -> None:
     found = re.search(r"at least ([0-9.]+) degrees", caught.value.message)
     assert found is not None
     least = float(found[1])
-    assert made(ramping(1.01 * least))
+    fits = ramping(1.01 * least)
+    moves = made(fits)
+    require_sound(moves, fits.tool)
+    assert steepest(moves, known(fits.tool.ramp_angle)) > 0.0
     with pytest.raises(ToolError, match="do not fit between them"):
         made(ramping(0.99 * least))
 
