@@ -68,7 +68,7 @@ is the worst of all values in the line, twice what was measured on one machine (
 to one digit, and never less than four units in the last place, because other processors and
 libraries round sines differently. It includes what is already lost when the inputs are rounded to
 doubles. A test repeats the measurement and fails if an error exceeds the one stated here.
-`tests/test_hard_case_variants.py` has variants of the cases with other numbers.
+`tests/test_hard_cases.py` has variants of the cases with other numbers.
 """
 
 ULP = 2.0**-52

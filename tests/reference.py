@@ -71,24 +71,11 @@ def hard_case(name: str) -> tuple[dict[str, Any], dict[str, Any]]:
     return case["params"], case["expected"]
 
 
-def mechanisms() -> dict[str, dict[str, Any]]:
-    """The cams of `mechanism_values.json` by name."""
-    return _cases(slotted=False)
-
-
-def slotted_levers() -> dict[str, dict[str, Any]]:
-    """The slotted levers of `mechanism_values.json` by name."""
-    return _cases(slotted=True)
-
-
 @cache
-def _cases(*, slotted: bool) -> dict[str, dict[str, Any]]:
+def mechanisms() -> dict[str, dict[str, Any]]:
+    """The cams of `mechanism_values.json` by name, without its slotted levers."""
     cases: dict[str, dict[str, Any]] = reference("mechanism_values.json")["mechanisms"]
-    return {
-        name: case
-        for name, case in cases.items()
-        if (case["params"]["kind"] == "crank_slide") == slotted
-    }
+    return {name: case for name, case in cases.items() if case["params"]["kind"] != "crank_slide"}
 
 
 def law_cases() -> list[dict[str, Any]]:

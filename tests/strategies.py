@@ -202,6 +202,26 @@ def translating_rollers(draw: st.DrawFn, stroke: float) -> TranslatingRoller:
 
 
 @st.composite
+def rockers(
+    draw: st.DrawFn,
+    start: float,
+    distance: float,
+    arm: float,
+    *,
+    direction: int | None = 1,
+    share: float | None = None,
+    side: int | None = None,
+) -> OscillatingRoller:
+    """A rocker about a pivot anywhere round the cam axis, `start` [rad] off the line of centres at
+    cam angle 0. The roller has 2 to 12 mm, or that `share` of the base circle.
+    """
+    base = math.sqrt(distance**2 + arm**2 - 2.0 * distance * arm * math.cos(start))
+    pivot = cmath.rect(distance, draw(st.floats(-math.pi, math.pi)))
+    radius = draw(st.floats(2.0, 12.0)) if share is None else share * base
+    return OscillatingRoller(pivot, arm, base, radius, side or draw(signs()), direction)
+
+
+@st.composite
 def oscillating_rollers(draw: st.DrawFn, swing: float) -> OscillatingRoller:
     """An oscillating roller follower that stays off the line of centres over `swing` [rad]."""
     distance, arm = draw(st.floats(80.0, 160.0)), draw(st.floats(50.0, 75.0))
@@ -210,15 +230,7 @@ def oscillating_rollers(draw: st.DrawFn, swing: float) -> OscillatingRoller:
     start = draw(
         st.floats(low + (swing if direction < 0 else 0.0), high - max(direction, 0) * swing)
     )
-    square = distance**2 + arm**2 - 2.0 * distance * arm * math.cos(start)
-    return OscillatingRoller(
-        pivot=cmath.rect(distance, draw(st.floats(-math.pi, math.pi))),
-        arm=arm,
-        base_radius=math.sqrt(square),
-        roller_radius=draw(st.floats(2.0, 12.0)),
-        arm_side=draw(signs()),
-        direction=direction,
-    )
+    return draw(rockers(start, distance, arm, direction=direction))
 
 
 @st.composite
@@ -242,10 +254,7 @@ def wild_pitch_curves(draw: st.DrawFn) -> PitchCurve:
     if swings:
         distance, arm = draw(st.floats(80.0, 140.0)), draw(st.floats(50.0, 90.0))
         start = math.radians(draw(st.floats(15.0, 110.0)))
-        base = math.sqrt(distance**2 + arm**2 - 2.0 * distance * arm * math.cos(start))
-        pivot = cmath.rect(distance, draw(st.floats(-math.pi, math.pi)))
-        rocker = OscillatingRoller(pivot, arm, base, share * base, draw(signs()), 1)
-        return PitchCurve(plan, rocker, sense)
+        return PitchCurve(plan, draw(rockers(start, distance, arm, share=share)), sense)
     base = draw(st.floats(10.0, 60.0))
     offset = base * draw(st.floats(-0.6, 0.6))
     guide = draw(st.floats(-math.pi, math.pi))
@@ -289,14 +298,7 @@ def linked_pitch_curves(draw: st.DrawFn, names: tuple[str, ...] = SMOOTH) -> Pit
     assume(high - low < math.pi - 3.0 * margin)
     start = draw(st.floats(margin - low, math.pi - margin - high))
     distance, arm = draw(st.floats(80.0, 160.0)), draw(st.floats(50.0, 75.0))
-    follower = OscillatingRoller(
-        pivot=cmath.rect(distance, draw(st.floats(-math.pi, math.pi))),
-        arm=arm,
-        base_radius=math.sqrt(distance**2 + arm**2 - 2.0 * distance * arm * math.cos(start)),
-        roller_radius=draw(st.floats(2.0, 12.0)),
-        arm_side=side,
-        direction=None,
-    )
+    follower = draw(rockers(start, distance, arm, direction=None, side=side))
     motion = LinkedMotion(draw(plans(names, 8.0)), linkage)
     return PitchCurve(motion, follower, draw(signs()))
 
@@ -359,10 +361,5 @@ def near_dead_pitch_curves(draw: st.DrawFn) -> PitchCurve:
         base, share = draw(st.floats(20.0, 200.0)), draw(st.floats(0.05, 0.3))
         return PitchCurve(motion, TranslatingRoller(base, share * base), rotation)
     distance, arm = draw(st.floats(80.0, 160.0)), draw(st.floats(50.0, 75.0))
-    start = draw(st.floats(0.2, 2.9))
-    base = math.sqrt(distance**2 + arm**2 - 2.0 * distance * arm * math.cos(start))
-    pivot = cmath.rect(distance, draw(st.floats(-math.pi, math.pi)))
-    radius = draw(st.floats(2.0, 12.0))
-    return PitchCurve(
-        motion, OscillatingRoller(pivot, arm, base, radius, draw(signs()), None), rotation
-    )
+    follower = draw(rockers(draw(st.floats(0.2, 2.9)), distance, arm, direction=None))
+    return PitchCurve(motion, follower, rotation)

@@ -90,52 +90,6 @@ def test_every_job_stands_on_the_page_of_milling() -> None:
     assert shown == list(MILLING_PAGE.PICTURES)
 
 
-HARD_CASES = (DOCS / "hard-cases.md").read_text(encoding="utf-8")
-
-CASES = [case["id"] for case in reference("hard_cases.json")]
-
-BOUND = re.compile(r"<= (\de[+-]?\d+)")
-
-
-def hard_cases_page() -> Any:
-    """The module docs/hard_cases_page.py."""
-    return page_maker("hard_cases_page")
-
-
-def section_of(case: str) -> str:
-    """The section of the page on a case."""
-    (text,) = re.findall(rf"^## {case}: .*?(?=^## |\Z)", HARD_CASES, flags=re.MULTILINE | re.DOTALL)
-    return str(text)
-
-
-@pytest.mark.parametrize("case", CASES)
-def test_no_error_is_larger_than_the_page_says(case: str) -> None:
-    lines = hard_cases_page().measured(case)
-    rows = re.findall(r"^\| (.*) \| (exact|<= .*) \|$", section_of(case), flags=re.MULTILINE)
-    assert [row[0].replace("\\|", "|") for row in rows] == [line.label for line in lines]
-    for line, (_, claim) in zip(lines, rows, strict=True):
-        bound = BOUND.match(claim)
-        assert line.error <= (float(bound[1]) if bound else 0.0), line.label
-
-
-def test_an_error_is_measured_from_all_digits_of_the_reference() -> None:
-    line = hard_cases_page().share("a third", (1.0 / 3.0, "0." + 30 * "3"))
-    # The double nearest to 1/3 is 2^-54/3 below it.
-    assert line.error == pytest.approx(2.0**-54, rel=1e-9)
-    off = hard_cases_page().distance("a point", "mm", 1.0, (3.0 + 4.0j, ["0", "0"]))
-    assert off.error == 5.0
-
-
-def test_errors_are_rounded_up() -> None:
-    rounded_up = hard_cases_page().rounded_up
-    assert [rounded_up(value) for value in (0.0, 1e-15, 1.01e-15, 9.5e-3)] == [
-        0,
-        1e-15,
-        2e-15,
-        1e-2,
-    ]
-
-
 STABILITY = (DOCS / "stability.md").read_text(encoding="utf-8")
 
 LINE = re.compile(

@@ -69,14 +69,37 @@ def _kind(curve: PitchCurve, phi: float) -> str:
     return "joint" if np.min(np.abs(curve.breaks - phi)) < math.radians(SHARP_PLACE) else "smooth"
 
 
+def with_place(expected: dict[str, Any], key: str, place: str) -> Any:
+    """A value of the reference, and its place."""
+    value = pytest.approx(float(expected[key]), rel=SHARP)
+    return value, pytest.approx(float(expected[place]), abs=SHARP_PLACE)
+
+
 @pytest.mark.parametrize("name", EXTREMES)
-def test_smallest_transmission_angle(name: str) -> None:
+def test_extremes_of_the_reference(name: str) -> None:
+    """Inflections are simple roots: their places are as good as the rounding of the curvature by
+    its slope.
+    """
     expected = EXTREMES[name]
     curve = pitch_curve_of(mechanisms()[name]["params"])
-    mu, phi = transmission_angle_extremes(curve).smallest()
-    assert expected["mu_min_kind"] == _kind(curve, phi)
-    assert math.degrees(mu) == pytest.approx(float(expected["mu_min_deg"]), rel=SHARP)
-    assert math.degrees(phi) == pytest.approx(float(expected["mu_min_phi"]), abs=SHARP_PLACE)
+    assert curve.follower.roller_radius == float(expected["r_R"])
+    mu, at = transmission_angle_extremes(curve).smallest()
+    wanted = with_place(expected, "mu_min_deg", "mu_min_phi")
+    assert (math.degrees(mu), math.degrees(at)) == wanted
+    bends = curvature_extremes(curve)
+    kappa, phi = bends.largest()
+    wanted = with_place(expected, "rho_convex_min", "rho_convex_min_phi")
+    assert (1.0 / kappa, math.degrees(phi)) == wanted
+    kinds = expected["mu_min_kind"], expected["rho_convex_min_kind"]
+    assert kinds == (_kind(curve, at), _kind(curve, phi))
+    kappa, phi = bends.smallest()
+    if "rho_concave_min" in expected:
+        wanted = with_place(expected, "rho_concave_min", "rho_concave_min_phi")
+        assert (-1.0 / kappa, math.degrees(phi)) == wanted
+    else:  # then there are no inflections either
+        assert kappa > 0.0
+    found = inflections(curve)
+    assert found == pytest.approx([*map(float, expected["inflection_phi"])], abs=SHARP_PLACE)
 
 
 @pytest.mark.parametrize("name", EXTREMES)
@@ -99,36 +122,6 @@ def test_smallest_transmission_angle_of_each_stroke(name: str, stroke: str) -> N
     assert at == pytest.approx(true, abs=SHARP_PLACE) or value_there == pytest.approx(
         np.min(values), rel=1e-14
     )
-
-
-@pytest.mark.parametrize("name", EXTREMES)
-def test_smallest_radii_of_curvature(name: str) -> None:
-    expected = EXTREMES[name]
-    curve = pitch_curve_of(mechanisms()[name]["params"])
-    assert curve.follower.roller_radius == float(expected["r_R"])
-    bends = curvature_extremes(curve)
-    kappa, phi = bends.largest()
-    assert expected["rho_convex_min_kind"] == _kind(curve, phi)
-    assert 1.0 / kappa == pytest.approx(float(expected["rho_convex_min"]), rel=SHARP)
-    assert math.degrees(phi) == pytest.approx(
-        float(expected["rho_convex_min_phi"]), abs=SHARP_PLACE
-    )
-    kappa, phi = bends.smallest()
-    if "rho_concave_min" not in expected:  # then there are no inflections either
-        assert kappa > 0.0
-        return
-    assert -1.0 / kappa == pytest.approx(float(expected["rho_concave_min"]), rel=SHARP)
-    assert math.degrees(phi) == pytest.approx(
-        float(expected["rho_concave_min_phi"]), abs=SHARP_PLACE
-    )
-
-
-@pytest.mark.parametrize("name", EXTREMES)
-def test_inflections(name: str) -> None:
-    """Simple roots: their places are as good as the rounding of the curvature by its slope."""
-    expected = [float(phi) for phi in EXTREMES[name]["inflection_phi"]]
-    found = inflections(pitch_curve_of(mechanisms()[name]["params"]))
-    assert found == pytest.approx(expected, abs=SHARP_PLACE)
 
 
 @pytest.mark.parametrize(("name", "sigma"), THESIS)
@@ -163,19 +156,6 @@ def test_results_of_the_thesis_examples(name: str, sigma: int) -> None:
         assert -1.0 / kappa == pytest.approx(expected["rho_concave_min"], rel=REL)
         assert math.degrees(phi) == pytest.approx(expected["rho_concave_min_at"], abs=PLACE)
     assert inflections(curve) == pytest.approx(expected["inflections"], abs=1e-9)
-
-
-@pytest.mark.parametrize(("name", "sigma"), THESIS)
-def test_what_is_derived_in_the_thesis_examples(name: str, sigma: int) -> None:
-    derived = reference("thesis_examples.toml")[name]["derived"]
-    curve = pitch_curve_of(thesis_params(name, sigma))
-    follower, linkage = curve.follower, curve.motion.linkage  # type: ignore[attr-defined]  # the reference case has this kind of follower
-    assert linkage.start_position == pytest.approx(derived["s_0"], rel=1e-12)
-    assert linkage.guide_height == pytest.approx(derived["e_sk"], rel=1e-12)
-    assert follower.centre_distance == pytest.approx(derived["l_1"], rel=1e-12)  # type: ignore[attr-defined]  # the reference case has this kind of follower
-    start = math.degrees(follower.start_angle)  # type: ignore[attr-defined]  # the reference case has this kind of follower
-    assert start == pytest.approx(derived["psi_G_from_r_G"], rel=1e-12)
-    assert math.degrees(linkage.start_angle) == pytest.approx(derived["theta_0"], rel=1e-12)
 
 
 FOUND = Path(__file__).parents[2] / "fixtures" / "found"

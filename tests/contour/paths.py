@@ -12,14 +12,16 @@ from dataclasses import dataclass
 from functools import cache, partial
 
 import numpy as np
+from scipy.interpolate import BSpline
 
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.legs import TurnLeg, legs_of
+from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour
 from camgeo.geometry.outline.path import Path, Pivot, Stretch, whole
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
-from camgeo.numeric.arrays import ComplexArray, Side
+from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from tests.contour.cams import FLANKS, TURN, dwell, flank, move, outline, translating
 from tests.measuring import DensePath
 from tests.reference import hard_case, plan_of
@@ -171,6 +173,40 @@ def dense_path(path: Path, count: int = 60_000) -> ComplexArray:
     return kept
 
 
+EACH = 60
+"""Points a cubic."""
+
+
+def curve_of(spline: CubicSpline) -> BSpline:
+    """The same as scipy's."""
+    return BSpline(spline.knots, spline.controls, 3)
+
+
+def parameters(spline: CubicSpline, each: int = EACH) -> FloatArray:
+    """Dense parameters, the ends of all spans among them."""
+    places = np.unique(spline.knots)
+    part = np.arange(each) / each
+    inner = (places[:-1, None] + np.diff(places)[:, None] * part).ravel()
+    return np.append(inner, places[-1])
+
+
+def points_of(strand: CubicSpline | Arc, each: int = EACH) -> ComplexArray:
+    """Dense points, both ends included."""
+    if isinstance(strand, CubicSpline):
+        found: ComplexArray = curve_of(strand)(parameters(strand, each))
+        return found
+    part = np.linspace(0.0, 1.0, min(20 * each, 40_000))
+    if strand.sweep:
+        turned = np.exp(1j * strand.sweep * part)
+        return np.asarray(strand.centre + (strand.start - strand.centre) * turned)
+    return np.asarray(strand.start + (strand.end - strand.start) * part)
+
+
+def spline_points(contour: SplineContour, each: int = EACH) -> ComplexArray:
+    """Dense points of a whole contour with cubics."""
+    return np.concatenate([points_of(strand, each)[:-1] for strand in contour.strands])
+
+
 @dataclass(frozen=True)
 class Dense:
     """A path by dense points, for distances in both directions."""
@@ -183,11 +219,16 @@ class Dense:
         points = dense_path(path)
         return cls(points, DensePath(points))
 
-    def measured(self, contour: Contour, points: int = 8_000) -> float:
+    def measured(self, contour: Contour | SplineContour, points: int = 8_000) -> float:
         """Largest distance found by dense sampling in both directions, at most the true one but for
         `SAGITTA`."""
-        there = outline(contour).distances(self.points[:: max(1, len(self.points) // points)])
-        back = self.path.distances(outline(contour).dense(points))
+        some = self.points[:: max(1, len(self.points) // points)]
+        if isinstance(contour, SplineContour):
+            found = spline_points(contour, 2000 if len(contour) < 40 else 500)
+            there, back = DensePath(found).distances(some), self.path.distances(found[::11])
+        else:
+            there = outline(contour).distances(some)
+            back = self.path.distances(outline(contour).dense(points))
         return max(float(np.max(there)), float(np.max(back)))
 
 

@@ -1,7 +1,7 @@
 """Outlines that are exactly lines and arcs: their chords, their parallels, and the distance of two
 contours, which is a sharp bound of Hausdorff's: compared with dense sampling and closed forms.
 
-That parallels are those of shapely is in tests/printing/test_drawn_in.py."""
+That parallels are those of shapely is in tests/printing/test_compensation.py."""
 
 from __future__ import annotations
 
@@ -49,11 +49,11 @@ NOTHING = 3.0 * ROUNDING * 11.0 + 1e-14
 """No distance [mm]: the allowance for rounding, and rounding itself, 5 ulp of 11 mm."""
 
 
-def _measured(exact: Contour, contour: Contour) -> float:
+def _measured(exact: Contour, contour: Contour, count: int = 3_000) -> float:
     """Largest distance by dense sampling with exact distances: from below, never too large."""
     a, b = outline(exact), outline(contour)
     return max(
-        float(np.max(a.distances(b.dense(3_000)))), float(np.max(b.distances(a.dense(3_000))))
+        float(np.max(a.distances(b.dense(count)))), float(np.max(b.distances(a.dense(count))))
     )
 
 
@@ -192,11 +192,7 @@ def contours(draw: st.DrawFn) -> Contour:
 @many
 @given(contours(), contours())
 def test_sampling_finds_no_more_and_hardly_less(one: Contour, other: Contour) -> None:
-    a, b = outline(one), outline(other)
-    found = max(
-        float(np.max(a.distances(b.dense(DENSE)))), float(np.max(b.distances(a.dense(DENSE))))
-    )
-    bound = distance(one, other)
+    found, bound = _measured(one, other, DENSE), distance(one, other)
     longest = max(float(np.max(each.lengths)) for each in (one, other))
     assert found - 1e-7 <= bound <= found + longest / DENSE * len(one) * len(other) + 1e-9
 

@@ -1,7 +1,7 @@
-"""Fits of arcs and of straight pieces, fast ones and those of the fewest pieces.
+"""Fits of arcs, of straight pieces and of cubics, fast ones and those of the fewest pieces.
 
-Each is within its tolerance, proved, tangent where the curve is, near its law, and never larger for
-a looser tolerance.
+Each is within its tolerance, proved, as smooth as its form can be, near its law, and never larger
+for a looser tolerance.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from camgeo.geometry.contour.cubics import fewest_cubics, fit_spline
 from camgeo.geometry.contour.fewest_arcs import Strands, fewest_arcs
 from camgeo.geometry.contour.fewest_chords import fewest_chords
 from camgeo.geometry.contour.proof import deviation
+from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour, SplineFit
 from camgeo.geometry.outline.path import Path, Pivot, Stretch, area, whole
 from camgeo.geometry.pieces import smooth_pieces
 from camgeo.geometry.pitch_curve import PitchCurve
@@ -36,9 +37,9 @@ from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
-from camgeo.numeric.arrays import IntArray
+from camgeo.numeric.arrays import ComplexArray, IntArray
 from camgeo.part.boundaries import CurveBoundary
-from camgeo.studies.accuracy.contours import forced_pieces, least_arcs, least_chords
+from camgeo.studies.accuracy.contours import forced_pieces, least_arcs, least_chords, least_cubics
 from tests.contour.cams import TURN, curves, dwell, flank, move, outline
 from tests.contour.cams import translating as cam
 from tests.contour.paths import (
@@ -49,12 +50,12 @@ from tests.contour.paths import (
     Dense,
     break_count,
     corner,
+    curve_of,
     dense_of,
     hard_curve,
     shocks,
     swallow_tail,
 )
-from tests.contour.tangents import PLACE, check_shared_ends, check_tangent, tangents
 from tests.laws import LAWS
 from tests.long_form import examples
 from tests.reference import hard_case
@@ -70,7 +71,9 @@ FITTERS = (*ARCS, *CHORDS)
 
 FAST, FEWEST = (fit_arcs, fit_polyline), (fewest_arcs, fewest_chords)
 
-EVERY = (*FITTERS, fit_spline, fewest_cubics)
+CUBICS: tuple[Fitter, ...] = (fit_spline, fewest_cubics)
+
+EVERY = (*FITTERS, *CUBICS)
 
 each_fitter = pytest.mark.parametrize("fitter", FITTERS)
 
@@ -83,14 +86,89 @@ SHARP = 0.05
 counts: there the limit, which counts sagittas alone, is none."""
 
 
+PLACE = 1e-13
+"""Rounding of a point of a curve some 100 mm from the axis: 8 ulp [mm]."""
+
+
+def tangents(contour: Contour) -> tuple[ComplexArray, ComplexArray]:
+    """Unit tangents at the start and at the end of each piece."""
+    arm = contour.vertices - contour.centres
+    chord = contour.ends - contour.vertices
+    along: ComplexArray = np.where(contour.sweeps != 0.0, 1j * np.sign(contour.sweeps) * arm, chord)
+    along /= np.abs(along)
+    last: ComplexArray = along * np.exp(1j * contour.sweeps)
+    return along, last
+
+
+def check_tangent(contour: Contour, except_at: ComplexArray) -> None:
+    """No corner: neighbours turn by no more than the rounding of end points over a piece."""
+    first, last = tangents(contour)
+    turns = np.abs(np.angle(np.roll(first, -1) * np.conj(last)))
+    shorter = np.minimum(contour.lengths, np.roll(contour.lengths, -1))
+    # Both tangents come from chords whose ends are PLACE off; an arc written as a line, with a
+    # sagitta of up to 1e-10 mm, turns by 4e-10 over its length.
+    lines = (contour.sweeps == 0.0) | (np.roll(contour.sweeps, -1) == 0.0)
+    allowed = (2.0 * PLACE + np.where(lines, 8e-10, 0.0)) / shorter
+    for place in except_at:
+        allowed[np.argmin(np.abs(contour.ends - place))] = np.pi
+    assert np.all(turns <= allowed)
+
+
+def check_shared_ends(contour: Contour) -> None:
+    """Each arc, turned about its centre by its sweep, meets the start of the next piece."""
+    turned = contour.centres + (contour.vertices - contour.centres) * np.exp(1j * contour.sweeps)
+    arcs = contour.sweeps != 0.0
+    # A sweep of half the angle of tangent and chord carries PLACE / chord, times the radius.
+    allowed = 8.0 * PLACE * (1.0 + contour.radii / np.maximum(contour.lengths, 1e-6))
+    assert np.all((np.abs(turned - contour.ends) <= allowed)[arcs])
+
+
+def strand_tangents(strand: CubicSpline | Arc) -> tuple[complex, complex]:
+    """Unit tangents at both ends."""
+    if isinstance(strand, CubicSpline):
+        slope = curve_of(strand).derivative()
+        first, last = complex(slope(strand.knots[0])), complex(slope(strand.knots[-1]))
+    elif strand.sweep:
+        sense = 1j * np.sign(strand.sweep)
+        first, last = (sense * (end - strand.centre) for end in (strand.start, strand.end))
+    else:
+        first = last = strand.end - strand.start
+    return first / abs(first), last / abs(last)
+
+
+def check_smooth(contour: SplineContour, corners: int) -> None:
+    """C2 inside by simple knots; tangent at all joints except for the corners."""
+    turns = []
+    for strand, after in zip(
+        contour.strands, (*contour.strands[1:], contour.strands[0]), strict=True
+    ):
+        assert strand.end == after.start
+        turns.append(abs(np.angle(strand_tangents(after)[0] / strand_tangents(strand)[1])))
+        if isinstance(strand, CubicSpline):
+            inner = strand.knots[4:-4]
+            assert np.all(np.diff(strand.knots[3:-3]) > 0.0)
+            assert np.all(strand.knots[:4] == 0.0)
+            assert np.all(strand.knots[-4:] == strand.knots[-1])
+            bend = curve_of(strand).derivative(2)
+            nearby = 1e-9 * strand.knots[-1]
+            jump = np.abs(bend(inner + nearby) - bend(inner - nearby))
+            # The third derivative, constant in each span, times the way across the knot.
+            middles = 0.5 * (strand.knots[3:-4] + strand.knots[4:-3])
+            steepest = np.max(np.abs(curve_of(strand).derivative(3)(middles)))
+            assert np.all(jump <= 2.0 * nearby * steepest + 1e-12)
+    # A leg of a spline is 1e-3 mm long at least, its ends rounded to 1e-13 mm.
+    assert sum(turn > 1e-9 for turn in turns) <= corners
+
+
 @cache
-def fitted(fitter: Fitter, name: str, tolerance: float) -> Fit:
+def fitted(fitter: Fitter, name: str, tolerance: float) -> Any:
     """The fit of an outline, made once for all tests that use it."""
-    fit: Fit = fitter(OUTLINES[name](), tolerance)
-    return fit
+    return fitter(OUTLINES[name](), tolerance)
 
 
-def check_fit(path: Path, exact: Dense, fit: Fit, tolerance: float, slack: float = 1.05) -> None:
+def check_fit(
+    path: Path, exact: Dense, fit: Fit | SplineFit, tolerance: float, slack: float = 1.05
+) -> None:
     assert fit.deviation <= tolerance == fit.tolerance
     found = exact.measured(fit.contour)
     assert found <= fit.deviation + SAGITTA
@@ -98,28 +176,37 @@ def check_fit(path: Path, exact: Dense, fit: Fit, tolerance: float, slack: float
     # this come the gaps at the feet: the distance times the sine of the angle between piece and
     # curve there, 0.03 where the coarsest arcs turn by a radian.
     assert fit.deviation <= slack * found + SAGITTA
-    require_simple(fit.contour, "outline")
+    if isinstance(fit.contour, SplineContour):
+        check_smooth(fit.contour, len(path.pivots))
+    else:
+        require_simple(fit.contour, "outline")
     # A strip as wide as the deviation along the whole length is all that the areas differ by.
     strip = fit.deviation * fit.contour.length
     assert fit.contour.area == pytest.approx(abs(area(path)), abs=strip, rel=0.0)
 
 
+LIMITS: dict[Fitter, tuple[Callable[[Path, float], float], float, float, float, bool]] = {
+    fit_arcs: (least_arcs, 1.0, 1.5, 2.0, True),
+    fewest_arcs: (least_arcs, 0.95, 1.1, 2.0, False),
+    # With vertices on the curve sqrt(2) of the limit, which lets them lie on the other side.
+    fit_polyline: (least_chords, 1.4, 1.02 * math.sqrt(2.0), 2.0, False),
+    fewest_chords: (least_chords, 0.99, 1.03, 1.0, False),
+    fit_spline: (least_cubics, 0.0, 1.5, 3.0, True),
+    fewest_cubics: (least_cubics, 0.0, 1.1, 3.0, True),
+}
+"""Of each fit the limit, the least and the largest share of it, what each break costs, and whether
+pieces that are forced count beside."""
+
+
 def allowed(fitter: Fitter, path: Path, tolerance: float) -> tuple[float, float]:
     """The least and the most pieces of a fit."""
-    breaks, forced = break_count(path), forced_pieces(path)
-    arcs, chords = least_arcs(path, tolerance), least_chords(path, tolerance)
-    ranges: dict[Fitter, tuple[float, float]] = {
-        fit_arcs: (forced + arcs, forced + 1.5 * arcs + 2 * breaks),
-        fewest_arcs: (0.95 * arcs, 1.1 * arcs + 2 * breaks),
-        # With vertices on the curve sqrt(2) of the limit, which lets them lie on the other side.
-        fit_polyline: (1.4 * chords, 1.02 * math.sqrt(2.0) * chords + 2 * breaks),
-        fewest_chords: (0.99 * chords, 1.03 * chords + breaks),
-    }
-    return ranges[fitter]
+    limit, least, most, each_break, beside = LIMITS[fitter]
+    pieces, forced = limit(path, tolerance), forced_pieces(path) if beside else 0
+    return forced + least * pieces, forced + most * pieces + each_break * break_count(path)
 
 
 @pytest.mark.parametrize("tolerance", [0.02, 0.001])
-@each_fitter
+@pytest.mark.parametrize("fitter", EVERY)
 @pytest.mark.parametrize("name", OUTLINES)
 def test_within_tolerance(name: str, fitter: Fitter, tolerance: float) -> None:
     # Chords on both sides of a curve turn more at their corners.
@@ -138,13 +225,15 @@ def test_bound_is_sharp_with_middles_off_the_curve(name: str, tolerance: float) 
 
 
 @some
-@given(curves(), st.sampled_from([0.03, 0.002]), st.sampled_from(FITTERS))
+@given(curves(), st.sampled_from([0.03, 0.002]), st.sampled_from(EVERY))
 def test_any_cam(curve: WorkingCurve, tolerance: float, fitter: Fitter) -> None:
     """Breaks are joints, and a dwell is one arc about the axis."""
     path = whole(curve)
     fit = fitter(path, tolerance)
     check_fit(path, Dense.of(path), fit, tolerance)
     contour = fit.contour
+    if fitter in CUBICS:
+        return
     if fitter is not fewest_chords:
         for place in curve.point(curve.breaks):
             assert np.min(np.abs(contour.vertices - place)) <= PLACE
@@ -174,10 +263,11 @@ def test_arcs_are_tangent_and_meet(name: str, fitter: Fitter, tolerance: float) 
 # Numbers of pieces ------------------------------------------------------------------------------
 
 
-@each_fitter
+@pytest.mark.parametrize("fitter", EVERY)
 @pytest.mark.parametrize("name", FLANK_PATHS)
 def test_counts_are_near_their_law(name: str, fitter: Fitter) -> None:
-    """Pieces ~ tolerance^(-1/3) for G1 arcs, ^(-1/2) for chords, and few of the fewest."""
+    """Pieces ~ tolerance^(-1/3) for G1 arcs, ^(-1/2) for chords, ^(-1/4) for cubics, and few of the
+    fewest."""
     path = OUTLINES[name]()
     for tolerance in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6):
         least, most = allowed(fitter, path, tolerance)
@@ -185,7 +275,12 @@ def test_counts_are_near_their_law(name: str, fitter: Fitter) -> None:
 
 
 @some
-@given(curves(), st.floats(-5.0, -2.0), st.floats(1e-3, 0.3), st.sampled_from(FITTERS))
+@given(
+    curves(),
+    st.floats(-5.0, -2.0),
+    st.floats(1e-3, 0.3),
+    st.sampled_from((*FITTERS, fewest_cubics)),
+)
 def test_counts_of_any_cam_are_near_their_law_and_never_grow(
     curve: WorkingCurve, size: float, step: float, fitter: Fitter
 ) -> None:

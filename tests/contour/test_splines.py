@@ -7,7 +7,6 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -33,59 +32,11 @@ from camgeo.geometry.outline.path import Path, whole
 from camgeo.geometry.pieces import smooth_pieces
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.studies.accuracy.contours import forced_pieces, least_cubics
-from tests.contour.cams import FLANKS, TURN, curves, dwell, flank, move, outline
+from tests.contour.cams import TURN, curves, dwell, flank, move, outline
 from tests.contour.cams import translating as cam
-from tests.contour.paths import PATHS, SAGITTA, break_count, dense_path
+from tests.contour.paths import Dense, points_of, spline_points
 from tests.long_form import examples
 from tests.measuring import DensePath
-
-EACH = 60
-"""Points a cubic."""
-
-
-def curve_of(spline: CubicSpline) -> BSpline:
-    """The same as scipy's."""
-    return BSpline(spline.knots, spline.controls, 3)
-
-
-def parameters(spline: CubicSpline, each: int = EACH) -> FloatArray:
-    """Dense parameters, the ends of all spans among them."""
-    places = np.unique(spline.knots)
-    part = np.arange(each) / each
-    inner = (places[:-1, None] + np.diff(places)[:, None] * part).ravel()
-    return np.append(inner, places[-1])
-
-
-def points_of(strand: CubicSpline | Arc, each: int = EACH) -> ComplexArray:
-    """Dense points, both ends included."""
-    if isinstance(strand, CubicSpline):
-        found: ComplexArray = curve_of(strand)(parameters(strand, each))
-        return found
-    part = np.linspace(0.0, 1.0, min(20 * each, 40_000))
-    if strand.sweep:
-        turned = np.exp(1j * strand.sweep * part)
-        return np.asarray(strand.centre + (strand.start - strand.centre) * turned)
-    return np.asarray(strand.start + (strand.end - strand.start) * part)
-
-
-def dense(contour: SplineContour, each: int = EACH) -> ComplexArray:
-    """Dense points of the whole contour."""
-    return np.concatenate([points_of(strand, each)[:-1] for strand in contour.strands])
-
-
-def tangents(strand: CubicSpline | Arc) -> tuple[complex, complex]:
-    """Unit tangents at both ends."""
-    if isinstance(strand, CubicSpline):
-        slope = curve_of(strand).derivative()
-        first, last = complex(slope(strand.knots[0])), complex(slope(strand.knots[-1]))
-    elif strand.sweep:
-        sense = 1j * np.sign(strand.sweep)
-        first, last = (sense * (end - strand.centre) for end in (strand.start, strand.end))
-    else:
-        first = last = strand.end - strand.start
-    return first / abs(first), last / abs(last)
-
 
 T = np.linspace(0.0, 1.0, 7)
 
@@ -194,7 +145,7 @@ def test_what_is_no_spline_is_refused(degree: int, knots: int, message: str) -> 
 
 @pytest.mark.parametrize("contour", [blob(3, 0.2), blob(5, 0.05), slot()], ids=str)
 def test_area_and_length(contour: SplineContour) -> None:
-    points = dense(contour, 4000)
+    points = spline_points(contour, 4000)
     chords = np.roll(points, -1) - points
     area = 0.5 * float(np.sum((np.conj(points) * chords).imag))
     # Chords h of an arc of radius r lose h^2/(24 r^2) of its length and h^2/6r of area a length:
@@ -223,7 +174,7 @@ def test_turned_round() -> None:
         assert np.max(gap) < 1e-13
     assert back.counter_clockwise().area > 0.0
     assert contour.counter_clockwise() is contour
-    assert np.max(np.abs(dense(contour))) <= contour.reach
+    assert np.max(np.abs(spline_points(contour))) <= contour.reach
 
 
 def test_arcs_between_other_ends() -> None:
@@ -277,8 +228,10 @@ def both_ways(contour: SplineContour, tolerance: float) -> tuple[float, float]:
     arcs, bound = fine.contour, fine.apart
     found = outline(arcs)
     cubics = sum(len(spline) for spline in contour.splines)
-    there = float(np.max(found.distances(dense(contour, 4000 // cubics))))
-    back = float(np.max(DensePath(dense(contour, 80_000 // cubics)).distances(found.dense(8000))))
+    there = float(np.max(found.distances(spline_points(contour, 4000 // cubics))))
+    back = float(
+        np.max(DensePath(spline_points(contour, 80_000 // cubics)).distances(found.dense(8000)))
+    )
     return max(there, back), bound
 
 
@@ -350,80 +303,6 @@ some = settings(
 )
 
 
-@cache
-def fitted(fitter: Fitter, name: tuple[str, int], tolerance: float) -> SplineFit:
-    """The fit of a fixture flank, made once for all tests that use it."""
-    return fitter(whole(flank(*name)), tolerance)
-
-
-def _measured(path: Path, contour: SplineContour) -> float:
-    """Largest distance found by dense sampling in both directions."""
-    exact, found = dense_path(path, 40_000), dense(contour, 2000 if len(contour) < 40 else 500)
-    there = DensePath(found).distances(exact[::7])
-    back = DensePath(exact).distances(found[::11])
-    return max(float(np.max(there)), float(np.max(back)))
-
-
-def _check_fit(path: Path, fit: SplineFit, tolerance: float) -> None:
-    assert fit.tolerance == tolerance
-    assert fit.deviation <= tolerance
-    assert fit.contour.area > 0.0
-    found = _measured(path, fit.contour)
-    assert found <= fit.deviation + SAGITTA
-    # 1 % for the cells of the proof, 1.5 % for its arcs, and once more these, as they may lie
-    # farther off than the spline where it is farthest; 1 % for what lies between dense points.
-    assert fit.deviation <= 1.05 * found + SAGITTA
-
-
-def _check_smooth(contour: SplineContour, corners: int) -> None:
-    """C2 inside by simple knots; tangent at all joints except for the corners."""
-    turns = []
-    for strand, after in zip(
-        contour.strands, (*contour.strands[1:], contour.strands[0]), strict=True
-    ):
-        assert strand.end == after.start
-        turns.append(abs(np.angle(tangents(after)[0] / tangents(strand)[1])))
-        if isinstance(strand, CubicSpline):
-            inner = strand.knots[4:-4]
-            assert np.all(np.diff(strand.knots[3:-3]) > 0.0)
-            assert np.all(strand.knots[:4] == 0.0)
-            assert np.all(strand.knots[-4:] == strand.knots[-1])
-            bend = curve_of(strand).derivative(2)
-            nearby = 1e-9 * strand.knots[-1]
-            jump = np.abs(bend(inner + nearby) - bend(inner - nearby))
-            # The third derivative, constant in each span, times the way across the knot.
-            middles = 0.5 * (strand.knots[3:-4] + strand.knots[4:-3])
-            steepest = np.max(np.abs(curve_of(strand).derivative(3)(middles)))
-            assert np.all(jump <= 2.0 * nearby * steepest + 1e-12)
-    # A leg of a spline is 1e-3 mm long at least, its ends rounded to 1e-13 mm.
-    assert sum(turn > 1e-9 for turn in turns) <= corners
-
-
-@pytest.mark.parametrize(("fitter", "tolerance"), [(fit_spline, 0.02), (fewest_cubics, 0.001)])
-@pytest.mark.parametrize("name", FLANKS, ids=str)
-def test_fixture_flanks(name: tuple[str, int], tolerance: float, fitter: Fitter) -> None:
-    path = whole(flank(*name))
-    fit = fitted(fitter, name, tolerance)
-    _check_fit(path, fit, tolerance)
-    _check_smooth(fit.contour, 0)
-
-
-@some
-@given(curves(), st.sampled_from([0.03, 0.002]), st.sampled_from(FITTERS))
-def test_any_cam(curve: WorkingCurve, tolerance: float, fitter: Fitter) -> None:
-    fit = fitter(whole(curve), tolerance)
-    _check_fit(whole(curve), fit, tolerance)
-    _check_smooth(fit.contour, 0)
-
-
-@pytest.mark.parametrize("name", PATHS)
-def test_corners_turns_and_cusps(name: str) -> None:
-    path = PATHS[name]()
-    fit = fewest_cubics(path, 1e-3)
-    _check_fit(path, fit, 1e-3)
-    _check_smooth(fit.contour, len(path.pivots))
-
-
 @pytest.mark.parametrize("fitter", FITTERS)
 @pytest.mark.parametrize("tolerance", [1e-5, 1e-7])
 def test_fine_tolerances_are_proved(tolerance: float, fitter: Fitter) -> None:
@@ -431,39 +310,11 @@ def test_fine_tolerances_are_proved(tolerance: float, fitter: Fitter) -> None:
     curve = flank("plate_translating", -1)
     fit = fitter(whole(curve), tolerance)
     assert 0.5 * tolerance < fit.deviation <= tolerance
-    places = dense(fit.contour, 30)[::3]
+    places = spline_points(fit.contour, 30)[::3]
     angle = np.linspace(0.0, TURN, 100_001)
     near = DensePath(curve.point(angle[:-1])).distances(places)
     # h = 3.2e-3 mm, kappa < 0.1/mm: the chords' sagitta.
     assert float(np.max(near)) <= fit.deviation + 1.3e-7
-
-
-@pytest.mark.parametrize("name", FLANKS, ids=str)
-def test_counts_are_near_the_limit_and_never_grow(name: tuple[str, int]) -> None:
-    path = whole(flank(*name))
-    forced, breaks = forced_pieces(path), break_count(path)
-    before = 0
-    for tolerance in (1e-1, 1e-2, 1e-3, 1e-4, 1e-6):
-        few = len(fitted(fewest_cubics, name, tolerance).contour) - forced
-        quick = len(fitted(fit_spline, name, tolerance).contour) - forced
-        limit = least_cubics(path, tolerance)
-        assert few <= 1.10 * limit + 3 * breaks
-        assert quick <= 1.50 * limit + 3 * breaks
-        assert few >= before
-        before = few
-
-
-@some
-@given(curves())
-def test_counts_of_any_cam_are_near_the_limit(curve: WorkingCurve) -> None:
-    path = whole(curve)
-    forced, breaks = forced_pieces(path), break_count(path)
-    before = 0
-    for tolerance in (1e-2, 1e-4, 1e-6):
-        few = len(fewest_cubics(path, tolerance).contour) - forced
-        assert few <= 1.10 * least_cubics(path, tolerance) + 3 * breaks
-        assert few >= before
-        before = few
 
 
 @pytest.mark.parametrize("name", [("setzhub", -1), ("groove", 1)], ids=str)
@@ -540,7 +391,7 @@ def test_the_bound_finds_a_moved_control_point() -> None:
         moved = SplineContour(tuple(strands))
         bound = spline_deviation(path, moved)
         assert 0.5e-2 < bound < 0.9e-2
-        assert bound == pytest.approx(_measured(path, moved), rel=0.03)
+        assert bound == pytest.approx(Dense.of(path).measured(moved), rel=0.03)
 
 
 def test_a_contour_run_clockwise_and_begun_elsewhere_has_the_same_bound() -> None:

@@ -74,6 +74,14 @@ DIGITS: Final = 1e-9
 """Rounding of the numbers of a drawing [mm]."""
 
 
+CIRCLES: Final = {
+    "cut-svg": ("arc", r"A ?([0-9.e+-]+)"),
+    "step": ("circle", r"CIRCLE\('[^']*',#\d+,([0-9.E+-]+)\)"),
+    "gcode": ("arc", r"I(-?[0-9.]+) J(-?[0-9.]+)"),
+}
+"""What the circle is in a file that states it, and where its radius, or its arm, stands."""
+
+
 Table = dict[str, Any]
 
 
@@ -242,20 +250,17 @@ def misses(case: Case, name: str, folder: Path) -> Iterator[str]:
         return
     if name == "dxf":
         yield from _drawn(case, found[0], within)
-    elif name == "cut-svg":
-        radii = re.findall(r"A ?([0-9.e+-]+)", found[0].read_text())
-        if not any(abs(float(each) - case.radius) <= within + DIGITS for each in radii):
-            yield f"no arc of radius {case.radius}: {radii[:4]}"
-    elif name == "step":
-        radii = re.findall(r"CIRCLE\('[^']*',#\d+,([0-9.E+-]+)\)", found[0].read_text())
-        if not any(abs(float(each) - case.radius) <= within + DIGITS for each in radii):
-            yield f"no circle of radius {case.radius}: {radii[:4]}"
-    elif name == "gcode":
-        own = case.radius + (-0.5 if case.has_rim else 0.5) * case.tool
-        arcs = re.findall(r"I(-?[0-9.]+) J(-?[0-9.]+)", found[0].read_text())
-        radii = [math.hypot(float(x), float(y)) for x, y in arcs]
-        if not any(abs(each - own) <= 2.0 * within for each in radii):
-            yield f"no arc of radius {own}: {radii[:4]}"
+    elif name in CIRCLES:
+        what, pattern = CIRCLES[name]
+        radius, allowed = case.radius, within + DIGITS
+        if name == "gcode":
+            radius, allowed = radius + (-0.5 if case.has_rim else 0.5) * case.tool, 2.0 * within
+        radii = [
+            abs(complex(*map(float, each.groups())))
+            for each in re.finditer(pattern, found[0].read_text())
+        ]
+        if not any(abs(each - radius) <= allowed for each in radii):
+            yield f"no {what} of radius {radius}: {radii[:4]}"
     elif not case.has_rim:
         points = _of_3mf(found[0]) if name == "3mf" else _of_stl(found[0])
         off = abs(float(np.max(np.abs(points - case.centre))) - case.radius)

@@ -3,9 +3,9 @@
     python -m tests.draws.jobs [--count N] [--seed HEX] [--rows FILE]
 
 A cam, its bore, blank, holding and operations are drawn; the program that camgeo writes is taken as
-it is, or with one operation shifted, lowered, raised or left out. A reader of its G-code and areas
-swept slab by slab, both of this module alone, say which pieces come loose, how deep the cutter goes
-into the part, and what is left on it; `camgeo check` and `camgeo lint` must say the same.
+it is, or with one operation shifted, lowered, raised or left out. Areas swept slab by slab, by this
+module alone, and the reader of `tests.end_to_end.program` say which pieces come loose, how deep the
+cutter goes into the part, and what is left on it; `camgeo check` and `camgeo lint` must say so too.
 """
 
 from __future__ import annotations
@@ -37,6 +37,7 @@ from camgeo.errors import CamgeoError
 from camgeo.numeric.arrays import FloatArray
 from tests.draws.run import Case, parser_of, run_cases
 from tests.draws.walls import flank
+from tests.end_to_end.program import Move, run
 
 ALLOWED: Final = 0.02
 """[mm] by which cutter and part may overlap, or miss each other, without a word."""
@@ -180,9 +181,9 @@ def drawn(source: random.Random) -> Job:
         for number, diameter in enumerate(diameters, start=1)
     ]
     motion = [
-        {"law": "cycloidal", "span": rise, "to": stroke},
+        {"law": "inclined-sine", "span": rise, "to": stroke},
         {"dwell": high},
-        {"law": "cycloidal", "span": fall, "to": 0.0},
+        {"law": "inclined-sine", "span": fall, "to": 0.0},
         {"dwell": 360 - rise - high - fall},
     ]
     gcode = {"machine": "linuxcnc", "clearance_height": 12, "retract_height": 6}
@@ -247,47 +248,25 @@ class Ran:
     moves: list[FloatArray] = field(default_factory=list)
 
 
-WORD: Final = re.compile(r"([A-Z])(-?\d+\.?\d*)")
-
-
 def read(text: str) -> list[Ran]:
-    """The operations of a program of LinuxCNC in mm, with absolute and with relative centres."""
-    found: list[Ran] = []
-    at = [0.0, 0.0, 0.0]
-    tool, mode = 0, "G0"
-    for line in text.splitlines():
-        if line.startswith("("):
-            if line.startswith("(operation "):
-                found.append(Ran(line[len("(operation ") : -1], tool))
-            continue
-        words = WORD.findall(line)
-        values = {letter: float(number) for letter, number in words if letter not in "GM"}
-        codes = [f"{letter}{float(number):g}" for letter, number in words if letter in "GM"]
-        tool = int(values.get("T", tool))
-        mode = next((code for code in codes if code in ("G0", "G1", "G2", "G3")), mode)
-        if not values.keys() & set("XYZ"):
-            continue
-        end = [values.get(letter, at[k]) for k, letter in enumerate("XYZ")]
-        if found:
-            found[-1].tool = tool
-            if mode == "G1":
-                found[-1].moves.append(np.array([at, end]))
-            elif mode in ("G2", "G3"):
-                centre = complex(at[0] + values.get("I", 0.0), at[1] + values.get("J", 0.0))
-                found[-1].moves.append(_arc(at, end, centre, mode == "G3"))
-        at = end
-    return found
+    """The operations of a program of LinuxCNC."""
+    return [
+        Ran(name, moves[-1].tool, [_places(move) for move in moves if move.code])
+        for name, moves in run(text).operations.items()
+        if name
+    ]
 
 
-def _arc(start: Sequence[float], end: Sequence[float], centre: complex, ccw: bool) -> FloatArray:
-    """Places on an arc, a whole turn if it ends where it begins."""
-    arm, sense = complex(*start[:2]) - centre, 1.0 if ccw else -1.0
-    turn = float(np.angle((complex(*end[:2]) - centre) / arm)) * sense % math.tau
-    turn = turn if turn > 1e-9 else math.tau
-    step = 2.0 * math.acos(max(0.0, 1.0 - CHORD / max(abs(arm), CHORD)))
-    shares = np.linspace(0.0, 1.0, max(2, math.ceil(turn / step)) + 1)
-    places = centre + arm * np.exp(1j * sense * turn * shares)
-    return np.column_stack((places.real, places.imag, start[2] + shares * (end[2] - start[2])))
+def _places(move: Move) -> FloatArray:
+    """Places on a line, or on an arc."""
+    shares, places = np.array([0.0, 1.0]), np.array([move.start, move.end])
+    if move.sweep:
+        arm = move.start - move.centre
+        step = 2.0 * math.acos(max(0.0, 1.0 - CHORD / max(abs(arm), CHORD)))
+        shares = np.linspace(0.0, 1.0, max(2, math.ceil(abs(move.sweep) / step)) + 1)
+        places = move.centre + arm * np.exp(1j * move.sweep * shares)
+    heights = move.z_start + shares * (move.z_end - move.z_start)
+    return np.column_stack((places.real, places.imag, heights))
 
 
 def changed(text: str, job: Job) -> str:
@@ -378,8 +357,8 @@ def simulated(job: Job, runs: Sequence[Ran], names: Sequence[str]) -> Told:
     if math.isfinite(job.joined):
         # The flanks of tabs slope, and hold at their feet what is farther off than their tops.
         heights |= {job.joined, *np.arange(low + FOOT, job.joined - 1e-9, FOOT)}
-    for run in runs:
-        for move in run.moves:
+    for each in runs:
+        for move in each.moves:
             if move[0, 2] == move[-1, 2] or np.all(move[0, :2] == move[-1, :2]):
                 heights.add(move[-1, 2])
     ordered = sorted(z for z in heights if least <= z <= top)
@@ -393,9 +372,9 @@ def simulated(job: Job, runs: Sequence[Ran], names: Sequence[str]) -> Told:
     material = [job.blank] * len(slabs)
     found = Told()
     gone: list[list[tuple[int, Area]]] = []
-    for run in runs:
-        radius = 0.5 * job.scene["tool"][run.tool - 1]["diameter"]
-        areas = [swept(run.moves, z, radius) for z in middles]
+    for each in runs:
+        radius = 0.5 * job.scene["tool"][each.tool - 1]["diameter"]
+        areas = [swept(each.moves, z, radius) for z in middles]
         deepest = max(
             (
                 _depth(area, body, -z0)
@@ -405,14 +384,14 @@ def simulated(job: Job, runs: Sequence[Ran], names: Sequence[str]) -> Told:
             default=0.0,
         )
         if deepest:
-            found.gouges[run.name] = deepest
+            found.gouges[each.name] = deepest
         material = [left - area for left, area in zip(material, areas, strict=True)]
-        for piece in _loose(job, run.name, names, material, part):
-            if any(_same(piece, each) for each in gone):
+        for piece in _loose(job, each.name, names, material, part):
+            if any(_same(piece, other) for other in gone):
                 continue
             gone.append(piece)
             volume = sum((slabs[k][1] - slabs[k][0]) * area.area for k, area in piece)
-            found.loose.setdefault(run.name, []).append(volume)
+            found.loose.setdefault(each.name, []).append(volume)
     found.rest = max(
         (
             _rest(left, body)
@@ -599,8 +578,8 @@ def misses(job: Job) -> tuple[Told, list[str]] | None:
         text = changed(plain, job)
         path.write_text(text)
         told = linted(path, scene)
-    names = [run.name for run in read(plain)]
-    ours = simulated(job, [run for run in read(text) if run.moves], names)
+    names = [each.name for each in read(plain)]
+    ours = simulated(job, [each for each in read(text) if each.moves], names)
     # What a fixture must hold is to be watched, and no fault of the program.
     unwatched = replace(ours, loose={}) if job.scene["holding"]["kind"] == "fixture" else ours
     found = list(differences(unwatched, told, "lint"))

@@ -16,6 +16,7 @@ import tomlkit
 import camgeo
 from camgeo.design.judged_part import findings_on
 from tests.draws.run import Case, parser_of, run_cases
+from tests.end_to_end.independent import Model
 
 OFF: Final = 2e-6
 """Of walls [mm]: a chord of 0.01 degree leaves a flank of radius 70 by 3e-7, and the wall is known
@@ -67,8 +68,8 @@ def drawn(source: random.Random) -> dict[str, Any]:
         },
         "motion": [
             {"dwell": spans[0]},
-            {"law": "cycloidal", "span": spans[1], "to": lift},
-            {"law": "cycloidal", "span": spans[2], "to": 0.0},
+            {"law": "inclined-sine", "span": spans[1], "to": lift},
+            {"law": "inclined-sine", "span": spans[2], "to": 0.0},
         ],
         "part": part,
     }
@@ -78,24 +79,7 @@ def flank(values: dict[str, Any], side: int, step: float = 0.01) -> shapely.Line
     """The parallel of the path of the roller's centre, outside it for 1, inside it for -1, by
     places `step` [degrees] apart.
     """
-    own = values["follower"]
-    phi = np.radians(np.arange(0.0, 360.0, step))
-    s, ds, start, level = np.zeros(len(phi)), np.zeros(len(phi)), 0.0, 0.0
-    for each in values["motion"]:
-        span = math.radians(each.get("dwell", each.get("span")))
-        rise = each.get("to", level) - level
-        here = (phi >= start) & (phi < start + span)
-        x = (phi[here] - start) / span
-        s[here] = level + rise * (x - np.sin(math.tau * x) / math.tau)
-        ds[here] = rise / span * (1.0 - np.cos(math.tau * x))
-        start, level = start + span, level + rise
-    # The follower, upright at first, goes round the cam the other way than that turns.
-    turned = -1.0 if values["cam"]["rotation"] == "ccw" else 1.0
-    offset, turn = own.get("offset", 0.0), np.exp(1j * turned * phi)
-    place = offset + 1j * (math.sqrt(own["base_radius"] ** 2 - offset**2) + s)
-    tangent = turn * (1j * ds + 1j * turned * place)
-    normal = -1j * turned * tangent / np.abs(tangent)
-    points = place * turn + side * own["roller_radius"] * normal
+    points = Model(values).flank(np.radians(np.arange(0.0, 360.0, step)), side)
     return shapely.LinearRing(np.column_stack((points.real, points.imag)))
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
@@ -27,6 +26,7 @@ class Move:
     centre: complex
     feed: float
     spindle: bool
+    tool: int
 
     @property
     def sweep(self) -> float:
@@ -58,12 +58,12 @@ class Program:
         return [run for run in runs if run]
 
 
-def run(path: Path) -> Program:
+def run(text: str) -> Program:
     """Run the program; positions are known from the first words of each axis on."""
     program = Program()
     at = {"X": np.nan, "Y": np.nan, "Z": np.nan}
-    code, feed, spindle, operation = 0, 0.0, False, ""
-    for line in path.read_text("ascii").splitlines():
+    code, feed, spindle, operation, tool = 0, 0.0, False, "", 0
+    for line in text.splitlines():
         if line.startswith("("):
             if line.startswith("(operation "):
                 operation = line[len("(operation ") : -1]
@@ -77,6 +77,7 @@ def run(path: Path) -> Program:
                 program.scale = SCALE[int(number)]
             if letter == "G" and float(number) in (0, 1, 2, 3):
                 code = int(number)
+        tool = int(values.get("T", tool))
         spindle = values.get("M") == 3 or (spindle and values.get("M") != 5)
         feed = values.get("F", feed / (program.scale or 1.0)) * (program.scale or 1.0)
         if "G64" in line:
@@ -97,6 +98,7 @@ def run(path: Path) -> Program:
                 centre if code > 1 else 0j,
                 feed,
                 spindle,
+                tool,
             )
         )
     return program

@@ -30,7 +30,7 @@ ARC_ERROR = 0.002
 
 @pytest.fixture(scope="module")
 def program(built: Built) -> Program:
-    return run(built.file(".ngc"))
+    return run(built.file(".ngc").read_text("ascii"))
 
 
 def _tool(built: Built) -> Tool:

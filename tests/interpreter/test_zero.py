@@ -163,7 +163,7 @@ def test_on_the_axis_and_the_finished_face_nothing_is_said_that_was_not() -> Non
 
 
 def test_a_corner_needs_a_blank_that_has_it() -> None:
-    """Of a round one `tests.toolpath.wrongs` says so."""
+    """Of a round one `tests.toolpath.test_wrongs` says so."""
     held = '[holding]\nkind = "fixture"\nthrough = 0.3\n'
     (fault,) = parse_scene(f'{CAM}zero = "front-left"\n{held}').lacking([WRITER.format])
     needed = '[stock] length and width of a plate, for output.gcode.zero = "front-left"'

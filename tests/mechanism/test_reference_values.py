@@ -7,12 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from camgeo.errors import GeometryError
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.mechanism.linkage import LinkedMotion
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.slider_crank import SliderCrank
-from camgeo.kinematics.mechanism.slotted_lever import SlottedLever
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.reference import (
     column,
@@ -21,7 +19,6 @@ from tests.reference import (
     mechanisms,
     outer_of,
     pitch_curve_of,
-    slotted_levers,
     stroke_of,
 )
 
@@ -132,26 +129,3 @@ def test_what_is_derived(name: str) -> None:
         found["alphaA"] = math.degrees(np.angle(-curve.follower.pivot))
     true = {key: float(value) for key, value in derived.items()}
     assert found == pytest.approx(true, rel=LIMIT, abs=0.0)
-
-
-@pytest.mark.parametrize("name", slotted_levers())
-def test_every_slotted_lever_at_every_angle(name: str) -> None:
-    case = slotted_levers()[name]
-    params, rows = case["params"], case["rows"]
-    assert set(params) == {"kind", "beta", "n"}
-    assert case["derived"] == {}
-    lever = SlottedLever(75.0, 75.0 * params["beta"])  # exact for all of these
-    speed = 2.0 * math.pi * params["n"]
-    if lever.crank == lever.distance:  # pin in the lever's axis, where the reference has nan
-        assert {rows[0][key] for key in ("phi_out_deg", "omega2", "eps2")} == {"nan"}
-        for row in (rows[0], rows[-1]):
-            with pytest.raises(GeometryError, match="undefined"):
-                lever.in_time(np.radians([row["phi_deg"]]), speed)
-        rows = rows[1:-1]
-    theta = np.radians(column(rows, "phi_deg"))
-    phi, omega, eps = lever.in_time(theta, speed)
-    found = {"phi_out_deg": np.degrees(phi), "omega2": omega, "eps2": eps}
-    for row in case["rows"]:
-        assert set(row) - {"phi_deg"} == set(found)
-    wrong = {key: deviation(values, column(rows, key)) for key, values in found.items()}
-    assert {key: value for key, value in wrong.items() if not value <= LIMIT} == {}

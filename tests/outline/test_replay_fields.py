@@ -38,14 +38,22 @@ from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.geometry.working_curve import WorkingCurve
 from camgeo.kinematics.mechanism.follower_path import path_of
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
-from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
+from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.units import TURN
 from tests.contour.cams import SCENES, dwell, flank, move, outline, translating
 from tests.effects.scenes import design
 from tests.effects.test_trimmed_cams import on_guide
 from tests.integrals import cells, integrals
 from tests.outline.clearing import distances
-from tests.outline.test_replay import GUIDED, ROCKER, centres, resting, rounded, star
+from tests.outline.test_replay import (
+    GUIDED,
+    ROCKER,
+    centres,
+    centres_in,
+    resting,
+    rounded,
+    star,
+)
 from tests.strategies import SMOOTH, attack, linked_pitch_curves, pitch_curves, signs
 
 STEP: Final = np.radians(0.1)
@@ -271,14 +279,6 @@ def played(curve: PitchCurve, press: int, clearance: float) -> PlayedLift:
     return PlayedLift(path, WorkingCurve(curve, 0.5 * press * clearance))
 
 
-def centres_of(curve: PitchCurve, phi: FloatArray, lift: FloatArray) -> ComplexArray:
-    """Roller centres_of in the cam, by the follower's own formula."""
-    jet = np.zeros((4, len(phi)))
-    jet[0] = lift
-    relative = curve.follower.relative_jet(jet, curve.rotation, 1)
-    return curve.in_cam(relative, phi, relative.along[0], relative.across[0])
-
-
 def assume_easy(curve: PitchCurve, clearance: float) -> None:
     """Cams that are no hard cases: speed, transmission angle and curvature leave room."""
     phi = np.linspace(0.0, TURN, 721)
@@ -299,7 +299,7 @@ def test_the_roller_touches_one_flank_and_clears_the_other(
 ) -> None:
     assume_easy(curve, clearance)
     phi = np.linspace(0.0, TURN, 41)[:-1]
-    at = centres_of(curve, phi, played(curve, press, clearance).jet(phi)[0])
+    at = centres_in(curve, phi, played(curve, press, clearance).jet(phi)[0])
     radius = curve.follower.roller_radius
     size = float(np.max(np.abs(at))) + radius
     # A lift is known to 64 ulp of a turn, times the way of the roller centre in it.
@@ -340,7 +340,7 @@ def test_the_leverage_is_how_fast_a_lift_leaves_the_flank(
     lever, held = lift.leverage(phi), lift.jet(phi)[0]
     unit = 1.0 / abs(curve.follower.reach)
     away = [
-        distances(curve, centres_of(curve, phi, held + step))
+        distances(curve, centres_in(curve, phi, held + step))
         for step in (-1e-5 * unit, 1e-5 * unit)
     ]
     # The centre runs outside the pitch curve, or inside, where the distance falls.

@@ -123,22 +123,6 @@ def test_leads_outside_a_disc(name: str, climb: bool, room: float) -> None:
         assert own <= np.quantile(bends, 0.5)
 
 
-@pytest.mark.parametrize("share", [0.002, 0.1, 0.3, 0.5])
-@pytest.mark.parametrize("inside", [True, False])
-@pytest.mark.parametrize("straight", [True, False])
-def test_leads_go_as_far_off_a_round_path_as_the_room_is(
-    share: float, inside: bool, straight: bool
-) -> None:
-    """Where a cutter goes straight down there it meets nothing that roughing has left."""
-    radius, free = 4.0, 1 if inside else -1
-    beside = Beside(free=free, usual=3.0, straight=straight)
-    path, lead = joined(Contour.circle(radius), share * radius, beside)
-    checked(path, lead, free)
-    off = (radius - abs(lead.off.end)) * free
-    assert off == pytest.approx(share * radius)
-    assert abs(lead.into.start) == pytest.approx(abs(lead.off.end))
-
-
 def wavy(count: int, two: float, three: float, phase: float) -> Contour:
     """Round a curve of radius 30 (1 + two cos 2 a + three cos (3 a + phase)) [mm], in tangent arcs,
     counter-clockwise.

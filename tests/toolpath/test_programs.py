@@ -9,25 +9,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from functools import cache
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import pytest
 
-from camgeo.milling.cut import ContourCut, PointCut
-from camgeo.milling.milling import CHAMFER_MILL, DRILL
-from camgeo.milling.moves import Operation, Rapid
+from camgeo.milling.cut import ContourCut
+from camgeo.milling.milling import CHAMFER_MILL
+from camgeo.milling.moves import Operation
 from camgeo.part.part import Part, Wall
 from tests.kept import compare_documents
 from tests.toolpath.cutting import Step, steps_of
 from tests.toolpath.programs import NAMES, TOLERANCE, document, milled, toolpath
-
-RAMP = math.radians(3.0)
-"""Of a tool that states none."""
-
-EDGE = 1e-4
-"""Rounding of places [mm]."""
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -126,41 +119,6 @@ def test_the_part_is_left_and_nothing_beside_it(name: str) -> None:
             assert cut.tabs.width <= width < cut.tabs.width + cut.tool.diameter
             assert not np.all(~gone(name, beside(wall, 0.05), bottom + 0.05))
     assert checked or name in ("engraved", "a second side, faced free")
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_how_a_program_runs(name: str) -> None:
-    """Traverses at their heights, passes no deeper than the tool may, ramps no steeper; no feed
-    above the tool's, and on the way down none above the plunge feed along Z.
-    """
-    heights = toolpath(name).heights
-    for operation in toolpath(name).operations:
-        cut, tool, at = operation.cut, operation.tool, None
-        deep = [cut.top, *cut.depths]
-        downs = [one - other for one, other in pairwise(deep)]
-        assert min(downs) > 0.0
-        if tool.stepdown is not None and not (isinstance(cut, ContourCut) and cut.cleared):
-            assert max(downs) < tool.stepdown + EDGE
-        for move in operation.travel:
-            if isinstance(move, Rapid):
-                assert move.end[2] in (heights.clearance, heights.retract) or tool.kind == DRILL
-                if at is not None and at[:2] != move.end[:2]:
-                    assert at[2] == move.end[2] == heights.clearance
-            at = move.end
-        assert at is not None
-        assert at[2] == heights.clearance
-    steepest = 0.0
-    for operation, each in ((operation, step) for operation, own in steps(name) for step in own):
-        cut, tool, drop = operation.cut, operation.tool, each.high - each.low
-        assert 0.0 < each.feed <= tool.feed * (1.0 + 1e-9)
-        assert each.low >= cut.bottom - 1e-9
-        if drop > 1e-9 and not isinstance(cut, PointCut):
-            assert each.feed * drop / math.hypot(each.way, drop) <= tool.plunge_feed + EDGE
-        if drop > 1e-9 and each.way:
-            slope = math.atan2(drop, each.way)
-            assert slope <= (tool.ramp_angle or RAMP) + 1e-7
-            steepest = max(steepest, slope / (tool.ramp_angle or RAMP))
-    assert steepest == 0.0 or steepest > 0.05
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -1,6 +1,6 @@
 """Sequences of cuts that are refused: the key that is at fault, and what is allowed.
 
-`tests.toolpath.wrongs` has scenes of which some are refused, and whole sentences.
+`tests.toolpath.test_wrongs` has scenes of which some are refused, and whole sentences.
 """
 
 from __future__ import annotations

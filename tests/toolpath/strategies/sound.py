@@ -104,8 +104,8 @@ def descents(moves: list[Move]) -> list[tuple[float, float]]:
     return [(step.way, step.high - step.low) for step in steps_of(moves) if step.high > step.low]
 
 
-def steepest(moves: list[Move]) -> float:
+def steepest(moves: list[Move], ramp: float = RAMP) -> float:
     """The largest slope of the ramps down, no more than the tool may run."""
     slope = max(drop / way for way, drop in descents(moves) if way > 0.0)
-    assert slope <= math.tan(RAMP) * (1.0 + 1e-9)
+    assert slope <= math.tan(ramp) * (1.0 + 1e-9)
     return slope

@@ -15,6 +15,7 @@ from camgeo.milling.cut import ContourCut, slack_of
 from camgeo.milling.milling import Clamp, Tabs, ToolError
 from camgeo.milling.moves import ArcFeed, Feed
 from camgeo.numeric.arrays import FloatArray
+from tests.findings import known
 from tests.measuring import DensePath
 from tests.part.parts import refused
 from tests.toolpath.cutting import levels, steps_of
@@ -71,15 +72,6 @@ def test_a_finish_runs_at_full_depth_with_spring_rounds(room: float, climb: bool
     assert 3.0 * once < track.length < 3.0 * once + 4.0 * max(room, TOOL.radius)
     area = 0.5 * np.sum((np.conj(points[:-1]) * points[1:]).imag)
     assert (area < 0.0) == climb
-
-
-def test_the_feed_at_the_contact_is_held() -> None:
-    """Slowed inside hollow arcs, and unchanged around the outside."""
-    arcs = [step for step in steps_of(made(FINISH)) if step.sweep and step.high == step.low]
-    for step in arcs:
-        slower = step.radius / (step.radius + TOOL.radius) if step.sweep > 0.0 else 1.0
-        assert step.feed == pytest.approx(TOOL.feed * slower)
-    assert min(step.feed for step in arcs) < 0.95 * TOOL.feed
 
 
 def test_a_finish_comes_down_beside_what_is_left_on_the_wall() -> None:
@@ -215,7 +207,10 @@ def test_ramps_that_do_not_fit_between_tabs_are_those_of_the_tool() -> None:
     found = re.search(r"at least ([0-9.]+) degrees", caught.value.message)
     assert found is not None
     least = float(found[1])
-    assert made(ramping(1.01 * least))
+    fits = ramping(1.01 * least)
+    moves = made(fits)
+    require_sound(moves, fits.tool)
+    assert steepest(moves, known(fits.tool.ramp_angle)) > 0.0
     with pytest.raises(ToolError, match="do not fit between them"):
         made(ramping(0.99 * least))
 
