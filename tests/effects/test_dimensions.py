@@ -19,7 +19,15 @@ from tests.effects.recorded import NUMBER, PLACED, SHOWN, result_of
 from tests.effects.recorded_scenes import OF_SMALL, SMALL, small
 from tests.thinned import share
 
-M, L, T = 3.0, 2.0, math.sqrt(2.0)
+Units = tuple[float, float, float]
+"""Of mass, length and time."""
+
+UNITS_OF: Final[tuple[Units, ...]] = (
+    (3.0, 2.0, math.sqrt(2.0)),
+    (1e6, 1e3, math.sqrt(1e3)),
+    (1e-6, 1e-3, math.sqrt(1e-3)),
+)
+"""Ordinary ones, and those in which a design is tiny or huge, slow or fast."""
 
 FORCE: Final = (1, 1, -2)
 TORQUE: Final = (1, 2, -2)
@@ -71,22 +79,22 @@ SCENES: Final = [
 ]  # fmt: skip
 
 
-def times(dimension: Dimension) -> float:
-    return M ** dimension[0] * L ** dimension[1] * T ** dimension[2]
+def times(units: Units, dimension: Dimension) -> float:
+    return math.prod(unit**power for unit, power in zip(units, dimension, strict=True))
 
 
-def scaled(of: Any, effect: str = "", key: str = "") -> Any:
+def scaled(units: Units, of: Any, effect: str = "", key: str = "") -> Any:
     """A table of the scene, or a value in it, in the other units."""
     if isinstance(of, dict):
-        return {name: scaled(each, effect, name) for name, each in of.items()}
+        return {name: scaled(units, each, effect, name) for name, each in of.items()}
     if isinstance(of, list):
-        return [scaled(each, effect, key) for each in of]
+        return [scaled(units, each, effect, key) for each in of]
     if isinstance(of, (str, bool)) or key == "camgeo":
         return of
     dimension = LIMITS[effect] if key == "limit" else KEYS[key]
     if key == "stiffness" and effect in TURNING_STIFFNESS:
         dimension = TORQUE
-    factor = times(dimension)
+    factor = times(units, dimension)
     return of if factor == 1.0 else of * factor
 
 
@@ -104,7 +112,7 @@ def stated(name: str) -> Design:
     return Design(made.scene.with_values(edits))
 
 
-def in_other_units(name: str, made: Design) -> Design:
+def in_other_units(units: Units, name: str, made: Design) -> Design:
     text = f"{SMALL}{OF_SMALL[name][0]}"
     for old, new in OF_SMALL[name][1]:
         text = text.replace(old, new)
@@ -114,10 +122,10 @@ def in_other_units(name: str, made: Design) -> Design:
     table["effects"].pop("balance", None)
     edits: dict[str, Any] = {}
     for head in ("cam", "follower", "part"):
-        edits |= {f"{head}.{key}": each for key, each in scaled(table[head]).items()}
-    edits["motion"] = scaled(table["motion"])
+        edits |= {f"{head}.{key}": each for key, each in scaled(units, table[head]).items()}
+    edits["motion"] = scaled(units, table["motion"])
     for effect, own in table["effects"].items():
-        for key, each in scaled(own, effect).items():
+        for key, each in scaled(units, own, effect).items():
             if isinstance(each, dict):
                 edits |= {f"effects.{effect}.{key}.{one}": value for one, value in each.items()}
             else:
@@ -125,20 +133,21 @@ def in_other_units(name: str, made: Design) -> Design:
     return Design(made.scene.with_values(edits))
 
 
-def test_each_figure_goes_with_its_dimension() -> None:
+@pytest.mark.parametrize("units", UNITS_OF)
+def test_each_figure_goes_with_its_dimension(units: Units) -> None:
     for name in share(SCENES, 3):
         made = stated(name)
-        other = in_other_units(name, made)
+        other = in_other_units(units, name, made)
         for effect in made.scene.effects:
-            assert_alike(made, other, effect, f"{name}, {effect}")
+            assert_alike(units, made, other, effect, f"{name}, {effect}")
 
 
-def assert_alike(made: Design, other: Design, effect: str, where: str) -> None:
+def assert_alike(units: Units, made: Design, other: Design, effect: str, where: str) -> None:
     one, two = result_of(made, effect), result_of(other, effect)
     errors = {} if one is None else one.errors
     findings = zip(made.effects.findings(effect), other.effects.findings(effect), strict=True)
     for here, there in findings:
-        what, factor = f"{where}: {here.name}", times(UNITS[here.unit])
+        what, factor = f"{where}: {here.name}", times(units, UNITS[here.unit])
         assert (here.name, here.severity, here.unit) == (there.name, there.severity, there.unit)
         assert NUMBER.sub("", here.sentence) == NUMBER.sub("", there.sentence), what
         bound = errors[here.name].error if here.name in errors else 0.0
@@ -152,7 +161,7 @@ def assert_alike(made: Design, other: Design, effect: str, where: str) -> None:
             assert here.cam_angle == pytest.approx(there.cam_angle, abs=PLACED), what
     assert (one is None) == (two is None), where
     for column, same in zip(one.columns, two.columns, strict=True) if one and two else ():
-        factor = times(UNITS[column.unit])
+        factor = times(units, UNITS[column.unit])
         own, found = (each.values(SHOWN, "right") for each in (column, same))
         bound = errors[column.name].error if column.name in errors else 0.0
         near = max(2.0 * bound, 1e-8 * float(np.max(np.abs(own))))

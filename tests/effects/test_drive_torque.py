@@ -13,6 +13,7 @@ from camgeo.errors import EffectError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import course_of, design
+from tests.findings import by_name
 
 EPS = float(np.finfo(np.float64).eps)
 
@@ -26,16 +27,10 @@ def drive(scene: str, forces: str, table: str = "", *changes: tuple[str, str]) -
     return made.effect("drive-torque")
 
 
-def findings(result: Any) -> dict[str, Any]:
-    found = {each.name: each for each in result.findings}
-    assert len(found) == len(result.findings)
-    return found
-
-
 def test_a_constant_load_takes_its_peak_where_the_velocity_does() -> None:
     """F s' at its largest: 4 pi / (4 + pi) h / beta for the modified sine (VDI 2143-1, C_v)."""
     rise = 4.0 * math.pi / (4.0 + math.pi) * 20.0 / math.radians(100.0)
-    found = findings(drive("plate_translating", CONSTANT, "fluctuation = 0.02"))
+    found = by_name(drive("plate_translating", CONSTANT, "fluctuation = 0.02").findings)
     # The extreme is sought by golden section: its value is exact except for rounding.
     assert found["largest-torque"].value == pytest.approx(300.0 * rise / 1000.0, rel=1e-13)
     # A parabola is flat to rounding within the square root of eps of its top.
@@ -54,7 +49,7 @@ def test_root_mean_square_with_a_speed_curve_is_over_time() -> None:
     grid = np.linspace(0.0, TURN, 200_001)
     phi = np.interp(times, course.time(grid) - course.time(grid[:1]), grid)
     rms = math.sqrt(float(np.mean(result.torque(phi, "right") ** 2))) / 1000.0
-    assert findings(result)["rms-torque"].value == pytest.approx(rms, rel=1e-6)
+    assert by_name(result.findings)["rms-torque"].value == pytest.approx(rms, rel=1e-6)
 
 
 def test_static_and_dynamic_parts() -> None:
@@ -73,16 +68,16 @@ def test_static_and_dynamic_parts() -> None:
 def test_without_speed_there_is_only_the_static_part() -> None:
     result = drive("ring", "[effects.load]\nconstant = -60\n")
     assert [each.name for each in result.columns] == ["drive torque"]
-    assert not {"mean-power", "largest-static-torque"} & findings(result).keys()
+    assert not {"mean-power", "largest-static-torque"} & by_name(result.findings).keys()
 
 
 def test_the_limit_holds_in_both_directions() -> None:
-    found = findings(drive("plate_translating", CONSTANT))
+    found = by_name(drive("plate_translating", CONSTANT).findings)
     largest, smallest = (found[f"{name}-torque"].value for name in ("largest", "smallest"))
     assert largest > -smallest > 0.0
     between = 0.5 * (largest - smallest)
     result = drive("plate_translating", CONSTANT, f"limit = {between!r}")
-    judged = findings(result)
+    judged = by_name(result.findings)
     assert judged["largest-torque"].severity == "broken"
     assert judged["smallest-torque"].severity == "ok"
     assert judged["smallest-torque"].limit == pytest.approx(-between, rel=4.0 * EPS)

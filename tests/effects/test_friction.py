@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import brentq
 
 from camgeo.design.design import Design
+from camgeo.dynamics.effects.bearing_friction import RubbingLaw, directions, jam_reserve, linear_at
 from camgeo.dynamics.effects.effect import Request, Results
 from camgeo.dynamics.effects.friction import parse
 from camgeo.dynamics.effects.friction.result import Statics, compute, statics_of
@@ -18,10 +20,12 @@ from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import grid_of
+from camgeo.scene.scene import load_scene
 from camgeo.units import TURN
 from tests.effects.bodies import Bodies
-from tests.effects.scenes import design
+from tests.effects.scenes import SCENES, design
 from tests.findings import finding
+from tests.long_form import LONG, examples
 
 ROLLER: Final = {"roller_pin": 0.08, "roller_pin_diameter": 7.0, "rolling": 0.06}
 GUIDE: Final = {"guide": 0.17, "guide_length": 45.0, "guide_overhang": 8.0}
@@ -30,7 +34,7 @@ PIVOT: Final = {"pivot": 0.13, "pivot_diameter": 24.0}
 TURNED: Final = {"ccw": ('rotation = "ccw"', 'rotation = "cw"'),
                  "cw": ('rotation = "cw"', 'rotation = "ccw"')}  # fmt: skip
 
-SCENES: Final = {
+ROLLERS: Final = {
     "plate_translating": ("ccw", GUIDE),
     "ring": ("ccw", GUIDE),
     "groove": ("cw", PIVOT),
@@ -61,14 +65,14 @@ def angles(made: Design) -> FloatArray:
 
 @pytest.mark.parametrize("sense", [1, -1])
 @pytest.mark.parametrize("changes", [*range(3)])
-@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("scene", ROLLERS)
 def test_the_power_balance_closes(scene: str, changes: int, sense: int) -> None:
     """What the cam takes is what the follower gets, and what is lost in each of the bearings.
 
     As it is; turned the other way; and with a roller so large that on the inner flank it changes
     the sense in which it turns on its pin.
     """
-    rotation, own = SCENES[scene]
+    rotation, own = ROLLERS[scene]
     radius, large = LARGE[scene]
     change = [TURNED[rotation], (f"roller_radius = {radius}\n", f"roller_radius = {large}\n")]
     made = design(scene, "", *change[changes - 1 : changes] if changes else ())
@@ -199,7 +203,7 @@ shares = st.floats(0.0, 1.5)
 
 @settings(max_examples=40, deadline=None)
 @given(
-    scene=st.sampled_from(sorted(SCENES)),
+    scene=st.sampled_from(sorted(ROLLERS)),
     rotation=st.booleans(),
     own=shares,
     overhang=st.floats(0.001, 200.0),
@@ -231,7 +235,7 @@ def test_no_margin_is_where_no_normal_force_moves_the_follower(
 
 MADE: Final = {
     (scene, turned): design(scene, "", *([TURNED[sense]] if turned else []))
-    for scene, (sense, _) in SCENES.items()
+    for scene, (sense, _) in ROLLERS.items()
     for turned in (False, True)
 }
 
@@ -287,3 +291,122 @@ def test_a_cusp_of_the_pitch_curve_has_no_answer() -> None:
     changes = (("offset = 12", "offset = 0"), ("to = 20", "to = -50"))
     with pytest.raises(EffectError, match="cusp"):
         friction(design("plate_translating", "", *changes), guide=0.1)
+
+
+# Pivots and guides under their whole loads --------------------------------------------------------
+
+
+ROUNDING: Final = 1e-12
+
+NUMBERS: Final = st.floats(-1.0, 1.0)
+VECTORS: Final = st.builds(complex, NUMBERS, NUMBERS)
+
+
+def lever(**values: Any) -> Design:
+    return Design(load_scene(SCENES.parent / "effects" / "lever.toml").with_values(values))
+
+
+@given(
+    st.floats(0.0, 1e3), st.floats(0.2, 1.0), st.floats(-0.9, 0.9),
+    st.lists(st.tuples(VECTORS, VECTORS), min_size=1, max_size=2),
+)  # fmt: skip
+@settings(max_examples=examples(40, long=2000))
+def test_the_balance_has_one_root(
+    released: float, free: float, share: float, loads: list[tuple[complex, complex]]
+) -> None:
+    """h(n) = |R_0|: the root is met to rounding, and a bracketing search finds it too."""
+    own = np.array([[a] for a, _ in loads], dtype=np.complex128) * 100.0
+    per = np.array([[b] for _, b in loads], dtype=np.complex128)
+    size = float(np.sum(np.abs(per)))
+    drag = share * free / max(size, 1e-3)
+    demand = released - drag * float(np.sum(np.abs(own)))
+
+    def left(n: float) -> float:
+        return free * n - drag * float(np.sum(np.abs(own + per * n))) - demand
+
+    one = np.ones(1)
+    assert jam_reserve(free * one, drag * one, per)[0] > 0.0
+    (n,), _ = directions(demand * one, free * one, drag * one, own, per)
+    terms = abs(demand) + abs(drag) * float(np.sum(np.abs(own) + np.abs(per) * n)) + free * n
+    assert n >= -ROUNDING * terms / free
+    assert abs(left(n)) <= ROUNDING * terms
+    if released > 1e-3:
+        wanted = brentq(left, 0.0, 1e7, xtol=1e-13, rtol=1e-14)
+        assert n == pytest.approx(wanted, rel=1e-9, abs=1e-9)
+
+
+@given(st.floats(1.0, 200.0), st.floats(-500.0, 500.0), st.floats(1e-4, 1.0), st.integers(0, 10))
+@settings(max_examples=examples(20, long=1000))
+def test_one_cam_angle_gives_what_many_do(
+    omega: float, alpha: float, slowing: float, seed: int
+) -> None:
+    """The law for single numbers, and the linear law has the torque and the slope of the whole."""
+    numbers = np.random.default_rng(seed)
+    parts = [numbers.normal(size=(8, each)) for each in (1, 2)]
+    own = (parts[0] @ np.ones((1, 2))).reshape(4, 2, 2)[:, :1] + 1j * numbers.normal(size=(4, 1, 2))
+    law = RubbingLaw(
+        demand=numbers.normal(size=(4, 2)) * 50.0,
+        torque=np.array([[3.0, 2.0], [-3.0, -2.0]]),
+        free=np.array([[5.0, 6.0], [-5.0, -6.0]]),
+        drag=np.array([0.3, -0.3]),
+        own=own,
+        per=np.exp(1j * numbers.normal(size=(2, 1, 2))),
+    )
+    law = RubbingLaw.of(law.rows)
+    linear = law.linear(omega, alpha)
+    for k in range(2):
+        one = linear_at(law.rows[:, k].tolist(), omega, alpha, 0.0)
+        assert one == pytest.approx(linear[:, k].tolist(), rel=1e-9, abs=1e-9)
+
+    def torque(omega: float, alpha: float) -> FloatArray:
+        index, n, _ = law.solved(omega, alpha)
+        return np.asarray(np.where(index == 0, law.torque[0], law.torque[1]) * n)
+
+    c0, c1, c2, c3, gain, _ = linear
+    force = c0 + omega * (c1 + omega * c2) + alpha * c3
+    assert np.allclose(gain * force, torque(omega, alpha), rtol=1e-11, atol=1e-9)
+
+
+@pytest.mark.parametrize("mu", [0.1, 0.4])
+def test_at_lift_off_with_a_loaded_pivot_the_force_is_0(mu: float) -> None:
+    """At the lift-off speed, and at a higher speed with the least preload and stiffness."""
+    less = {"effects.vibration": None, "effects.contact-pressure": None,
+            "effects.drive-torque": None, "effects.friction.pivot": mu}  # fmt: skip
+
+    def told(**values: Any) -> dict[str, Any]:
+        return {
+            each.name: each.value for each in lever(**less, **values).effect("lift-off").findings
+        }
+
+    speed = told()["lift-off-speed"]
+    fast = told(**{"cam.speed": 1300.0})
+    changes: list[dict[str, Any]] = [{"cam.speed": speed}]
+    changes += [
+        {"cam.speed": 1300.0, f"effects.spring.{key}": fast[f"least-{key}"]}
+        for key in ("preload", "stiffness")
+    ]
+    for change in changes:
+        extremes = lever(**less, **change).effect("contact-force").extremes
+        assert abs(extremes.lowest.value) <= 1e-9 * extremes.magnitude
+
+
+def linked_press(**values: Any) -> Design:
+    """Rigid, at the stated speed, with a pivot that takes much."""
+    less = dict.fromkeys(("speed-fluctuation", "contact-pressure", "vibration", "balance"))
+    changes = {f"effects.{name}": None for name in less} | {"effects.friction.pivot": 0.4}
+    scene = load_scene(SCENES.parent / "effects" / "linked_press.toml")
+    return Design(scene.with_values({**changes, **values}))
+
+
+def test_at_lift_off_behind_a_linkage_the_force_is_0() -> None:
+    """The spring presses on the slider, and loads the pivot through the coupler."""
+    told = {each.name: each.value for each in linked_press().effects.findings("lift-off")}
+    fast = {"cam.speed": 500.0}
+    changes = [{"cam.speed": told["lift-off-speed"]}]
+    if LONG:  # the least preload of a loaded pivot without a linkage is below
+        over = {each.name: each.value for each in linked_press(**fast).effects.findings("lift-off")}
+        assert (over["least-preload"] or 0.0) > 480.0
+        changes.append({**fast, "effects.spring.preload": over["least-preload"]})
+    for change in changes:
+        extremes = linked_press(**change).effect("contact-force").extremes
+        assert abs(extremes.lowest.value) <= 1e-9 * extremes.magnitude

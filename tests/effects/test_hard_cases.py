@@ -143,11 +143,6 @@ def changed(text: str, *changes: tuple[str, str]) -> str:
     return text
 
 
-def without_output(text: str) -> str:
-    """The scene without its tables of tools and files, whose lengths are none of the cam."""
-    return text[: min(text.find(each) % len(text) for each in ("[[tool]]", "[output]"))]
-
-
 AT_STATED_SPEED: Final = '\n[state]\nspeed = "stated"\n'
 """That [cam] says how the cam turns, though a motor is given."""
 
@@ -422,35 +417,6 @@ def test_transmission_angle_0() -> None:
     margin = finding_of(made(text, "[effects.friction]\n"), "friction", "jamming-margin")
     assert margin.severity == "broken"
     assert margin.cam_angle == pytest.approx(math.radians(30.0), abs=1e-12)
-
-
-LENGTHS: Final = r"^(base_radius|roller_radius|offset|to|thickness|bore) = ([-\d.]+)$"
-
-
-@pytest.mark.parametrize("factor", [1e-3, 1e3])
-def test_tiny_and_huge_designs_are_similar(factor: float) -> None:
-    """All lengths times L, the same mass and speed: forces of inertia times L, torque times L^2."""
-    text = without_output(scene_text("plate_translating"))
-    text = changed(text, ("keyway = { width = 8, depth = 3.3, angle = 90 }\n", ""))
-
-    def scaled(match: re.Match[str]) -> str:
-        return f"{match[1]} = {float(match[2]) * factor!r}"
-
-    large = re.sub(LENGTHS, scaled, text, flags=re.MULTILINE)
-    data = {"width": f"{5.0 * factor!r}", "pin": f"{5.0 * factor!r}", "rolling": f"{factor!r}e-2"}
-    assert set(assert_well_formed(made(large, every(text, **data)))) <= {"speed-fluctuation"}
-    inertia = "[effects.inertia]\nmass = 1\n[effects.contact-force]\n[effects.drive-torque]\n"
-    inertia += "[effects.friction]\nguide = 0.1\n"
-    one, other = made(text, inertia), made(large, inertia)
-    phi = np.linspace(0.0, TURN, 333) + 1e-3
-    for effect, name, power in (
-        ("contact-force", "normal", 1),
-        ("drive-torque", "torque", 2),
-    ):
-        first = getattr(one.effect(effect), name)(phi, "right")
-        second = getattr(other.effect(effect), name)(phi, "right")
-        scale = np.max(np.abs(first))
-        assert np.max(np.abs(first - second / factor**power)) <= ROUNDING * scale
 
 
 @pytest.mark.parametrize("rev", ["1e4", "1e-3"])

@@ -12,24 +12,17 @@ from camgeo.dynamics.effects.effect import Column
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 from tests.effects.scenes import course_of, design
+from tests.findings import by_name, finding_values
 from tests.integrals import cells, integrals
 
 EFFECTS = "[effects.kinematics]\n"
 PHI = np.linspace(0.0, TURN, 721)
 
 
-def values(made: Any) -> dict[str, Any]:
-    return {each.name: each.value for each in made.effect("kinematics").findings}
-
-
-def columns(made: Any) -> dict[str, Column]:
-    return {each.name: each for each in made.effect("kinematics").columns}
-
-
 def test_the_largest_values_are_those_of_the_law() -> None:
     """A modified sine of 20 mm in 100/360 s: C_v, C_a, C_j by differentiating the law by hand,
     4 pi/(4 + pi) = 1.75960, 4 pi^2/(4 + pi) = 5.52796 and 16 pi^3/(4 + pi) = 69.4664."""
-    found = values(design("plate_translating", EFFECTS))
+    found = finding_values(design("plate_translating", EFFECTS).effect("kinematics").findings)
     span = 100.0 / 360.0
     unit = 4.0 + math.pi
     assert found["highest-velocity"] == pytest.approx(4 * math.pi / unit * 20 / span, rel=1e-13)
@@ -44,7 +37,7 @@ def test_the_largest_values_are_those_of_the_law() -> None:
 def test_each_column_is_the_derivative_of_the_one_before(scene: str) -> None:
     """d/dt = omega d/dphi, integrated over cells: what velocity brings is the way, and so on."""
     made = design(scene, EFFECTS)
-    found, course = columns(made), course_of(made)
+    found, course = by_name(made.effect("kinematics").columns), course_of(made)
     low, high = cells(made.drive.smooth_angles[:-1], 8)
 
     def over_time(column: Column) -> FloatArray:
@@ -70,15 +63,17 @@ def test_each_column_is_the_derivative_of_the_one_before(scene: str) -> None:
         largest = float(np.max(np.abs(motion.jet(PHI)[0]))) * unit
         assert over_time(found[name]) == pytest.approx(moved, abs=1e-11 * largest)
     times = found["time"].values(np.array([0.0, TURN]), "right")
-    assert values(made)["turn-time"] == pytest.approx(times[1] - times[0], rel=1e-15)
+    assert finding_values(made.effect("kinematics").findings)["turn-time"] == pytest.approx(
+        times[1] - times[0], rel=1e-15
+    )
 
 
 @pytest.mark.parametrize("scene", ["plate_translating", "points", "setzhub", "schnitt", "feed"])
 def test_nothing_is_beyond_the_extremes_and_they_are_taken(scene: str) -> None:
     made = design(scene, EFFECTS)
-    found = columns(made)
+    found = by_name(made.effect("kinematics").columns)
     angles = np.concatenate((PHI, made.drive.smooth_angles))
-    findings = {each.name: each for each in made.effect("kinematics").findings}
+    findings = by_name(made.effect("kinematics").findings)
     for name, column in found.items():
         if name == "time":
             continue
@@ -98,11 +93,11 @@ def test_nothing_is_beyond_the_extremes_and_they_are_taken(scene: str) -> None:
 def test_at_a_shock_acceleration_and_jerk_are_infinite() -> None:
     change = ('law = "modified-sine"', 'law = "straight-line"')
     made = design("plate_translating", EFFECTS, change)
-    found = {each.name: each for each in made.effect("kinematics").findings}
+    found = by_name(made.effect("kinematics").findings)
     # 20 mm in 100/360 s.
     assert found["highest-velocity"].value == pytest.approx(72.0, rel=1e-14)
     for name in ("highest-acceleration", "lowest-acceleration", "highest-jerk", "lowest-jerk"):
         assert found[name].value is None
         assert "infinite at a shock" in found[name].sentence
-    for column in columns(made).values():
+    for column in by_name(made.effect("kinematics").columns).values():
         assert np.all(np.isfinite(column.values(PHI, "right")))

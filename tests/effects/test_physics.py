@@ -2,22 +2,20 @@
 
 Energies come from places and lengths alone, and their rates from differences; losses from the
 velocities of bodies in the fixed frame; forces from Newton's law, with the guide's reactions those
-of a beam on two supports.
+of a beam on two supports. Reactions are sums of forces and moments on the free bodies.
 """
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import numpy as np
 import pytest
 
-from camgeo.design.design import Design
 from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
-from camgeo.numeric.arrays import FloatArray
+from camgeo.kinematics.time_course import in_time
 from camgeo.units import TURN
 from tests.effects.bodies import (
-    DIFFERENCE,
     GUIDE,
     PIVOT,
     PLATE,
@@ -25,15 +23,15 @@ from tests.effects.bodies import (
     ROUNDING,
     Bodies,
     along,
+    cross,
     friction,
     inside,
-    lift,
     omega,
     pull,
-    slope,
     speed_of,
 )
-from tests.effects.scenes import design
+from tests.effects.scenes import course_of, design
+from tests.findings import finding
 from tests.integrals import cells, integrals
 
 ROCKER: Final = """
@@ -73,63 +71,6 @@ TELLING: Final = """
 [effects.lift-off]
 [effects.drive-torque]
 """
-
-CASES: Final[dict[str, tuple[str, dict[str, float]]]] = {
-    "plate_translating": (PLATE, {**ROLLER, **GUIDE}),
-    "shuttle": (ROCKER, {**ROLLER, **PIVOT}),
-}
-
-
-def on_bearings(made: Design, phi: FloatArray) -> Any:
-    """What loads pivot or guide besides the contact: weights, on a rocker d'Alembert's forces."""
-    follower: Any = made.cam.follower
-    if isinstance(follower, TranslatingRoller):
-        return 1.3e-3 * pull(-60.0)
-    swing, jet = follower.swing_sense, made.cam.drive.motion.jet(phi)
-    bent = (1j * swing * jet[2] - jet[1] ** 2) * omega(made) ** 2 * np.exp(1j * swing * jet[0])
-    rocker = 70.0 + 30.0j - follower.pivot
-    return sum(
-        mass * (pull(-75.0) - bent * arm)
-        for mass, arm in ((0.15e-3, follower.start_arm), (0.9e-3, rocker))
-    )
-
-
-def energy(made: Design, phi: FloatArray) -> FloatArray:
-    """Of masses, weights and spring [N mm]; rates of the masses are differences."""
-    follower: Any = made.cam.follower
-    rate = omega(made) * slope(lambda x: lift(made, x), phi)
-    centre = Bodies(made.cam, phi, np.ones(len(phi))).centre(phi)
-    (column,) = made.effect("spring").columns
-    force = column.values(phi, "right")
-    if isinstance(follower, TranslatingRoller):
-        weights = 1.3e-3 * along(pull(-60.0), centre)
-        return np.asarray(0.5 * 1.3e-3 * rate**2 - weights + force**2 / (2.0 * 2.5))
-    turned = (70.0 + 30.0j - follower.pivot) * np.exp(1j * follower.swing_sense * lift(made, phi))
-    weights = along(pull(-75.0), 0.15e-3 * centre + 0.9e-3 * turned)
-    moment = 0.012e3 + 0.15e-3 * follower.arm**2
-    return np.asarray(0.5 * moment * rate**2 - weights + 1e3 * force**2 / (2.0 * 40.0))
-
-
-@pytest.mark.parametrize("rev", [7.0, 150.0])
-@pytest.mark.parametrize(("scene", "load"), [("plate_translating", 25.0), ("shuttle", 1.5e3)])
-def test_power_of_the_drive_goes_into_energies_the_load_and_losses(
-    scene: str, load: float, rev: float
-) -> None:
-    """T omega = dE/dt + dV/dt + load + losses at every angle, all frictions at work."""
-    forces, table = CASES[scene]
-    made = design(scene, forces + friction(table) + TELLING, speed_of(scene, rev))
-    phi = inside(made)
-    at = Bodies(made.cam, phi, made.effect("contact-force").normal(phi, "right"))
-    torque = made.effect("drive-torque").torque(phi, "right")
-    rate = slope(lambda x: lift(made, x), phi)
-    viscous = table.get("guide_viscous", 1e3 * table.get("pivot_viscous", 0.0))
-    losses = at.losses(table, on_bearings(made, phi)) + viscous * omega(made) * rate**2
-    assert np.all(losses >= 0.0)
-    # A difference is as exact as what it is taken of: the energies, not their change alone.
-    scale = np.max(np.abs(torque)) + np.ptp(energy(made, phi))
-    stored = slope(lambda x: energy(made, x), phi)
-    assert np.max(np.abs(torque - (stored + load * rate + losses))) <= DIFFERENCE * scale
-    assert np.max(losses) > 0.01 * np.max(np.abs(torque))
 
 
 @pytest.mark.parametrize("scene", ["plate_translating", "shuttle", "setzhub", "points", "ring"])
@@ -189,3 +130,135 @@ def test_a_scene_and_its_mirror_image_have_the_same_forces(scene: str) -> None:
         # The outline is integrated to 1e-9 of what the disc weighs; all else is rounded.
         near = 1e-6 if here.name.startswith("unbalance") else 1e3 * ROUNDING
         assert np.max(np.abs(first - second)) <= near * scale, here.name
+
+
+# Effect `reactions` against sums of forces and moments on the free bodies."""
+
+
+PRESSED_ROCKER: Final = """
+[effects.inertia]
+moment_of_inertia = 0.012
+roller_mass = 0.15
+rocker_mass = 0.9
+rocker_centre = [70, 30]
+[effects.gravity]
+angle = -75
+[effects.spring]
+kind = "compression"
+stiffness = 6
+preload = 900
+anchor = [30, -60]
+attachment = [60, 30]
+[effects.load]
+constant = 1.5
+[effects.friction]
+rolling = 0.2
+pivot = 0.11
+pivot_diameter = 22
+pivot_viscous = 0.8
+[effects.reactions]
+"""
+
+
+@pytest.mark.parametrize("rev", [30.0, 400.0])
+def test_a_rocker_moves_as_all_that_acts_on_it(rev: float) -> None:
+    """Forces on its masses give that of the pivot, and their moments about it leave nothing: of
+    the cam, the spring, the weights, the load, the damper and the friction of the bearing.
+    """
+    made = design("shuttle", PRESSED_ROCKER, speed_of("shuttle", rev))
+    bodies, speed, phi = made.effect("reactions").bodies, omega(made), inside(made)
+    follower: Any = made.cam.follower
+    pivot, swing, jet = follower.pivot, follower.swing_sense, made.cam.drive.motion.jet(phi)
+    turn, rate = np.exp(1j * swing * jet[0]), swing * jet[1] * speed
+    bent = 1j * swing * jet[2] * speed**2 - rate**2
+    rocker, roller, end = (
+        arm * turn for arm in (70.0 + 30.0j - pivot, follower.start_arm, 60.0 + 30.0j - pivot)
+    )
+    line = pivot + end - (30.0 - 60.0j)
+    pressed = 900.0 - 6.0 * (np.abs(line) - abs(60.0 + 30.0j - (30.0 - 60.0j)))
+    spring, cam = pressed * line / np.abs(line), bodies.of_cam(phi, "right")
+    masses = 0.9e-3 * rocker + 0.15e-3 * roller
+    held = bent * masses - 1.05e-3 * pull(-75.0) - spring - cam
+    found = bodies.of_pivot(phi, "right")
+    assert np.max(np.abs(found - held)) <= 10.0 * ROUNDING * np.max(np.abs(held))
+    drag = np.sign(rate) * 0.5 * 0.11 * 22.0 * np.abs(found)
+    couples = -1.5e3 * swing - 0.8e3 * rate - drag
+    moments = cross(roller, cam) + cross(end, spring) + cross(masses, pull(-75.0)) + couples
+    turned = (12.0 + 0.15e-3 * abs(follower.start_arm) ** 2) * swing * jet[2] * speed**2
+    assert np.max(np.abs(moments - turned)) <= 1e3 * ROUNDING * np.max(np.abs(found))
+
+
+@pytest.mark.parametrize("rev", [20.0, 200.0])
+@pytest.mark.parametrize("way", ["ccw", "cw"])
+def test_newton_in_a_guide_with_friction(way: str, rev: float) -> None:
+    """Balance along the guide; across it, it is a beam on two supports under the force of the cam,
+    the weight and the roller's bearing.
+    """
+    turned = [('"ccw"', '"cw"')] if way == "cw" else []
+    table = {**GUIDE, **ROLLER, "guide_viscous": 0.0}
+    text = PLATE + friction(table) + "\n[effects.reactions]"
+    made = design("plate_translating", text, speed_of("plate_translating", rev), *turned)
+    phi, follower = inside(made), cast(TranslatingRoller, made.cam.follower)
+    reactions = made.effect("reactions")
+    at = Bodies(made.cam, phi, made.effect("contact-force").normal(phi, "right"))
+    out, weight = np.exp(1j * follower.guide_angle), 1.3e-3 * pull(-60.0)
+    wanted, largest = at.guide_reactions(table, weight), np.max(np.abs(at.normal))
+    timed = in_time(made.cam.drive.motion.jet(phi), course_of(made), phi)
+    drag = table["guide"] * np.sum(np.abs(wanted), axis=0)
+    drag *= np.sign(np.where(np.abs(timed[1]) > 1e-9, timed[1], 0.0))
+    pressed = along(out, at.load(table) + weight) - 25.0 - (160.0 + 2.5 * timed[0]) - drag
+    assert np.max(np.abs(pressed - 1.3e-3 * timed[2])) <= 10.0 * ROUNDING * largest
+    off = reactions.bodies.of_cam(phi, "right") - at.load(table)
+    assert np.max(np.abs(off)) <= 10.0 * ROUNDING * largest
+    found = reactions.bodies.of_guide(phi, "right")
+    assert np.max(np.abs(found - wanted)) <= 10.0 * ROUNDING * np.max(np.abs(wanted))
+    for name, force in zip(("near", "far"), found, strict=True):
+        told = finding(reactions.findings, f"largest-{name}-end-force")
+        assert told.value >= np.max(np.abs(force)) * (1.0 - 1e-12)
+        assert told.value == pytest.approx(np.max(np.abs(force)), rel=0.02)
+
+
+MADE: Final = """
+[effects.gravity]
+angle = -50
+[effects.inertia]
+mass = 1.1
+[effects.load]
+constant = 60
+[effects.balance]
+material = "steel"
+[effects.reactions]
+bearings = [-35, 80]
+"""
+
+
+def test_bearings_of_the_camshaft_carry_the_disc_too() -> None:
+    """Its centre of mass from `balance`, accelerated in a circle; moments about either bearing."""
+    made = design("plate_translating", MADE, speed_of("plate_translating", 900.0))
+    reactions, balance = made.effect("reactions"), made.effect("balance")
+    phi = inside(made)
+    turned = balance.centre * np.exp(1j * made.cam.rotation * phi)
+    whole = balance.mass * (pull(-50.0) + omega(made) ** 2 * turned)
+    whole = whole - reactions.bodies.of_cam(phi, "right")
+    columns = {each.name: each.values(phi, "right") for each in reactions.columns}
+    size = float(np.max(np.abs(whole)))
+    assert np.max(np.abs(balance.mass * omega(made) ** 2 * turned)) > 0.05 * size
+    bound = reactions.errors["camshaft load"].error
+    assert 0.0 < bound <= 1e-6 * size
+    allowed = bound + balance.unbalance_error * omega(made) ** 2 + 1e-6 * balance.mass * 9806.65
+    found = columns["camshaft load"]
+    assert np.max(np.abs(found - np.abs(whole))) <= allowed
+    rows = np.array([[1.0, 1.0], [-35.0, 80.0]])  # sums of forces, and of moments about the disc
+    shares = np.linalg.solve(rows, [1.0, 0.0])
+    for name, share in zip(("first", "second"), shares, strict=True):
+        assert columns[f"{name} bearing load"] == pytest.approx(abs(share) * found, rel=1e-13)
+        assert reactions.errors[f"largest-{name}-bearing-load"].error <= bound
+
+
+def test_a_disc_of_unknown_material_has_no_weight() -> None:
+    tables = MADE.replace('[effects.balance]\nmaterial = "steel"\n', "")
+    made = design("plate_translating", tables, speed_of("plate_translating", 900.0))
+    reactions, phi = made.effect("reactions"), inside(made)
+    (load,) = (each for each in reactions.columns if each.name == "camshaft load")
+    assert np.all(load.values(phi, "right") == np.abs(reactions.bodies.of_cam(phi, "right")))
+    assert not reactions.errors

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
-from functools import partial
 from typing import Any, Final
 
 import numpy as np
@@ -33,7 +31,6 @@ from tests.effects.bodies import (
     speed_of,
 )
 from tests.effects.scenes import SCENES, design
-from tests.integrals import integrals
 from tests.long_form import examples
 
 INERTIA: Final = 3e-2
@@ -298,41 +295,6 @@ def test_whatever_holds_it_it_moves_as_in_small_steps(
 
 
 # Balances -----------------------------------------------------------------------------------------
-
-
-LOOSE: Final[dict[str, Callable[[float], Design]]] = {
-    "groove": groove,
-    "plate": partial(rolling, "plate_translating", 200.0),
-}
-
-
-@pytest.mark.parametrize(("name", "number"), [("groove", 4e-6), ("plate", 0.015)])
-def test_the_work_of_the_slip_is_what_flank_and_friction_do_not_make_of_each_other(
-    name: str, number: float
-) -> None:
-    """Over a turn the energy of the roller comes back: the flank, at the speed at which it would
-    not slip, and the friction of bearing and rolling do the work of the slip.
-    """
-    made = LOOSE[name](number)
-    skid, found = skid_of(made), values(made)
-    roller, inertia = skid.cells.rolling, skid.cells.rolling.data.moment_of_inertia
-    flank, pin, rolls = roller.levers
-
-    def powers(phi: FloatArray) -> FloatArray:
-        v, rates = roller.rubbed(phi, "right")
-        w, size = turned(skid, phi, "right"), roller.pressing(phi, "right")
-        rest = -size * (pin * np.sign(w - v[1]) + rolls * np.sign(w - v[2]))
-        slips = np.abs(w - v[0]) > 0.0
-        driving = np.where(slips, -flank * size * np.sign(w - v[0]), inertia * rates[0] - rest)
-        omega = roller.course.rates(phi)[0]
-        return np.asarray(np.stack((driving * v[0], rest * w, driving + rest)) / omega)
-
-    parts = integrals(powers, skid.edges[:-1], skid.edges[1:])
-    work = float(np.sum(parts[:2]))
-    scale = float(np.sum(np.abs(parts[:2])))
-    assert abs(work - 1e3 * found["slip-work"]) <= 1e-11 * scale
-    assert abs(np.sum(parts[2])) <= 1e-11 * float(np.sum(np.abs(parts[2])))
-    assert found["slip-work"] > 0.0
 
 
 def test_a_roller_that_its_pin_holds_slips_all_round_the_cam() -> None:

@@ -23,7 +23,7 @@ from camgeo.dynamics.effects.registry import EFFECTS, find_effect
 from camgeo.dynamics.oscillator.steady import Response
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import FloatArray, Side
-from camgeo.scene.scene import load_scene, parse_scene
+from camgeo.scene.scene import load_scene
 from camgeo.studies.accuracy.survey import TIGHTER, compared, figures_of
 from camgeo.units import TURN
 from tests.effects.scenes import SCENES, design
@@ -143,23 +143,6 @@ def test_the_work_of_the_motor_is_as_accurate_as_stated(tolerance: float) -> Non
     assert result is not None
     for figure in ("motor-work", "mean-motor-power", "motor torque"):
         assert result.errors[figure].share <= tolerance
-
-
-def test_each_figure_that_depends_on_the_tolerance_has_its_error() -> None:
-    text = (SCENES.parent / "effects" / "press.toml").read_text("utf-8")
-    press = Design(parse_scene(f'{text}\n[state]\nspeed = "stated"\noutput = "rigid"\n'))
-    assert set(press.effect("drive-torque").errors) == {
-        "mean-torque", "rms-torque", "work-per-turn", "mean-power", "energy-fluctuation",
-        "flywheel",
-    }  # fmt: skip
-    assert set(press.effect("contact-pressure").errors) == {
-        "roller-life", "equivalent-roller-load", "roller-speed",
-    }  # fmt: skip
-    for name in set(NUMERICAL) & press.scene.effects.keys():
-        result = press.effect(name)
-        figures = {each.name for each in (*result.findings, *result.columns)}
-        known = {"largest-impact-speed", "impact-speed", "residual-vibration"}
-        assert set(result.errors) <= figures | known, name
 
 
 # Of an elastic train -----------------------------------------------------------------------------

@@ -204,18 +204,6 @@ def test_a_zero_dwell_between_moves_leaves_one_break() -> None:
 # Values ---------------------------------------------------------------------------------------
 
 
-def test_the_turn_begins_with_the_last_segment_on_its_left() -> None:
-    plan = rise_and_return("120", "240", "0")
-    jerk = 20.0 * 60.0
-    before = plan.jet(np.array([0.0]), "left")[:, 0]
-    after = plan.jet(np.array([0.0]), "right")[:, 0]
-    assert before[0] == after[0] == 0.0
-    assert before[3] == pytest.approx(-jerk / math.radians(240.0) ** 3, rel=8.0 * EPS)
-    assert after[3] == pytest.approx(jerk / math.radians(120.0) ** 3, rel=8.0 * EPS)
-    assert np.array_equal(plan.jet(np.array([TURN]), "left")[:, 0], before)
-    assert np.array_equal(plan.jet(np.array([TURN]), "right")[:, 0], after)
-
-
 @attack
 @given(plan=plans())
 def test_joints_count_as_themselves_however_they_are_rounded(plan: MotionPlan) -> None:

@@ -1,7 +1,6 @@
 """Splines through points and near them.
 
-Named peer of the periodic interpolant: scipy.interpolate.make_interp_spline. The nodal values of
-all kinds are compared with the same energy minimised in eighty digits.
+The nodal values of all kinds are compared with the same energy minimised in eighty digits.
 """
 
 from __future__ import annotations
@@ -19,7 +18,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.polynomial import Polynomial
-from scipy.interpolate import make_interp_spline
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.motion import Boundary
@@ -271,19 +269,6 @@ def test_a_periodic_spline_keeps_its_points_and_four_derivatives(data: Points) -
     seam = np.array([data.x[0]])
     difference = spline.values(seam, 4) - spline.values(seam, 4, "left")
     assert np.all(np.abs(difference[:, 0]) <= CONDITION * EPS * reach(spline)[:5])
-
-
-@attack
-@given(points(least=6))
-def test_the_periodic_spline_is_the_peer_s(data: Points) -> None:
-    spline = periodic_spline(data.x, data.y, data.period)
-    peer = make_interp_spline(spline.knots, np.append(data.y, data.y[0]), k=5, bc_type="periodic")
-    x = np.linspace(spline.knots[0], spline.knots[-1], 501)[:-1]
-    found = spline.values(x, 4)
-    for order in range(5):
-        # The peer's own matrix of B-splines has a like condition.
-        allowed = 10.0 * CONDITION * EPS * reach(spline)[order]
-        np.testing.assert_allclose(found[order], peer(x, order), rtol=0.0, atol=allowed)
 
 
 @attack

@@ -221,30 +221,28 @@ def test_the_claims_of_the_guideline(law: str, quantity: str, inflection: float)
         assert first == pytest.approx(second, rel=1e-12)
 
 
-def test_check_values_of_constant_velocities() -> None:
-    """v0 = 0, v1 = 1: 0.736048394432 with C_a = 3.32727602442; v0 = 0.5, v1 = 1.5: pi/2 at 1/2."""
-    found = equal_accelerations("modified-sine", "R-G", {"v1": 1.0})
-    assert found == pytest.approx(0.736048394432, abs=1e-12)
-    law = make_law("modified-sine", "R-G", inflection=found, v1=1.0)
-    assert characteristic(law).acceleration.value == pytest.approx(3.32727602442, abs=1e-11)
-    found = equal_accelerations("modified-sine", "G-G", {"v0": 0.5, "v1": 1.5})
-    law = make_law("modified-sine", "G-G", inflection=found, v0=0.5, v1=1.5)
-    values = characteristic(law)
-    assert values.acceleration.value == pytest.approx(math.pi / 2.0, rel=1e-14)
-    assert values.deceleration.value == pytest.approx(math.pi / 2.0, rel=1e-14)
-    # v0 = v1 = 1 is a straight line wherever it bends not.
-    assert equal_accelerations("modified-sine", "G-G", {"v0": 1.0, "v1": 1.0}) == 0.5
-
-
-def test_check_value_of_constant_velocity_to_turn() -> None:
-    """vG = 0.5: lambda = 0.399963536211179 with C_a = -C_a* = 3.92555940929420."""
-    found = equal_accelerations("harmonic-combination", "G-U", {"v0": 0.5})
-    assert found == pytest.approx(0.399963536211179, abs=1e-14)
-    law = make_law("harmonic-combination", "G-U", inflection=found, v0=0.5)
-    values = characteristic(law)
-    assert values.acceleration.value == pytest.approx(3.92555940929420, rel=1e-13)
-    assert values.deceleration.value == pytest.approx(-3.92555940929420, rel=1e-13)
-    assert equal_accelerations("harmonic-combination", "U-G", {"v1": 0.5}) == found
+@pytest.mark.parametrize(
+    ("name", "task", "given_", "inflection", "peak"),
+    [
+        ("modified-sine", "R-G", {"v1": 1.0}, pytest.approx(0.736048394432, abs=1e-12),
+         pytest.approx(3.32727602442, abs=1e-11)),
+        ("modified-sine", "G-G", {"v0": 0.5, "v1": 1.5}, pytest.approx(0.5, abs=1e-14),
+         pytest.approx(math.pi / 2.0, rel=1e-14)),
+        # A straight line, wherever it bends not.
+        ("modified-sine", "G-G", {"v0": 1.0, "v1": 1.0}, 0.5, 0.0),
+        ("harmonic-combination", "G-U", {"v0": 0.5}, pytest.approx(0.399963536211179, abs=1e-14),
+         pytest.approx(3.92555940929420, rel=1e-13)),
+        ("harmonic-combination", "U-G", {"v1": 0.5}, pytest.approx(0.399963536211179, abs=1e-14),
+         pytest.approx(3.92555940929420, rel=1e-13)),
+    ],
+)  # fmt: skip
+def test_check_values_of_constant_velocities(
+    name: str, task: str, given_: dict[str, float], inflection: object, peak: object
+) -> None:
+    found = equal_accelerations(name, task, given_)
+    assert found == inflection
+    values = characteristic(make_law(name, task, inflection=found, **given_))
+    assert peaks_of(values, "acceleration") == (peak, peak)
 
 
 @attack

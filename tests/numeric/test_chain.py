@@ -298,30 +298,6 @@ def test_masses_and_stiffnesses_may_differ_by_many_powers_of_ten(damping: float)
 # -- the steady state ----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("count", [1, 2, 3])
-def test_it_is_that_of_the_matrix_exponential(count: int) -> None:
-    """With 40 digits; what is told of the error is true, of motions and forces."""
-    stages = CHAINS[count]
-    t = np.array([0.0, 0.05, 0.1, 0.23, 0.47, 0.55, 0.83])
-    with mpmath.workdps(40):
-        wanted = exact(stages, 0, moved_base(stages[0]), t.tolist())
-    response = steady_state(chain(stages), polynomials(), 0.0)
-    got = states(response, t)
-    base = response.base.jet(t, "right")
-    pushed = response.forces(range(count), t, "right")
-    wanted_forces = pulls(stages, wanted, base)
-    for mass in range(count):
-        train = response.train
-        assert response.error_of(train.deflection(mass)) <= 1e-11 * LIFT
-        for order, read in enumerate((train.deflection(mass), train.velocity(mass))):
-            off = np.max(np.abs(got[mass, order] - wanted[mass, order]))
-            assert off <= response.error_of(read)
-        # The reference forms the deflection from the masses' motions, to their rounding.
-        rounding = 4.0 * EPS * LIFT * stages[mass].stiffness
-        off = np.max(np.abs(pushed[mass] - wanted_forces[mass]))
-        assert off <= response.error_of(train.force(mass)) + rounding
-
-
 @attack
 @given(stages=st.lists(HELD, min_size=1, max_size=5))
 def test_motions_and_forces_obey_newton(stages: list[Stage]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -85,16 +86,6 @@ def test_a_sine(waves: float, phase: float, size: float) -> None:
         assert abs(off) <= 4.0 * math.sqrt(EPS)
 
 
-@pytest.mark.parametrize("degree", [2, 3, 5, 8, 13])
-def test_chebyshev_polynomials_fill_the_strip(degree: int) -> None:
-    """All their extremes are 1 and -1; the first one is reported."""
-    chebyshev = np.polynomial.Chebyshev.basis(degree)
-    found = piecewise_extremes(lambda x, side: chebyshev(x), np.linspace(-1.0, 1.0, 4))
-    rounding = 4.0 * degree * EPS  # of Clenshaw's sum
-    assert abs(found.highest.value - 1.0) <= rounding
-    assert abs(found.lowest.value + 1.0) <= rounding
-
-
 @pytest.mark.parametrize("waves", [40.0, 150.0])
 def test_ripples_finer_than_the_grid_are_found(waves: float) -> None:
     """On a wave whose top has no ripple's top on the grid: six and a fifth of its points a wave."""
@@ -156,15 +147,6 @@ def test_a_jump_next_to_a_crest(jump: float, edge: float) -> None:
     rounding = 4.0 * (0.25 + abs(jump)) * EPS
     assert found.highest.value == pytest.approx(max(first + second), rel=0.0, abs=rounding)
     assert found.lowest.value == pytest.approx(min(first + second), rel=0.0, abs=rounding)
-
-
-def test_a_constant_and_a_straight_line() -> None:
-    edges = np.array([1.0, 2.0, 4.0])
-    same = piecewise_extremes(lambda x, side: np.full_like(x, 3.0), edges)
-    assert (same.lowest.value, same.highest.value) == (3.0, 3.0)
-    line = piecewise_extremes(lambda x, side: 2.0 * x, edges)
-    assert (line.lowest.value, line.lowest.place) == (2.0, 1.0)
-    assert (line.highest.value, line.highest.place) == (8.0, 4.0)
 
 
 def test_a_crest_at_the_very_end_of_a_piece() -> None:
@@ -241,19 +223,21 @@ def test_a_wave_below_a_level(shift: float, level: float) -> None:
         assert abs(away) <= NEAR
 
 
-def test_all_of_the_turn() -> None:
-    assert stretch_below(lambda phi: np.cos(phi) - 2.0, EDGES, math.pi) == (0.0, TURN)
-
-
-def test_nowhere_and_at_one_place_alone() -> None:
-    assert stretch_below(lambda phi: np.cos(phi) + 2.0, EDGES, math.pi) is None
-    assert stretch_below(lambda phi: 1.0 + np.cos(phi), EDGES, math.pi) is None
-
-
-def test_a_stretch_ends_where_the_function_is_zero_over_a_piece() -> None:
-    """-sin(phi) of the first half turn, 0 after it."""
-    found = stretch_below(lambda phi: np.minimum(-np.sin(phi), 0.0), EDGES, 0.5 * math.pi)
-    assert found == pytest.approx((0.0, math.pi), abs=NEAR)
+@pytest.mark.parametrize(
+    ("function", "place", "expected"),
+    [
+        (lambda phi: np.cos(phi) - 2.0, math.pi, (0.0, TURN)),  # everywhere
+        (lambda phi: np.cos(phi) + 2.0, math.pi, None),
+        (lambda phi: 1.0 + np.cos(phi), math.pi, None),  # at one place alone
+        # 0 over a piece, where the stretch ends
+        (lambda phi: np.minimum(-np.sin(phi), 0.0), 0.5 * math.pi,
+         pytest.approx((0.0, math.pi), abs=NEAR)),
+    ],
+)  # fmt: skip
+def test_a_stretch_may_be_all_of_the_turn_or_nothing(
+    function: Callable[[FloatArray], FloatArray], place: float, expected: object
+) -> None:
+    assert stretch_below(function, EDGES, place) == expected
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,388 @@
+"""Forces on the follower: inertia by Newton's law for single masses and by the energy of linkages,
+gravity on a guide by hand, and process loads by virtual work.
+"""
+
+from __future__ import annotations
+
+import math
+import shutil
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from camgeo.design.design import Design
+from camgeo.dynamics.effects import load
+from camgeo.dynamics.effects.effect import DataFile, Subject
+from camgeo.dynamics.effects.forces import at_rates
+from camgeo.dynamics.effects.inertia import MassProperties, parse
+from camgeo.dynamics.effects.inertia.result import (
+    LinkedTrain,
+    Train,
+    at_cam,
+    inertia_force,
+    train_of,
+)
+from camgeo.dynamics.effects.load import read_load_table
+from camgeo.dynamics.effects.load.result import profile_of
+from camgeo.dynamics.effects.results import Inertia
+from camgeo.errors import GeometryError
+from camgeo.kinematics.plan import Dwell, MotionPlan
+from camgeo.kinematics.time_course import in_time
+from camgeo.numeric.arrays import FloatArray
+from camgeo.scene.scene import load_scene
+from camgeo.units import TURN
+from tests.effects.scenes import SCENES, course_of, design
+from tests.findings import finding
+from tests.integrals import cells, integrals
+from tests.strategies import SMOOTH, attack, plans, slider_cranks
+
+ROUNDING = 1e-11
+"""As a share of the largest value. The linkages drawn keep 2 mm from closing, so that by
+sin(v - theta) >= 0.1 is divided twice, in rates of 1e-14; they keep off cos v = 0 by 0.05."""
+
+PHI = np.linspace(0.0, TURN, 721)
+STROKE = 8.0
+
+TRANSLATING = "[effects.inertia]\nmass = 0.8\nroller_mass = 0.1\n"
+ROCKER = "[effects.inertia]\nmoment_of_inertia = 0.02\nroller_mass = 0.1\n"
+LINKED = (
+    "[effects.inertia]\nmass = 1.5\nmoment_of_inertia = 0.02\nroller_mass = 0.1\n"
+    "coupler_mass = 0.4\ncoupler_centre = 0.4\ncoupler_moment = 0.001\n"
+)
+
+MIRRORED = {
+    "setzhub": (
+        ("mirrored = false", "mirrored = true"),
+        ('direction = "inward"', 'direction = "outward"'),
+    ),
+    "schnitt": (
+        ("mirrored = false", "mirrored = true"),
+        ('direction = "outward"', 'direction = "inward"'),
+    ),
+}
+"""A mirrored linkage turns the rocker the other way."""
+
+
+def inertia_of(scene: str, effects: str, *changes: tuple[str, str]) -> tuple[Inertia, Subject]:
+    made = design(scene, effects, *changes)
+    return made.effect("inertia"), made.effects.subject
+
+
+def train_made(scene: str, effects: str) -> Train:
+    made = design(scene, effects)
+    return train_of(made.effects.subject, parse(made.effects.tables["inertia"]))
+
+
+# Single masses --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("scene", ["plate_translating", "feed", "measured", "points"])
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_a_translating_follower_obeys_newton(scene: str, side: Any) -> None:
+    """-m (s'' omega^2 + s' alpha) [N], 0.9 kg; with a speed curve the latter is not to be lost."""
+    result, subject = inertia_of(scene, TRANSLATING)
+    rates, motion = course_of(subject).rates(PHI), subject.cam.drive.motion.jet(PHI, side)
+    force = at_rates(result.force.coefficients(PHI, side), rates)
+    expected = -0.9e-3 * in_time(motion, course_of(subject), PHI)[2]
+    assert force == pytest.approx(expected, rel=1e-13, abs=1e-14 * np.max(np.abs(expected)))
+    uneven = np.max(np.abs(0.9e-3 * motion[1] * rates[1]))
+    assert (uneven > 0.01 * np.max(np.abs(force))) == (scene == "points")
+    assert result.moved == pytest.approx(0.9e-3, rel=1e-15)
+    assert result.to_follower(PHI, side) == pytest.approx(np.full(len(PHI), 0.9e-3), rel=1e-15)
+
+
+def test_a_rocker_has_its_moment_and_the_roller_at_its_arm() -> None:
+    """J + m l^2 = 0.02 kg m^2 + 0.1 kg (0.08 m)^2 = 0.02064 kg m^2 = 20.64 t mm^2."""
+    result, subject = inertia_of("groove", ROCKER)
+    assert result.moved == pytest.approx(20.64, rel=1e-14)
+    assert finding(result.findings, "reduced-moment-of-inertia").value == pytest.approx(
+        0.02064, rel=1e-14
+    )
+    jet = subject.cam.drive.motion.jet(PHI)
+    coefficients = result.force.coefficients(PHI, "right")
+    assert not np.any(coefficients[:2])
+    assert coefficients[2:] == pytest.approx(-20.64 * jet[[2, 1]], rel=1e-14)
+
+
+def test_without_any_mass_there_is_no_force() -> None:
+    result, _ = inertia_of("setzhub", "[effects.inertia]\n")
+    assert not np.any(result.force.coefficients(PHI, "right"))
+    assert not np.any(at_cam(train_made("setzhub", "[effects.inertia]\n"), PHI, "right"))
+    assert result.masses == ()
+    assert all(each.value == 0.0 and math.isfinite(each.value) for each in result.findings)
+
+
+# Linkages -------------------------------------------------------------------------------------
+
+
+@st.composite
+def trains(draw: st.DrawFn) -> LinkedTrain:
+    """A linkage that keeps off both dead centres and cos v = 0, with masses of all kinds."""
+    linkage = draw(slider_cranks(STROKE))
+    pin, tip = linkage.joints(np.linspace(0.0, STROKE, 33))
+    along = (pin - tip).real / linkage.coupler
+    assume(np.all(np.abs(along) > 0.05) and np.all(along * along[0] > 0.0))
+    spec = MassProperties(
+        mass=draw(st.sampled_from([0.0, 1e-3, 2e-3])),
+        coupler_mass=draw(st.sampled_from([0.0, 5e-4])),
+        coupler_centre=draw(st.floats(0.0, 1.0)),
+        coupler_moment=draw(st.sampled_from([None, 0.0, 3.0])),
+    )
+    return LinkedTrain(
+        draw(plans(SMOOTH, STROKE)), linkage, draw(st.sampled_from([0.0, 5.0])), spec
+    )
+
+
+@attack
+@given(train=trains())
+def test_the_force_takes_from_the_kinetic_energy_what_it_gives(train: LinkedTrain) -> None:
+    """At constant omega d(J/2)/dphi = -c2 q', integrated over cells; -c3 q' is J at every angle."""
+    low, high = cells(train.output.borders, 6)
+
+    def swing(phi: FloatArray) -> FloatArray:
+        return np.asarray(train.linkage.transform(train.output.jet(phi), 1)[1])
+
+    def at_cam(phi: FloatArray, side: Any) -> FloatArray:
+        return np.asarray(sum(each.inertia * each.first**2 for each in train(phi, side)))
+
+    def power(phi: FloatArray) -> FloatArray:
+        return np.asarray(inertia_force(train, phi, "right")[2] * swing(phi))
+
+    change = np.zeros(len(low)) + 0.5 * (at_cam(high, "left") - at_cam(low, "right"))
+    inside = 0.5 * (low + high)
+    size = np.max(np.abs(at_cam(inside, "right"))) if train(inside, "right") else 0.0
+    assert np.all(np.abs(integrals(power, low, high) + change) <= ROUNDING * max(size, 1e-300))
+    c3 = inertia_force(train, inside, "right")[3]
+    assert np.all(np.abs(c3 * swing(inside) + at_cam(inside, "right")) <= ROUNDING * size)
+
+
+def test_a_coupler_without_a_moment_of_its_own_is_a_slender_rod() -> None:
+    rod, subject = inertia_of("schnitt", "[effects.inertia]\ncoupler_mass = 0.6\n")
+    linkage = subject.cam.drive.linkage
+    assert linkage is not None
+    moment = 0.6 * (linkage.coupler * 1e-3) ** 2 / 12.0  # kg m^2
+    reported, _ = inertia_of(
+        "schnitt", f"[effects.inertia]\ncoupler_mass = 0.6\ncoupler_moment = {moment!r}\n"
+    )
+    assert rod.to_follower(PHI, "right") == pytest.approx(
+        reported.to_follower(PHI, "right"), rel=1e-14
+    )
+
+
+# Places ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("scene", ["setzhub", "schnitt"])
+def test_places_and_their_ways_belong_together(scene: str, mirrored: bool) -> None:
+    """dx/dphi = dx/dq q', integrated over cells."""
+    changes = MIRRORED[scene] if mirrored else ()
+    effects = f"{LINKED}rocker_mass = 0.7\nrocker_centre = [10, 20]\n"
+    result, subject = inertia_of(scene, effects, *changes)
+    assert [each.name for each in result.masses] == ["rocker", "roller", "slider", "coupler"]
+    low, high = cells(subject.cam.drive.smooth_angles[:-1], 6)
+    for mass in result.masses:
+
+        def way(phi: FloatArray, mass: Any = mass) -> Any:
+            return mass.per_lift(phi, "right") * subject.cam.drive.motion.jet(phi)[1]
+
+        moved = mass.place(high, "left") - mass.place(low, "right")
+        assert integrals(way, low, high) == pytest.approx(moved, abs=1e-11)
+    assert result.masses[0].place(np.zeros(1), "right")[0] == pytest.approx(10 + 20j, abs=1e-12)
+
+
+# What contradicts -----------------------------------------------------------------------------
+
+
+def test_a_moment_too_small_for_its_mass_is_reported() -> None:
+    """1 kg at 0.1 m from the pivot (-96, -72) has 0.01 kg m^2 at least."""
+    text = "[effects.inertia]\nmoment_of_inertia = {}\nrocker_mass = 1\nrocker_centre = [4, -72]\n"
+    result, _ = inertia_of("groove", text.format(0.0099))
+    found = finding(result.findings, "rocker-moment-of-inertia")
+    assert found.severity == "warning"
+    assert (found.value, found.limit) == pytest.approx((0.0099, 0.01), rel=1e-14)
+    result, _ = inertia_of("groove", text.format(0.01))
+    assert "rocker-moment-of-inertia" not in [each.name for each in result.findings]
+
+
+# Gravity on a guide; behind linkages test_pins has it ---------------------------------------------
+
+
+FOLLOWER = "[effects.inertia]\nmass = 0.8\nroller_mass = 0.1\n"
+
+
+def force(made: Any) -> FloatArray:
+    """(721,) c0 on the follower."""
+    coefficients = made.effect("gravity").force.coefficients(PHI, "right")
+    assert not np.any(coefficients[1:])
+    found: FloatArray = coefficients[0]
+    return found
+
+
+FAST = (('rotation = "ccw"', 'rotation = "ccw"\nspeed = 60'),)  # for the ring, which has none
+INWARD = (('direction = "outward"', 'direction = "inward"'),)
+
+
+@pytest.mark.parametrize(
+    ("scene", "changes", "angle", "expected"),
+    [
+        ("plate_translating", (), -90.0, -1.0),  # outward is up
+        ("plate_translating", INWARD, -90.0, 1.0),
+        ("plate_translating", (), 90.0, 1.0),
+        ("plate_translating", (), 0.0, 0.0),
+        ("plate_translating", (), -60.0, -math.sqrt(0.75)),
+        ("ring", FAST, -90.0, 0.0),  # outward is to the right
+        ("ring", FAST, 0.0, 1.0),
+        ("ring", FAST, 180.0, -1.0),
+    ],
+)
+def test_on_a_guide_the_share_along_it_counts(
+    scene: str, changes: Any, angle: float, expected: float
+) -> None:
+    """Of 0.9 kg; 1 kg weighs 9.80665 N (3rd CGPM 1901)."""
+    made = design(scene, f"{FOLLOWER}[effects.gravity]\nangle = {angle}\n", *changes)
+    # The cosine of 90 degrees is 6e-17.
+    assert force(made) == pytest.approx(np.full(721, 0.9 * 9.80665 * expected), abs=1e-14)
+    weight = made.effect("gravity").findings[0]
+    assert (weight.name, weight.unit) == ("weight", "N")
+    assert weight.value == pytest.approx(0.9 * 9.80665, rel=4e-16)
+
+
+def test_without_masses_nothing_weighs() -> None:
+    made = design("groove", "[effects.inertia]\n[effects.gravity]\n")
+    assert not np.any(force(made))
+    assert [each.value for each in made.effect("gravity").findings] == [0.0, 0.0, 0.0]
+
+
+# Loads --------------------------------------------------------------------------------------------
+
+
+def c0(made: Design, phi: FloatArray = PHI, side: Any = "right") -> FloatArray:
+    coefficients = made.effect("load").force.coefficients(phi, side)
+    assert not np.any(coefficients[1:])
+    found: FloatArray = coefficients[0]
+    return found
+
+
+@pytest.mark.parametrize(
+    ("scene", "unit"),
+    [("plate_translating", 1.0), ("groove", 1e3), ("setzhub", 1.0), ("schnitt", 1.0)],
+)
+def test_a_constant_load_works_against_a_positive_motion(scene: str, unit: float) -> None:
+    """Virtual work: c0 q' = -F s'; of a rocker it is a torque, behind a linkage a force on the
+    slider; and it is there in the rests.
+    """
+    made = design(scene, "[effects.load]\nconstant = 80\n")
+    swing, stroke = made.cam.drive.motion.jet(PHI), made.cam.drive.plan.jet(PHI)
+    work = -80.0 * unit * stroke[1]
+    assert c0(made) * swing[1] == pytest.approx(work, abs=1e-13 * np.max(np.abs(work)))
+    assert np.min(np.abs(c0(made))) > 0.0
+    (column,) = made.effect("load").columns
+    assert column.unit == ("N" if unit == 1.0 else "N m")
+    assert np.array_equal(column.values(PHI, "right"), np.full(721, 80.0))
+
+
+def test_segments_have_each_their_own() -> None:
+    """plate_translating: 30, 100, 40, 120, 70 degrees; the side decides at a joint."""
+    made = design("plate_translating", "[effects.load]\nsegments = [1, 2, 3, 4, 5]\n")
+    joints = np.radians([0.0, 30.0, 130.0, 170.0, 290.0])
+    assert np.array_equal(c0(made, joints), [-1.0, -2.0, -3.0, -4.0, -5.0])
+    assert np.array_equal(c0(made, joints, "left"), [-5.0, -1.0, -2.0, -3.0, -4.0])
+    assert np.array_equal(c0(made, joints + 0.1), c0(made, joints))
+    assert np.array_equal(c0(made, np.array([TURN]), "left"), [-5.0])
+    assert np.array_equal(c0(made, np.array([TURN]), "right"), [-1.0])
+    result = made.effect("load")
+    assert result.force.borders == pytest.approx(joints, abs=1e-15)
+    assert [each.value for each in result.findings] == [5.0, 1.0]
+    # Work over a turn: 2 N against 20 mm up, 4 N with 20 mm down.
+    low, high = cells(made.drive.smooth_angles[:-1], 6)
+    work = np.sum(
+        integrals(lambda phi: c0(made, phi) * made.cam.drive.motion.jet(phi)[1], low, high)
+    )
+    assert work == pytest.approx(-2.0 * 20.0 + 4.0 * 20.0, rel=1e-13)
+
+
+def test_a_rest_of_no_length_has_no_load() -> None:
+    """The rest of 40 degrees is cut into 40 and 0."""
+    cut = ("dwell = 40\n", "dwell = 40\n\n[[motion]]\ndwell = 0\n")
+    made = design("plate_translating", "[effects.load]\nsegments = [1, 2, 3, 4, 5]\n", cut)
+    joints = np.radians([0.0, 30.0, 130.0, 170.0, 290.0])
+    assert np.array_equal(c0(made, joints), [-1.0, -2.0, -3.0, -4.0, -5.0])
+    assert np.array_equal(c0(made, joints, "left"), [-5.0, -1.0, -2.0, -3.0, -4.0])
+    still = Dwell(Decimal(0)), Dwell(Decimal(120)), Dwell(Decimal(0)), Dwell(Decimal(240))
+    steps = profile_of((7.0, 8.0), MotionPlan(still), "N")
+    angles = np.radians([0.0, 120.0])
+    assert np.array_equal(steps.values(angles, "right"), [7.0, 8.0])
+    assert np.array_equal(steps.values(angles, "left"), [8.0, 7.0])
+
+
+# Files ----------------------------------------------------------------------------------------
+
+ROWS = "phi [deg];F [N]\n0;10\n90;40\n100;-20\n360;30\n"
+
+
+def table(text: str) -> Any:
+    return read_load_table(DataFile("load.csv", text.encode()))
+
+
+def test_between_rows_there_are_straight_lines() -> None:
+    found = table(ROWS)
+    angles = np.radians([0.0, 45.0, 90.0, 95.0, 100.0, 230.0, 360.0])
+    expected = [10.0, 25.0, 40.0, 10.0, -20.0, 5.0, 10.0]
+    assert found.values(angles, "right") == pytest.approx(expected, abs=1e-12)
+    expected[0] = expected[-1] = 30.0  # the value at 360 is not that at 0: it jumps
+    assert found.values(angles, "left") == pytest.approx(expected, abs=1e-12)
+    assert found.borders == pytest.approx(np.radians([0.0, 90.0, 100.0]), abs=1e-15)
+    assert found.values(angles[1:2] + TURN, "right") == pytest.approx([25.0], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("1;2\n360;3\n", r"load\.csv, line 1: '1\.0': the first angle; allowed: 0"),
+        ("0;2\n350;3\n", r"line 2: '350\.0': the last angle; allowed: 360"),
+        ("0;2\n90;1\n90;3\n360;3\n", r"line 3: '90\.0': the angle before is 90\.0"),
+        ("0;2\n90;x\n360;3\n", r"line 2: 'x': not a number"),
+        ("phi [rad];F\n0;2\n360;3\n", "the unit of the angle; allowed: deg"),
+        ("phi;F [kg]\n0;2\n360;3\n", "the unit of the load; allowed: N or Nm"),
+    ],
+)
+def test_a_wrong_row_is_reported_with_its_line(text: str, message: str) -> None:
+    with pytest.raises(GeometryError, match=message) as caught:
+        load.parse({"file": DataFile("load.csv", text.encode())})
+    assert caught.value.key == "file"
+
+
+def scene_with(folder: Path, rows: str, scene: str = "plate_translating") -> Design:
+    shutil.copy(SCENES / f"{scene}.toml", folder / "cam.toml")
+    (folder / "load.csv").write_text(rows, "utf-8")
+    with (folder / "cam.toml").open("a", encoding="utf-8") as file:
+        file.write('\n[effects.load]\nfile = "load.csv"\n')
+    return Design(load_scene(folder / "cam.toml"))
+
+
+def test_a_file_of_a_scene_gives_the_force(tmp_path: Path) -> None:
+    made = scene_with(tmp_path, ROWS)
+    angles = np.radians([0.0, 45.0, 95.0])
+    assert c0(made, angles) == pytest.approx([-10.0, -25.0, -10.0], abs=1e-12)
+    assert c0(made, angles[:1], "left") == pytest.approx([-30.0], abs=1e-12)
+    largest, smallest = made.effect("load").findings
+    assert (largest.value, smallest.value) == (40.0, -20.0)
+    assert largest.cam_angle == pytest.approx(np.radians(90.0), rel=1e-15)
+
+
+def test_a_heading_in_another_unit_is_refused(tmp_path: Path) -> None:
+    made = scene_with(tmp_path, "phi,M [Nm]\n0,1\n360,1\n")
+    with pytest.raises(GeometryError, match="loads in N m") as caught:
+        made.effect("load")
+    assert caught.value.key == "effects.load.file"
+
+
+def test_a_file_of_torques_loads_a_rocker(tmp_path: Path) -> None:
+    made = scene_with(tmp_path, "angle,torque [N m]\n0,1\n360,2\n", "groove")
+    assert c0(made, np.array([np.pi])) == pytest.approx([-1500.0], rel=1e-14)
