@@ -65,7 +65,6 @@ SHARP = ("polynomial-345", "inclined-sine", "modified-trapezoid", "modified-sine
 """Families from rest to rest whose f' and f'' keep all digits near their zeros as well."""
 
 CASES = law_cases()
-by_case = pytest.mark.parametrize("case", CASES, ids=[case["id"] for case in CASES])
 by_task = pytest.mark.parametrize(
     ("name", "task"), FAMILY_TASKS, ids=[f"{name} {task}" for name, task in FAMILY_TASKS]
 )
@@ -140,7 +139,7 @@ def excess(found: tuple[float, ...], law: Pieces, z: float) -> float:
 # Against the values of the reference -----------------------------------------------------------
 
 
-@by_case
+@pytest.mark.parametrize("case", CASES, ids=[case["id"] for case in CASES])
 def test_borders_are_where_the_formula_changes_and_have_all_jumps(case: dict[str, Any]) -> None:
     """All jumps of f'' and f''' are borders; further ones are where the next derivative jumps."""
     law = law_of(case)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
-from typing import Any, Final
+from typing import Any
 
 import mpmath
 import numpy as np
@@ -286,8 +286,7 @@ def test_critical_damping_and_beyond_are_as_exact_as_any(damping: float) -> None
 @pytest.mark.parametrize("damping", [0.0, 0.2])
 def test_masses_and_stiffnesses_may_differ_by_many_powers_of_ten(damping: float) -> None:
     """A light mass on a soft spring behind a heavy one on a stiff spring has its own frequency."""
-    stages = [Stage(1e3, 1e15, 0.0), Stage(1e-6, 1e-3, 2.0 * damping * math.sqrt(1e-9))]
-    train = chain(stages)
+    train = chain([Stage(1e3, 1e15, 0.0), Stage(1e-6, 1e-3, 2.0 * damping * math.sqrt(1e-9))])
     w = math.sqrt(1e-3 / 1e-6)
     wanted = [w * complex(-damping, math.sqrt(1.0 - damping**2)), 1j * math.sqrt(1e12)]
     # The coupling is the ratio of the masses times that of the stiffnesses, far below rounding.
@@ -360,8 +359,7 @@ def test_errors_told_are_true(seed: int) -> None:
     for response, wanted in (*found, (by_load, under_load)):
         for mass in range(2):
             told = response.error_of(response.train.deflection(mass))
-            off = np.max(np.abs(states(response, t)[mass, 0] - wanted[mass, 0]))
-            assert off <= told
+            assert np.max(np.abs(states(response, t)[mass, 0] - wanted[mass, 0])) <= told
             assert told <= 1e-6 * np.max(np.abs(wanted)) or response is not by_load
 
 
@@ -491,14 +489,18 @@ def test_a_load_alone_resonates() -> None:
 
 # The record ------------------------------------------------------------------------------------
 
-TRAINS: Final = (
-    "train of two under load", "elastic train under load", "elastic train", "resonance",
-    "jumps of the velocity",
-)  # fmt: skip
-
 
 def test_trains_have_the_results_of_the_record() -> None:
-    made = {name: small(name) for name in TRAINS}
+    made = {
+        name: small(name)
+        for name in (
+            "train of two under load",
+            "elastic train under load",
+            "elastic train",
+            "resonance",
+            "jumps of the velocity",
+        )
+    }
     made["rocker before a train of moments"] = of_fixture("rocker before a train of moments")
     made["valve_train"] = camgeo.load(FIXTURES / "effects" / "valve_train.toml")
     assert not [each for name, design in made.items() for each in differences(name, design)]

@@ -166,8 +166,7 @@ def test_ranges_of_cosines_and_sines_are_close(middle: float, reach: float) -> N
     for found, values in ((angles.cosine, np.cos(dense)), (angles.sine, np.sin(dense))):
         assert found.low[0] >= np.min(values) - 0.5 * reach**2 - 1e-9
         assert found.high[0] <= np.max(values) + 0.5 * reach**2 + 1e-9
-    other = about(np.array([0.3]), np.array([0.1]))
-    both = angles - other
+    both = angles - about(np.array([0.3]), np.array([0.1]))
     assert both.reach[0] == pytest.approx(reach + 0.1, abs=1e-14)
     assert both.reaching(np.array([0.25])).reach.tolist() == [0.25]
     assert both.reaching(np.array([0.25])).cosine.low[0] <= math.cos(middle - 0.3)

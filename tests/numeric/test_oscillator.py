@@ -277,8 +277,7 @@ def test_the_free_vibration_in_a_rest_dies_as_the_damping_says() -> None:
 def test_the_harmonics_are_those_of_the_deflection() -> None:
     response = steady_state(one_mass(TURN * 6.3, 0.05), cam(), 0.0)
     count = 4096
-    samples = response.states(np.arange(count) / count, "right")[0]
-    series = np.fft.rfft(samples) / count
+    series = np.fft.rfft(response.states(np.arange(count) / count, "right")[0]) / count
     for number in (1, 2, 6, 7, 20):
         # The third derivative of e jumps, so coefficients fall with k^-4 and fold back at k = 4096.
         assert abs(response.harmonic(number) - series[number]) <= 20.0 * 1e3 / 4096.0**4

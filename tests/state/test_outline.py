@@ -37,11 +37,6 @@ GUIDED: Final = (
     "[effects.inertia]\nmass = 500\n[effects.spring]\nstiffness = 20\npreload = 2000\n"
     "[effects.contact-force]\n[effects.drive-torque]\n"
 )
-ROCKING: Final = (
-    '[effects.inertia]\nmoment_of_inertia = 30\n[effects.spring]\nkind = "torsion"\n'
-    "torsional_stiffness = 40\npreload_torque = 600\n[effects.contact-force]\n"
-    "[effects.drive-torque]\n"
-)
 
 Place = Callable[[Any], Any]
 """Of the roller centre relative to the cam axis [mm], by the lift."""
@@ -119,7 +114,17 @@ def assert_forces_on_corners(
     [
         ("swallow_tail", GUIDED, 0.5, 20.0, 2000.0),
         ("cut_lobe", GUIDED, 0.5, 20.0, 2000.0),
-        ("trimmed_ring", ROCKING, 30e3, 40e3, 600e3),
+        (
+            "trimmed_ring",
+            (
+                '[effects.inertia]\nmoment_of_inertia = 30\n[effects.spring]\nkind = "torsion"\n'
+                "torsional_stiffness = 40\npreload_torque = 600\n[effects.contact-force]\n"
+                "[effects.drive-torque]\n"
+            ),
+            30e3,
+            40e3,
+            600e3,
+        ),
     ],
 )
 def test_the_force_on_a_corner_is_that_of_the_replayed_motion(
@@ -157,21 +162,23 @@ STEEPER: Final = {
 }
 """Moves that undercut, and no limits of a face."""
 
-SIZES: Final = {
-    "four_bar": {"base_radius": 50, "roller_radius": 36},
-    "crank_slider": {"base_radius": 55, "roller_radius": 40},
-    "flat_rocker": {"base_radius": 8},
-    "tappet": {"base_radius": 5},
-}
-
-LINKED_ROCKER: Final = "[effects.inertia]\nmoment_of_inertia = 0.01\n[effects.contact-force]\n"
-LINKED_SLIDER: Final = "[effects.inertia]\nmass = 2\n[effects.contact-force]\n"
-
 
 def trimmed(scene: str) -> Design:
-    text = LINKED_ROCKER if scene in ("four_bar", "flat_rocker") else LINKED_SLIDER
+    text = (
+        "[effects.inertia]\nmoment_of_inertia = 0.01\n[effects.contact-force]\n"
+        if scene in ("four_bar", "flat_rocker")
+        else "[effects.inertia]\nmass = 2\n[effects.contact-force]\n"
+    )
     text += "[effects.kinematics]\n"
-    sizes = {f"follower.{key}": value for key, value in SIZES[scene].items()}
+    sizes = {
+        f"follower.{key}": value
+        for key, value in {
+            "four_bar": {"base_radius": 50, "roller_radius": 36},
+            "crank_slider": {"base_radius": 55, "roller_radius": 40},
+            "flat_rocker": {"base_radius": 8},
+            "tappet": {"base_radius": 5},
+        }[scene].items()
+    }
     edits = {"limits.undercut": "trim", "limits.radius_ratio": None, **sizes}
     return Design(design(scene, text, *STEEPER[scene]).scene.with_values(edits))
 
