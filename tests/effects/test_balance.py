@@ -123,8 +123,7 @@ def test_the_solid_of_the_writers_has_the_same_mass_and_centre(scene: str) -> No
     room = RHO * 1.1 * tolerance * faces
     largest = float(np.max(np.hypot(*solid.vertices.T[:2])))
     assert abs(mass - result.mass) <= room
-    centre = complex(*mesh.center_mass[:2])
-    assert abs(mass * centre - result.unbalance) <= room * largest
+    assert abs(mass * complex(*mesh.center_mass[:2]) - result.unbalance) <= room * largest
 
 
 @settings(max_examples=30, deadline=None)
@@ -163,13 +162,11 @@ def test_the_fewest_holes_are_taken() -> None:
     assert first.count == 1
     assert first.directions == pytest.approx((0.4,))
     assert first.diameter == pytest.approx(single, rel=1e-15)
-    second = next(rows(unbalance, per_area, radius, single * (1.0 - 1e-12)))
-    assert second.count == 2
+    assert next(rows(unbalance, per_area, radius, single * (1.0 - 1e-12))).count == 2
 
 
 def test_holes_that_fit_are_reported_with_the_remaining_unbalance() -> None:
-    made = disc(KEYWAY, "hole_radius = 29\n")
-    result = made.effect("balance")
+    result = disc(KEYWAY, "hole_radius = 29\n").effect("balance")
     row = result.holes
     assert row is not None
     assert row.diameter <= 29.0 / 4.0
@@ -225,8 +222,7 @@ def test_hub_and_mark_weigh_and_holes_stay_beside_the_hub() -> None:
 
 def test_no_holes_in_a_groove() -> None:
     """The middle of the groove is not solid through the whole disc."""
-    made = design("groove", "")
-    pitch = made.cam.disc.pitch_curve.point(np.linspace(0.0, TURN, 3601))
+    pitch = design("groove", "").cam.disc.pitch_curve.point(np.linspace(0.0, TURN, 3601))
     heavy = np.exp(1j * np.angle(balance("groove").unbalance))
     middle = float(np.abs(pitch[np.argmax((pitch / np.abs(pitch) * heavy.conj()).real)]))
     found = by_name(balance("groove", f"hole_radius = {middle}\nhole_diameter = 40\n").findings)

@@ -189,21 +189,21 @@ def on_follower(contact: ContactForce, phi: FloatArray) -> FloatArray:
 PHI = np.linspace(0.003, TURN - 0.003, 61)
 
 
-CHAINS = [
-    pytest.param(press(330.0), id="slow"),
-    pytest.param(press(600.0), id="fast"),
-    pytest.param(pressing(330.0), id="with a load"),
-    pytest.param(lever(900.0), id="two masses"),
-    pytest.param(valve(500.0), id="three masses", marks=pytest.mark.long),
-    pytest.param(
-        valve(500.0, output=2, load=(-20.0, 35.0, 0.0)),
-        id="with a load in between",
-        marks=pytest.mark.long,
-    ),
-]
-
-
-@pytest.mark.parametrize("chain", CHAINS)
+@pytest.mark.parametrize(
+    "chain",
+    [
+        pytest.param(press(330.0), id="slow"),
+        pytest.param(press(600.0), id="fast"),
+        pytest.param(pressing(330.0), id="with a load"),
+        pytest.param(lever(900.0), id="two masses"),
+        pytest.param(valve(500.0), id="three masses", marks=pytest.mark.long),
+        pytest.param(
+            valve(500.0, output=2, load=(-20.0, 35.0, 0.0)),
+            id="with a load in between",
+            marks=pytest.mark.long,
+        ),
+    ],
+)
 def test_the_contact_force_is_that_of_an_integrated_train(chain: Chain) -> None:
     """Within what the integration changes from one tolerance to the next, and what is told."""
     contact = chain.of.effect(CONTACT_FORCE)
@@ -229,13 +229,7 @@ def test_the_roller_leaves_the_cam_at_the_speed_told(made: Any) -> None:
         rest = on_follower(contact, near)
         kept = chain.steady(near) - rest
         assert sign * np.min(kept) > 0.0
-    assert own_error(of) <= 1e-6 * told.value
-
-
-def own_error(of: Design) -> float:
-    """Of the lift-off speed, by the search itself."""
-    found: float = of.effect("lift-off").errors["lift-off-speed"].error
-    return found
+    assert of.effect("lift-off").errors["lift-off-speed"].error <= 1e-6 * told.value
 
 
 @dataclass(frozen=True)
@@ -351,8 +345,7 @@ def test_a_load_that_jumps_by_more_than_holds_the_roller_lifts_it_at_any_speed()
         (0.99 * 60.0 / damped, "where its load jumps the train may vibrate off it"),
         (0.5 * 60.0, "first leaves the inner flank at"),
     ):
-        of = pressing(330.0, load=(0.0, load, 0.0)).of
-        found = of.effects.findings("lift-off")
+        found = pressing(330.0, load=(0.0, load, 0.0)).of.effects.findings("lift-off")
         (told,) = (each.sentence for each in found if each.name == "lift-off-speed")
         assert sentence in told
 
@@ -360,8 +353,7 @@ def test_a_load_that_jumps_by_more_than_holds_the_roller_lifts_it_at_any_speed()
 def test_without_damping_there_is_no_lift_off_speed() -> None:
     of = loaded("lift_off_elastic", effects__vibration={"stiffness": 2000.0})
     told = finding_of(of, "lift-off", "lift-off-speed")
-    assert told.severity == "warning"
-    assert told.value is None
+    assert (told.severity, told.value) == ("warning", None)
     assert "without damping the train resonates" in told.sentence
 
 
@@ -509,30 +501,29 @@ def row(mass: float, stiffness: float, damping: float) -> tuple[float, float, fl
 ONE: Final = (row(1.2e-3, 2000.0, 0.2),)
 TWO: Final = (row(0.8e-3, 2600.0, 0.3), row(0.4e-3, 3000.0, 0.3))
 
-CASES: Final = {
-    "rebounds": lambda: bodies(450.0, TWO, 0.2, (1.0, 0.002), 25.0),
-    "one mass": lambda: bodies(400.0, ONE),
-    "weakly damped": lambda: bodies(400.0, (row(1.2e-3, 2000.0, 0.05),)),
-    "without rebounds": lambda: bodies(520.0, TWO, 0.0, (4.0, 0.002)),
-}
-
 
 EARLY: Final = pytest.mark.xfail(
     strict=True, reason="leaves 9e-9 rad early, and states 1.4e-9 rad as the error of its angles"
 )
 
-KINDS: Final = [
-    "rebounds",  # with two masses, a ground and a load; the others have less
-    pytest.param("one mass", marks=pytest.mark.long),
-    pytest.param("weakly damped", marks=[pytest.mark.long, EARLY]),
-    pytest.param("without rebounds", marks=pytest.mark.long),
-]
 
-
-@pytest.mark.parametrize("name", KINDS)
+@pytest.mark.parametrize(
+    "name",
+    [
+        "rebounds",  # with two masses, a ground and a load; the others have less
+        pytest.param("one mass", marks=pytest.mark.long),
+        pytest.param("weakly damped", marks=[pytest.mark.long, EARLY]),
+        pytest.param("without rebounds", marks=pytest.mark.long),
+    ],
+)
 def test_flights_are_those_of_bodies_with_newtons_law_each(name: str) -> None:
     """Within what is told, and what the oracle changes from one tolerance to the next."""
-    of = CASES[name]()
+    of = {
+        "rebounds": lambda: bodies(450.0, TWO, 0.2, (1.0, 0.002), 25.0),
+        "one mass": lambda: bodies(400.0, ONE),
+        "weakly damped": lambda: bodies(400.0, (row(1.2e-3, 2000.0, 0.05),)),
+        "without rebounds": lambda: bodies(520.0, TWO, 0.0, (4.0, 0.002)),
+    }[name]()
     result = of.of.effect("lift-off")
     rough, fine = (of.flights(7 if name == "weakly damped" else 3, rtol) for rtol in (1e-8, 1e-10))
     assert len(result.flights) == len(fine) == len(rough) > 1

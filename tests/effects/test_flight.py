@@ -26,7 +26,7 @@ from camgeo.design.design import Design
 from camgeo.dynamics.effects.lift_off import flight
 from camgeo.scene.scene import load_scene, parse_scene
 from camgeo.units import TURN
-from tests.effects.scenes import SCENES, design
+from tests.effects.scenes import SCENES, changed, design
 from tests.long_form import LONG, examples
 
 EFFECTS: Final = SCENES.parent / "effects"
@@ -38,12 +38,8 @@ GRAVITY: Final = 9806.65
 def loaded(name: str, *changes: tuple[str, str]) -> Design:
     """The scene of an effect, with texts replaced that it has once, and a rigid train."""
     path: Path = EFFECTS / f"{name}.toml"
-    text = path.read_text("utf-8")
-    for old, new in changes:
-        assert text.count(old) == 1, old
-        text = text.replace(old, new)
-    text += '\n[state]\noutput = "rigid"\n'
-    return Design(parse_scene(text, str(path)))
+    text = changed(path.read_text("utf-8"), *changes)
+    return Design(parse_scene(f'{text}\n[state]\noutput = "rigid"\n', str(path)))
 
 
 @dataclass(frozen=True)
@@ -161,8 +157,7 @@ def test_flights_are_those_of_a_free_follower(name: str) -> None:
     result = free.of.effect("lift-off")
     flights = result.flights
     assert flights
-    told = result.errors["impact-speed"].share
-    assert told <= 1e-6
+    assert result.errors["impact-speed"].share <= 1e-6
     leaving, rate = math.radians(140.0), 0.0
     if name.startswith("thrown"):
         rate = free.omega * 18.0 / math.radians(90.0)
@@ -463,11 +458,9 @@ def test_without_clearance_nothing_flies_and_the_sides_change_alike(name: str) -
     some, none = loaded(name), loaded(name, (backlash, ""))
     held, still = some.effect("lift-off"), none.effect("lift-off")
     assert held.flights
-    assert still.flights == ()
-    assert still.flown == ()
+    assert (still.flights, still.flown) == ((), ())
     assert dict(still.errors) == {}
-    assert still.changes == held.changes
-    assert still.first == held.first
+    assert (still.changes, still.first) == (held.changes, held.first)
     told = {each.name for each in none.effects.findings("lift-off")}
     assert not told & {"impact-speed", "largest-impact-speed", "impact-energy", "clearance-crossed"}
     phi = np.linspace(0.0, TURN, 50)

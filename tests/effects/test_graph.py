@@ -428,12 +428,10 @@ def test_the_table_reaches_parse_and_its_tolerance_the_effect(fakes: Fakes) -> N
     fakes.add("vague", parse=lambda table: ("parsed", dict(table)), numerical=True)
     fakes.add("user", needs=("vague",))
     request = fakes.of({"vague": {"tolerance": 1e-3, "mass": 2.0}}).result("vague").request
-    assert request.data == ("parsed", {"tolerance": 1e-3, "mass": 2.0})
-    assert request.tolerance == 1e-3
+    assert (request.data, request.tolerance) == (("parsed", {"tolerance": 1e-3, "mass": 2.0}), 1e-3)
     assert request.subject is SUBJECT
     unnamed = fakes.of({"user": {}}).result("user").given["vague"].request
-    assert unnamed.data == ("parsed", {})
-    assert unnamed.tolerance == TOLERANCE
+    assert (unnamed.data, unnamed.tolerance) == (("parsed", {}), TOLERANCE)
 
 
 @pytest.mark.parametrize("link", ["needs", "uses"])
@@ -558,8 +556,7 @@ def test_only_what_is_renewed_is_computed_again(fakes: Fakes) -> None:
     after = again.result("top")
     assert fakes.calls == ["top"]
     assert after is not before
-    assert after.request.tolerance == 1e-8
-    assert after.request.data == {"mass": 2.0, "tolerance": 1e-8}
+    assert (after.request.tolerance, after.request.data) == (1e-8, {"mass": 2.0, "tolerance": 1e-8})
     assert set(after.given) == {"left", "right", "base"}
     assert all(after.given[name] is before.given[name] for name in after.given)
     # The first graph knows nothing of it.

@@ -40,7 +40,7 @@ from tests.effects.bodies import (
     slope,
 )
 from tests.effects.scenes import SCENES, design
-from tests.effects.test_power_balance import assert_zero, powers
+from tests.effects.test_physics import assert_zero, powers
 from tests.findings import finding
 from tests.long_form import examples
 
@@ -219,8 +219,7 @@ def test_a_trimmed_return_disc_does_not_have_a_motion_of_its_own() -> None:
     assert subject.returning is not None
     assert subject.returning.cam.disc.outline("inner").is_trimmed
     assert subject.returning.state.model == subject.state.model == "demanded"
-    told = {each.name for each in made.effects.findings("contact-force")}
-    assert "trimmed-motion" in told
+    assert "trimmed-motion" in {each.name for each in made.effects.findings("contact-force")}
 
 
 # Yokes --------------------------------------------------------------------------------------------
@@ -488,15 +487,16 @@ def test_an_eccentric_between_two_faces_in_closed_form() -> None:
     assert work["work-contact-friction"] == pytest.approx(0.08e-3 * bound, rel=1e-6)
 
 
-UNEVEN: Final = "".join(
-    f"[[motion]]\nlaw = 'modified-sine'\nspan = {span}\nto = {to}\n"
-    for span, to in ((176, 16), (184, 0))
-)
-
-
 def uneven(breadth: float | None) -> Drawn:
     stated = "" if breadth is None else f"breadth = {breadth!r}\n"
-    return Drawn(moves=UNEVEN, yoke=stated, speed=700.0)
+    return Drawn(
+        moves="".join(
+            f"[[motion]]\nlaw = 'modified-sine'\nspan = {span}\nto = {to}\n"
+            for span, to in ((176, 16), (184, 0))
+        ),
+        yoke=stated,
+        speed=700.0,
+    )
 
 
 def test_a_yoke_that_does_not_fit_is_told() -> None:
@@ -506,8 +506,7 @@ def test_a_yoke_that_does_not_fit_is_told() -> None:
     (least, _), (most, place) = width.range
     told = {each.name: each for each in design.effects.findings("contact-force")}
     found = told["yoke-breadth"]
-    assert found.value == pytest.approx(most - least)
-    assert found.cam_angle == place
+    assert (found.value, found.cam_angle) == (pytest.approx(most - least), place)
     assert f"squeezes its yoke by up to {0.5 * (most - least):.3g} mm" in found.sentence
     assert all(each.severity != "ok" for each in told.values())
     assert "squeezes" in design.effects.findings("lift-off")[-1].sentence
@@ -572,7 +571,5 @@ def test_each_roller_has_a_spin_of_its_own_that_the_other_has_half_a_turn_later(
         assert one == pytest.approx(other, rel=1e-12, abs=1e-9)
     normal = design.effect("contact-force").normal(phi, RIGHT)
     assert first.pressing(phi, RIGHT) - second.pressing(phi, RIGHT) == pytest.approx(normal)
-    reserve = second.reserve(phi, RIGHT)[normal > 0.0]
-    assert np.all(reserve <= 0.0)
-    names = [each.name for each in spin.findings]
-    assert "opposite-traction-reserve" in names
+    assert np.all(second.reserve(phi, RIGHT)[normal > 0.0] <= 0.0)
+    assert "opposite-traction-reserve" in [each.name for each in spin.findings]
