@@ -408,7 +408,8 @@ def test_many_findings_alike_are_one_with_their_places() -> None:
     other = Finding("c", "ok", "d")
     whole, *rest = folded([*alike(720), other])
     assert rest == [other]
-    assert (whole.value, whole.cam_angle) == (-6.0, pytest.approx(math.radians(3.0)))
+    assert whole.value == -6.0
+    assert whole.cam_angle == pytest.approx(math.radians(3.0))
     assert whole.sentence.startswith("b6; 720 alike in all, at cam angles 0 to 0.25, 0.5 to 0.75,")
     assert whole.sentence.endswith(" and 708 more deg")
 

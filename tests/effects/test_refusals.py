@@ -35,65 +35,64 @@ def curve(rows: bytes) -> dict[str, Any]:
     return {"file": DataFile("m.csv", rows), "moment_of_inertia": 1.0}
 
 
+INCOMPLETE: Final[dict[str, list[tuple[dict[str, Any], str]]]] = {
+    "spring": [
+        ({}, "stiffness"),
+        ({"stiffness": 1.0}, "preload"),
+        ({"kind": "extension", "preload": 1.0}, "stiffness"),
+        ({"kind": "torsion", "torsional_stiffness": 1.0}, "preload_torque"),
+        ({"kind": "torsion", "preload_torque": 1.0}, "torsional_stiffness"),
+        (LINEAR | {"preload_torque": 1.0}, "preload_torque"),
+        (TORSION | {"stiffness": 1.0}, "stiffness"),
+        (TORSION | {"anchor": (0.0, 1.0)}, "anchor"),
+        (LINEAR | {"anchor": (0.0, 1.0)}, "attachment"),
+        (LINEAR | {"attachment": (0.0, 1.0)}, "anchor"),
+        ({"wire": WOUND}, "preload"),
+        (WIRE | {"stiffness": 1.0}, "stiffness"),
+        (WIRE | {"kind": "extension"}, "wire"),
+        ({"wire": WOUND, "preload_torque": 1.0, "kind": "torsion"}, "wire"),
+        (WIRE | {"wire": WOUND | {"coil_diameter": 3.0}}, "wire.coil_diameter"),
+        (WIRE | {"wire": WOUND | {"total_coils": 5.5}}, "wire.total_coils"),
+        (WIRE | {"wire": WOUND | {"free_length": 24.0}}, "wire.free_length"),
+    ],
+    "friction": [
+        ({"pivot": 0.1}, "pivot_diameter"),
+        ({"roller_pin": 0.1}, "roller_pin_diameter"),
+        ({"guide": 0.1, "guide_overhang": 5.0}, "guide_length"),
+    ],
+    "inertia": [
+        ({"rocker_centre": (1.0, 2.0)}, "rocker_centre"),
+        ({"coupler_centre": 0.3}, "coupler_centre"),
+        ({"coupler_moment": 0.3}, "coupler_moment"),
+    ],
+    "contact-pressure": [
+        ({"cam_material": "stel"}, "cam_material"),
+        ({"roller_material": "stel"}, "roller_material"),
+        ({"roller_material": "pom"}, "limit"),
+        ({"life": 1.0}, "life"),
+        ({"rating": 0.0}, "rating"),
+    ],
+    "speed-fluctuation": [
+        ({"moment_of_inertia": 1.0}, "stall_torque"),
+        ({"moment_of_inertia": 1.0, "stall_torque": 1.0}, "no_load_speed"),
+        (MOTOR | {"moment_of_inertia": 1.0, "stall_torque": 0.0}, "stall_torque"),
+        (MOTOR | curve(b"0;1\n1;0\n"), "stall_torque"),
+        (curve(b"0;1\n1;2\n"), "file"),
+        (curve(b"1;1\n0;0\n"), "file"),
+        (curve(b"-1;1\n0;0\n"), "file"),
+        (MOTOR, "moment_of_inertia"),
+        (MOTOR | {"moment_of_inertia": 0.0}, "moment_of_inertia"),
+    ],
+    "balance": [
+        ({"hole_diameter": 5.0}, "hole_diameter"),
+        ({"material": "unob"}, "material"),
+    ],
+}
+
+
 @pytest.mark.parametrize(
     ("effect", "table", "key"),
-    [
-        (effect, *each)
-        for effect, tables in {
-            "spring": [
-                ({}, "stiffness"),
-                ({"stiffness": 1.0}, "preload"),
-                ({"kind": "extension", "preload": 1.0}, "stiffness"),
-                ({"kind": "torsion", "torsional_stiffness": 1.0}, "preload_torque"),
-                ({"kind": "torsion", "preload_torque": 1.0}, "torsional_stiffness"),
-                (LINEAR | {"preload_torque": 1.0}, "preload_torque"),
-                (TORSION | {"stiffness": 1.0}, "stiffness"),
-                (TORSION | {"anchor": (0.0, 1.0)}, "anchor"),
-                (LINEAR | {"anchor": (0.0, 1.0)}, "attachment"),
-                (LINEAR | {"attachment": (0.0, 1.0)}, "anchor"),
-                ({"wire": WOUND}, "preload"),
-                (WIRE | {"stiffness": 1.0}, "stiffness"),
-                (WIRE | {"kind": "extension"}, "wire"),
-                ({"wire": WOUND, "preload_torque": 1.0, "kind": "torsion"}, "wire"),
-                (WIRE | {"wire": WOUND | {"coil_diameter": 3.0}}, "wire.coil_diameter"),
-                (WIRE | {"wire": WOUND | {"total_coils": 5.5}}, "wire.total_coils"),
-                (WIRE | {"wire": WOUND | {"free_length": 24.0}}, "wire.free_length"),
-            ],
-            "friction": [
-                ({"pivot": 0.1}, "pivot_diameter"),
-                ({"roller_pin": 0.1}, "roller_pin_diameter"),
-                ({"guide": 0.1, "guide_overhang": 5.0}, "guide_length"),
-            ],
-            "inertia": [
-                ({"rocker_centre": (1.0, 2.0)}, "rocker_centre"),
-                ({"coupler_centre": 0.3}, "coupler_centre"),
-                ({"coupler_moment": 0.3}, "coupler_moment"),
-            ],
-            "contact-pressure": [
-                ({"cam_material": "stel"}, "cam_material"),
-                ({"roller_material": "stel"}, "roller_material"),
-                ({"roller_material": "pom"}, "limit"),
-                ({"life": 1.0}, "life"),
-                ({"rating": 0.0}, "rating"),
-            ],
-            "speed-fluctuation": [
-                ({"moment_of_inertia": 1.0}, "stall_torque"),
-                ({"moment_of_inertia": 1.0, "stall_torque": 1.0}, "no_load_speed"),
-                (MOTOR | {"moment_of_inertia": 1.0, "stall_torque": 0.0}, "stall_torque"),
-                (MOTOR | curve(b"0;1\n1;0\n"), "stall_torque"),
-                (curve(b"0;1\n1;2\n"), "file"),
-                (curve(b"1;1\n0;0\n"), "file"),
-                (curve(b"-1;1\n0;0\n"), "file"),
-                (MOTOR, "moment_of_inertia"),
-                (MOTOR | {"moment_of_inertia": 0.0}, "moment_of_inertia"),
-            ],
-            "balance": [
-                ({"hole_diameter": 5.0}, "hole_diameter"),
-                ({"material": "unob"}, "material"),
-            ],
-        }.items()
-        for each in tables
-    ],
+    [(effect, *each) for effect, tables in INCOMPLETE.items() for each in tables],
 )
 def test_a_table_that_lacks_or_contradicts_something_is_refused(
     effect: str, table: dict[str, Any], key: str

@@ -506,7 +506,8 @@ def test_a_yoke_that_does_not_fit_is_told() -> None:
     (least, _), (most, place) = width.range
     told = {each.name: each for each in design.effects.findings("contact-force")}
     found = told["yoke-breadth"]
-    assert (found.value, found.cam_angle) == (pytest.approx(most - least), place)
+    assert found.value == pytest.approx(most - least)
+    assert found.cam_angle == place
     assert f"squeezes its yoke by up to {0.5 * (most - least):.3g} mm" in found.sentence
     assert all(each.severity != "ok" for each in told.values())
     assert "squeezes" in design.effects.findings("lift-off")[-1].sentence
