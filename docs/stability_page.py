@@ -13,7 +13,7 @@ from pathlib import Path
 from camgeo_export.plots import render
 from tests.stability import suite
 from tests.stability.measure import Case, Reading
-from tests.stability.picture import figure
+from tests.stability.report import figure_of
 from tests.stability.suite import Row
 
 PAGE = Path(__file__).with_name("stability.md")
@@ -171,4 +171,4 @@ if __name__ == "__main__":
     everything = suite.all_cases()
     found = suite.run(everything)
     PAGE.write_text(page(everything, found), encoding="utf-8")
-    PICTURE.write_bytes(render(figure(suite.worst_of_cases(found), suite.LIMIT), PICTURE.suffix))
+    PICTURE.write_bytes(render(figure_of(suite.worst_of_cases(found), suite.LIMIT), PICTURE.suffix))

@@ -41,6 +41,11 @@ def names_of(design: Design, effect: str) -> set[str]:
     return {each.name for each in design.effects.findings(effect)}
 
 
+def by_name(items: Iterable[Any]) -> dict[str, Any]:
+    """Findings or columns by their names, the last of each."""
+    return {each.name: each for each in items}
+
+
 def finding_values(findings: Iterable[Finding]) -> dict[str, float]:
     """The values of those that have one, the last of each name."""
     return {each.name: each.value for each in findings if each.value is not None}

@@ -96,8 +96,7 @@ def test_each_is_computed_once_when_it_is_asked_for_and_recorded() -> None:
 
 def test_what_was_known_is_not_charged_again() -> None:
     owner = Owner()
-    assert owner.left == ("left", owner.base)
-    assert owner.right == ("right", owner.base)
+    assert (owner.left, owner.right) == (("left", owner.base), ("right", owner.base))
     assert [(run.name, run.asked_by, run.seconds) for run in owner.ledger.runs] == [
         ("base", "left", 8.0),
         ("left", "", 9.0),
@@ -188,8 +187,7 @@ def test_names_come_in_the_order_of_their_definition() -> None:
     assert lazy_names(Owner) == names
     assert lazy_names(More) == (*names, "added")
     assert isinstance(Owner.base, lazy)
-    assert Owner.base.__doc__ == "What the others are based on."
-    assert Owner.base.name == "base"
+    assert (Owner.base.__doc__, Owner.base.name) == ("What the others are based on.", "base")
 
 
 THREADS = 8

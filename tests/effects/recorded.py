@@ -27,7 +27,7 @@ import numpy as np
 from camgeo import load
 from camgeo.check.finding import Finding
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.effect import Bound, Column, Result
+from camgeo.dynamics.effects.effect import Column, Result
 from camgeo.errors import EffectError, GeometryError
 from camgeo.units import TURN
 from tests.effects.recorded_scenes import (
@@ -160,25 +160,17 @@ def measured(design: Design, effect: str) -> dict[str, Any]:
 # Comparison --------------------------------------------------------------------------------------
 
 
-def apart(name: str, own: Any, other: Any, error: float) -> Iterator[str]:
-    """Where numbers differ by more than an error."""
-    if np.shape(own) != np.shape(other):
-        yield f"{name}: {own} instead of {other}"
-        return
-    one, two = np.asarray(own, dtype=float), np.asarray(other, dtype=float)
-    if one.size and not np.all(np.abs(one - two) <= error):
-        worst = float(np.max(np.abs(one - two)))
-        yield f"{name}: {own} instead of {other}, off by {worst:.3g}, allowed {error:.3g}"
+Way = tuple[Any, ...]
+"""Keys and numbers that lead to a value."""
 
 
-def column_differs(own: Mapping[str, Any], kept: Mapping[str, Any], error: float) -> Iterator[str]:
-    allowed, count = max(error, ROUNDED * kept["size"]), max(kept["borders"][0], 1)
-    for key, times in (("shown", 1), ("sums", 1), ("sides", count)):
-        yield from apart(key, own[key], kept[key], times * allowed)
-    yield from apart("borders", own["borders"], kept["borders"], PLACED * count)
-    for key in ("unit", "limit"):
-        if own[key] != kept[key]:
-            yield f"{key}: {own[key]} instead of {kept[key]}"
+def leaves(of: Any, way: Way = ()) -> Iterator[tuple[Way, Any]]:
+    """All numbers and texts of a result, with the way to each."""
+    if isinstance(of, dict | list):
+        for key, each in of.items() if isinstance(of, dict) else enumerate(of):
+            yield from leaves(each, (*way, key))
+    else:
+        yield way, of
 
 
 def said_alike(own: str, kept: str) -> bool:
@@ -198,59 +190,46 @@ def last_digit(number: str) -> float:
     return 10.0 ** (int(power or 0) - places) if places else 0.0
 
 
-def finding_differs(own: Mapping[str, Any], kept: Mapping[str, Any], error: float) -> Iterator[str]:
-    if own.keys() != kept.keys():
-        yield f"has {[*own]} instead of {[*kept]}"
-        return
-    for key in ("severity", "unit", "sentence"):
-        same = said_alike(own[key], kept[key]) if key == "sentence" else own[key] == kept[key]
-        if not same:
-            yield f"{key}: {own[key]!r} instead of {kept[key]!r}"
-    for key in ("value", "limit"):
-        if key in kept:
-            yield from apart(key, own[key], kept[key], max(error, ROUNDED * abs(kept[key])))
-    for key in ("cam_angle", "cam_range"):
-        if key in kept:
-            turned = (np.asarray(own[key]) - np.asarray(kept[key]) + math.pi) % TURN - math.pi
-            yield from apart(key, turned, np.zeros_like(turned), PLACED)
+def agree(way: Way, own: Any, other: Any, kept: Mapping[str, Any]) -> bool:
+    """Whether a value is the `other` one of the record `kept`, as far as it states."""
+    if way[-1] == "sentence":
+        return said_alike(own, other)
+    if not isinstance(other, float):
+        return bool(own == other)
+    if way[0] == "errors":  # estimates of the same; up to rounding they may be anything
+        low, high = sorted((own, other))
+        if way[-1] == 1:
+            return math.isclose(own, other, rel_tol=1e-4, abs_tol=1e-12)
+        return bool(high <= STATED * low or high <= ROUNDED * kept["errors"][way[1]][1])
+    off, many = abs(own - other), 1
+    if way[0] == "findings":
+        name, size = kept["findings"][way[1]][0], abs(other)
+        if way[3] in ("cam_angle", "cam_range"):
+            return abs(math.remainder(own - other, TURN)) <= PLACED
+    else:
+        name, column = way[1], kept["columns"][way[1]]
+        size, count = column["size"], max(column["borders"][0], 1)
+        if way[2] in ("size", "limit"):
+            return bool(way[2] == "size" or own == other)
+        if way[2] == "borders":
+            return bool(off <= PLACED * count)
+        many = count if way[2] == "sides" else 1
+    error = kept.get("errors", {}).get(name, [0.0])[0]
+    return bool(off <= many * max(error, ROUNDED * size))
 
 
 def differs(own: Mapping[str, Any], kept: Mapping[str, Any]) -> Iterator[str]:
     """Where a result of an effect is not that of the record."""
-    for key in ("fault", "state"):
-        if own.get(key) != kept.get(key):
-            yield f"{key}: {own.get(key)} instead of {kept.get(key)}"
-    errors: Mapping[str, list[float]] = kept.get("errors", {})
-    names = [[name for name, _ in each.get("findings", ())] for each in (own, kept)]
-    if names[0] != names[1]:
-        yield f"findings: {names[0]} instead of {names[1]}"
+    mine, its = dict(leaves(own)), dict(leaves(kept))
+    if mine.keys() != its.keys():
+        lost, more = (
+            sorted(each, key=str) for each in (its.keys() - mine.keys(), mine.keys() - its.keys())
+        )
+        yield f"lacks {lost}, has {more}"
         return
-    for (name, one), (_, other) in zip(
-        own.get("findings", ()), kept.get("findings", ()), strict=True
-    ):
-        for each in finding_differs(one, other, errors.get(name, [0.0])[0]):
-            yield f"{name}: {each}"
-    columns: list[Mapping[str, Any]] = [each.get("columns", {}) for each in (own, kept)]
-    if list(columns[0]) != list(columns[1]):
-        yield f"columns: {list(columns[0])} instead of {list(columns[1])}"
-        return
-    for name, column in columns[1].items():
-        for each in column_differs(columns[0][name], column, errors.get(name, [0.0])[0]):
-            yield f"{name}: {each}"
-    stated: Mapping[str, list[float]] = own.get("errors", {})
-    if stated.keys() != errors.keys():
-        yield f"errors: of {sorted(stated)} instead of {sorted(errors)}"
-        return
-    for name, bound in errors.items():
-        if not alike(Bound(*stated[name]), Bound(*bound)):
-            yield f"error of {name}: {stated[name]} instead of {bound}"
-
-
-def alike(own: Bound, kept: Bound) -> bool:
-    """Whether errors are estimates of the same; up to rounding they may be anything."""
-    low, high = sorted((own.error, kept.error))
-    near = math.isclose(own.scale, kept.scale, rel_tol=1e-4, abs_tol=1e-12)
-    return near and (high <= STATED * low or high <= ROUNDED * kept.scale)
+    for way, value in its.items():
+        if not agree(way, mine[way], value, kept):
+            yield f"{'.'.join(map(str, way))}: {mine[way]!r} instead of {value!r}"
 
 
 # The record --------------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ from typing import Final
 
 from camgeo.design.design import Design
 from camgeo.scene.scene import parse_scene
-from tests.effects.scenes import SCENES, design
+from tests.effects.scenes import SCENES, changed, design
 from tests.state.test_outline import STEEPER, trimmed
 
 SMALL: Final = """
@@ -526,14 +526,14 @@ DEFAULT_SPEED: Final = {"flat_rocker": 240}
 """Of scenes that have none."""
 
 
+def text_of(name: str) -> str:
+    effects, changes = OF_SMALL[name]
+    return changed(f"{SMALL}{effects}", *changes)
+
+
 def small(name: str) -> Design:
     """The small scene with the effects of `OF_SMALL`."""
-    effects, changes = OF_SMALL[name]
-    text = f"{SMALL}{effects}"
-    for old, new in changes:
-        assert text.count(old) == 1, old
-        text = text.replace(old, new)
-    return Design(parse_scene(text, str(SCENES.parent / "results" / "small.toml")))
+    return Design(parse_scene(text_of(name), str(SCENES.parent / "results" / "small.toml")))
 
 
 def of_fixture(name: str) -> Design:
@@ -549,5 +549,4 @@ def of_state(name: str) -> Design:
         return trimmed(TRIMMED[name])
     scene, effects, state = OF_STATES[name]
     edits = {f"state.{key}": each for key, each in ({"motion": "written"} | state).items()}
-    made = design(scene, effects).scene.with_values({**edits, "output.tolerance": 0.01})
-    return Design(made)
+    return Design(design(scene, effects).scene.with_values({**edits, "output.tolerance": 0.01}))

@@ -14,15 +14,17 @@ from camgeo.scene.scene import parse_scene
 SCENES = Path(__file__).resolve().parents[2] / "fixtures" / "scenes"
 
 
-def design(scene: str, effects: str, *changes: tuple[str, str]) -> Design:
-    """The fixture scene `scene` with the TOML text `effects` added, and `changes` made before.
-
-    Each of the changes is a text that the scene has once, and what stands in its place.
-    """
-    text = (SCENES / f"{scene}.toml").read_text("utf-8")
+def changed(text: str, *changes: tuple[str, str]) -> str:
+    """Each of the changes is a text that is there once, and what stands in its place."""
     for old, new in changes:
         assert text.count(old) == 1, old
         text = text.replace(old, new)
+    return text
+
+
+def design(scene: str, effects: str, *changes: tuple[str, str]) -> Design:
+    """The fixture scene `scene` with the TOML text `effects` added, and `changes` made before."""
+    text = changed((SCENES / f"{scene}.toml").read_text("utf-8"), *changes)
     if effects:
         text += f"\n{effects}\n"
     return Design(parse_scene(text, str(SCENES / f"{scene}.toml")))

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import cmath
 import math
-from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.check.finding import Finding
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.balance import PITCH, Balance, most, rows
 from camgeo.dynamics.effects.tables import parse_balance as parse
@@ -21,7 +19,7 @@ from camgeo.geometry.outline.path import total
 from camgeo.part.part import Part
 from camgeo.units import TURN
 from tests.effects.scenes import course_of, design
-from tests.findings import effect_findings
+from tests.findings import by_name, effect_findings, finding
 
 STEEL = "density = 7850\n"
 RHO = 7850e-12
@@ -63,20 +61,13 @@ def balance(scene: str, table: str = "", *changes: tuple[str, str]) -> Balance:
     return found
 
 
-def named(result: Any) -> dict[str, Finding]:
-    """The findings by their names, of which each is there once."""
-    found = {each.name: each for each in result.findings}
-    assert len(found) == len(result.findings)
-    return found
-
-
 def test_a_disc_without_a_stroke_is_balanced() -> None:
     result = disc(table="counterweight_radius = 20\nhole_radius = 30\n").effect("balance")
     assert result.mass == pytest.approx(RHO * 12.0 * math.pi * (40.0**2 - 12.5**2), rel=1e-14)
     assert abs(result.unbalance) <= result.unbalance_error
     assert result.unbalance_error < 1e-13 * result.mass * 40.0
     assert result.holes is None
-    found = named(result)
+    found = by_name(result.findings)
     for name in ("centre-of-mass", "unbalance", "unbalance-force", "counterweight"):
         assert found[name].value == 0.0  # what is off the axis is rounding
     assert "no counterweight is needed" in found["counterweight"].sentence
@@ -104,7 +95,7 @@ def test_a_keyway_has_the_unbalance_of_what_it_takes_off() -> None:
     assert abs(result.unbalance - expected) <= 1e-14 * result.mass * 40.0
     assert result.centre == result.unbalance / result.mass
     assert result.counterweight == pytest.approx(abs(expected) / 20.0, rel=1e-11)
-    found = named(result)
+    found = by_name(result.findings)
     assert found["unbalance"].value == pytest.approx(1e6 * abs(expected), rel=1e-11)
     assert "direction 230.0000 deg" in found["unbalance"].sentence
     assert "direction 50.0000 deg" in found["counterweight"].sentence
@@ -132,8 +123,7 @@ def test_the_solid_of_the_writers_has_the_same_mass_and_centre(scene: str) -> No
     room = RHO * 1.1 * tolerance * faces
     largest = float(np.max(np.hypot(*solid.vertices.T[:2])))
     assert abs(mass - result.mass) <= room
-    centre = complex(*mesh.center_mass[:2])
-    assert abs(mass * centre - result.unbalance) <= room * largest
+    assert abs(mass * complex(*mesh.center_mass[:2]) - result.unbalance) <= room * largest
 
 
 @settings(max_examples=30, deadline=None)
@@ -172,23 +162,21 @@ def test_the_fewest_holes_are_taken() -> None:
     assert first.count == 1
     assert first.directions == pytest.approx((0.4,))
     assert first.diameter == pytest.approx(single, rel=1e-15)
-    second = next(rows(unbalance, per_area, radius, single * (1.0 - 1e-12)))
-    assert second.count == 2
+    assert next(rows(unbalance, per_area, radius, single * (1.0 - 1e-12))).count == 2
 
 
 def test_holes_that_fit_are_reported_with_the_remaining_unbalance() -> None:
-    made = disc(KEYWAY, "hole_radius = 29\n")
-    result = made.effect("balance")
+    result = disc(KEYWAY, "hole_radius = 29\n").effect("balance")
     row = result.holes
     assert row is not None
     assert row.diameter <= 29.0 / 4.0
     rest = result.unbalance - row.moment(RHO * 12.0)
     assert abs(rest) <= 1e-14 * result.mass * 40.0
-    finding = named(result)["balancing-holes"]
-    assert finding.value == row.diameter
+    told = finding(result.findings, "balancing-holes")
+    assert told.value == row.diameter
     # the nearest boundary is the outline, 11 mm from the centres
     wall = 40.0 - 29.0 - row.diameter / 2.0
-    reported = float(finding.sentence.split("thinnest wall ")[1].split(" mm")[0])
+    reported = float(told.sentence.split("thinnest wall ")[1].split(" mm")[0])
     assert reported == pytest.approx(wall, abs=3.0 * 1e-4 * 29.0 / 4.0 + 1e-3)
 
 
@@ -204,9 +192,9 @@ def test_holes_that_fit_are_reported_with_the_remaining_unbalance() -> None:
 def test_holes_that_do_not_fit_are_a_warning_with_its_reason(table: str, reason: str) -> None:
     result = disc(KEYWAY, table).effect("balance")
     assert result.holes is None
-    finding = named(result)["holes-do-not-fit"]
-    assert finding.severity == "warning"
-    assert reason in finding.sentence
+    told = finding(result.findings, "holes-do-not-fit")
+    assert told.severity == "warning"
+    assert reason in told.sentence
 
 
 def test_smaller_holes_are_taken_where_few_large_ones_do_not_fit() -> None:
@@ -229,16 +217,15 @@ def test_hub_and_mark_weigh_and_holes_stay_beside_the_hub() -> None:
     assert abs(made.unbalance - made.holes.moment(RHO * 12.0)) <= 1e-12 * made.mass * 40.0
     within = disc(hub + MARK, "hole_radius = 20\n").effect("balance")
     assert within.holes is None
-    assert "outside the material" in named(within)["holes-do-not-fit"].sentence
+    assert "outside the material" in finding(within.findings, "holes-do-not-fit").sentence
 
 
 def test_no_holes_in_a_groove() -> None:
     """The middle of the groove is not solid through the whole disc."""
-    made = design("groove", "")
-    pitch = made.cam.disc.pitch_curve.point(np.linspace(0.0, TURN, 3601))
+    pitch = design("groove", "").cam.disc.pitch_curve.point(np.linspace(0.0, TURN, 3601))
     heavy = np.exp(1j * np.angle(balance("groove").unbalance))
     middle = float(np.abs(pitch[np.argmax((pitch / np.abs(pitch) * heavy.conj()).real)]))
-    found = named(balance("groove", f"hole_radius = {middle}\nhole_diameter = 40\n"))
+    found = by_name(balance("groove", f"hole_radius = {middle}\nhole_diameter = 40\n").findings)
     assert "outside the material" in found["holes-do-not-fit"].sentence
 
 
@@ -248,12 +235,12 @@ def test_the_grade_is_held_against_mass_and_speed() -> None:
     mass = RHO * 12.0 * (math.pi * (40.0**2 - 12.5**2) - area)
     allowed = 1e6 * 6.3 * mass / (TURN * 10.0)
     value = 1e6 * RHO * 12.0 * moment
-    finding = named(disc(KEYWAY, "grade = 6.3\n").effect("balance"))["unbalance"]
-    assert finding.limit == pytest.approx(allowed, rel=1e-12)
-    assert finding.severity == ("broken" if value > allowed else "ok")
+    told = finding(disc(KEYWAY, "grade = 6.3\n").effect("balance").findings, "unbalance")
+    assert told.limit == pytest.approx(allowed, rel=1e-12)
+    assert told.severity == ("broken" if value > allowed else "ok")
     just = value * TURN * 10.0 / (1e6 * mass)
     for factor, severity in ((1.0 + 1e-9, "ok"), (1.0 - 1e-9, "broken")):
-        found = named(disc(KEYWAY, f"grade = {just * factor!r}\n").effect("balance"))
+        found = by_name(disc(KEYWAY, f"grade = {just * factor!r}\n").effect("balance").findings)
         assert found["unbalance"].severity == severity
 
 
@@ -269,7 +256,7 @@ def test_the_force_is_minus_mass_times_acceleration_at_any_speed_curve() -> None
         1j * made.cam.rotation * place * alpha - place * omega**2
     )  # z'' from z and dz/dphi
     np.testing.assert_allclose(x + 1j * y, -result.mass * acceleration, rtol=1e-12)
-    largest = named(result)["unbalance-force"]
+    largest = finding(result.findings, "unbalance-force")
     dense = np.linspace(0.0, TURN, 20001)
     fx, fy = (column.values(dense, "right") for column in result.columns)
     assert largest.value >= np.max(np.hypot(fx, fy)) * (1.0 - 1e-12)
@@ -287,8 +274,8 @@ def test_a_disc_of_which_nothing_is_left_has_no_balance() -> None:
     )
     with pytest.raises(EffectError, match="no disc to balance"):
         made.effect("balance")
-    [finding] = effect_findings(made)
-    assert (finding.name, finding.severity) == ("balance", "broken")
+    [told] = effect_findings(made)
+    assert (told.name, told.severity) == ("balance", "broken")
 
 
 def test_a_material_gives_its_density() -> None:

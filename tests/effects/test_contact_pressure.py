@@ -6,7 +6,7 @@ import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from decimal import Decimal
-from typing import Any, Final
+from typing import Any
 
 import mpmath
 import numpy as np
@@ -312,18 +312,21 @@ def test_the_needed_width_gives_the_safety_that_is_asked_for(safety: float) -> N
     assert needed == pytest.approx(3.0 * share**2, rel=20.0 * EPS)
 
 
-GAP: Final = (
-    ("side_clearance = 0.08", "side_clearance = 3"),
-    ("\ndiameter = 12", "\ndiameter = 6"),
-)
-
-
 @pytest.mark.parametrize(
     ("name", "limit", "larger", "changes", "radius"),
     [
         ("plate_translating", 1600.0, True, (), "roller_radius = 10"),
         ("plate_translating", 4000.0, False, (), "roller_radius = 10"),
-        ("groove_clearance", 1600.0, True, GAP, "roller_radius = 8"),
+        (
+            "groove_clearance",
+            1600.0,
+            True,
+            (
+                ("side_clearance = 0.08", "side_clearance = 3"),
+                ("\ndiameter = 12", "\ndiameter = 6"),
+            ),
+            "roller_radius = 8",
+        ),
     ],
 )
 def test_the_needed_roller_radius_gives_the_safety_that_is_asked_for(
@@ -359,8 +362,7 @@ def test_a_roller_that_is_too_large_is_reported_with_the_largest_one() -> None:
 def test_no_roller_is_large_enough() -> None:
     result = pressed(scene("plate_translating"), steady(500.0), {"limit": 50.0})
     found = finding(result.findings, "needed-roller-radius")
-    assert found.severity == "warning"
-    assert found.value is None
+    assert (found.severity, found.value) == ("warning", None)
     assert "no roller radius is sufficient" in found.sentence
 
 

@@ -1,4 +1,6 @@
-"""The force that an elastic train passes to the cam, against an own integration of the train."""
+"""The force that an elastic train passes to the cam, against an own integration of the train, and
+flights with it, against an event-driven integration of all masses by scipy.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +8,7 @@ import math
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from itertools import pairwise
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import pytest
@@ -16,12 +18,22 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.results import CONTACT_FORCE, ContactForce
-from camgeo.errors import GeometryError
+from camgeo.dynamics.effects.lift_off import flight
+from camgeo.dynamics.effects.lift_off.flank import Flank
+from camgeo.dynamics.effects.lift_off.flight import (
+    MOST_REBOUNDS,
+    ElasticFollower,
+    FreeFollower,
+    Leaving,
+    Wall,
+)
+from camgeo.dynamics.effects.results import CONTACT_FORCE, INERTIA, ContactForce
+from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.scene import load_scene
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import SCENES
+from tests.effects.test_found_speed import lift
 from tests.findings import finding_of
 from tests.long_form import examples
 
@@ -177,21 +189,21 @@ def on_follower(contact: ContactForce, phi: FloatArray) -> FloatArray:
 PHI = np.linspace(0.003, TURN - 0.003, 61)
 
 
-CHAINS = [
-    pytest.param(press(330.0), id="slow"),
-    pytest.param(press(600.0), id="fast"),
-    pytest.param(pressing(330.0), id="with a load"),
-    pytest.param(lever(900.0), id="two masses"),
-    pytest.param(valve(500.0), id="three masses", marks=pytest.mark.long),
-    pytest.param(
-        valve(500.0, output=2, load=(-20.0, 35.0, 0.0)),
-        id="with a load in between",
-        marks=pytest.mark.long,
-    ),
-]
-
-
-@pytest.mark.parametrize("chain", CHAINS)
+@pytest.mark.parametrize(
+    "chain",
+    [
+        pytest.param(press(330.0), id="slow"),
+        pytest.param(press(600.0), id="fast"),
+        pytest.param(pressing(330.0), id="with a load"),
+        pytest.param(lever(900.0), id="two masses"),
+        pytest.param(valve(500.0), id="three masses", marks=pytest.mark.long),
+        pytest.param(
+            valve(500.0, output=2, load=(-20.0, 35.0, 0.0)),
+            id="with a load in between",
+            marks=pytest.mark.long,
+        ),
+    ],
+)
 def test_the_contact_force_is_that_of_an_integrated_train(chain: Chain) -> None:
     """Within what the integration changes from one tolerance to the next, and what is told."""
     contact = chain.of.effect(CONTACT_FORCE)
@@ -217,13 +229,7 @@ def test_the_roller_leaves_the_cam_at_the_speed_told(made: Any) -> None:
         rest = on_follower(contact, near)
         kept = chain.steady(near) - rest
         assert sign * np.min(kept) > 0.0
-    assert own_error(of) <= 1e-6 * told.value
-
-
-def own_error(of: Design) -> float:
-    """Of the lift-off speed, by the search itself."""
-    found: float = of.effect("lift-off").errors["lift-off-speed"].error
-    return found
+    assert of.effect("lift-off").errors["lift-off-speed"].error <= 1e-6 * told.value
 
 
 @dataclass(frozen=True)
@@ -339,8 +345,7 @@ def test_a_load_that_jumps_by_more_than_holds_the_roller_lifts_it_at_any_speed()
         (0.99 * 60.0 / damped, "where its load jumps the train may vibrate off it"),
         (0.5 * 60.0, "first leaves the inner flank at"),
     ):
-        of = pressing(330.0, load=(0.0, load, 0.0)).of
-        found = of.effects.findings("lift-off")
+        found = pressing(330.0, load=(0.0, load, 0.0)).of.effects.findings("lift-off")
         (told,) = (each.sentence for each in found if each.name == "lift-off-speed")
         assert sentence in told
 
@@ -348,8 +353,7 @@ def test_a_load_that_jumps_by_more_than_holds_the_roller_lifts_it_at_any_speed()
 def test_without_damping_there_is_no_lift_off_speed() -> None:
     of = loaded("lift_off_elastic", effects__vibration={"stiffness": 2000.0})
     told = finding_of(of, "lift-off", "lift-off-speed")
-    assert told.severity == "warning"
-    assert told.value is None
+    assert (told.severity, told.value) == ("warning", None)
     assert "without damping the train resonates" in told.sentence
 
 
@@ -366,3 +370,204 @@ def test_listed_masses_are_a_part_of_those_that_are_moved() -> None:
     with pytest.raises(GeometryError, match=r"more than the 1\.5 kg") as raised:
         heavy.effect(CONTACT_FORCE)
     assert raised.value.key == "effects.vibration.masses"
+
+
+# Flights -----------------------------------------------------------------------------------------
+# The oracle knows the demanded lift over the cam angle and the data of the scene: follower and
+# masses are bodies of their own, with Newton's law each. On the cam the follower has the motion of
+# the cam, and leaves it where the cam would have to pull; off it, it lands where its lift is that
+# of the cam. Nothing is decomposed into modes, and no steady state is known: it begins with all
+# masses at rest during the dwell, and turns until its flights repeat.
+
+
+TOTAL: Final = 1.5e-3
+"""[t] all that moves in the scene, of which the train has its masses."""
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """A follower of `own` [t] with masses in a row: m [t], k [N/mm], c [N s/mm]; the `load` [N] is
+    on the last one.
+    """
+
+    of: Design
+    omega: float
+    own: float
+    rows: tuple[tuple[float, float, float], ...]
+    restitution: float
+    ground: tuple[float, float] = (0.0, 0.0)
+    load: float = 0.0
+
+    def cam(self, t: float) -> tuple[float, float, float]:
+        """h, h', h''."""
+        jet = lift(self.omega * t % TURN)
+        return jet[0], self.omega * jet[1], self.omega**2 * jet[2]
+
+    def masses(self, lift: float, rate: float, y: list[float]) -> tuple[list[float], float]:
+        """Rates of the state of the masses, lifts and velocities, and the force in the first spring
+        and damper, behind a follower with this lift and velocity.
+        """
+        n = len(self.rows)
+        x, v = [lift, *y[:n]], [rate, *y[n:]]
+        pulls = [
+            k * (x[i] - x[i + 1]) + c * (v[i] - v[i + 1]) for i, (_, k, c) in enumerate(self.rows)
+        ]
+        pulls.append(self.ground[0] * x[-1] + self.ground[1] * v[-1] + self.load)
+        moved = [(pulls[i] - pulls[i + 1]) / m for i, (m, _, _) in enumerate(self.rows)]
+        return [*v[1:], *moved], pulls[0]
+
+    def on(self, t: float, y: list[float]) -> tuple[list[float], float]:
+        """Rates of the state of the masses, and the force of the cam, with the follower on it."""
+        h, rate, bend = self.cam(t)
+        moved, force = self.masses(h, rate, y)
+        return moved, self.own * bend + 60.0 + 2.0 * h + force
+
+    def off(self, t: float, y: list[float]) -> list[float]:
+        """Rates of the gap, its rate, and the state of the masses."""
+        h, rate, bend = self.cam(t)
+        moved, force = self.masses(h + y[0], rate + y[1], y[2:])
+        return [y[1], -(60.0 + 2.0 * (h + y[0]) + force) / self.own - bend, *moved]
+
+    def passed(self, t: float, y: list[float], end: float, *, on: bool, rtol: float) -> Any:
+        """Time and state at the event, or at the `end`, and whether it is the event."""
+
+        def event(t: float, y: Any) -> float:
+            return self.on(t, list(y))[1] if on else float(y[0])
+
+        event.terminal, event.direction = True, -1  # type: ignore[attr-defined]  # as solve_ivp reads it
+
+        def right(t: float, y: Any) -> list[float]:
+            return self.on(t, y.tolist())[0] if on else self.off(t, y.tolist())
+
+        found = solve_ivp(
+            right, (t, end), y, "DOP853", rtol=rtol, atol=1e-3 * rtol, events=event,
+            first_step=min(1e-8, 0.5 * (end - t)), max_step=5e-4,
+        )  # fmt: skip
+        assert found.success
+        return found.t[-1], found.y[:, -1].tolist(), found.status == 1
+
+    def flights(self, turns: int, rtol: float) -> list[tuple[float, float, float]]:
+        """Leaving and landing [rad] and impact speed in the last turn, angles from its start."""
+        ends = [0.25 * TURN * each / self.omega for each in range(3, 4 * turns + 3)]
+        t, begun, found = 0.6 * TURN / self.omega, 0.0, []
+        y, on, rebounds = [0.0] * 2 * len(self.rows), True, 0
+        while ends:
+            if on and self.on(t, y)[1] < 0.0:
+                on, y, begun = False, [0.0, 0.0, *y], t
+            t, y, happened = self.passed(t, y, ends[0], on=on, rtol=rtol)
+            if not happened:
+                del ends[0]
+            elif on:
+                on, y, begun = False, [0.0, 0.0, *y], t
+            else:
+                found.append((self.omega * begun, self.omega * t, abs(y[1])))
+                on = self.restitution == 0.0 or rebounds == MOST_REBOUNDS
+                rebounds = 0 if on else rebounds + 1
+                y, begun = y[2:] if on else [0.0, -self.restitution * y[1], *y[2:]], t
+        start = (turns - 1) * TURN
+        return [
+            (low - start, high - start, v) for low, high, v in found if 0.0 <= low - start < TURN
+        ]
+
+    def normal(self, angle: float, rate: float) -> float:
+        """Of a rate of the lift, that along the normal of the cam, with a base radius of 40 mm."""
+        lift, pace, _ = self.cam(angle / self.omega)
+        return rate * math.cos(math.atan2(pace / self.omega, 40.0 + lift))
+
+
+def bodies(
+    speed: float, rows: tuple[tuple[float, float, float], ...], restitution: float = 0.0,
+    ground: tuple[float, float] = (0.0, 0.0), load: float = 0.0,
+) -> Bodies:  # fmt: skip
+    """Of lift_off_elastic, with a train of masses [t]."""
+    table = [{"mass": 1e3 * m, "stiffness": k, "viscous": c} for m, k, c in rows]
+    table[-1] |= {"ground_stiffness": ground[0], "ground_viscous": ground[1]}
+    of = loaded(
+        "lift_off_elastic",
+        cam__speed=speed,
+        effects__vibration={"masses": table},
+        effects__load={"constant": load},
+        **{"effects__lift-off": {"restitution": restitution}},
+    )
+    own = TOTAL - sum(m for m, _, _ in rows)
+    return Bodies(of, speed * RPM, own, rows, restitution, ground, load)
+
+
+def row(mass: float, stiffness: float, damping: float) -> tuple[float, float, float]:
+    """With the damping ratio of the mass alone on its spring."""
+    return mass, stiffness, 2.0 * damping * math.sqrt(stiffness * mass)
+
+
+ONE: Final = (row(1.2e-3, 2000.0, 0.2),)
+TWO: Final = (row(0.8e-3, 2600.0, 0.3), row(0.4e-3, 3000.0, 0.3))
+
+
+EARLY: Final = pytest.mark.xfail(
+    strict=True, reason="leaves 9e-9 rad early, and states 1.4e-9 rad as the error of its angles"
+)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "rebounds",  # with two masses, a ground and a load; the others have less
+        pytest.param("one mass", marks=pytest.mark.long),
+        pytest.param("weakly damped", marks=[pytest.mark.long, EARLY]),
+        pytest.param("without rebounds", marks=pytest.mark.long),
+    ],
+)
+def test_flights_are_those_of_bodies_with_newtons_law_each(name: str) -> None:
+    """Within what is told, and what the oracle changes from one tolerance to the next."""
+    of = {
+        "rebounds": lambda: bodies(450.0, TWO, 0.2, (1.0, 0.002), 25.0),
+        "one mass": lambda: bodies(400.0, ONE),
+        "weakly damped": lambda: bodies(400.0, (row(1.2e-3, 2000.0, 0.05),)),
+        "without rebounds": lambda: bodies(520.0, TWO, 0.0, (4.0, 0.002)),
+    }[name]()
+    result = of.of.effect("lift-off")
+    rough, fine = (of.flights(7 if name == "weakly damped" else 3, rtol) for rtol in (1e-8, 1e-10))
+    assert len(result.flights) == len(fine) == len(rough) > 1
+    for each, one, other in zip(result.flights, fine, rough, strict=True):
+        for told, own, coarse in (
+            (each.leaving, one[0], other[0]),
+            (each.landing, one[1], other[1]),
+        ):
+            assert abs(told - own) <= each.late + abs(own - coarse) + 1e-11
+        own, coarse = (of.normal(*here[1:]) for here in (one, other))
+        assert abs(each.speed - own) <= each.error * own + abs(own - coarse) + 1e-10 * own
+        assert each.error <= 1e-6
+        assert each.late <= 1e-6
+    assert any(each.rebound for each in result.flights) == (of.restitution > 0.0)
+    assert result.flown
+    told = {each.name for each in of.of.effects.findings("drive-torque")}
+    assert "contact-lost" in told
+
+
+def carried(of: Design) -> tuple[ElasticFollower, float]:
+    """The follower with its train, and where it first leaves the cam in the steady state."""
+    subject, contact, course = (
+        of.effects.subject,
+        of.effect(CONTACT_FORCE),
+        of.effects.subject.state.course,
+    )
+    assert course is not None
+    walls = (Wall.of_state(subject, 1),)
+    free = FreeFollower.with_forces(contact, of.effect(INERTIA), course, walls)
+    start = contact.lost_contact.ranges[0].start
+    behind = contact.behind
+    assert behind is not None
+    return ElasticFollower.with_train(free, Flank(subject, contact, 1, 0.0), behind), start
+
+
+def test_flights_that_do_not_repeat_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    elastic, start = carried(bodies(400.0, ONE).of)
+    leavings = (Leaving(0, start, start + 0.1),)
+    monkeypatch.setattr(flight, "MOST_ELASTIC_TURNS", 1)
+    found = elastic.steady(leavings, 0.0, 1e-6)
+    assert found.turns == 0
+    assert found.flights
+
+
+def test_a_train_that_vibrates_too_fast_is_refused() -> None:
+    with pytest.raises(EffectError, match=r"up to 1\d{3} periods a turn; flights are .* 400"):
+        carried(bodies(400.0, (row(1.2e-3, 5e5, 0.05),)).of)

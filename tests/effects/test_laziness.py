@@ -6,7 +6,7 @@ import itertools
 import json
 import subprocess
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from importlib import import_module
 from pathlib import Path
 
@@ -56,8 +56,6 @@ TABLES = {
 TOGETHER = tuple(name for name in EFFECTS if name != CAMSHAFT_WINDUP)
 """Those that one scene can name: its cam turns in one way."""
 
-GEOMETRY = ("dxf", "gcode", "stl", "3mf", "svg")
-
 
 def with_data(*names: str) -> tuple[str, ...]:
     """`names`, and of the effects those that bring the data without which they cannot be."""
@@ -81,25 +79,27 @@ def text_of(names: tuple[str, ...]) -> str:
     return "\n".join(f"[effects.{name}]\n{TABLES[name]}" for name in names)
 
 
-def expected(names: tuple[str, ...]) -> set[str]:
-    """All that is needed, directly or not, for the effects `names` of a scene that names them."""
-    found = set(names)
-    waiting = list(names)
+def reached(names: Iterable[str], following: Callable[[str], Iterable[str]]) -> set[str]:
+    """`names`, and all that follows from them step by step."""
+    found, waiting = set(names), list(names)
     while waiting:
-        effect = find_effect(waiting.pop())
-        for each in (*effect.needs, *(use for use in effect.uses if use in names)):
-            if each not in found:
-                found.add(each)
-                waiting.append(each)
+        further = {*following(waiting.pop())} - found
+        found |= further
+        waiting += further
     return found
 
 
-def subject(names: tuple[str, ...]) -> Design:
-    return design(SCENE, text_of(names))
+def expected(names: tuple[str, ...]) -> set[str]:
+    """All that is needed, directly or not, for the effects `names` of a scene that names them."""
+    return reached(
+        names, lambda each: (*find_effect(each).needs, *{*find_effect(each).uses} & {*names})
+    )
 
 
-PAIRS = [each for each in itertools.combinations(EFFECTS, 2) if each != FINDERS]
-SETS = [*((name,) for name in EFFECTS), *PAIRS]
+SETS = [
+    *((name,) for name in EFFECTS),
+    *[each for each in itertools.combinations(EFFECTS, 2) if each != FINDERS],
+]
 
 
 def test_every_effect_has_a_table_here() -> None:
@@ -110,18 +110,12 @@ def test_every_effect_has_a_table_here() -> None:
 @pytest.mark.usefixtures("no_effect_imported")
 def test_only_what_is_needed_runs_and_once_and_is_imported(names: tuple[str, ...]) -> None:
     named = with_data(*names)
-    found = subject(named)
+    found = design(SCENE, text_of(named))
     assert computing(sys.modules) == set()
     for name in names:
         found.effect(name)
     runs = [run.name for run in found.ledger.runs if run.name.startswith("effects.")]
-    needed = set(names)
-    waiting = list(names)
-    while waiting:
-        for each in found.effects.inputs(waiting.pop()):
-            if each not in needed:
-                needed.add(each)
-                waiting.append(each)
+    needed = reached(names, found.effects.inputs)
     assert sorted(runs) == sorted(nodes(found, names))
     assert needed <= expected(named)
     assert computing(sys.modules) == needed
@@ -252,7 +246,7 @@ def test_flights_and_trimmed_flanks_are_imported_where_there_are_some(tmp_path: 
 
 def geometry(effects: str) -> dict[str, bytes]:
     found = design(SCENE, effects)
-    contents, _ = make_files(found.discs, GEOMETRY, 0.01)
+    contents, _ = make_files(found.discs, ("dxf", "gcode", "stl", "3mf", "svg"), 0.01)
     assert not [run for run in found.ledger.runs if run.name.startswith("effects.")]
     return contents
 

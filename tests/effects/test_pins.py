@@ -109,8 +109,7 @@ class Members:
     def jet(self, motion: Any) -> FloatArray:
         """(3, n) of a motion over time."""
         q = motion.jet(self.phi, "right", 2)
-        course = course_of(self.made)
-        omega, alpha = course.rates(self.phi)[:2]
+        omega, alpha = course_of(self.made).rates(self.phi)[:2]
         return np.stack((q[0], q[1] * omega, q[2] * omega**2 + q[1] * alpha))
 
     def turned(self, start: complex, angle: FloatArray) -> Jets:
@@ -124,8 +123,7 @@ class Members:
         demanded = self.jet(self.made.drive.plan)
         if isinstance(linkage, FourBar):
             sense = linkage.lever_sense
-            lever = cmath.rect(linkage.lever, linkage.lever_angle)
-            pin = self.turned(lever, sense * demanded)
+            pin = self.turned(cmath.rect(linkage.lever, linkage.lever_angle), sense * demanded)
             way = 1j * sense * pin[0]
             pin = (pin[0] + linkage.shaft, *pin[1:])
             return self.closed(linkage, pin, linkage.branch), pin, way
@@ -385,8 +383,7 @@ def test_pins_pass_on_what_an_elastic_train_takes() -> None:
     wanted = whole * own[2] - cross(mass * body + roller * swing, pull(given["angle"]))
     wanted = wanted - cross(tip[0], near)
     found = contact.demand(phi, "right")
-    size = float(np.max(np.abs(found)))
-    assert np.max(np.abs(found - wanted)) <= 10.0 * ROUNDING * size
+    assert np.max(np.abs(found - wanted)) <= 10.0 * ROUNDING * float(np.max(np.abs(found)))
     rigid = Design(parse_scene(text, str(SCENES.parent / f"{name}.toml")))
     before = rigid.effect("reactions").bodies.loads.coupler.at_speed(phi, "right").near
     assert np.max(np.abs(near - before)) > 1e-3 * np.max(np.abs(before))

@@ -41,9 +41,6 @@ NAMES: Final = tuple(sorted(path.stem for path in SCENES.glob("*.toml")))
 
 WHOLE: Final = whole_schema()
 
-ANGLES: Final = np.linspace(0.0, TURN, 97, endpoint=False)
-
-SEVERITIES: Final = ("ok", "warning", "broken", "no-disc", "invalid")
 
 USUAL: Final[dict[str, tuple[float, float]]] = {
     "mass": (1e-3, 1e2),
@@ -75,7 +72,6 @@ USUAL: Final[dict[str, tuple[float, float]]] = {
 }
 """Ranges in which designers' numbers lie, by the definition of the schema, in its units."""
 
-SIGNED: Final = ("load", "coordinate", "angle")
 
 TURNED: Final = ("lever", "crank")
 """Far ends of linkages that turn."""
@@ -85,8 +81,6 @@ SPRINGS: Final = (
     ("torsional_stiffness", "preload_torque", "kind"),
     ("stiffness", "preload", "anchor", "attachment", "kind"),
 )
-
-WOUND: Final = ("wire", "preload")
 
 
 @cache
@@ -106,7 +100,7 @@ def number(rng: Random, kind: str, *, wild: bool) -> float:
         low, high = max(least, 1e-12), most
     found = math.exp(rng.uniform(math.log(low), math.log(high)))
     found = float(f"{found:.4g}")
-    if kind in SIGNED and rng.random() < 0.5:
+    if kind in ("load", "coordinate", "angle") and rng.random() < 0.5:
         found = -found
     found = min(max(found, least), most)
     if "exclusiveMaximum" in node and found >= most:
@@ -188,7 +182,9 @@ def keys_of(
     chosen = [each for each in keys if rng.random() < 0.6]
     if effect == "spring":
         suits = SPRINGS if rocks else SPRINGS[:1]
-        chosen = list(rng.choice(suits[1:] if rocks and not slides else (*suits, WOUND)))
+        chosen = list(
+            rng.choice(suits[1:] if rocks and not slides else (*suits, ("wire", "preload")))
+        )
     if effect == "vibration":
         chosen = keys_of_train(rng, chosen, of)
     if effect == "load":
@@ -347,10 +343,9 @@ def fault_of(design: Design, name: str) -> str:
 def assert_findings(name: str, findings: tuple[Finding, ...]) -> None:
     for each in findings:
         assert re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", each.name), each
-        assert each.severity in SEVERITIES, each
+        assert each.severity in ("ok", "warning", "broken", "no-disc", "invalid"), each
         assert not re.search(r"\b(nan|inf|None)\b|\{", each.sentence), (name, each)
-        record = json.loads(json.dumps(asdict(each), allow_nan=False))
-        assert record["sentence"], each
+        assert json.loads(json.dumps(asdict(each), allow_nan=False))["sentence"], each
         numbers = (each.value, each.limit, each.cam_angle, *(each.cam_range or ()))
         assert all(math.isfinite(one) for one in numbers if one is not None), (name, each)
         assert each.cam_angle is None or 0.0 <= each.cam_angle < TURN, (name, each)
@@ -363,7 +358,9 @@ def assert_columns(design: Design, name: str, columns: tuple[Column, ...]) -> No
     for column in columns:
         borders = np.asarray(column.borders)
         assert np.all((borders >= 0.0) & (borders < TURN)), (name, column.name)
-        phi = np.concatenate((ANGLES, design.drive.smooth_angles, borders))
+        phi = np.concatenate(
+            (np.linspace(0.0, TURN, 97, endpoint=False), design.drive.smooth_angles, borders)
+        )
         values = sides_of(column, phi)
         assert values.shape == (2, len(phi)), (name, column.name)
         bad = ~np.all(np.isfinite(values), axis=0)

@@ -12,7 +12,7 @@ from typing import Any, Final
 
 import pytest
 
-from tests.effects.recorded import GROUPS, designs, differences, differs, record
+from tests.effects.recorded import GROUPS, designs, differences, differs, leaves, record
 from tests.thinned import share
 
 DEAR: Final = ("press", "linked_press", "tappet", "camshaft_windup")
@@ -47,29 +47,18 @@ def test_dear_scenes_have_the_results_of_the_record() -> None:
 
 
 def test_the_record_has_no_scene_that_is_gone() -> None:
-    known = [name for group in GROUPS for name, _ in designs(group)]
-    assert list(record()) == known
+    assert list(record()) == [name for group in GROUPS for name, _ in designs(group)]
 
 
 def test_each_difference_is_told() -> None:
     """Of a result with a finding and a column, each number and text off by more than may be."""
     kept = record()["windup"]["drive-torque"]
     assert not [*differs(kept, kept)]
-    for number, each in enumerate(leaves(kept)):
-        changed = json.loads(json.dumps(kept))
-        change(changed, each)
-        assert [*differs(changed, kept)], (number, each)
-
-
-def leaves(of: Any, way: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
-    """The ways to all numbers and texts, but for the scale that bounds are compared with."""
-    if isinstance(of, dict):
-        return [
-            one for key, each in of.items() if key != "size" for one in leaves(each, (*way, key))
-        ]
-    if isinstance(of, list):
-        return [one for key, each in enumerate(of) for one in leaves(each, (*way, key))]
-    return [way]
+    for way, _ in leaves(kept):
+        if "size" not in way:  # the scale that bounds are compared with
+            changed = json.loads(json.dumps(kept))
+            change(changed, way)
+            assert [*differs(changed, kept)], way
 
 
 def change(of: Any, way: tuple[Any, ...]) -> None:

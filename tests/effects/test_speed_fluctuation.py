@@ -144,13 +144,11 @@ def test_the_error_holds_as_the_tolerance_falls(plate: Design, kinked: bool) -> 
 def test_a_motor_too_weak_stalls_where_the_torque_beats_it() -> None:
     """With little inertia it comes to rest as soon as the static torque reaches its own."""
     light, stall, phi = driven(mass=1e-6), 1000.0, np.linspace(0.0, TURN, 36001)
-    static = light.effect("drive-torque").static(phi, "right")
-    place = phi[np.argmax(static > stall)]
+    place = phi[np.argmax(light.effect("drive-torque").static(phi, "right") > stall)]
     for moment in (1e-3, 1e-2):
         with pytest.raises(EffectError) as caught:
             steady(light, moment, stall)
-        assert caught.value.finding == "stall"
-        assert caught.value.value == stall / 1000.0
+        assert (caught.value.finding, caught.value.value) == ("stall", stall / 1000.0)
         angle = caught.value.cam_angle
         assert angle is not None
         # The inertia carries it on by the kinetic energy over the missing torque, less than 1 deg.

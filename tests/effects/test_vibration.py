@@ -1,4 +1,6 @@
-"""Vibration of the follower train: the exact response, its findings, and the hard cases."""
+"""Vibration of the follower train: the exact response, its findings, and the hard cases; and the
+shock spectrum: what remains after each move, over its duration in natural periods.
+"""
 
 from __future__ import annotations
 
@@ -8,16 +10,22 @@ import numpy as np
 import pytest
 
 from camgeo.design.design import Design
+from camgeo.dynamics.effects import shock_spectrum as module
+from camgeo.dynamics.effects.shock_spectrum import ShockSpectrum, measured
 from camgeo.dynamics.effects.vibration import Vibration
+from camgeo.dynamics.oscillator import steady
+from camgeo.dynamics.oscillator.steady import NODES, QUIET, Pieces, Shock, most_cells, solve
 from camgeo.errors import EffectError
 from camgeo.kinematics.laws import make_law
 from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import FloatArray, Side
+from camgeo.numeric.extremes import Extreme
 from camgeo.units import TURN
-from tests.effects.scenes import design
-from tests.findings import finding
+from tests.effects.scenes import course_of, design
+from tests.findings import effect_findings, finding
 from tests.integrals import cells, integrals
-from tests.numeric.shocks import shock_spectrum
+from tests.laws import LAWS
+from tests.numeric.test_oscillator import shock_of, shock_spectrum
 
 PHI = np.linspace(0.0, TURN, 721)[:-1]
 
@@ -58,39 +66,29 @@ def test_after_a_rest_longer_than_the_transient_a_move_leaves_what_its_spectrum_
     "scene", ["plate_translating", "groove", "shuttle", "setzhub", "feed", "measured", "points"]
 )
 def test_the_output_obeys_its_equation_of_motion(scene: str) -> None:
-    """x'' = -w^2 e - 2 D w e' at every angle, with e' from the differences of e."""
-    found = result(scene, "natural_frequency = 31\ndamping = 0.04\ntolerance = 1e-12")
-    w, step = TURN * 31.0, 1e-4
-    inside = PHI[
-        (np.min(np.abs(PHI[:, np.newaxis] - found.output.clock.edges), axis=1) > 4.0 * step)
-    ]
-    around = [found.output.deflection(inside + k * step, "right") for k in (-2, -1, 1, 2)]
+    """x'' = -w^2 e - 2 D w e' at every angle, with e' from the differences of e; and x'' is the
+    second derivative of the output, by the work over each piece: the change of x' is its integral.
+    """
+    found = result(scene, "natural_frequency = 31\ndamping = 0.04\ntolerance = 1e-12").output
+    clock, course, w, step = found.clock, found.clock.course, TURN * 31.0, 1e-4
+    inside = PHI[np.min(np.abs(PHI[:, np.newaxis] - clock.edges), axis=1) > 4.0 * step]
+    around = [found.deflection(inside + k * step, "right") for k in (-2, -1, 1, 2)]
     slope = (around[0] - 8.0 * around[1] + 8.0 * around[2] - around[3]) / (12.0 * step)
-    omega = found.output.clock.course.rates(inside)[0]
-    e = found.output.deflection(inside, "right")
-    got = found.output.acceleration(inside, "right")
-    size = float(np.max(np.abs(got)))
+    e, got = found.deflection(inside, "right"), found.acceleration(inside, "right")
+    left = got + w * w * e + 2.0 * 0.04 * w * course.rates(inside)[0] * slope
     # The differences err by step^4 / 30 of the fifth derivative, (31 / 0.5 per rad)^5 / 62 by e'.
-    assert np.max(np.abs(got + w * w * e + 2.0 * 0.04 * w * omega * slope)) <= 1e-6 * size
-
-
-@pytest.mark.parametrize("scene", ["plate_translating", "groove", "feed", "measured", "points"])
-def test_the_acceleration_is_the_second_derivative_of_the_output(scene: str) -> None:
-    """By the work over each piece: the change of x'^2 / 2 is the integral of x'' x'."""
-    found = result(scene, "natural_frequency = 17\ndamping = 0.1\ntolerance = 1e-12")
-    clock, course = found.output.clock, found.output.clock.course
+    assert np.max(np.abs(left)) <= 1e-6 * np.max(np.abs(got))
 
     def velocity(phi: FloatArray, side: Side) -> FloatArray:
         timed = in_time(clock.motion.jet(phi, side), course, phi)
-        return np.asarray(timed[1] + found.output.states(phi, side)[1])
-
-    def per_angle(phi: FloatArray) -> FloatArray:
-        return np.asarray(found.output.acceleration(phi, "right") / course.rates(phi)[0])
+        return np.asarray(timed[1] + found.states(phi, side)[1])
 
     low, high = cells(clock.edges[:-1], 30)
     before, after = velocity(low, "right"), velocity(high, "left")
-    size = float(np.max(np.abs(before)))
-    assert np.max(np.abs(integrals(per_angle, low, high) - (after - before))) <= 1e-9 * size
+    way = integrals(
+        lambda phi: np.asarray(found.acceleration(phi, "right") / course.rates(phi)[0]), low, high
+    )
+    assert np.max(np.abs(way - (after - before))) <= 1e-9 * np.max(np.abs(before))
 
 
 def test_the_largest_values_are_those_of_a_fine_grid() -> None:
@@ -196,8 +194,7 @@ def test_a_peak_behind_a_shock_is_found_however_stiff_the_train() -> None:
 
 def test_a_second_mass_has_two_natural_frequencies_and_the_output() -> None:
     second = "second = { natural_frequency = 90, mass_ratio = 0.2, damping = 0.02 }"
-    table = f"natural_frequency = 60\ndamping = 0.03\n{second}"
-    found = result("plate_translating", table)
+    found = result("plate_translating", f"natural_frequency = 60\ndamping = 0.03\n{second}")
     # Undamped: x^2 - x (60^2 + 1.2 90^2) + (60 90)^2 = 0 for the squares; damping changes D^2.
     middle = 60.0**2 + 1.2 * 90.0**2
     root = math.sqrt(middle**2 - 4.0 * (60.0 * 90.0) ** 2)
@@ -227,50 +224,6 @@ def test_masses_one_by_one_are_the_train_of_frequencies() -> None:
     assert len(other.columns) == len(one.columns) + 2
 
 
-def test_the_forces_in_the_springs_move_what_is_behind_them() -> None:
-    """With dampers as N s/mm and as ratios, a closing spring, and the output in the middle."""
-    rows = (
-        "{ mass = 0.5, stiffness = 400, viscous = 0.2 }",
-        "{ mass = 0.2, stiffness = 900, damping = 0.1 }",
-        "{ mass = 0.1, stiffness = 700, ground_stiffness = 5, ground_viscous = 0.01 }",
-    )
-    found = result("plate_translating", f"output = 2\nmasses = [{', '.join(rows)}]")
-    response = found.output.response
-    assert response is not None
-    clock = found.output.clock
-    t = clock.time(PHI)
-    y = clock.jet(t, "right")
-    x = np.array([response.states_of(mass, t, "right") for mass in range(3)])
-    x[:, :2] += y[:2]
-    off = x[1, 0] - y[0] - found.output.deflection(PHI, "right")
-    assert np.max(np.abs(off)) <= 1e-14 * float(np.max(y[0]))
-    forces = [column.values(PHI, "right") for column in found.columns[2:]]
-    first = 400.0 * (y[0] - x[0, 0]) + 0.2 * (y[1] - x[0, 1])
-    second = 2.0 * 0.1 * math.sqrt(900.0 * 0.2e-3) * (x[0, 1] - x[1, 1])
-    second += 900.0 * (x[0, 0] - x[1, 0])
-    last = 0.1e-3 * x[2, 2] + 5.0 * x[2, 0] + 0.01 * x[2, 1]
-    whole = 0.5e-3 * x[0, 2] + 0.2e-3 * x[1, 2] + last
-    for got, wanted in ((0, first), (0, whole), (1, second), (2, last)):
-        size = float(np.max(np.abs(wanted)))
-        assert np.max(np.abs(forces[got] - wanted)) <= 1e-10 * size
-    largest = [each for each in found.findings if each.name == "largest-train-force"]
-    assert [each.value for each in largest] == pytest.approx(
-        [float(np.max(np.abs(each))) for each in forces], rel=2e-3
-    )
-    assert [each.unit for each in largest] == ["N"] * 3
-
-
-def test_forty_masses_are_a_train_like_any_other() -> None:
-    """Equal masses on equal springs: 2 w sin(pi / 162) is the lowest frequency."""
-    row = "{ mass = 0.01, stiffness = 20, damping = 0.02 }"
-    found = result("plate_translating", f"masses = [{', '.join([row] * 40)}]")
-    lowest = 2.0 * math.sqrt(20.0 / 1e-5) * math.sin(math.pi / 162.0) / TURN
-    assert frequencies(found)[0] == pytest.approx(lowest, rel=1e-12)
-    assert len(frequencies(found)) == 40
-    assert found.error is not None
-    assert found.error <= 1e-6
-
-
 def test_a_mode_beyond_critical_damping_has_a_time_constant() -> None:
     """m s^2 + c s + k = 0 with 1 kg, 2 N s/mm and 0.36 N/mm: -0.2 1/s and -1.8 1/s, by 1000."""
     found = result("plate_translating", "masses = [{ mass = 1, stiffness = 360, viscous = 2 }]")
@@ -287,3 +240,188 @@ def test_moments_are_for_a_rocker() -> None:
     assert force.unit == "N m"
     top = finding(found.findings, "largest-output-acceleration").value
     assert force.value == pytest.approx(0.05 * math.radians(top), rel=1e-12)
+
+
+# The shock spectrum -------------------------------------------------------------------------------
+
+
+RATIOS = np.array([1e-6, 0.1, 0.3, 1.0, 1.7, 3.9, 12.2, 80.1])
+
+
+def spectrum(scene: str, table: str = "", *changes: tuple[str, str]) -> ShockSpectrum:
+    found = design(scene, f"[effects.shock-spectrum]\n{table}\n", *changes).effect("shock-spectrum")
+    assert isinstance(found, ShockSpectrum)
+    return found
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.1])
+def test_a_move_of_the_scene_has_the_spectrum_of_its_law(damping: float) -> None:
+    """Behind each other in the scene, at speed, shifted inflection and all."""
+    rise, fall = spectrum("plate_translating", f"damping = {damping}").spectra
+    place = (rise.move.start, rise.move.span)
+    assert place == pytest.approx((math.radians(30.0), math.radians(100.0)), rel=1e-14)
+    assert (rise.move.stroke, fall.move.stroke) == (20.0, 20.0)
+    assert rise.residual(RATIOS) == pytest.approx(
+        shock_spectrum(make_law("modified-sine"), RATIOS, damping), rel=0.0, abs=1e-13
+    )
+    skewed = make_law("polynomial-345", inflection=0.4)
+    assert fall.residual(RATIOS) == pytest.approx(
+        shock_spectrum(skewed, RATIOS, damping), rel=0.0, abs=1e-13
+    )
+
+
+def test_moves_of_one_law_are_measured_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever their strokes and spans, up or down; hundreds of them took a minute."""
+    shocks = []
+
+    def counted(shock: Shock, damping: float, end: float) -> tuple[Extreme, float | None]:
+        shocks.append(shock)
+        return measured(shock, damping, end)
+
+    monkeypatch.setattr(module, "measured", counted)
+    same = (("polynomial-345", "modified-sine"), ("inflection = 0.4", ""))
+    found = spectrum("plate_translating", "", *same).spectra
+    assert len(found) == 2
+    assert len(shocks) == 1
+    for each in found:
+        worst, quiet = measured(each.move.shock, 0.0, 20.0)
+        assert (each.worst.value, each.quiet) == pytest.approx((worst.value, quiet), rel=1e-9)
+
+
+@pytest.mark.parametrize("span", [1e-2, 1e-4])
+def test_a_very_short_move_has_the_spectrum_of_its_law_as_far_as_doubles_resolve_it(
+    span: float,
+) -> None:
+    """The angle is rounded to some 1e-16; its series must not go after that in ever more pieces."""
+    short = (("span = 100", f"span = {span:.6f}"), ("dwell = 70", f"dwell = {170.0 - span:.6f}"))
+    rise = spectrum("plate_translating", "", *short).spectra[0]
+    assert rise.move.shock.pieces.series.shape[1] < 100
+    resolved = 1e-15 * math.tau / math.radians(span)
+    assert rise.residual(RATIOS) == pytest.approx(
+        shock_spectrum(make_law("modified-sine"), RATIOS), rel=0.0, abs=100.0 * resolved
+    )
+
+
+@pytest.mark.parametrize("name", ["quadratic-parabola", "modified-sine", "straight-line"])
+def test_the_largest_residual_and_where_it_stays_small_are_those_of_a_fine_grid(name: str) -> None:
+    grid = np.linspace(1.0, 40.0, 3901)
+    move = shock_of(LAWS[name])
+    worst, quiet = measured(move, 0.0, 40.0)
+    values = move.residual(grid)
+    # A peak between two points of the grid is higher by (2 pi 0.005)^2 / 2 at most.
+    assert float(np.max(values)) <= worst.value <= 1.0005 * float(np.max(values))
+    assert quiet is not None
+    assert 0.0 <= quiet - float(grid[values > QUIET][-1]) <= 0.01
+    assert move.residual(np.array([quiet]))[0] == pytest.approx(QUIET, rel=1e-9)
+
+
+def test_a_short_range_says_what_it_saw() -> None:
+    worst, quiet = measured(shock_of(make_law("cycloidal")), 0.0, 0.5)
+    assert worst.value == pytest.approx(1.0, abs=1e-11)
+    assert quiet is None
+    found = spectrum("plate_translating", "highest_ratio = 2")
+    assert [each.value for each in found.findings if each.name == "residual-small-from"] == [
+        None
+    ] * 2
+    assert all("up to 2 natural periods" in each.sentence for each in found.findings[1::2])
+
+
+def test_the_highest_ratio_costs_nothing_where_the_bound_says_enough() -> None:
+    few, many = (
+        spectrum("plate_translating", f"highest_ratio = {top}").findings for top in (20, 10000)
+    )
+    assert [each.value for each in few] == [each.value for each in many]
+
+
+def test_moves_without_a_rest_between_them_are_one() -> None:
+    """The feed cam rests once: there and back it is one move of 300 degrees."""
+    (only,) = spectrum("feed").spectra
+    assert (math.degrees(only.move.start), math.degrees(only.move.span)) == pytest.approx(
+        (30.0, 300.0)
+    )
+    assert only.move.stroke == pytest.approx(35.3, rel=1e-12)
+    # It comes back, so that a soft train is left by nothing.
+    assert only.residual(np.array([1e-9]))[0] <= 1e-8
+
+
+def test_a_joint_with_neither_velocity_nor_acceleration_is_a_rest() -> None:
+    changes = (("[[motion]]\ndwell = 40\n\n", ""), ("dwell = 70", "dwell = 110"))
+    found = spectrum("plate_translating", "", *changes)
+    assert [round(math.degrees(each.move.start), 9) for each in found.spectra] == [30.0, 130.0]
+    assert found.spectra[0].residual(RATIOS) == pytest.approx(
+        shock_spectrum(make_law("modified-sine"), RATIOS), rel=0.0, abs=1e-13
+    )
+
+
+def test_a_move_across_the_start_of_the_turn() -> None:
+    """The ring starts at rest; its last move ends where the turn does."""
+    found = spectrum("ring")
+    assert len(found.spectra) == 3
+    total = found.spectra[-1].move
+    assert math.degrees(total.start + total.span) == pytest.approx(360.0)
+    for each in found.spectra:
+        assert np.all(np.isfinite(each.residual(RATIOS)))
+
+
+def test_a_speed_curve_changes_the_move() -> None:
+    """Against the residual by summing up Duhamel's integral with the trapezoidal rule in angle."""
+    made = design("points", "[effects.shock-spectrum]\ndamping = 0.02\n")
+    found: ShockSpectrum = made.effect("shock-spectrum")
+    course = course_of(made)
+    for each in found.spectra:
+        start, end = each.move.start, each.move.start + each.move.span
+        phi = np.linspace(start, end, 200_001)
+        t = course.time(phi)
+        share = (t - t[0]) / (t[-1] - t[0])
+        omega, alpha = course.rates(phi)[:2]
+        jet = made.cam.drive.plan.jet(phi)
+        # d2y/dshare2 dshare, by the angle
+        forced = (jet[2] * omega**2 + jet[1] * alpha) / omega * (t[-1] - t[0]) / each.move.stroke
+        for ratio in (0.7, 2.2, 5.3):
+            w = 2.0 * math.pi * ratio
+            root = math.sqrt(1.0 - 0.02**2)
+            rate = w * complex(-0.02, root)
+            values = np.exp(rate * (1.0 - share)) * forced
+            total = abs(np.trapezoid(values, phi)) / (w * root)
+            # The rule errs by the square of the step, 1e-10, times the second derivative.
+            assert each.residual(np.array([ratio]))[0] == pytest.approx(total, rel=0.0, abs=1e-7)
+
+
+@pytest.mark.parametrize("scene", ["shuttle", "measured"])
+def test_a_cam_that_never_rests_has_no_spectrum(scene: str) -> None:
+    made = design(scene, "[effects.shock-spectrum]\n")
+    (finding,) = effect_findings(made)
+    assert (finding.name, finding.severity) == ("shock-spectrum", "warning")
+    assert "from rest to rest" in finding.sentence
+    assert made.effect("shock-spectrum").spectra == ()
+
+
+@pytest.mark.parametrize(
+    ("law", "highest"),
+    [("straight-line", 10), ("quadratic-parabola", 4), ("modified-sine", 4), ("modified-sine", 10)],
+)
+def test_what_stays_small_is_small_for_good(law: str, highest: int) -> None:
+    """The highest ratio may be a zero of the spectrum, with more than 1 % behind it."""
+    move = shock_of(LAWS[law])
+    _, quiet = measured(move, 0.0, float(highest))
+    beyond = np.linspace(highest if quiet is None else quiet, 60.0, 6001)
+    assert (float(np.max(move.residual(beyond, 0.0))) > QUIET * (1.0 + 1e-9)) == (quiet is None)
+
+
+@pytest.mark.parametrize("pieces", [1, 3, 40, 700])
+@pytest.mark.parametrize("rate", [0.1, 30.0, 2000.0, 1e5])
+def test_no_more_cells_are_made_than_blocks_are_counted_in(pieces: int, rate: float) -> None:
+    steps = np.random.default_rng(pieces).uniform(0.01, 1.0, pieces)
+    edges = np.concatenate(([0.0], np.cumsum(steps) / np.sum(steps)))
+    made = Pieces(edges, np.ones((len(NODES), pieces)), 0.0, 1.0)
+    rates = np.full(pieces, complex(-0.3, 1.0) * rate)
+    cells = len(solve(made, np.arange(pieces), rates).problem)
+    assert cells <= most_cells(pieces, rates[:1])[0]
+
+
+def test_blocks_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    move = shock_of(LAWS["straight-line"])
+    ratios = np.linspace(1e-3, 300.0, 500)
+    found = move.residual(ratios)
+    monkeypatch.setattr(steady, "BLOCK", 100)
+    assert move.residual(ratios).tolist() == found.tolist()

@@ -66,7 +66,7 @@ from camgeo_export.plots import draw, render
 from tests import kept
 from tests.cli.test_accuracy import made_up
 from tests.export.stub_product import StubProduct
-from tests.stability import picture
+from tests.stability import report
 from tests.stability.measure import Reading
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
@@ -90,7 +90,7 @@ def of_replay() -> Figure:
 
 def of_stability() -> Figure:
     reading = Reading("curvature", "cams", "made up", 3.0, 0.25, 0.0, 1.0)
-    return picture.figure([reading, replace(reading, quantity="lift", error=3.0)], 4.0)
+    return report.figure_of([reading, replace(reading, quantity="lift", error=3.0)], 4.0)
 
 
 def of_inspection() -> Figure:

@@ -56,74 +56,75 @@ def rounded_194(lam: str, square: str) -> Number:
 
 KAPPA = (3 * mp.pi - 4) / (4 * mp.pi)
 
-ERRATA: list[tuple[str, Callable[[], Number], str, Callable[[], Number], str]] = [
-    # Equation, what is printed and its value, what is right and its value.
-    *(
-        # Both amplitudes go with C_a*, and f(1) with them.
-        (
-            f"(194) f(1) at {lam}",
-            lambda lam=lam: rounded_194(lam, "0.04379") / turn_harmonic(lam)[1],
-            wrong,
-            lambda lam=lam: rounded_194(lam, "0.04349") / turn_harmonic(lam)[1],
-            "1.0000",
-        )
-        for lam, wrong in (("0.5", "0.99962"), ("0.75", "0.9982"), ("0.97", "0.975"))
-    ),
-    (
-        "(194) C_a* at 0.999",
-        lambda: rounded_194("0.999", "0.04379"),
-        "-1512",
-        lambda: turn_harmonic("0.999")[1],
-        "-2763.6",
-    ),
-    (
-        "(219) C_v",
-        lambda: mpf("0.5") + abs(turn_harmonic("0.5", "0.5")[1]) / pi,
-        "1.98071",
-        lambda: abs(turn_harmonic("0.5", "0.5")[1]) / pi,
-        "1.48071",
-    ),
-    (
-        "(209) f'(0) where C_a < 0",
-        lambda: mpf("1.6") * mp.sign(turn_harmonic("0.5", "1.6")[0]),
-        "-1.6",
-        lambda: exact("harmonic-combination", "G-U", {"inflection": 0.5, "v0": 1.6}, 0)[2],
-        "1.6",
-    ),
-    (
-        "(216) f(1) where C_a* > 0",
-        lambda: 1 - KAPPA * 5 * (1 + mp.sign(turn_harmonic("0.5", "5")[1])) / 2,
-        "-1.16",
-        lambda: exact("harmonic-combination", "G-U", {"inflection": 0.5, "v0": 5}, 1)[0],
-        "1.00",
-    ),
-    (
-        "(221) after the change of signs",
-        lambda: (turn_harmonic("0.4", "0.5")[1] * mpf("0.6") - pi / 4) / mpf("0.4"),
-        "-7.852",
-        lambda: -turn_harmonic("0.4", "0.5")[0],
-        "-3.925",
-    ),
-    (
-        "(203) f(0) without the change of signs",
-        lambda: 1 + exact("harmonic-combination", "R-U", {}, 1)[0],
-        "2",
-        lambda: exact("harmonic-combination", "U-R", {}, 0)[0],
-        "0",
-    ),
-    (
-        "section 6.8.2 f'''(1) of U-R",
-        lambda: -exact("harmonic-combination", "R-U", {}, 0)[4],
-        "-65.528",
-        lambda: exact("harmonic-combination", "U-R", {}, 1)[4],
-        "65.528",
-    ),
-]
-
 
 @pytest.mark.parametrize(
     ("wrong", "printed", "right", "value"),
-    [pytest.param(*each, id=equation) for equation, *each in ERRATA],
+    [
+        pytest.param(*each, id=equation)
+        for equation, *each in [
+            # Equation, what is printed and its value, what is right and its value.
+            *(
+                # Both amplitudes go with C_a*, and f(1) with them.
+                (
+                    f"(194) f(1) at {lam}",
+                    lambda lam=lam: rounded_194(lam, "0.04379") / turn_harmonic(lam)[1],
+                    wrong,
+                    lambda lam=lam: rounded_194(lam, "0.04349") / turn_harmonic(lam)[1],
+                    "1.0000",
+                )
+                for lam, wrong in (("0.5", "0.99962"), ("0.75", "0.9982"), ("0.97", "0.975"))
+            ),
+            (
+                "(194) C_a* at 0.999",
+                lambda: rounded_194("0.999", "0.04379"),
+                "-1512",
+                lambda: turn_harmonic("0.999")[1],
+                "-2763.6",
+            ),
+            (
+                "(219) C_v",
+                lambda: mpf("0.5") + abs(turn_harmonic("0.5", "0.5")[1]) / pi,
+                "1.98071",
+                lambda: abs(turn_harmonic("0.5", "0.5")[1]) / pi,
+                "1.48071",
+            ),
+            (
+                "(209) f'(0) where C_a < 0",
+                lambda: mpf("1.6") * mp.sign(turn_harmonic("0.5", "1.6")[0]),
+                "-1.6",
+                lambda: exact("harmonic-combination", "G-U", {"inflection": 0.5, "v0": 1.6}, 0)[2],
+                "1.6",
+            ),
+            (
+                "(216) f(1) where C_a* > 0",
+                lambda: 1 - KAPPA * 5 * (1 + mp.sign(turn_harmonic("0.5", "5")[1])) / 2,
+                "-1.16",
+                lambda: exact("harmonic-combination", "G-U", {"inflection": 0.5, "v0": 5}, 1)[0],
+                "1.00",
+            ),
+            (
+                "(221) after the change of signs",
+                lambda: (turn_harmonic("0.4", "0.5")[1] * mpf("0.6") - pi / 4) / mpf("0.4"),
+                "-7.852",
+                lambda: -turn_harmonic("0.4", "0.5")[0],
+                "-3.925",
+            ),
+            (
+                "(203) f(0) without the change of signs",
+                lambda: 1 + exact("harmonic-combination", "R-U", {}, 1)[0],
+                "2",
+                lambda: exact("harmonic-combination", "U-R", {}, 0)[0],
+                "0",
+            ),
+            (
+                "section 6.8.2 f'''(1) of U-R",
+                lambda: -exact("harmonic-combination", "R-U", {}, 0)[4],
+                "-65.528",
+                lambda: exact("harmonic-combination", "U-R", {}, 1)[4],
+                "65.528",
+            ),
+        ]
+    ],
 )
 def test_the_printed_form_gives_another_value(
     wrong: Callable[[], Number], printed: str, right: Callable[[], Number], value: str
@@ -182,34 +183,6 @@ def test_the_least_jerk_may_lie_before_the_inflection(
     assert (left < right) == (inflection < 0.535898) or share == 1
 
 
-ROUNDED: list[tuple[str, Callable[[], Number]]] = [
-    # (170), (172), (174)
-    ("0.49408", lambda: (15 * pi**2 + 8) / (32 * pi**2)),
-    ("0.53358", lambda: 2 * (9 * pi**2 - 4 * pi + 8) / (32 * pi**2)),
-    ("0.03950", lambda: (3 * pi**2 - 8 * pi + 8) / (32 * pi**2)),
-    ("1.11102", lambda: (3 * pi + 2) / (2 * (pi + 2))),
-    ("0.90915", lambda: (3 * pi + 2) / (4 * pi)),
-    ("1.11102", lambda: -turn_trapezoid("0.5")[0] / turn_trapezoid("0.5")[1]),
-    # (177), (178), (199): the largest f' f'' over their amplitudes, and their places
-    ("0.6772", lambda: moment_constant("modified-trapezoid", 0)[0]),
-    ("0.785", lambda: moment_constant("modified-trapezoid", 0)[1]),
-    ("0.7660", lambda: moment_constant("modified-trapezoid", 1)[0]),
-    ("0.2186", lambda: moment_constant("modified-trapezoid", 1)[1]),
-    ("1.1222", lambda: pi * moment_constant("harmonic-combination", 0)[0]),
-    ("0.5746", lambda: moment_constant("harmonic-combination", 0)[1]),
-    # (180), (202)
-    ("6.75373", lambda: (9 * pi**2 - 4 * pi + 8) / (3 * pi**2 - 8 * pi + 8)),
-    ("25.31465", lambda: 32 * pi**2 / (3 * pi**2 - 8 * pi + 8)),
-    ("5.15979", lambda: (12 - pi) / (8 - 2 * pi)),
-    ("17.30387", lambda: ((12 - pi) / (8 - 2 * pi)) ** 2 - 8 / (4 - pi)),
-    ("22.99515", lambda: 2 * pi**2 / (4 - pi)),
-    # (194), with the erratum
-    ("0.40528", lambda: 8 / (2 * pi**2)),
-    ("0.44877", lambda: (12 - pi) / (2 * pi**2)),
-    ("0.04349", lambda: (4 - pi) / (2 * pi**2)),
-]
-
-
 def moment_constant(name: str, part: int) -> tuple[Number, Number]:
     """The largest |f' f''| of a part of R-U at lambda = 1/2 by its length and its C_a squared, and
     where it is, as a share of the part; camgeo's own extreme, which other tests compare."""
@@ -219,7 +192,35 @@ def moment_constant(name: str, part: int) -> tuple[Number, Number]:
     return abs(mpf(extreme.value)) * 2 / mpf(peak.value) ** 2, 2 * mpf(extreme.place) - part
 
 
-@pytest.mark.parametrize(("text", "value"), ROUNDED)
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        # (170), (172), (174)
+        ("0.49408", lambda: (15 * pi**2 + 8) / (32 * pi**2)),
+        ("0.53358", lambda: 2 * (9 * pi**2 - 4 * pi + 8) / (32 * pi**2)),
+        ("0.03950", lambda: (3 * pi**2 - 8 * pi + 8) / (32 * pi**2)),
+        ("1.11102", lambda: (3 * pi + 2) / (2 * (pi + 2))),
+        ("0.90915", lambda: (3 * pi + 2) / (4 * pi)),
+        ("1.11102", lambda: -turn_trapezoid("0.5")[0] / turn_trapezoid("0.5")[1]),
+        # (177), (178), (199): the largest f' f'' over their amplitudes, and their places
+        ("0.6772", lambda: moment_constant("modified-trapezoid", 0)[0]),
+        ("0.785", lambda: moment_constant("modified-trapezoid", 0)[1]),
+        ("0.7660", lambda: moment_constant("modified-trapezoid", 1)[0]),
+        ("0.2186", lambda: moment_constant("modified-trapezoid", 1)[1]),
+        ("1.1222", lambda: pi * moment_constant("harmonic-combination", 0)[0]),
+        ("0.5746", lambda: moment_constant("harmonic-combination", 0)[1]),
+        # (180), (202)
+        ("6.75373", lambda: (9 * pi**2 - 4 * pi + 8) / (3 * pi**2 - 8 * pi + 8)),
+        ("25.31465", lambda: 32 * pi**2 / (3 * pi**2 - 8 * pi + 8)),
+        ("5.15979", lambda: (12 - pi) / (8 - 2 * pi)),
+        ("17.30387", lambda: ((12 - pi) / (8 - 2 * pi)) ** 2 - 8 / (4 - pi)),
+        ("22.99515", lambda: 2 * pi**2 / (4 - pi)),
+        # (194), with the erratum
+        ("0.40528", lambda: 8 / (2 * pi**2)),
+        ("0.44877", lambda: (12 - pi) / (2 * pi**2)),
+        ("0.04349", lambda: (4 - pi) / (2 * pi**2)),
+    ],
+)
 def test_rounded_constants(text: str, value: Callable[[], Number]) -> None:
     assert rounds_to(value(), text)
 

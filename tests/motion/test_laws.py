@@ -33,7 +33,6 @@ from tests.motion.exact_laws import (
     DIGITS,
     Number,
     Pieces,
-    decimal,
     exact,
     exact_pieces,
     ulps,
@@ -66,7 +65,6 @@ SHARP = ("polynomial-345", "inclined-sine", "modified-trapezoid", "modified-sine
 """Families from rest to rest whose f' and f'' keep all digits near their zeros as well."""
 
 CASES = law_cases()
-by_case = pytest.mark.parametrize("case", CASES, ids=[case["id"] for case in CASES])
 by_task = pytest.mark.parametrize(
     ("name", "task"), FAMILY_TASKS, ids=[f"{name} {task}" for name, task in FAMILY_TASKS]
 )
@@ -141,42 +139,7 @@ def excess(found: tuple[float, ...], law: Pieces, z: float) -> float:
 # Against the values of the reference -----------------------------------------------------------
 
 
-def points_of(case: dict[str, Any]) -> FloatArray:
-    return np.array([float.fromhex(point["z_hex"]) for point in case["points"]])
-
-
-@by_case
-def test_values_of_the_reference(case: dict[str, Any]) -> None:
-    """Errors against the 30 digits of the reference, over its largest values and one-sided limits.
-
-    On a border f'' and f''' may take either one-sided value.
-    """
-    law, points = law_of(case), case["points"]
-    z = points_of(case)
-    assert z.min() == 0.0
-    assert z.max() == 1.0
-    f, f1, f2, f3 = law(z)
-    found = {"f": f, "g": law.complement(z), "f1": f1, "f2": f2, "f3": f3}
-    with mp.workdps(DIGITS):
-        for (key, values), unit in zip(found.items(), SCALED, strict=True):
-            true = [decimal(point[key]) for point in points]
-            most = max(map(abs, [*true, *borders_values(case, key)]))
-            for point, value, number in zip(points, values, true, strict=True):
-                either = [number] + [
-                    decimal(point[f"{key}_{side}"])
-                    for side in ("left", "right")
-                    if f"{key}_{side}" in point
-                ]
-                assert min(abs(mpf(float(value)) - one) for one in either) <= unit * most, key
-
-
-def borders_values(case: dict[str, Any], key: str) -> list[Number]:
-    """The values of one quantity at the borders."""
-    keys = [key, f"{key}_left", f"{key}_right"]
-    return [decimal(border[k]) for border in case["borders"] for k in keys if k in border]
-
-
-@by_case
+@pytest.mark.parametrize("case", CASES, ids=[case["id"] for case in CASES])
 def test_borders_are_where_the_formula_changes_and_have_all_jumps(case: dict[str, Any]) -> None:
     """All jumps of f'' and f''' are borders; further ones are where the next derivative jumps."""
     law = law_of(case)

@@ -19,6 +19,7 @@ from camgeo.kinematics.planning.planner import plan_motion
 from camgeo.kinematics.planning.requests import MoveRequest, PointsRequest, Request, TableRequest
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.units import TURN
+from tests.integrals import cells as cells_between
 from tests.laws import LAWS
 from tests.motion.planning.wishes import move, planned, rest
 from tests.reference import POLYNOMIAL
@@ -42,8 +43,7 @@ def rounding(plan: MotionPlan, shift: float) -> FloatArray:
     Each changes by the next one times the shift. The jerk changes by at most 72 times its size a
     rad: 4 pi in a law, by 0.4 for the largest shift of the inflection, by 25 degrees.
     """
-    values = np.abs(plan.jet(np.linspace(0.0, TURN, 1441)))
-    sizes = np.maximum(np.max(values, axis=1), 1.0)
+    sizes = np.maximum(np.max(np.abs(plan.jet(np.linspace(0.0, TURN, 1441))), axis=1), 1.0)
     slopes = np.append(sizes[1:], 72.0 * sizes[3])
     # The mesh of 1/4 degree is a hundredth of a move: it sees the peaks to a thousandth.
     return np.asarray(1.001 * (64.0 * EPS * sizes + shift * slopes))[:, np.newaxis]
@@ -68,8 +68,7 @@ def test_joints_are_sums_of_what_was_written() -> None:
 
 def test_digits_beyond_those_of_a_double_or_of_the_decimal_context_count() -> None:
     nearly, half, tiny = degrees("179." + "9" * 60, "180", "1e-60")
-    plan = MotionPlan((Dwell(nearly), Dwell(half), Dwell(tiny)))
-    assert plan.joints_deg[-1] == 360
+    assert MotionPlan((Dwell(nearly), Dwell(half), Dwell(tiny))).joints_deg[-1] == 360
     with pytest.raises(GeometryError) as caught:
         MotionPlan((Dwell(nearly), Dwell(half)))
     assert caught.value.value == "359." + "9" * 60
@@ -89,8 +88,7 @@ def test_a_plan_that_does_not_close_is_refused_with_its_sum(
 ) -> None:
     with pytest.raises(GeometryError) as caught:
         MotionPlan(tuple(Dwell(span) for span in degrees(*spans)))
-    assert caught.value.key == "motion"
-    assert caught.value.value == total
+    assert (caught.value.key, caught.value.value) == ("motion", total)
     assert f"add up to {total} degrees" in caught.value.message
     assert "exactly 360" in caught.value.message
 
@@ -195,25 +193,12 @@ def test_dwells_are_merged_also_across_cam_angle_0() -> None:
 
 def test_a_zero_dwell_between_moves_leaves_one_break() -> None:
     move = Move(Decimal(180), 5.0, POLYNOMIAL)
-    back = Move(Decimal(180), 0.0, POLYNOMIAL)
-    plan = MotionPlan((move, Dwell(Decimal(0)), back))
+    plan = MotionPlan((move, Dwell(Decimal(0)), Move(Decimal(180), 0.0, POLYNOMIAL)))
     assert plan.breaks.tolist() == [0.0, math.pi]
     assert plan.dwells == ()
 
 
 # Values ---------------------------------------------------------------------------------------
-
-
-def test_the_turn_begins_with_the_last_segment_on_its_left() -> None:
-    plan = rise_and_return("120", "240", "0")
-    jerk = 20.0 * 60.0
-    before = plan.jet(np.array([0.0]), "left")[:, 0]
-    after = plan.jet(np.array([0.0]), "right")[:, 0]
-    assert before[0] == after[0] == 0.0
-    assert before[3] == pytest.approx(-jerk / math.radians(240.0) ** 3, rel=8.0 * EPS)
-    assert after[3] == pytest.approx(jerk / math.radians(120.0) ** 3, rel=8.0 * EPS)
-    assert np.array_equal(plan.jet(np.array([TURN]), "left")[:, 0], before)
-    assert np.array_equal(plan.jet(np.array([TURN]), "right")[:, 0], after)
 
 
 @attack
@@ -249,28 +234,12 @@ def test_no_angles_give_no_values() -> None:
     assert rise_and_return().jet(np.empty(0)).shape == (4, 0)
 
 
-@attack
-@given(plan=plans(tuple(LAWS)), data=st.data())
-def test_the_motion_is_continuous_and_stays_between_its_positions(
-    plan: MotionPlan, data: st.DataObject
-) -> None:
-    gaps = plan.jet(plan.borders, "right")[0] - plan.jet(plan.borders, "left")[0]
-    assert np.max(np.abs(gaps)) <= 32.0 * EPS * 20.0
-    phi = np.array([data.draw(cam_angles())])
-    targets = [0.0, *(segment.to for segment in plan.segments if isinstance(segment, Move))]
-    assert -16.0 * EPS <= plan.jet(phi)[0][0] <= max(targets) * (1.0 + 16.0 * EPS)
-
-
 # Bounds ---------------------------------------------------------------------------------------
 
 
 def cells(plan: MotionPlan, count: int) -> tuple[FloatArray, FloatArray]:
     """The turn in cells, `count` to each stretch between borders."""
-    edges = np.append(plan.borders, TURN)
-    shares = np.linspace(0.0, 1.0, count + 1)
-    grid = edges[:-1, np.newaxis] + shares * np.diff(edges)[:, np.newaxis]
-    grid[:, -1] = edges[1:]
-    return grid[:, :-1].ravel(), grid[:, 1:].ravel()
+    return cells_between(plan.borders, count)
 
 
 def overshoot(plan: MotionPlan, low: FloatArray, high: FloatArray, bounds: FloatArray) -> float:
@@ -380,13 +349,10 @@ def test_a_rest_that_rounds_to_zero_is_no_turning_point() -> None:
     """Near its ends this law's velocity is 1 - cos, which is 0 within 1e-8."""
     half = Decimal(180)
     law = LAWS["inclined-sine"]
-    plan = MotionPlan((Move(half, 6.0, law), Move(half, 0.0, law)))
-    assert not len(turning_angles(plan))
+    assert not len(turning_angles(MotionPlan((Move(half, 6.0, law), Move(half, 0.0, law)))))
 
 
 # Pieces with one formula are evaluated together, each as if it were alone ----------------------
-
-VALUES = {"v0": 0.25, "a0": 1.5, "j0": 2.0, "v1": 0.5, "a1": -1.0, "j1": 3.0}
 
 
 @pytest.mark.parametrize(("name", "task"), FAMILY_TASKS)
@@ -397,27 +363,22 @@ def test_laws_that_differ_by_numbers_have_equal_formulas(name: str, task: str) -
         if "inflection" in taken:
             given = {"inflection": number}
         else:
-            given = {key: value + number for key, value in VALUES.items() if key in taken}
+            given = {
+                key: value + number
+                for key, value in {
+                    "v0": 0.25,
+                    "a0": 1.5,
+                    "j0": 2.0,
+                    "v1": 0.5,
+                    "a1": -1.0,
+                    "j1": 3.0,
+                }.items()
+                if key in taken
+            }
         given |= {key: 0.3 + number for key in ("v0", "v1") if key in taken}
         found.append([region.formula for region in law_of(name, task, given).regions])
     assert found[0] == found[1]
     assert [hash(formula) for formula in found[0]] == [hash(formula) for formula in found[1]]
-
-
-def assorted() -> MotionPlan:
-    """Laws of every kind of formula, among them general motions, points and a table."""
-    shares = np.linspace(0.0, 1.0, 12)
-    asked: list[Request] = [
-        MoveRequest(Decimal(40), 4.0, "polynomial-7"),
-        MoveRequest(Decimal(40), 9.0, "auto"),
-        MoveRequest(Decimal(30), 12.0, "modified-trapezoid"),
-        MoveRequest(Decimal(40), 5.0, "scca", {"sine": 0.3, "cosine": 0.2, "curved": 0.8}),
-        PointsRequest(Decimal(60), 8.0, np.array([0.3, 0.6]), np.array([6.0, 7.5])),
-        TableRequest(Decimal(50), shares, 3.0 * shares * shares),
-        MoveRequest(Decimal(40), 2.0, "polynomial-5"),
-        MoveRequest(Decimal(60), 0.0, "modified-sine", {"inflection": 0.3}),
-    ]
-    return plan_motion(asked)
 
 
 def check_each_alone(plan: MotionPlan, phi: np.ndarray[tuple[int], np.dtype[np.float64]]) -> None:
@@ -436,7 +397,19 @@ def check_each_alone(plan: MotionPlan, phi: np.ndarray[tuple[int], np.dtype[np.f
 
 
 def test_an_assorted_plan() -> None:
-    plan = assorted()
+    """Laws of every kind of formula, among them general motions, points and a table."""
+    shares = np.linspace(0.0, 1.0, 12)
+    asked: list[Request] = [
+        MoveRequest(Decimal(40), 4.0, "polynomial-7"),
+        MoveRequest(Decimal(40), 9.0, "auto"),
+        MoveRequest(Decimal(30), 12.0, "modified-trapezoid"),
+        MoveRequest(Decimal(40), 5.0, "scca", {"sine": 0.3, "cosine": 0.2, "curved": 0.8}),
+        PointsRequest(Decimal(60), 8.0, np.array([0.3, 0.6]), np.array([6.0, 7.5])),
+        TableRequest(Decimal(50), shares, 3.0 * shares * shares),
+        MoveRequest(Decimal(40), 2.0, "polynomial-5"),
+        MoveRequest(Decimal(60), 0.0, "modified-sine", {"inflection": 0.3}),
+    ]
+    plan = plan_motion(asked)
     inside = np.random.default_rng(3).uniform(0.0, TURN, 200)
     check_each_alone(plan, np.sort(np.concatenate((plan.borders, inside))))
 
@@ -448,56 +421,12 @@ def test_any_plan(plan: MotionPlan, seed: int) -> None:
     check_each_alone(plan, np.sort(np.concatenate((plan.borders, inside))))
 
 
-def test_thousands_of_pieces_are_those_of_a_few() -> None:
-    """Each of 2,000 moves by two laws equals that in a plan with nothing else."""
-    count = 2000
-    span = Decimal(360) / count
-    laws = law_of("modified-sine", "R-R", {"inflection": 0.4}), law_of("polynomial-5", "R-R", {})
-    plan = MotionPlan(tuple(Move(span, float(k % 2 == 0), laws[k % 3 == 0]) for k in range(count)))
-    width = math.radians(360.0 / count)
-    z = np.array([0.05, 0.3, 0.45, 0.7, 0.95])
-    for k in (0, 1, 2, 1203, 1998):
-        f, f1, f2, f3 = laws[k % 3 == 0](z)
-        sign = 1.0 if k % 2 == 0 else -1.0
-        expected = sign * np.stack((f, f1 / width, f2 / width**2, f3 / width**3))
-        expected[0] += float(k % 2)
-        # The cam angle is rounded: 1e-15 of a turn are 2e-12 of a move.
-        found = plan.jet((k + z) * width)
-        size = np.max(np.abs(expected), axis=1, keepdims=True)
-        assert np.all(np.abs(found - expected) <= 1e-10 * size)
-
-
 # Joints: classes, order of continuity, sizes of jumps ---------------------------------------------
 
 
 def orders(plan: MotionPlan) -> list[int]:
     """The order of continuity at each joint."""
     return [joint.order for joint in joints(plan)]
-
-
-@pytest.mark.parametrize(
-    ("law", "order"),
-    [
-        ("straight-line", 0),
-        ("quadratic-parabola", 1),
-        ("simple-sine", 1),
-        ("polynomial-345", 2),
-        ("inclined-sine", 2),
-        ("modified-trapezoid", 2),
-        ("modified-sine", 2),
-        ("polynomial-4567", 3),
-    ],
-)
-def test_order_between_a_rest_and_each_law(law: str, order: int) -> None:
-    plan = MotionPlan(
-        (
-            Dwell(Decimal(60)),
-            Move(Decimal(90), 20.0, make_law(law)),
-            Dwell(Decimal(60)),
-            Move(Decimal(150), 0.0, make_law(law)),
-        )
-    )
-    assert orders(plan) == [order] * 4
 
 
 @pytest.mark.parametrize("size", [1e-9, 1e-3, 1.0, 1e9])

@@ -10,8 +10,8 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterable
+from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
@@ -38,8 +38,6 @@ from camgeo.numeric.columns import MOST_ROWS
 from camgeo.reading import TABLE
 from camgeo.units import TURN
 from tests.long_form import examples
-
-PLAIN = "0,0\n120,5\n240,2\n360,0\n"
 
 
 def columns(table: TwoColumns) -> tuple[list[float], list[float]]:
@@ -125,7 +123,7 @@ def test_as_much_as_is_allowed_is_read() -> None:
 @pytest.mark.parametrize("span", [0.0, -1.0, math.nan, math.inf])
 def test_a_poor_span_is_refused(span: float) -> None:
     with pytest.raises(GeometryError, match="must be a number above 0"):
-        read_lift_table(PLAIN, "lift.csv", span)
+        read_lift_table("0,0\n120,5\n240,2\n360,0\n", "lift.csv", span)
 
 
 def test_the_last_row_counts_as_the_end_of_the_span_though_rounded() -> None:
@@ -208,67 +206,44 @@ TABLES = {
 }
 """The guideline's laws and what the lists call their tables."""
 
-by_table = pytest.mark.parametrize("name", TABLES)
 
-Place = tuple[str, str]
-"""A cell: z as printed and the column."""
-
-Cells = Mapping[Place, str]
+Cells = dict[tuple[str, str], Any]
+"""What cells hold, by z as printed and the column."""
 
 
-@dataclass(frozen=True, slots=True)
-class Listed:
-    """A printed cell that is known not to be the exact value rounded, and what it ought to be."""
-
-    printed: str
-    rounded: str
-
-
-def cells(rows: Iterable[Iterable[str]]) -> dict[Place, str]:
-    found: dict[Place, str] = {}
-    for z, *row in rows:
-        for column, text in zip(("f", "f1", "f2"), row, strict=True):
-            assert (z, column) not in found
-            found[z, column] = text
-    return found
+def cells(rows: Iterable[Iterable[str]]) -> Cells:
+    return {
+        (z, column): text
+        for z, *row in rows
+        for column, text in zip(("f", "f1", "f2"), row, strict=True)
+    }
 
 
-def read_printed(name: str) -> dict[Place, str]:
-    with (FOLDER / f"{name}_printed.csv").open(newline="", encoding="utf-8") as file:
-        head, *rows = csv.reader(file)
-    assert head == ["z", "f", "f1", "f2"]
-    return cells(rows)
-
-
-def read_list(file_name: str, table: str) -> dict[Place, Listed]:
+def read_list(file_name: str, table: str) -> Cells:
+    """Cells known not to be the exact value rounded: what is printed, and what ought to be."""
     with (FOLDER / file_name).open(newline="", encoding="utf-8") as file:
         rows = [row for row in csv.DictReader(file) if row["table"] == table]
-    found = {
-        (row["z"], row["column"]): Listed(row["printed"], row["correct_rounded"]) for row in rows
-    }
+    found = {(row["z"], row["column"]): (row["printed"], row["correct_rounded"]) for row in rows}
     assert len(found) == len(rows)
     return found
-
-
-def read_lists(name: str) -> dict[Place, Listed]:
-    errata, rounding = (read_list(f"{kind}.csv", TABLES[name]) for kind in ("errata", "rounding"))
-    assert not errata.keys() & rounding.keys()
-    return errata | rounding
-
-
-def computed(name: str) -> dict[Place, str]:
-    return cells(law_table(make_law(name), Decimal("0.002")).printed())
 
 
 # The guideline's tables -----------------------------------------------------------------------
 
 
-@by_table
+@pytest.mark.parametrize("name", TABLES)
 def test_the_printed_table_differs_in_the_listed_cells_only(name: str) -> None:
-    printed, listed = read_printed(name), read_lists(name)
-    assert len(printed) == 3 * 501
-    assert all(printed[place] == each.printed != each.rounded for place, each in listed.items())
-    assert computed(name) == printed | {place: each.rounded for place, each in listed.items()}
+    with (FOLDER / f"{name}_printed.csv").open(newline="", encoding="utf-8") as file:
+        head, *rows = csv.reader(file)
+    assert head == ["z", "f", "f1", "f2"]
+    printed = cells(rows)
+    assert len(printed) == len(rows) * 3 == 3 * 501
+    errata, rounding = (read_list(f"{kind}.csv", TABLES[name]) for kind in ("errata", "rounding"))
+    assert not errata.keys() & rounding.keys()
+    listed = errata | rounding
+    assert all(printed[place] == own != right for place, (own, right) in listed.items())
+    computed = cells(law_table(make_law(name), Decimal("0.002")).printed())
+    assert computed == printed | {place: right for place, (_, right) in listed.items()}
 
 
 # The table of any law -------------------------------------------------------------------------
@@ -336,8 +311,7 @@ def test_the_values_of_the_most_extreme_law_are_numbers() -> None:
     with pytest.raises(GeometryError, match="strictly between 0 and 1") as raised:
         make_law("modified-sine", inflection=1e-31)
     assert raised.value.key == "inflection"
-    table = law_table(make_law("modified-sine", inflection=1e-30))
-    assert 1e60 < table.values[0, 4] < 1e62
+    assert 1e60 < law_table(make_law("modified-sine", inflection=1e-30)).values[0, 4] < 1e62
 
 
 def test_a_float_is_the_decimal_that_it_is_written_as() -> None:

@@ -165,8 +165,7 @@ def test_time_and_angle_belong_together(
     back = curve.spline.values(time, 1)
     assert back[0, 0] == pytest.approx(angle, abs=256.0 * EPS * 40.0)
     assert curve.rates(phi)[0, 0] == back[1, 0]
-    later = curve.time(phi + TURN)
-    assert later[0] - time[0] == pytest.approx(TURN / speed, rel=1e-12)
+    assert curve.time(phi + TURN)[0] - time[0] == pytest.approx(TURN / speed, rel=1e-12)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.2, -0.4])
@@ -281,27 +280,6 @@ def test_extremes_at_constant_speed() -> None:
     allowed = speed**3 * 120.0 * (64.0 * EPS + 16.0 * (phi[1] / 2.0) ** 2)
     assert found.jerk.highest.value == pytest.approx(float(np.max(jerk)), abs=allowed)
     assert found.jerk.lowest.value == pytest.approx(float(np.min(jerk)), abs=allowed)
-
-
-class Ramp(Power):
-    """s = phi^3 up to the end of the turn, where it falls back: the largest values are limits."""
-
-    breaks = np.zeros(1)
-    borders = np.zeros(1)
-
-    def jet(self, phi: FloatArray, side: Side = "right", order: int = 3) -> Jet:
-        x = np.mod(phi, TURN)
-        x = np.where((x == 0.0) & (side == "left"), TURN, x)
-        return np.stack((x**3, 3.0 * x**2, 6.0 * x, np.full_like(x, 6.0)))
-
-
-def test_a_limit_from_the_left_counts() -> None:
-    found = time_extremes(Ramp(), ConstantSpeed(2.0))
-    assert found.velocity.highest.value == pytest.approx(2.0 * 3.0 * TURN**2, rel=8 * EPS)
-    assert found.acceleration.highest.value == pytest.approx(4.0 * 6.0 * TURN, rel=8 * EPS)
-    assert found.torque.highest.value == pytest.approx(1e-6 * 4.0 * 18.0 * TURN**3, rel=8 * EPS)
-    assert found.acceleration.highest.place == TURN
-    assert found.acceleration.lowest.value == found.acceleration.lowest.place == 0.0
 
 
 QUANTITIES = ("velocity", "acceleration", "jerk", "torque")

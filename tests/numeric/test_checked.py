@@ -1,8 +1,9 @@
-"""Values checked where they come in: numbers of any kind pass, anything else is refused."""
+"""Values and tables checked where they come in: numbers of any kind pass, all else is refused."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
@@ -17,31 +18,42 @@ from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
 from camgeo.numeric import checked
-
-NO_NUMBERS: tuple[Any, ...] = (
-    None,
-    True,
-    False,
-    "1",
-    b"1",
-    1 + 0j,
-    [1.0],
-    np.ones(1),
-    np.True_,
-    object(),
-    math.nan,
-    math.inf,
-    -math.inf,
-    np.float64("nan"),
-    10**400,
-    -(10**400),
-    10**5000,
-    1e308,
-    -1e31,
+from camgeo.numeric.columns import (
+    LONGEST_HEADING,
+    MOST_COLUMNS,
+    Asked,
+    Columns,
+    NumberColumn,
+    read_columns,
 )
+from camgeo.reading import DIGITS, TABLE
 
 
-@pytest.mark.parametrize("value", NO_NUMBERS, ids=lambda value: str(type(value).__name__))
+@pytest.mark.parametrize(
+    "value",
+    [
+        None,
+        True,
+        False,
+        "1",
+        b"1",
+        1 + 0j,
+        [1.0],
+        np.ones(1),
+        np.True_,
+        object(),
+        math.nan,
+        math.inf,
+        -math.inf,
+        np.float64("nan"),
+        10**400,
+        -(10**400),
+        10**5000,
+        1e308,
+        -1e31,
+    ],
+    ids=lambda value: str(type(value).__name__),
+)
 @pytest.mark.parametrize("check", [checked.finite, checked.positive, checked.point])
 def test_what_is_no_number_is_refused(check: Any, value: Any) -> None:
     if check is checked.point and isinstance(value, complex):
@@ -72,19 +84,8 @@ def test_a_positive_number_is_itself_or_refused(value: float) -> None:
             checked.positive("arm", value)
 
 
-def test_one_of_a_few() -> None:
-    assert checked.one_of("direction", np.int64(-1), (1, -1)) == -1
-    assert checked.one_of("task", "R-R", ("R-R", "R-U")) == "R-R"
-    for value in (True, 0, None, "1", math.nan, np.ones(2), [1]):
-        with pytest.raises(GeometryError, match="must be one of 1, -1"):
-            checked.one_of("direction", value, (1, -1))
-    with pytest.raises(GeometryError, match='must be one of "R-R"'):
-        checked.one_of("task", 1, ("R-R",))
-
-
 def test_arrays_are_copied_and_read_only() -> None:
-    given_values = np.array([1, 2, 3])
-    found = checked.array("t", given_values)
+    found = checked.array("t", np.array([1, 2, 3]))
     assert found.dtype == np.float64
     assert not found.flags.writeable
     own = np.array([1.0, 2.0])
@@ -146,8 +147,7 @@ def test_each_set_of_bounds_holds_by_itself_and_is_told(bounds: dict[str, Any]) 
             low = "from 2" if "least" in stated else "above 1" if "above" in stated else ""
             high = "to 7" if "most" in stated else "below 8" if "below" in stated else ""
             joint = {"to 7": " " if low else " up ", "below 8": " and " if low else " "}.get(high)
-            wanted = f"must be a number{' ' if low else ''}{low}{joint or ''}{high}"
-            assert told == wanted
+            assert told == f"must be a number{' ' if low else ''}{low}{joint or ''}{high}"
     with pytest.raises(GeometryError) as caught:
         checked.number("arm", math.nan, unit="mm", **bounds)
     assert caught.value.message.endswith(" (mm)")
@@ -178,6 +178,91 @@ def test_magnitudes_end_at_their_limits() -> None:
 STEPS = (Decimal("0.1"), Decimal("0.5"))
 
 
+STEP, POINT = "must be a step from 0.1 to 0.5 (deg)", "must be a point x + i y, a complex number"
+WHOLE, FINITE = "must be a whole number from 2 to 7", "must be finite numbers, at most 1e+30 in"
+
+REFUSED: list[tuple[Callable[..., object], tuple[Any, ...], str, str]] = [
+    *(
+        (checked.one_of, (value, (1, -1)), told, "must be one of 1, -1")
+        for value, told in (
+            (True, "True"), (0, "0.0"), (None, "None"), ("1", "1"), (math.nan, "nan"),
+            (np.ones(2), "array([1., 1.])"), ([1], "[1]"),
+        )
+    ),
+    (checked.one_of, (1, ("R-R",)), "1.0", 'must be one of "R-R"'),
+    *(
+        (checked.decimal, (value, *STEPS, *unit), told, message)
+        for value, told in (
+            (Decimal("0.09999999999999999999"), "0.09999999999999999999"),
+            (Decimal("0.50000000000000000001"), "0.50000000000000000001"),
+            (math.nextafter(0.1, 0.0), "0.09999999999999999"), (0.6, "0.6"), (1, "1.0"),
+            (math.nan, "nan"), (-math.inf, "-inf"), (Decimal("NaN"), "NaN"),
+            (Decimal("Infinity"), "Infinity"), ("0.2", "0.2"), (True, "True"), (None, "None"),
+        )
+        for unit, message in (
+            (("deg", "step"), STEP), (("", "number"), "must be a number from 0.1 to 0.5"),
+        )
+    ),
+    (checked.point, (complex(math.nan, 1.0), "mm"), "nan", "must be a finite number (mm)"),
+    (checked.point, (complex(1.0, -math.inf), "mm"), "-inf", "must be a finite number (mm)"),
+    (checked.point, (True, "mm"), "True", POINT),
+    (checked.point, ((1.0, 2.0), "mm"), "(1.0, 2.0)", POINT),
+    *(
+        (checked.whole, (value, 2, 7), told, WHOLE)
+        for value, told in (
+            (4.0, "4.0"), (True, "True"), (None, "None"), ("2", "2"), (1, "1.0"), (8, "8.0"),
+            (-(10**400), "-inf"),
+        )
+    ),
+    *(
+        (checked.instances, (values, (int,), "parts"), told, "must be a sequence of parts")
+        for values, told in (([1, 2.5], "2.5"), (7, "7.0"), ({"a": 1}, "{'a': 1}"))
+    ),
+    (checked.by_name, ([1.0],), "[1.0]", "must be numbers by name"),
+    (checked.by_name, ({1: 2.0},), "1.0", "must be numbers by name"),
+    (checked.by_name, ({"key": "x"},), "x", "must be a finite number"),
+    (checked.by_name, ({"key": 1e40},), "1e+40", "must be at most 1e+30 in magnitude"),
+    (checked.array, ("12", 1), "12", "must be a row of numbers"),
+    (checked.array, ([1.0], 2), "[1.0]", "must be rows of numbers of equal length"),
+    (checked.array, ([[1.0], [2.0, 3.0]], 2), "[[1.0], [2.0, 3.0]]",
+     "must be rows of numbers of equal length"),
+    (checked.array, ([[1.0, 2.0], [3.0, -2e30]], 2), "-2e+30",
+     f"{FINITE} magnitude; number 4 of them is not"),
+    (checked.array, ([math.nan, math.inf], 1), "nan",
+     f"{FINITE} magnitude; number 1 of them is not"),
+]  # fmt: skip
+"""A check with what it is given, the value that it tells, and its message."""
+
+
+@pytest.mark.parametrize(("check", "given_", "told", "message"), REFUSED)
+def test_what_is_wrong_is_told(
+    check: Callable[..., object], given_: tuple[Any, ...], told: str, message: str
+) -> None:
+    with pytest.raises(GeometryError) as caught:
+        check("key", *given_)
+    assert (caught.value.key, caught.value.value, caught.value.message) == ("key", told, message)
+
+
+def test_what_is_right_is_given_back() -> None:
+    assert checked.one_of("direction", np.int64(-1), (1, -1)) == -1
+    assert checked.one_of("task", "R-R", ("R-R", "R-U")) == "R-R"
+    assert checked.point("pivot", 3) == 3 + 0j
+    assert checked.point("pivot", -1.5 + 2j, "mm") == -1.5 + 2j
+    assert [checked.whole("count", each, 2, 7) for each in (2, 7, np.int64(3))] == [2, 7, 3]
+    assert checked.instances("motion", [1, "a"], (int, str), "parts") == (1, "a")
+    assert checked.instances("motion", (), (int,), "parts") == ()
+    assert [checked.among(each, {"a": 1}) for each in ("a", "b", ["a"])] == [True, False, False]
+    assert checked.by_name("parameters", {"v": 1e40}, 1e50) == {"v": 1e40}
+
+
+def test_numbers_by_name_are_read_only() -> None:
+    given_values = {"v0": 1, "a0": np.float32(2.5)}
+    found = checked.by_name("parameters", given_values)
+    given_values["v0"] = 9
+    assert list(found.items()) == [("v0", 1.0), ("a0", 2.5)]
+    assert isinstance(found, MappingProxyType)
+
+
 @pytest.mark.parametrize(
     ("value", "found"),
     [
@@ -194,118 +279,6 @@ def test_a_decimal_number_is_the_one_that_is_printed(value: Any, found: str) -> 
     assert checked.decimal("step", 3, Decimal(1), Decimal(3)) == 3
     whole = 10**20 + 1
     assert checked.decimal("step", whole, Decimal(1), Decimal(2 * whole)) == whole
-
-
-@pytest.mark.parametrize(
-    ("value", "told"),
-    [
-        (Decimal("0.09999999999999999999"), "0.09999999999999999999"),
-        (Decimal("0.50000000000000000001"), "0.50000000000000000001"),
-        (math.nextafter(0.1, 0.0), "0.09999999999999999"),
-        (0.6, "0.6"),
-        (1, "1.0"),
-        (math.nan, "nan"),
-        (-math.inf, "-inf"),
-        (Decimal("NaN"), "NaN"),
-        (Decimal("Infinity"), "Infinity"),
-        ("0.2", "0.2"),
-        (True, "True"),
-        (None, "None"),
-    ],
-)
-def test_what_is_no_decimal_number_in_range_is_refused(value: Any, told: str) -> None:
-    for unit, what, words in (
-        ("deg", "step", "must be a step from 0.1 to 0.5 (deg)"),
-        ("", "number", "must be a number from 0.1 to 0.5"),
-    ):
-        with pytest.raises(GeometryError) as caught:
-            checked.decimal("step", value, *STEPS, unit, what)
-        assert caught.value.message == words
-        assert (caught.value.key, caught.value.value) == ("step", told)
-
-
-def test_points_are_told_by_the_part_that_is_wrong() -> None:
-    assert checked.point("pivot", 3) == 3 + 0j
-    assert checked.point("pivot", -1.5 + 2j, "mm") == -1.5 + 2j
-    for value, words in (
-        (complex(math.nan, 1.0), "must be a finite number (mm)"),
-        (complex(1.0, -math.inf), "must be a finite number (mm)"),
-        (True, "must be a point x + i y, a complex number"),
-        ((1.0, 2.0), "must be a point x + i y, a complex number"),
-    ):
-        with pytest.raises(GeometryError) as caught:
-            checked.point("pivot", value, "mm")
-        assert (caught.value.key, caught.value.message) == ("pivot", words)
-
-
-def test_whole_numbers_end_at_their_limits() -> None:
-    for value in (2, 7, np.int64(3)):
-        assert checked.whole("count", value, 2, 7) == value
-    for wrong in (4.0, True, None, "2"):
-        with pytest.raises(GeometryError, match="a whole number from 2 to 7"):
-            checked.whole("count", wrong, 2, 7)
-    for value in (1, 8, -(10**400)):
-        with pytest.raises(GeometryError) as caught:
-            checked.whole("count", value, 2, 7)
-        assert caught.value.message == "must be a whole number from 2 to 7"
-        assert caught.value.value == repr(float(value) if abs(value) < 9 else -math.inf)
-
-
-def test_instances_are_told_by_what_they_are_not() -> None:
-    assert checked.instances("motion", [1, "a"], (int, str), "parts") == (1, "a")
-    assert checked.instances("motion", (), (int,), "parts") == ()
-    for values, told in (([1, 2.5], "2.5"), (7, "7.0"), ({"a": 1}, "{'a': 1}")):
-        with pytest.raises(GeometryError) as caught:
-            checked.instances("motion", values, (int,), "parts")
-        assert caught.value.message == "must be a sequence of parts"
-        assert (caught.value.key, caught.value.value) == ("motion", told)
-    assert checked.among("a", {"a": 1})
-    assert not checked.among("b", {"a": 1})
-    assert not checked.among(["a"], {"a": 1})
-
-
-def test_numbers_by_name_are_read_only_and_named_where_they_are_wrong() -> None:
-    given_values = {"v0": 1, "a0": np.float32(2.5)}
-    found = checked.by_name("parameters", given_values)
-    given_values["v0"] = 9
-    assert dict(found) == {"v0": 1.0, "a0": 2.5}
-    assert list(found) == ["v0", "a0"]
-    assert isinstance(found, MappingProxyType)
-    for values, key in (([1.0], "parameters"), ({1: 2.0}, "parameters"), ({"v0": "x"}, "v0")):
-        with pytest.raises(GeometryError) as caught:
-            checked.by_name("parameters", values)
-        assert caught.value.key == key
-    assert checked.by_name("parameters", {"v": 1e40}, 1e50) == {"v": 1e40}
-    with pytest.raises(GeometryError, match=r"at most 1e\+30 in magnitude"):
-        checked.by_name("parameters", {"v": 1e40})
-
-
-@pytest.mark.parametrize(
-    ("values", "dimensions", "message", "told"),
-    [
-        ("12", 1, "must be a row of numbers", "12"),
-        ([1.0], 2, "must be rows of numbers of equal length", "[1.0]"),
-        ([[1.0], [2.0, 3.0]], 2, "must be rows of numbers of equal length", "[[1.0], [2.0, 3.0]]"),
-        (
-            [[1.0, 2.0], [3.0, -2e30]],
-            2,
-            "must be finite numbers, at most 1e+30 in magnitude; number 4 of them is not",
-            "-2e+30",
-        ),
-        (
-            [math.nan, math.inf],
-            1,
-            "must be finite numbers, at most 1e+30 in magnitude; number 1 of them is not",
-            "nan",
-        ),
-    ],
-)
-def test_arrays_are_told_by_their_shape_or_their_first_wrong_number(
-    values: Any, dimensions: int, message: str, told: str
-) -> None:
-    with pytest.raises(GeometryError) as caught:
-        checked.array("t", values, dimensions)
-    assert (caught.value.message, caught.value.value) == (message, told)
 
 
 @dataclass(frozen=True)
@@ -370,3 +343,220 @@ def test_values_are_shown_up_to_sixty_characters(what: Any) -> None:
     assert checked.shown(10**400) == "inf"
     assert checked.shown(-(10**400)) == "-inf"
     assert checked.shown(Fraction(1, 2)) == "0.5"
+
+
+# Tables with columns that may be missing; lift tables test the format itself ----------------------
+ASKED = Asked(
+    (NumberColumn("x", ("x",), ("mm", "inch"), "mm or inch"), NumberColumn("y", ("y",))),
+    (NumberColumn("nx", ("nx", "i")), NumberColumn("ny", ("ny", "j"))),
+    fewest=1,
+    most=3,
+)
+
+
+def read(text: str) -> Columns:
+    return read_columns(text, "points.csv", ASKED)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "1.5,2,0,1\n3,4,1,0\n",
+        "x;y;nx;ny\n1,5;2;0;1\n3;4;1;0\n",
+        "J\tz\ty\tx [mm]\tI\n1\t?\t2\t1.5\t0\n0\t?\t4\t3\t1\n",
+    ],
+)
+def test_columns_are_found_by_name_or_by_place(text: str) -> None:
+    found = read(text)
+    assert found.values.tolist() == [[1.5, 3.0], [2.0, 4.0], [0.0, 1.0], [1.0, 0.0]]
+    assert found.units == (("mm" if "mm" in text else ""), "", "", "")
+
+
+@pytest.mark.parametrize("text", ["1,2\n", "x,y\n1,2\n", "z,y,x\n9,2,1\n"])
+def test_columns_that_may_be_missing(text: str) -> None:
+    assert np.array_equal(read(text).values, [[1.0], [2.0]])
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            "1,2,3\n",
+            "line 1.*3 columns; without a heading 2 or 4 are allowed, x and y, or x, y,",
+        ),
+        ("x,y,nx\n1,2,3\n", "line 1.*0 columns of ny; allowed: one, called ny or j"),
+        ("x,y,nx,i,ny\n1,2,3,4,5\n", "line 1.*2 columns of nx"),
+        ("x [cm],y\n1,2\n", "line 1: 'x \\[cm\\]': the unit of the x; allowed: mm or inch"),
+        ("1,2\n" * 4, "line 4: 4 rows of numbers; allowed: 1 to 3"),
+        ("x,y\n", "line 2: 0 rows of numbers"),
+        ("1;2\n1,5;2.5\n", "line 2: '2.5': the decimals above have ','; allowed: one kind"),
+    ],
+)
+def test_other_tables_are_refused(text: str, message: str) -> None:
+    with pytest.raises(GeometryError, match=message):
+        read(text)
+
+
+MARKS = {";": (",", "."), "\t": (",", "."), ",": (".",), "  ": (",", ".")}
+
+
+@given(
+    rows=st.lists(st.tuples(st.floats(-1e9, 1e9), st.floats(-1e-3, 1e-3)), min_size=2, max_size=6),
+    separator=st.sampled_from(sorted(MARKS)),
+    comma=st.booleans(),
+    end=st.sampled_from(["\n", "\r\n", "\r"]),
+    heading=st.booleans(),
+    skipped=st.lists(st.sampled_from(["", "  ", "# 1;2", "  # x,y", "\t"]), max_size=7),
+)
+def test_a_written_table_is_read_back_with_its_lines(
+    rows: list[tuple[float, float]],
+    separator: str,
+    comma: bool,
+    end: str,
+    heading: bool,
+    skipped: list[str],
+) -> None:
+    mark = MARKS[separator][0 if comma else -1]
+    lines = [separator.join((' "X [MM]"', "y ( kg ) "))] if heading else []
+    lines += [separator.join(f" {value!r} ".replace(".", mark) for value in row) for row in rows]
+    places = []
+    text = ""
+    count = 0
+    for number, line in enumerate(lines):
+        for extra in skipped[number::3]:
+            if number or not extra.strip():
+                text += extra + end
+                count += 1
+        text += line + end
+        count += 1
+        places.append(count)
+    data = "\N{BYTE ORDER MARK}" * (len(rows) % 2) + text
+    asked = Asked(ASKED.needed, fewest=2, most=6)
+    for given_data in (data, data.encode("utf-8")):
+        found = read_columns(given_data, "points.csv", asked)
+        assert found.values.T.tolist() == [list(row) for row in rows]
+        assert found.units == (("MM", "kg") if heading else ("", ""))
+        assert found.lines == tuple(places[1:] if heading else places)
+
+
+def table(rows: int) -> str:
+    return "1,2\n" * rows
+
+
+@pytest.mark.parametrize(
+    ("data", "message", "value"),
+    [
+        ("", "points.csv, line 1: no rows; allowed: 2 or more", ""),
+        ("\n# a\n\n", "points.csv, line 4: no rows; allowed: 2 or more", ""),
+        ("1,2\n\n", "points.csv, line 1: 1 row of numbers; allowed: 2 to 5", ""),
+        ("\n" + table(6), "points.csv, line 7: 6 rows of numbers; allowed: 2 to 5", ""),
+        ("\n" + table(9), "points.csv, line 7: 9 rows of numbers; allowed: 2 to 5", ""),
+        ("x,y\n", "points.csv, line 2: 0 rows of numbers; allowed: 2 to 5", ""),
+        (
+            "1,2\n3,4,5\n6,7\n",
+            "points.csv, line 2: '3,4,5': 3 columns; allowed: 2 in this file",
+            "3,4,5",
+        ),
+        (
+            "1,2\n3,1e5x\n",
+            "points.csv, line 2: '1e5x': not a number; allowed: numbers like 12.5",
+            "1e5x",
+        ),
+        ("1,2\n,4\n", "points.csv, line 2: not a number; allowed: numbers like 12.5", ""),
+        (
+            "1,2\n3,1.000001e30\n",
+            "points.csv, line 2: '1.000001e30': too large; allowed: numbers up to 1e+30",
+            "1.000001e30",
+        ),
+        (
+            "1\n2\n",
+            (
+                "points.csv, line 1: '1': one column; allowed separators are ; and tab and comma"
+                " and blanks"
+            ),
+            "1",
+        ),
+        (b"1,2\n3,\xff4\n", "points.csv, line 2: not UTF-8 text", ""),
+        (
+            "\n1,2,3\n",
+            (
+                "points.csv, line 2: '1,2,3': 3 columns; without a heading 2 are allowed, x and y"
+                " (a decimal comma needs ; or tab or blanks as separator)"
+            ),
+            "1,2,3",
+        ),
+        (
+            "x,z\n1,2\n",
+            "points.csv, line 1: 'x, z': 0 columns of y; allowed: one, called y",
+            "x, z",
+        ),
+        (
+            "y,x [inches]\n",
+            "points.csv, line 1: 'x [inches]': the unit of the x; allowed: mm or inch",
+            "x [inches]",
+        ),
+    ],
+)
+def test_a_fault_is_told_with_its_line_and_what_is_allowed(
+    data: bytes | str, message: str, value: str
+) -> None:
+    with pytest.raises(GeometryError) as caught:
+        read_columns(data, "points.csv", Asked(ASKED.needed, fewest=2, most=5))
+    assert (caught.value.message, caught.value.value) == (message, value)
+
+
+LONG = "0." + "1" * (DIGITS - 2)
+
+
+def wide_table(columns: int) -> str:
+    """Two rows under a heading of so many columns."""
+    heads = ["x", "y", *(f"c{k}" for k in range(columns - 2))]
+    return "\n".join([",".join(heads), *[",".join(map(str, range(columns)))] * 2, ""])
+
+
+def test_limits_of_tables_are_allowed_and_one_more_is_not() -> None:
+    asked = Asked(ASKED.needed, fewest=2, most=5)
+    for rows in (2, 5):
+        assert read_columns(table(rows), "points.csv", asked).values.shape == (2, rows)
+    assert read_columns("1,1e30\n1,-1e30\n", "points.csv", asked).values[1].tolist() == [
+        1e30,
+        -1e30,
+    ]
+    assert read_columns(f"1,2\n3,{LONG}\n", "points.csv", asked).values[1, 1] == float(LONG)
+    with pytest.raises(GeometryError, match="not a number"):
+        read_columns(f"1,2\n3,{LONG}1\n", "points.csv", asked)
+    wide = read_columns(wide_table(MOST_COLUMNS), "points.csv", asked).values
+    assert wide.tolist() == [[0, 0], [1, 1]]
+    with pytest.raises(GeometryError) as caught:
+        read_columns(wide_table(MOST_COLUMNS + 1), "points.csv", asked)
+    assert caught.value.message.startswith("points.csv, line 1: 'x,y,c0")
+    assert caught.value.message.endswith("1,001 columns or more; allowed: at most 1,000")
+    assert (caught.value.value[-3:], len(caught.value.value)) == ("...", 60)
+    spaces = " " * (LONGEST_HEADING - 5)
+    assert read_columns(f"x,y{spaces}[kg]\n1,2\n3,4\n", "points.csv", asked).units == ("", "kg")
+    with pytest.raises(GeometryError, match="0 columns of y"):  # a name alone
+        read_columns(f"x,y{spaces} [kg]\n1,2\n3,4\n", "points.csv", asked)
+
+
+def test_files_that_are_too_long_are_not_read() -> None:
+    with pytest.raises(GeometryError) as caught:
+        read_columns(b" " * (TABLE.size + 1), "big.csv", ASKED)
+    told = "big.csv, line 1: the file has 16,000,001 bytes; allowed: 16,000,000"
+    assert caught.value.message == told
+    assert TABLE.lines is not None
+    for ends in ("\n", "\r", "\r\n"):
+        text = ends * TABLE.lines
+        with pytest.raises(GeometryError, match="no rows"):
+            read_columns(text, "big.csv", ASKED)
+        with pytest.raises(GeometryError, match="400,001 lines; allowed: 400,000"):
+            read_columns(text + ends, "big.csv", ASKED)
+
+
+def test_numbers_may_lack_a_digit_on_one_side_of_their_mark() -> None:
+    for text in ("+1.;.5e1\n-1,;2\n", "+1.\t.5e1\n-1.\t2\n"):
+        if "," in text:
+            with pytest.raises(GeometryError, match=r"the decimals above have '\.'"):
+                read_columns(text, "points.csv", ASKED)
+        else:
+            found = read_columns(text, "points.csv", ASKED)
+            assert found.values.tolist() == [[1.0, -1.0], [5.0, 2.0]]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -68,33 +69,6 @@ def test_a_cubic(a: float, b: float, inner: list[float]) -> None:
         assert np.any(np.abs(near - extreme.place) <= reach)
 
 
-@pytest.mark.parametrize("waves", [1, 2, 3.5, 7])
-@given(phase=st.floats(0.0, 2.0 * math.pi), size=st.floats(1e-6, 1e6))
-@some
-def test_a_sine(waves: float, phase: float, size: float) -> None:
-    """With a crest and a trough inside, which takes a whole wave at most."""
-    edges = np.array([0.0, 2.0 * math.pi])
-    found = piecewise_extremes(lambda x, side: size * np.sin(waves * x + phase), edges)
-    # An error d of the place costs d^2/2: nothing; sin and the product are rounded.
-    assert found.highest.value == pytest.approx(size, rel=2.0 * EPS)
-    assert found.lowest.value == pytest.approx(-size, rel=2.0 * EPS)
-    assert found.magnitude == max(found.highest.value, -found.lowest.value)
-    # Within the square root of the rounding of the value.
-    for extreme, sine in ((found.highest, 1.0), (found.lowest, -1.0)):
-        off = math.remainder(waves * extreme.place + phase - sine * 0.5 * math.pi, 2.0 * math.pi)
-        assert abs(off) <= 4.0 * math.sqrt(EPS)
-
-
-@pytest.mark.parametrize("degree", [2, 3, 5, 8, 13])
-def test_chebyshev_polynomials_fill_the_strip(degree: int) -> None:
-    """All their extremes are 1 and -1; the first one is reported."""
-    chebyshev = np.polynomial.Chebyshev.basis(degree)
-    found = piecewise_extremes(lambda x, side: chebyshev(x), np.linspace(-1.0, 1.0, 4))
-    rounding = 4.0 * degree * EPS  # of Clenshaw's sum
-    assert abs(found.highest.value - 1.0) <= rounding
-    assert abs(found.lowest.value + 1.0) <= rounding
-
-
 @pytest.mark.parametrize("waves", [40.0, 150.0])
 def test_ripples_finer_than_the_grid_are_found(waves: float) -> None:
     """On a wave whose top has no ripple's top on the grid: six and a fifth of its points a wave."""
@@ -138,33 +112,6 @@ def test_what_the_ends_have_on_their_outer_sides_does_not_count() -> None:
     found = piecewise_extremes(beyond, np.array([0.0, 1.0]))
     assert (found.highest.value, found.highest.place) == (1.0, 0.0)
     assert (found.lowest.value, found.lowest.place) == (np.cos(1.0), 1.0)
-
-
-@given(jump=st.floats(-3.0, 3.0), edge=st.floats(0.05, 0.95))
-@some
-def test_a_jump_next_to_a_crest(jump: float, edge: float) -> None:
-    """Pieces are searched apart: on each the extreme is its own."""
-
-    def function(x: FloatArray, side: Side) -> FloatArray:
-        later = x >= edge if side == "right" else x > edge
-        return x * (1.0 - x) + np.where(later, jump, 0.0)
-
-    found = piecewise_extremes(function, np.array([0.0, edge, 1.0]))
-    at_edge = edge * (1.0 - edge)
-    first = [0.0, at_edge, *([0.25] if edge > 0.5 else [])]
-    second = [at_edge + jump, jump, *([0.25 + jump] if edge < 0.5 else [])]
-    rounding = 4.0 * (0.25 + abs(jump)) * EPS
-    assert found.highest.value == pytest.approx(max(first + second), rel=0.0, abs=rounding)
-    assert found.lowest.value == pytest.approx(min(first + second), rel=0.0, abs=rounding)
-
-
-def test_a_constant_and_a_straight_line() -> None:
-    edges = np.array([1.0, 2.0, 4.0])
-    same = piecewise_extremes(lambda x, side: np.full_like(x, 3.0), edges)
-    assert (same.lowest.value, same.highest.value) == (3.0, 3.0)
-    line = piecewise_extremes(lambda x, side: 2.0 * x, edges)
-    assert (line.lowest.value, line.lowest.place) == (2.0, 1.0)
-    assert (line.highest.value, line.highest.place) == (8.0, 4.0)
 
 
 def test_a_crest_at_the_very_end_of_a_piece() -> None:
@@ -237,23 +184,24 @@ def test_a_wave_below_a_level(shift: float, level: float) -> None:
     for angle, expected in zip(
         found, (shift + math.acos(level), shift - math.acos(level)), strict=True
     ):
-        away = (angle - expected + math.pi) % TURN - math.pi
-        assert abs(away) <= NEAR
+        assert abs((angle - expected + math.pi) % TURN - math.pi) <= NEAR
 
 
-def test_all_of_the_turn() -> None:
-    assert stretch_below(lambda phi: np.cos(phi) - 2.0, EDGES, math.pi) == (0.0, TURN)
-
-
-def test_nowhere_and_at_one_place_alone() -> None:
-    assert stretch_below(lambda phi: np.cos(phi) + 2.0, EDGES, math.pi) is None
-    assert stretch_below(lambda phi: 1.0 + np.cos(phi), EDGES, math.pi) is None
-
-
-def test_a_stretch_ends_where_the_function_is_zero_over_a_piece() -> None:
-    """-sin(phi) of the first half turn, 0 after it."""
-    found = stretch_below(lambda phi: np.minimum(-np.sin(phi), 0.0), EDGES, 0.5 * math.pi)
-    assert found == pytest.approx((0.0, math.pi), abs=NEAR)
+@pytest.mark.parametrize(
+    ("function", "place", "expected"),
+    [
+        (lambda phi: np.cos(phi) - 2.0, math.pi, (0.0, TURN)),  # everywhere
+        (lambda phi: np.cos(phi) + 2.0, math.pi, None),
+        (lambda phi: 1.0 + np.cos(phi), math.pi, None),  # at one place alone
+        # 0 over a piece, where the stretch ends
+        (lambda phi: np.minimum(-np.sin(phi), 0.0), 0.5 * math.pi,
+         pytest.approx((0.0, math.pi), abs=NEAR)),
+    ],
+)  # fmt: skip
+def test_a_stretch_may_be_all_of_the_turn_or_nothing(
+    function: Callable[[FloatArray], FloatArray], place: float, expected: object
+) -> None:
+    assert stretch_below(function, EDGES, place) == expected
 
 
 @pytest.mark.parametrize(
@@ -270,16 +218,7 @@ def test_a_stretch_ends_where_the_function_is_zero_over_a_piece() -> None:
 def test_pieces_next_to_each_other(
     inside: list[bool], place: float, expected: tuple[float, float] | None
 ) -> None:
-    cuts = np.linspace(0.0, TURN, 5)
-    assert stretch_around(cuts, np.array(inside), place) == expected
-
-
-@given(a=st.floats(-1.2, 1.2), b=st.floats(-1.2, 1.2), inner=st.lists(st.floats(-0.9, 0.9)))
-@some
-def test_a_ceiling_is_not_below_the_largest_value(a: float, b: float, inner: list[float]) -> None:
-    edges = np.unique(np.array([-1.0, *inner, 1.0]))
-    found = ceiling(lambda x, _: cubic(a, b, x), edges)
-    assert found >= piecewise_highest(lambda x, _: cubic(a, b, x), edges).value - 8.0 * EPS
+    assert stretch_around(np.linspace(0.0, TURN, 5), np.array(inside), place) == expected
 
 
 def test_a_ceiling_counts_both_sides_of_a_jump() -> None:

@@ -65,8 +65,7 @@ def test_polynomials_up_to_degree_31(coefficients: list[float], low: float, high
     """Gauss's rule of n nodes is exact for them (Abramowitz and Stegun 25.4.29): nothing but
     rounding is left.
     """
-    polynomial = np.polynomial.Polynomial(coefficients)
-    found = integral(polynomial, [low, high], 1e-3)
+    found = integral(np.polynomial.Polynomial(coefficients), [low, high], 1e-3)
     # All values are sums of the terms, so rounding goes by these; twice as many of it by Horner.
     largest = sum(abs(c) * max(-low, high) ** k for k, c in enumerate(coefficients))
     bound = 2.0 * len(coefficients) * ROUNDING * largest * (high - low)
@@ -188,8 +187,7 @@ def test_a_tall_peak_is_followed_to_its_rounding(width: float, tolerance: float)
     """
     found = integral(lambda x: 1.0 / (x * x + width * width), [-1.0, 0.0, 1.0], tolerance)
     expected = 2.0 * math.atan2(1.0, width) / width
-    off = abs(found.value - expected)
-    assert off <= found.error + ROUNDING * expected
+    assert abs(found.value - expected) <= found.error + ROUNDING * expected
     assert (
         0.9 * EPS * expected <= found.error <= 1.01 * tolerance * expected + 256.0 * EPS * expected
     )
@@ -241,8 +239,7 @@ def test_pieces_add_up_and_jumps_at_edges_cost_nothing() -> None:
 @pytest.mark.parametrize("place", [-1.02, -1.5, -3.0, -30.0])
 def test_nodes_for_a_root_that_branches_outside(place: float) -> None:
     """Integral of the root of x - place over [-1, 1], to rounding."""
-    nodes = nodes_beside(place)
-    places, half, weights = gauss(np.array([-1.0]), np.array([1.0]), nodes)
+    places, half, weights = gauss(np.array([-1.0]), np.array([1.0]), nodes_beside(place))
     found = float(half[0] * (np.sqrt(places[0] - place) @ weights))
     wanted = 2.0 / 3.0 * ((1.0 - place) ** 1.5 - (-1.0 - place) ** 1.5)
     assert found == pytest.approx(wanted, rel=128.0 * EPS)

@@ -57,14 +57,6 @@ def test_roots_are_found_to_the_last_bits_whatever_the_function(
     assert low[0] <= found <= high[0]
 
 
-def test_brackets_are_solved_together_as_each_alone() -> None:
-    low, high = np.array([3.0, 6.0, 9.0, 12.5]), np.array([4.0, 6.5, 10.0, 13.5])
-    together = bracketed_roots(np.sin, low, high)
-    alone = [bracketed_roots(np.sin, low[k : k + 1], high[k : k + 1])[0] for k in range(4)]
-    assert together.tolist() == alone
-    assert together == pytest.approx([k * math.pi for k in (1, 2, 3, 4)], rel=4.0 * 2.0**-52)
-
-
 @pytest.mark.parametrize(("low", "high"), [(0.0, 1.0), (-1.0, 0.0)])
 def test_a_root_at_an_end_of_the_bracket(low: float, high: float) -> None:
     assert bracketed_roots(lambda x: x, np.array([low]), np.array([high])).tolist() == [0.0]
@@ -104,8 +96,7 @@ def test_a_smooth_root_takes_few_evaluations_and_a_step_no_more_than_halving() -
 
 def test_sign_changes_name_their_cells_and_zeros_once() -> None:
     grid = np.arange(8.0)
-    values = np.array([-1.0, 2.0, 0.0, 3.0, -4.0, 0.0, 0.0, 0.0])
-    low, high = sign_changes(grid, values)
+    low, high = sign_changes(grid, np.array([-1.0, 2.0, 0.0, 3.0, -4.0, 0.0, 0.0, 0.0]))
     assert low.tolist() == [0.0, 2.0, 3.0]
     assert high.tolist() == [1.0, 3.0, 4.0]
     low, high = sign_changes(grid[:3], np.array([2.0, 1.0, 0.0]))
@@ -132,8 +123,7 @@ def test_the_inverse_leads_back(share: float, swing: float) -> None:
 
 def test_an_edge_is_found_as_it_is() -> None:
     edges = np.array([0.0, 0.1, 0.7, 1.0])
-    found = inverse(np.exp, np.exp, edges, np.exp(edges))
-    assert found.tolist() == edges.tolist()
+    assert inverse(np.exp, np.exp, edges, np.exp(edges)).tolist() == edges.tolist()
 
 
 def test_a_flat_place_is_closed_in_on_by_halving() -> None:
@@ -306,15 +296,13 @@ def test_derivative_and_product(powers: list[float]) -> None:
         (k * Fraction(c) * Fraction(x) ** (k - 1) for k, c in enumerate(powers) if k), Fraction(0)
     )
     assert float(exactly(derivative(powers), x)) == float(slope)
-    square = product(powers, powers)
-    assert exactly(square, x) == exactly(powers, x) ** 2
+    assert exactly(product(powers, powers), x) == exactly(powers, x) ** 2
 
 
 @given(powers=coefficients)
 def test_nothing_is_larger_than_the_largest(powers: list[float]) -> None:
     found = largest_magnitude(powers, 0.0, 0.7)
-    x = np.linspace(0.0, 0.7, 2001)
-    dense = float(np.max(np.abs(horner(powers, x))))
+    dense = float(np.max(np.abs(horner(powers, np.linspace(0.0, 0.7, 2001)))))
     size = sum(abs(c) for c in powers)
     assert dense <= found + 16 * EPS * size
     second = sum(k * (k - 1) * abs(c) for k, c in enumerate(powers))

@@ -42,7 +42,6 @@ from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.units import TURN
 from tests.contour.cams import SCENES, dwell, flank, move, outline, translating
 from tests.effects.scenes import design
-from tests.effects.test_trimmed_cams import on_guide
 from tests.integrals import cells, integrals
 from tests.outline.clearing import distances
 from tests.outline.test_replay import (
@@ -54,6 +53,7 @@ from tests.outline.test_replay import (
     rounded,
     star,
 )
+from tests.state.test_outline import on_guide
 from tests.strategies import SMOOTH, attack, linked_pitch_curves, pitch_curves, signs
 
 STEP: Final = np.radians(0.1)
@@ -385,7 +385,7 @@ def test_a_trimmed_flank_is_left_to_its_drawing() -> None:
 
 
 def on_rocker(follower: Any) -> Any:
-    """As of `tests.effects.test_trimmed_cams`, for a complex lift too."""
+    """As of `tests.state.test_outline`, for a complex lift too."""
     pivot, arm = mpmath.mpmathify(follower.pivot), mpmath.mpmathify(follower.start_arm)
     return lambda lift: pivot + arm * mpmath.exp(1j * follower.swing_sense * lift)
 

@@ -8,17 +8,12 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
-from typing import Final
 
 from camgeo.app.cli.command import CallError, add_json, present_name, show, write_files
 from camgeo.app.cli.plot import add_picture, output_files
 from camgeo.app.cli.streams import Progress
 from camgeo.errors import meant
 from camgeo.units import counted
-
-SUMMARY: Final = (
-    "Measure the rounding errors of every quantity against mpmath, also on the hard cases."
-)
 
 
 def options(parser: argparse.ArgumentParser) -> None:
@@ -64,7 +59,11 @@ def known_names(asked: Sequence[str], known: tuple[str, ...]) -> frozenset[str]:
 
 def main(words: Sequence[str] | None = None) -> int:
     """Run the suite as `words` say, by default those of this process."""
-    parser = argparse.ArgumentParser(prog="python -m tests.stability", description=SUMMARY)
+    parser = argparse.ArgumentParser(
+        prog="python -m tests.stability",
+        description="Measure the rounding errors of every quantity against mpmath, also on the "
+        "hard cases.",
+    )
     options(parser)
     parser.set_defaults(progress=Progress())
     arguments = parser.parse_args(words)

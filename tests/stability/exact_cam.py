@@ -382,8 +382,7 @@ def face_jet(stage: Stage, phi: Number, parameters: Sequence[Number]) -> FaceJet
     """
     s = stage.demanded(phi, parameters, TERMS)
     base, *rest = parameters[6:]
-    follower = stage.follower
-    normal, distance, along, origin = _held(follower, s, base, *rest)
+    normal, distance, along, origin = _held(stage.follower, s, base, *rest)
     turn = direction(variable(-stage.rotation * phi, -stage.rotation, TERMS))
     return FaceJet(s, normal * turn, distance, along * turn, origin * turn, stage.rotation)
 

@@ -19,13 +19,14 @@ from tests.stability import cams
 from tests.stability.cams import CamSpec
 from tests.stability.exact_cam import CamJet
 from tests.stability.measure import Case
-from tests.stability.series import Number, Roots, newton
+from tests.stability.series import Number, Roots
 
 GROUP: Final = "extremes"
 
 CURVATURE: Final = ("extreme curvature", "place of extreme curvature")
 
 TRANSMISSION: Final = ("extreme transmission angle", "place of extreme transmission")
+
 
 CUSP: Final = ("place of a cusp",)
 
@@ -90,8 +91,7 @@ def _extremes(
         def bend(phi: Number) -> Sequence[Number]:
             return slopes(spec.stage.jet(phi, parameters, TERMS))[1:]
 
-        place = newton(bend, roots.near(guess), ENOUGH)
-        roots.keep(guess, place)
+        place = roots.root(bend, guess, ENOUGH)
         return slopes(spec.stage.jet(place, parameters, TERMS))[0], place
 
     for back, word in ((False, "rise"), (True, "return")):
@@ -132,9 +132,7 @@ def _cusps(spec: CamSpec, excess: float) -> Case:
             bend = jet.bend
             return 1 - jet.roller * bend.terms[0], -jet.roller * bend.terms[1]
 
-        place = newton(margin, roots.near(guess), ENOUGH)
-        roots.keep(guess, place)
-        return (place,)
+        return (roots.root(margin, guess, ENOUGH),)
 
     return Case(
         GROUP, f"roller {excess:.0e} too large", CUSP,

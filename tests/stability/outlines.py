@@ -25,13 +25,6 @@ from tests.stability.series import Number, Roots
 
 GROUP: Final = "outlines"
 
-CROSSING: Final = ("crossing, first cam angle", "crossing, second cam angle", "crossing point")
-
-AREA: Final = ("area of the disc",)
-
-ACTUAL: Final = ("lift on the outline",)
-
-LOSS: Final = ("lost stroke",)
 
 LARGEST: Final = ("largest lost stroke", "place of largest lost stroke")
 
@@ -123,7 +116,15 @@ def _crossings(spec: CamSpec, side: int) -> Case:
         return crossing
 
     places = tuple(_guesses(crossing)[0] for crossing in engine)
-    return Case(GROUP, spec.name, CROSSING, places, exact_outline.parameters, found, exact)
+    return Case(
+        GROUP,
+        spec.name,
+        ("crossing, first cam angle", "crossing, second cam angle", "crossing point"),
+        places,
+        exact_outline.parameters,
+        found,
+        exact,
+    )
 
 
 def _area(spec: CamSpec, side: int) -> Case:
@@ -137,7 +138,9 @@ def _area(spec: CamSpec, side: int) -> Case:
         x, y, _ = exact_outline.crossing(guesses, numbers)
         return (exact_outline.area(x, y, numbers),)
 
-    return Case(GROUP, spec.name, AREA, guesses[:1], exact_outline.parameters, found, exact)
+    return Case(
+        GROUP, spec.name, ("area of the disc",), guesses[:1], exact_outline.parameters, found, exact
+    )
 
 
 class _Rolled:
@@ -170,7 +173,7 @@ def _lift(spec: CamSpec, side: int) -> Case:
         return (rolled.exact.actual(phi, rolled.corner(numbers), numbers, 1).terms[0],)
 
     places, parameters = rolled.places(SHARES), rolled.exact.parameters
-    return Case(GROUP, spec.name, ACTUAL, places, parameters, found, exact)
+    return Case(GROUP, spec.name, ("lift on the outline",), places, parameters, found, exact)
 
 
 def _losses(spec: CamSpec, side: int) -> Iterator[Case]:
@@ -193,7 +196,7 @@ def _losses(spec: CamSpec, side: int) -> Iterator[Case]:
         return rolled.exact.loss(place, corner, numbers, 1).terms[0], place
 
     places = rolled.places(MIDDLE)
-    yield Case(GROUP, spec.name, LOSS, places, parameters, found, exact)
+    yield Case(GROUP, spec.name, ("lost stroke",), places, parameters, found, exact)
     guess = (round(largest.place, GUESS),)
     yield Case(GROUP, spec.name, LARGEST, guess, parameters, found_largest, exact_largest)
 

@@ -45,6 +45,14 @@ class Roots:
     decimals: int
     _known: dict[float, Number] = field(default_factory=dict)
 
+    def root(
+        self, value_and_slope: Callable[[Number], Sequence[Number]], guess: Number, decimals: int
+    ) -> Number:
+        """The root near `guess`, by `newton` from the first one that was found there."""
+        place = newton(value_and_slope, self.near(guess), decimals)
+        self.keep(guess, place)
+        return place
+
     def near(self, guess: Number) -> Number:
         """The known root for `guess`, or `guess` itself."""
         return self._known.get(self._key(guess), guess)

@@ -18,13 +18,6 @@ from tests.stability.series import Number, Series, direction, logarithm, newton,
 
 GROUP: Final = "slotted-levers"
 
-MOTION: Final = ("lever angle", "lever velocity", "lever acceleration")
-
-VELOCITIES: Final = ("extreme lever velocity",)
-
-ANGLE: Final = ("largest lever angle", "place of largest lever angle")
-
-ACCELERATION: Final = ("largest lever acceleration", "place of largest lever acceleration")
 
 THETAS: Final = (1e-8, 0.3, 1.4, 3.1, 5.0, 6.283, 20.0, -4.0)
 """Crank angles [rad]: next to where the pin is nearest, in the first turn, and in others. The
@@ -79,12 +72,40 @@ def _of_lever(name: str) -> Iterator[Case]:
 
     equal = lever.distance == lever.crank
     thetas = tuple(theta for theta in THETAS if 0.0 < theta < TURN or not equal)
-    yield Case(GROUP, name, MOTION, thetas, lengths, found, exact)
+    yield Case(
+        GROUP,
+        name,
+        ("lever angle", "lever velocity", "lever acceleration"),
+        thetas,
+        lengths,
+        found,
+        exact,
+    )
     if not equal:
-        yield Case(GROUP, name, VELOCITIES, (0.0, math.pi), lengths, velocities, exact_velocity)
-        yield _extreme(name, lever, ACCELERATION, 2, lever.largest_acceleration)
+        yield Case(
+            GROUP,
+            name,
+            ("extreme lever velocity",),
+            (0.0, math.pi),
+            lengths,
+            velocities,
+            exact_velocity,
+        )
+        yield _extreme(
+            name,
+            lever,
+            ("largest lever acceleration", "place of largest lever acceleration"),
+            2,
+            lever.largest_acceleration,
+        )
     if lever.swings:
-        yield _extreme(name, lever, ANGLE, 0, lever.largest_angle)
+        yield _extreme(
+            name,
+            lever,
+            ("largest lever angle", "place of largest lever angle"),
+            0,
+            lever.largest_angle,
+        )
 
 
 def _extreme(
@@ -104,8 +125,7 @@ def _extreme(
         return exact_angle(theta, crank, distance, order + 1).derivative(order), theta
 
     guess = float(f"{engine.place:.{GUESS}g}")
-    lengths = (lever.crank, lever.distance)
-    return Case(GROUP, name, quantities, (guess,), lengths, found, exact)
+    return Case(GROUP, name, quantities, (guess,), (lever.crank, lever.distance), found, exact)
 
 
 def exact_angle(theta: Number, crank: Number, distance: Number, terms: int) -> Series:

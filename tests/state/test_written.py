@@ -18,15 +18,27 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+import camgeo
 from camgeo.design.design import Design
+from camgeo.design.writing import find_writer
+from camgeo.dynamics.effects.lift_off.result import flank_changes
 from camgeo.dynamics.effects.results import CONTACT_FORCE
-from camgeo.dynamics.state.written import Written
+from camgeo.dynamics.state.state import FIRST, SECOND
+from camgeo.dynamics.state.written import Contours, Written
+from camgeo.errors import SceneError
 from camgeo.geometry.contour.contour import Contour, Form
-from camgeo.numeric.arrays import SIDES, FloatArray
+from camgeo.geometry.outline.roller import PlayedLift
+from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.kinematics.mechanism.follower_path import path_of
+from camgeo.numeric.arrays import SIDES, ComplexArray, FloatArray
 from camgeo.part.part import written_contour
 from camgeo.scene.scene import load_scene
+from camgeo.units import MM_PER
 from tests.effects.scenes import course_of, design
-from tests.effects.test_trimmed_cams import derivatives, on_rocker, place_of
+from tests.effects.test_findings import GROOVE
+from tests.findings import finding_of
+from tests.long_form import LONG
+from tests.state.test_outline import derivatives, on_rocker, place_of
 
 
 @cache
@@ -99,11 +111,12 @@ SIDED: Final = [
 ]  # fmt: skip
 """Followers that are held both ways, on one of their sides."""
 
-ONE_SIDED: Final = [("plate_translating", ""), ("swallow_tail", ""), ("querhub", "")]
-
 
 @pytest.mark.parametrize("form", ["arcs", "polyline"])
-@pytest.mark.parametrize(("scene", "flank"), [*ONE_SIDED, *SIDED])
+@pytest.mark.parametrize(
+    ("scene", "flank"),
+    [*[("plate_translating", ""), ("swallow_tail", ""), ("querhub", "")], *SIDED],
+)
 def test_the_lift_is_that_of_a_roller_that_touches_its_piece(
     scene: str, flank: str, form: Form
 ) -> None:
@@ -149,8 +162,7 @@ def test_the_lift_is_that_of_a_face_that_touches_its_piece(scene: str, form: For
         assert (element >= 0) == (form == "arcs")
         assert_lift(jet, face_gap_on(contour, element, cam), phi)
         for number in range(0, len(contour), max(1, len(contour) // 12)):
-            beyond = face_gap_on(contour, -1 - number, cam)(float(jet[0]), phi)
-            assert beyond <= 1e-9
+            assert face_gap_on(contour, -1 - number, cam)(float(jet[0]), phi) <= 1e-9
 
 
 @pytest.mark.parametrize("form", ["arcs", "polyline"])
@@ -248,8 +260,7 @@ def test_the_order_is_of_the_highest_derivative_that_jumps_nowhere(scene: str, f
     """The contour of `measured` is one spline, curved differently at its two ends."""
     state = state_of(asked(scene, form, 1e-2))
     before, after = (state.motion.jet(state.motion.borders, side) for side in SIDES)
-    most = np.max(np.abs(after), axis=1)
-    jumps = np.max(np.abs(after - before), axis=1) / most
+    jumps = np.max(np.abs(after - before), axis=1) / np.max(np.abs(after), axis=1)
     # Both sides are the same to rounding, some 1e-14; what jumps is far above it.
     assert np.all(jumps[: state.order + 1] < 1e-9)
     assert jumps[state.order + 1] > 1e-6
@@ -310,8 +321,7 @@ def test_both_sides_of_a_yoke_are_on_one_contour_half_a_turn_apart(scene: str, f
 
 def test_forces_of_a_yoke_come_near_those_of_the_demanded_motion() -> None:
     """As the square root of the tolerance of cubics; findings tell side, contour and play."""
-    exact = load_scene(YOKE)
-    demanded = Design(exact).effect(CONTACT_FORCE)
+    demanded = Design(load_scene(YOKE)).effect(CONTACT_FORCE)
     phi = np.linspace(0.0, 2.0 * math.pi, 2001)
     off = []
     for tolerance in (1e-3, 1e-5):
@@ -336,3 +346,426 @@ def test_many_shocks_are_one_finding() -> None:
     assert len(state_of(made).shocks) > 8
     (told,) = (each for each in made.effects.findings("contact-force") if each.name == "shock")
     assert "more" in told.sentence or "others" in told.sentence
+
+
+# Held both ways -----------------------------------------------------------------------------------
+# On the side of a written contour that the scene states. Oracles: a roller pressed against points
+# of the contour, by bisection, and the free body of the follower.
+
+
+SENSES: Final = {"inner": FIRST, "main": FIRST, "outer": SECOND, "return": SECOND}
+
+
+def sided(scene: str, flank: str, tolerance: float = 1e-3) -> Design:
+    guided = scene in ("plate_translating", "groove_clearance")
+    own = "mass = 2" if guided else "moment_of_inertia = 0.01"
+    text = f"[effects.inertia]\n{own}\n[effects.contact-force]\n[effects.kinematics]\n"
+    return asked(scene, "arcs", tolerance, text, flank)
+
+
+def contours_of(made: Design) -> Contours:
+    found = made.effects.subject.contours
+    assert found is not None
+    return found
+
+
+def press(flank: str) -> int:
+    """+1 where the roller runs outside of its contour, -1 where inside."""
+    return -1 if flank == "outer" else 1
+
+
+def places_of(cam: Any, lift: FloatArray, phi: FloatArray) -> ComplexArray:
+    """(n,) roller centres [mm] in the cam."""
+    follower = cam.follower
+    if follower.lift_unit == "mm":
+        height = math.sqrt(follower.base_radius**2 - follower.offset**2)
+        seen = complex(follower.way) * (height + lift - 1j * follower.offset)
+    else:
+        turned = np.exp(1j * follower.swing_sense * lift)
+        seen = complex(follower.pivot) + complex(follower.start_arm) * turned
+    found: ComplexArray = seen * np.exp(-1j * cam.rotation * phi)
+    return found
+
+
+def points_on(contour: Contour, spacing: float) -> ComplexArray:
+    """Points [mm] of the contour, `spacing` [mm] apart at most."""
+    found = []
+    for start, end, centre, sweep in zip(
+        contour.vertices, contour.ends, contour.centres, contour.sweeps, strict=True
+    ):
+        length = abs(end - start) if sweep == 0.0 else abs(sweep) * abs(start - centre)
+        shares = np.linspace(0.0, 1.0, 2 + int(length / spacing))
+        on_line = start + shares * (end - start)
+        on_arc = centre + (start - centre) * np.exp(1j * sweep * shares)
+        found.append(on_line if sweep == 0.0 else on_arc)
+    return np.concatenate(found)
+
+
+def pressed_on(made: Design, flank: str, phi: FloatArray, spacing: float) -> FloatArray:
+    """(n,) lift of a roller that is pushed until it comes to a point of the contour."""
+    contour, cam = side_of(made, flank)
+    points, radius = points_on(contour, spacing), cam.follower.roller_radius
+    start = made.drive.motion.jet(phi)[0]
+    reach = 0.02 if cam.lift_unit == "rad" else 1.0
+    step = np.full(len(phi), 1e-3 * reach)
+    outwards = np.sign(
+        np.abs(places_of(cam, start + step, phi)) - np.abs(places_of(cam, start, phi))
+    )
+    clear, hit = (start + sign * press(flank) * outwards * reach for sign in (1, -1))
+    for _ in range(45):
+        middle = 0.5 * (clear + hit)
+        centres = places_of(cam, middle, phi)
+        apart = np.array([np.min(np.abs(points - each)) for each in centres])
+        clear, hit = (
+            np.where(apart >= radius, middle, clear),
+            np.where(apart >= radius, hit, middle),
+        )
+    return np.asarray(0.5 * (clear + hit))
+
+
+@pytest.mark.parametrize(
+    ("scene", "both"), [("groove", ("inner", "outer")), ("conjugate_lever", ("main", "return"))]
+)
+def test_the_play_is_that_between_rollers_pressed_against_both_contours(
+    scene: str, both: tuple[str, str]
+) -> None:
+    """Between points h apart a roller goes deeper by h^2 / 8 (1/r - kappa) at most, less than
+    h^2 / 4r here, over the lever of its lift.
+    """
+    phi, spacing = np.linspace(0.05, 6.2, 11), 0.02
+    made = [sided(scene, each, 1e-2) for each in both]
+    lever = np.abs(made[0].effects.subject.state.curve.leverage(phi))
+    deeper = 1.1 * spacing**2 / (4.0 * made[0].cam.follower.roller_radius) / lever
+    levers = np.abs(made[0].effects.subject.state.curve.leverage(np.linspace(0.0, 6.28, 400)))
+    lifts = [state_of(each).motion.jet(phi)[0] for each in made]
+    for each, flank, lift in zip(made, both, lifts, strict=True):
+        assert np.all(np.abs(pressed_on(each, flank, phi, spacing) - lift) <= deeper + 1e-12)
+    outward = state_of(made[0]).replay.lift.outward
+    play = contours_of(made[0]).play
+    assert play == contours_of(made[1]).play
+    assert np.all(outward * (lifts[1] - lifts[0]) >= play.lowest.value - 1e-12)
+    assert np.all(outward * (lifts[1] - lifts[0]) <= play.highest.value + 1e-12)
+    own = sum(state_of(each).deviation for each in made)
+    assert play.magnitude <= 1.1 * own / np.min(levers)
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-4])
+@pytest.mark.parametrize(("scene", "flank"), SIDED)
+def test_the_lift_comes_to_that_on_the_exact_flank(
+    scene: str, flank: str, tolerance: float
+) -> None:
+    """Within eps over the lever, as for a single flank; with side clearance, to the played lift."""
+    made = sided(scene, flank, tolerance)
+    state, cam = state_of(made), made.cam
+    phi = np.linspace(0.0, 6.28, 300)
+    exact = made.drive.motion.jet(phi)[0]
+    if cam.clearance:
+        curve = WorkingCurve(cam.disc.pitch_curve, -press(flank) * 0.5 * cam.clearance)
+        exact = PlayedLift(path_of(cam.follower, cam.rotation), curve).jet(phi)[0]
+    off = np.abs(state.motion.jet(phi)[0] - exact)
+    lever = np.abs(side_of(made, flank)[1].disc.pitch_curve.leverage(phi))
+    assert np.all(off * lever <= 1.1 * state.deviation)
+    assert state.deviation <= tolerance
+
+
+def test_both_discs_see_one_motion() -> None:
+    made = sided("conjugate_lever", "return")
+    subject = made.effects.subject
+    assert subject.returning is not None
+    state, other = subject.state, subject.returning.state
+    assert isinstance(state, Written)
+    assert isinstance(other, Written)
+    assert state.replay is other.replay
+    assert (state.touches, other.touches) == (False, True)
+    assert made.effect(CONTACT_FORCE).state.sense == SECOND
+
+
+@pytest.mark.parametrize(("scene", "flank"), [("plate_translating", ""), *SIDED[1:]])
+def test_the_force_is_that_of_the_free_body_where_that_side_carries(scene: str, flank: str) -> None:
+    """m q'' omega^2 over the lever of the line through the centre of the touched arc."""
+    made = sided(scene, flank)
+    state, (contour, cam), course = state_of(made), side_of(made, flank), course_of(made)
+    phi = np.linspace(0.01, 6.27, 120)
+    jet, omega = state.motion.jet(phi), course.rates(phi)[0]
+    lift = state.motion.lift
+    elements, _ = lift.held_by(lift.number(phi))
+    assert np.all(elements >= 0)
+    centres, bent = contour.centres[elements], contour.sweeps[elements]
+    along = contour.ends[elements] - contour.vertices[elements]
+    here = places_of(cam, jet[0], phi)
+    tiny = 1e-6
+    way = (places_of(cam, jet[0] + tiny, phi) - places_of(cam, jet[0] - tiny, phi)) / (2.0 * tiny)
+    outwards = np.where(bent == 0.0, -1j * along, np.sign(bent) * (here - centres))
+    lever = (np.conj(press(flank) * outwards / np.abs(outwards)) * way).real
+    mass = 2e-3 if cam.lift_unit == "mm" else 10.0  # t, or t mm^2
+    wanted = mass * jet[2] * omega**2 / lever
+    normal = made.effect(CONTACT_FORCE).normal(phi, "right")
+    carried = wanted > 0.0
+    assert np.sum(carried) > 20
+    sense = SECOND if flank else FIRST
+    assert sense * normal[carried] == pytest.approx(wanted[carried], rel=1e-6)
+    assert not np.any(sense * normal[~carried] > 0.0)
+
+
+@pytest.mark.parametrize(
+    ("scene", "flank", "other"),
+    [("groove", "outer", "inner flank"), ("conjugate_lever", "main", "return disc")],
+)
+def test_findings_say_where_the_other_side_carries_and_how_far_it_is(
+    scene: str, flank: str, other: str
+) -> None:
+    made = sided(scene, flank)
+    told = finding_of(made, "contact-force", "other-side")
+    assert told.severity == "warning"
+    assert f"the {other} carries" in told.sentence
+    contact = made.effect(CONTACT_FORCE)
+    _, changes = flank_changes(contact)
+    for change in changes:
+        if change.sense == SENSES[flank]:  # it leaves this side
+            assert f"{math.degrees(change.carrying):.4f} to" in told.sentence
+    assert told.value == pytest.approx(
+        max(0.0, -SENSES[flank] * contact.extremes.lowest.value,
+            -SENSES[flank] * contact.extremes.highest.value)
+    )  # fmt: skip
+    figures = [each for each in made.effects.findings("contact-force") if "force" in each.name]
+    assert {each.severity for each in figures} == {"warning"}
+    for effect in ("kinematics", "contact-force"):
+        apart = finding_of(made, effect, "other-contour")
+        lowest = contours_of(made).play.lowest
+        assert apart.value == pytest.approx(math.degrees(lowest.value), rel=1e-12)
+        assert apart.severity == ("warning" if lowest.value < 0.0 else "ok")
+        motion = finding_of(made, effect, "written-motion").sentence
+        assert f"the written contour of the {flank} {other.split()[1]} makes all round" in motion
+
+
+def test_what_the_opposite_flank_has_lost_is_told_as_its_own() -> None:
+    """Both flanks of this groove are trimmed, and figures are of what one of them makes."""
+    scene = design(
+        "swallow_tail",
+        "[effects.kinematics]",
+        GROOVE[0],
+        ("thickness = 10", "thickness = 10\nrim = 125\ngroove_depth = 5"),
+    ).scene
+    for flank, other in (("inner", "outer"), ("outer", "inner")):
+        made = Design(scene.with_values({"state.motion": "written", "state.flank": flank}))
+        told = made.effects.findings("kinematics")
+        trimmed = [each.sentence for each in told if each.name == "trimmed-motion"]
+        (own,) = (each for each in trimmed if f"the trimmed {flank} flank" in each)
+        (opposite,) = (each for each in trimmed if f"the trimmed {other} flank" in each)
+        assert own.startswith("these figures are for the motion that the trimmed")
+        assert opposite.startswith("these figures are for the motion of the other side")
+        assert finding_of(made, "kinematics", "highest-velocity").severity == "ok"
+        losses = [made.cam.disc.replay(each).largest_loss.value for each in (flank, other)]
+        play = contours_of(made).play.highest.value
+        assert play == pytest.approx(max(losses), abs=4e-3)  # two tolerances over the lever
+
+
+def test_flights_between_written_contours_are_refused() -> None:
+    scene = sided("groove", "outer").scene.with_values({"effects.lift-off.backlash": 0.02})
+    told = finding_of(Design(scene), "lift-off", "impact-speed")
+    assert told.value is None
+    assert "flights between these are not computed" in told.sentence
+
+
+@pytest.mark.parametrize(
+    ("scene", "edits", "words"),
+    [
+        ("groove", {"motion": "written", "flank": "main"}, "needs [follower.return]"),
+        ("conjugate_lever", {"motion": "written", "flank": "inner"}, "needs contact"),
+        ("querhub", {"motion": "written", "flank": "inner"}, "needs contact"),
+        ("groove", {"flank": "inner"}, "another motion is the same on both sides"),
+        ("plate_translating", {"motion": "written", "flank": "main"}, "needs [follower"),
+        ("conjugate_lever", {"motion": "written", "flank": "opposite"}, "needs [follower"),
+        ("constant_breadth", {"motion": "written", "flank": "return"}, "needs [follower"),
+    ],
+)
+def test_a_scene_states_one_of_two_sides(scene: str, edits: dict[str, str], words: str) -> None:
+    values = {f"state.{key}": value for key, value in edits.items()}
+    with pytest.raises(SceneError) as caught:
+        design(scene, "").scene.with_values(values)
+    (fault,) = caught.value.faults
+    assert fault.key == "state.flank"
+    assert words in fault.message
+
+
+# The contour is that of the drawing, read here from its group codes -------------------------------
+
+
+FIXTURES: Final = Path(__file__).parents[2] / "fixtures"
+
+
+USUAL: Final = (
+    ("scenes/shuttle", "polyline", "", None),
+    ("scenes/querhub", "arcs", "", 0.016),
+    ("scenes/tappet", "arcs", "", 0.002),
+    ("scenes/inch", "lines-and-arcs", "", None),
+    ("scenes/groove", "arcs", "outer", 0.01),
+    ("scenes/conjugate_lever", "spline", "return", None),
+)
+"""In the usual form of the tests: a scene, the entity of its drawing, the side if it has two, and
+the tolerance [mm], None for its own. Contours within 0.98 of the given ones have more pieces.
+"""
+
+CORNERED: Final = ("scenes/knife_edge", "scenes/straight_moves")
+"""Trimmed discs, on whose splines a roller is not replayed."""
+
+Entity = list[tuple[int, str]]
+
+
+def entities_of(data: bytes) -> Iterator[tuple[str, Entity]]:
+    """The kind and the groups of each entity of a drawing."""
+    lines = data.decode().splitlines()
+    groups = [(int(code), value) for code, value in zip(lines[::2], lines[1::2], strict=True)]
+    start = groups.index((2, "ENTITIES"))
+    found: Entity = []
+    for code, value in groups[start + 1 :]:
+        if code == 0:
+            if found:
+                yield found[0][1], found
+            found = []
+            if value == "ENDSEC":
+                return
+        found.append((code, value))
+
+
+def numbers(entity: Entity, code: int) -> FloatArray:
+    return np.array([float(value) for group, value in entity if group == code])
+
+
+def points(entity: Entity, code: int, scale: float) -> ComplexArray:
+    return np.asarray(
+        scale * (numbers(entity, code) + 1j * numbers(entity, code + 10)), dtype=np.complex128
+    )
+
+
+def loops_of(data: bytes, scale: float) -> list[tuple[ComplexArray, FloatArray]]:
+    """Vertices [mm] and bulges of each polyline; a vertex without a bulge begins a line."""
+    found = []
+    for kind, entity in entities_of(data):
+        if kind != "LWPOLYLINE":
+            continue
+        bulges: list[float] = []
+        for code, value in entity:
+            if code == 10:
+                bulges.append(0.0)
+            elif code == 42:
+                bulges[-1] = float(value)
+        found.append((points(entity, 10, scale), np.array(bulges)))
+    return found
+
+
+def strand_of(kind: str, entity: Entity, scale: float) -> ComplexArray:
+    """Ends [mm] of a line or a counter-clockwise arc, or the control points of a spline."""
+    if kind == "LINE":
+        return np.concatenate((points(entity, 10, scale), points(entity, 11, scale)))
+    if kind == "SPLINE":
+        return points(entity, 10, scale)
+    angles = np.radians(np.concatenate((numbers(entity, 50), numbers(entity, 51))))
+    found: ComplexArray = points(entity, 10, scale) + scale * numbers(entity, 40) * np.exp(
+        1j * angles
+    )
+    return found
+
+
+@cache
+def written(name: str, entity: str, flank: str, tolerance: float | None = None) -> Design:
+    """The fixture scene drawn with that entity, with the motion on that side of its contours."""
+    scene = camgeo.load(FIXTURES / f"{name}.toml").scene
+    edits: dict[str, Any] = {"state.motion": "written", "output.dxf.entity": entity}
+    if flank:
+        edits["state.flank"] = flank
+    if tolerance is not None:
+        edits["output.tolerance"] = tolerance
+    return Design(scene.with_values(edits))
+
+
+@cache
+def drawings_of(made: Design) -> tuple[bytes, ...]:
+    """Of all discs."""
+    writer, tolerance = find_writer("dxf"), made.scene.output.tolerance
+    return tuple(writer.write(disc, tolerance).data for disc in made.discs)
+
+
+def all_cases() -> list[tuple[str, str, str, float | None]]:
+    """All scenes in all forms, on all sides."""
+    found: list[tuple[str, str, str, float | None]] = []
+    for folder in ("scenes", "effects", "pairs"):
+        for path in sorted((FIXTURES / folder).glob("*.toml")):
+            made = camgeo.load(path)
+            if made.scene.follower is None:
+                continue
+            sides: tuple[str, ...] = ("",)
+            if len(made.discs) > 1:
+                sides = ("main", "return")
+            elif made.scene.yoke is not None:
+                sides = ("main", "opposite")
+            elif made.cam.contact.closed_by_form:
+                sides = ("inner", "outer")
+            name = f"{folder}/{path.stem}"
+            found += [
+                (name, entity, side, None)
+                for entity in ("polyline", "arcs", "lines-and-arcs", "spline")
+                for side in sides
+            ]
+    return found
+
+
+@pytest.mark.parametrize(
+    ("name", "entity", "flank", "tolerance"), [*USUAL, *(all_cases() if LONG else ())]
+)
+def test_the_contour_of_the_state_is_that_of_the_file(
+    name: str, entity: str, flank: str, tolerance: float | None
+) -> None:
+    """Vertex for vertex; a spline by its knots and control points."""
+    made = written(name, entity, flank, tolerance)
+    scale = MM_PER[made.scene.unit]
+    drawings = drawings_of(made)
+    subject = made.effects.subject
+    if LONG and entity == "spline" and (name in CORNERED or not made.cam.follower.has_pitch_curve):
+        with pytest.raises(camgeo.GeometryError, match=r"not computed|the spline"):
+            subject.state  # noqa: B018 - it is computed when it is asked for
+        return
+    state: Any = subject.state
+    contour = state.contour
+    if entity in ("arcs", "polyline"):
+        same = [
+            vertices
+            for data in drawings
+            for vertices, bulges in loops_of(data, scale)
+            if len(vertices) == len(contour)
+            and np.allclose(vertices, contour.vertices, rtol=0.0, atol=1e-12)
+            and np.allclose(bulges, np.tan(contour.sweeps / 4.0), rtol=0.0, atol=1e-13)
+        ]
+        assert same
+        return
+    found = [
+        (strand_of(kind, each, scale), numbers(each, 40) if kind == "SPLINE" else None)
+        for data in drawings
+        for kind, each in entities_of(data)
+        if kind in ("LINE", "ARC", "SPLINE")
+    ]
+    for controls, knots, backwards in strands_of(contour):
+        wanted = controls[::-1] if backwards else controls
+        same_strands = [
+            own
+            for own, own_knots in found
+            if own.shape == wanted.shape
+            and np.allclose(own, wanted, rtol=0.0, atol=1e-9)
+            and (knots is None or (own_knots is not None and np.array_equal(own_knots, knots)))
+        ]
+        assert same_strands
+
+
+def strands_of(contour: Any) -> list[tuple[ComplexArray, FloatArray | None, bool]]:
+    """Points and knots of each strand of the state's contour, and whether it is an arc that turns
+    clockwise.
+    """
+    if hasattr(contour, "sweeps"):
+        ends = zip(contour.vertices, contour.ends, contour.sweeps, strict=True)
+        return [(np.array([start, end]), None, sweep < 0.0) for start, end, sweep in ends]
+    return [
+        (each.controls, each.knots, False)
+        if hasattr(each, "knots")
+        else (np.array([each.start, each.end]), None, each.sweep < 0.0)
+        for each in contour.strands
+    ]

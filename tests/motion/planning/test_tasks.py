@@ -137,8 +137,7 @@ def test_a_jerk_stated_between_rests_is_met_without_a_stroke(law: str) -> None:
     ends = np.radians([60.0, 180.0])
     assert plan.jet(ends[1:], "left")[:, 0] == pytest.approx([0.0, 0.0, 0.0, 3.0], abs=1e-14)
     assert list(plan.jet(ends[:1])[:3, 0]) == [0.0, 0.0, 0.0]
-    rests = planned(rest(60), move(120, 0.0, law, jerk=0.0), rest(180))
-    assert len(rests.dwells) == 1
+    assert len(planned(rest(60), move(120, 0.0, law, jerk=0.0), rest(180)).dwells) == 1
 
 
 @pytest.mark.parametrize("law", ["polynomial-5", "polynomial-7", "polynomial", "auto"])
@@ -160,8 +159,6 @@ def test_a_move_that_returns_within_itself_keeps_what_is_stated(law: str) -> Non
 
 
 MM = Unit("mm", 1.0)
-INCH = Unit("inch", 25.4)
-DEG = Unit("deg", math.radians(1.0))
 
 FAULTS: list[tuple[list[Request], str, str, str]] = [
     # a rest next to a stated value
@@ -371,11 +368,11 @@ def test_messages_are_in_the_unit_of_the_scene() -> None:
         move(180, 0.0),
     ]
     with pytest.raises(GeometryError, match=r"20 deg, .* below -11\.25 deg/rad\^2") as caught:
-        plan_motion(requests, DEG)
+        plan_motion(requests, Unit("deg", math.radians(1.0)))
     assert caught.value.value == "-4 deg/rad^2"
     requests = [move(90, 25.4, velocity=3.0), move(90, 50.8, "straight-line"), move(180, 0.0)]
     with pytest.raises(GeometryError, match=r"velocity is 0\.63662 inch/rad"):
-        plan_motion(requests, INCH)
+        plan_motion(requests, Unit("inch", 25.4))
     with pytest.raises(GeometryError, match=r"velocity is 16\.1701 per rad"):
         plan_motion(requests)
 

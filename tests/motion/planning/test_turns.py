@@ -226,8 +226,7 @@ MESH = np.linspace(0.0, 1.0, 4001)
 
 def sizes(law: Law) -> dict[str, float]:
     """Largest magnitudes on a mesh, both sides of each border: within 1e-5 of the exact ones."""
-    z = np.concatenate([MESH, [x - 1e-12 for x in law.borders]])
-    _, f1, f2, f3 = law(z)
+    _, f1, f2, f3 = law(np.concatenate([MESH, [x - 1e-12 for x in law.borders]]))
     values = {"velocity": f1, "acceleration": f2, "jerk": f3, "moment": f1 * f2}
     return {name: float(np.max(np.abs(each))) for name, each in values.items()}
 

@@ -1,4 +1,4 @@
-"""Drive torque of whole scenes: closed forms, its parts, and the flywheel."""
+"""What a whole scene asks of its drive: the motion in time, and the torque with its flywheel."""
 
 from __future__ import annotations
 
@@ -9,11 +9,89 @@ import numpy as np
 import pytest
 
 from camgeo.dynamics.effects.drive_torque import moment_of_inertia, stored_energy
+from camgeo.dynamics.effects.effect import Column
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import course_of, design
+from tests.findings import by_name, finding_values
+from tests.integrals import cells, integrals
 
+EFFECTS = "[effects.kinematics]\n"
+PHI = np.linspace(0.0, TURN, 721)
+
+
+@pytest.mark.parametrize("scene", ["plate_translating", "points", "setzhub", "shuttle", "measured"])
+def test_each_column_is_the_derivative_of_the_one_before(scene: str) -> None:
+    """d/dt = omega d/dphi, integrated over cells: what velocity brings is the way, and so on."""
+    made = design(scene, EFFECTS)
+    found, course = by_name(made.effect("kinematics").columns), course_of(made)
+    low, high = cells(made.drive.smooth_angles[:-1], 8)
+
+    def over_time(column: Column) -> FloatArray:
+        def per_angle(phi: FloatArray) -> FloatArray:
+            rate: FloatArray = column.values(phi, "right") / course.rates(phi)[0]
+            return rate
+
+        return integrals(per_angle, low, high)
+
+    for prefix in ("", "rocker ") if scene == "setzhub" else ("",):
+        for before, after in (("velocity", "acceleration"), ("acceleration", "jerk")):
+            first, second = found[prefix + before], found[prefix + after]
+            change = first.values(high, "left") - first.values(low, "right")
+            scale = np.max(np.abs(first.values(PHI, "right")))
+            # Gauss's rule over an eighth of a piece; rounding of values in the cells.
+            assert over_time(second) == pytest.approx(change, abs=1e-11 * scale)
+    way = 1.0 if made.cam.lift_unit == "mm" or scene == "setzhub" else math.degrees(1.0)
+    moves: list[tuple[str, Any, float]] = [("velocity", made.drive.plan, way)]
+    if scene == "setzhub":
+        moves.append(("rocker velocity", made.drive.motion, math.degrees(1.0)))
+    for name, motion, unit in moves:
+        moved = unit * (motion.jet(high, "left")[0] - motion.jet(low, "right")[0])
+        largest = float(np.max(np.abs(motion.jet(PHI)[0]))) * unit
+        assert over_time(found[name]) == pytest.approx(moved, abs=1e-11 * largest)
+    times = found["time"].values(np.array([0.0, TURN]), "right")
+    assert finding_values(made.effect("kinematics").findings)["turn-time"] == pytest.approx(
+        times[1] - times[0], rel=1e-15
+    )
+
+
+@pytest.mark.parametrize("scene", ["plate_translating", "points", "setzhub", "schnitt", "feed"])
+def test_nothing_is_beyond_the_extremes_and_they_are_taken(scene: str) -> None:
+    made = design(scene, EFFECTS)
+    found = by_name(made.effect("kinematics").columns)
+    angles = np.concatenate((PHI, made.drive.smooth_angles))
+    findings = by_name(made.effect("kinematics").findings)
+    for name, column in found.items():
+        if name == "time":
+            continue
+        key = name.replace(" ", "-")
+        high, low = findings[f"highest-{key}"], findings[f"lowest-{key}"]
+        sides = np.stack([column.values(angles, side) for side in ("right", "left")])
+        slack = 1e-12 * max(abs(high.value), abs(low.value))
+        assert np.max(sides) <= high.value + slack
+        assert np.min(sides) >= low.value - slack
+        for end in (high, low):
+            place = np.array([end.cam_angle])
+            taken = [column.values(place, side)[0] for side in ("right", "left")]
+            # The place of a smooth extreme is known to the root of rounding.
+            assert min(abs(value - end.value) for value in taken) <= 1e-9 * abs(end.value) + slack
+
+
+def test_at_a_shock_acceleration_and_jerk_are_infinite() -> None:
+    change = ('law = "modified-sine"', 'law = "straight-line"')
+    made = design("plate_translating", EFFECTS, change)
+    found = by_name(made.effect("kinematics").findings)
+    # 20 mm in 100/360 s.
+    assert found["highest-velocity"].value == pytest.approx(72.0, rel=1e-14)
+    for name in ("highest-acceleration", "lowest-acceleration", "highest-jerk", "lowest-jerk"):
+        assert found[name].value is None
+        assert "infinite at a shock" in found[name].sentence
+    for column in by_name(made.effect("kinematics").columns).values():
+        assert np.all(np.isfinite(column.values(PHI, "right")))
+
+
+# Drive torque: closed forms, its parts, and the flywheel ------------------------------------------
 EPS = float(np.finfo(np.float64).eps)
 
 CONSTANT = "[effects.load]\nconstant = 300\n"
@@ -26,16 +104,10 @@ def drive(scene: str, forces: str, table: str = "", *changes: tuple[str, str]) -
     return made.effect("drive-torque")
 
 
-def findings(result: Any) -> dict[str, Any]:
-    found = {each.name: each for each in result.findings}
-    assert len(found) == len(result.findings)
-    return found
-
-
 def test_a_constant_load_takes_its_peak_where_the_velocity_does() -> None:
     """F s' at its largest: 4 pi / (4 + pi) h / beta for the modified sine (VDI 2143-1, C_v)."""
     rise = 4.0 * math.pi / (4.0 + math.pi) * 20.0 / math.radians(100.0)
-    found = findings(drive("plate_translating", CONSTANT, "fluctuation = 0.02"))
+    found = by_name(drive("plate_translating", CONSTANT, "fluctuation = 0.02").findings)
     # The extreme is sought by golden section: its value is exact except for rounding.
     assert found["largest-torque"].value == pytest.approx(300.0 * rise / 1000.0, rel=1e-13)
     # A parabola is flat to rounding within the square root of eps of its top.
@@ -54,7 +126,7 @@ def test_root_mean_square_with_a_speed_curve_is_over_time() -> None:
     grid = np.linspace(0.0, TURN, 200_001)
     phi = np.interp(times, course.time(grid) - course.time(grid[:1]), grid)
     rms = math.sqrt(float(np.mean(result.torque(phi, "right") ** 2))) / 1000.0
-    assert findings(result)["rms-torque"].value == pytest.approx(rms, rel=1e-6)
+    assert by_name(result.findings)["rms-torque"].value == pytest.approx(rms, rel=1e-6)
 
 
 def test_static_and_dynamic_parts() -> None:
@@ -73,16 +145,16 @@ def test_static_and_dynamic_parts() -> None:
 def test_without_speed_there_is_only_the_static_part() -> None:
     result = drive("ring", "[effects.load]\nconstant = -60\n")
     assert [each.name for each in result.columns] == ["drive torque"]
-    assert not {"mean-power", "largest-static-torque"} & findings(result).keys()
+    assert not {"mean-power", "largest-static-torque"} & by_name(result.findings).keys()
 
 
 def test_the_limit_holds_in_both_directions() -> None:
-    found = findings(drive("plate_translating", CONSTANT))
+    found = by_name(drive("plate_translating", CONSTANT).findings)
     largest, smallest = (found[f"{name}-torque"].value for name in ("largest", "smallest"))
     assert largest > -smallest > 0.0
     between = 0.5 * (largest - smallest)
     result = drive("plate_translating", CONSTANT, f"limit = {between!r}")
-    judged = findings(result)
+    judged = by_name(result.findings)
     assert judged["largest-torque"].severity == "broken"
     assert judged["smallest-torque"].severity == "ok"
     assert judged["smallest-torque"].limit == pytest.approx(-between, rel=4.0 * EPS)
