@@ -22,8 +22,23 @@ from typing import Final
 from camgeo.app.answers.answer import STOPPED
 from camgeo.design import writing
 from camgeo.design.writing import STAGING, settle, write_set
-from tests.kill.sets import MEMORY, Files, everything, is_safe, is_whole, put, stub_set
-from tests.kill.signals import BUILD, SCENE, SIGNALS, Fault, forked, require, stopped, usual_signals
+from tests.kill.stops import (
+    BUILD,
+    MEMORY,
+    SCENE,
+    SIGNALS,
+    Fault,
+    Files,
+    everything,
+    forked,
+    is_safe,
+    is_whole,
+    put,
+    require,
+    stopped,
+    stub_set,
+    usual_signals,
+)
 from tests.seeds import add_seed, moment
 from tests.waiting import PATIENCE, until
 

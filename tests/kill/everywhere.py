@@ -29,19 +29,27 @@ from typing import Any, Final
 from camgeo.app.cli.main import main as cli
 from camgeo.design import writing
 from camgeo.design.writing import STAGING, settle, write_set
-from tests.kill.sets import (
+from tests.kill.stops import (
     BEFORE,
+    BUILD,
     FURTHER,
     MEMORY,
+    SCENE,
+    SIGNALS,
     WRITTEN,
+    Fault,
     Files,
+    Steps,
     everything,
+    forked,
     is_safe,
     is_whole,
     put,
+    require,
+    stepping,
+    stopped,
+    usual_signals,
 )
-from tests.kill.signals import BUILD, SCENE, SIGNALS, Fault, forked, require, stopped, usual_signals
-from tests.kill.stops import Steps, stepping
 from tests.long_form import LONG, examples
 from tests.waiting import PATIENCE
 

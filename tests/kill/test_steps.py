@@ -1,12 +1,17 @@
-"""A set is whole, whenever the process is stopped and whatever the disk refuses."""
+"""A set is whole, whenever the process is stopped and whatever the disk refuses;
+`python -m tests.kill` stops processes at random.
+"""
 
 from __future__ import annotations
 
 import errno
+import json
 import os
 import random
 import shutil
 import signal
+import subprocess
+import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,18 +21,24 @@ import pytest
 from camgeo.app.cli.main import Stopped
 from camgeo.design.writing import settle, write_set
 from camgeo.errors import OutputError
-from tests.kill.sets import (
+from tests.kill.everywhere import BUILDS, BUILT
+from tests.kill.stops import (
     BEFORE,
     FURTHER,
     MEMORY,
+    SIGNALS,
     WRITTEN,
     Files,
+    Killed,
+    Steps,
     everything,
+    full_after,
     is_safe,
     is_whole,
     put,
+    stepping,
 )
-from tests.kill.stops import Killed, Steps, full_after, stepping
+from tests.long_form import LONG
 
 VERIFICATION = "verification.json"
 
@@ -166,3 +177,19 @@ def test_full_disk(old: Files, folder: Path) -> None:
         with full_after(room), pytest.raises(OutputError, match="No space left on device; nothing"):
             write(folder)
         assert is_whole(folder, old)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are forked")
+def test_processes_stopped_at_every_step() -> None:
+    """Forked where nothing but the test runs: a process with threads should not be."""
+    command = [sys.executable, "-m", "tests.kill.everywhere"]
+    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, f"{run.stdout}\n{run.stderr}"
+    told = json.loads(run.stdout)
+    steps = told["alone, SIGKILL"]
+    assert steps > 40
+    caught = [told[f"alone, {number.name}"] for number in SIGNALS[1:]]
+    assert caught == [steps] * 3 if LONG else sum(caught) == steps
+    for number in SIGNALS:
+        assert told[f"beside, {number.name}"] > (20 if LONG else 5)
+    assert [told[f"builds, {number.name}"] for number in BUILT] == [BUILDS] * len(BUILT)

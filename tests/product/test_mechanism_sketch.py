@@ -1,4 +1,4 @@
-"""The sketch of a mechanism: bodies stay rigid, and the roller lies where the cam holds it."""
+"""The sketch of a mechanism: bodies stay rigid, roller and face lie where the cam holds them."""
 
 from __future__ import annotations
 
@@ -11,10 +11,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+import camgeo
 from camgeo.design.design import Design
 from camgeo.kinematics.mechanism.sketch import MechanismSketch
 from camgeo.scene.scene import load_scene
 from camgeo.units import MM_PER, TURN
+from tests.findings import known
 
 SCENES = sorted((Path(__file__).resolve().parents[2] / "fixtures" / "scenes").glob("*.toml"))
 
@@ -120,3 +122,21 @@ def test_a_rod_reaches_through_its_guide_all_the_time() -> None:
         along = [((p - guide.middle) / guide.direction).real for p in (foot, end)]
         assert along[0] < 0.0 < along[1]
         assert math.isclose(((end - foot) / guide.direction).imag, 0.0, abs_tol=1e-9)
+
+
+FOLDER = Path(__file__).parents[2] / "fixtures" / "scenes"
+
+
+@pytest.mark.parametrize("name", ["tappet", "flat_rocker"])
+def test_the_contact_lies_on_the_face_that_is_drawn(name: str) -> None:
+    design = camgeo.load(FOLDER / f"{name}.toml")
+    sketch = design.disc.pictured.follower_sketch
+    start, end = known(sketch.face)
+    contact = complex(*design.disc.pictured.curve("pitch", np.zeros(1))[0])
+    share = (contact - start) / (end - start)
+    assert abs(share.imag) <= 1e-14
+    assert 0.0 < share.real < 1.0
+    # As long as the scene says, that of a rocker on to the foot of its pivot.
+    assert abs(end - start) == pytest.approx({"tappet": 20.0, "flat_rocker": 100.0}[name])
+    foot = start if sketch.kind == "pivot" else contact
+    assert abs(((sketch.end - foot) / (end - start)).real) <= 1e-14

@@ -1,4 +1,4 @@
-"""Programs of a second side: written, read back, climbing on the machine, and damaged."""
+"""Discs milled from both sides: programs, answers, and what a scene must state."""
 
 from __future__ import annotations
 
@@ -6,34 +6,215 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import Final
 
 import numpy as np
 import pytest
 
+from camgeo.app.answers.answer import text, to_json
+from camgeo.app.answers.check import check
+from camgeo.app.answers.lint import Lint, lint
+from camgeo.app.answers.setup import SetupSheet, html, setup_sheet
+from camgeo.design.design import Design
 from camgeo.design.milled import job
 from camgeo.design.product import Product, disc_of, programs_of, sides_of
 from camgeo.errors import SceneError, UnsafeError
 from camgeo.milling.judged import Done, Side, runs_of, settled, simulated
 from camgeo.milling.machine import load, names
-from camgeo.milling.milling import mirrored
+from camgeo.milling.milling import HOW, mirrored
 from camgeo.milling.moves import ArcFeed, Point, Stop
-from camgeo.milling.polygons import Area
+from camgeo.milling.polygons import Area as RegionOfPolygons
 from camgeo.milling.simulation import Flaw, Slab
+from camgeo.pictures.backplot import figure
+from camgeo.pictures.model import Area
+from camgeo.scene.scene import parse_scene
 from camgeo_export.gcode.writer import WRITER, budget
 from camgeo_export.interpreter.run import run
 from camgeo_export.verify.gcode import bench_of
+from tests.answers.documents import validator
 from tests.draws.jobs import read
 from tests.interpreter.stated import failing
-from tests.second_side.scenes import (
-    FACED,
-    FROM_BELOW,
-    HALVES,
-    TOLERANCE,
-    design,
-    scene,
-    second,
-)
+
+# Scenes -------------------------------------------------------------------------------------------
+
+
+TOLERANCE: Final = 0.02
+
+CAM: Final = """camgeo = 1
+name = "both"
+[cam]
+rotation = "cw"
+[follower]
+kind = "translating-roller"
+base_radius = 25
+roller_radius = 8
+offset = 3
+[[motion]]
+law = "polynomial-345"
+span = 180
+to = 8
+[[motion]]
+law = "polynomial-345"
+span = 180
+to = 0
+[part]
+thickness = 6
+bore = 18
+[[tool]]
+number = 4
+diameter = 10
+flute_length = 12
+spindle_speed = 3000
+feed = 500
+plunge_feed = 150
+stepdown = 3
+stepover = 6
+ramp_angle = 5
+[[tool]]
+number = 5
+kind = "chamfer-mill"
+diameter = 6
+tip_angle = 90
+spindle_speed = 3000
+feed = 400
+plunge_feed = 150
+[output]
+formats = ["gcode"]
+"""
+
+FACED: Final = """[stock]
+shape = "round"
+diameter = 70
+top = 0.5
+bottom = 2.5
+[holding]
+kind = "fixture"
+through = 0.3
+[second_side]
+turned_about = "{about}"
+retract_height = 4
+[second_side.holding]
+kind = "fixture"
+through = 0
+"""
+"""A slice of a bar, faced free from the other side; both sequences are planned."""
+
+FROM_BELOW: Final = """[stock]
+length = 84
+width = 76
+centre = [3, -2]
+bore = 18
+[holding]
+kind = "fixture"
+through = 0.3
+[[operation]]
+kind = "chamfer"
+boundary = "outline"
+tool = 5
+size = 0.4
+[second_side]
+turned_about = "{about}"
+zero = "front-left"
+zero_height = "blank-bottom"
+[second_side.holding]
+kind = "screws"
+through = 0.3
+[[second_side.holding.screw]]
+place = [2, 1]
+head_diameter = 24
+height = 8
+[[second_side.holding.screw]]
+place = [36, 33]
+head_diameter = 6
+height = 3
+[[second_side.operation]]
+kind = "rough"
+boundary = "outline"
+tool = 4
+allowance = 0.4
+direction = "{direction}"
+[[second_side.operation]]
+kind = "finish"
+boundary = "outline"
+tool = 4
+direction = "{direction}"
+{compensation}
+"""
+"""A bored plate, of which one side is chamfered, and the outline is cut from the other."""
+
+HALVES: Final = """[stock]
+length = 84
+width = 76
+bore = 18
+[holding]
+kind = "fixture"
+through = 0.3
+[[operation]]
+kind = "rough"
+boundary = "outline"
+tool = 4
+allowance = 0.4
+depth = 3.5
+[[operation]]
+kind = "finish"
+boundary = "outline"
+tool = 4
+depth = 3.5
+[second_side]
+turned_about = "{about}"
+[second_side.holding]
+kind = "screws"
+through = 0
+[[second_side.holding.screw]]
+place = [0, 0]
+head_diameter = 24
+height = 8
+[[second_side.holding.screw]]
+place = [36, 33]
+head_diameter = 6
+height = 3
+[[second_side.operation]]
+kind = "rough"
+boundary = "outline"
+tool = 4
+allowance = 0.4
+depth = 3
+[[second_side.operation]]
+kind = "finish"
+boundary = "outline"
+tool = 4
+depth = 3
+"""
+"""An outline that each side cuts half of."""
+
+MACHINE: Final = """[output.gcode]
+machine = "{machine}"
+clearance_height = 15
+retract_height = 3
+"""
+
+
+def scene(tables: str, machine: str = "linuxcnc", **words: str) -> str:
+    """The text of a scene."""
+    given = {"about": "x", "direction": "climb", "compensation": "", **words}
+    return CAM + tables.format(**given) + MACHINE.format(machine=machine)
+
+
+@cache
+def design(text: str) -> Design:
+    """Of a scene's text."""
+    return Design(parse_scene(text))
+
+
+def second(text: str) -> Product:
+    """The second side of its disc."""
+    _, side = sides_of(design(text).disc)
+    return side
+
+
+# Programs -----------------------------------------------------------------------------------------
+
 
 PRINTED: Final = 2e-4
 """Steps of the last decimal [mm], of an end and of the zero."""
@@ -303,7 +484,7 @@ def done(text: str) -> tuple[Done, ...]:
     return job(first.milled, cuts, runs_of(toolpath), TOLERANCE)
 
 
-def volume(slabs: Sequence[Slab], areas: Iterable[Area] | None = None) -> float:
+def volume(slabs: Sequence[Slab], areas: Iterable[RegionOfPolygons] | None = None) -> float:
     """Of the material of slabs, or of one area for each [mm^3]."""
     each = [slab.material for slab in slabs] if areas is None else areas
     return float(sum((s.z1 - s.z0) * area.area for s, area in zip(slabs, each, strict=True)))
@@ -531,3 +712,196 @@ def test_walls_that_the_first_side_leaves_are_planned() -> None:
         "outline",
     ]
     assert flaws(scene(tables)) == []
+
+
+# Answers ------------------------------------------------------------------------------------------
+
+
+SIDE: Final = FROM_BELOW[FROM_BELOW.index("[second_side]") :]
+
+
+@cache
+def sheet_of(tables: str) -> SetupSheet:
+    return setup_sheet(design(scene(tables)), TOLERANCE)
+
+
+def test_the_sheet_has_a_part_for_each_side() -> None:
+    sheet = sheet_of(FROM_BELOW)
+    assert sheet.side == "first side"
+    assert sheet.second is not None
+    assert sheet.second.side == f"second side, the work {HOW['x']}"
+    assert sheet.exit_code == 0
+    shown = text(sheet)
+    assert shown.count("Simulated: ") == 2
+    first, other = shown.split("second side, the work turned over about X", 1)
+    assert "blank     plate, 84 x 76 mm, 6 mm high" in first
+    assert "Z 0 on what lies lowest" in other
+    assert "screws: screw at 41, 37 mm, top at Z 14" in other
+    page = html(sheet, "<svg></svg>")
+    assert page.count("<h1>") == 2
+    assert page.count("<h2>Backplot</h2>") == 1
+
+
+def test_its_json_is_as_its_schema_says() -> None:
+    document = to_json(sheet_of(FROM_BELOW))
+    validator("camgeo.app.answers.setup").validate(document)
+    assert document["second_side"]["side"].startswith("second side")
+    assert [each["name"] for each in document["second_side"]["operations"]] == [
+        "rough outline",
+        "outline",
+    ]
+    alone = to_json(sheet_of(FROM_BELOW.partition("[second_side]")[0]))
+    assert not {"side", "second_side"} & set(alone)
+
+
+def test_the_check_judges_and_times_both() -> None:
+    found = check(design(scene(FROM_BELOW)))
+    assert found.machining is not None
+    assert list(found.machining.programs) == ["both", "both-second-side"]
+    assert found.exit_code == 0
+    seconds = [each.seconds for each in found.machining.programs.values()]
+    assert found.machining.seconds == pytest.approx(sum(each or 0.0 for each in seconds))
+    assert "milling of both-second-side: simulated, nothing found" in text(found)
+    validator("camgeo.app.answers.check").validate(to_json(found))
+
+
+def test_the_backplot_shows_the_work_as_it_lies() -> None:
+    disc = design(scene(FROM_BELOW, about="y")).disc
+    first, *others = figure(disc).panels
+    assert [first.title, *(each.title for each in others)] == [
+        "chamfer outline",
+        "second side: rough outline",
+        "second side: outline",
+    ]
+    # The blank reaches from -39 to 45 on the first side, from -45 to 39 on the second.
+    reach = []
+    for panel in (first, others[0]):
+        blank = panel.marks[0]
+        assert isinstance(blank, Area)
+        x = blank.rings[0][:, 0]
+        reach.append((float(np.min(x)), float(np.max(x))))
+    assert reach == [pytest.approx((-39.0, 45.0)), pytest.approx((-45.0, 39.0))]
+
+
+def linted(
+    tmp_path: Path,
+    name: str,
+    program: str,
+    *,
+    second_side: bool = False,
+    tables: str = FROM_BELOW,
+) -> Lint:
+    path = tmp_path / f"{name}.ngc"
+    path.write_text(program)
+    known = design(scene(tables))
+    return lint([path], "linuxcnc", design=known, second_side=second_side)
+
+
+def test_lint_knows_the_side_by_what_a_program_says(tmp_path: Path) -> None:
+    product = second(scene(FROM_BELOW))
+    program = WRITER.write(product, TOLERANCE).data.decode()
+    work = [
+        each.found.rule
+        for each in linted(tmp_path, "any", program).programs[0].findings
+        if each.found.concerns == "work"
+    ]
+    assert work == []
+
+
+def test_lint_is_told_the_side_of_a_program_that_does_not_say_it(tmp_path: Path) -> None:
+    """From below it cuts the cam, from above its mirror image."""
+    zero = 'zero = "front-left"\nzero_height = "blank-bottom"\n'
+    tables = FROM_BELOW.replace(zero, "")
+    program = WRITER.write(second(scene(tables)), TOLERANCE).data.decode()
+    silent = "\n".join(line for line in program.splitlines() if not line.startswith("("))
+    for told in (True, False):
+        answer = linted(tmp_path, "silent", silent, second_side=told, tables=tables)
+        rules = {each.found.rule for each in answer.programs[0].findings}
+        assert rules == (set() if told else {"gouged-part", "rest"})
+
+
+def test_lint_finds_what_goes_wrong_on_the_second_side(tmp_path: Path) -> None:
+    """Its place is as the work lies, and its line that of the program."""
+    product = second(scene(FROM_BELOW))
+    program = WRITER.write(product, TOLERANCE).data.decode()
+    wrong = program.replace("Z-0.3000", "Z-2.5000")
+    found = linted(tmp_path, "both-second-side", wrong).programs[0].findings
+    assert {each.found.rule for each in found} >= {"too-low"}
+    line = next(each.line for each in found if each.found.rule == "too-low")
+    assert line is not None
+    assert "Z-2.5000" in wrong.splitlines()[line - 1]
+
+
+def test_a_side_that_there_is_not_cannot_be_linted(tmp_path: Path) -> None:
+    path = tmp_path / "a.ngc"
+    path.write_text("M2\n")
+    one_sided = design(scene(FACED.partition("[second_side]")[0]))
+    with pytest.raises(SceneError, match="second_side: is not stated"):
+        lint([path], "linuxcnc", design=one_sided, second_side=True)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ('turned_about = "{about}"\n', "", "second_side.turned_about: is missing"),
+        ('"{about}"', '"z"', 'second_side.turned_about = "z": must be one of "x", "y"'),
+        (SIDE[SIDE.index("[second_side.holding]") :], "", "second_side.holding: is missing"),
+        (
+            'kind = "rough"\nboundary = "outline"\ntool = 4',
+            'kind = "rough"\nboundary = "outline"\ntool = 9',
+            "second_side.operation[1].tool = 9: there is no such tool; there are 4, 5",
+        ),
+        (
+            'zero_height = "blank-bottom"', 'work_offset = "G60"',
+            'second_side.work_offset = "G60": must be one of "G54"',
+        ),
+        (
+            'zero_height = "blank-bottom"', "clearance_height = 2",
+            "second_side.retract_height",
+        ),
+        (
+            'tool = 5\nsize = 0.4', 'tool = 5\nsize = 0.4\ndepth = 2',
+            'operation[1].depth = 2: belongs to kinds "rough", "finish", "bore"',
+        ),
+        ("head_diameter = 24", "head_diameter = -1", "second_side.holding.screw[1].head_diameter"),
+    ],
+)  # fmt: skip
+def test_a_wrong_second_side_is_refused_with_its_key(old: str, new: str, expected: str) -> None:
+    wrong = FROM_BELOW.replace(old, new, 1)
+    assert wrong != FROM_BELOW
+    with pytest.raises(SceneError) as caught:
+        _ = sides_of(design(scene(wrong)).disc)[1].milled.zero
+    assert expected in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ('kind = "screws"', 'kind = "tabs"', "needs second_side.holding.count: tabs need it"),
+        ('kind = "screws"', 'kind = "clamps"', 'needs second_side.holding.clamp: kind "clamps"'),
+        (
+            'kind = "rough"\nboundary = "outline"', 'kind = "rough"',
+            "needs second_side.operation[1].boundary: which wall",
+        ),
+        (
+            "length = 84\nwidth = 76\n", "",
+            'needs [stock] length and width of a plate, for second_side.zero = "front-left"',
+        ),
+    ],
+)  # fmt: skip
+def test_what_a_second_side_lacks_is_found(old: str, new: str, expected: str) -> None:
+    lacking = design(scene(FROM_BELOW.replace(old, new, 1)))
+    found = [each.sentence for each in check(lacking).formats]
+    assert any(expected in each for each in found), found
+
+
+def test_lengths_are_in_the_unit_of_the_scene() -> None:
+    inches = scene(FROM_BELOW).replace("camgeo = 1", 'camgeo = 1\nunits.length = "inch"')
+    inches = inches.replace("[second_side]", "[second_side]\nretract_height = 2", 1)
+    milling = parse_scene(inches).milling
+    assert milling is not None
+    assert milling.second is not None
+    assert milling.second.retract_height == 2 * 25.4
+    screw, _ = milling.second.holding.clamps
+    assert screw.length == 24 * 25.4
+    assert milling.second_operations[0].allowance == 0.4 * 25.4
