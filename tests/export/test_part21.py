@@ -19,7 +19,6 @@ from hypothesis import strategies as st
 
 import camgeo_export
 from camgeo.design.product import Product
-from camgeo.design.verify import Reading
 from camgeo.errors import FileError
 from camgeo.reading import COORDINATE
 from camgeo.scene.formats.step import StepSpec
@@ -331,7 +330,7 @@ def test_the_same_solid_otherwise_said_is_measured_alike(edit: str) -> None:
         data = edited(name, change)
         assert data != written(name).encode()
         expected, found = (
-            checked(VERIFIERS["step"], product_of(name), each, Reading("file"))
+            checked(VERIFIERS["step"], product_of(name), each)
             for each in (written(name).encode(), data)
         )
         assert found.keys() == expected.keys()
