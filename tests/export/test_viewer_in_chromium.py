@@ -19,7 +19,8 @@ from camgeo.app.designing.recent import Recent
 from camgeo_export.browser.bundles import bundle
 from tests.hostile_scene import ALL_AT_ONCE, HOSTILE
 from tests.judges import axe
-from tests.judges.chromium import CHROMIUM, launched
+from tests.judges.browsing import LONGEST, driven
+from tests.judges.chromium import CHROMIUM
 from tests.long_form import LONG
 from tests.waiting import PATIENCE
 
@@ -59,7 +60,7 @@ FREE: Final = ("title", "sentence", "name", "low", "high", "text", "label", "not
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    with launched() as program:
+    with driven(LONGEST) as program:
         yield program
 
 
