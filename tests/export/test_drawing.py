@@ -183,8 +183,10 @@ def check(mark: Mark, entity: Any, there: Placed, size: float, paper: float) -> 
     else:
         assert (kind, dxf.layer, dxf.dimstyle) == ("DIMENSION", "DIMENSION", "CAMGEO")
         told = entity.override()
-        assert told.get("dimdec") == mark.decimals
-        assert told.get("dimpost") == f"{mark.prefix}<>{mark.suffix}"
+        assert (told.get("dimdec"), told.get("dimpost")) == (
+            mark.decimals,
+            f"{mark.prefix}<>{mark.suffix}",
+        )
         check_dimension(mark, entity, there)
 
 
@@ -305,8 +307,9 @@ def test_dimensions_state_what_they_measure(name: str) -> None:
         style = dimension.override()
         assert style.get("dimlfac") == 1.0
         length = dimension.get_measurement()
-        assert length == pytest.approx(mark.measure / MM_PER[sheet.unit], rel=1e-12)
-        assert dimension.dxf.actual_measurement == pytest.approx(length, rel=1e-12)
+        assert (length, dimension.dxf.actual_measurement) == pytest.approx(
+            (mark.measure / MM_PER[sheet.unit], length), rel=1e-12
+        )
         assert isinstance(mark, Distance)
         text = number_of(mark, sheet.unit).replace("%%c", "Ø")
         assert printed(dimension) == (text.replace(".", ",") if sheet.comma else text)
@@ -330,8 +333,7 @@ def test_all_is_on_the_paper(name: str) -> None:
     sheet, _, drawing = drawn(name)
     unit = sheet.scale * MM_PER[sheet.unit]
     box = extents(drawing.modelspace())
-    assert box.size.x * unit == pytest.approx(sheet.width)
-    assert box.size.y * unit == pytest.approx(sheet.height)
+    assert (box.size.x * unit, box.size.y * unit) == pytest.approx((sheet.width, sheet.height))
     frame = extents(drawing.modelspace().query('*[layer=="FRAME"]'))
     for entity in drawing.modelspace():
         if entity.dxf.layer != "GRID":
@@ -437,9 +439,11 @@ def test_lines_have_the_widths_of_one_group() -> None:
     are finer than all else.
     """
     widths = {layer: width for layer, (_, _, width) in LAYERS.items()}
-    assert widths.pop("FRAME") == 70
-    assert widths.pop("ENGRAVING") == 18
-    assert set(widths.values()) == {25, 50}
+    assert (widths.pop("FRAME"), widths.pop("ENGRAVING"), set(widths.values())) == (
+        70,
+        18,
+        {25, 50},
+    )
     wide = {layer for layer, width in widths.items() if width == 50}
     assert wide == {"OUTLINE", "SECTION", "EDGES", "DIAGRAM"}
 

@@ -393,8 +393,7 @@ products = pytest.mark.parametrize("product", SVG_PRODUCTS.values(), ids=SVG_PRO
 def test_by_the_standard_the_paths_are_the_boundaries_at_true_size(product: StubProduct) -> None:
     root = ET.fromstring(SVG_WRITER.write(product, TOLERANCE).data)
     box = [float(each) for each in root.get("viewBox", "").split()]
-    assert root.get("width") == f"{box[2]:.0f}mm"
-    assert root.get("height") == f"{box[3]:.0f}mm"
+    assert (root.get("width"), root.get("height")) == (f"{box[2]:.0f}mm", f"{box[3]:.0f}mm")
     groups = {each.get("id"): each for each in root.findall(f"{SVG}g")}
     assert list(groups) == (["CUT", "BLIND_3"] if product.groove else ["CUT"])
     for boundary in product.part.boundaries:
@@ -414,8 +413,7 @@ def test_lines_are_hairlines_without_fill() -> None:
     root = ET.fromstring(SVG_WRITER.write(StubProduct(groove=True), TOLERANCE).data)
     through, blind = root.findall(f"{SVG}g")
     for each in (through, blind):
-        assert each.get("fill") == "none"
-        assert each.get("stroke-width") == "0.01"
+        assert (each.get("fill"), each.get("stroke-width")) == ("none", "0.01")
     assert (through.get("stroke"), blind.get("stroke")) == ("#ff0000", "#0000ff")
 
 
@@ -491,8 +489,9 @@ def test_units_of_the_size(side: str, mm: float) -> None:
     found = svg_drawing_of(drawn('<circle cx="5" cy="7" r="3"/>', head))
     assert found.scale == pytest.approx(mm, rel=1e-15)
     (circle,) = found.contours
-    assert circle.area == pytest.approx(math.pi * (3.0 * mm) ** 2, rel=1e-14)
-    assert circle.centres[0] == pytest.approx((5.0 - 7.0j) * mm, rel=1e-14)
+    assert (circle.area, circle.centres[0]) == pytest.approx(
+        (math.pi * (3.0 * mm) ** 2, (5.0 - 7.0j) * mm), rel=1e-14
+    )
 
 
 @pytest.mark.parametrize(("large", "positive", "area"), [

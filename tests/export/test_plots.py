@@ -108,8 +108,7 @@ def filled(patch: Patch, fill: Fill) -> None:
     found = to_rgba(patch.get_edgecolor())
     assert (found[3] > 0.0) == bool(fill.edge)
     assert edge is None or found == pytest.approx(edge)
-    assert patch.get_linewidth() == fill.width
-    assert bool(patch.get_hatch()) == fill.hatched
+    assert (patch.get_linewidth(), bool(patch.get_hatch())) == (fill.width, fill.hatched)
     assert (patch.get_alpha() or 1.0) == alpha
     solid = patch.get_linestyle() in ("solid", "-")
     assert solid == (not fill.dashes)
@@ -206,8 +205,10 @@ def test_texts_are_where_they_are_stated(of: Any, offset: Any) -> None:
         where = axes.transAxes if of == "panel" else axes.transData
         place = where.transform((0.4, 0.3))
     if isinstance(found, Annotation):
-        assert found.xyann == offset
-        assert found.xycoords == ("axes fraction" if of == "panel" else "data")
+        assert (found.xyann, found.xycoords) == (
+            offset,
+            ("axes fraction" if of == "panel" else "data"),
+        )
         assert found.anncoords == "offset points"
     else:
         assert offset is None

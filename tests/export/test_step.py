@@ -45,8 +45,8 @@ from camgeo_export.part21.solid import Model, Solid, solid_of
 from camgeo_export.part21.text import exchange_of
 from camgeo_export.step import writer
 from camgeo_export.step.writer import WRITER
-from camgeo_export.verify.step import bounds_of, shell_checks, volume_of
-from tests.export.stub_product import PIECES, CircleBoundary, StubProduct
+from camgeo_export.verify.step import bounds_of, volume_of
+from tests.export.stub_product import CircleBoundary, StubProduct
 from tests.export.test_dxf import SPLINES
 from tests.export.test_solids import BODIES, BORE, POCKETS, RIM
 from tests.export.verified import TOLERANCE, VERIFIERS, read_back, require_moments
@@ -434,45 +434,6 @@ def test_walls_of_splines_are_counted_and_bound_field_by_field() -> None:
                     WRITER.measure(product, changed.encode())
 
 
-@pytest.mark.parametrize("name", BODIES)
-def test_layers_of_any_kind_make_one_solid(name: str) -> None:
-    """The faces of each level with the holes in them, islands and floors that look down."""
-    part = BODIES[name]
-    written = read_back(WRITER, StubProduct(given=part))
-    solid = read(written.data)
-    assert all(check.ok for check in shell_checks(solid, 1e-7))
-    flat = [face for face in solid.faces if face.is_level]
-    assert len(solid.faces) - len(flat) == PIECES * len(part.walls)
-    assert sum(len(face.loops) for face in flat) == sum(
-        len(each.boundaries) for each in part.levels
-    )
-    layers = sum(
-        (-1.0 if each.hole else 1.0)
-        * abs(each.arcs(0.98 * TOLERANCE).contour.area)
-        * (layer.z1 - layer.z0)
-        for layer in part.layers
-        for each in layer.boundaries
-    )
-    assert volume_of(bounds_of(solid), ()) == pytest.approx(layers, rel=1e-12)
-    assert written.facts["volume_mm3"] == pytest.approx(layers, rel=1e-12)
-
-
-def test_an_island_has_a_face_of_its_own() -> None:
-    solid = read(WRITER.write(StubProduct(given=BODIES["pockets round an island"]), 0.01).data)
-    loops = sorted(
-        (face.name, len(face.loops), len(face.loops[0])) for face in solid.faces if face.is_level
-    )
-    pocket = "floor of the pocket"
-    assert loops == [
-        (pocket, 1, PIECES),
-        (pocket, 1, PIECES),
-        (pocket, 2, PIECES),  # round the island
-        ("lower face", 2, PIECES),
-        ("upper face", 1, PIECES),  # of the island
-        ("upper face", 5, PIECES),
-    ]
-
-
 def test_a_closed_cavity_is_refused() -> None:
     layers = [Layer(-10.0, -8.0, (RIM, BORE)), Layer(-2.0, 0.0, (RIM, BORE))]
     hollow = Layer(-8.0, -2.0, (RIM, BORE, POCKETS[0]), "cavity")
@@ -734,6 +695,7 @@ PARTS: dict[str, Part] = {
     "all features": made(Contact.GROOVE, FULL),
     "a ring": made(Contact.OUTER, replace(FULL, hub=None, mark=None, bolt_circle=None,
                                           chamfers=Chamfers(outline=Chamfer(0.5, "lower")))),
+    **BODIES,
 }  # fmt: skip
 
 
@@ -777,8 +739,7 @@ def test_each_file_is_the_whole_part(name: str) -> None:
             height = float(points[0, 2])
             assert np.max(np.abs(points[:, 2] - height)) <= CLOSE
             (level,) = (each for each in levels if abs(each[1] - height) <= 1e-9)
-            assert face.name == level[0]
-            assert face.surface.kind == "PLANE"
+            assert (face.name, face.surface.kind) == (level[0], "PLANE")
             flat.add(level)
     assert flat == levels
     assert set(names) == {*walls, *edges}

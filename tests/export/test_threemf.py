@@ -139,8 +139,7 @@ def test_all_that_is_in_a_package(plate: bool) -> None:
         "Target": "/3D/3dmodel.model", "Id": "model",
         "Type": "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel",
     }  # fmt: skip
-    assert model.tag == f"{CORE}model"
-    assert model.get("unit") == "millimeter"
+    assert (model.tag, model.get("unit")) == (f"{CORE}model", "millimeter")
     assert model.get("{http://www.w3.org/XML/1998/namespace}lang") == "en"
     said = {each.get("name"): each.text for each in model.iterfind(f"{CORE}metadata")}
     advice = f"Compensated for printing: {disc.drawn.printed.advice}"

@@ -126,8 +126,7 @@ def test_each_diagram_has_its_extremes_as_a_table(page: Page) -> None:
         )
         cells = page.evaluate("[...view.querySelectorAll('tbody td')].map((e) => e.textContent)")
         names = [each["name"] for each in chart["readings"]]
-        assert cells[::5] == names
-        assert cells[1::5] == [each["low"] for each in chart["readings"]]
+        assert (cells[::5], cells[1::5]) == (names, [each["low"] for each in chart["readings"]])
 
 
 def hostile(value: Any, text: str) -> Any:

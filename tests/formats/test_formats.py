@@ -67,8 +67,7 @@ def test_declarations_import_nothing_that_computes() -> None:
 def test_options_are_those_of_the_format_that_is_asked_for() -> None:
     other = Format("other", ".o", dict)
     options = Options({"other": {"size": 1.0}})
-    assert options[other] == {"size": 1.0}
-    assert options[Format("another", ".a", dict)] == {}
+    assert (options[other], options[Format("another", ".a", dict)]) == ({"size": 1.0}, {})
 
 
 def test_a_suffix_may_depend_on_the_options() -> None:

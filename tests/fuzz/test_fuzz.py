@@ -34,13 +34,20 @@ from tests.fuzz.case import (
     store,
     toml,
 )
-from tests.fuzz.cases import KINDS, draw
+from tests.fuzz.files import ENDING, line
 from tests.fuzz.invariants import Failure, Outcome, run
-from tests.fuzz.lines import ENDING, line
-from tests.fuzz.minimise import minimised
-from tests.fuzz.runner import SEPARATOR, Report, fuzz, kept, known_failures
+from tests.fuzz.runner import (
+    KINDS,
+    SEPARATOR,
+    Report,
+    Worker,
+    draw,
+    fuzz,
+    kept,
+    known_failures,
+    minimised,
+)
 from tests.fuzz.scenes import FIXTURES, fixtures, scene_case, values_of
-from tests.fuzz.worker import Worker
 from tests.hostile.mutations import mutated
 from tests.long_form import LONG, examples
 from tests.seeds import FIXED, FRESH
@@ -205,9 +212,7 @@ def test_files_of_no_length_can_be_damaged(seed: int) -> None:
 def test_what_is_kept_is_read_back(case: Case, tmp_path: Path) -> None:
     path = store(case, tmp_path / "case")
     found = restore(path)
-    assert found.steps == case.steps
-    assert found.source == case.source
-    assert found.both == case.both
+    assert (found.steps, found.source, found.both) == (case.steps, case.source, case.both)
     for name, data in case.files.items():  # a scene has the reason above it
         assert found.files[name].endswith(data)
 
@@ -224,8 +229,7 @@ def test_the_smallest_case_has_only_what_fails() -> None:
         return builds and any("law" in each for each in found.get("motion", ()))
 
     smallest = minimised(case, fails)
-    assert smallest.steps == (("build",),)
-    assert smallest.values == {"motion": [{"law": "auto"}]}
+    assert (smallest.steps, smallest.values) == ((("build",),), {"motion": [{"law": "auto"}]})
     assert set(smallest.files) == {SCENE}
 
 

@@ -20,8 +20,8 @@ from camgeo_export.interpreter.controller import Findings
 from camgeo_export.interpreter.moves import CutterMove, Kind, Parallel, centres, judge, meeting
 from camgeo_export.interpreter.run import Run, run
 from tests.judges import rs274
+from tests.judges.files import random_contour
 from tests.judges.paths import difference
-from tests.judges.programs import random_contour
 from tests.long_form import examples
 
 # Parallels of moves: the point where two neighbours meet is a radius away from both ---------------
@@ -57,9 +57,9 @@ def off(each: CutterMove, point: complex) -> float:
 def test_a_square_corner() -> None:
     before, after = line(-10 + 0j, 1 + 0j, 10.0), line(0j, 1j, 10.0)
     left = Parallel(before, 1.0, RADIUS), Parallel(after, 1.0, RADIUS)
-    assert meeting(*left) == pytest.approx(-1 + 1j)
-    assert left[0].share(-1 + 1j) == pytest.approx(0.9)
-    assert left[1].share(-1 + 1j) == pytest.approx(0.1)
+    assert (meeting(*left), left[0].share(-1 + 1j), left[1].share(-1 + 1j)) == pytest.approx(
+        (-1 + 1j, 0.9, 0.1)
+    )
 
 
 @given(
@@ -85,8 +85,7 @@ def test_the_cutter_touches_both(
     point = meeting(*pair)
     assume(point is not None)
     assert point is not None
-    assert off(before, point) == pytest.approx(RADIUS, abs=1e-9)
-    assert off(after, point) == pytest.approx(RADIUS, abs=1e-9)
+    assert (off(before, point), off(after, point)) == pytest.approx((RADIUS, RADIUS), abs=1e-9)
     for each in pair:
         share = each.share(point)
         place = each.move.start + (each.move.end - each.move.start) * share
@@ -100,8 +99,7 @@ def test_the_cutter_touches_both(
 
 def test_an_arc_has_room_for_smaller_cutters_only() -> None:
     inner = Parallel(arc(0j, 1 + 0j, 5.0, math.pi), 1.0, 4.0)
-    assert inner.room == pytest.approx(1.0)
-    assert Parallel(inner.move, -1.0, 4.0).room == pytest.approx(9.0)
+    assert (inner.room, Parallel(inner.move, -1.0, 4.0).room) == pytest.approx((1.0, 9.0))
     assert Parallel(inner.move, 1.0, 6.0).room < 0.0
 
 

@@ -44,9 +44,9 @@ from tests.interpreter.stated import (
     written,
 )
 from tests.judges import rs274
+from tests.judges.files import FIXTURES, JOBS, SIX, milled_scenes, products, workshop
+from tests.judges.files import TOLERANCE as JUDGED_WITHIN
 from tests.judges.paths import difference
-from tests.judges.programs import FIXTURES, JOBS, SIX, milled_scenes, products, workshop
-from tests.judges.programs import TOLERANCE as JUDGED_WITHIN
 from tests.long_form import LONG
 
 # For every profile --------------------------------------------------------------------------------
@@ -64,8 +64,7 @@ def test_programs_for_every_profile_are_clean_and_verify(machine: str, unit: Len
     data = WRITER.write(product, TOLERANCE).data
     step = 25.4e-4
     found = run(data, load(machine), Bench(clearance=spec.clearance_height - step))
-    assert found.findings == ()
-    assert found.mm_per_unit == {"mm": 1.0, "inch": 25.4}[unit]
+    assert (found.findings, found.mm_per_unit) == ((), {"mm": 1.0, "inch": 25.4}[unit])
     assert {move.tool for move in found.moves if move.kind != "rapid"} == (
         {1, 7} if second else {1}
     )

@@ -29,16 +29,20 @@ from tests.judges import (
     prusa,
     rs274,
 )
-from tests.judges.files import Given, files, reports, scenes, sheets
-from tests.judges.paths import Leg, difference
-from tests.judges.programs import (
+from tests.judges.files import (
     SIX,
+    Given,
+    files,
     milled_scenes,
     programs,
     random_program,
+    reports,
     scene_of,
+    scenes,
+    sheets,
     workshop,
 )
+from tests.judges.paths import Leg, difference
 
 
 @dataclass(frozen=True)

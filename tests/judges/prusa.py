@@ -11,8 +11,7 @@ import shapely
 
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.part import Layer
-from tests.judges.files import Given
-from tests.judges.programs import TOLERANCE
+from tests.judges.files import TOLERANCE, Given
 from tests.judges.programs_of_others import Program, Refusal
 
 SLICER: Final = Program("CAMGEO_PRUSA_SLICER", "prusa-slicer", "PrusaSlicer")

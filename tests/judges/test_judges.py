@@ -26,9 +26,18 @@ from camgeo_export.verify.step import VERIFIER as STEP
 from tests.draws.programs import compared, program
 from tests.judges import chromium, freecad, grbl, lib3mf_reader, librecad, node, occ, prusa, rs274
 from tests.judges.__main__ import JUDGES, Extent, main
-from tests.judges.files import COMPENSATED, Given, files, reports, sheets
+from tests.judges.files import (
+    COMPENSATED,
+    SIX,
+    TOLERANCE,
+    Given,
+    files,
+    random_contour,
+    reports,
+    scene_of,
+    sheets,
+)
 from tests.judges.paths import Leg, difference
-from tests.judges.programs import SIX, TOLERANCE, random_contour, scene_of
 from tests.judges.programs_of_others import Program, Refusal
 from tests.long_form import LONG, examples
 

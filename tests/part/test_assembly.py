@@ -545,8 +545,7 @@ def test_a_round_disc_is_a_cylinder_between_frustums(
         each[2] + each[0] * aside**2 for each in within
     )  # fmt: skip
     assert body.volume == pytest.approx(volume, rel=1e-12)
-    assert body.centre[2] * volume == pytest.approx(height, rel=1e-11)
-    assert body.axial == pytest.approx(polar, rel=1e-11)
+    assert (body.centre[2] * volume, body.axial) == pytest.approx((height, polar), rel=1e-11)
     moments = disc_moments(part, 1.0, 1e-10)
     assert moments.area == pytest.approx(volume, rel=1e-12)
     assert moments.first == pytest.approx(-aside * sum(each[0] for each in within), abs=1e-8)
@@ -607,8 +606,9 @@ def test_an_edge_is_the_exact_parallel(hole: bool) -> None:
     sign = 1.0 if hole else -1.0
     areas = [each.moments(1e-12).area for each in (flank, edge)]
     grown = areas[0] + sign * 2.0 * fits[0].length + 4.0 * math.pi
-    assert areas[1] == pytest.approx(grown, rel=1e-6)
-    assert fits[1].length == pytest.approx(fits[0].length + sign * 4.0 * math.pi, rel=1e-6)
+    assert (areas[1], fits[1].length) == pytest.approx(
+        (grown, fits[0].length + sign * 4.0 * math.pi), rel=1e-6
+    )
 
 
 @pytest.mark.parametrize(
@@ -689,8 +689,7 @@ def test_a_chamfer_around_a_pin_is_narrower_than_it() -> None:
     assert [each.boundary.name for each in inside.bevels] == ["hub"]
     with pytest.raises(GeometryError, match="less than the radius of the hub, 3 mm") as caught:
         bevelled(part, Chamfers(hub=Chamfer(3.0)), 0.01)
-    assert caught.value.key == "part.chamfers.hub.width"
-    assert caught.value.value == "3"
+    assert (caught.value.key, caught.value.value) == ("part.chamfers.hub.width", "3")
 
 
 def test_a_chamfer_needs_heights() -> None:

@@ -87,8 +87,7 @@ def test_bore_with_keyway(diameter: float, share: float, depth: float, angle: fl
     keyway = Keyway(share * diameter, depth, angle)
     contour = bore_outline(diameter, keyway)
     exact = bore(PartSpec(bore=diameter, keyway=keyway))
-    assert contour.area == pytest.approx(exact.area, rel=1e-12)
-    assert contour.length == pytest.approx(exact.length, rel=1e-12)
+    assert (contour.area, contour.length) == pytest.approx((exact.area, exact.length), rel=1e-12)
     assert winding_number(contour, 0j) == 1
     along = contour.vertices * np.exp(-1j * angle)
     radius, half = diameter / 2.0, keyway.width / 2.0
@@ -134,8 +133,7 @@ def test_a_boundary_goes_on_through_layers() -> None:
     ]
     _, shoulder, _ = part.levels
     assert (shoulder.below, shoulder.above) == ((RIM,), (HUB,))
-    assert part.boundaries == (RIM, BORE, HUB)
-    assert part.thickness == 15.0
+    assert (part.boundaries, part.thickness) == ((RIM, BORE, HUB), 15.0)
 
 
 @pytest.mark.parametrize(
@@ -216,8 +214,9 @@ def test_extreme_radii(name: tuple[str, int]) -> None:
     contour = fit_arcs(whole(flank(*name)), 0.01).contour
     radii = np.abs(outline(contour).dense(50_000))
     # Samples 0.01 mm apart miss an extreme by 0.01^2/8 over the radius there, 1 mm at least.
-    assert smallest_radius(contour) == pytest.approx(float(np.min(radii)), abs=2e-5)
-    assert largest_radius(contour) == pytest.approx(float(np.max(radii)), abs=2e-5)
+    assert (smallest_radius(contour), largest_radius(contour)) == pytest.approx(
+        (float(np.min(radii)), float(np.max(radii))), abs=2e-5
+    )
     assert smallest_radius(contour) <= np.min(radii) + 1e-12
     assert largest_radius(contour) >= np.max(radii) - 1e-12
 
@@ -430,8 +429,7 @@ def test_twice_is_as_before_with_its_top_at_0(part: Part) -> None:
 @given(parts())
 def test_what_lay_down_lies_up(part: Part) -> None:
     turned = part.turned_over()
-    assert turned.layers[-1].z1 == 0.0
-    assert turned.thickness == part.thickness
+    assert (turned.layers[-1].z1, turned.thickness) == (0.0, part.thickness)
     low = part.layers[0].z0
     walls = {(wall.boundary.name, low - wall.z1, low - wall.z0) for wall in part.walls}
     assert {(wall.boundary.name, wall.z0, wall.z1) for wall in turned.walls} == walls
@@ -635,8 +633,7 @@ def test_bronze_on_steel_has_the_modulus_of_the_standard() -> None:
 def test_a_misspelt_name_is_refused_with_the_one_meant(name: str, meant: str) -> None:
     with pytest.raises(GeometryError, match=f"did you mean {meant}") as caught:
         find_material(name, "cam_material")
-    assert caught.value.key == "cam_material"
-    assert caught.value.value == name
+    assert (caught.value.key, caught.value.value) == ("cam_material", name)
 
 
 def test_a_name_like_no_other_is_refused_with_all_there_are() -> None:

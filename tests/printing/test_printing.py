@@ -75,9 +75,11 @@ def test_clearance_of_bore_and_keyway() -> None:
     assert spec.keyway is not None
     assert spec.keyway.width == pytest.approx(6.2)
     vertices = _bore(made(Contact.INNER, spec)).exact.vertices * np.exp(-0.4j)
-    assert np.max(vertices.real) == pytest.approx(10.0 + 2.8 + 0.1, abs=1e-12)
-    assert np.max(vertices.imag) == pytest.approx(3.1, abs=1e-12)
-    assert np.min(np.abs(vertices)) == pytest.approx(10.15, abs=1e-12)
+    assert (
+        np.max(vertices.real),
+        np.max(vertices.imag),
+        np.min(np.abs(vertices)),
+    ) == pytest.approx((10.0 + 2.8 + 0.1, 3.1, 10.15), abs=1e-12)
     only_bore = with_clearance(KEYED, PrintSpec(bore_clearance=0.3))
     assert only_bore.keyway is not None
     assert only_bore.keyway.width == 6.0
@@ -111,13 +113,12 @@ def test_the_foot_is_drawn_in_step_by_step() -> None:
     ]
     for number, inset in enumerate((0.3, 0.2, 0.1, 0.0)):
         outline, bore, hole, *_ = found.layers[number].boundaries
-        assert outline.farthest()[0] == pytest.approx(47.0 - inset, abs=1e-9)
-        assert outline.nearest() == pytest.approx(32.0 - inset, abs=1e-9)
-        assert bore.nearest() == pytest.approx(10.0 + inset, abs=1e-9)
-        assert bore.farthest()[0] == pytest.approx(
-            abs(complex(12.8 + inset, 3.0 + inset)), abs=1e-9
+        assert (outline.farthest()[0], outline.nearest(), bore.nearest()) == pytest.approx(
+            (47.0 - inset, 32.0 - inset, 10.0 + inset), abs=1e-9
         )
-        assert hole.farthest()[0] == pytest.approx(23.0 + 2.5 + inset, abs=1e-9)
+        assert (bore.farthest()[0], hole.farthest()[0]) == pytest.approx(
+            (abs(complex(12.8 + inset, 3.0 + inset)), 23.0 + 2.5 + inset), abs=1e-9
+        )
     assert found.layers[-1].boundaries == part.layers[0].boundaries
     assert [each.name for each in found.levels][1:] == [
         "floor of the foot", "floor of the foot", "lower face of the disc", "upper face",
@@ -179,8 +180,9 @@ def test_scaling_multiplies_volume_and_moments(
     found = compensated(part, PrintSpec(shrinkage=shrinkage))
     a, b = shrinkage.scale_xy, shrinkage.scale_z
     before, after = solid(part), solid(found)
-    assert after.volume == pytest.approx(before.volume * a**2 * b, rel=1e-9)
-    assert after.axial == pytest.approx(before.axial * a**4 * b, rel=1e-9)
+    assert (after.volume, after.axial) == pytest.approx(
+        (before.volume * a**2 * b, before.axial * a**4 * b), rel=1e-9
+    )
     # Shrunk again by what was stated, it is the part.
     assert found.thickness * (1.0 - 0.01 * z) == pytest.approx(part.thickness, rel=1e-12)
     reach = found.outermost.farthest()[0] * (1.0 - 0.01 * xy)
@@ -192,11 +194,14 @@ def test_all_at_once() -> None:
     spec = PrintSpec(0.3, 0.2, Foot(0.25, 0.4), Shrinkage(1.0, 2.0))
     found = compensated(made(Contact.INNER, with_clearance(KEYED, spec)), spec)
     foot, disc = found.layers
-    assert foot.z1 - foot.z0 == pytest.approx(0.4)
-    assert disc.z1 - foot.z0 == pytest.approx(10.0 / 0.98)
-    assert disc.boundaries[0].farthest()[0] == pytest.approx(47.0 / 0.99)
-    assert foot.boundaries[0].farthest()[0] == pytest.approx(47.0 / 0.99 - 0.25)
-    assert disc.boundaries[1].nearest() == pytest.approx(10.15 / 0.99)
+    assert (
+        foot.z1 - foot.z0,
+        disc.z1 - foot.z0,
+        disc.boundaries[0].farthest()[0],
+    ) == pytest.approx((0.4, 10.0 / 0.98, 47.0 / 0.99))
+    assert (foot.boundaries[0].farthest()[0], disc.boundaries[1].nearest()) == pytest.approx(
+        (47.0 / 0.99 - 0.25, 10.15 / 0.99)
+    )
     assert foot.boundaries[1].nearest() == pytest.approx(10.15 / 0.99 + 0.25)
     assert math.isclose(disc.z1, 0.0)
 
@@ -260,8 +265,7 @@ def test_a_contour_that_is_off_is_found_to_be() -> None:
     splines = FLANK.spline(1e-2).contour
     assert boundary.deviation(scaled_splines(splines, FACTOR)) <= 1.1 * FACTOR * 1e-2
     assert boundary.deviation(splines) >= (FACTOR - 1.0) * nearest - 1e-2
-    assert boundary.nearest() == FACTOR * nearest
-    assert boundary.farthest()[0] == FACTOR * farthest
+    assert (boundary.nearest(), boundary.farthest()[0]) == (FACTOR * nearest, FACTOR * farthest)
 
 
 def test_moments_and_parallels() -> None:
@@ -269,8 +273,7 @@ def test_moments_and_parallels() -> None:
     assert moments.area == pytest.approx(exact.area, rel=1e-14)
     assert moments.first == pytest.approx(exact.first, rel=1e-13)
     second, whole = CIRCLE.second_moments(1e-10), EXACT.second_moments(1e-10)
-    assert second.polar == pytest.approx(whole.polar, rel=1e-13)
-    assert second.square == pytest.approx(whole.square, rel=1e-13)
+    assert (second.polar, second.square) == pytest.approx((whole.polar, whole.square), rel=1e-13)
     cutter = CIRCLE.offset(2.0)
     points = cutter.arcs(1e-6).contour.vertices
     assert np.abs(points - CENTRE * FACTOR) == pytest.approx(10.0 * FACTOR - 2.0, abs=1e-12)
@@ -341,8 +344,7 @@ def test_what_is_scaled_is_drawn_in_by_as_much() -> None:
     assert isinstance(found, ScaledBoundary)
     assert (found.name, found.factor) == ("moved", 2.0)
     own = drawn_in(_flank("tappet"), 0.15, "own")
-    assert found.farthest()[0] == 2.0 * own.farthest()[0]
-    assert found.nearest() == 2.0 * own.nearest()
+    assert (found.farthest()[0], found.nearest()) == (2.0 * own.farthest()[0], 2.0 * own.nearest())
 
 
 HOLES = {
@@ -405,8 +407,7 @@ def test_a_whole_table() -> None:
     spec = print_of(TABLE)
     assert spec.elephant_foot == Foot(0.3, 0.6, 3)
     assert spec.elephant_foot.insets == pytest.approx((0.3, 0.2, 0.1))
-    assert spec.scale_xy == pytest.approx(100.0 / 99.5, rel=1e-15)
-    assert spec.scale_z == pytest.approx(100.0 / 101.0, rel=1e-15)
+    assert (spec.scale_xy, spec.scale_z) == pytest.approx((100.0 / 99.5, 100.0 / 101.0), rel=1e-15)
     assert spec.compensates
     assert spec.facts == {
         "bore_clearance_mm": 0.2,
@@ -428,8 +429,7 @@ def test_a_whole_table() -> None:
 def test_what_compensates_nothing(table: dict[str, Any]) -> None:
     spec = print_of(table)
     assert not spec.compensates
-    assert spec.facts == {}
-    assert spec.text == ""
+    assert (spec.facts, spec.text) == ({}, "")
 
 
 @pytest.mark.parametrize(

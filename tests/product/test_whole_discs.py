@@ -69,8 +69,9 @@ def test_the_part_is_weighed_in_the_units_of_the_scene(scene: str) -> None:
     assert found.body is not None
     exact = solid(disc.drawn.part)
     weight = 7850e-9  # kg/mm^3
-    assert found.body.stated_density == pytest.approx(7850.0, rel=1e-12)
-    assert found.body.mass == pytest.approx(weight * exact.volume, rel=1e-12)
+    assert (found.body.stated_density, found.body.mass) == pytest.approx(
+        (7850.0, weight * exact.volume), rel=1e-12
+    )
     assert found.body.axial_inertia == pytest.approx(weight * exact.axial, rel=1e-12)
     assert np.allclose(known(found.body.inertia), weight * exact.inertia, rtol=1e-12, atol=0.0)
     volume = math.fsum(each.area * (each.z1 - each.z0) for each in found.layers)
@@ -78,8 +79,10 @@ def test_the_part_is_weighed_in_the_units_of_the_scene(scene: str) -> None:
     assert [each.name for each in found.layers] == [each.name for each in disc.drawn.part.layers]
     alike(disc, found)
     told = by_name(found.findings)
-    assert told["mass"].value == found.body.mass
-    assert told["mass"].sentence == f"mass {found.body.mass:.6g} kg"
+    assert (told["mass"].value, told["mass"].sentence) == (
+        found.body.mass,
+        f"mass {found.body.mass:.6g} kg",
+    )
     assert told["largest-diameter"].value == found.diameter
     assert found.diameter == 2.0 * disc.drawn.part.outermost.farthest()[0]
     both = told.get("mass-of-both-discs")
@@ -409,8 +412,7 @@ def test_rollers_need_room_beside_the_other_disc(width: float | None, severity: 
     )
     pair = known(made.disc.pair)
     found = of(relation_of(pair), "roller-width")
-    assert found.severity == severity
-    assert found.value == (width or 28.0)
+    assert (found.severity, found.value) == (severity, (width or 28.0))
     assert (found in poor_in(pair)) == (severity != "ok")
 
 
@@ -482,8 +484,10 @@ def test_why_there_is_no_room_is_said_once() -> None:
         asked = scene.with_values({"print.bore_clearance": clearance})
         with pytest.raises(GeometryError, match="no room for it") as caught:
             _ = camgeo.Design(asked).disc.drawn.printed.fitted
-        assert caught.value.key == "print.bore_clearance"
-        assert caught.value.message.count("no room for it") == 1
+        assert (caught.value.key, caught.value.message.count("no room for it")) == (
+            "print.bore_clearance",
+            1,
+        )
 
 
 # Plates: what lies on them, apart, in a row of the positive quadrant ------------------------------

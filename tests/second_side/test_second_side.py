@@ -552,8 +552,7 @@ def test_the_sheet_has_a_part_for_each_side() -> None:
     sheet = sheet_of(FROM_BELOW)
     assert sheet.side == "first side"
     assert sheet.second is not None
-    assert sheet.second.side == f"second side, the work {HOW['x']}"
-    assert sheet.exit_code == 0
+    assert (sheet.second.side, sheet.exit_code) == (f"second side, the work {HOW['x']}", 0)
     shown = text(sheet)
     assert shown.count("Simulated: ") == 2
     first, other = shown.split("second side, the work turned over about X", 1)
@@ -561,8 +560,7 @@ def test_the_sheet_has_a_part_for_each_side() -> None:
     assert "Z 0 on what lies lowest" in other
     assert "screws: screw at 41, 37 mm, top at Z 14" in other
     page = html(sheet, "<svg></svg>")
-    assert page.count("<h1>") == 2
-    assert page.count("<h2>Backplot</h2>") == 1
+    assert (page.count("<h1>"), page.count("<h2>Backplot</h2>")) == (2, 1)
 
 
 def test_its_json_is_as_its_schema_says() -> None:

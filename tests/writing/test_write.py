@@ -82,8 +82,10 @@ def test_report_and_certificate(tmp_path: Path) -> None:
     assert [file.name for file in report.files] == ["vorschub.csv", "vorschub.dxf"]
     assert report.paths[-1] == tmp_path / "certificate.json"
     certificate = json.loads(report.paths[-1].read_bytes())
-    assert certificate["tolerance_mm"] == 0.01
-    assert certificate["scene"]["sha256"] == design.scene.made
+    assert (certificate["tolerance_mm"], certificate["scene"]["sha256"]) == (
+        0.01,
+        design.scene.made,
+    )
     for record, file in zip(certificate["files"], report.files, strict=True):
         data = (tmp_path / file.name).read_bytes()
         assert record["sha256"] == hashlib.sha256(data).hexdigest()
