@@ -13,6 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 from random import Random
 from typing import Any, Final
+from unittest.mock import Mock
 
 import pytest
 
@@ -297,8 +298,15 @@ def test_nothing_fails_where_nothing_is_broken() -> None:
     assert outcome.verified
 
 
-def crash(arguments: argparse.Namespace) -> int:
-    return 1 // 0
+def saying(text: str) -> Run:
+    def say(arguments: argparse.Namespace) -> int:
+        print(text)  # noqa: T201 - as a command does
+        return 0
+
+    return say
+
+
+PRINT_NAN = saying("largest lift -nan mm at cam angle 0 deg")
 
 
 def warn(arguments: argparse.Namespace) -> int:
@@ -316,26 +324,8 @@ def asleep(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def fill_memory(arguments: argparse.Namespace) -> int:
-    raise MemoryError
-
-
-def exit_oddly(arguments: argparse.Namespace) -> int:
-    return 3
-
-
 def differ_in_json(arguments: argparse.Namespace) -> int:
     return int(arguments.json)
-
-
-def print_nan(arguments: argparse.Namespace) -> int:
-    print("largest lift -nan mm at cam angle 0 deg")  # noqa: T201 - as a command does
-    return 0
-
-
-def print_no_json(arguments: argparse.Namespace) -> int:
-    print("fine")  # noqa: T201 - as a command does
-    return 0
 
 
 def write_infinity(arguments: argparse.Namespace) -> int:
@@ -351,15 +341,15 @@ def leave_something(arguments: argparse.Namespace) -> int:
 @pytest.mark.parametrize(
     ("broken", "expected"),
     [
-        (crash, "ZeroDivisionError at cli/main.py:_run"),
+        (Mock(side_effect=ZeroDivisionError), "ZeroDivisionError at cli/main.py:_run"),
         (warn, "UserWarning at cli/main.py:_run"),
-        (fill_memory, "MemoryError at cli/main.py:_run"),
+        (Mock(side_effect=MemoryError), "MemoryError at cli/main.py:_run"),
         (busy, "hang in check"),
         (asleep, "hang in check"),
-        (exit_oddly, "exit code 3 in check"),
+        (Mock(return_value=3), "exit code 3 in check"),
         (differ_in_json, "exit code 0, with --json 1 in check"),
-        (print_nan, "not finite: text of check in check"),
-        (print_no_json, "JSONDecodeError"),
+        (PRINT_NAN, "not finite: text of check in check"),
+        (saying("fine"), "JSONDecodeError"),
         (write_infinity, "not finite: .csv in files"),
         (leave_something, "left behind in files"),
     ],
@@ -383,7 +373,7 @@ def test_json_may_go_into_a_file_and_a_scene_may_have_any_name() -> None:
 
 
 def test_a_file_may_end_like_a_number_that_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("camgeo.app.answers.check.run", print_nan)
+    monkeypatch.setattr("camgeo.app.answers.check.run", PRINT_NAN)
     certificate = b'{"files": [{"file": "x.nan", "format": "csv"}]}'
     found = signatures(Case({SCENE: TAPPET, "certificate.json": certificate}, CHECK.steps))
     assert not [each for each in found if each.startswith("not finite")]

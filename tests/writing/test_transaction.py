@@ -34,7 +34,7 @@ from camgeo.design.writing import (
 )
 from camgeo.errors import OutputError
 from tests.export.stub_product import StubProduct
-from tests.kill.everywhere import BUILDS, BUILT
+from tests.kill.__main__ import BUILDS, BUILT
 from tests.kill.stops import (
     BEFORE,
     FURTHER,
@@ -559,7 +559,7 @@ def test_full_disk(old: Files, folder: Path) -> None:
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are forked")
 def test_processes_stopped_at_every_step() -> None:
     """Forked where nothing but the test runs: a process with threads should not be."""
-    command = [sys.executable, "-m", "tests.kill.everywhere"]
+    command = [sys.executable, "-m", "tests.kill", "--everywhere"]
     run = subprocess.run(command, capture_output=True, text=True, check=False)
     assert run.returncode == 0, f"{run.stdout}\n{run.stderr}"
     told = json.loads(run.stdout)
