@@ -33,7 +33,7 @@ from camgeo.part.assembly import bevelled, bore_boundary
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.mass import solid
 from camgeo.part.part import Bevel, Boundary, Layer, Part
-from camgeo.part.spec import Chamfers, Counterbore, DShaft, Holes, Hub, Keyway, PartSpec
+from camgeo.part.spec import Chamfers, Counterbore, DShaft, Engraving, Holes, Hub, Keyway, PartSpec
 from camgeo.units import LengthUnit
 from camgeo_export.part21.solid import Cone, Model, solid_of
 from camgeo_export.part21.text import exchange_of
@@ -190,10 +190,15 @@ PARTS: dict[str, tuple[Layer, ...]] = {
     ),
 }
 
+TEXTS = (Engraving("Ø8", 5.0, 0.3, 22.0), Engraving("0", 4.0, 0.5, 20.0, 3.0))
+
+ENGRAVED = made(Contact.INNER, PartSpec(thickness=8.0, bore=20.0, engraving=TEXTS))
+
 BODIES: dict[str, Part] = {
     "disc": StubProduct().part,
     "groove": StubProduct(groove=True).part,
     **{name: Part(layers) for name, layers in PARTS.items()},
+    "engraved": ENGRAVED,
 }
 """Of one solid each."""
 

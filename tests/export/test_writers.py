@@ -18,7 +18,6 @@ import ezdxf.filemanagement
 import lib3mf  # type: ignore[import-untyped]  # has no types
 import numpy as np
 import pytest
-import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -26,7 +25,6 @@ import camgeo
 from camgeo import reading
 from camgeo.app.cli.import_ import import_project
 from camgeo.app.cli.main import main
-from camgeo.cam.cam import Contact
 from camgeo.design.design import Design
 from camgeo.design.product import Product, title_of
 from camgeo.design.writing import Writer, make_files
@@ -34,8 +32,7 @@ from camgeo.errors import FileError, SceneError
 from camgeo.milling import plan
 from camgeo.milling.strategies import walk
 from camgeo.numeric.arrays import FloatArray
-from camgeo.part.mass import solid
-from camgeo.part.spec import Engraving, PartSpec, text_of
+from camgeo.part.spec import text_of
 from camgeo.scene.formats.drawing import DrawingSpec
 from camgeo.scene.formats.dxf import ENTITIES, DxfSpec, Entity
 from camgeo.scene.formats.step import StepSpec
@@ -64,9 +61,9 @@ from camgeo_export.threemf.writer import WRITER as THREEMF
 from camgeo_export.verify.gcode import stated
 from camgeo_export.verify.threemf import MODEL_PATH, parts_of
 from tests.export.stub_product import PIECES, StubProduct, StubScene
+from tests.export.test_solids import ENGRAVED
 from tests.export.verified import TOLERANCE, measured, read_back
 from tests.inches import in_inches
-from tests.part.parts import made
 from tests.reference import THESIS_CAMS, pitch_curve_of, reference, thesis_params
 
 UNITS: tuple[LengthUnit, ...] = ("mm", "inch")
@@ -81,9 +78,6 @@ DRAWN = {
     "large": StubProduct(scale=1e4),
 }
 
-TEXTS = (Engraving("Ø8", 5.0, 0.3, 22.0), Engraving("0", 4.0, 0.5, 20.0, 3.0))
-
-ENGRAVED = made(Contact.INNER, PartSpec(thickness=8.0, bore=20.0, engraving=TEXTS))
 
 READ_BACK: dict[str, tuple[Writer, Product, tuple[float, ...]]] = {
     **{f"dxf, {name}": (DXF, each, (0.05, 1e-3)) for name, each in DRAWN.items()},
@@ -122,16 +116,6 @@ def test_the_file_of_another_design_is_measured_as_wrong(writer: Writer) -> None
 
 
 # Engraved parts -----------------------------------------------------------------------------------
-
-
-def test_a_solid_is_closed_and_lacks_the_letters() -> None:
-    part = ENGRAVED
-    data = STL.write(StubProduct(given=part), 1e-3).data
-    mesh = trimesh.load_mesh(io.BytesIO(data), file_type="stl")
-    assert mesh.is_volume
-    assert mesh.body_count == 1
-    length = sum(each.polyline(0.01).contour.length for each in part.boundaries)
-    assert mesh.volume == pytest.approx(solid(part).volume, abs=1e-3 * 8.0 * length)
 
 
 @pytest.mark.parametrize("entity", ENTITIES)

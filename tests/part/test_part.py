@@ -436,17 +436,6 @@ def test_what_lay_down_lies_up(part: Part) -> None:
     assert set(turned.boundaries) == set(part.boundaries)
 
 
-def test_the_edges_of_a_groove_lie_below() -> None:
-    rim, bore, flank, _ = BOUNDARIES
-    part = Part((Layer(-9.0, -5.0, (rim, bore)), Layer(-5.0, 0.0, (rim, bore, flank), "groove")))
-    walls = {wall.boundary.name: (wall.z0, wall.z1) for wall in part.turned_over().walls}
-    assert walls == {
-        "rim": (-9.0, 0.0),
-        "bore": (-9.0, 0.0),
-        "flank": (pytest.approx(-9.0), pytest.approx(-4.0)),
-    }
-
-
 # -- spec ------------------------------------------------------------------------------------------
 # What a scene states of a part: doors, defaults, keyways against published tables.
 #
