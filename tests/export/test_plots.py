@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Final
+from unittest.mock import Mock
 
 import matplotlib as mpl
 import numpy as np
@@ -23,7 +24,6 @@ from matplotlib.text import Annotation
 from matplotlib.transforms import TransformedPath
 
 from camgeo.cam.cam import Cam, Drive
-from camgeo.design.product import Product
 from camgeo.errors import FileError, UnknownNameError
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.pictures.model import (
@@ -382,17 +382,12 @@ def test_a_changed_table_is_refused(old: bytes, new: bytes, message: str) -> Non
 def test_both_pictures_are_of_one_page(monkeypatch: pytest.MonkeyPatch) -> None:
     """Drawn once, and saved as if it were the only one, whichever is first."""
     alone = {each: each.write(StubProduct(groove=True), 0.001).data for each in (SVG, PNG)}
-    made: list[Sequence[str]] = []
-
-    def counted(product: Product, wanted: Sequence[str]) -> Figure:
-        made.append(wanted)
-        return stacked(product, wanted)
-
+    counted = Mock(wraps=stacked)
     monkeypatch.setattr(plots, "stacked", counted)
     for order in ((SVG, PNG), (PNG, SVG)):
         product = StubProduct(groove=True)
         assert all(each.write(product, 0.001).data == alone[each] for each in order)
-    assert made == [["cam"], ["cam"]]
+    assert [each.args[1] for each in counted.call_args_list] == [["cam"], ["cam"]]
 
 
 @pytest.mark.parametrize("name", OWN)

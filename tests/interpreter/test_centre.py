@@ -132,23 +132,20 @@ def ends(found: Run, radius: float) -> list[complex]:
     return [move.end for move in moves if move.kind != "rapid" and move.start != move.end]
 
 
-def test_an_inner_corner_is_cut_where_the_parallels_meet() -> None:
-    found = of(EDGE.format("G1 X20 Y20\n"))
-    assert ends(found, 2.0) == pytest.approx([2j, 18 + 2j, 18 + 20j, 40 + 40j])
-
-
-def test_an_outer_corner_is_rounded() -> None:
-    found = of(EDGE.format("G1 X20 Y-20\n"))
-    assert ends(found, 2.0) == pytest.approx([2j, 20 + 2j, 22 + 0j, 22 - 20j, 40 + 40j])
-    (arc,) = (move for move in centres(found.moves, lambda _: 2.0) if move.kind == "arc")
-    assert arc.centre == 20 + 0j
-    assert arc.sweep == pytest.approx(-0.5 * math.pi)
-
-
-def test_a_negative_offset_is_one_on_the_other_side() -> None:
-    """The corner is an outer one for it."""
-    found = of(EDGE.format("G1 X20 Y20\n"))
-    assert ends(found, -2.0) == pytest.approx([-2j, 20 - 2j, 22 + 0j, 22 + 20j, 40 + 40j])
+@pytest.mark.parametrize(("way", "radius", "expected", "arcs"), [
+    ("G1 X20 Y20\n", 2.0, [2j, 18 + 2j, 18 + 20j, 40 + 40j], []),
+    ("G1 X20 Y-20\n", 2.0, [2j, 20 + 2j, 22 + 0j, 22 - 20j, 40 + 40j], [(20 + 0j, -0.5 * math.pi)]),
+    ("G1 X20 Y20\n", -2.0, [-2j, 20 - 2j, 22 + 0j, 22 + 20j, 40 + 40j], [(20 + 0j, 0.5 * math.pi)]),
+], ids=["inner", "outer", "other side"])  # fmt: skip
+def test_an_inner_corner_is_cut_where_the_parallels_meet_and_an_outer_one_is_rounded(
+    way: str, radius: float, expected: list[complex], arcs: list[tuple[complex, float]]
+) -> None:
+    """A negative offset is one on the other side."""
+    found = of(EDGE.format(way))
+    assert ends(found, radius) == pytest.approx(expected)
+    made = [(move.centre, move.sweep) for move in centres(found.moves, lambda _: radius)
+            if move.kind == "arc"]  # fmt: skip
+    assert made == [pytest.approx(each) for each in arcs]
 
 
 def test_arcs_keep_their_centre_and_change_their_radius() -> None:
@@ -202,28 +199,29 @@ G1 G40 X10 Y-60
     assert [finding.rule for finding in findings.found] == []
 
 
-def test_a_linter_takes_a_negative_offset_as_one_on_the_other_side() -> None:
+@pytest.mark.parametrize(
+    ("radius", "rules"), [(12.0, ["compensation", "gouge"]), (-12.0, ["compensation"])]
+)
+def test_a_linter_takes_a_negative_offset_as_one_on_the_other_side(
+    radius: float, rules: list[str]
+) -> None:
     arc = EDGE.format("G3 X30 Y10 I0 J10\nG1 X30 Y30\n")
-    for radius, rules in ((12.0, ["compensation", "gouge"]), (-12.0, ["compensation"])):
-        linted = run(HEAD + arc + END, load("linuxcnc"), Bench(radii=((1, radius),)))
-        assert [each.rule for each in linted.findings if each.concerns == "form"] == rules
+    linted = run(HEAD + arc + END, load("linuxcnc"), Bench(radii=((1, radius),)))
+    assert [each.rule for each in linted.findings if each.concerns == "form"] == rules
 
 
-def test_what_programs_add_to_the_table_is_read() -> None:
-    def oversize(machine: str, *changes: tuple[str, str]) -> float:
-        text = SINUMERIK if machine == "sinumerik" else HEIDENHAIN
-        for change in changes:
-            text = text.replace(*change)
-        found = run(text, load(machine))
-        assert [finding.rule for finding in found.findings if finding.concerns == "words"] == []
-        (size,) = {move.oversize for move in found.moves if move.compensation}
-        return size
-
-    assert oversize("sinumerik") == -3.0
-    assert oversize("sinumerik", ("OFFN=-3.0", "OFFN=0")) == 0.0
-    assert oversize("heidenhain") == -3.0
-    assert oversize("heidenhain", (" DR-3.0", "")) == 0.0
-    assert oversize("heidenhain", (" DR-3.0", " DL+1.0 DR+0.5")) == 0.5
+@pytest.mark.parametrize(("machine", "old", "new", "oversize"), [
+    ("sinumerik", "OFFN=-3.0", "OFFN=-3.0", -3.0), ("sinumerik", "OFFN=-3.0", "OFFN=0", 0.0),
+    ("heidenhain", " DR-3.0", " DR-3.0", -3.0), ("heidenhain", " DR-3.0", "", 0.0),
+    ("heidenhain", " DR-3.0", " DL+1.0 DR+0.5", 0.5),
+])  # fmt: skip
+def test_what_programs_add_to_the_table_is_read(
+    machine: str, old: str, new: str, oversize: float
+) -> None:
+    text = SINUMERIK if machine == "sinumerik" else HEIDENHAIN
+    found = run(text.replace(old, new), load(machine))
+    assert [finding.rule for finding in found.findings if finding.concerns == "words"] == []
+    assert {move.oversize for move in found.moves if move.compensation} == {oversize}
 
 
 SINUMERIK: Final = """G17 G710 G40 G90 G94

@@ -627,32 +627,38 @@ def test_linuxcnc_runs_what_the_program_allows() -> None:
         assert rs274.run(worn)[1] == ""
 
 
-def test_the_words_are_those_of_each_machine() -> None:
-    own = {
-        "fanuc": ("wear", "G1 G41 D4 X", "G1 G40 X"),
-        "haas": ("wear", "G1 G41 D4 X", "G1 G40 X"),
-        "heidenhain": ("wear", "TOOL CALL 4 Z S3000 DR-5.0000", " RL "),
-        "linuxcnc": ("control", "G1 G41 D4 X", "G1 G40 X"),
-        "mach3": ("wear", "G1 G41 D4 X", "G1 G40 X"),
-        "sinumerik": ("wear", "G1 G41 OFFN=-5.0000 X", "G1 G40 OFFN=0 X"),
-    }
-    assert tuple(sorted(own)) == HAVE
-    for machine, (mode, *words) in own.items():
-        for word in words:
-            assert program(mode, machine).count(word) >= len(FINISHES[mode]), (machine, word)
+WORDS: Final = {
+    "fanuc": ("wear", "G1 G41 D4 X", "G1 G40 X"),
+    "haas": ("wear", "G1 G41 D4 X", "G1 G40 X"),
+    "heidenhain": ("wear", "TOOL CALL 4 Z S3000 DR-5.0000", " RL "),
+    "linuxcnc": ("control", "G1 G41 D4 X", "G1 G40 X"),
+    "mach3": ("wear", "G1 G41 D4 X", "G1 G40 X"),
+    "sinumerik": ("wear", "G1 G41 OFFN=-5.0000 X", "G1 G40 OFFN=0 X"),
+}
+
+
+@pytest.mark.parametrize("machine", HAVE)
+def test_the_words_are_those_of_each_machine(machine: str) -> None:
+    mode, *words = WORDS[machine]
+    counts = [program(mode, machine).count(word) for word in words]
+    assert min(counts) >= len(FINISHES[mode])
+
+
+def test_a_path_that_the_control_computes_has_no_nominal_radius() -> None:
     assert "OFFN=-" not in program("control", "sinumerik")
     assert "DR-5" not in program("control", "heidenhain").replace("DR- ", "")
 
 
-def test_the_operator_is_told_what_the_offset_holds() -> None:
-    def told(mode: str, machine: str) -> str:
-        notes = " ".join(note for note in run(program(mode, machine), load(machine)).comments)
-        return " ".join(re.findall(r"(?i)(compensation (?:wear|control):.*?either way)", notes))
-
-    assert "D4 holds twice the wear alone, 0 for a new cutter" in told("wear", "linuxcnc")
-    assert "D4 HOLDS THE WEAR ALONE" in told("wear", "fanuc").upper()
-    assert "tool 4 holds the radius that is measured, 5 mm nominally" in told("wear", "sinumerik")
-    assert "offset 4 holds the diameter that is measured, 10 mm" in told("control", "linuxcnc")
+@pytest.mark.parametrize(("mode", "machine", "said"), [
+    ("wear", "linuxcnc", "D4 holds twice the wear alone, 0 for a new cutter"),
+    ("wear", "fanuc", "D4 HOLDS THE WEAR ALONE"),
+    ("wear", "sinumerik", "tool 4 holds the radius that is measured, 5 mm nominally"),
+    ("control", "linuxcnc", "offset 4 holds the diameter that is measured, 10 mm"),
+])  # fmt: skip
+def test_the_operator_is_told_what_the_offset_holds(mode: str, machine: str, said: str) -> None:
+    notes = " ".join(run(program(mode, machine), load(machine)).comments)
+    told = re.findall(r"(?i)(compensation (?:wear|control):.*?either way)", notes)
+    assert said in " ".join(told)
 
 
 @pytest.mark.parametrize(
@@ -690,8 +696,7 @@ def test_what_is_told_of_the_wear_holds_and_not_much_more() -> None:
     assert bad("wear", "linuxcnc", thrice)[0] == "compensation"
 
 
-def test_an_operation_says_its_own() -> None:
-    for own, default, said in (("wear", "", ["wear"]), ("computed", "wear", ["computed"])):
-        keys = f'compensation = "{default}"\n' if default else ""
-        cuts = product_of(f'{CAM}{keys}{CHUCKED}{OPERATIONS}compensation = "{own}"\n')
-        assert [cut.compensation for cut in cuts.milled.contour_cuts] == said
+@pytest.mark.parametrize(("own", "keys"), [("wear", ""), ("computed", 'compensation = "wear"\n')])
+def test_an_operation_says_its_own(own: str, keys: str) -> None:
+    cuts = product_of(f'{CAM}{keys}{CHUCKED}{OPERATIONS}compensation = "{own}"\n')
+    assert [cut.compensation for cut in cuts.milled.contour_cuts] == [own]

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -522,17 +523,12 @@ def test_a_disc_without_another() -> None:
 
 
 def test_time_and_findings_come_from_one_plan(monkeypatch: pytest.MonkeyPatch) -> None:
-    planned, make = [], plan.plan_toolpath
-
-    def counted(*given: Any) -> Any:
-        planned.append(given)
-        return make(*given)
-
+    counted = Mock(wraps=plan.plan_toolpath)
     monkeypatch.setattr(plan, "plan_toolpath", counted)
     made = design("setzhub")
     seconds = machining_time(made.discs)
     assert machining_of(made.discs).seconds == seconds
-    assert len(planned) == 1
+    assert counted.call_count == 1
     milled, tolerance = made.disc.milled, made.scene.output.tolerance
     assert milled.toolpath(0.5 * tolerance) != milled.toolpath(tolerance)  # each has its own
-    assert len(planned) == 3
+    assert counted.call_count == 3

@@ -10,9 +10,9 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
-from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Final
+from unittest.mock import Mock
 
 import pytest
 
@@ -133,17 +133,12 @@ def test_no_tolerance(tolerance: float, tmp_path: Path) -> None:
 
 
 def test_what_is_installed_is_looked_through_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    calls: list[dict[str, EntryPoint]] = []
-
-    def counted() -> dict[str, EntryPoint]:
-        calls.append(writer_entries())
-        return calls[-1]
-
+    counted = Mock(wraps=writer_entries)
     monkeypatch.setattr(writer_module, "writer_entries", counted)
     found = find_writers(WRITTEN_FORMATS)
     assert [*found] == [*WRITTEN_FORMATS]
     assert all(found[name] is find_writer(name) for name in WRITTEN_FORMATS)
-    assert len(calls) == 1 + len(WRITTEN_FORMATS)
+    assert counted.call_count == 1 + len(WRITTEN_FORMATS)
 
 
 @pytest.mark.parametrize("deviation", [0.0011, float("nan"), float("inf")])
