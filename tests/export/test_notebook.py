@@ -15,6 +15,7 @@ from html import escape
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, Final, cast
+from unittest.mock import Mock
 
 import matplotlib.figure
 import numpy as np
@@ -192,9 +193,8 @@ def test_a_motion_alone_is_shown_by_its_diagrams() -> None:
 
 
 def test_what_cannot_be_shown_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(*_: Any) -> Any:
-        raise GeometryError("there is <no> such thing", key="follower", value="<b>")
-
+    error = GeometryError("there is <no> such thing", key="follower", value="<b>")
+    refuse = Mock(side_effect=error)
     one = design("plate_translating")
     monkeypatch.setattr("camgeo.pictures.plots.of_design", refuse)
     assert "there is <no> such thing" in texts(one)

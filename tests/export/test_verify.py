@@ -15,6 +15,7 @@ from dataclasses import replace
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import ezdxf
 import numpy as np
@@ -808,9 +809,7 @@ def test_files_of_other_versions_and_scenes_are_only_measured(tmp_path: Path) ->
 def test_a_scene_that_cannot_be_written_is_a_difference(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def refused(*_: object) -> None:
-        raise camgeo.GeometryError("there is no room")
-
+    refused = Mock(side_effect=camgeo.GeometryError("there is no room"))
     monkeypatch.setattr("camgeo_export.dxf.writer.DxfWriter.write", refused)
     check = again(verdict_on(tmp_path / "vorschub.dxf", files()["vorschub.dxf"]))
     assert check.ok is False

@@ -236,14 +236,9 @@ def test_the_smallest_case_has_only_what_fails() -> None:
 
 def test_a_case_is_made_smaller_in_so_many_runs_and_no_more() -> None:
     data = b"".join(b"%d\n" % k for k in range(100))
-    runs = []
-
-    def fails(smaller: Case) -> bool:
-        runs.append(smaller)
-        return b"57" in smaller.files.get("a.dxf", b"")
-
+    fails = Mock(side_effect=lambda smaller: b"57" in smaller.files.get("a.dxf", b""))
     found = minimised(Case({"a.dxf": data}, (("verify", "a.dxf"),)), fails, 5)
-    assert len(runs) == 5
+    assert fails.call_count == 5
     assert b"57" in found.files["a.dxf"]
     assert len(found.files["a.dxf"]) < len(data)
 

@@ -17,6 +17,7 @@ import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import pytest
 
@@ -64,17 +65,26 @@ def refusal(folder: Path, files: dict[str, bytes] = FILES, *, force: bool = True
     return str(caught.value)
 
 
-def test_writes_into_a_new_folder(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("before", "force", "message"), [
+    ({}, False, ""),
+    (FILES, False, ""),
+    ({"notes.txt": b"mine"}, False, ""),
+    ({"b.ngc": b"old b"}, False, "b.ngc would be overwritten; allow it with --force"),
+    ({"b.ngc": b"old b"}, True, ""),
+])  # fmt: skip
+def test_a_set_is_written_beside_what_is_there(
+    before: dict[str, bytes], force: bool, message: str, tmp_path: Path
+) -> None:
+    """Into a new folder too; what differs is kept unless it is forced."""
     folder = tmp_path / "not" / "there"
-    paths = write_set(folder, FILES, force=False)
-    assert paths == tuple(folder / name for name in FILES)
-    assert everything(tmp_path) == {f"not/there/{name}": data for name, data in FILES.items()}
-
-
-def test_same_content_is_accepted(tmp_path: Path) -> None:
-    write_set(tmp_path, FILES, force=False)
-    write_set(tmp_path, FILES, force=False)
-    assert everything(tmp_path) == FILES
+    if before:
+        put(folder, before)
+    if message:
+        assert message in refusal(folder, force=force)
+        assert everything(folder) == before
+        return
+    assert write_set(folder, FILES, force=force) == tuple(folder / name for name in FILES)
+    assert everything(folder) == before | FILES
 
 
 def test_what_speaks_of_other_files_is_removed_with_them(tmp_path: Path) -> None:
@@ -96,20 +106,6 @@ def test_what_speaks_of_other_files_is_removed_with_them(tmp_path: Path) -> None
     assert told == []
     assert write(b"3") == sorted(FILES)
     assert told == ["account.json of the files before: removed"]
-
-
-def test_other_files_are_left_alone(tmp_path: Path) -> None:
-    (tmp_path / "notes.txt").write_bytes(b"mine")
-    write_set(tmp_path, FILES, force=False)
-    assert everything(tmp_path) == FILES | {"notes.txt": b"mine"}
-
-
-def test_differing_file_is_kept_unless_forced(tmp_path: Path) -> None:
-    (tmp_path / "b.ngc").write_bytes(b"old b")
-    assert "b.ngc would be overwritten; allow it with --force" in refusal(tmp_path, force=False)
-    assert everything(tmp_path) == {"b.ngc": b"old b"}
-    write_set(tmp_path, FILES, force=True)
-    assert everything(tmp_path) == FILES
 
 
 def test_a_link_to_nothing_is_not_overwritten(tmp_path: Path) -> None:
@@ -386,17 +382,12 @@ def test_what_is_taken_back_is_on_disk_before_the_next_step(
 def test_nothing_is_overwritten_unless_it_is_asked_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked: list[bool] = []
-
-    def written(_: Path, files: dict[str, bytes], *, force: bool, **__: Any) -> tuple[Path, ...]:
-        asked.append(force)
-        return tuple(map(Path, files))
-
+    written = Mock(return_value=(Path("a"),))
     monkeypatch.setattr("camgeo.design.writing.write_set", written)
     monkeypatch.setattr("camgeo.design.writing.make_files", lambda *_, **__: ({"a": b""}, ()))
     write_files((StubProduct(),), tmp_path, ("dxf",), 0.01)
     write_files((StubProduct(),), tmp_path, ("dxf",), 0.01, force=True)
-    assert asked == [False, True]
+    assert [each.kwargs["force"] for each in written.call_args_list] == [False, True]
 
 
 def test_progress_tells_each_file_twice() -> None:
