@@ -411,10 +411,9 @@ def test_by_the_standard_the_paths_are_the_boundaries_at_true_size(product: Stub
 
 def test_lines_are_hairlines_without_fill() -> None:
     root = ET.fromstring(SVG_WRITER.write(StubProduct(groove=True), TOLERANCE).data)
-    through, blind = root.findall(f"{SVG}g")
-    for each in (through, blind):
-        assert (each.get("fill"), each.get("stroke-width")) == ("none", "0.01")
-    assert (through.get("stroke"), blind.get("stroke")) == ("#ff0000", "#0000ff")
+    keys = ("fill", "stroke-width", "stroke")
+    drawn = [tuple(map(each.get, keys)) for each in root.findall(f"{SVG}g")]
+    assert drawn == [("none", "0.01", "#ff0000"), ("none", "0.01", "#0000ff")]
 
 
 def test_the_edges_of_a_real_groove_pass_verification() -> None:

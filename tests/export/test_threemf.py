@@ -502,19 +502,21 @@ def test_without_compensation_nothing_is_said(writer: Writer) -> None:
     assert ("compensation", "") not in checks
 
 
-def test_other_files_show_the_part_itself() -> None:
-    for writer in (DXF, STEP):
-        plain, own = compensated(), compensated(*WHOLE)
-        assert writer.measure(plain, writer.write(own, TOLERANCE).data) <= TOLERANCE
+@pytest.mark.parametrize("writer", [DXF, STEP], ids=["dxf", "step"])
+def test_other_files_show_the_part_itself(writer: Writer) -> None:
+    data = writer.write(compensated(*WHOLE), TOLERANCE).data
+    assert measured(writer, compensated(), data) <= TOLERANCE
 
 
-def test_a_part_without_room_is_refused_with_the_key() -> None:
+@pytest.mark.parametrize(
+    ("key", "value"), [("bore_clearance", 60.0), ("elephant_foot", {"inset": 60, "height": 0.2})]
+)
+def test_a_part_without_room_is_refused_with_the_key(key: str, value: object) -> None:
     design = camgeo.load(SCENES / "plate_translating.toml")
-    for key, value in (("bore_clearance", 60.0), ("elephant_foot", {"inset": 60, "height": 0.2})):
-        scene = design.scene.with_values({"part.bore": 20, f"print.{key}": value})
-        with pytest.raises(camgeo.GeometryError) as caught:
-            camgeo.Design(scene).disc.drawn.printed.target  # noqa: B018  # it is computed now
-        assert caught.value.key.startswith(f"print.{key}")
+    scene = design.scene.with_values({"part.bore": 20, f"print.{key}": value})
+    with pytest.raises(camgeo.GeometryError) as caught:
+        camgeo.Design(scene).disc.drawn.printed.target  # noqa: B018  # it is computed now
+    assert caught.value.key.startswith(f"print.{key}")
 
 
 # What strict readers take of a 3MF package: small ones with one fault each, read by lib3mf too ----

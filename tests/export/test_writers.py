@@ -254,10 +254,10 @@ def test_everything_is_spelled_in_ascii(text: str) -> None:
         assert found == text
 
 
-def test_no_title_has_characters_that_xml_cannot_hold() -> None:
-    for title in ("a\ufffe", "a\uffff", "a\tb"):
-        with pytest.raises(SceneError, match=r"drawing\.title"):
-            camgeo.Scene({**camgeo.loads(LEVER).scene.values, "drawing": {"title": title}})
+@pytest.mark.parametrize("title", ["a\ufffe", "a\uffff", "a\tb"])
+def test_no_title_has_characters_that_xml_cannot_hold(title: str) -> None:
+    with pytest.raises(SceneError, match=r"drawing\.title"):
+        camgeo.Scene({**camgeo.loads(LEVER).scene.values, "drawing": {"title": title}})
 
 
 def test_a_return_disc_is_told_apart() -> None:

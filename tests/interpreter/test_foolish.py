@@ -375,12 +375,12 @@ def test_nothing_is_found_in_a_good_program(scene: str) -> None:
     assert worked(scene, program(scene)) == ()
 
 
-def test_slots_are_as_deep_as_they_are_programmed() -> None:
+@pytest.mark.parametrize(("stepdown", "wrong"), [(2.4, True), (2.6, False)])
+def test_slots_are_as_deep_as_they_are_programmed(stepdown: float, wrong: bool) -> None:
     """Passes of at most 3 mm: with a stepdown that is a little less, each is told."""
-    code = program(SETZHUB)
-    for stepdown, wrong in ((2.4, True), (2.6, False)):
-        found = worked(SETZHUB.replace("stepdown = 3", f"stepdown = {stepdown}"), code)
-        assert any(each.rule == "slot-depth" for each in found) == wrong, found
+    scene = SETZHUB.replace("stepdown = 3", f"stepdown = {stepdown}")
+    found = worked(scene, program(SETZHUB))
+    assert any(each.rule == "slot-depth" for each in found) == wrong, found
 
 
 def test_the_command_line_names_the_scene(tmp_path: Path) -> None:
