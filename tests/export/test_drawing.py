@@ -712,10 +712,12 @@ def test_a_pdf_has_its_objects_where_its_table_says(name: str) -> None:
     assert b"Date" not in data
     assert data.startswith(b"%PDF-1.4\n%")
     objects = (
-        b"/Type /Catalog /Pages 2 0 R", b"/Type /Pages /Kids [ 4 0 R ] /Count 1",
-        b"/Type /Page /Parent 2 0 R", b"/Contents 5 0 R",
+        b"/Type /Catalog /Pages 2 0 R",
+        b"/Type /Pages /Kids [ 4 0 R ] /Count 1",
+        b"/Type /Page /Parent 2 0 R",
+        b"/Contents 5 0 R",
         b"<< /Size 6 /Root 1 0 R /Info 3 0 R >>",
-    )  # fmt: skip
+    )
     assert [each for each in objects if each not in data] == []
     start = int(data[data.rindex(b"startxref\n") + 10 :].split()[0])
     table = data[start:].decode("ascii")

@@ -135,8 +135,10 @@ def test_polylines_with_bulges(kind: str, closed: bool) -> None:
 
 
 def test_the_largest_first_and_layers() -> None:
-    frame = [add("circle", (x, 0.0), size, dxfattribs={"layer": "FRAME"})
-             for x, size in ((1.0, 9.0), (0.0, 5.0))]  # fmt: skip
+    frame = [
+        add("circle", (x, 0.0), size, dxfattribs={"layer": "FRAME"})
+        for x, size in ((1.0, 9.0), (0.0, 5.0))
+    ]
     data = drawn(together(add("circle", (0.0, 0.0), 3.0), *frame))
     sizes = [round(math.sqrt(each.area / math.pi), 9) for each in read_dxf(data)]
     assert sizes == [9.0, 5.0, 3.0]
@@ -591,13 +593,15 @@ def lines(*ends: tuple[float, float, float, float]) -> Way:
     return together(PLATE, *(add("line", each[:2], each[2:]) for each in ends))
 
 
-COMB = together(PLATE, *(add("line", (k, 20.0), end) for k in range(40)
-                         for end in ((k + 1.0, 20.0), (k, 21.0))))  # fmt: skip
+COMB = together(
+    PLATE, *(add("line", (k, 20.0), end) for k in range(40) for end in ((k + 1.0, 20.0), (k, 21.0)))
+)
 
 BRIDGE = together(
-    STADIUM, *(add("arc", (0, 0), BORE, start, start + 180) for start in (0, 180)),
+    STADIUM,
+    *(add("arc", (0, 0), BORE, start, start + 180) for start in (0, 180)),
     add("line", (BORE, 0.0), (HALF, RADIUS)),
-)  # fmt: skip
+)
 """A line from the bore, of two arcs, to a corner of the outline."""
 
 
@@ -642,16 +646,20 @@ def rational(degree: int) -> Way:
 
 
 ROUND_ELLIPSES = together(
-    BOTTOM, TOP, add("ellipse", (0, 0), (0.0, BORE), 1.0),
+    BOTTOM,
+    TOP,
+    add("ellipse", (0, 0), (0.0, BORE), 1.0),
     add("ellipse", (HALF, 0), (RADIUS, 0.0), 1.0, -0.5 * math.pi, 0.5 * math.pi),
     add("ellipse", (-HALF, 0), (0.0, -RADIUS), 1.0, math.pi, 2.0 * math.pi),
-)  # fmt: skip
+)
 
 STRAIGHT_SPLINES = together(
-    RIGHT, LEFT, HOLE,
+    RIGHT,
+    LEFT,
+    HOLE,
     add("open_spline", [(HALF, RADIUS), (1.0, RADIUS), (-HALF, RADIUS)], degree=1),
     add("spline", [(-HALF, -RADIUS), (3.0, -RADIUS), (HALF, -RADIUS)]),
-)  # fmt: skip
+)
 """The lines as a spline of degree 1, and as one through points."""
 
 
@@ -681,9 +689,10 @@ def turned_plate(space: BaseLayout) -> None:
 
 
 NESTED = together(
-    block("inner", PLATE), block("outer", insert("INNER", (7.0, 8.0), xscale=-1.0)),
+    block("inner", PLATE),
+    block("outer", insert("INNER", (7.0, 8.0), xscale=-1.0)),
     insert("Outer", (7.0, -8.0), xscale=-1.0),
-)  # fmt: skip
+)
 
 GRID = {"row_count": 2, "row_spacing": 2.0 * RADIUS, "column_count": 1}
 
@@ -691,30 +700,35 @@ ROWS = together(block("side", BOTTOM), insert("side", (0.0, 0.0), **GRID), RIGHT
 """The line of the top and that of the bottom as an array of one."""
 
 LAYER_OF_INSERT = together(
-    block("part", PLATE), lambda space: space.doc.layers.add("HID").freeze(),
-    insert("part", (0, 0), layer="cut"), insert("part", (5, 0), layer="hid"),
+    block("part", PLATE),
+    lambda space: space.doc.layers.add("HID").freeze(),
+    insert("part", (0, 0), layer="cut"),
+    insert("part", (5, 0), layer="hid"),
     insert("part", (90, 0), layer="OTHER"),
-)  # fmt: skip
+)
 """Entities on layer 0 of a block lie on that of the insertion."""
 
 THIRD = 1.0 / 3.0
 
 SQUASHED = together(
     block(
-        "squashed", add("line", (HALF, RADIUS * THIRD), (-HALF, RADIUS * THIRD)),
+        "squashed",
+        add("line", (HALF, RADIUS * THIRD), (-HALF, RADIUS * THIRD)),
         add("line", (HALF, -RADIUS * THIRD), (-HALF, -RADIUS * THIRD)),
         add("ellipse", (0, 0), (BORE, 0.0), THIRD),
         add("ellipse", (HALF, 0), (RADIUS, 0.0), THIRD, -0.5 * math.pi, 0.5 * math.pi),
         add("ellipse", (-HALF, 0), (RADIUS, 0.0), THIRD, 0.5 * math.pi, 1.5 * math.pi),
     ),
     insert("squashed", (0, 0), yscale=3.0),
-)  # fmt: skip
+)
 """Circles in a block that is stretched threefold along y, squashed as ellipses there."""
 
 STRETCHED_ARCS = together(
     block("bore", add("arc", (0, 0), BORE, 10, 190), add("arc", (0, 0), BORE, 190, 10)),
-    block("flat", insert("bore", (0, 0), yscale=0.25)), insert("flat", (0, 0), yscale=4.0), STADIUM,
-)  # fmt: skip
+    block("flat", insert("bore", (0, 0), yscale=0.25)),
+    insert("flat", (0, 0), yscale=4.0),
+    STADIUM,
+)
 """The same bore of two arcs, twice stretched: back to a circle."""
 
 
@@ -739,8 +753,10 @@ CORNERS = [(-HALF, -RADIUS, 0.0), (HALF, -RADIUS, 1.0), (HALF, RADIUS, 0.0), (-H
 DOWN = {"extrusion": (0.0, 0.0, -1.0)}
 """Of what is drawn from below."""
 
-MIRRORED = together(add("lwpolyline", CORNERS, format="xyb", close=True, dxfattribs=DOWN),
-                    add("circle", (0.0, 0.0), BORE, dxfattribs=DOWN))  # fmt: skip
+MIRRORED = together(
+    add("lwpolyline", CORNERS, format="xyb", close=True, dxfattribs=DOWN),
+    add("circle", (0.0, 0.0), BORE, dxfattribs=DOWN),
+)
 
 
 def annotated(space: BaseLayout) -> None:

@@ -494,18 +494,33 @@ GRBL = GcodeSpec(machine="grbl")
 @pytest.mark.parametrize(
     ("product", "faults", "message"),
     [
-        (StubProduct(gcode=GRBL, second_tool=OTHER), {"output.gcode.machine": "'Grbl'"},
-         "tools 1 and 7 are needed: write one for each"),
-        (StubProduct(gcode=GRBL, tool=replace(TOOL, coolant="mist")), {"tool.coolant": "'mist'"},
-         "tool.coolant = 'mist'"),
-        (StubProduct(gcode=replace(GRBL, coolant="through")),
-         {"output.gcode.coolant": "'through'"}, '"off", "flood"'),
-        (StubProduct(gcode=GcodeSpec("sinumerik", work_offset="G59", coolant="through")),
-         {"output.gcode.coolant": "'through'", "output.gcode.work_offset": "'G59'"}, "G59"),
-        (StubProduct(gcode=GRBL, scale=1000.0), {"output.gcode.machine": "'Grbl'"},
-         "numbers.largest is too small for the coordinate 3"),
+        (
+            StubProduct(gcode=GRBL, second_tool=OTHER),
+            {"output.gcode.machine": "'Grbl'"},
+            "tools 1 and 7 are needed: write one for each",
+        ),
+        (
+            StubProduct(gcode=GRBL, tool=replace(TOOL, coolant="mist")),
+            {"tool.coolant": "'mist'"},
+            "tool.coolant = 'mist'",
+        ),
+        (
+            StubProduct(gcode=replace(GRBL, coolant="through")),
+            {"output.gcode.coolant": "'through'"},
+            '"off", "flood"',
+        ),
+        (
+            StubProduct(gcode=GcodeSpec("sinumerik", work_offset="G59", coolant="through")),
+            {"output.gcode.coolant": "'through'", "output.gcode.work_offset": "'G59'"},
+            "G59",
+        ),
+        (
+            StubProduct(gcode=GRBL, scale=1000.0),
+            {"output.gcode.machine": "'Grbl'"},
+            "numbers.largest is too small for the coordinate 3",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_a_machine_does_not_have_is_refused(
     product: StubProduct, faults: dict[str, str], message: str
 ) -> None:

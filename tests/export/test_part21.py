@@ -368,9 +368,14 @@ def test_units_of_the_si(prefix: str, size: float, name: str) -> None:
 
 @pytest.mark.parametrize(
     ("factors", "name"),
-    [((25.4,), "inch"), ((304.8,), "foot"), ((1e6,), "1e+06 mm"), ((1e-6,), "1e-06 mm"),
-     ((2.0, 2.0), "4 mm")],
-)  # fmt: skip
+    [
+        ((25.4,), "inch"),
+        ((304.8,), "foot"),
+        ((1e6,), "1e+06 mm"),
+        ((1e-6,), "1e-06 mm"),
+        ((2.0, 2.0), "4 mm"),
+    ],
+)
 def test_units_that_are_stated_by_others(factors: tuple[float, ...], name: str) -> None:
     assert solid_in(edited("circle and flat", by_factors(*factors))).unit_name == name
 
@@ -390,20 +395,27 @@ def by_factors(*factors: float) -> Callable[[Lines], None]:
     return edit
 
 
-@pytest.mark.parametrize(("factors", "message"), [
-    ((2.0, 2.0, 2.0), "stated by units more than 3 times"),
-    ((1.000001e6,), "SI_UNIT: is "), ((0.999999e-6,), "SI_UNIT: is "),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("factors", "message"),
+    [
+        ((2.0, 2.0, 2.0), "stated by units more than 3 times"),
+        ((1.000001e6,), "SI_UNIT: is "),
+        ((0.999999e-6,), "SI_UNIT: is "),
+    ],
+)
 def test_units_have_limits(factors: tuple[float, ...], message: str) -> None:
     """Two are stated by others, a third is not; none is beyond a kilometre or a nanometre."""
     with pytest.raises(FileError, match=message):
         solid_in(edited("circle and flat", by_factors(*factors)))
 
 
-@pytest.mark.parametrize("pattern", [
-    r"GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT\(\(#\d+\)\)",
-    r"(?<=CERTAINTY_ASSIGNED_CONTEXT\(\()#\d+",
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "pattern",
+    [
+        r"GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT\(\(#\d+\)\)",
+        r"(?<=CERTAINTY_ASSIGNED_CONTEXT\(\()#\d+",
+    ],
+)
 def test_without_an_uncertainty_none_is_told(pattern: str) -> None:
     data = re.sub(pattern, "", written("circle and flat")).encode()
     assert solid_in(data).uncertainty is None

@@ -542,8 +542,12 @@ def test_moved_vertices_of_a_solid(step: float) -> None:
     def moved(found: re.Match[str]) -> str:
         return f'{found[1]}="{float(found[2]) + chance.uniform(-step, step)!r}"'
 
-    data = repacked(package, lambda path, text: re.sub(r'\b([xyz])="([^"]+)"', moved, text)
-                    if path == MODEL_PATH else text)  # fmt: skip
+    data = repacked(
+        package,
+        lambda path, text: (
+            re.sub(r'\b([xyz])="([^"]+)"', moved, text) if path == MODEL_PATH else text
+        ),
+    )
     before = deviations(checked(THREEMF_VERIFIER, disc, package))
     checks = checked(THREEMF_VERIFIER, disc, data)
     assert all(check.ok is not False for check in checks.values())

@@ -230,8 +230,11 @@ def paired(rng: Random, values: dict[str, Any], radius: float) -> None:
 EDGES: Final = ["upper", "lower", "both"]
 
 HOLES: Final = {
-    "count": [1, 2, 3, 5, 7], "circle": (0.5, 1.9), "hole": (0.02, 0.2), "angle": [0, 17.5, -360],
-}  # fmt: skip
+    "count": [1, 2, 3, 5, 7],
+    "circle": (0.5, 1.9),
+    "hole": (0.02, 0.2),
+    "angle": [0, 17.5, -360],
+}
 
 DEEPER: Final = {"diameter": (0.05, 0.4), "depth": [0.5, 4, 9.99, 11]}
 
@@ -249,9 +252,12 @@ FEATURES: Final[dict[str, Any]] = {
 """What a part has beside its bore, see `filled`: often where there is room, at times where not."""
 
 TEXT: Final = {
-    "height": (0.02, 0.2), "depth": [0.1, 1], "radius": (0.3, 0.9), "angle": [0, 90, -123.4],
+    "height": (0.02, 0.2),
+    "depth": [0.1, 1],
+    "radius": (0.3, 0.9),
+    "angle": [0, 90, -123.4],
     "text": [None, "0", "Nr. 7", "Ø8 für Nocke", "façade", "ab\u51f8", "%_@"],
-}  # fmt: skip
+}
 
 WAYS: Final = [{}, {"tops": "inward"}, {"along": "straight"}, {"along": "straight", "turn": 30}]
 """In which a text may run."""

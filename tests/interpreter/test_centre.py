@@ -132,19 +132,36 @@ def ends(found: Run, radius: float) -> list[complex]:
     return [move.end for move in moves if move.kind != "rapid" and move.start != move.end]
 
 
-@pytest.mark.parametrize(("way", "radius", "expected", "arcs"), [
-    ("G1 X20 Y20\n", 2.0, [2j, 18 + 2j, 18 + 20j, 40 + 40j], []),
-    ("G1 X20 Y-20\n", 2.0, [2j, 20 + 2j, 22 + 0j, 22 - 20j, 40 + 40j], [(20 + 0j, -0.5 * math.pi)]),
-    ("G1 X20 Y20\n", -2.0, [-2j, 20 - 2j, 22 + 0j, 22 + 20j, 40 + 40j], [(20 + 0j, 0.5 * math.pi)]),
-], ids=["inner", "outer", "other side"])  # fmt: skip
+@pytest.mark.parametrize(
+    ("way", "radius", "expected", "arcs"),
+    [
+        ("G1 X20 Y20\n", 2.0, [2j, 18 + 2j, 18 + 20j, 40 + 40j], []),
+        (
+            "G1 X20 Y-20\n",
+            2.0,
+            [2j, 20 + 2j, 22 + 0j, 22 - 20j, 40 + 40j],
+            [(20 + 0j, -0.5 * math.pi)],
+        ),
+        (
+            "G1 X20 Y20\n",
+            -2.0,
+            [-2j, 20 - 2j, 22 + 0j, 22 + 20j, 40 + 40j],
+            [(20 + 0j, 0.5 * math.pi)],
+        ),
+    ],
+    ids=["inner", "outer", "other side"],
+)
 def test_an_inner_corner_is_cut_where_the_parallels_meet_and_an_outer_one_is_rounded(
     way: str, radius: float, expected: list[complex], arcs: list[tuple[complex, float]]
 ) -> None:
     """A negative offset is one on the other side."""
     found = of(EDGE.format(way))
     assert ends(found, radius) == pytest.approx(expected)
-    made = [(move.centre, move.sweep) for move in centres(found.moves, lambda _: radius)
-            if move.kind == "arc"]  # fmt: skip
+    made = [
+        (move.centre, move.sweep)
+        for move in centres(found.moves, lambda _: radius)
+        if move.kind == "arc"
+    ]
     assert made == [pytest.approx(each) for each in arcs]
 
 
@@ -210,11 +227,16 @@ def test_a_linter_takes_a_negative_offset_as_one_on_the_other_side(
     assert [each.rule for each in linted.findings if each.concerns == "form"] == rules
 
 
-@pytest.mark.parametrize(("machine", "old", "new", "oversize"), [
-    ("sinumerik", "OFFN=-3.0", "OFFN=-3.0", -3.0), ("sinumerik", "OFFN=-3.0", "OFFN=0", 0.0),
-    ("heidenhain", " DR-3.0", " DR-3.0", -3.0), ("heidenhain", " DR-3.0", "", 0.0),
-    ("heidenhain", " DR-3.0", " DL+1.0 DR+0.5", 0.5),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("machine", "old", "new", "oversize"),
+    [
+        ("sinumerik", "OFFN=-3.0", "OFFN=-3.0", -3.0),
+        ("sinumerik", "OFFN=-3.0", "OFFN=0", 0.0),
+        ("heidenhain", " DR-3.0", " DR-3.0", -3.0),
+        ("heidenhain", " DR-3.0", "", 0.0),
+        ("heidenhain", " DR-3.0", " DL+1.0 DR+0.5", 0.5),
+    ],
+)
 def test_what_programs_add_to_the_table_is_read(
     machine: str, old: str, new: str, oversize: float
 ) -> None:

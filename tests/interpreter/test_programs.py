@@ -649,12 +649,15 @@ def test_a_path_that_the_control_computes_has_no_nominal_radius() -> None:
     assert "DR-5" not in program("control", "heidenhain").replace("DR- ", "")
 
 
-@pytest.mark.parametrize(("mode", "machine", "said"), [
-    ("wear", "linuxcnc", "D4 holds twice the wear alone, 0 for a new cutter"),
-    ("wear", "fanuc", "D4 HOLDS THE WEAR ALONE"),
-    ("wear", "sinumerik", "tool 4 holds the radius that is measured, 5 mm nominally"),
-    ("control", "linuxcnc", "offset 4 holds the diameter that is measured, 10 mm"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("mode", "machine", "said"),
+    [
+        ("wear", "linuxcnc", "D4 holds twice the wear alone, 0 for a new cutter"),
+        ("wear", "fanuc", "D4 HOLDS THE WEAR ALONE"),
+        ("wear", "sinumerik", "tool 4 holds the radius that is measured, 5 mm nominally"),
+        ("control", "linuxcnc", "offset 4 holds the diameter that is measured, 10 mm"),
+    ],
+)
 def test_the_operator_is_told_what_the_offset_holds(mode: str, machine: str, said: str) -> None:
     notes = " ".join(run(program(mode, machine), load(machine)).comments)
     told = re.findall(r"(?i)(compensation (?:wear|control):.*?either way)", notes)

@@ -189,9 +189,14 @@ def test_bore_must_fit(bore: float, keyway: Keyway | None, fits: bool) -> None:
 
 
 @pytest.mark.parametrize("contact", ["outer", "groove"])
-@pytest.mark.parametrize(("rim", "message"), [
-    (125.9, "more than 126"), (100.0, "more than 126"), (None, "needs the diameter of its rim"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("rim", "message"),
+    [
+        (125.9, "more than 126"),
+        (100.0, "more than 126"),
+        (None, "needs the diameter of its rim"),
+    ],
+)
 def test_rim_must_be_outside(contact: Contact, rim: float | None, message: str) -> None:
     spec = PartSpec(thickness=10.0, rim=126.5, groove_depth=4.0)
     made(contact, spec)

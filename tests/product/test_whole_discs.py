@@ -406,23 +406,35 @@ def test_rollers_beside_each_other_need_more_room() -> None:
 
 
 WALLED = {
-    "part.bore": 22, "part.keyway": None, "print.nozzle": 0.24,
+    "part.bore": 22,
+    "part.keyway": None,
+    "print.nozzle": 0.24,
     "part.bolt_circle": {"count": 1, "circle": 42, "hole": 19.0, "angle": 200},
-}  # fmt: skip
+}
 """The wall is thinned on its side of the bore by half of the diametral clearance."""
 
 
-@pytest.mark.parametrize(("values", "severities"), [
-    ({}, {}),
-    ({"print.bore_clearance": 0.2}, {}),
-    ({"part.mark": {"radius": 20, "width": 0.3, "depth": 0.5, "length": 4}, "print.nozzle": 0.4},
-     {"print-wall": "ok", "print-radius": "ok", "print-stroke": "warning"}),
-    (WALLED, {"print-wall": "ok", "print-radius": "ok"}),
-    ({**WALLED, "print.bore_clearance": 0.06}, {"print-wall": "warning", "print-radius": "ok"}),
-    ({"print.nozzle": 0.4, "print.bore_clearance": 60}, {COMPENSATED: "broken"}),
-    ({"print.nozzle": 0.4, "print.elephant_foot": {"inset": 50, "height": 1}},
-     {COMPENSATED: "broken"}),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("values", "severities"),
+    [
+        ({}, {}),
+        ({"print.bore_clearance": 0.2}, {}),
+        (
+            {
+                "part.mark": {"radius": 20, "width": 0.3, "depth": 0.5, "length": 4},
+                "print.nozzle": 0.4,
+            },
+            {"print-wall": "ok", "print-radius": "ok", "print-stroke": "warning"},
+        ),
+        (WALLED, {"print-wall": "ok", "print-radius": "ok"}),
+        ({**WALLED, "print.bore_clearance": 0.06}, {"print-wall": "warning", "print-radius": "ok"}),
+        ({"print.nozzle": 0.4, "print.bore_clearance": 60}, {COMPENSATED: "broken"}),
+        (
+            {"print.nozzle": 0.4, "print.elephant_foot": {"inset": 50, "height": 1}},
+            {COMPENSATED: "broken"},
+        ),
+    ],
+)
 def test_what_a_printer_cannot_make_is_found(
     values: dict[str, Any], severities: dict[str, str]
 ) -> None:

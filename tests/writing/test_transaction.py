@@ -65,13 +65,16 @@ def refusal(folder: Path, files: dict[str, bytes] = FILES, *, force: bool = True
     return str(caught.value)
 
 
-@pytest.mark.parametrize(("before", "force", "message"), [
-    ({}, False, ""),
-    (FILES, False, ""),
-    ({"notes.txt": b"mine"}, False, ""),
-    ({"b.ngc": b"old b"}, False, "b.ngc would be overwritten; allow it with --force"),
-    ({"b.ngc": b"old b"}, True, ""),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("before", "force", "message"),
+    [
+        ({}, False, ""),
+        (FILES, False, ""),
+        ({"notes.txt": b"mine"}, False, ""),
+        ({"b.ngc": b"old b"}, False, "b.ngc would be overwritten; allow it with --force"),
+        ({"b.ngc": b"old b"}, True, ""),
+    ],
+)
 def test_a_set_is_written_beside_what_is_there(
     before: dict[str, bytes], force: bool, message: str, tmp_path: Path
 ) -> None:
