@@ -45,7 +45,7 @@ from camgeo_export.interpreter.run import Run, run
 from camgeo_export.verify.gcode import VERIFIER
 from tests.export.stub_product import SECOND_TOOL, TOOL, StubProduct
 from tests.export.verified import TOLERANCE, faults, read_back
-from tests.interpreter.results import weighted
+from tests.interpreter.programs import weighted
 from tests.kept import compare_documents
 from tests.toolpath import programs
 from tests.toolpath.test_features import ROUND_BLANK, STATED

@@ -26,7 +26,7 @@ from camgeo_export.interpreter.run import Run, run
 from camgeo_export.verify.gcode import VERIFIER
 from tests.answers.documents import RING, UNHELD, document
 from tests.interpreter.programs import GOOD
-from tests.interpreter.results import document as results_of
+from tests.interpreter.programs import document as results_of
 from tests.kept import compare_documents
 
 CLEARANCE = 5.0

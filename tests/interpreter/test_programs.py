@@ -32,7 +32,7 @@ from camgeo_export.interpreter.moves import CutterMove
 from camgeo_export.interpreter.run import Run, run
 from camgeo_export.verify.gcode import VERIFIER, bench_of
 from tests.export.stub_product import TOOL, StubProduct
-from tests.interpreter.stated import (
+from tests.interpreter.programs import (
     CAM,
     SCREWED,
     SKINNED,

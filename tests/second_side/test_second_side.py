@@ -33,7 +33,7 @@ from camgeo_export.interpreter.run import run
 from camgeo_export.verify.gcode import bench_of
 from tests.answers.documents import validator
 from tests.draws.jobs import read
-from tests.interpreter.stated import failing
+from tests.interpreter.programs import failing
 from tests.second_side.scenes import FACED, FROM_BELOW, HALVES, TOLERANCE, design, scene, second
 
 # Programs -----------------------------------------------------------------------------------------
