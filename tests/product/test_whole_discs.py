@@ -85,6 +85,7 @@ def test_the_part_is_weighed_in_the_units_of_the_scene(scene: str) -> None:
     assert found.diameter == 2.0 * disc.drawn.part.outermost.farthest()[0]
     both = told.get("mass-of-both-discs")
     assert (both is not None) == (scene == "conjugate_carriage")
+    assert not any(both in findings_on(other) for other in disc.others)
     if both is not None:
         mine, other = (solid(each.drawn.part) for each in (disc, disc.others[0]))
         assert both.value == pytest.approx(weight * (mine.volume + other.volume), rel=1e-12)
