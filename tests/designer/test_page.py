@@ -16,7 +16,8 @@ from camgeo.app.designing.children import Job, Refused
 from camgeo.scene.toml import template
 from tests.designer.served import Served, computing, served
 from tests.judges import axe
-from tests.judges.chromium import CHROMIUM, SLOW, launched
+from tests.judges.browsing import LONGEST, driven
+from tests.judges.chromium import CHROMIUM, SLOW
 from tests.waiting import PATIENCE
 
 pytest.importorskip("playwright", reason="needs playwright: pip install playwright")
@@ -62,7 +63,7 @@ HIDDEN: Final = """() => new Promise((done) => setTimeout(() => {
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    with launched("--enable-unsafe-swiftshader") as program:
+    with driven(LONGEST) as program:
         yield program
 
 

@@ -31,8 +31,7 @@ from camgeo.app.designing.faults import verdict_of
 from camgeo.app.designing.work import run
 from tests.draws.run import Case, parser_of, run_cases
 from tests.judges.browsing import driven
-from tests.judges.designer_page import serving, shown
-from tests.judges.designer_scenes import workshop
+from tests.judges.chromium_designer import serving, shown, workshop
 
 CODES: Final = {"ok": 0, "warning": 0, "broken": 1, "no-disc": 1, "invalid": 2}
 """Exit codes of `camgeo check` by the severity of the header; any other is no verdict."""

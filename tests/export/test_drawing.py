@@ -183,8 +183,10 @@ def check(mark: Mark, entity: Any, there: Placed, size: float, paper: float) -> 
     else:
         assert (kind, dxf.layer, dxf.dimstyle) == ("DIMENSION", "DIMENSION", "CAMGEO")
         told = entity.override()
-        assert told.get("dimdec") == mark.decimals
-        assert told.get("dimpost") == f"{mark.prefix}<>{mark.suffix}"
+        assert (told.get("dimdec"), told.get("dimpost")) == (
+            mark.decimals,
+            f"{mark.prefix}<>{mark.suffix}",
+        )
         check_dimension(mark, entity, there)
 
 
@@ -305,8 +307,9 @@ def test_dimensions_state_what_they_measure(name: str) -> None:
         style = dimension.override()
         assert style.get("dimlfac") == 1.0
         length = dimension.get_measurement()
-        assert length == pytest.approx(mark.measure / MM_PER[sheet.unit], rel=1e-12)
-        assert dimension.dxf.actual_measurement == pytest.approx(length, rel=1e-12)
+        assert (length, dimension.dxf.actual_measurement) == pytest.approx(
+            (mark.measure / MM_PER[sheet.unit], length), rel=1e-12
+        )
         assert isinstance(mark, Distance)
         text = number_of(mark, sheet.unit).replace("%%c", "Ø")
         assert printed(dimension) == (text.replace(".", ",") if sheet.comma else text)
@@ -330,8 +333,7 @@ def test_all_is_on_the_paper(name: str) -> None:
     sheet, _, drawing = drawn(name)
     unit = sheet.scale * MM_PER[sheet.unit]
     box = extents(drawing.modelspace())
-    assert box.size.x * unit == pytest.approx(sheet.width)
-    assert box.size.y * unit == pytest.approx(sheet.height)
+    assert (box.size.x * unit, box.size.y * unit) == pytest.approx((sheet.width, sheet.height))
     frame = extents(drawing.modelspace().query('*[layer=="FRAME"]'))
     for entity in drawing.modelspace():
         if entity.dxf.layer != "GRID":
@@ -437,9 +439,11 @@ def test_lines_have_the_widths_of_one_group() -> None:
     are finer than all else.
     """
     widths = {layer: width for layer, (_, _, width) in LAYERS.items()}
-    assert widths.pop("FRAME") == 70
-    assert widths.pop("ENGRAVING") == 18
-    assert set(widths.values()) == {25, 50}
+    assert (widths.pop("FRAME"), widths.pop("ENGRAVING"), set(widths.values())) == (
+        70,
+        18,
+        {25, 50},
+    )
     wide = {layer for layer, width in widths.items() if width == 50}
     assert wide == {"OUTLINE", "SECTION", "EDGES", "DIAGRAM"}
 
@@ -707,19 +711,21 @@ def test_a_pdf_has_its_objects_where_its_table_says(name: str) -> None:
     assert len(data) < 120_000
     assert b"Date" not in data
     assert data.startswith(b"%PDF-1.4\n%")
+    objects = (
+        b"/Type /Catalog /Pages 2 0 R",
+        b"/Type /Pages /Kids [ 4 0 R ] /Count 1",
+        b"/Type /Page /Parent 2 0 R",
+        b"/Contents 5 0 R",
+        b"<< /Size 6 /Root 1 0 R /Info 3 0 R >>",
+    )
+    assert [each for each in objects if each not in data] == []
     start = int(data[data.rindex(b"startxref\n") + 10 :].split()[0])
     table = data[start:].decode("ascii")
     assert table.startswith("xref\n0 6\n0000000000 65535 f \n")
     places = [int(each) for each in re.findall(r"(\d{10}) 00000 n \n", table)]
-    assert len(places) == 5
-    for number, place in enumerate(places, start=1):
-        assert data[place:].startswith(f"{number} 0 obj\n<<".encode())
-    assert "<< /Size 6 /Root 1 0 R /Info 3 0 R >>" in table
+    begun = [data[place : place + 10] for place in places]
+    assert begun == [f"{number} 0 obj\n<<".encode() for number in range(1, 6)]
     assert table.endswith("%%EOF\n")
-    assert b"/Type /Catalog /Pages 2 0 R" in data
-    assert b"/Type /Pages /Kids [ 4 0 R ] /Count 1" in data
-    assert b"/Type /Page /Parent 2 0 R" in data
-    assert b"/Contents 5 0 R" in data
     size = re.search(rb"/MediaBox \[ 0 0 ([\d.]+) ([\d.]+) \]", data)
     assert size is not None
     paper = [float(each) * 25.4 / 72.0 for each in size.groups()]

@@ -1,11 +1,13 @@
-"""DXF: what is written is what is read back, within the tolerance, in the right unit."""
+"""DXF and SVG at true size: what is written is what is read back, within the tolerance."""
 
 from __future__ import annotations
 
 import io
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import ezdxf
 import numpy as np
@@ -15,6 +17,8 @@ from ezdxf.filemanagement import read as parsed
 from ezdxf.path import make_path
 
 import camgeo
+from camgeo.app.answers.verify import Against, Wanted, verify_files
+from camgeo.design.verify import Reading
 from camgeo.errors import FileError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.cubic_proof import spline_deviation
@@ -27,11 +31,16 @@ from camgeo.scene.formats.dxf import DxfSpec
 from camgeo.units import MM_PER, LengthUnit
 from camgeo_export.dxf.reader import READER, drawing_of
 from camgeo_export.dxf.writer import WRITER
+from camgeo_export.svg import WRITER as SVG_WRITER
+from camgeo_export.svg import drawing_of as svg_drawing_of
+from camgeo_export.verify.svg import VERIFIER as SVG_VERIFIER
 from tests.contour.cams import flank
+from tests.effects.scenes import SCENES
 from tests.export.stub_product import CircleBoundary, StubProduct
-from tests.export.verified import read_back
+from tests.export.test_drawing import svg_runs
+from tests.export.verified import TOLERANCE, checked, faults, read_back
 
-SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
+FIXTURE_SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
 PRODUCTS = {
     "disc": StubProduct(),
@@ -174,7 +183,7 @@ def check_view(document: Drawing, box: FloatArray, slack: float) -> None:
 @pytest.mark.parametrize("entity", ["arcs", "spline"])
 def test_the_view_of_a_real_disc(entity: str) -> None:
     """Curves that reach their extremes inside a piece, compared with points on all of them."""
-    scene = SCENES / "setzhub.toml"
+    scene = FIXTURE_SCENES / "setzhub.toml"
     text = f'{scene.read_text("utf-8")}\n[output.dxf]\nentity = "{entity}"\nauxiliary = false\n'
     document = opened(WRITER.write(camgeo.loads(text).disc, 0.01).data)
     courses = [make_path(each) for each in document.modelspace()]
@@ -228,7 +237,7 @@ def test_a_missing_boundary_is_refused() -> None:
 # Splines ------------------------------------------------------------------------------------------
 
 
-TOLERANCE = 1e-3
+FINE = 1e-3
 
 
 FLANK = whole(flank("plate_translating", -1))
@@ -258,7 +267,7 @@ def test_splines_are_read_back(product: StubProduct, tolerance: float) -> None:
 
 @splines
 def test_ezdxf_reads_the_same_curves(product: StubProduct) -> None:
-    data = WRITER.write(product, TOLERANCE).data
+    data = WRITER.write(product, FINE).data
     entities = opened(data).modelspace().query("SPLINE")
     ours = next(
         curve for curve in drawing_of(data).contours("CUT") if isinstance(curve, SplineContour)
@@ -275,8 +284,8 @@ def test_ezdxf_reads_the_same_curves(product: StubProduct) -> None:
 
 
 def test_facts_state_what_is_drawn() -> None:
-    written = WRITER.write(FLANKED, TOLERANCE)
-    outline = FLANKED.part.boundaries[0].spline(WRITTEN_SHARE * TOLERANCE).contour
+    written = WRITER.write(FLANKED, FINE)
+    outline = FLANKED.part.boundaries[0].spline(WRITTEN_SHARE * FINE).contour
     assert written.facts == {
         "boundaries": 2,
         "splines": 5,
@@ -290,12 +299,12 @@ def test_facts_state_what_is_drawn() -> None:
 
 
 def test_the_foreign_reader_takes_our_drawings() -> None:
-    data = WRITER.write(FLANKED, TOLERANCE).data
+    data = WRITER.write(FLANKED, FINE).data
     outline, bore = drawing_of(data).contours(None)
     assert isinstance(outline, SplineContour)
     assert isinstance(bore, Contour)
-    assert spline_deviation(FLANK, outline) <= TOLERANCE
-    assert math.sqrt(bore.area / math.pi) == pytest.approx(10.0, abs=TOLERANCE)
+    assert spline_deviation(FLANK, outline) <= FINE
+    assert math.sqrt(bore.area / math.pi) == pytest.approx(10.0, abs=FINE)
     found = READER.read(data, "a.dxf", layer=None, unit=None, gap=1e-9)
     same, _ = found.contours
     assert isinstance(same, SplineContour)
@@ -332,14 +341,14 @@ def test_a_moved_control_point_or_knot_is_measured(code: bytes, which: int) -> N
     ("kind", "code", "which"), [(b"SPLINE", b"10", 0), (b"ARC", b"40", 0), (b"ARC", b"51", 0)]
 )
 def test_ends_that_do_not_meet_are_refused(kind: bytes, code: bytes, which: int) -> None:
-    data = WRITER.write(FLANKED, TOLERANCE).data
+    data = WRITER.write(FLANKED, FINE).data
     with pytest.raises(FileError, match="has a loose end at"):
         WRITER.measure(FLANKED, _changed(data, kind, code, which, 1e-6))
 
 
 @pytest.mark.parametrize("kind", [b"SPLINE", b"ARC"])
 def test_a_missing_strand_is_refused(kind: bytes) -> None:
-    before, _, after = around(WRITER.write(FLANKED, TOLERANCE).data, kind)
+    before, _, after = around(WRITER.write(FLANKED, FINE).data, kind)
     with pytest.raises(FileError, match="has a loose end at"):
         WRITER.measure(FLANKED, before + after)
 
@@ -354,11 +363,189 @@ def test_a_missing_strand_is_refused(kind: bytes) -> None:
     ],
 )
 def test_a_broken_spline_is_refused(old: bytes, new: bytes, message: str) -> None:
-    before, entity, after = around(WRITER.write(FLANKED, TOLERANCE).data, b"SPLINE")
+    before, entity, after = around(WRITER.write(FLANKED, FINE).data, b"SPLINE")
     assert old in entity
     broken = before + entity.replace(old, new) + after
     if not message:  # a count that is not stated is no fault
-        assert WRITER.measure(FLANKED, broken) <= TOLERANCE
+        assert WRITER.measure(FLANKED, broken) <= FINE
         return
     with pytest.raises(FileError, match=message):
         WRITER.measure(FLANKED, broken)
+
+
+# SVG at true size: what is written is the part, also by the arithmetic of the standard ------------
+
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+SVG_PRODUCTS = {
+    "disc": StubProduct(),
+    "inch": StubProduct(unit="inch"),
+    "groove": StubProduct(groove=True),
+    "large": StubProduct(scale=1e4),
+    "polyline": StubProduct(dxf=DxfSpec("polyline")),
+}
+
+products = pytest.mark.parametrize("product", SVG_PRODUCTS.values(), ids=SVG_PRODUCTS)
+
+
+@products
+def test_by_the_standard_the_paths_are_the_boundaries_at_true_size(product: StubProduct) -> None:
+    root = ET.fromstring(SVG_WRITER.write(product, TOLERANCE).data)
+    box = [float(each) for each in root.get("viewBox", "").split()]
+    assert (root.get("width"), root.get("height")) == (f"{box[2]:.0f}mm", f"{box[3]:.0f}mm")
+    groups = {each.get("id"): each for each in root.findall(f"{SVG}g")}
+    assert list(groups) == (["CUT", "BLIND_3"] if product.groove else ["CUT"])
+    for boundary in product.part.boundaries:
+        assert isinstance(boundary, CircleBoundary)
+        near = []
+        for path in root.iter(f"{SVG}path"):
+            ((ends, along),) = svg_runs(path.get("d", ""), complex.conjugate)  # y upward
+            assert ends[-1] == ends[0]
+            points = np.array([*ends, *along])
+            assert np.all(abs(points.real) < -box[0])
+            assert np.all(abs(points.imag) < -box[1])
+            near.append(np.max(abs(abs(points - boundary.centre) - boundary.radius)))
+        assert min(near) <= TOLERANCE
+
+
+def test_lines_are_hairlines_without_fill() -> None:
+    root = ET.fromstring(SVG_WRITER.write(StubProduct(groove=True), TOLERANCE).data)
+    keys = ("fill", "stroke-width", "stroke")
+    drawn = [tuple(map(each.get, keys)) for each in root.findall(f"{SVG}g")]
+    assert drawn == [("none", "0.01", "#ff0000"), ("none", "0.01", "#0000ff")]
+
+
+def test_the_edges_of_a_real_groove_pass_verification() -> None:
+    product = camgeo.load(SCENES / "groove.toml").with_output({"fit": "fast"}).disc
+    data = SVG_WRITER.write(product, TOLERANCE).data
+    assert faults(SVG_VERIFIER, product, data) == []
+    moved = data.replace(b'id="BLIND_10"', b'id="CUT"')
+    assert [each.name for each in faults(SVG_VERIFIER, product, moved)] == ["written again"]
+    larger = data.replace(b'width="222mm"', b'width="223mm"').replace(b'"222mm"', b'"223mm"')
+    assert {each.name for each in faults(SVG_VERIFIER, product, larger)} > {"written again", "area"}
+    foreign = re.sub(rb"<desc>.*</desc>", b"", larger.replace(b"223mm", b"222mm"))
+    read = checked(SVG_VERIFIER, product, foreign, Reading("groove.cut.svg"))
+    assert all(each.ok is not False for each in read.values())
+
+
+@pytest.mark.parametrize(
+    ("pattern", "new", "check"),
+    [
+        (r"(?s)<g .*</g>", "", "file"),
+        (r"A(\d+)", r"A1\1", "file"),
+        (r" 0 0 0 ", " 0 0 1 ", "deviation"),
+        (r"<path [^>]*>", "", "contours"),
+        (r"M(-?\d+)", r"M1\1", "deviation"),
+    ],
+)
+def test_what_is_damaged_is_measured(pattern: str, new: str, check: str) -> None:
+    text = SVG_WRITER.write(SVG_PRODUCTS["disc"], TOLERANCE).data.decode()
+    changed, count = re.subn(pattern, new, text, count=1)
+    assert count
+    checks = checked(SVG_VERIFIER, SVG_PRODUCTS["disc"], changed.encode(), Reading("a.cut.svg"))
+    assert check in {name for (name, _), each in checks.items() if each.ok is False}
+
+
+def test_files_are_known_by_the_whole_ending(tmp_path: Path) -> None:
+    """The return disc of a pair too; a picture next to them is judged by its bytes alone."""
+    design = camgeo.load(SCENES / "conjugate_lever.toml")
+    written = design.write(tmp_path, ["cut-svg", "svg"], tolerance=TOLERANCE)
+    against = Against(design.discs, TOLERANCE)
+    verdicts = verify_files(written.paths[:-1], lambda *_: against, Wanted())
+    assert [each.file for each in verdicts] == [
+        "conjugate_lever.cut.svg",
+        "conjugate_lever.svg",
+        "conjugate_lever-return.cut.svg",
+        "conjugate_lever-return.svg",
+    ]
+    assert all(each.passed for each in verdicts)
+    assert [each.format for each in verdicts] == ["cut-svg", "svg", "cut-svg", "svg"]
+    assert [each.measured for each in verdicts] == [True, False, True, False]
+    assert verdicts[2].scene[0] == "conjugate_lever-return"
+
+
+def drawn(body: str, head: str = 'width="100mm" height="100mm" viewBox="0 0 100 100"') -> bytes:
+    return f'<svg xmlns="http://www.w3.org/2000/svg" {head}>{body}</svg>'.encode()
+
+
+@pytest.mark.parametrize("body", [
+    '<path d="M0 0H10V20h-10z"/>', '<path d="m0,0 10,0 0,20 -10,0 0-20"/>',
+    '<polygon points="0,0 10,0 10,20 0,20"/>', '<g><path d="M0 0L10 0L10 20L0 20L0 0"/></g>',
+    '<path d="M 0 0 L 1e1 0 10 20 .0 20 Z"/>',
+])  # fmt: skip
+def test_rectangles(body: str) -> None:
+    (contour,) = svg_drawing_of(drawn(body)).contours
+    assert contour.area == 200.0
+    assert set(contour.vertices.tolist()) == {0j, 10 + 0j, 10 - 20j, -20j}
+
+
+@pytest.mark.parametrize(("side", "mm"), [
+    ("100mm", 1.0), ("10cm", 1.0), ("1in", 0.254), ("72pt", 0.254), ("96px", 0.254), ("96", 0.254),
+])  # fmt: skip
+def test_units_of_the_size(side: str, mm: float) -> None:
+    head = f'width="{side}" height="{side}" viewBox="0 0 100 100"'
+    found = svg_drawing_of(drawn('<circle cx="5" cy="7" r="3"/>', head))
+    assert found.scale == pytest.approx(mm, rel=1e-15)
+    (circle,) = found.contours
+    assert (circle.area, circle.centres[0]) == pytest.approx(
+        (math.pi * (3.0 * mm) ** 2, (5.0 - 7.0j) * mm), rel=1e-14
+    )
+
+
+@pytest.mark.parametrize(("large", "positive", "area"), [
+    (0, 1, 0.25 * math.pi - 0.5), (0, 0, 0.25 * math.pi - 0.5),
+    (1, 0, 0.75 * math.pi + 0.5), (1, 1, 0.75 * math.pi + 0.5),
+])  # fmt: skip
+def test_flags_of_an_arc(large: int, positive: int, area: float) -> None:
+    """A quarter of a circle or the rest of it, on its chord."""
+    data = drawn(f'<path d="M1 0A1 1 30 {large} {positive} 0 1Z"/>')
+    assert svg_drawing_of(data).contours[0].area == pytest.approx(area, rel=1e-14)
+
+
+@pytest.mark.parametrize(("body", "message"), [
+    ('<path d="M0 0C1 1 2 2 3 0Z"/>', "C in a path is not read"),
+    ('<path d="M0 0L9 9"/>', "not closed"),
+    ('<path d="M0 0L9 9Z" transform="scale(2)"/>', "transformation"),
+    ('<g style="transform:rotate(3deg)"><circle r="1"/></g>', "transformation"),
+    ('<path d="M0 0A1 2 0 0 0 1 1Z"/>', "ellipse"),
+    ('<path d="M0 0A1 1 0 0 2 1 1Z"/>', "flags"),
+    ('<path d="M0 0L5"/>', "needs 2 numbers"),
+    ('<path d="L5 5Z"/>', "not read"),
+    ('<path d="M0 0L1e999 0 5 5Z"/>', "not a number"),
+    ('<path d="M0 0 # 5 5Z"/>', "cannot be read at ' # 5"),
+    ('<ellipse rx="1" ry="2"/>', "ellipse is not read"),
+    ('<image href="file:///etc/passwd"/>', "image is not read"),
+    ('<use href="#a"/>', "use is not read"),
+    ("<text>CUT</text>", "text is not read"),
+    ('<circle r="0"/>', "radius above 0"),
+    ("", "no contour found"),
+    ('viewBox="0 0 10 10"', "states no width"),
+    ('width="10mm" height="20mm" viewBox="0 0 10 10"', "scale x and y differently"),
+    ('width="10mm" height="10mm" viewBox="0 0 10 0"', "viewBox"),
+    ('width="100%" height="100%" viewBox="0 0 10 10"', "states no width"),
+])  # fmt: skip
+def test_what_has_no_exact_form_or_no_size_is_refused(body: str, message: str) -> None:
+    data = drawn(body) if body[:1] in ("<", "") else drawn('<circle r="1"/>', body)
+    with pytest.raises(FileError, match=re.escape(message)):
+        svg_drawing_of(data)
+
+
+@pytest.mark.parametrize(("data", "message"), [
+    (b'<!DOCTYPE svg [<!ENTITY a "aaa">]><svg/>', "document type"),
+    (b"<html/>", "its root is html"),
+    (b"<svg", "not XML"),
+    (b'<?xml version="1.0" encoding="UTF-16"?><svg/>', "UTF-8"),
+    (b"\xff\xfe<\0s\0v\0g\0", "UTF-8"),
+])  # fmt: skip
+def test_what_may_not_be_parsed_is_refused(data: bytes, message: str) -> None:
+    with pytest.raises(FileError, match=message):
+        svg_drawing_of(data)
+    assert message in SVG_VERIFIER.origin(data).damage or message.startswith(("its", "not"))
+
+
+@pytest.mark.parametrize("unit", ["mm", "inch"])
+def test_the_drawing_is_in_mm_whatever_the_unit(unit: LengthUnit) -> None:
+    data = SVG_WRITER.write(StubProduct(unit=unit), TOLERANCE).data
+    assert svg_drawing_of(data).scale == 1.0
+    assert data == SVG_WRITER.write(StubProduct(), TOLERANCE).data

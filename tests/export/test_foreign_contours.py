@@ -39,6 +39,27 @@ GAP = 1e-3
 
 Draw = Callable[[Modelspace], object]
 
+Way = Callable[[BaseLayout], object]
+
+
+def add(entity: str, *given: Any, **options: Any) -> Way:
+    """An entity, by the method of ezdxf that adds it."""
+    return lambda space: getattr(space, f"add_{entity}")(*given, **options)
+
+
+def together(*ways: Way) -> Way:
+    """One after the other."""
+    return lambda space: [way(space) for way in ways]
+
+
+def block(name: str, *ways: Way, **options: Any) -> Way:
+    """What is drawn as a block, which is not inserted."""
+    return lambda space: together(*ways)(space.doc.blocks.new(name, **options))
+
+
+def insert(name: str, place: tuple[float, float], **options: Any) -> Way:
+    return add("blockref", name, place, options)
+
 
 def drawn(draw: Draw, version: str = "R2010", units: int = 4) -> bytes:
     """A drawing as another program writes it."""
@@ -62,52 +83,36 @@ HALF, RADIUS, BORE = 10.0, 5.0, 2.0
 AREA = 4.0 * HALF * RADIUS + math.pi * RADIUS**2
 
 
+RIGHT = add("arc", (HALF, 0.0), RADIUS, -90.0, 90.0)
+LEFT = add("arc", (-HALF, 0.0), RADIUS, 90.0, 270.0)
+TOP = add("line", (HALF, RADIUS), (-HALF, RADIUS))
+BOTTOM = add("line", (HALF, -RADIUS), (-HALF, -RADIUS))
+HOLE = add("circle", (0.0, 0.0), BORE)
+STADIUM = together(BOTTOM, RIGHT, LEFT, TOP)
+PLATE = together(STADIUM, HOLE)
+
+
 def from_stadium(z: ComplexArray) -> FloatArray:
     """Signed distances [mm]."""
     return np.abs(z - np.clip(z.real, -HALF, HALF)) - RADIUS
 
 
-def right(space: BaseLayout, **attributes: object) -> None:
-    space.add_arc((HALF, 0.0), RADIUS, -90.0, 90.0, dxfattribs=attributes)
-
-
-def left(space: BaseLayout, **attributes: object) -> None:
-    space.add_arc((-HALF, 0.0), RADIUS, 90.0, 270.0, dxfattribs=attributes)
-
-
-def top(space: BaseLayout, **attributes: object) -> None:
-    space.add_line((HALF, RADIUS), (-HALF, RADIUS), dxfattribs=attributes)
-
-
-def bottom(space: BaseLayout, **attributes: object) -> None:
-    space.add_line((HALF, -RADIUS), (-HALF, -RADIUS), dxfattribs=attributes)
-
-
-def bore(space: BaseLayout, **attributes: object) -> None:
-    space.add_circle((0.0, 0.0), BORE, dxfattribs=attributes)
-
-
-def stadium(space: BaseLayout, **attributes: object) -> None:
-    for each in (bottom, right, left, top):
-        each(space, **attributes)
-
-
 @pytest.mark.parametrize(("units", "scale"), [(1, 25.4), (4, 1.0), (5, 10.0), (6, 1000.0)])
 def test_units(units: int, scale: float) -> None:
-    (contour,) = read_dxf(drawn(stadium, units=units))
+    (contour,) = read_dxf(drawn(STADIUM, units=units))
     assert contour.area == pytest.approx(AREA * scale**2, rel=1e-12)
 
 
 def test_the_unit_must_be_known_and_agree() -> None:
-    silent = drawn(stadium, units=0)
+    silent = drawn(STADIUM, units=0)
     with pytest.raises(FileError, match=r"a.dxf: does not state its unit .* give mm or inch"):
         read_dxf(silent)
     (contour,) = read_dxf(silent, unit="inch")
     assert contour.area == pytest.approx(AREA * 25.4**2, rel=1e-12)
     with pytest.raises(FileError, match="which is not inch"):
-        read_dxf(drawn(stadium, units=4), unit="inch")
+        read_dxf(drawn(STADIUM, units=4), unit="inch")
     with pytest.raises(FileError, match=r"INSUNITS is 13; supported: inch"):
-        read_dxf(drawn(stadium, units=13))
+        read_dxf(drawn(STADIUM, units=13))
 
 
 BULGED = [(10.0, 0.0, 0.0), (10.0, 10.0, 1.0), (0.0, 10.0, 0.0), (0.0, 0.0, -0.5)]
@@ -120,33 +125,26 @@ def bulged_area() -> float:
     return 100.0 + 0.5 * math.pi * 25.0 - 0.5 * radius**2 * (sweep - math.sin(sweep))
 
 
-@pytest.mark.parametrize("kind", ["lwpolyline", "polyline"])
+@pytest.mark.parametrize("kind", ["lwpolyline", "polyline2d"])
 @pytest.mark.parametrize("closed", [True, False])
 def test_polylines_with_bulges(kind: str, closed: bool) -> None:
     points = BULGED if closed else [*BULGED, (10.0, 0.0, 0.0)]
-
-    def draw(space: Modelspace) -> None:
-        if kind == "lwpolyline":
-            space.add_lwpolyline(points, format="xyb", close=closed)
-        else:
-            space.add_polyline2d(points, format="xyb", close=closed)
-
-    (contour,) = read_dxf(drawn(draw))
+    (contour,) = read_dxf(drawn(add(kind, points, format="xyb", close=closed)))
     assert contour.area == pytest.approx(bulged_area(), rel=1e-12)
     assert len(contour) == 4
 
 
 def test_the_largest_first_and_layers() -> None:
-    def draw(space: Modelspace) -> None:
-        space.add_circle((0.0, 0.0), 3.0)
-        space.add_circle((1.0, 0.0), 9.0, dxfattribs={"layer": "FRAME"})
-        space.add_circle((0.0, 0.0), 5.0, dxfattribs={"layer": "FRAME"})
-
-    everything = read_dxf(drawn(draw))
-    assert [round(math.sqrt(each.area / math.pi), 9) for each in everything] == [9.0, 5.0, 3.0]
-    assert len(read_dxf(drawn(draw), layer="FRAME")) == 2
+    frame = [
+        add("circle", (x, 0.0), size, dxfattribs={"layer": "FRAME"})
+        for x, size in ((1.0, 9.0), (0.0, 5.0))
+    ]
+    data = drawn(together(add("circle", (0.0, 0.0), 3.0), *frame))
+    sizes = [round(math.sqrt(each.area / math.pi), 9) for each in read_dxf(data)]
+    assert sizes == [9.0, 5.0, 3.0]
+    assert len(read_dxf(data, layer="FRAME")) == 2
     with pytest.raises(FileError, match=r"has no layer 'CUTS'; there are 0, FRAME"):
-        read_dxf(drawn(draw), layer="CUTS")
+        read_dxf(data, layer="CUTS")
 
 
 def test_the_reported_line_is_that_of_the_entity() -> None:
@@ -283,12 +281,8 @@ def read_drawn(draw: Draw) -> Outlines:
 def test_an_ellipse_is_followed_within_what_is_told(ratio: float) -> None:
     """Distances to first order: x^2/a^2 + y^2/b^2 - 1 over the size of its gradient."""
     a, turn, centre = 60.0, np.exp(0.3j), 7.0 - 5.0j
-
-    def draw(space: Modelspace) -> None:
-        major = a * turn
-        space.add_ellipse((centre.real, centre.imag), (major.real, major.imag), ratio)
-
-    found = read_drawn(draw)
+    ends = [(each.real, each.imag) for each in (centre, a * turn)]
+    found = read_drawn(add("ellipse", *ends, ratio))
     (contour,) = found.contours
     assert isinstance(contour, SplineContour)
     z = (along(contour) - centre) / turn / a
@@ -311,10 +305,7 @@ def test_rational_splines_are_followed_within_what_is_told(degree: int, seed: in
         for t in np.arange(count) * 2.0 * math.pi / count
     ]
     weights = [make.uniform(0.5, 3.0) for _ in range(count + 1)]
-
-    def draw(space: Modelspace) -> None:
-        space.add_rational_spline([*ring, ring[0]], weights, degree=degree)
-
+    draw = add("rational_spline", [*ring, ring[0]], weights, degree=degree)
     found = read_drawn(draw)
     (contour,) = found.contours
     assert found.followed == NEAR
@@ -346,12 +337,7 @@ def test_what_lies_on_what_is_told_for_lines_of_any_drawing() -> None:
         doubles = [side[::-1] for side in sides if make.random() < 0.3]
         every = sides + extra + doubles
         make.shuffle(every)
-
-        def draw(space: Modelspace, every: Any = every) -> None:
-            for start, end in every:
-                space.add_line(start, end)
-
-        found = read_drawn(draw)
+        found = read_drawn(together(*(add("line", *ends) for ends in every)))
         (contour,) = found.contours
         area = 0.5 * sum(a[0] * b[1] - a[1] * b[0] for a, b in sides)
         assert contour.area == pytest.approx(abs(area), rel=1e-12)
@@ -360,26 +346,13 @@ def test_what_lies_on_what_is_told_for_lines_of_any_drawing() -> None:
 
 
 def test_blocks_without_end_are_refused() -> None:
-    def itself(space: Modelspace) -> None:
-        inner = space.doc.blocks.new("A")
-        inner.add_circle((0, 0), 1.0)
-        inner.add_blockref("a", (5, 0))
-        space.add_blockref("A", (0, 0))
-
-    found = read_drawn(itself)
+    itself = block("A", add("circle", (0, 0), 1.0), insert("a", (5, 0)))
+    found = read_drawn(together(itself, insert("A", (0, 0))))
     assert len(found.contours) == 1
     assert "inserts a block into itself" in found.notes[0]
-
-    def many(space: Modelspace) -> None:
-        for k in range(6):
-            block = space.doc.blocks.new(f"B{k}")
-            for x in range(10):
-                block.add_blockref(f"B{k + 1}", (x, 0))
-        space.doc.blocks.new("B6")
-        space.add_blockref("B0", (0, 0))
-
+    many = [block(f"B{k}", *(insert(f"B{k + 1}", (x, 0)) for x in range(10))) for k in range(6)]
     with pytest.raises(FileError, match=rf"in blocks; at most {PLACED:,} are allowed"):
-        read_drawn(many)
+        read_drawn(together(*many, block("B6"), insert("B0", (0, 0))))
 
 
 @pytest.mark.parametrize(
@@ -413,18 +386,14 @@ def test_the_centre_of_the_bore_is_found_among_others() -> None:
     """That of a bore with a keyway, as one of arcs and lines; not that of a bolt hole."""
     middle = 100.0 + 50.0j
 
-    def draw(space: Modelspace) -> None:
-        space.add_circle((90, 50), 40.0)
-        for x in (70, 130):
-            space.add_circle((x, 50), 3.0)
-        half = math.asin(0.3)
-        points = [(middle + 10.0 * np.exp(1j * t)) for t in (half, -half)]
-        bulge = math.tan(0.25 * (2.0 * math.pi - 2.0 * half))
-        corners = [(points[0].real, points[0].imag, bulge), (points[1].real, points[1].imag, 0.0),
-                   (112.0, points[1].imag, 0.0), (112.0, points[0].imag, 0.0)]  # fmt: skip
-        space.add_lwpolyline(corners, format="xyb", close=True)
-
-    found = read_drawn(draw)
+    half = math.asin(0.3)
+    points = [(middle + 10.0 * np.exp(1j * t)) for t in (half, -half)]
+    bulge = math.tan(0.25 * (2.0 * math.pi - 2.0 * half))
+    corners = [(points[0].real, points[0].imag, bulge), (points[1].real, points[1].imag, 0.0),
+               (112.0, points[1].imag, 0.0), (112.0, points[0].imag, 0.0)]  # fmt: skip
+    circles = [add("circle", (x, 50), size) for x, size in ((90, 40.0), (70, 3.0), (130, 3.0))]
+    keyed = add("lwpolyline", corners, format="xyb", close=True)
+    found = read_drawn(together(*circles, keyed))
     outline = found.contours[0]
     assert not isinstance(outline, SplineContour)
     assert found.off_axis(outline) == "its bore is about (100, 50) mm: --origin 100 50"
@@ -620,47 +589,27 @@ def test_groups_of_an_svg_are_layers() -> None:
 # These distances are the independent answer.
 
 
-Way = Callable[[BaseLayout], object]
-
-
-def plate(space: BaseLayout, **attributes: object) -> None:
-    stadium(space, **attributes)
-    bore(space, **attributes)
-
-
-def besides(extra: Way) -> Way:
-    """The plate, and something else."""
-
-    def draw(space: BaseLayout) -> None:
-        plate(space)
-        extra(space)
-
-    return draw
-
-
 def lines(*ends: tuple[float, float, float, float]) -> Way:
-    return besides(lambda space: [space.add_line(each[:2], each[2:]) for each in ends])
+    return together(PLATE, *(add("line", each[:2], each[2:]) for each in ends))
 
 
-def comb(space: BaseLayout) -> None:
-    for k in range(40):
-        space.add_line((k, 20.0), (k + 1.0, 20.0))
-        space.add_line((k, 20.0), (k, 21.0))
+COMB = together(
+    PLATE, *(add("line", (k, 20.0), end) for k in range(40) for end in ((k + 1.0, 20.0), (k, 21.0)))
+)
 
-
-def bridge(space: BaseLayout) -> None:
-    """A line from the bore, of two arcs, to a corner of the outline."""
-    stadium(space)
-    space.add_arc((0, 0), BORE, 0, 180)
-    space.add_arc((0, 0), BORE, 180, 360)
-    space.add_line((BORE, 0.0), (HALF, RADIUS))
+BRIDGE = together(
+    STADIUM,
+    *(add("arc", (0, 0), BORE, start, start + 180) for start in (0, 180)),
+    add("line", (BORE, 0.0), (HALF, RADIUS)),
+)
+"""A line from the bore, of two arcs, to a corner of the outline."""
 
 
 def hidden(name: str, **state: bool) -> Way:
     """A frame on a layer that is not shown."""
 
     def draw(space: BaseLayout) -> None:
-        plate(space)
+        PLATE(space)
         layer = (
             space.doc.layers.get(name) if name in space.doc.layers else space.doc.layers.add(name)
         )
@@ -674,14 +623,11 @@ def hidden(name: str, **state: bool) -> Way:
     return draw
 
 
-def paper(space: BaseLayout) -> None:
-    plate(space)
-    space.doc.paperspace().add_circle((0.0, 0.0), 30.0)
-
-
 def on_cut(space: BaseLayout) -> None:
     """The layer of what is cut, in lower case as some programs write it, and a frame."""
-    plate(space, layer="cut")
+    PLATE(space)
+    for each in space:
+        each.dxf.layer = "cut"
     space.add_lwpolyline([(-90, -90), (90, -90), (90, 90), (-90, 90)], close=True)
 
 
@@ -689,9 +635,7 @@ def rational(degree: int) -> Way:
     """The ends as rational splines, of a higher degree if asked for."""
 
     def draw(space: BaseLayout) -> None:
-        bottom(space)
-        top(space)
-        bore(space)
+        together(BOTTOM, TOP, HOLE)(space)
         for x, start in ((HALF, -90.0), (-HALF, 90.0)):
             arc = ConstructionArc((x, 0.0), RADIUS, start, start + 180.0)
             curve = rational_bspline_from_arc((x, 0.0), RADIUS, arc.start_angle, arc.end_angle)
@@ -701,28 +645,29 @@ def rational(degree: int) -> Way:
     return draw
 
 
-def round_ellipses(space: BaseLayout) -> None:
-    bottom(space)
-    top(space)
-    space.add_ellipse((0, 0), (0.0, BORE), 1.0)
-    space.add_ellipse((HALF, 0), (RADIUS, 0.0), 1.0, -0.5 * math.pi, 0.5 * math.pi)
-    space.add_ellipse((-HALF, 0), (0.0, -RADIUS), 1.0, math.pi, 2.0 * math.pi)
+ROUND_ELLIPSES = together(
+    BOTTOM,
+    TOP,
+    add("ellipse", (0, 0), (0.0, BORE), 1.0),
+    add("ellipse", (HALF, 0), (RADIUS, 0.0), 1.0, -0.5 * math.pi, 0.5 * math.pi),
+    add("ellipse", (-HALF, 0), (0.0, -RADIUS), 1.0, math.pi, 2.0 * math.pi),
+)
 
-
-def straight_splines(space: BaseLayout) -> None:
-    """The lines as a spline of degree 1, and as one through points."""
-    right(space)
-    left(space)
-    bore(space)
-    space.add_open_spline([(HALF, RADIUS), (1.0, RADIUS), (-HALF, RADIUS)], degree=1)
-    space.add_spline([(-HALF, -RADIUS), (3.0, -RADIUS), (HALF, -RADIUS)])
+STRAIGHT_SPLINES = together(
+    RIGHT,
+    LEFT,
+    HOLE,
+    add("open_spline", [(HALF, RADIUS), (1.0, RADIUS), (-HALF, RADIUS)], degree=1),
+    add("spline", [(-HALF, -RADIUS), (3.0, -RADIUS), (HALF, -RADIUS)]),
+)
+"""The lines as a spline of degree 1, and as one through points."""
 
 
 def heavy(flags: int, kinds: tuple[int, ...]) -> Way:
     """A POLYLINE with bulges that is marked as fitted, some of its vertices being of the frame."""
 
     def draw(space: BaseLayout) -> None:
-        bore(space)
+        HOLE(space)
         corners = CORNERS.copy()
         for kind in kinds:
             corners.insert(2, (99.0, float(kind), 0.0))
@@ -735,79 +680,56 @@ def heavy(flags: int, kinds: tuple[int, ...]) -> Way:
     return draw
 
 
-def block(draw: Way, insert: Way) -> Way:
-    """Something as a block."""
-
-    def drawn(space: BaseLayout) -> None:
-        draw(space.doc.blocks.new("Plate", base_point=(3.0, 4.0)))
-        insert(space)
-
-    return drawn
-
-
-DOWN = {"extrusion": (0.0, 0.0, -1.0)}
-"""Of what is drawn from below."""
-
-
-def turned_back(space: BaseLayout) -> None:
-    """The block was drawn turned, scaled and away from its place."""
-    space.add_blockref(
-        "PLATE", (3.0 + 12.0, 4.0 + 5.0), {"rotation": -30.0, "xscale": 0.5, "yscale": 0.5}
-    )
-
-
 def turned_plate(space: BaseLayout) -> None:
+    """Turned, scaled and away from its place."""
     there = Matrix44.translate(-15.0, -9.0, 0.0) @ Matrix44.z_rotate(math.radians(30.0))
-    plate(space)
+    PLATE(space)
     for entity in space:
         entity.transform(there @ Matrix44.scale(2.0) @ Matrix44.translate(3.0, 4.0, 0.0))
 
 
-def nested(space: BaseLayout) -> None:
-    plate(space.doc.blocks.new("inner"))
-    space.doc.blocks.new("outer").add_blockref("INNER", (7.0, 8.0), {"xscale": -1.0})
-    space.add_blockref("Outer", (7.0, -8.0), {"xscale": -1.0})
+NESTED = together(
+    block("inner", PLATE),
+    block("outer", insert("INNER", (7.0, 8.0), xscale=-1.0)),
+    insert("Outer", (7.0, -8.0), xscale=-1.0),
+)
 
+GRID = {"row_count": 2, "row_spacing": 2.0 * RADIUS, "column_count": 1}
 
-def rows(space: BaseLayout) -> None:
-    """The line of the top and that of the bottom as an array of one."""
-    bottom(space.doc.blocks.new("side"))
-    grid = {"row_count": 2, "row_spacing": 2.0 * RADIUS, "column_count": 1}
-    space.add_blockref("side", (0.0, 0.0), grid)
-    right(space)
-    left(space)
-    bore(space)
+ROWS = together(block("side", BOTTOM), insert("side", (0.0, 0.0), **GRID), RIGHT, LEFT, HOLE)
+"""The line of the top and that of the bottom as an array of one."""
 
+LAYER_OF_INSERT = together(
+    block("part", PLATE),
+    lambda space: space.doc.layers.add("HID").freeze(),
+    insert("part", (0, 0), layer="cut"),
+    insert("part", (5, 0), layer="hid"),
+    insert("part", (90, 0), layer="OTHER"),
+)
+"""Entities on layer 0 of a block lie on that of the insertion."""
 
-def layer_of_insert(space: BaseLayout) -> None:
-    """Entities on layer 0 of a block lie on that of the insertion."""
-    plate(space.doc.blocks.new("part"))
-    space.doc.layers.add("HID").freeze()
-    space.add_blockref("part", (0, 0), {"layer": "cut"})
-    space.add_blockref("part", (5, 0), {"layer": "hid"})
-    space.add_blockref("part", (90, 0), {"layer": "OTHER"})
+THIRD = 1.0 / 3.0
 
+SQUASHED = together(
+    block(
+        "squashed",
+        add("line", (HALF, RADIUS * THIRD), (-HALF, RADIUS * THIRD)),
+        add("line", (HALF, -RADIUS * THIRD), (-HALF, -RADIUS * THIRD)),
+        add("ellipse", (0, 0), (BORE, 0.0), THIRD),
+        add("ellipse", (HALF, 0), (RADIUS, 0.0), THIRD, -0.5 * math.pi, 0.5 * math.pi),
+        add("ellipse", (-HALF, 0), (RADIUS, 0.0), THIRD, 0.5 * math.pi, 1.5 * math.pi),
+    ),
+    insert("squashed", (0, 0), yscale=3.0),
+)
+"""Circles in a block that is stretched threefold along y, squashed as ellipses there."""
 
-def squashed(space: BaseLayout) -> None:
-    """Circles in a block that is stretched threefold along y, squashed as ellipses there."""
-    inner = space.doc.blocks.new("squashed")
-    third = 1.0 / 3.0
-    inner.add_line((HALF, RADIUS * third), (-HALF, RADIUS * third))
-    inner.add_line((HALF, -RADIUS * third), (-HALF, -RADIUS * third))
-    inner.add_ellipse((0, 0), (BORE, 0.0), third)
-    inner.add_ellipse((HALF, 0), (RADIUS, 0.0), third, -0.5 * math.pi, 0.5 * math.pi)
-    inner.add_ellipse((-HALF, 0), (RADIUS, 0.0), third, 0.5 * math.pi, 1.5 * math.pi)
-    space.add_blockref("squashed", (0, 0), {"yscale": 3.0})
-
-
-def stretched_arcs(space: BaseLayout) -> None:
-    """The same bore of two arcs, twice stretched: back to a circle."""
-    inner = space.doc.blocks.new("bore")
-    inner.add_arc((0, 0), BORE, 10, 190)
-    inner.add_arc((0, 0), BORE, 190, 10)
-    space.doc.blocks.new("flat").add_blockref("bore", (0, 0), {"yscale": 0.25})
-    space.add_blockref("flat", (0, 0), {"yscale": 4.0})
-    stadium(space)
+STRETCHED_ARCS = together(
+    block("bore", add("arc", (0, 0), BORE, 10, 190), add("arc", (0, 0), BORE, 190, 10)),
+    block("flat", insert("bore", (0, 0), yscale=0.25)),
+    insert("flat", (0, 0), yscale=4.0),
+    STADIUM,
+)
+"""The same bore of two arcs, twice stretched: back to a circle."""
 
 
 def shuffled(space: BaseLayout) -> None:
@@ -822,18 +744,19 @@ def shuffled(space: BaseLayout) -> None:
         first, last = (a, b) if draw.random() < 0.5 else (b, a)
         ends = [(round(z.real, 4) + 1e-4 * draw.random(), z.imag) for z in (first, last)]
         space.add_line(*ends)
-    right(space)
-    left(space)
-    bore(space)
+    together(RIGHT, LEFT, HOLE)(space)
 
 
 CORNERS = [(-HALF, -RADIUS, 0.0), (HALF, -RADIUS, 1.0), (HALF, RADIUS, 0.0), (-HALF, RADIUS, 1.0)]
 
 
-def mirrored(space: BaseLayout) -> None:
-    """Drawn from below."""
-    space.add_lwpolyline(CORNERS, format="xyb", close=True, dxfattribs=DOWN)
-    space.add_circle((0.0, 0.0), BORE, dxfattribs=DOWN)
+DOWN = {"extrusion": (0.0, 0.0, -1.0)}
+"""Of what is drawn from below."""
+
+MIRRORED = together(
+    add("lwpolyline", CORNERS, format="xyb", close=True, dxfattribs=DOWN),
+    add("circle", (0.0, 0.0), BORE, dxfattribs=DOWN),
+)
 
 
 def annotated(space: BaseLayout) -> None:
@@ -865,13 +788,15 @@ class Case:
     version: str = "R2010"
 
 
-LEFT = r"left out: [A-Z]+ in line \d+"
-LOOSE, BRANCH = f"{LEFT} has a loose end at", f"{LEFT} meets more than one other piece at"
-TWICE = f"{LEFT} is drawn a second time at"
+OUT = r"left out: [A-Z]+ in line \d+"
+LOOSE, BRANCH = f"{OUT} has a loose end at", f"{OUT} meets more than one other piece at"
+TWICE = f"{OUT} is drawn a second time at"
+
+BASE = {"base_point": (3.0, 4.0)}
 
 CASES = {
-    "nothing else": Case(plate),
-    **{each: Case(plate, version=each) for each in ("R12", "R2000", "R2018")},
+    "nothing else": Case(PLATE),
+    **{each: Case(PLATE, version=each) for each in ("R12", "R2000", "R2018")},
     "loose line at a corner": Case(lines((HALF, RADIUS, 30, 5)), rf"1 piece {LOOSE} \(30, 5\) mm$"),
     "loose line away": Case(lines((40, 40, 50, 50)), f"1 piece {LOOSE}"),
     "centre lines": Case(lines((-30, 0, 30, 0), (0, -30, 0, 30)), f"2 pieces {LOOSE}"),
@@ -886,23 +811,25 @@ CASES = {
         lines(*((0, 0, x, y) for x in (-HALF, HALF) for y in (-RADIUS, RADIUS))),
         f"4 pieces {BRANCH}",
     ),
-    "bridge to the bore": Case(bridge, f"1 piece {BRANCH}"),
-    "leader": Case(besides(lambda s: s.add_lwpolyline([(0, 9), (3, 20), (9, 20)])), "1 piece"),
-    "tick along the outline": Case(lines((HALF, RADIUS, 12, RADIUS)), f"1 piece {LOOSE}"),
-    "tree of lines": Case(besides(comb), f"80 pieces {LOOSE}"),
-    "line of no length": Case(lines((HALF, RADIUS, HALF, RADIUS))),
-    "line twice": Case(besides(top), f"1 piece {TWICE}"),
-    "line three times": Case(
-        besides(lambda s: [each(s) for each in (top, top)]), f"2 pieces {TWICE}"
+    "bridge to the bore": Case(BRIDGE, f"1 piece {BRANCH}"),
+    "leader": Case(
+        together(PLATE, lambda s: s.add_lwpolyline([(0, 9), (3, 20), (9, 20)])), "1 piece"
     ),
+    "tick along the outline": Case(lines((HALF, RADIUS, 12, RADIUS)), f"1 piece {LOOSE}"),
+    "tree of lines": Case(COMB, f"80 pieces {LOOSE}"),
+    "line of no length": Case(lines((HALF, RADIUS, HALF, RADIUS))),
+    "line twice": Case(together(PLATE, TOP), f"1 piece {TWICE}"),
+    "line three times": Case(together(PLATE, TOP, TOP), f"2 pieces {TWICE}"),
     "line twice, reversed": Case(lines((-HALF, RADIUS, HALF, RADIUS)), f"1 piece {TWICE}"),
     "arc twice, mirrored": Case(
-        besides(lambda s: s.add_arc((HALF, 0), RADIUS, -90, 90, dxfattribs=DOWN)),
+        together(PLATE, lambda s: s.add_arc((HALF, 0), RADIUS, -90, 90, dxfattribs=DOWN)),
         f"1 piece {TWICE}",
     ),
-    "all twice": Case(besides(plate), f"5 pieces {TWICE}"),
+    "all twice": Case(together(PLATE, PLATE), f"5 pieces {TWICE}"),
     "bore as circle and polyline": Case(
-        besides(lambda s: s.add_lwpolyline([(0, 2, 1), (0, -2, 1)], format="xyb", close=True)),
+        together(
+            PLATE, lambda s: s.add_lwpolyline([(0, 2, 1), (0, -2, 1)], format="xyb", close=True)
+        ),
         "1 piece left out: LWPOLYLINE in line .* second time",
     ),
     "line over part of a line": Case(lines((HALF, RADIUS, 0, RADIUS)), f"1 piece {LOOSE}"),
@@ -910,30 +837,35 @@ CASES = {
     "layer frozen": Case(hidden("CONSTR", frozen=True), "2 entities not read .* on layer CONSTR$"),
     "Defpoints": Case(hidden("Defpoints"), "2 entities not read .* on layer Defpoints$"),
     "invisible": Case(
-        besides(lambda s: s.add_circle((0, 0), 4.0, dxfattribs={"invisible": 1})),
+        together(PLATE, lambda s: s.add_circle((0, 0), 4.0, dxfattribs={"invisible": 1})),
         "1 entity not read .* on layer 0$",
     ),
-    "paper space": Case(paper),
+    "paper space": Case(together(PLATE, lambda s: s.doc.paperspace().add_circle((0.0, 0.0), 30.0))),
     "layer cut": Case(on_cut),
     "layer by any case": Case(on_cut, layer="Cut"),
     "rational arcs": Case(rational(2), "2 SPLINE followed by cubics within 1e-07 mm", NEAR),
     "rational arcs of degree 4": Case(rational(4), "2 SPLINE followed by cubics", NEAR),
-    "round ellipses": Case(round_ellipses),
-    "straight splines": Case(straight_splines, "1 SPLINE followed by cubics"),
+    "round ellipses": Case(ROUND_ELLIPSES),
+    "straight splines": Case(STRAIGHT_SPLINES, "1 SPLINE followed by cubics"),
     "fitted polyline": Case(heavy(2, ())),
     "splined polyline": Case(heavy(4, (16, 17))),
-    "block": Case(block(plate, lambda s: s.add_blockref("PLATE", (3, 4)))),
-    "block, turned, scaled": Case(block(turned_plate, turned_back)),
-    "blocks in blocks, mirrored": Case(nested),
-    "block in rows": Case(rows),
-    "layer of the insertion": Case(layer_of_insert, "on layer HID$", layer="CUT"),
-    "stretched ellipses": Case(squashed),
-    "stretched arcs": Case(stretched_arcs),
+    "block": Case(together(block("Plate", PLATE, **BASE), insert("PLATE", (3, 4)))),
+    "block, turned, scaled": Case(
+        together(
+            block("Plate", turned_plate, **BASE),
+            insert("PLATE", (15.0, 9.0), rotation=-30.0, xscale=0.5, yscale=0.5),
+        )
+    ),
+    "blocks in blocks, mirrored": Case(NESTED),
+    "block in rows": Case(ROWS),
+    "layer of the insertion": Case(LAYER_OF_INSERT, "on layer HID$", layer="CUT"),
+    "stretched ellipses": Case(SQUASHED),
+    "stretched arcs": Case(STRETCHED_ARCS),
     "shuffled pieces with gaps": Case(shuffled, within=1.1e-4),
-    "mirrored": Case(mirrored),
-    "annotated": Case(besides(annotated), "not read: .*HATCH"),
+    "mirrored": Case(MIRRORED),
+    "annotated": Case(together(PLATE, annotated), "not read: .*HATCH"),
     "unknown block": Case(
-        besides(lambda s: s.add_blockref("GONE", (0, 0))),
+        together(PLATE, lambda s: s.add_blockref("GONE", (0, 0))),
         r"line \d+: INSERT inserts a block that is not there: 'GONE'; left out",
     ),
 }

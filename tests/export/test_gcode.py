@@ -1,22 +1,33 @@
-"""G-code: the program run again follows the path, and keeps the rules of every controller."""
+"""G-code: the program run again follows the path, and keeps the rules of every controller; programs
+of whole jobs.
+"""
 
 from __future__ import annotations
 
+import json
 import math
 import re
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.errors import FileError, SceneError, ToleranceError
+import camgeo
+from camgeo.app.answers.answer import text
+from camgeo.app.answers.setup import setup_sheet
+from camgeo.app.cli.main import main
+from camgeo.design.design import Design
+from camgeo.design.product import Product, disc_of
+from camgeo.errors import FileError, GeometryError, SceneError, ToleranceError
 from camgeo.milling import machine as machines
-from camgeo.milling.machine import Machine
+from camgeo.milling.machine import Machine, load, names
 from camgeo.milling.milling import GcodeSpec, Heights
 from camgeo.milling.moves import ArcFeed, Feed, Operation, Rapid, Stop, Toolpath
+from camgeo.scene.scene import parse_scene
 from camgeo.units import LengthUnit
 from camgeo_export.gcode.writer import (
     WRITER,
@@ -32,7 +43,13 @@ from camgeo_export.gcode.writer import (
 )
 from camgeo_export.interpreter.run import Run, run
 from camgeo_export.verify.gcode import VERIFIER
-from tests.export.stub_product import TOOL, StubProduct
+from tests.export.stub_product import SECOND_TOOL, TOOL, StubProduct
+from tests.export.verified import TOLERANCE, faults, read_back
+from tests.interpreter.programs import weighted
+from tests.kept import compare_documents
+from tests.toolpath import programs
+from tests.toolpath.test_features import ROUND_BLANK, STATED
+from tests.toolpath.test_features import SCENE as FEATURED
 
 LINUXCNC = machines.load("linuxcnc")
 
@@ -46,22 +63,6 @@ TOLERANCES = [0.05, 0.01, 1e-3, 1e-6]
 def program_of(product: StubProduct, tolerance: float) -> tuple[str, Run]:
     text = WRITER.write(product, tolerance).data.decode()
     return text, run(text, LINUXCNC)
-
-
-@pytest.mark.parametrize("unit", ["mm", "inch"])
-@pytest.mark.parametrize("tolerance", TOLERANCES)
-def test_rules_of_controllers(unit: LengthUnit, tolerance: float) -> None:
-    text, program = program_of(StubProduct(unit=unit), tolerance)
-    lines = text.splitlines()
-    assert max(map(len, lines)) <= 78
-    assert not re.search(r"^N|G41|G42|%|[a-z]|-0\.0+\b", re.sub(r"\(.*?\)", "", text), re.M)
-    assert text.isascii()
-    assert lines[-2:] == ["M5", "M2"]
-    for move in program.moves:
-        if move.kind == "arc":
-            assert abs(move.sweep) <= math.pi + 1e-3
-            assert move.mismatch <= 3.0 * program.step
-    assert program.findings == ()
 
 
 def test_decimals_follow_the_tolerance() -> None:
@@ -96,8 +97,9 @@ def test_loops_leave_out_the_leads() -> None:
     assert [(loop.operation, loop.z) for loop in loops] == [
         ("bore", -4.0), ("bore", -8.0), ("outline", -4.0), ("outline", -8.0),
     ]  # fmt: skip
-    assert loops[0].contour.area == pytest.approx(math.pi * 7.0**2, rel=1e-4)
-    assert loops[2].contour.area == pytest.approx(-math.pi * 35.0**2, rel=1e-4)
+    assert (loops[0].contour.area, loops[2].contour.area) == pytest.approx(
+        (math.pi * 7.0**2, -math.pi * 35.0**2), rel=1e-4
+    )
 
 
 HEAD = "G21 G17 G40 G49 G54 G80 G90 G94 G91.1\nG43 H1\nG61\nS1 M3\nF100\n"
@@ -220,18 +222,6 @@ def test_a_broken_program_is_refused(old: str, new: str, message: str) -> None:
         WRITER.measure(StubProduct(), text.replace(old, new).encode())
 
 
-def test_a_moved_point_is_found() -> None:
-    text, _ = program_of(StubProduct(), 0.001)
-    point = re.search(r"G2 X(\S+) Y(\S+) I(\S+) J(\S+)\n", text)
-    assert point is not None
-    moved = text.replace(f"X{point[1]} Y{point[2]} ", f"X{float(point[1]) + 0.5:.5f} Y{point[2]} ")
-    with pytest.raises(FileError, match="radii of the arc differ"):
-        WRITER.measure(StubProduct(), moved.encode())
-    other, _ = program_of(StubProduct(second_tool=replace(TOOL, number=7)), 0.001)
-    with pytest.raises(FileError, match="'outline' is cut with tool 7, not 1"):
-        WRITER.measure(StubProduct(), other.encode())
-
-
 def profile(tmp_path: Path, **changes: str) -> StubProduct:
     """A product for LinuxCNC with other lines in its profile, by the key they begin with."""
     text = LINUXCNC_FILE.read_text()
@@ -334,17 +324,12 @@ def test_a_profile_without_dynamics_states_no_time(tmp_path: Path) -> None:
         ("end", 'end = ["M{two}"]', "end = 'M{two}': must hold no braces but {name}, {unit}"),
         ("rapid_feed", "", "dynamics.rapid_feed: is missing: Of each axis in traverses"),
         ("interpolation", "interpolation = -1", "must be a number, at least 0"),
+        ("line_length", "line_length = 20", "line_length is too short for the block G17"),
     ],
 )
 def test_numbers_that_no_machine_has(tmp_path: Path, key: str, line: str, message: str) -> None:
     product = profile(tmp_path, **{key: line})
     with pytest.raises(SceneError, match=re.escape(message)):
-        WRITER.write(product, 0.01)
-
-
-def test_a_line_too_short_for_a_block_is_reported(tmp_path: Path) -> None:
-    product = profile(tmp_path, line_length="line_length = 20")
-    with pytest.raises(SceneError, match="line_length is too short for the block G17"):
         WRITER.write(product, 0.01)
 
 
@@ -383,8 +368,6 @@ def test_all_faults_of_a_profile_are_reported_at_once() -> None:
 # The blocks of machine profiles around the moves, for every controller ----------------------------
 
 
-TOLERANCE = 0.01
-
 OTHER = replace(TOOL, number=7, diameter=4.0)
 
 
@@ -406,12 +389,14 @@ def positions(lines: list[str], pattern: str) -> list[int]:
     return [index for index, line in enumerate(lines) if re.search(pattern, line)]
 
 
+@pytest.mark.parametrize("unit", ["mm", "inch"])
 @pytest.mark.parametrize("name", NAMES)
-def test_lines_and_comments_are_as_the_controller_reads_them(name: str) -> None:
+def test_lines_and_comments_are_as_the_controller_reads_them(name: str, unit: LengthUnit) -> None:
     machine = machines.load(name)
-    product = StubProduct(name="a(b) ü!?~%; " + "x" * 90, gcode=spec(name))
+    product = StubProduct(name="a(b) ü!?~%; " + "x" * 90, gcode=spec(name), unit=unit)
     data = WRITER.write(product, TOLERANCE).data
     assert data.isascii()
+    assert not re.search(rb"-0\.?0*(?![\d.])", re.sub(rb"[(;].*", b"", data))
     for line in data.decode().splitlines():
         assert len(line) <= machine.text.line_length <= machine.text.longest_line
         inner = line.partition(machine.text.comment_open)[2].removesuffix(
@@ -420,51 +405,6 @@ def test_lines_and_comments_are_as_the_controller_reads_them(name: str) -> None:
         assert not set(inner) & {*"()", *machine.text.forbidden}
         if machine.text.letters == "upper":
             assert line == line.upper()
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_each_operation_states_all_that_it_needs(name: str) -> None:
-    """From its comment to its first cut: state, tool, length, spindle, dwell, height, coolant."""
-    machine, lines = machines.load(name), lines_of(name)
-    second = positions(lines, r"(?i)operation outline")[0]
-    cut = next(k for k in range(second, len(lines)) if re.match(r"G1 |L .*F\d", lines[k]))
-    head = lines[second:cut]
-
-    def stated(blocks: tuple[str, ...]) -> int:
-        plain = (re.escape(block.replace(" {nominal}", "")) for block in blocks)
-        patterns = (re.sub(r"\\\{\w+\\\}", ".+", block) for block in plain)
-        found = [positions(head, f"^{pattern}$") for pattern in patterns]
-        assert all(found), (blocks, head)
-        return found[0][0]
-
-    for block in machine.program.safe_start:
-        if block != "{work_offset}" or next(iter(machine.work_offsets.values())):
-            stated((block,))
-    start = stated(machine.spindle.clockwise)
-    assert start < stated(machine.dwell.blocks)
-    assert machine.coolant.flood is not None
-    assert start < stated(machine.coolant.flood)
-    off = stated(machine.coolant.off)
-    assert off < start
-    if change := machine.tool_change.change:
-        assert off < stated(machine.spindle.off) < stated(change) < start
-        if machine.tool_change.length_offset:
-            assert stated(change) < stated(machine.tool_change.length_offset)
-        if not any("{z}" in block for block in machine.retract.blocks):
-            assert stated(machine.retract.blocks) < stated(change)
-    across = positions(head, r"X.*Y")[0]
-    down = positions(head, r"Z[-+]?5\.0")[-1]
-    assert (across < down) == (machine.tool_change.approach == "xy-first")
-    assert re.search(r"F\d", lines[cut])
-
-
-def test_dwells_are_in_the_unit_of_the_controller() -> None:
-    found = {name: next(each for each in lines_of(name) if re.match(r"G4 |CYCL DEF 9.1", each))
-             for name in NAMES}  # fmt: skip
-    assert found == {
-        "fanuc": "G4 P1500", "grbl": "G4 P1.5", "haas": "G4 P1500", "linuxcnc": "G4 P1.5",
-        "heidenhain": "CYCL DEF 9.1 DWELL 1.5", "mach3": found["mach3"], "sinumerik": "G4 F1.5",
-    }  # fmt: skip
 
 
 def test_numbers_of_blocks() -> None:
@@ -487,10 +427,6 @@ def test_a_block_of_several_lines_has_one_number() -> None:
 
 def test_a_program_for_a_machine_without_a_tool_change_has_one_tool() -> None:
     assert not [line for line in lines_of("grbl") if re.search(r"^[^(]*(M6|M0|T\d)", line)]
-    with pytest.raises(SceneError, match="tools 1 and 7 are needed: write one for each") as caught:
-        WRITER.write(StubProduct(gcode=spec("grbl"), second_tool=OTHER), TOLERANCE)
-    (fault,) = caught.value.faults
-    assert (fault.key, fault.value) == ("output.gcode.machine", "'Grbl'")
 
 
 def printed(path: Toolpath, machine: Machine, coolant: str = "off") -> Program:
@@ -548,32 +484,49 @@ def test_a_tool_has_its_own_coolant() -> None:
     product = StubProduct(gcode=spec("linuxcnc"), tool=wet, second_tool=dry)
     lines = WRITER.write(product, TOLERANCE).data.decode().splitlines()
     second = positions(lines, r"T7")[0]
-    assert positions(lines[:second], r"^M[789]$")
+    assert lines.index("M7") < lines.index("M9") < second
     assert [line for line in lines if re.fullmatch("M[789]", line)] == ["M7", "M9"]
-    with pytest.raises(SceneError) as caught:
-        WRITER.write(replace(product, gcode=GcodeSpec(machine="grbl")), TOLERANCE)
-    (fault,) = caught.value.faults
-    assert (fault.key, fault.value) == ("tool.coolant", "'mist'")
 
 
-def test_what_a_machine_does_not_have_is_refused() -> None:
-    with pytest.raises(SceneError) as caught:
-        WRITER.write(StubProduct(gcode=GcodeSpec(machine="grbl", coolant="through")), 0.01)
-    (fault,) = caught.value.faults
-    assert (fault.key, fault.value) == ("output.gcode.coolant", "'through'")
-    assert '"off", "flood"' in fault.message
-    both = GcodeSpec(machine="sinumerik", work_offset="G59", coolant="through")
-    with pytest.raises(SceneError) as caught:
-        WRITER.write(StubProduct(gcode=both), 0.01)
-    assert [each.key for each in caught.value.faults] == [
-        "output.gcode.coolant", "output.gcode.work_offset",
-    ]  # fmt: skip
+GRBL = GcodeSpec(machine="grbl")
 
 
-def test_a_coordinate_that_the_controller_does_not_read() -> None:
-    product = StubProduct(gcode=GcodeSpec(machine="grbl"), scale=1000.0)
-    with pytest.raises(SceneError, match=r"numbers\.largest is too small for the coordinate 3"):
-        WRITER.write(product, 0.5)
+@pytest.mark.parametrize(
+    ("product", "faults", "message"),
+    [
+        (
+            StubProduct(gcode=GRBL, second_tool=OTHER),
+            {"output.gcode.machine": "'Grbl'"},
+            "tools 1 and 7 are needed: write one for each",
+        ),
+        (
+            StubProduct(gcode=GRBL, tool=replace(TOOL, coolant="mist")),
+            {"tool.coolant": "'mist'"},
+            "tool.coolant = 'mist'",
+        ),
+        (
+            StubProduct(gcode=replace(GRBL, coolant="through")),
+            {"output.gcode.coolant": "'through'"},
+            '"off", "flood"',
+        ),
+        (
+            StubProduct(gcode=GcodeSpec("sinumerik", work_offset="G59", coolant="through")),
+            {"output.gcode.coolant": "'through'", "output.gcode.work_offset": "'G59'"},
+            "G59",
+        ),
+        (
+            StubProduct(gcode=GRBL, scale=1000.0),
+            {"output.gcode.machine": "'Grbl'"},
+            "numbers.largest is too small for the coordinate 3",
+        ),
+    ],
+)
+def test_what_a_machine_does_not_have_is_refused(
+    product: StubProduct, faults: dict[str, str], message: str
+) -> None:
+    with pytest.raises(SceneError, match=re.escape(message)) as caught:
+        WRITER.write(product, 50.0 * TOLERANCE)
+    assert {each.key: each.value for each in caught.value.faults} == faults
 
 
 def test_work_offset_and_program_number() -> None:
@@ -671,3 +624,265 @@ def test_centres_may_be_absolute() -> None:
     moves = (Rapid((10.0, 10.0, 5.0)), down, arc, Rapid((10.0, 12.0, 5.0)))
     lines = printed(Toolpath(Heights(5.0, 5.0), (Operation(cut, moves),)), absolute).lines
     assert "G3 X10.0000 Y12.0000 I10.0000 J11.0000 F200" in lines
+
+
+# Programs of whole jobs: their words, one for each tool, where tools are changed, what is cut -----
+
+
+FLOODED: Final = replace(SECOND_TOOL, name="two flutes", coolant="flood")
+
+CUT: Final = re.compile(
+    r"(?:N?\d+ )?(?:G[123]|L|C|CC)(?: ?(?:[XYZIJF][-+]?[\d.]+|DR[-+]|R0|G[123]))+"
+)
+"""A block of a cut and nothing else."""
+
+JOBS: Final = (
+    "stated, all kinds", "stated, conventional", "planned, a hub, holes and a mark",
+    "stated, a spiral from a plate", "planned, from a plate with tabs", "engraved", "inches",
+    "clamps that move",
+)  # fmt: skip
+"""Scenes of `tests.toolpath.programs`."""
+
+
+def stubs() -> Iterator[tuple[str, Product]]:
+    """Two tools, two walls, for each controller in both units."""
+    for machine in names():
+        for unit in ("mm", "inch"):
+            spec = GcodeSpec(machine=machine)
+            tool = FLOODED if load(machine).tool_change.change else None
+            yield f"{machine}, {unit}", StubProduct(second_tool=tool, gcode=spec, unit=unit)
+    spec = GcodeSpec(machine="haas", work_offset="G56", coolant="off", tool_change_height=50.0)
+    yield "haas, other options", StubProduct(second_tool=FLOODED, gcode=spec)
+    spec = replace(spec, machine="linuxcnc", clearance_height=30.0, retract_height=6.0)
+    yield "linuxcnc, other options", StubProduct(second_tool=FLOODED, gcode=spec)
+
+
+STUBS: Final = dict(stubs())
+
+
+def summed(text: str) -> list[str | float]:
+    """The lines; of each run of blocks that only cut, the number of blocks and a sum of theirs."""
+    found: list[str | float] = []
+    run: list[float] = []
+    for line in [*text.splitlines(), ""]:
+        if line and CUT.fullmatch(line):
+            run.append(weighted(float(each) for each in re.findall(r"[-+]?\d+\.?\d*", line)))
+            continue
+        if run:
+            found += [f"{len(run)} cuts", sum(run)]
+            run = []
+        found.append(line)
+    return found
+
+
+def said(disc: Product) -> Any:
+    """All programs of a product: text, facts, deviation."""
+    found = []
+    for piece in WRITER.pieces(disc):
+        whole = WRITER.write(piece, TOLERANCE)
+        text = whole.data.decode("ascii")
+        for stated, word in ((piece.version, "VERSION"), (piece.scene_hash, "HASH")):
+            text = re.sub(re.escape(stated), word, text, flags=re.IGNORECASE)
+        facts = {key: str(value) for key, value in whole.facts.items()}
+        found.append([summed(text), facts, WRITER.measure(piece, whole.data)])
+    return found
+
+
+@pytest.mark.parametrize("name", [*STUBS, *JOBS])
+def test_the_words_of_a_program_are_as_kept(name: str) -> None:
+    """Its lines, the sums of its cuts, what is told of it, and how exact it is."""
+    scene = programs.SCENES.get(name, programs.CLAMPS)
+    disc = STUBS[name] if name in STUBS else Design(parse_scene(scene)).disc
+    found = said(disc)
+    compare_documents(f"export/programs/{name}", {name: found})
+    assert all(0.0 <= deviation <= TOLERANCE for _, _, deviation in found)
+    assert len(found) == len(list(WRITER.pieces(disc)))
+
+
+# Parts with a hub, a timing mark and holes --------------------------------------------------------
+
+
+@pytest.mark.parametrize("text", [FEATURED, FEATURED + ROUND_BLANK.replace("top = 1", "") + STATED])
+def test_programs_are_measured_and_verified(text: str) -> None:
+    read_back(WRITER, camgeo.loads(text).disc, least=0.0)
+
+
+def test_a_mark_that_is_missing_in_a_program_is_found() -> None:
+    product = camgeo.loads(FEATURED).disc
+    data = WRITER.write(product, TOLERANCE).data.decode()
+    start = data.index("(operation engrave mark)")
+    end = data.index("(operation drill", start)
+    cut = "\n".join(line for line in data[start:end].split("\n") if " Z-6.5" not in line)
+    assert cut != data[start:end]
+    damaged = (data[:start] + cut + data[end:]).encode()
+    assert faults(VERIFIER, product, damaged)
+
+
+# A controller that cannot change tools: one program for each run of a tool ------------------------
+
+
+SCENES = Path(__file__).resolve().parents[2] / "fixtures" / "scenes"
+
+SECOND_TABLE = """
+[[tool]]
+number = 2
+diameter = 12
+spindle_speed = 2500
+feed = 250
+plunge_feed = 80
+stepdown = 2
+"""
+
+OPERATIONS = "".join(
+    f"""
+[[operation]]
+kind = "{kind}"
+boundary = "{boundary}"
+tool = {tool}
+allowance = {allowance}
+"""
+    for kind, boundary, tool, allowance in (
+        ("rough", "bore", 1, 0.3),
+        ("finish", "bore", 1, 0.0),
+        ("rough", "outline", 2, 0.4),
+        ("finish", "outline", 1, 0.0),
+    )
+)
+
+FILES = ["setzhub-1-t1.nc", "setzhub-2-t2.nc", "setzhub-3-t1.nc"]
+
+
+def with_two_tools(machine: str = "grbl") -> str:
+    whole = (SCENES / "setzhub.toml").read_text().replace("linuxcnc", machine)
+    head, tail = whole.split("[holding]")
+    return f"{head}{SECOND_TABLE}{OPERATIONS}[holding]{tail}"
+
+
+@pytest.fixture(scope="module")
+def design() -> Design:
+    return camgeo.loads(with_two_tools())
+
+
+@pytest.fixture(scope="module")
+def folder(design: Design, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    made = tmp_path_factory.mktemp("programs")
+    (made / "scene.toml").write_text(with_two_tools())
+    design.write(made, ["gcode"], tolerance=0.01)
+    return made
+
+
+def test_each_run_of_a_tool_has_its_program(design: Design, folder: Path) -> None:
+    certificate = json.loads((folder / "certificate.json").read_text())
+    assert [each["file"] for each in certificate["files"]] == FILES
+    wanted = [["rough bore", "bore"], ["rough outline"], ["outline"]]
+    for name, operations, tool in zip(FILES, wanted, (1, 2, 1), strict=True):
+        lines = (folder / name).read_text().splitlines()
+        named = [line[11:-1] for line in lines if line.startswith("(operation ")]
+        assert named == operations
+        spindle = next(line for line in lines if line.startswith("(tool "))
+        assert spindle.startswith(f"(tool {tool}:")
+        assert not any(line.startswith("T") or "M6" in line for line in lines)
+    assert sum(each["operations"] for each in certificate["files"]) == len(design.disc.milled.cuts)
+
+
+def test_all_of_them_verify_and_lint(folder: Path) -> None:
+    words = ["--scene", str(folder / "scene.toml")]
+    assert main(["verify", *(str(folder / name) for name in FILES), *words]) == 0
+    assert main(["lint", *(str(folder / name) for name in FILES), "--machine", "grbl"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("program 2 of 3", "program 3 of 3"),
+        ("program 2 of 3", "program 9 of 3"),
+        ("G1 Z0.0000", "G1 Z-1.0000"),
+    ],
+)
+def test_one_that_is_changed_fails(folder: Path, tmp_path: Path, old: str, new: str) -> None:
+    program = (folder / FILES[1]).read_text()
+    assert old in program
+    (tmp_path / FILES[1]).write_text(program.replace(old, new, 1))
+    words = ["--scene", str(folder / "scene.toml")]
+    assert main(["verify", str(tmp_path / FILES[1]), *words]) == 1
+
+
+def test_the_setup_sheet_says_what_is_in_which_file(design: Design) -> None:
+    told = text(setup_sheet(design, 0.01))
+    assert "setzhub-2-t2.nc: rough outline, with tool 2 in the spindle" in told
+
+
+def test_a_machine_that_changes_tools_has_one_program() -> None:
+    product = camgeo.loads(with_two_tools("linuxcnc")).disc
+    assert WRITER.pieces(product) == (product,)
+
+
+def test_the_whole_is_never_written_into_one_file(design: Design) -> None:
+    with pytest.raises(SceneError, match="cannot change tools"):
+        WRITER.write(design.disc, 0.01)
+
+
+@pytest.mark.parametrize("end", ["", "-1-t1", "-12-t3"])
+def test_names_of_programs_tell_the_disc(end: str) -> None:
+    discs = camgeo.load(SCENES / "conjugate_lever.toml").discs
+    assert disc_of(discs, f"conjugate_lever{end}") is discs[0]
+    assert disc_of(discs, f"conjugate_lever-return{end}") is discs[1]
+
+
+# Where tools are changed: at the machine's reference, or at a height that is stated ---------------
+
+
+AWAY = 60.0
+
+HEIGHTS = [name for name in names() if load(name).retract.is_a_height]
+
+
+def written_for(machine: str, away: float | None) -> str:
+    gcode = GcodeSpec(machine=machine, tool_change_height=away)
+    # Grbl changes no tools: then one tool does all.
+    second = SECOND_TOOL if load(machine).tool_change.change else None
+    return WRITER.write(StubProduct(second_tool=second, gcode=gcode), TOLERANCE).data.decode()
+
+
+def test_some_machines_retract_to_a_height_and_some_do_not() -> None:
+    assert {"linuxcnc", "mach3", "grbl"} <= set(HEIGHTS) < set(names())
+
+
+@pytest.mark.parametrize("machine", HEIGHTS)
+@pytest.mark.parametrize("away", [None, AWAY])
+def test_tools_are_changed_and_programs_end_there(machine: str, away: float | None) -> None:
+    """Reached along Z alone, with the length of the old tool in force."""
+    found = run(written_for(machine, away), load(machine))
+    assert found.findings == ()
+    changes = [each for each in found.events if each.kind == "tool change"][1:]
+    assert bool(changes) == (machine != "grbl")
+    assert all(each.z == (away or 5.0) for each in changes)
+    assert found.moves[-1].z_end == (away or 5.0)
+    up = [move for move in found.moves if move.z_end == AWAY]
+    assert all(move.start == move.end and move.kind == "rapid" for move in up)
+
+
+@pytest.mark.parametrize("machine", [name for name in names() if name not in HEIGHTS])
+def test_others_go_to_their_reference_all_the_same(machine: str) -> None:
+    assert written_for(machine, AWAY) == written_for(machine, None)
+
+
+def test_it_is_not_below_the_clearance_height() -> None:
+    with pytest.raises(GeometryError, match="tool_change_height") as caught:
+        GcodeSpec(clearance_height=20.0, tool_change_height=10.0)
+    assert caught.value.key == "output.gcode.tool_change_height"
+
+
+@pytest.mark.parametrize(
+    ("machine", "stated", "told"),
+    [("linuxcnc", False, True), ("linuxcnc", True, False), ("haas", False, False),
+     ("grbl", False, False)],
+)  # fmt: skip
+def test_a_change_close_above_the_part_is_told(machine: str, stated: bool, told: bool) -> None:
+    own = with_two_tools(machine)
+    if stated:
+        own = own.replace(f'"{machine}"', f'"{machine}"\ntool_change_height = 60')
+    milled = camgeo.loads(own).disc.milled
+    found = milled.findings(milled.toolpath(0.01), 0.01)
+    low = [each for each in found if each.name == "tool-change-height"]
+    assert [each.severity for each in low] == (["warning"] if told else [])

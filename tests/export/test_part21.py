@@ -19,7 +19,6 @@ from hypothesis import strategies as st
 
 import camgeo_export
 from camgeo.design.product import Product
-from camgeo.design.verify import Reading
 from camgeo.errors import FileError
 from camgeo.reading import COORDINATE
 from camgeo.scene.formats.step import StepSpec
@@ -331,7 +330,7 @@ def test_the_same_solid_otherwise_said_is_measured_alike(edit: str) -> None:
         data = edited(name, change)
         assert data != written(name).encode()
         expected, found = (
-            checked(VERIFIERS["step"], product_of(name), each, Reading("file"))
+            checked(VERIFIERS["step"], product_of(name), each)
             for each in (written(name).encode(), data)
         )
         assert found.keys() == expected.keys()
@@ -368,10 +367,17 @@ def test_units_of_the_si(prefix: str, size: float, name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("factor", "name"), [(25.4, "inch"), (304.8, "foot"), (1e6, "1e+06 mm"), (1e-6, "1e-06 mm")]
+    ("factors", "name"),
+    [
+        ((25.4,), "inch"),
+        ((304.8,), "foot"),
+        ((1e6,), "1e+06 mm"),
+        ((1e-6,), "1e-06 mm"),
+        ((2.0, 2.0), "4 mm"),
+    ],
 )
-def test_units_that_are_stated_by_others(factor: float, name: str) -> None:
-    assert solid_in(edited("circle and flat", by_factors(factor))).unit_name == name
+def test_units_that_are_stated_by_others(factors: tuple[float, ...], name: str) -> None:
+    assert solid_in(edited("circle and flat", by_factors(*factors))).unit_name == name
 
 
 def by_factors(*factors: float) -> Callable[[Lines], None]:
@@ -389,21 +395,30 @@ def by_factors(*factors: float) -> Callable[[Lines], None]:
     return edit
 
 
-def test_units_have_limits() -> None:
+@pytest.mark.parametrize(
+    ("factors", "message"),
+    [
+        ((2.0, 2.0, 2.0), "stated by units more than 3 times"),
+        ((1.000001e6,), "SI_UNIT: is "),
+        ((0.999999e-6,), "SI_UNIT: is "),
+    ],
+)
+def test_units_have_limits(factors: tuple[float, ...], message: str) -> None:
     """Two are stated by others, a third is not; none is beyond a kilometre or a nanometre."""
-    assert solid_in(edited("circle and flat", by_factors(2.0, 2.0))).unit == 4.0
-    with pytest.raises(FileError, match="stated by units more than 3 times"):
-        solid_in(edited("circle and flat", by_factors(2.0, 2.0, 2.0)))
-    for factor in (1.000001e6, 0.999999e-6):
-        with pytest.raises(FileError, match="SI_UNIT: is "):
-            solid_in(edited("circle and flat", by_factors(factor)))
+    with pytest.raises(FileError, match=message):
+        solid_in(edited("circle and flat", by_factors(*factors)))
 
 
-def test_without_an_uncertainty_none_is_told() -> None:
-    whole = written("circle and flat")
-    context = r"GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT\(\("
-    for pattern in (rf"{context}#\d+\)\)", r"(?<=CERTAINTY_ASSIGNED_CONTEXT\(\()#\d+"):
-        assert solid_in(re.sub(pattern, "", whole).encode()).uncertainty is None
+@pytest.mark.parametrize(
+    "pattern",
+    [
+        r"GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT\(\(#\d+\)\)",
+        r"(?<=CERTAINTY_ASSIGNED_CONTEXT\(\()#\d+",
+    ],
+)
+def test_without_an_uncertainty_none_is_told(pattern: str) -> None:
+    data = re.sub(pattern, "", written("circle and flat")).encode()
+    assert solid_in(data).uncertainty is None
 
 
 # Faults -------------------------------------------------------------------------------------------

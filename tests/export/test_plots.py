@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Final
+from unittest.mock import Mock
 
 import matplotlib as mpl
 import numpy as np
@@ -23,7 +24,6 @@ from matplotlib.text import Annotation
 from matplotlib.transforms import TransformedPath
 
 from camgeo.cam.cam import Cam, Drive
-from camgeo.design.product import Product
 from camgeo.errors import FileError, UnknownNameError
 from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
 from camgeo.pictures.model import (
@@ -108,11 +108,9 @@ def filled(patch: Patch, fill: Fill) -> None:
     found = to_rgba(patch.get_edgecolor())
     assert (found[3] > 0.0) == bool(fill.edge)
     assert edge is None or found == pytest.approx(edge)
-    assert patch.get_linewidth() == fill.width
-    assert bool(patch.get_hatch()) == fill.hatched
-    assert (patch.get_alpha() or 1.0) == alpha
+    assert (patch.get_linewidth(), bool(patch.get_hatch())) == (fill.width, fill.hatched)
     solid = patch.get_linestyle() in ("solid", "-")
-    assert solid == (not fill.dashes)
+    assert (patch.get_alpha() or 1.0, solid) == (alpha, not fill.dashes)
 
 
 @pytest.mark.parametrize("style", STYLES)
@@ -121,16 +119,14 @@ def test_lines_and_rules(style: Style) -> None:
         Line(CURVE, style, layer=2.5, clipped=False), Rule("x", 0.3, style, layer=1.5),
         Rule("y", 0.6, style, layer=1.7),
     )  # fmt: skip
-    line, upright, level = axes.lines
     for each in axes.lines:
         lined(each, style)
+    line, upright, level = axes.lines
     assert np.array_equal(line.get_xydata(), CURVE)
-    assert (line.get_zorder(), upright.get_zorder(), level.get_zorder()) == (2.5, 1.5, 1.7)
-    assert not line.get_clip_on()
-    assert upright.get_clip_on()
-    assert np.asarray(upright.get_xdata()).tolist() == [0.3, 0.3]
-    assert np.asarray(level.get_ydata()).tolist() == [0.6, 0.6]
-    assert (axes.get_xlim(), axes.get_ylim()) == ((0.0, 2.0), (0.0, 2.0))
+    require(line, zorder=2.5, clip_on=False)
+    require(upright, zorder=1.5, clip_on=True, xdata=[0.3, 0.3])
+    require(level, zorder=1.7, clip_on=True, ydata=[0.6, 0.6])
+    require(axes, xlim=(0.0, 2.0), ylim=(0.0, 2.0))
 
 
 @pytest.mark.parametrize("fill", FILLS)
@@ -147,9 +143,8 @@ def test_areas_circles_and_bands(fill: Fill) -> None:
     assert np.array_equal(vertices, np.vstack((ring, ring[:1], hole, hole[:1])))
     assert np.array_equal(opened.get_path().vertices, ring)
     assert isinstance(circle, Round)
-    assert np.ravel(circle.get_center()).tolist() == [0.5, 0.6]
-    assert circle.get_radius() == 0.25
-    assert (closed.get_zorder(), opened.get_zorder(), circle.get_zorder()) == (1.2, 1.0, 1.4)
+    require(circle, center=(0.5, 0.6), radius=0.25, zorder=1.4)
+    assert (closed.get_zorder(), opened.get_zorder()) == (1.2, 1.0)
 
 
 @pytest.mark.parametrize("axis", ["x", "y"])
@@ -164,13 +159,11 @@ def test_bands_leave_gaps_out_and_fields_lie_within_them(axis: Any) -> None:
     paths = drawn_band.get_paths()
     assert len(paths) == 2  # on both sides of the gap
     extent = np.vstack([each.vertices for each in paths])
-    along, across = (extent[:, 0], extent[:, 1]) if axis == "x" else (extent[:, 1], extent[:, 0])
-    assert (along.min(), along.max()) == (0.0, 1.0)
-    assert (across.min(), across.max()) == pytest.approx((0.0, 0.6))
-    assert drawn_band.get_zorder() == 1.3
-    assert drawn_band.get_facecolor()[0] == pytest.approx(to_rgba("#c9dcee", 0.5))
-    assert contours.get_zorder() == 1.6
-    assert contours.get_facecolor()[0] == pytest.approx(to_rgba("#f0b8b4"))
+    corners = np.array([extent.min(axis=0), extent.max(axis=0)])[:, :: 1 if axis == "x" else -1]
+    assert corners == pytest.approx(np.array([[0.0, 0.0], [1.0, 0.6]]))
+    assert (drawn_band.get_zorder(), contours.get_zorder()) == (1.3, 1.6)
+    colours = np.array([each.get_facecolor()[0] for each in (drawn_band, contours)])
+    assert colours == pytest.approx(np.array([to_rgba("#c9dcee", 0.5), to_rgba("#f0b8b4")]))
     sums = np.vstack([each.vertices for each in contours.get_paths()]).sum(axis=1)
     assert (sums.min(), sums.max()) == pytest.approx((0.5, 1.2))
     clip = contours.get_clip_path()
@@ -206,8 +199,10 @@ def test_texts_are_where_they_are_stated(of: Any, offset: Any) -> None:
         where = axes.transAxes if of == "panel" else axes.transData
         place = where.transform((0.4, 0.3))
     if isinstance(found, Annotation):
-        assert found.xyann == offset
-        assert found.xycoords == ("axes fraction" if of == "panel" else "data")
+        assert (found.xyann, found.xycoords) == (
+            offset,
+            ("axes fraction" if of == "panel" else "data"),
+        )
         assert found.anncoords == "offset points"
     else:
         assert offset is None
@@ -271,8 +266,8 @@ def test_axes_have_their_limits_ticks_and_labels() -> None:
         axes, xlim=(3.0, 1.0), ylim=(1.0, 100.0), xscale="linear", yscale="log", xlabel="angle",
         ylabel="size", title="title", aspect="auto",
     )  # fmt: skip
-    assert list(axes.get_xticks()) == [1.0, 2.0]
-    assert [each.get_text() for each in axes.get_xticklabels()] == ["one", "two"]
+    names = [each.get_text() for each in axes.get_xticklabels()]
+    assert dict(zip(axes.get_xticks(), names, strict=True)) == {1.0: "one", 2.0: "two"}
     sizes = [each.get_fontsize() for each in (axes.xaxis.label, axes.yaxis.label, axes.title)]
     assert sizes == [7.0, 9.0, 8.0]
     assert axes.get_position().extents == pytest.approx((0.1, 0.2, 0.9, 0.8))
@@ -286,8 +281,8 @@ def test_labels_have_their_distance_and_further_scales_their_side(side: str) -> 
     )
     own = axes if side == "y" else made.axes[1]
     up = made.axes[-1]
-    assert (up.get_xlim(), up.get_xlabel()) == ((7.0, 8.0), "up")
-    assert own.get_ylim() == (0.0, 5.0)
+    require(up, xlim=(7.0, 8.0), xlabel="up")
+    require(own, ylim=(0.0, 5.0))
     lay_out(made)
     x, _ = own.yaxis.label.get_transform().transform(own.yaxis.label.get_position())
     wanted = own.bbox.x0 - 0.4 * made.dpi if side == "y" else own.bbox.x1 + 0.4 * made.dpi
@@ -328,9 +323,8 @@ def test_figures_stand_in_rows_and_files_are_of_their_kind() -> None:
     other = Figure((4.0, 3.0), one.panels)
     made = drawn(Figure((4.0, 4.0), rows=(one, other)))
     low, high = (each.get_window_extent() for each in made.axes)
-    assert (low.height, high.height) == pytest.approx((1.0 * made.dpi, 3.0 * made.dpi), rel=1e-6)
-    assert low.y0 == pytest.approx(3.0 * made.dpi, rel=1e-6)
-    assert high.y0 == pytest.approx(0.0, abs=1e-6)
+    found = np.array([low.y0, low.height, high.y0, high.height]) / made.dpi
+    assert found == pytest.approx(np.array([3.0, 1.0, 0.0, 3.0]), rel=1e-6, abs=1e-8)
     assert saved(made, ".pdf").startswith(b"%PDF")
     with pytest.raises(ValueError, match=r"no figures of kind .gif; there are .svg, .png and .pdf"):
         saved(made, ".gif")
@@ -355,10 +349,9 @@ ROCKER = StubProduct(
 def test_the_table_reads_back_to_the_bit(unit: LengthUnit) -> None:
     product = StubProduct(unit=unit)
     data = CSV.write(product, 0.001).data
-    assert data.startswith(f"phi [deg],s [{unit}],inner x [{unit}],inner y [{unit}]\n".encode())
-    assert b"\r" not in data
-    assert data.endswith(b"\n")
-    assert data.count(b"\n") == 74
+    head, *rows, end = data.decode().split("\n")
+    assert head == f"phi [deg],s [{unit}],inner x [{unit}],inner y [{unit}]"
+    assert (len(rows), end, b"\r" in data) == (73, "", False)
     assert CSV.measure(product, data) == 0.0
 
 
@@ -389,17 +382,12 @@ def test_a_changed_table_is_refused(old: bytes, new: bytes, message: str) -> Non
 def test_both_pictures_are_of_one_page(monkeypatch: pytest.MonkeyPatch) -> None:
     """Drawn once, and saved as if it were the only one, whichever is first."""
     alone = {each: each.write(StubProduct(groove=True), 0.001).data for each in (SVG, PNG)}
-    made: list[Sequence[str]] = []
-
-    def counted(product: Product, wanted: Sequence[str]) -> Figure:
-        made.append(wanted)
-        return stacked(product, wanted)
-
+    counted = Mock(wraps=stacked)
     monkeypatch.setattr(plots, "stacked", counted)
     for order in ((SVG, PNG), (PNG, SVG)):
         product = StubProduct(groove=True)
         assert all(each.write(product, 0.001).data == alone[each] for each in order)
-    assert made == [["cam"], ["cam"]]
+    assert [each.args[1] for each in counted.call_args_list] == [["cam"], ["cam"]]
 
 
 @pytest.mark.parametrize("name", OWN)

@@ -1,65 +1,73 @@
-"""Verification of files that other programs wrote, and of its parts: joints, meshes, origins."""
+"""Verification: of files that other programs wrote, of its parts, of files that name the running
+version, and of programs as they are simulated.
+"""
 
 from __future__ import annotations
 
+import hashlib
 import io
+import json
 import math
 import random
 import re
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import ezdxf
 import numpy as np
 import pytest
 import trimesh
-from hypothesis import example, given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import camgeo
+from camgeo.app.answers.verify import Against, Verdict, Wanted, first_difference, verify_files
 from camgeo.design.design import Design
 from camgeo.design.product import Product
 from camgeo.design.verify import Check, Origin, Reading, Verifier, length_of
+from camgeo.design.writing import CERTIFICATE, make_files
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour
+from camgeo.milling.machine import load
+from camgeo.milling.moves import ArcFeed, Feed
+from camgeo.milling.simulation import Run
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.boundaries import ExactBoundary
 from camgeo_export.dxf.writer import WRITER as DXF
 from camgeo_export.gcode.writer import WRITER as GCODE
-from camgeo_export.reading import farthest
+from camgeo_export.interpreter.run import run as run_program
+from camgeo_export.reading import TOKEN, farthest
 from camgeo_export.stl import WRITER as STL
 from camgeo_export.threemf.writer import WRITER as THREEMF
 from camgeo_export.verify.body import solid_checks
 from camgeo_export.verify.dxf import VERIFIER as DXF_VERIFIER
 from camgeo_export.verify.gcode import VERIFIER as GCODE_VERIFIER
+from camgeo_export.verify.gcode import simulation_checks, traced
 from camgeo_export.verify.plane import contour_checks, joints_of, shapes_of
+from camgeo_export.verify.step import VERIFIER as STEP_VERIFIER
+from camgeo_export.verify.stl import FACET, PREFIX
 from camgeo_export.verify.stl import VERIFIER as STL_VERIFIER
+from camgeo_export.verify.svg import VERIFIER as SVG_VERIFIER
 from camgeo_export.verify.threemf import MODEL_PATH
 from camgeo_export.verify.threemf import VERIFIER as THREEMF_VERIFIER
 from tests.effects.scenes import SCENES as EFFECTS
-from tests.export.stub_product import StubProduct
-from tests.export.verified import TOLERANCE, Checks, checked
+from tests.export.stub_product import SECOND_TOOL, StubProduct
+from tests.export.verified import TOLERANCE, Checks, checked, written
+from tests.long_form import examples
 from tests.packages import repacked
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
 FIT = 0.5 * TOLERANCE
 
-FOREIGN = Reading("drawing.dxf")
-
 
 @pytest.fixture(scope="module")
 def design() -> Design:
     return camgeo.load(SCENES / "setzhub.toml")
-
-
-def _checks(
-    verifier: Verifier, product: Product, data: bytes, reading: Reading = FOREIGN
-) -> Checks:
-    return checked(verifier, product, data, reading)
 
 
 def _failed(checks: Checks) -> set[str]:
@@ -119,7 +127,7 @@ def test_foreign_drawing_passes(design: Design, units: int, scale: float, unit: 
     """Single pieces with gaps of rounding, in any unit, stated by the file or by the user."""
     decimals = 6 if scale == 1.0 else 7
     data = _data(_drawing(design, units=units, scale=scale, decimals=decimals))
-    checks = _checks(DXF_VERIFIER, design.disc, data, Reading("a.dxf", unit=unit))
+    checks = checked(DXF_VERIFIER, design.disc, data, Reading("a.dxf", unit=unit))
     assert not _failed(checks)
     gap = checks["closure", ""].value
     assert isinstance(gap, float)
@@ -138,7 +146,7 @@ def test_foreign_drawing_passes(design: Design, units: int, scale: float, unit: 
 
 
 def test_drawing_without_unit_is_not_measured(design: Design) -> None:
-    checks = _checks(DXF_VERIFIER, design.disc, _data(_drawing(design, units=0)))
+    checks = checked(DXF_VERIFIER, design.disc, _data(_drawing(design, units=0)))
     closure = checks["closure", ""]
     assert closure.ok is False
     assert re.search(r"does not state its unit .*\(--unit\)", closure.note)
@@ -149,8 +157,8 @@ def test_layers_of_a_foreign_drawing(design: Design) -> None:
     document = _drawing(design, layer="OUTLINE")
     document.modelspace().add_circle((0, 0), 3.0, dxfattribs={"layer": "HOLES"})
     data = _data(document)
-    assert not _failed(_checks(DXF_VERIFIER, design.disc, data, Reading("a.dxf", layer="OUTLINE")))
-    count = _checks(DXF_VERIFIER, design.disc, data)["contours", ""]
+    assert not _failed(checked(DXF_VERIFIER, design.disc, data, Reading("a.dxf", layer="OUTLINE")))
+    count = checked(DXF_VERIFIER, design.disc, data)["contours", ""]
     assert (count.value, count.expected, count.ok) == (3.0, 2.0, False)
 
 
@@ -161,7 +169,7 @@ def test_drawings_lie_flat_within_the_tolerance(design: Design, code: int, name:
     place = lines.index("AcDbPolyline") + 1
     for value, expected in (("0.5", {name}), ("0.005", set())):
         other = [*lines[:place], f"{code:>3}", value, " 62", "1", *lines[place:]]
-        checks = _checks(DXF_VERIFIER, design.disc, "\n".join(other).encode())
+        checks = checked(DXF_VERIFIER, design.disc, "\n".join(other).encode())
         assert _failed(checks) == expected
         if expected:
             assert checks[name, ""].value == 0.5
@@ -175,13 +183,13 @@ def test_edges_are_read_from_all_layers_of_the_part(entity: str, layer: bytes) -
     edits = {"fit": "fast", "dxf.auxiliary": False, "dxf.entity": entity}
     groove = camgeo.load(EFFECTS / "groove.toml").with_output(edits).disc
     data = DXF.write(groove, TOLERANCE).data.replace(b"\nBLIND_10\n", b"\n%s\n" % layer)
-    checks = _checks(DXF_VERIFIER, groove, data)
+    checks = checked(DXF_VERIFIER, groove, data)
     assert not _failed(checks)
     assert checks["contours", ""].value == 4.0
 
 
 def test_boundary_left_out_of_a_foreign_drawing(design: Design) -> None:
-    checks = _checks(DXF_VERIFIER, design.disc, _data(_drawing(design, without=1)))
+    checks = checked(DXF_VERIFIER, design.disc, _data(_drawing(design, without=1)))
     assert _failed(checks) == {"contours", "deviation"}
     assert checks["deviation", "bore"].note == "there is no contour for it"
     assert checks["deviation", "outline"].ok
@@ -191,7 +199,7 @@ def test_gap_beyond_the_tolerance_is_reported(design: Design) -> None:
     document = _drawing(design)
     line = next(iter(document.modelspace().query("LINE")))
     line.dxf.start += ezdxf.math.Vec3(0.0, 3.0 * TOLERANCE)
-    closure = _checks(DXF_VERIFIER, design.disc, _data(document))["closure", ""]
+    closure = checked(DXF_VERIFIER, design.disc, _data(document))["closure", ""]
     assert closure.ok is False
     assert "has a loose end at" in closure.note
 
@@ -204,7 +212,7 @@ def test_program_without_comments_is_matched(design: Design) -> None:
     text = GCODE.write(design.disc, TOLERANCE).data.decode()
     bare = re.sub(r"\([^()]*\)", "", text).encode()
     assert GCODE_VERIFIER.origin(bare) == Origin()
-    checks = _checks(GCODE_VERIFIER, design.disc, bare)
+    checks = checked(GCODE_VERIFIER, design.disc, bare)
     assert not _failed(checks)
     named = {of for name, of in checks if name == "deviation"}
     assert named == {"rough bore", "bore", "rough outline", "outline"}
@@ -228,7 +236,7 @@ def test_other_spellings_of_a_program_measure_the_same(design: Design, what: str
     after = SPELLINGS[what](text)
     assert after != text
     good, other = (
-        [replace(each, note="") for each in _checks(GCODE_VERIFIER, design.disc, data).values()]
+        [replace(each, note="") for each in checked(GCODE_VERIFIER, design.disc, data).values()]
         for data in (text.encode(), after.encode())
     )
     assert good == other
@@ -238,7 +246,7 @@ def test_a_roughing_may_be_off_by_its_slack_and_no_more(design: Design) -> None:
     text = GCODE.write(design.disc, TOLERANCE).data.decode()
     assert GCODE.measure(design.disc, text.encode()) <= TOLERANCE
     cut = next(each for each in design.disc.milled.contour_cuts if each.name == "rough outline")
-    own = _checks(GCODE_VERIFIER, design.disc, text.encode())["deviation", cut.name]
+    own = checked(GCODE_VERIFIER, design.disc, text.encode())["deviation", cut.name]
     assert isinstance(own.value, float)
     assert own.value <= TOLERANCE < own.value + cut.slack
     begin, end = text.index("(operation rough outline)"), text.index("(operation outline)")
@@ -247,14 +255,14 @@ def test_a_roughing_may_be_off_by_its_slack_and_no_more(design: Design) -> None:
     moved = (text[:begin] + along + text[end:]).encode()
     off = GCODE.measure(design.disc, moved)
     assert 0.05 - 2.0 * cut.slack <= off <= 0.05 + TOLERANCE
-    assert _checks(GCODE_VERIFIER, design.disc, moved)["deviation", cut.name].ok is False
+    assert checked(GCODE_VERIFIER, design.disc, moved)["deviation", cut.name].ok is False
 
 
 def test_foreign_words_are_refused_with_a_sentence(design: Design) -> None:
     text = GCODE.write(design.disc, TOLERANCE).data.decode().replace("(camgeo", "(other")
-    checks = _checks(GCODE_VERIFIER, design.disc, text.replace("G17 ", "G17 G68 ").encode())
+    checks = checked(GCODE_VERIFIER, design.disc, text.replace("G17 ", "G17 G68 ").encode())
     assert re.search(r"line \d+: .*G68, a rotation; .*for LinuxCNC", checks["program", ""].note)
-    checks = _checks(GCODE_VERIFIER, design.disc, text.replace("G17 ", "G18 ").encode())
+    checks = checked(GCODE_VERIFIER, design.disc, text.replace("G17 ", "G18 ").encode())
     assert "with an arc in the plane ZX" in checks["program", ""].note
 
 
@@ -265,16 +273,16 @@ def test_text_stl_of_another_program(design: Design) -> None:
     )
     text = trimesh.exchange.stl.export_stl_ascii(mesh).encode()
     assert STL_VERIFIER.origin(text) == Origin()
-    checks = _checks(STL_VERIFIER, design.disc, text)
+    checks = checked(STL_VERIFIER, design.disc, text)
     assert not _failed(checks)
     assert "assumed" in checks["unit", ""].note
     mesh.apply_scale(1.0 / 25.4)
     inch = trimesh.exchange.stl.export_stl(mesh)
-    assert {"deviation", "volume"} <= _failed(_checks(STL_VERIFIER, design.disc, inch))
-    note = _checks(STL_VERIFIER, design.disc, inch)["deviation", "outline, lower face"].note
+    assert {"deviation", "volume"} <= _failed(checked(STL_VERIFIER, design.disc, inch))
+    note = checked(STL_VERIFIER, design.disc, inch)["deviation", "outline, lower face"].note
     assert "inch taken for mm?" in note
     reading = Reading("a.stl", unit="inch")
-    assert not _failed(_checks(STL_VERIFIER, design.disc, inch, reading))
+    assert not _failed(checked(STL_VERIFIER, design.disc, inch, reading))
     assert STL_VERIFIER.origin(text[: len(text) // 2]).damage.endswith("endsolid missing")
 
 
@@ -287,7 +295,7 @@ def test_3mf_in_inch_is_measured_in_inch(design: Design) -> None:
 
     data = repacked(THREEMF.write(design.disc, FIT).data, inch)
     assert THREEMF_VERIFIER.origin(data) == Origin()
-    checks = _checks(THREEMF_VERIFIER, design.disc, data)
+    checks = checked(THREEMF_VERIFIER, design.disc, data)
     assert not _failed(checks)
     assert checks["unit", ""].value == "inch"
 
@@ -465,21 +473,16 @@ def drawn_disc(scene: str, entity: str) -> Product:
     return camgeo.loads(f'{text}\n[output.dxf]\nentity = "{entity}"\n').disc
 
 
-@cache
-def drawing(scene: str, entity: str) -> tuple[str, ...]:
-    """The lines of the scene's drawing, made with half of the tolerance."""
-    return tuple(DXF.write(drawn_disc(scene, entity), 0.5 * TOLERANCE).data.decode().split("\n"))
+def drawing(scene: str, entity: str) -> tuple[Product, list[str]]:
+    """A disc, and the lines of its drawing, made with half of the tolerance."""
+    disc = drawn_disc(scene, entity)
+    return disc, written("dxf", disc, 0.5 * TOLERANCE).decode().split("\n")
 
 
-def places(lines: tuple[str, ...], codes: tuple[str, ...]) -> list[int]:
+def places(lines: list[str], codes: tuple[str, ...]) -> list[int]:
     """Indices of the values of the groups `codes` in the entities."""
     start = lines.index("ENTITIES")
     return [k + 1 for k in range(start + 1, len(lines) - 1, 2) if lines[k].strip() in codes]
-
-
-def verified(scene: str, entity: str, lines: list[str]) -> Checks:
-    reading = Reading(f"{scene}.dxf")
-    return checked(DXF_VERIFIER, drawn_disc(scene, entity), "\n".join(lines).encode(), reading)
 
 
 def deviations(checks: Checks) -> dict[str, float]:
@@ -497,8 +500,8 @@ def test_a_moved_number_moves_the_deviation_by_no_more(
     scene: str, entity: str, step: float
 ) -> None:
     """Except for the slack of the bound where the exact curve is not made of arcs."""
-    lines = drawing(scene, entity)
-    before = deviations(verified(scene, entity, list(lines)))
+    disc, lines = drawing(scene, entity)
+    before = deviations(checked(DXF_VERIFIER, disc, "\n".join(lines).encode()))
     chance = random.Random(f"{scene} {step}")
     numbers = [(k, 1.0) for k in chance.sample(places(lines, COORDINATES), EACH)]
     bulges = places(lines, (BULGE,)) if entity == "arcs" else []
@@ -506,7 +509,7 @@ def test_a_moved_number_moves_the_deviation_by_no_more(
     for place, lever in numbers:
         moved = list(lines)
         moved[place] = repr(float(moved[place]) + step)
-        after = deviations(verified(scene, entity, moved))
+        after = deviations(checked(DXF_VERIFIER, disc, "\n".join(moved).encode()))
         assert after.keys() == before.keys()
         for name, value in after.items():
             allowed = 4.0 * lever * step + SLACK * max(value, before[name])
@@ -519,10 +522,10 @@ def test_rounded_numbers_pass_while_within_the_tolerance(
     scene: str, entity: str, decimals: int
 ) -> None:
     """Tangent pieces are no longer tangent then, but turn by no more than the tolerance permits."""
-    lines = list(drawing(scene, entity))
-    for place in places(tuple(lines), (*COORDINATES, BULGE)):
+    disc, lines = drawing(scene, entity)
+    for place in places(lines, (*COORDINATES, BULGE)):
         lines[place] = repr(round(float(lines[place]), decimals))
-    checks = verified(scene, entity, lines)
+    checks = checked(DXF_VERIFIER, disc, "\n".join(lines).encode())
     found = deviations(checks)
     within = {of for of, value in found.items() if value <= TOLERANCE}
     assert within == found.keys() or decimals == 3
@@ -530,34 +533,23 @@ def test_rounded_numbers_pass_while_within_the_tolerance(
         assert check.ok is not False or of not in within, check
 
 
-@cache
-def package() -> bytes:
-    return THREEMF.write(drawn_disc("setzhub", "arcs"), 0.5 * TOLERANCE).data
-
-
-def with_numbers(change: Callable[[float], float]) -> bytes:
-    """The package with each coordinate of its vertices changed."""
-
-    def moved(path: str, text: str) -> str:
-        number = r'\b([xyz])="([^"]+)"'
-        if path != MODEL_PATH:
-            return text
-        return re.sub(number, lambda found: f'{found[1]}="{change(float(found[2]))!r}"', text)
-
-    return repacked(package(), moved)
-
-
-def verified_package(data: bytes) -> Checks:
-    reading = Reading("setzhub.3mf")
-    return checked(THREEMF_VERIFIER, drawn_disc("setzhub", "arcs"), data, reading)
-
-
-@pytest.mark.parametrize("step", [1e-12, 1e-9, 1e-6, 1e-3])
+@pytest.mark.parametrize("step", STEPS)
 def test_moved_vertices_of_a_solid(step: float) -> None:
     """Faces and walls are flat and upright within the tolerance, not to the last digit."""
-    chance = random.Random(f"solid {step}")
-    before = deviations(verified_package(package()))
-    checks = verified_package(with_numbers(lambda value: value + chance.uniform(-step, step)))
+    chance, disc = random.Random(f"solid {step}"), drawn_disc("setzhub", "arcs")
+    package = written("3mf", disc, 0.5 * TOLERANCE)
+
+    def moved(found: re.Match[str]) -> str:
+        return f'{found[1]}="{float(found[2]) + chance.uniform(-step, step)!r}"'
+
+    data = repacked(
+        package,
+        lambda path, text: (
+            re.sub(r'\b([xyz])="([^"]+)"', moved, text) if path == MODEL_PATH else text
+        ),
+    )
+    before = deviations(checked(THREEMF_VERIFIER, disc, package))
+    checks = checked(THREEMF_VERIFIER, disc, data)
     assert all(check.ok is not False for check in checks.values())
     for name, value in deviations(checks).items():
         # Faces that were alike before are reported together; now each is reported by itself.
@@ -565,29 +557,18 @@ def test_moved_vertices_of_a_solid(step: float) -> None:
         assert abs(value - before[of]) <= 2.0 * step + SLACK * value
 
 
-@cache
-def program() -> tuple[str, ...]:
-    """The lines of a program made with half of the tolerance."""
-    return tuple(GCODE.write(ECCENTRIC, 0.5 * TOLERANCE).data.decode().splitlines())
-
-
-def verified_program(lines: list[str]) -> Checks:
-    reading = Reading("eccentric.ngc")
-    return checked(GCODE_VERIFIER, ECCENTRIC, "\n".join(lines).encode(), reading)
-
-
 @pytest.mark.parametrize("step", STEPS)
 def test_moved_ends_of_a_program(step: float) -> None:
     """One after the other, also the point where a path closes, which it need not do exactly."""
-    lines = program()
+    lines = written("gcode", ECCENTRIC, 0.5 * TOLERANCE).decode().splitlines()
     first = next(k for k, line in enumerate(lines) if line.startswith("G1 Z"))
-    before = deviations(verified_program(list(lines)))
+    before = deviations(checked(GCODE_VERIFIER, ECCENTRIC, "\n".join(lines).encode()))
     for place in range(first + 1, first + 15):
         moved = list(lines)
         moved[place] = re.sub(
             r"X([-.\d]+)", lambda found: f"X{float(found[1]) + step:.15f}", moved[place]
         )
-        checks = verified_program(moved)
+        checks = checked(GCODE_VERIFIER, ECCENTRIC, "\n".join(moved).encode())
         # These have more decimals than a controller reads.
         others = [check for check in checks.values() if check.name != "frame"]
         assert step > 1e-4 or all(check.ok is not False for check in others)
@@ -596,3 +577,357 @@ def test_moved_ends_of_a_program(step: float) -> None:
         assert {name.partition(",")[0] for name in after} == before.keys()
         for name, value in after.items():
             assert abs(value - before[name.partition(",")[0]]) <= 10.0 * step + 1e-12
+
+
+# Files that name the running version are written again: what differs is told ----------------------
+
+
+WRITTEN_WITHIN = 0.05
+
+VERIFIERS: dict[str, Verifier] = {
+    "vorschub.dxf": DXF_VERIFIER,
+    "vorschub-drawing.dxf": DXF_VERIFIER,
+    "vorschub.ngc": GCODE_VERIFIER,
+    "vorschub.stl": STL_VERIFIER,
+    "vorschub.3mf": THREEMF_VERIFIER,
+    "vorschub.step": STEP_VERIFIER,
+    "vorschub.cut.svg": SVG_VERIFIER,
+}
+
+TEXTS = [name for name in VERIFIERS if not name.endswith(("stl", "3mf"))]
+
+
+@cache
+def vorschub(name: str = "vorschub") -> Design:
+    return camgeo.load(SCENES / f"{name}.toml").with_output({"fit": "fast"})
+
+
+@cache
+def files(tolerance: float = WRITTEN_WITHIN) -> dict[str, bytes]:
+    formats = ("dxf", "gcode", "stl", "3mf", "step", "cut-svg", "drawing")
+    contents, _ = make_files(vorschub().discs, formats, tolerance)
+    return contents
+
+
+def verdict_on(path: Path, data: bytes, of: Design | None = None) -> Verdict:
+    """Of a file with these bytes; its scene states another tolerance than files do."""
+    path.write_bytes(data)
+    against = Against((of or vorschub()).discs, 0.5 * WRITTEN_WITHIN)
+    (verdict,) = verify_files((path,), lambda *_: against, Wanted(WRITTEN_WITHIN))
+    return verdict
+
+
+def again(verdict: Verdict) -> Check:
+    (check,) = (each for each in verdict.checks if each.name == "written again")
+    return check
+
+
+def certify(folder: Path, name: str, data: bytes) -> None:
+    """A certificate for these bytes."""
+    document = json.loads(files()[CERTIFICATE])
+    (record,) = (each for each in document["files"] if each["file"] == name)
+    record["sha256"] = hashlib.sha256(data).hexdigest()
+    (folder / CERTIFICATE).write_text(json.dumps(document))
+
+
+# Tokens -------------------------------------------------------------------------------------------
+
+
+def in_text(text: str, number: int) -> tuple[str, int]:
+    """A text with one of its tokens changed, and the line of that."""
+    found = list(TOKEN.finditer(text))
+    token = found[number % len(found)]
+    start, end = token.span()
+    try:
+        new = repr(1.01 * float(token[0]) + 0.03)
+    except ValueError:
+        new = f"{token[0]}x"
+    return text[:start] + new + text[end:], text[:start].count("\n") + 1
+
+
+@pytest.mark.parametrize("name", TEXTS)
+@given(number=st.integers(0, 10**9))
+@settings(max_examples=examples(12, long=200))
+def test_a_changed_token_is_told_with_its_line(name: str, number: int) -> None:
+    good = files()[name]
+    text, line = in_text(good.decode(), number)
+    difference = first_difference(VERIFIERS[name], text.encode(), good)
+    assert difference is not None
+    assert difference.place == f"line {line}"
+
+
+@given(number=st.integers(0, 10**9))
+@settings(max_examples=examples(12, long=200))
+def test_a_changed_token_of_a_package_is_told_with_its_element(number: int) -> None:
+    good = files()["vorschub.3mf"]
+    line = 0
+
+    def change(path: str, content: str) -> str:
+        nonlocal line
+        if path != MODEL_PATH:
+            return content
+        text, line = in_text(content.replace("<", "\n<"), number)
+        return text
+
+    changed = repacked(good, change)
+    if THREEMF_VERIFIER.origin(changed).damage:
+        return
+    difference = first_difference(THREEMF_VERIFIER, changed, good)
+    assert difference is not None
+    # Elements begin on lines of their own here, the first two on the third of them.
+    assert difference.place in {f"{MODEL_PATH}, element {line - k}" for k in (1, 2)}
+
+
+@given(number=st.integers(0, 10**9), place=st.integers(0, 12))
+@settings(max_examples=examples(12, long=200))
+def test_a_changed_field_of_a_facet_is_told_with_its_number(number: int, place: int) -> None:
+    """Its normal, its corners, its attribute."""
+    good = files()["vorschub.stl"]
+    facets: Any = np.frombuffer(good, FACET, offset=PREFIX).copy()
+    facet = facets[number % len(facets)]
+    if place == 12:
+        facet["attribute"] += 1
+    else:
+        field = facet["normal"] if place < 3 else facet["corners"].reshape(-1)
+        field[place % 3 if place < 3 else place - 3] += 0.01
+    difference = first_difference(STL_VERIFIER, good[:PREFIX] + facets.tobytes(), good)
+    assert difference is not None
+    assert difference.place == f"facet {number % len(facets) + 1}"
+
+
+def last_bit_of_a_normal(data: bytes) -> bytes:
+    """Single precision has no more."""
+    return data[:PREFIX] + bytes([data[PREFIX] ^ 1]) + data[PREFIX + 1 :]
+
+
+def test_a_signalling_nan_is_a_difference() -> None:
+    """Its conversion to double precision raises the processor's flag of an invalid operation."""
+    good = files()["vorschub.stl"]
+    changed = good[: PREFIX + 12] + b"\x01\x00\xa0\x7f" + good[PREFIX + 16 :]
+    difference = first_difference(STL_VERIFIER, changed, good)
+    assert difference is not None
+    assert difference.place == "facet 1"
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("vorschub.dxf", lambda data: data.replace(b"\n", b"\r\n")),
+        ("vorschub.ngc", lambda data: data.replace(b" ", b"  ").replace(b"\nG1", b"\n\nG1")),
+        ("vorschub.3mf", partial(repacked, change=lambda _, content: content)),
+        ("vorschub.step", lambda data: data.replace(b",", b" , ")),
+        # The last bit of a normal: single precision has no more.
+        ("vorschub.stl", last_bit_of_a_normal),
+    ],
+)
+def test_blanks_and_last_digits_are_no_difference(
+    name: str, change: Callable[[bytes], bytes]
+) -> None:
+    changed = change(files()[name])
+    assert changed != files()[name]
+    assert first_difference(VERIFIERS[name], changed, files()[name]) is None
+
+
+def test_a_long_number_is_read_once() -> None:
+    """With a square of its length this would not end."""
+    assert first_difference(DXF_VERIFIER, b"9" * 10**6 + b"x", b"8" * 10**6 + b"x") is not None
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "same"),
+    [
+        (b"1000.000001", b"1000.0", True),
+        (b"1000.000002", b"1000.0", False),
+        (b"0.0000000009", b"0", True),
+        (b"0.0000000011", b"0", False),
+        (b"X2.5", b"Y2.5", False),
+        (b"X2.50", b"X2.5", True),
+        (b"1e999", b"2e999", False),
+        (b"G1 X2", b"G1", False),
+        (b"G1", b"G1 X2", False),
+    ],
+)
+def test_numbers_agree_within_a_share_of_their_size(one: bytes, other: bytes, same: bool) -> None:
+    assert (first_difference(DXF_VERIFIER, one, other) is None) == same
+
+
+# Verdicts -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", VERIFIERS)
+def test_what_is_built_is_the_same_and_is_measured(name: str, tmp_path: Path) -> None:
+    """By whatever name, though a mesh states its tolerance in its certificate alone."""
+    data = files()[name]
+    certify(tmp_path, name, data)
+    verdict = verdict_on(tmp_path / name, data)
+    assert (again(verdict).value, again(verdict).ok) == ("the same", True)
+    assert verdict.passed
+    assert verdict.deviation is not None
+    renamed = again(verdict_on(tmp_path / f"other-{name}", data))
+    assert renamed.ok == (None if name.endswith("stl") else True)
+
+
+def test_a_difference_fails_unless_the_certificate_vouches_for_it(tmp_path: Path) -> None:
+    """A feed, which nothing measures."""
+    path = tmp_path / "vorschub.ngc"
+    data = files()[path.name]
+    changed = data.replace(b"F100", b"F101", 1)
+    line = data[: data.index(b"F100")].count(b"\n") + 1
+    verdict = verdict_on(path, changed)
+    assert again(verdict).ok is False
+    assert again(verdict).note == f"line {line}: 'F101' where camgeo writes 'F100'"
+    assert [each.name for each in verdict.checks if each.ok is False] == ["written again"]
+    certify(tmp_path, path.name, changed)
+    verdict = verdict_on(path, changed)
+    assert verdict.passed
+    assert again(verdict).note.endswith("'F100'; certificate.json vouches for the file")
+    certify(tmp_path, path.name, data)
+    assert again(verdict_on(path, changed)).ok is False
+    assert again(verdict_on(path, data[: data.rindex(b"M2")])).note.endswith(
+        "the end where camgeo writes 'M2'"
+    )
+
+
+def test_a_mesh_of_unknown_tolerance_may_be_another_one(tmp_path: Path) -> None:
+    path = tmp_path / "vorschub.stl"
+    check = again(verdict_on(path, files()[path.name]))
+    assert check.ok is None
+    assert check.note.endswith("its tolerance is not known")
+    assert again(verdict_on(path, files(0.5 * WRITTEN_WITHIN)[path.name])).ok is True
+
+
+def test_files_of_other_versions_and_scenes_are_only_measured(tmp_path: Path) -> None:
+    path = tmp_path / "vorschub.dxf"
+    data = files()[path.name]
+    version = vorschub().disc.version
+    verdict = verdict_on(path, data.replace(f"\n{version}\n".encode(), b"\n0.0.9\n", 1))
+    assert again(verdict).note == "it is of camgeo 0.0.9: only measured"
+    assert verdict.passed
+    verdict = verdict_on(path, data, vorschub("setzhub"))
+    assert again(verdict).note == "it is not of this scene: only measured"
+    assert not verdict.passed
+    foreign = data.replace(b"\ncamgeo\n", b"\nother\n", 1)
+    assert "written again" not in {each.name for each in verdict_on(path, foreign).checks}
+
+
+def test_a_scene_that_cannot_be_written_is_a_difference(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    refused = Mock(side_effect=camgeo.GeometryError("there is no room"))
+    monkeypatch.setattr("camgeo_export.dxf.writer.DxfWriter.write", refused)
+    check = again(verdict_on(tmp_path / "vorschub.dxf", files()["vorschub.dxf"]))
+    assert check.ok is False
+    assert check.note == "the scene cannot be written: there is no room"
+
+
+def test_each_file_of_a_set_is_compared_with_its_own(tmp_path: Path) -> None:
+    """Both discs of a pair, under other names too: the nearest of those that there are."""
+    pair = vorschub("conjugate_lever")
+    contents, _ = make_files(pair.discs, ("dxf",), WRITTEN_WITHIN)
+    del contents[CERTIFICATE]
+    assert len(contents) == 2
+    for number, (name, data) in enumerate(contents.items()):
+        for path in (tmp_path / name, tmp_path / f"{number}.dxf"):
+            assert again(verdict_on(path, data, pair)).value == "the same"
+        changed = data.replace(b"\nEOF", b"\nEOFF")
+        assert "'EOFF' where" in again(verdict_on(tmp_path / name, changed + b"EOF", pair)).note
+
+
+# Programs as they are written, simulated: sound ones, and ones changed on purpose -----------------
+
+
+def simulated(text: str) -> list[Check]:
+    return simulation_checks(PRODUCT, run_program(text, load("linuxcnc")), TOLERANCE)
+
+
+PRODUCT = StubProduct(second_tool=SECOND_TOOL)
+
+PROGRAM = GCODE.write(PRODUCT, TOLERANCE).data.decode()
+
+
+def runs_in(text: str) -> list[Run]:
+    program = run_program(text, load("linuxcnc"))
+    return [each.run for each in traced(PRODUCT, program, PRODUCT.milled.cuts)]
+
+
+def test_moves_are_those_of_the_program() -> None:
+    bore, outline = runs_in(PROGRAM)
+    assert (bore.name, bore.radius) == ("bore", 3.0)
+    assert (outline.name, outline.radius) == ("outline", 4.0)
+    planned = PRODUCT.toolpath(TOLERANCE).operations[0].moves
+    kinds = [type(move) for move in bore.moves]
+    assert kinds.count(ArcFeed) == sum(isinstance(move, ArcFeed) for move in planned)
+    assert kinds.count(Feed) == sum(isinstance(move, Feed) for move in planned)
+    assert bore.start == (4.2, -2.8, 5.0)  # where the first traverse that says all of it ends
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        # The outline is cut with the smaller tool, on the path of the larger one.
+        ("T2 M6", "T1 M6", "outline: material is left on the part, up to 1.01 mm thick"),
+        # 1 mm along X through the whole of the outline.
+        ("(operation outline)", "(operation outline)\nG52 X1", "outline: the cutter goes"),
+        ("G1 Z-8.0000 F80", "G0 Z-8.0000", "outline: a traverse goes 4 mm deep into material"),
+        ("G1 Z-8.0000 F80", "G1 Z-7.0000 F80", "material is left on the part, up to"),
+    ],
+)
+def test_a_program_that_is_changed(old: str, new: str, sentence: str) -> None:
+    text = PROGRAM
+    if new.endswith("G52 X1"):
+        head, tail = text.split(old)
+        new = old
+        tail = re.sub(r"X(-?[\d.]+)", lambda found: f"X{float(found[1]) + 1.0:.4f}", tail)
+        text = f"{head}{old}{tail}"
+    assert old in text
+    found = simulated(text.replace(old, new))
+    assert [check for check in found if check.ok is not False] == []
+    assert any(sentence in check.note for check in found), [check.note for check in found]
+
+
+FOREIGN_PROGRAM = """G17 G21 G40 G49 G54 G80 G90 G94 G91.1
+T{tool} M6
+G43 H{tool}
+S3000 M3
+G0 Z5
+G0 X0 Y-5
+G1 Z-8 F100
+G0 Z5
+G0 X35 Y-5
+G1 Z-8
+G2 X35 Y-5 I-35 J0
+G0 Z5
+G28
+G0 Z5
+G0 X7 Y0
+G1 Z-8
+G3 X7 Y0 I-7 J0
+G0 Z5
+M5
+M2
+"""
+
+
+def test_a_program_of_someone_else() -> None:
+    """Whole circles, no comments, and after a traverse home a place that nobody has stated."""
+    (sound,) = simulated(FOREIGN_PROGRAM.format(tool=1))
+    assert sound.ok
+    assert sound.value == "1 operation"  # in two parts
+    (drilled,) = simulated(FOREIGN_PROGRAM.format(tool=1).replace("X0 Y-5", "X0 Y-12"))
+    assert "tool 1: the cutter goes 5 mm into the part" in drilled.note
+    runs = runs_in(FOREIGN_PROGRAM.format(tool=1))
+    assert [each.name for each in runs] == ["tool 1", "tool 1"]
+    assert sum(isinstance(move, ArcFeed) for each in runs for move in each.moves) == 4
+
+
+def test_a_tool_that_the_scene_does_not_have() -> None:
+    (check,) = simulated(FOREIGN_PROGRAM.format(tool=7))
+    assert check.ok is False
+    assert check.note == "line 7: tool 7 is none of the scene's"
+
+
+def test_a_path_that_the_control_computes() -> None:
+    text = FOREIGN_PROGRAM.format(tool=1).replace("G1 Z-8\nG2", "G41 D1\nG1 Z-8\nG2")
+    (check,) = simulated(text)
+    assert check.ok is None
+    assert "control" in check.note

@@ -28,11 +28,14 @@ VERIFIERS: Final[dict[str, Verifier]] = {
     each.format: each for each in (DXF, GCODE, STEP, STL, SVG, THREEMF)
 }
 
+FILE: Final = Reading("file")
+"""Of which nothing else is known."""
+
 Checks = dict[tuple[str, str], Check]
 """By name, and by what the check is of."""
 
 
-def checked(verifier: Verifier, product: Product, data: bytes, reading: Reading) -> Checks:
+def checked(verifier: Verifier, product: Product, data: bytes, reading: Reading = FILE) -> Checks:
     checks = verifier.checks(product, data, reading, TOLERANCE)
     return {(check.name, check.of): check for check in checks}
 

@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Final
 
 from tests.fuzz.case import OPEN
-from tests.fuzz.cases import KINDS
-from tests.fuzz.runner import TRIES, fuzz
+from tests.fuzz.runner import KINDS, TRIES, fuzz
 from tests.seeds import add_seed
 
 COUNT: Final = 60

@@ -30,7 +30,7 @@ from camgeo.errors import CamgeoError, SceneError
 from camgeo.scene.scene import load_scene
 from tests.effects.test_random_scenes import assert_findings, assert_well_formed
 from tests.fuzz.case import PYTHON, Case, Step
-from tests.fuzz.lines import commands
+from tests.fuzz.files import commands
 from tests.speed import cpu, cpu_second
 from tests.waiting import PATIENCE
 

@@ -1,4 +1,6 @@
-"""Scenes: of the fixtures and templates, with effects, or made up, then changed here and there."""
+"""Scenes: of the fixtures and templates, with effects, or made up, then changed here and there; and
+scenes of extreme numbers.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,8 @@ from camgeo.scene.scene import parse_scene
 from camgeo.scene.toml import TEMPLATE_KINDS, template
 from tests.effects.test_random_scenes import scene_of
 from tests.end_to_end.random_mechanisms import drawn
-from tests.fuzz.case import PYTHON, SCENE, Case, Step, toml
+from tests.fuzz.case import PYTHON, SCENE, SCENE_STEPS, Case, Step, changed, paths, toml, value_at
+from tests.fuzz.case import Path as TreePath
 from tests.fuzz.drawn import WHOLE, edit, table
 
 FIXTURES: Final = Path(__file__).parents[2] / "fixtures"
@@ -200,7 +203,8 @@ def made_up(rng: Random) -> dict[str, Any]:
     if rng.random() < 0.5:
         values["part"] = {"thickness": 10, "bore": round(0.4 * radius, 3), **features(rng, radius)}
         if rng.random() < 0.2:
-            values["print"] = printing(rng)
+            names = rng.sample(sorted(PRINTING), rng.randint(0, 3))
+            values["print"] = filled(rng, radius, {name: PRINTING[name] for name in names})
     if kind.endswith("roller") and rng.random() < 0.2:
         paired(rng, values, radius)
     if rng.random() < 0.15:
@@ -223,75 +227,81 @@ def paired(rng: Random, values: dict[str, Any], radius: float) -> None:
         values["part"]["pair"] = pair
 
 
+EDGES: Final = ["upper", "lower", "both"]
+
+HOLES: Final = {
+    "count": [1, 2, 3, 5, 7],
+    "circle": (0.5, 1.9),
+    "hole": (0.02, 0.2),
+    "angle": [0, 17.5, -360],
+}
+
+DEEPER: Final = {"diameter": (0.05, 0.4), "depth": [0.5, 4, 9.99, 11]}
+
+FEATURES: Final[dict[str, Any]] = {
+    "keyway": [{"standard": "DIN 6885-1"}, {"width": (0.05, 0.3), "depth": (0.02, 0.2)}],
+    "d_shaft": {"across": (0.21, 0.39)},
+    "hub": {"diameter": (0.45, 1.5), "height": (0.01, 0.5), "side": EDGES},
+    "mark": {"radius": (0.3, 0.9), "width": (0.01, 0.1), "depth": 1},
+    "bolt_circle": {**HOLES, "counterbore": [None, DEEPER]},
+    "lightening_holes": HOLES,
+    "material": ["steel", "pom"],
+    "density": [1, 7850, 1e6],
+    "engraving": {},
+}
+"""What a part has beside its bore, see `filled`: often where there is room, at times where not."""
+
+TEXT: Final = {
+    "height": (0.02, 0.2),
+    "depth": [0.1, 1],
+    "radius": (0.3, 0.9),
+    "angle": [0, 90, -123.4],
+    "text": [None, "0", "Nr. 7", "Ø8 für Nocke", "façade", "ab\u51f8", "%_@"],
+}
+
+WAYS: Final = [{}, {"tops": "inward"}, {"along": "straight"}, {"along": "straight", "turn": 30}]
+"""In which a text may run."""
+
+OFTEN: Final = [0.05, 0.2, 0.2, 1.0, 30.0]
+
+PRINTING: Final[dict[str, Any]] = {
+    "bore_clearance": OFTEN,
+    "key_clearance": OFTEN,
+    "elephant_foot": {"inset": OFTEN, "height": [0.2, 0.6, 9.9], "steps": [1, 2, 3, 4]},
+    "nozzle": OFTEN,
+    "shrinkage": {"xy": [0, 0.7, -10, 20], "z": [0.3, 20]},
+}
+"""Compensations of usual size, at times of one that no part has room for."""
+
+
+def filled(rng: Random, radius: float, node: Any) -> Any:
+    """What `node` describes: of a list one of its values, for a pair of numbers a size between
+    these shares of the cam's radius, and a table without the keys whose value is None.
+    """
+    match node:
+        case dict():
+            found = {key: filled(rng, radius, each) for key, each in node.items()}
+            return {key: each for key, each in found.items() if each is not None}
+        case list():
+            return filled(rng, radius, rng.choice(node))
+        case (float(), float()):
+            return float(f"{radius * rng.uniform(*node):.4g}")
+    return node
+
+
 def features(rng: Random, radius: float) -> dict[str, Any]:
-    """What a part has beside its bore: often where there is room, at times where there is none."""
-
-    def size(low: float, high: float) -> float:
-        return float(f"{radius * rng.uniform(low, high):.4g}")
-
-    def holes() -> dict[str, Any]:
-        found = {"count": rng.randint(1, 7), "circle": size(0.5, 1.9), "hole": size(0.02, 0.2)}
-        return {**found, "angle": rng.choice((0, 17.5, -360))}
-
-    def bolts() -> dict[str, Any]:
-        found = holes()
-        if rng.random() < 0.5:
-            wide = float(f"{found['hole'] * rng.uniform(0.9, 2.5):.4g}")
-            found["counterbore"] = {"diameter": wide, "depth": rng.choice((0.5, 4, 9.99, 11))}
-        return found
-
-    def text() -> dict[str, Any]:
-        found: dict[str, Any] = {"height": size(0.02, 0.2), "depth": rng.choice((0.1, 1))}
-        found |= {"radius": size(0.3, 0.9), "angle": rng.choice((0, 90, -123.4))}
-        if rng.random() < 0.8:
-            found["text"] = rng.choice(("0", "Nr. 7", "Ø8 für Nocke", "façade", "ab\u51f8", "%_@"))
-        way = rng.choice(("tops", "straight", "turned", ""))
-        if way == "tops":
-            found["tops"] = "inward"
-        elif way:
-            found |= {"along": "straight"} | ({"turn": 30} if way == "turned" else {})
-        return found
-
-    makers: dict[str, Callable[[], Any]] = {
-        "keyway": lambda: rng.choice(
-            ({"standard": "DIN 6885-1"}, {"width": size(0.05, 0.3), "depth": size(0.02, 0.2)})
-        ),
-        "d_shaft": lambda: {"across": size(0.21, 0.39)},
-        "hub": lambda: {
-            "diameter": size(0.45, 1.5),
-            "height": size(0.01, 0.5),
-            "side": rng.choice(("upper", "lower", "both")),
-        },
-        "mark": lambda: {"radius": size(0.3, 0.9), "width": size(0.01, 0.1), "depth": 1},
-        "bolt_circle": bolts,
-        "lightening_holes": holes,
-        "material": lambda: rng.choice(("steel", "pom")),
-        "density": lambda: rng.choice((1, 7850, 1e6)),
-        "engraving": lambda: [text() for _ in range(rng.choice((1, 1, 2)))],
-    }
-    chosen = rng.sample(sorted(makers), rng.choice((0, 0, 1, 2)))
-    found = {name: makers[name]() for name in chosen}
+    """Some of the features of a part, and chamfers of some of its edges."""
+    chosen = rng.sample(sorted(FEATURES), rng.choice((0, 0, 1, 2)))
+    found: dict[str, Any] = filled(rng, radius, {name: FEATURES[name] for name in chosen})
+    if "engraving" in found:
+        texts = range(rng.choice((1, 1, 2)))
+        found["engraving"] = [filled(rng, radius, TEXT) | rng.choice(WAYS) for _ in texts]
     if rng.random() < 0.3:
         edged = sorted({"outline", "bore", "hub", "bolt_circle"} & {"outline", "bore", *found})
-        found["chamfers"] = {
-            name: {"width": size(0.001, 0.08), "edges": rng.choice(("upper", "lower", "both"))}
-            for name in rng.sample(edged, rng.randint(1, len(edged)))
-        }
+        chamfer = {"width": (0.001, 0.08), "edges": EDGES}
+        names = rng.sample(edged, rng.randint(1, len(edged)))
+        found["chamfers"] = filled(rng, radius, dict.fromkeys(names, chamfer))
     return found
-
-
-def printing(rng: Random) -> dict[str, Any]:
-    """Compensations of usual size, at times of one that no part has room for."""
-    size = rng.choice((0.05, 0.2, 0.2, 1.0, 30.0))
-    foot = {"inset": size, "height": rng.choice((0.2, 0.6, 9.9)), "steps": rng.randint(1, 4)}
-    makers: dict[str, Any] = {
-        "bore_clearance": size,
-        "key_clearance": size,
-        "elephant_foot": foot,
-        "nozzle": size,
-        "shrinkage": {"xy": rng.choice((0, 0.7, -10, 20)), "z": rng.choice((0.3, 20))},
-    }
-    return {name: makers[name] for name in rng.sample(sorted(makers), rng.randint(0, 3))}
 
 
 def _guided(rng: Random, radius: float) -> dict[str, Any]:
@@ -440,3 +450,127 @@ def tolerances(rng: Random, radius: float, values: dict[str, Any]) -> dict[str, 
         if rng.random() < 0.5:
             found["clearance"][0]["shifted"] = "by-load"
     return found
+
+
+# Scenes of small size and extreme numbers: moves in millionths of a degree, tiny rollers and
+# strokes, long radii; where most faults were that other random scenes found after hours
+
+
+USUAL_LAWS: Final = ("polynomial-345", "modified-sine", "auto")
+
+FAST_FORMATS: Final = ("dxf", "dxf", "dxf", "csv", "svg", "cut-svg")
+
+CURVE_COMMANDS: Final = (
+    ("size", SCENE),
+    ("table", SCENE, "--step", "7"),
+    ("replay", SCENE, "--step", "1"),
+    ("explain", SCENE, "undercut"),
+)
+
+
+def extreme_case(rng: Random) -> Case:
+    """A scene without effects or milling, and the commands that compute its curves."""
+    values = _extreme_values(rng)
+    for _ in range(10):
+        if accepted(values, FIXTURES):
+            break
+        values = _extreme_values(rng)
+    steps: list[Step] = [(PYTHON, SCENE), ("check", SCENE)]
+    if rng.random() < 0.6:
+        steps += [("build", SCENE, "-o", "out"), ("verify", "out")]
+    elif rng.random() < 0.3:
+        steps.append(rng.choice(CURVE_COMMANDS))
+    return Case({SCENE: toml(values).encode()}, tuple(steps), "extremes", both=False)
+
+
+def _extreme_values(rng: Random) -> dict[str, Any]:
+    radius = _size(rng, 0.0, 3.0)
+    kind = rng.choice(tuple(FOLLOWERS))
+    follower = {"kind": kind, **FOLLOWER_TABLES[kind](rng, radius)}
+    if "roller_radius" in follower:
+        if rng.random() < 0.4:
+            follower["roller_radius"] = follower["base_radius"] * _size(rng, -8.0, 0.0)
+        if rng.random() < 0.5:
+            follower["contact"] = rng.choice(("groove", "outer"))
+        if rng.random() < 0.3:
+            follower["direction"] = rng.choice(("inward", "outward"))
+    usual = rng.uniform(2.0, 35.0) if kind.startswith("oscillating") else 0.5 * radius
+    values: dict[str, Any] = {
+        "camgeo": 1,
+        "name": "extreme",
+        "cam": {"rotation": rng.choice(("cw", "ccw"))},
+        "follower": follower,
+        "motion": _motion(rng, rng.choice((usual, _size(rng, -8.0, 1.0)))),
+    }
+    if rng.random() < 0.7:
+        values["limits"] = {"undercut": "trim"}
+    if "contact" in follower:
+        values["part"] = {"rim": 10.0 * radius}
+    name = rng.choice(FAST_FORMATS)
+    output = {"formats": [name], "tolerance": _size(rng, -6.0, -0.5)}
+    if name == "dxf" and rng.random() < 0.3:
+        output["dxf"] = table(rng, WHOLE["properties"]["output"]["properties"]["dxf"])
+    elif name == "dxf":
+        output["dxf"] = {"entity": rng.choice(("arcs", "polyline", "spline"))}
+    return {**values, "output": output}
+
+
+def _motion(rng: Random, stroke: float) -> list[dict[str, Any]]:
+    """2 to 5 segments, of which two in five take a millionth of a degree to one degree."""
+    count = rng.choice((2, 3, 3, 4, 5))
+    short = [rng.random() < 0.4 for _ in range(count)]
+    short[rng.randrange(count)] = False
+    spans = [_size(rng, -6.5, 0.0) if each else 0.0 for each in short]
+    shares = [0.0 if each else rng.uniform(0.1, 1.1) for each in short]
+    left = 360.0 - sum(spans)
+    spans = [
+        span or round(left * share / sum(shares), 9)
+        for span, share in zip(spans, shares, strict=True)
+    ]
+    longest = spans.index(max(spans))
+    spans[longest] = round(spans[longest] + 360.0 - sum(spans), 12)
+
+    def law(span: float) -> dict[str, Any]:
+        name = rng.choice(USUAL_LAWS if rng.random() < 0.5 else tuple(FAMILIES))
+        if rng.random() < 0.15:
+            return {"law": name, "velocity": rng.choice((0.3, stroke, 1e-6, 100.0 * stroke))}
+        return {"law": name}
+
+    return segments(rng, spans, stroke, law)
+
+
+def _size(rng: Random, low: float, high: float) -> float:
+    """A number of a magnitude between the powers `low` and `high` of ten."""
+    return float(f"{10.0 ** rng.uniform(low, high):.4g}")
+
+
+# -- numbers ---------------------------------------------------------------------------------------
+# Scenes of the fixtures with one number far from where its designer had it.
+
+
+FACTORS: Final = (1e-6, 1e-3, 0.05, 20.0, 1e3, 1e6)
+
+HUGE: Final = 1e9
+
+
+def number_case(rng: Random) -> Case:
+    """A scene that is accepted with one of its numbers changed; it is checked, built, verified."""
+    for _ in range(20):
+        path = rng.choice(fixtures())
+        values = values_of(path)
+        place = rng.choice([each for each in paths(values) if is_number(values, each)])
+        size = value_at(values, place)
+        other = rng.choice((*(size * factor for factor in FACTORS), HUGE))
+        values = changed(values, place, float(f"{other:.6g}"))
+        if accepted(values, path.parent):
+            break
+    text = toml(values)
+    files = {each.name: each.read_bytes() for each in path.parent.glob("*.csv")}
+    files = {name: data for name, data in files.items() if name in text}
+    source = f"{path.stem}, {'.'.join(map(str, place))}"
+    return Case({**files, SCENE: text.encode()}, SCENE_STEPS, source, both=False)
+
+
+def is_number(values: dict[str, Any], place: TreePath) -> bool:
+    """Whether a size is there, and not the version of the format."""
+    return type(value_at(values, place)) in (int, float) and place != ("camgeo",)

@@ -22,20 +22,25 @@ from random import Random
 from typing import Any, Final
 
 from camgeo_export.verify.threemf import parts_of
-from tests.hostile.mutations import mutated, repacked
-from tests.hostile.others import bodies, certificates, packages, profiles, projects, scenes
-from tests.hostile.readers import ENDINGS, READERS, good
-from tests.hostile.solids import solids
-from tests.hostile.texts import (
+from tests.hostile.inputs import (
     Named,
+    bodies,
+    certificates,
     contours,
     drawings,
     large,
+    packages,
     points,
+    profiles,
     programs,
+    projects,
+    scenes,
+    solids,
     tables,
     vectors,
 )
+from tests.hostile.mutations import mutated, repacked
+from tests.hostile.readers import ENDINGS, READERS, good
 from tests.seeds import add_seed
 from tests.speed import cpu_second, spending
 

@@ -1,7 +1,9 @@
-"""The path of the cutter's centre under compensation: corners, arcs, leads, and LinuxCNC's."""
+"""The path of the cutter's centre under compensation: where parallels of moves meet, corners, arcs,
+leads, and LinuxCNC's."""
 
 from __future__ import annotations
 
+import cmath
 import math
 from dataclasses import replace
 from functools import partial
@@ -9,16 +11,100 @@ from random import Random
 from typing import Final
 
 import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
 
 from camgeo.design.linting import Bench
 from camgeo.milling.machine import load
 from camgeo_export.interpreter.controller import Findings
-from camgeo_export.interpreter.moves import CutterMove, centres, judge
+from camgeo_export.interpreter.moves import CutterMove, Kind, Parallel, centres, judge, meeting
 from camgeo_export.interpreter.run import Run, run
 from tests.judges import rs274
+from tests.judges.files import random_contour
 from tests.judges.paths import difference
-from tests.judges.programs import random_contour
 from tests.long_form import examples
+
+# Parallels of moves: the point where two neighbours meet is a radius away from both ---------------
+
+
+RADIUS = 1.0
+
+
+def move(
+    kind: Kind, start: complex, end: complex, centre: complex = 0j, sweep: float = 0.0
+) -> CutterMove:
+    return CutterMove(kind, start, end, 0.0, 0.0, centre, sweep, 0.0, 1.0, 1.0, "", 1, 1, 1)
+
+
+def line(start: complex, heading: complex, length: float) -> CutterMove:
+    return move("line", start, start + heading * length)
+
+
+def arc(start: complex, heading: complex, radius: float, sweep: float) -> CutterMove:
+    """An arc from a heading; `sweep` positive counter-clockwise."""
+    centre = start + heading * radius * (1j if sweep > 0.0 else -1j)
+    return move("arc", start, centre + (start - centre) * cmath.exp(1j * sweep), centre, sweep)
+
+
+def off(each: CutterMove, point: complex) -> float:
+    """Distance of a point from the whole line or circle of a move."""
+    if each.kind == "arc":
+        return abs(abs(point - each.centre) - abs(each.start - each.centre))
+    way = each.end - each.start
+    return abs(((point - each.start) / way).imag) * abs(way)
+
+
+def test_a_square_corner() -> None:
+    before, after = line(-10 + 0j, 1 + 0j, 10.0), line(0j, 1j, 10.0)
+    left = Parallel(before, 1.0, RADIUS), Parallel(after, 1.0, RADIUS)
+    assert (meeting(*left), left[0].share(-1 + 1j), left[1].share(-1 + 1j)) == pytest.approx(
+        (-1 + 1j, 0.9, 0.1)
+    )
+
+
+@given(
+    st.floats(0.1, 2.5),
+    st.sampled_from([1.0, -1.0]),
+    st.floats(2.5, 20.0),
+    st.floats(0.3, 2.0),
+    st.sampled_from(["line line", "line arc", "arc line", "arc arc"]),
+    st.booleans(),
+)
+def test_the_cutter_touches_both(
+    turn: float, side: float, radius: float, sweep: float, kinds: str, left: bool
+) -> None:
+    first, second = kinds.split()
+    bend = sweep if left else -sweep
+    heading = cmath.exp(1j * turn * side)
+    after = line(0j, heading, 30.0) if second == "line" else arc(0j, heading, radius, bend)
+    back = line(0j, -1 + 0j, 30.0) if first == "line" else arc(0j, -1 + 0j, radius, -bend)
+    before = move(back.kind, back.end, back.start, back.centre, -back.sweep)
+    pair = Parallel(before, side, RADIUS), Parallel(after, side, RADIUS)
+    assert pair[1].heading(0j) / pair[0].heading(0j) == pytest.approx(heading)
+    assume(all(each.move.kind == "line" or each.room > 0.0 for each in pair))
+    point = meeting(*pair)
+    assume(point is not None)
+    assert point is not None
+    assert (off(before, point), off(after, point)) == pytest.approx((RADIUS, RADIUS), abs=1e-9)
+    for each in pair:
+        share = each.share(point)
+        place = each.move.start + (each.move.end - each.move.start) * share
+        if each.move.kind == "arc":
+            turned = cmath.exp(1j * each.move.sweep * share)
+            place = each.move.centre + (each.move.start - each.move.centre) * turned
+        assert abs(point - place) == pytest.approx(RADIUS, abs=1e-9)
+        if share > 0.0:
+            assert abs(each.beside(place) - point) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_an_arc_has_room_for_smaller_cutters_only() -> None:
+    inner = Parallel(arc(0j, 1 + 0j, 5.0, math.pi), 1.0, 4.0)
+    assert (inner.room, Parallel(inner.move, -1.0, 4.0).room) == pytest.approx((1.0, 9.0))
+    assert Parallel(inner.move, 1.0, 6.0).room < 0.0
+
+
+# Corners, arcs and leads of programs --------------------------------------------------------------
+
 
 HEAD: Final = """G17 G21 G40 G49 G54 G80 G90 G94 G91.1
 T1 M6
@@ -46,23 +132,37 @@ def ends(found: Run, radius: float) -> list[complex]:
     return [move.end for move in moves if move.kind != "rapid" and move.start != move.end]
 
 
-def test_an_inner_corner_is_cut_where_the_parallels_meet() -> None:
-    found = of(EDGE.format("G1 X20 Y20\n"))
-    assert ends(found, 2.0) == pytest.approx([2j, 18 + 2j, 18 + 20j, 40 + 40j])
-
-
-def test_an_outer_corner_is_rounded() -> None:
-    found = of(EDGE.format("G1 X20 Y-20\n"))
-    assert ends(found, 2.0) == pytest.approx([2j, 20 + 2j, 22 + 0j, 22 - 20j, 40 + 40j])
-    (arc,) = (move for move in centres(found.moves, lambda _: 2.0) if move.kind == "arc")
-    assert arc.centre == 20 + 0j
-    assert arc.sweep == pytest.approx(-0.5 * math.pi)
-
-
-def test_a_negative_offset_is_one_on_the_other_side() -> None:
-    """The corner is an outer one for it."""
-    found = of(EDGE.format("G1 X20 Y20\n"))
-    assert ends(found, -2.0) == pytest.approx([-2j, 20 - 2j, 22 + 0j, 22 + 20j, 40 + 40j])
+@pytest.mark.parametrize(
+    ("way", "radius", "expected", "arcs"),
+    [
+        ("G1 X20 Y20\n", 2.0, [2j, 18 + 2j, 18 + 20j, 40 + 40j], []),
+        (
+            "G1 X20 Y-20\n",
+            2.0,
+            [2j, 20 + 2j, 22 + 0j, 22 - 20j, 40 + 40j],
+            [(20 + 0j, -0.5 * math.pi)],
+        ),
+        (
+            "G1 X20 Y20\n",
+            -2.0,
+            [-2j, 20 - 2j, 22 + 0j, 22 + 20j, 40 + 40j],
+            [(20 + 0j, 0.5 * math.pi)],
+        ),
+    ],
+    ids=["inner", "outer", "other side"],
+)
+def test_an_inner_corner_is_cut_where_the_parallels_meet_and_an_outer_one_is_rounded(
+    way: str, radius: float, expected: list[complex], arcs: list[tuple[complex, float]]
+) -> None:
+    """A negative offset is one on the other side."""
+    found = of(EDGE.format(way))
+    assert ends(found, radius) == pytest.approx(expected)
+    made = [
+        (move.centre, move.sweep)
+        for move in centres(found.moves, lambda _: radius)
+        if move.kind == "arc"
+    ]
+    assert made == [pytest.approx(each) for each in arcs]
 
 
 def test_arcs_keep_their_centre_and_change_their_radius() -> None:
@@ -116,28 +216,34 @@ G1 G40 X10 Y-60
     assert [finding.rule for finding in findings.found] == []
 
 
-def test_a_linter_takes_a_negative_offset_as_one_on_the_other_side() -> None:
+@pytest.mark.parametrize(
+    ("radius", "rules"), [(12.0, ["compensation", "gouge"]), (-12.0, ["compensation"])]
+)
+def test_a_linter_takes_a_negative_offset_as_one_on_the_other_side(
+    radius: float, rules: list[str]
+) -> None:
     arc = EDGE.format("G3 X30 Y10 I0 J10\nG1 X30 Y30\n")
-    for radius, rules in ((12.0, ["compensation", "gouge"]), (-12.0, ["compensation"])):
-        linted = run(HEAD + arc + END, load("linuxcnc"), Bench(radii=((1, radius),)))
-        assert [each.rule for each in linted.findings if each.concerns == "form"] == rules
+    linted = run(HEAD + arc + END, load("linuxcnc"), Bench(radii=((1, radius),)))
+    assert [each.rule for each in linted.findings if each.concerns == "form"] == rules
 
 
-def test_what_programs_add_to_the_table_is_read() -> None:
-    def oversize(machine: str, *changes: tuple[str, str]) -> float:
-        text = SINUMERIK if machine == "sinumerik" else HEIDENHAIN
-        for change in changes:
-            text = text.replace(*change)
-        found = run(text, load(machine))
-        assert [finding.rule for finding in found.findings if finding.concerns == "words"] == []
-        (size,) = {move.oversize for move in found.moves if move.compensation}
-        return size
-
-    assert oversize("sinumerik") == -3.0
-    assert oversize("sinumerik", ("OFFN=-3.0", "OFFN=0")) == 0.0
-    assert oversize("heidenhain") == -3.0
-    assert oversize("heidenhain", (" DR-3.0", "")) == 0.0
-    assert oversize("heidenhain", (" DR-3.0", " DL+1.0 DR+0.5")) == 0.5
+@pytest.mark.parametrize(
+    ("machine", "old", "new", "oversize"),
+    [
+        ("sinumerik", "OFFN=-3.0", "OFFN=-3.0", -3.0),
+        ("sinumerik", "OFFN=-3.0", "OFFN=0", 0.0),
+        ("heidenhain", " DR-3.0", " DR-3.0", -3.0),
+        ("heidenhain", " DR-3.0", "", 0.0),
+        ("heidenhain", " DR-3.0", " DL+1.0 DR+0.5", 0.5),
+    ],
+)
+def test_what_programs_add_to_the_table_is_read(
+    machine: str, old: str, new: str, oversize: float
+) -> None:
+    text = SINUMERIK if machine == "sinumerik" else HEIDENHAIN
+    found = run(text.replace(old, new), load(machine))
+    assert [finding.rule for finding in found.findings if finding.concerns == "words"] == []
+    assert {move.oversize for move in found.moves if move.compensation} == {oversize}
 
 
 SINUMERIK: Final = """G17 G710 G40 G90 G94

@@ -15,30 +15,21 @@ from typing import Final
 import camgeo
 from camgeo.milling.machine import load
 from camgeo_export.interpreter.run import run
-from tests.judges import (
-    bad,
-    chromium,
-    chromium_designer,
-    freecad,
-    grbl,
-    grbl_planner,
-    lib3mf_reader,
-    librecad,
-    node,
-    occ,
-    prusa,
-    rs274,
-)
-from tests.judges.files import Given, files, reports, scenes, sheets
-from tests.judges.paths import Leg, difference
-from tests.judges.programs import (
+from tests.judges import bad, cad, chromium, chromium_designer, grbl, grbl_planner, node, rs274
+from tests.judges.files import (
     SIX,
+    Given,
+    files,
     milled_scenes,
     programs,
     random_program,
+    reports,
     scene_of,
+    scenes,
+    sheets,
     workshop,
 )
+from tests.judges.paths import Leg, difference
 
 
 @dataclass(frozen=True)
@@ -153,20 +144,20 @@ JUDGES: Final[dict[str, tuple[Callable[[], str], Callable[[Extent], str]]]] = {
     "Grbl 1.1, its parser": (grbl.PARSER.absent, partial(compared, "grbl", grbl.run, 2e-3)),
     "Grbl 1.1, its planner": (grbl_planner.PLANNER.absent, timed),
     "FreeCAD": (
-        freecad.FREECAD.absent,
-        partial(read, freecad.judge, {"dxf": SIZE, "stl": VOLUME, "step": VOLUME}),
+        cad.FREECAD.absent,
+        partial(read, cad.judged_by_freecad, {"dxf": SIZE, "stl": VOLUME, "step": VOLUME}),
     ),
-    "OpenCASCADE": (occ.missing, partial(read, occ.judge, {"step": VOLUME})),
-    "LibreCAD": (librecad.LIBRECAD.absent, partial(read, librecad.judge, {"dxf": SIZE})),
+    "OpenCASCADE": (cad.occ_missing, partial(read, cad.judged_by_occ, {"step": VOLUME})),
+    "LibreCAD": (cad.LIBRECAD.absent, partial(read, cad.judged_by_librecad, {"dxf": SIZE})),
     "PrusaSlicer": (
-        prusa.SLICER.absent,
-        partial(read, prusa.judge, {"stl": VOLUME, "3mf": VOLUME}),
+        cad.SLICER.absent,
+        partial(read, cad.judged_by_slicer, {"stl": VOLUME, "3mf": VOLUME}),
     ),
     "PrusaSlicer, its perimeters": (
-        prusa.SLICER.absent,
-        partial(read, prusa.slice_, {"stl": WALLS, "3mf": WALLS}),
+        cad.SLICER.absent,
+        partial(read, cad.slice_, {"stl": WALLS, "3mf": WALLS}),
     ),
-    "lib3mf": (lib3mf_reader.missing, partial(read, lib3mf_reader.judge, {"3mf": VOLUME})),
+    "lib3mf": (cad.lib3mf_missing, partial(read, cad.judged_by_lib3mf, {"3mf": VOLUME})),
     "Chromium": (chromium.CHROMIUM.absent, shown),
     "Chromium, the designer": (
         chromium_designer.missing,

@@ -7,17 +7,15 @@ import hashlib
 import html
 import json
 import re
-from collections.abc import Callable, Generator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Final
 
 from tests.judges.programs_of_others import Program, Refusal
-from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser
+    pass
 
 CHROMIUM: Final = Program("CAMGEO_CHROMIUM", "chromium", "chromium-browser", "google-chrome")
 
@@ -51,21 +49,6 @@ FAULTS: Final[dict[str, Callable[[dict[str, Any]], bool]]] = {
     "words of its picture are cut off": lambda shown: shown["outside"] > 0,
 }
 """What may be wrong with what the probe has measured."""
-
-
-@contextmanager
-def launched(*words: str) -> Generator[Browser]:
-    """The browser, as playwright drives it."""
-    from playwright.sync_api import sync_playwright  # may not be installed
-
-    with sync_playwright() as playwright:
-        program = playwright.chromium.launch(
-            executable_path=CHROMIUM.path,
-            args=["--no-sandbox", *words],
-            timeout=1e3 * PATIENCE,
-        )
-        yield program
-        program.close()
 
 
 SLOW: Final = "GL Driver Message (OpenGL, Performance"

@@ -60,7 +60,7 @@ READERS = {".dxf": drawing, ".stl": solid, ".step": shape}
 
 
 def main(path: str) -> None:
-    """Print the line that tests/judges/freecad.py reads."""
+    """Print the line that tests/judges/cad.py reads."""
     try:
         told = READERS[Path(path).suffix](path)
     except Exception as error:  # whatever it raises is what it says of the file

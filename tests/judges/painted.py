@@ -91,7 +91,7 @@ def farthest(design: Design, painted: Mapping[str, Any], frame: Frame | None = N
     Parameters
     ----------
     design : of the text that is on the page.
-    painted : what the page has drawn, see `tests.judges.designer_page.PAINTED`.
+    painted : what the page has drawn, see `tests.judges.chromium_designer.PAINTED`.
     frame : of the picture, if that was held while something was dragged.
 
     Raises

@@ -13,9 +13,7 @@ from camgeo.app.designing import painting
 from camgeo.app.designing.edits import Changed, changed
 from tests.designer.conftest import MISSING
 from tests.judges import axe, browsing
-from tests.judges.designer_page import DesignerPage, shown
-from tests.judges.designer_scenes import painted, used
-from tests.judges.designer_views import look
+from tests.judges.chromium_designer import DesignerPage, look, painted, shown, used
 from tests.judges.programs_of_others import Refusal
 
 if MISSING:

@@ -146,58 +146,133 @@ def test_outline_of_a_mark(radius: float, width: float, slender: float, angle: f
     assert winding_number(contour, radius * np.exp(1j * angle)) == 1
 
 
-@pytest.mark.parametrize(
-    ("spec", "key", "message"),
-    [
-        # The inner flank's base circle has a radius of 32 mm; its rise begins at 60 degrees.
-        (PartSpec(hub=Hub(64.1, 5.0)), "part.hub.diameter", "comes as near as 3(1.9|2)"),
-        (
-            PartSpec(bore=20.0, keyway=Keyway(6.0, 2.8), hub=Hub(25.6, 5.0)),
-            "part.hub.diameter",
-            "more than 26.2937 mm",
-        ),
-        (PartSpec(mark=Mark(31.5, 2.0, 1.0, angle=1.6)), "part.mark", "clear of the outline"),
-        (PartSpec(mark=Mark(90.0, 2.0, 1.0)), "part.mark", "no material"),
-        (PartSpec(bore=20.0, mark=Mark(5.0, 2.0, 1.0)), "part.mark", "no material"),
-        (PartSpec(bore=20.0, mark=Mark(10.5, 2.0, 1.0)), "part.mark", "clear of the bore"),
-        (PartSpec(hub=Hub(40.0, 5.0), mark=Mark(20.0, 2.0, 1.0)), "part.mark", "clear of the hub"),
-        (PartSpec(hub=Hub(40.0, 5.0), mark=Mark(15.0, 2.0, 1.0)), "part.mark", "under the hub"),
-        (
-            PartSpec(bolt_circle=Holes(4, 50.0, 15.0)),
-            "part.bolt_circle",
-            "bolt hole 2 must lie clear of the outline",
-        ),
-        (
-            PartSpec(hub=Hub(50.0, 5.0), bolt_circle=Holes(4, 50.0, 5.0)),
-            "part.bolt_circle",
-            "bolt hole 1 must lie clear of the hub",
-        ),
-        (
-            PartSpec(lightening_holes=Holes(12, 30.0, 8.0)),
-            "part.lightening_holes",
-            "lightening hole 2 must lie clear of the lightening hole 1",
-        ),
-        (
-            PartSpec(bore=10.0, lightening_holes=Holes(1, 6.0, 20.0)),
-            "part.lightening_holes",
-            "lies around the bore",
-        ),
-        (
-            PartSpec(bolt_circle=Holes(3, 40.0, 6.0), mark=Mark(20.0, 2.0, 1.0)),
-            "part.mark",
-            "no material",
-        ),
-        (PartSpec(mark=Mark(1.0, 2.0, 1.0)), "part.mark.radius", "must not reach the cam axis"),
-        (
-            PartSpec(bore=20.0, keyway=Keyway(20.0, 2.0)),
-            "part.keyway.width",
-            "narrower than the bore, 20 mm",
-        ),
-    ],
-)
-def test_no_room(spec: PartSpec, key: str, message: str) -> None:
+BORED = replace(DISC, bore=36.0)
+
+BOLTS = Holes(3, 46.0, 4.0, counterbore=Counterbore(6.0, 4.0))
+
+
+def bored_wide(counterbore: Counterbore, **others: Any) -> PartSpec:
+    return replace(BORED, bolt_circle=replace(BOLTS, counterbore=counterbore), **others)
+
+
+def bevelling(spec: PartSpec, **chamfers: Chamfer) -> PartSpec:
+    return replace(spec, chamfers=Chamfers(**chamfers))
+
+
+EDGE = "part.chamfers.outline.width"
+
+NO_ROOM = [
+    *(
+        (Contact.INNER, *row)
+        for row in (
+            # The inner flank's base circle has a radius of 32 mm; its rise begins at 60 degrees.
+            (PartSpec(hub=Hub(64.1, 5.0)), "part.hub.diameter", "comes as near as 3(1.9|2)"),
+            (
+                PartSpec(bore=20.0, keyway=Keyway(6.0, 2.8), hub=Hub(25.6, 5.0)),
+                "part.hub.diameter",
+                "more than 26.2937 mm",
+            ),
+            (PartSpec(mark=Mark(31.5, 2.0, 1.0, angle=1.6)), "part.mark", "clear of the outline"),
+            (PartSpec(mark=Mark(90.0, 2.0, 1.0)), "part.mark", "no material"),
+            (PartSpec(bore=20.0, mark=Mark(5.0, 2.0, 1.0)), "part.mark", "no material"),
+            (PartSpec(bore=20.0, mark=Mark(10.5, 2.0, 1.0)), "part.mark", "clear of the bore"),
+            (
+                PartSpec(hub=Hub(40.0, 5.0), mark=Mark(20.0, 2.0, 1.0)),
+                "part.mark",
+                "clear of the hub",
+            ),
+            (PartSpec(hub=Hub(40.0, 5.0), mark=Mark(15.0, 2.0, 1.0)), "part.mark", "under the hub"),
+            (
+                PartSpec(bolt_circle=Holes(4, 50.0, 15.0)),
+                "part.bolt_circle",
+                "bolt hole 2 must lie clear of the outline",
+            ),
+            (
+                PartSpec(hub=Hub(50.0, 5.0), bolt_circle=Holes(4, 50.0, 5.0)),
+                "part.bolt_circle",
+                "bolt hole 1 must lie clear of the hub",
+            ),
+            (
+                PartSpec(lightening_holes=Holes(12, 30.0, 8.0)),
+                "part.lightening_holes",
+                "lightening hole 2 must lie clear of the lightening hole 1",
+            ),
+            (
+                PartSpec(bore=10.0, lightening_holes=Holes(1, 6.0, 20.0)),
+                "part.lightening_holes",
+                "lies around the bore",
+            ),
+            (
+                PartSpec(bolt_circle=Holes(3, 40.0, 6.0), mark=Mark(20.0, 2.0, 1.0)),
+                "part.mark",
+                "no material",
+            ),
+            (PartSpec(mark=Mark(1.0, 2.0, 1.0)), "part.mark.radius", "must not reach the cam axis"),
+            (
+                PartSpec(bore=20.0, keyway=Keyway(20.0, 2.0)),
+                "part.keyway.width",
+                "narrower than the bore, 20 mm",
+            ),
+            (bored_wide(Counterbore(6.0, 10.0)), "part.bolt_circle.counterbore.depth", "."),
+            (bored_wide(Counterbore(12.0, 4.0)), "part.bolt_circle", "."),  # into the bore
+            (
+                bored_wide(Counterbore(32.0, 4.0), bore=None),
+                "part.bolt_circle",
+                ".",
+            ),  # into the flank
+            # In the hole, and on its floor.
+            (bored_wide(Counterbore(6.0, 4.0), mark=Mark(23.0, 1.0, 0.5)), "part.mark", "."),
+            (bored_wide(Counterbore(6.0, 4.0), mark=Mark(25.5, 0.5, 0.5)), "part.mark", "."),
+            (bevelling(PartSpec(bore=20.0), outline=Chamfer(1.0)), "part.thickness", "."),
+            (bevelling(DISC, outline=Chamfer(5.0)), EDGE, "less than 5 mm"),
+            (
+                bevelling(
+                    replace(DISC, bore=40.0), outline=Chamfer(9.9, "upper"), bore=Chamfer(4.0)
+                ),
+                EDGE,
+                "comes to the bore",
+            ),
+            (
+                bevelling(
+                    replace(DISC, keyway=Keyway(6.0, 2.8), hub=Hub(29.0, 20.0)), bore=Chamfer(1.0)
+                ),
+                "part.chamfers.bore.width",
+                "comes to the hub",
+            ),
+            (
+                bevelling(replace(DISC, hub=Hub(24.0, 20.0)), hub=Chamfer(1.0), bore=Chamfer(1.0)),
+                "part.chamfers.bore.width",
+                "comes to the hub, 2 mm",
+            ),
+            (
+                bevelling(replace(DISC, hub=Hub(60.0, 3.0)), outline=Chamfer(2.5)),
+                EDGE,
+                "comes to the hub",
+            ),
+            (
+                bevelling(replace(DISC, thickness=80.0, bore=None), outline=Chamfer(32.0)),
+                EDGE,
+                "smallest radius of the outline where it goes round material",
+            ),
+            (bevelling(DISC, hub=Chamfer(1.0)), "part.chamfers.hub", "no such edge"),
+        )
+    ),
+    (Contact.GROOVE, bevelling(DISC, outline=Chamfer(4.0)), EDGE, "less than 4 mm"),
+    (
+        Contact.GROOVE,
+        bevelling(DISC, outline=Chamfer(1.0, "lower")),
+        "part.chamfers.outline",
+        "lower side",
+    ),
+]
+
+
+@pytest.mark.parametrize(("contact", "spec", "key", "message"), NO_ROOM)
+def test_what_has_no_room_is_refused_with_its_key(
+    contact: Contact, spec: PartSpec, key: str, message: str
+) -> None:
     with refused(key, message):
-        made(Contact.INNER, spec)
+        made(contact, spec)
 
 
 def test_holes_pass_through_the_hub_that_they_lie_in() -> None:
@@ -286,9 +361,6 @@ def test_random_parts(contact: Contact, spec: PartSpec) -> None:
                 assert hub.z0 < 0.0 or not covered.intersects(polygon_of(boundary).exterior)
 
 
-BOLTS = Holes(3, 46.0, 4.0, counterbore=Counterbore(6.0, 4.0))
-
-
 def test_counterbores_are_a_layer_of_their_own() -> None:
     part = made(Contact.INNER, replace(DISC, bore=12.0, bolt_circle=BOLTS))
     assert [(layer.name, layer.z0, layer.z1) for layer in part.layers] == [
@@ -308,24 +380,6 @@ def test_counterbores_in_a_hub_begin_on_its_face() -> None:
     part = made(Contact.INNER, replace(spec, bolt_circle=bolts))
     assert ("counterbore 1", -15.0, 6.0) in walls_of(part)
     assert ("bolt hole 1", -16.0, -15.0) in walls_of(part)
-
-
-@pytest.mark.parametrize(
-    ("counterbore", "others", "key"),
-    [
-        (Counterbore(6.0, 10.0), {}, "part.bolt_circle.counterbore.depth"),
-        (Counterbore(12.0, 4.0), {}, "part.bolt_circle"),  # into the bore
-        (Counterbore(32.0, 4.0), {"bore": None}, "part.bolt_circle"),  # into the flank
-        (Counterbore(6.0, 4.0), {"mark": Mark(23.0, 1.0, 0.5)}, "part.mark"),  # in the hole
-        (Counterbore(6.0, 4.0), {"mark": Mark(25.5, 0.5, 0.5)}, "part.mark"),  # on its floor
-    ],
-)
-def test_counterbores_without_room_are_refused(
-    counterbore: Counterbore, others: dict[str, object], key: str
-) -> None:
-    spec = replace(DISC, bore=36.0, bolt_circle=replace(BOLTS, counterbore=counterbore))
-    with refused(key):
-        made(Contact.INNER, replace(spec, **others))  # type: ignore[arg-type]  # of several types
 
 
 def test_a_counterbore_is_wider_than_its_hole() -> None:
@@ -515,7 +569,7 @@ def path_length(path: Path) -> float:
 
 
 def edged(contact: Contact, spec: PartSpec, **chamfers: Chamfer) -> Part:
-    return made(contact, replace(spec, chamfers=Chamfers(**chamfers)))
+    return made(contact, bevelling(spec, **chamfers))
 
 
 def found(part: Part) -> list[tuple[str, float, float]]:
@@ -545,8 +599,7 @@ def test_a_round_disc_is_a_cylinder_between_frustums(
         each[2] + each[0] * aside**2 for each in within
     )  # fmt: skip
     assert body.volume == pytest.approx(volume, rel=1e-12)
-    assert body.centre[2] * volume == pytest.approx(height, rel=1e-11)
-    assert body.axial == pytest.approx(polar, rel=1e-11)
+    assert (body.centre[2] * volume, body.axial) == pytest.approx((height, polar), rel=1e-11)
     moments = disc_moments(part, 1.0, 1e-10)
     assert moments.area == pytest.approx(volume, rel=1e-12)
     assert moments.first == pytest.approx(-aside * sum(each[0] for each in within), abs=1e-8)
@@ -607,35 +660,9 @@ def test_an_edge_is_the_exact_parallel(hole: bool) -> None:
     sign = 1.0 if hole else -1.0
     areas = [each.moments(1e-12).area for each in (flank, edge)]
     grown = areas[0] + sign * 2.0 * fits[0].length + 4.0 * math.pi
-    assert areas[1] == pytest.approx(grown, rel=1e-6)
-    assert fits[1].length == pytest.approx(fits[0].length + sign * 4.0 * math.pi, rel=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("contact", "spec", "chamfers", "key", "message"),
-    [
-        (Contact.INNER, DISC, {"outline": Chamfer(5.0)}, "outline.width", "less than 5 mm"),
-        (Contact.INNER, replace(DISC, bore=40.0),
-         {"outline": Chamfer(9.9, "upper"), "bore": Chamfer(4.0)}, "outline.width",
-         "comes to the bore"),
-        (Contact.GROOVE, DISC, {"outline": Chamfer(4.0)}, "outline.width", "less than 4 mm"),
-        (Contact.GROOVE, DISC, {"outline": Chamfer(1.0, "lower")}, "outline", "lower side"),
-        (Contact.INNER, replace(DISC, keyway=Keyway(6.0, 2.8), hub=Hub(29.0, 20.0)),
-         {"bore": Chamfer(1.0)}, "bore.width", "comes to the hub"),
-        (Contact.INNER, replace(DISC, hub=Hub(24.0, 20.0)),
-         {"hub": Chamfer(1.0), "bore": Chamfer(1.0)}, "bore.width", "comes to the hub, 2 mm"),
-        (Contact.INNER, replace(DISC, hub=Hub(60.0, 3.0)), {"outline": Chamfer(2.5)},
-         "outline.width", "comes to the hub"),
-        (Contact.INNER, replace(DISC, thickness=80.0, bore=None), {"outline": Chamfer(32.0)},
-         "outline.width", "smallest radius of the outline where it goes round material"),
-        (Contact.INNER, DISC, {"hub": Chamfer(1.0)}, "hub", "no such edge"),
-    ],
-)  # fmt: skip
-def test_what_has_no_room_is_refused_with_its_key(
-    contact: Contact, spec: PartSpec, chamfers: dict[str, Chamfer], key: str, message: str
-) -> None:
-    with refused(f"part.chamfers.{key}", message):
-        edged(contact, spec, **chamfers)
+    assert (areas[1], fits[1].length) == pytest.approx(
+        (grown, fits[0].length + sign * 4.0 * math.pi), rel=1e-6
+    )
 
 
 def test_chamfers_at_different_heights_do_not_meet() -> None:
@@ -689,13 +716,7 @@ def test_a_chamfer_around_a_pin_is_narrower_than_it() -> None:
     assert [each.boundary.name for each in inside.bevels] == ["hub"]
     with pytest.raises(GeometryError, match="less than the radius of the hub, 3 mm") as caught:
         bevelled(part, Chamfers(hub=Chamfer(3.0)), 0.01)
-    assert caught.value.key == "part.chamfers.hub.width"
-    assert caught.value.value == "3"
-
-
-def test_a_chamfer_needs_heights() -> None:
-    with refused("part.thickness"):
-        edged(Contact.INNER, PartSpec(bore=20.0), outline=Chamfer(1.0))
+    assert (caught.value.key, caught.value.value) == ("part.chamfers.hub.width", "3")
 
 
 def test_a_chamfer_is_at_the_end_of_a_wall() -> None:

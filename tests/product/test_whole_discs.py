@@ -1,26 +1,42 @@
-"""Whole discs as judged and listed: each figure by another way, each limit at both sides."""
+"""Whole discs as judged, listed, printed and milled: each figure by another way, each limit at both
+sides.
+"""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 
 import camgeo
 from camgeo.check.finding import BROKEN, Finding
-from camgeo.design.judged_part import PartFound, broken_in, findings_on, part_of, poor_in
+from camgeo.design.drawn import COMPENSATED
+from camgeo.design.judged_part import (
+    PartFound,
+    broken_in,
+    findings_on,
+    part_of,
+    poor_in,
+    relation_of,
+)
+from camgeo.design.machining import machining_of, machining_time
 from camgeo.design.milled import MilledDisc
-from camgeo.design.product import Product, disc_of, title_of, with_pair
+from camgeo.design.plate import STEP, plate_of
+from camgeo.design.product import Product, bodies_of, disc_of, title_of, with_pair
 from camgeo.errors import UnsafeError
+from camgeo.milling import plan
 from camgeo.numeric.arrays import FloatArray
 from camgeo.part.mass import solid, thinnest_of_each
 from camgeo.studies.sweep.rows import asked_of, read
 from tests.contour.cams import SCENES
 from tests.findings import known
+from tests.part.parts import refused
 
 FOUND = Path(__file__).parents[2] / "fixtures" / "found"
 
@@ -51,8 +67,9 @@ def test_the_part_is_weighed_in_the_units_of_the_scene(scene: str) -> None:
     assert found.body is not None
     exact = solid(disc.drawn.part)
     weight = 7850e-9  # kg/mm^3
-    assert found.body.stated_density == pytest.approx(7850.0, rel=1e-12)
-    assert found.body.mass == pytest.approx(weight * exact.volume, rel=1e-12)
+    assert (found.body.stated_density, found.body.mass) == pytest.approx(
+        (7850.0, weight * exact.volume), rel=1e-12
+    )
     assert found.body.axial_inertia == pytest.approx(weight * exact.axial, rel=1e-12)
     assert np.allclose(known(found.body.inertia), weight * exact.inertia, rtol=1e-12, atol=0.0)
     volume = math.fsum(each.area * (each.z1 - each.z0) for each in found.layers)
@@ -60,12 +77,15 @@ def test_the_part_is_weighed_in_the_units_of_the_scene(scene: str) -> None:
     assert [each.name for each in found.layers] == [each.name for each in disc.drawn.part.layers]
     alike(disc, found)
     told = by_name(found.findings)
-    assert told["mass"].value == found.body.mass
-    assert told["mass"].sentence == f"mass {found.body.mass:.6g} kg"
+    assert (told["mass"].value, told["mass"].sentence) == (
+        found.body.mass,
+        f"mass {found.body.mass:.6g} kg",
+    )
     assert told["largest-diameter"].value == found.diameter
     assert found.diameter == 2.0 * disc.drawn.part.outermost.farthest()[0]
     both = told.get("mass-of-both-discs")
     assert (both is not None) == (scene == "conjugate_carriage")
+    assert not any(both in findings_on(other) for other in disc.others)
     if both is not None:
         mine, other = (solid(each.drawn.part) for each in (disc, disc.others[0]))
         assert both.value == pytest.approx(weight * (mine.volume + other.volume), rel=1e-12)
@@ -219,7 +239,7 @@ def test_a_program_that_is_broken_is_not_made() -> None:
 
 # The table ----------------------------------------------------------------------------------------
 
-STEP = 0.25
+TABLE_STEP = 0.25
 """Of tables [deg]."""
 
 TABLES: dict[str, tuple[str, dict[str, Any], str]] = {
@@ -232,7 +252,7 @@ TABLES: dict[str, tuple[str, dict[str, Any], str]] = {
 
 def rate(values: FloatArray) -> FloatArray:
     """By central differences over the cam angle."""
-    return np.asarray((np.roll(values, -1) - np.roll(values, 1)) / (2.0 * math.radians(STEP)))
+    return np.asarray((np.roll(values, -1) - np.roll(values, 1)) / (2.0 * math.radians(TABLE_STEP)))
 
 
 def close(found: FloatArray, expected: FloatArray) -> None:
@@ -246,9 +266,9 @@ def test_columns_are_derivatives_of_each_other_and_curves_parallels(name: str) -
     scene, values, motion = TABLES[name]
     made = design(scene, values)
     columns = {heading.partition(" [")[0]: column
-               for heading, column in made.tabulated.table(STEP).columns.items()}  # fmt: skip
+               for heading, column in made.tabulated.table(TABLE_STEP).columns.items()}  # fmt: skip
     phi = np.radians(columns["phi"])
-    assert np.array_equal(columns["phi"], STEP * np.arange(1440))
+    assert np.array_equal(columns["phi"], TABLE_STEP * np.arange(1440))
     turned = motion != "s"
     base = np.radians(columns[motion]) if turned else columns[motion]
     for mark in ("'", "''", "'''"):
@@ -288,3 +308,240 @@ def test_columns_are_derivatives_of_each_other_and_curves_parallels(name: str) -
     told = by_name(tuple(made.findings)).get("transmission-angle")
     assert told is None or told.value == pytest.approx(least, abs=0.05)
     assert 0.0 <= least <= float(np.max(columns["mu"])) <= 90.0
+
+
+# How the discs of a conjugate pair stand to each other --------------------------------------------
+
+
+KEYWAY = {"width": 8, "depth": 3.3}
+BOLTS = {"count": 3, "circle": 50, "hole": 5}
+
+
+@pytest.mark.parametrize(
+    ("part", "severity", "said"),
+    [
+        ({"keyway": {**KEYWAY, "angle": 30}}, "ok", "in line on both discs: keyway at 30 deg"),
+        ({"keyway": None}, "warning", "nothing on the discs shows it"),
+        ({"keyway": None, "d_shaft": {"across": 20}}, "ok", "flat of the bore at 0 deg"),
+        ({"keyway": None, "mark": {"radius": 30, "width": 2, "depth": 1}}, "ok", "timing mark at"),
+        ({"keyway": None, "bolt_circle": BOLTS}, "warning", "fit in 3 positions, of which one is"),
+        ({"keyway": None, "bolt_circle": {**BOLTS, "count": 1}}, "ok", "first bolt hole at 0 deg"),
+        ({"bolt_circle": BOLTS}, "ok", "keyway at 0 deg and first bolt hole at 0 deg"),
+    ],
+)
+def test_two_pieces_belong_at_0_degrees(part: dict[str, Any], severity: str, said: str) -> None:
+    edits = {f"part.{key}": value for key, value in part.items()}
+    main, other = design("conjugate_lever", edits).discs
+    (found,) = relation_of(main)
+    assert (found.name, found.value, found.unit) == ("disc-angle", 0.0, "deg")
+    assert found.severity == severity
+    assert "the return disc belongs at 0 deg to the main disc" in found.sentence
+    assert said in found.sentence
+    assert relation_of(other) == ()
+    assert (found in poor_in(main)) == (severity != "ok")
+    assert found in findings_on(main)
+
+
+def test_the_angle_that_may_be_off_is_that_of_the_closing_error() -> None:
+    """Found again by turning the return disc, for which the lift is that of the angle ahead."""
+    made = design("conjugate_lever")
+    limit, reach = made.scene.limits.closing_error, abs(made.cam.follower.reach)
+    sentence = relation_of(made.disc)[0].sentence
+    off = math.radians(float(sentence.split("off by ")[1].split()[0]))
+    phi = np.linspace(0.0, 2.0 * math.pi, 20_001)
+    lift = [made.drive.motion.jet(each)[0] for each in (phi, phi + off)]
+    assert reach * np.max(np.abs(lift[1] - lift[0])) == pytest.approx(limit, rel=2e-3)
+
+
+def test_the_pair_is_a_piece_of_its_own() -> None:
+    """Discs stay what they are, without the hub; bodies are of the pair alone."""
+    made = design("pair")
+    main, other, pair = with_pair(made.discs)
+    assert [each.name for each in (main, other, pair)] == [
+        "conjugate_pair", "conjugate_pair-return", "conjugate_pair-pair",
+    ]  # fmt: skip
+    assert bodies_of(main) == bodies_of(pair) == (pair,)
+    assert bodies_of(other) == ()
+    assert relation_of(main) == ()
+    assert [each.boundaries[0].name for each in main.drawn.part.layers] == ["outline", "outline"]
+    told = by_name(relation_of(pair))["disc-angle"]
+    assert told.severity == "ok"
+    assert (
+        "the return disc at 0 deg to the main disc, below it, with a gap of 9 mm" in told.sentence
+    )
+    whole = known(part_of(pair).body)
+    parts = [part_of(each).body for each in (main, other)]
+    assert whole.solid.volume > sum(each.solid.volume for each in parts if each is not None)
+    two = design("pair", {"part.pair": None})
+    assert [bodies_of(each) for each in two.discs] == [(each,) for each in two.discs]
+    assert with_pair(two.discs) == two.discs
+
+
+@pytest.mark.parametrize(
+    ("width", "severity"), [(None, "ok"), (12, "ok"), (28, "ok"), (28.1, "broken")]
+)
+def test_rollers_need_room_beside_the_other_disc(width: float | None, severity: str) -> None:
+    """Discs 10 mm thick, 9 mm apart: a roller in the middle of one is clear up to 28 mm."""
+    sizes = {"gap": 9, "spacer": 54, **({"roller_width": width} if width else {})}
+    made = design("pair", {"part.pair": sizes})
+    pair = known(made.disc.pair)
+    found = by_name(relation_of(pair))["roller-width"]
+    assert (found.severity, found.value) == (severity, (width or 28.0))
+    assert (found in poor_in(pair)) == (severity != "ok")
+
+
+def test_rollers_beside_each_other_need_more_room() -> None:
+    """On a short lever their circles overlap, seen along the shaft: then 19 mm is the most."""
+    made = design("pair")
+    one, two = (each.follower for each in made.cams)
+    apart = abs(one.traced_point(0.0) - two.traced_point(0.0))
+    assert apart > one.roller_radius + two.roller_radius
+    radius = apart - one.roller_radius + 0.1
+    wide = camgeo.Design(made.scene.with_values({"follower.return.roller_radius": radius}))
+    found = by_name(relation_of(known(wide.disc.pair)))["roller-width"]
+    assert found.limit == pytest.approx(19.0)
+    assert "the rollers reach each other" in found.sentence
+
+
+# What is found of a disc that is to be printed: in checks, and of builds what is poor -------------
+
+
+WALLED = {
+    "part.bore": 22,
+    "part.keyway": None,
+    "print.nozzle": 0.24,
+    "part.bolt_circle": {"count": 1, "circle": 42, "hole": 19.0, "angle": 200},
+}
+"""The wall is thinned on its side of the bore by half of the diametral clearance."""
+
+
+@pytest.mark.parametrize(
+    ("values", "severities"),
+    [
+        ({}, {}),
+        ({"print.bore_clearance": 0.2}, {}),
+        (
+            {
+                "part.mark": {"radius": 20, "width": 0.3, "depth": 0.5, "length": 4},
+                "print.nozzle": 0.4,
+            },
+            {"print-wall": "ok", "print-radius": "ok", "print-stroke": "warning"},
+        ),
+        (WALLED, {"print-wall": "ok", "print-radius": "ok"}),
+        ({**WALLED, "print.bore_clearance": 0.06}, {"print-wall": "warning", "print-radius": "ok"}),
+        ({"print.nozzle": 0.4, "print.bore_clearance": 60}, {COMPENSATED: "broken"}),
+        (
+            {"print.nozzle": 0.4, "print.elephant_foot": {"inset": 50, "height": 1}},
+            {COMPENSATED: "broken"},
+        ),
+    ],
+)
+def test_what_a_printer_cannot_make_is_found(
+    values: dict[str, Any], severities: dict[str, str]
+) -> None:
+    """In checks, and of builds what is poor."""
+    disc = design("plate_translating", values).disc
+    every, poor = (
+        {each.name: each.severity for each in found if each.name.startswith("print-")}
+        for found in (findings_on(disc), poor_in(disc))
+    )
+    assert every == severities
+    assert poor == {name: each for name, each in severities.items() if each != "ok"}
+
+
+@pytest.mark.parametrize("clearance", [6.0, 10.0, 60.0])
+def test_why_there_is_no_room_is_said_once(clearance: float) -> None:
+    """Of a keyway that the clearance eats, and of a bore that reaches the outline."""
+    asked = design("hub_and_holes", {"print.bore_clearance": clearance})
+    with refused("print.bore_clearance", "^((?!no room for it).)*no room for it((?!no room).)*$"):
+        _ = asked.disc.drawn.printed.fitted
+
+
+# Plates: what lies on them, apart, in a row of the positive quadrant ------------------------------
+
+
+BODIES = ["cam", "return-cam", "roller", "return-roller", "test-ring"]
+
+
+@pytest.mark.parametrize("gap", [0.1, 7.0])
+def test_bodies_lie_apart(gap: float) -> None:
+    plate = plate_of(
+        design("conjugate_carriage", {"output.3mf.plate": BODIES, "output.3mf.gap": gap}).disc
+    )
+    assert [each.kind for each in plate] == BODIES
+    assert [each.name for each in plate] == [
+        "conjugate_carriage", "conjugate_carriage-return", "roller", "return roller", "test ring",
+    ]  # fmt: skip
+    assert len({each.colour for each in plate}) == len(plate)
+    for each in plate:
+        assert each.part.outermost.farthest()[0] == pytest.approx(each.reach, abs=1e-6)
+        assert each.y - each.reach >= gap - 1e-6
+        assert each.x * 1000.0 == pytest.approx(round(each.x * 1000.0), abs=1e-6)
+    assert gap - 1e-6 <= plate[0].x - plate[0].reach <= gap + 2.0 * STEP
+    for one, other in pairwise(plate):
+        between = other.x - other.reach - (one.x + one.reach)
+        assert gap - 1e-6 <= between <= gap + 2.0 * STEP
+
+
+def test_sizes() -> None:
+    """The rollers are those of the followers, as wide as the disc or as the scene says."""
+    names = ["roller", "return-roller"]
+    main, returning = plate_of(design("conjugate_carriage", {"output.3mf.plate": names}).disc)
+    assert (main.reach, returning.reach) == (12.0, 10.0)
+    assert main.part.thickness == returning.part.thickness == 14.0
+    wide, _ = plate_of(
+        design("conjugate_carriage", {"output.3mf.plate": names, "output.3mf.roller_width": 9}).disc
+    )
+    assert wide.part.thickness == 9.0
+
+
+def test_all_are_compensated() -> None:
+    values = {
+        "print.bore_clearance": 0.2,
+        "print.shrinkage": {"xy": 1.0},
+        "print.elephant_foot": {"inset": 0.2, "height": 0.4},
+        "output.3mf.plate": ["roller", "test-ring", "cam"],
+        "output.3mf.roller_bore": 6,
+    }
+    roller, ring, cam = plate_of(design("conjugate_carriage", values).disc)
+    assert roller.reach == pytest.approx(12.0 / 0.99, abs=1e-6)
+    bores = [each.part.layers[-1].boundaries[-1].nearest() for each in (roller, ring, cam)]
+    assert bores == pytest.approx([3.1 / 0.99, 12.6 / 0.99, 12.6 / 0.99])
+    feet = [each.part.layers[0].boundaries[-1].nearest() for each in (roller, ring, cam)]
+    assert feet == pytest.approx([each + 0.2 for each in bores])
+
+
+def test_a_pair_in_one_piece() -> None:
+    """It is the cam; its rollers are as wide as it states."""
+    values = {
+        "part.pair": {"gap": 8, "spacer": 40, "roller_width": 11},
+        "output.3mf.plate": ["cam", "return-roller", "test-ring"],
+    }
+    pair = known(design("conjugate_carriage", values).disc.pair)
+    cam, roller, ring = plate_of(pair)
+    assert cam.part is pair.drawn.printed.target
+    assert cam.part.thickness == 14.0 + 8.0 + 14.0
+    assert roller.part.thickness == 11.0
+    assert ring.part.layers[0].boundaries[1].nearest() == 12.5
+
+
+def test_a_disc_without_another() -> None:
+    assert plate_of(design("plate_translating").disc) == ()
+    alone = design("conjugate_carriage", {"output.3mf.plate": ["return-cam"]}).discs[1]
+    with refused("output.3mf.plate", "no return disc of its own"):
+        plate_of(alone)
+
+
+# Whoever asks for milling programs has the same plan ----------------------------------------------
+
+
+def test_time_and_findings_come_from_one_plan(monkeypatch: pytest.MonkeyPatch) -> None:
+    counted = Mock(wraps=plan.plan_toolpath)
+    monkeypatch.setattr(plan, "plan_toolpath", counted)
+    made = design("setzhub")
+    seconds = machining_time(made.discs)
+    assert machining_of(made.discs).seconds == seconds
+    assert counted.call_count == 1
+    milled, tolerance = made.disc.milled, made.scene.output.tolerance
+    assert milled.toolpath(0.5 * tolerance) != milled.toolpath(tolerance)  # each has its own
+    assert counted.call_count == 3

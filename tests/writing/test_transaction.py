@@ -1,18 +1,58 @@
-"""A set of files is written completely or not at all."""
+"""A set of files is written completely or not at all, whenever the process is stopped and whatever
+the disk refuses.
+"""
 
 from __future__ import annotations
 
 import errno
+import json
 import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
 import threading
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
+from unittest.mock import Mock
 
 import pytest
 
+from camgeo.app.cli.main import Stopped
 from camgeo.design import writing
-from camgeo.design.writing import JOURNAL, NEW, OLD, STAGING, settle, write_set
+from camgeo.design.writing import (
+    JOURNAL,
+    NEW,
+    OLD,
+    STAGING,
+    make_files,
+    settle,
+    write_files,
+    write_set,
+)
 from camgeo.errors import OutputError
-from tests.kill.sets import everything
+from tests.export.stub_product import StubProduct
+from tests.kill.__main__ import BUILDS, BUILT
+from tests.kill.stops import (
+    BEFORE,
+    FURTHER,
+    MEMORY,
+    SIGNALS,
+    WRITTEN,
+    Files,
+    Killed,
+    Steps,
+    everything,
+    full_after,
+    is_safe,
+    is_whole,
+    put,
+    stepping,
+)
+from tests.long_form import LONG
 from tests.waiting import PATIENCE, joined, until
 
 FILES = {"a.dxf": b"new a", "b.ngc": b"new b", "c.stl": b"new c"}
@@ -25,17 +65,29 @@ def refusal(folder: Path, files: dict[str, bytes] = FILES, *, force: bool = True
     return str(caught.value)
 
 
-def test_writes_into_a_new_folder(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("before", "force", "message"),
+    [
+        ({}, False, ""),
+        (FILES, False, ""),
+        ({"notes.txt": b"mine"}, False, ""),
+        ({"b.ngc": b"old b"}, False, "b.ngc would be overwritten; allow it with --force"),
+        ({"b.ngc": b"old b"}, True, ""),
+    ],
+)
+def test_a_set_is_written_beside_what_is_there(
+    before: dict[str, bytes], force: bool, message: str, tmp_path: Path
+) -> None:
+    """Into a new folder too; what differs is kept unless it is forced."""
     folder = tmp_path / "not" / "there"
-    paths = write_set(folder, FILES, force=False)
-    assert paths == tuple(folder / name for name in FILES)
-    assert everything(tmp_path) == {f"not/there/{name}": data for name, data in FILES.items()}
-
-
-def test_same_content_is_accepted(tmp_path: Path) -> None:
-    write_set(tmp_path, FILES, force=False)
-    write_set(tmp_path, FILES, force=False)
-    assert everything(tmp_path) == FILES
+    if before:
+        put(folder, before)
+    if message:
+        assert message in refusal(folder, force=force)
+        assert everything(folder) == before
+        return
+    assert write_set(folder, FILES, force=force) == tuple(folder / name for name in FILES)
+    assert everything(folder) == before | FILES
 
 
 def test_what_speaks_of_other_files_is_removed_with_them(tmp_path: Path) -> None:
@@ -57,20 +109,6 @@ def test_what_speaks_of_other_files_is_removed_with_them(tmp_path: Path) -> None
     assert told == []
     assert write(b"3") == sorted(FILES)
     assert told == ["account.json of the files before: removed"]
-
-
-def test_other_files_are_left_alone(tmp_path: Path) -> None:
-    (tmp_path / "notes.txt").write_bytes(b"mine")
-    write_set(tmp_path, FILES, force=False)
-    assert everything(tmp_path) == FILES | {"notes.txt": b"mine"}
-
-
-def test_differing_file_is_kept_unless_forced(tmp_path: Path) -> None:
-    (tmp_path / "b.ngc").write_bytes(b"old b")
-    assert "b.ngc would be overwritten; allow it with --force" in refusal(tmp_path, force=False)
-    assert everything(tmp_path) == {"b.ngc": b"old b"}
-    write_set(tmp_path, FILES, force=True)
-    assert everything(tmp_path) == FILES
 
 
 def test_a_link_to_nothing_is_not_overwritten(tmp_path: Path) -> None:
@@ -246,3 +284,283 @@ def test_read_only_folder(tmp_path: Path) -> None:
     finally:
         tmp_path.chmod(0o700)
     assert everything(tmp_path) == {}
+
+
+# In which order a set is put on disk: each step is safe before the next ---------------------------
+
+
+OLD_SET, NEW_SET = ({name: f"{name} {age}".encode() for name in ("a", "b", "certificate")}
+            for age in ("old", "new"))  # fmt: skip
+
+Done = list[tuple[str, str]]
+"""What was done to which file or folder, below that of the set."""
+
+
+@pytest.fixture
+def steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Done:
+    """Of what moves, removes or makes safe anything below the folder of the test."""
+    found: Done = []
+
+    def named(path: object) -> str:
+        return os.path.relpath(str(path), tmp_path / "set")
+
+    fsync, replaced, unlink = os.fsync, Path.replace, Path.unlink
+
+    def syncing(file: int) -> None:
+        found.append(("safe", named(Path(f"/proc/self/fd/{file}").readlink())))
+        fsync(file)
+
+    def replacing(self: Path, target: Any) -> Path:
+        found.append(("move", named(target)))
+        return replaced(self, target)
+
+    def unlinking(self: Path, *, missing_ok: bool = False) -> None:
+        found.append(("remove", named(self)))
+        unlink(self, missing_ok=missing_ok)
+
+    monkeypatch.setattr(os, "fsync", syncing)
+    monkeypatch.setattr(Path, "replace", replacing)
+    monkeypatch.setattr(Path, "unlink", unlinking)
+    return found
+
+
+linux = pytest.mark.skipif(sys.platform != "linux", reason="tells files by /proc")
+
+
+@linux
+def test_each_step_is_on_disk_before_the_next_one(tmp_path: Path, steps: Done) -> None:
+    folder = tmp_path / "set"
+    write_set(folder, OLD_SET, force=False)
+    steps.clear()
+    write_set(folder, NEW_SET, force=True)
+    journal, new = f"{STAGING}/journal", f"{STAGING}/new"
+    names = [f"{new}/{name}" for name in NEW_SET]
+    counts = steps.index(("move", journal))
+    staged = [path for what, path in steps[:counts] if what == "safe"]
+    assert set(staged) == {*names, new, f"{STAGING}/old", f"{STAGING}/names"}
+    assert staged.index(new) > max(map(staged.index, names))
+    assert staged[-1] == f"{STAGING}/names"
+    # What counts, the journal, is safe before anything is touched; the certificate goes first.
+    assert steps[counts + 1 : counts + 11] == [
+        ("safe", STAGING), ("safe", "."),
+        ("remove", "certificate"), ("safe", "."),
+        ("move", "a"), ("move", "b"), ("safe", "."),
+        ("move", "certificate"), ("safe", "."),
+        ("remove", journal),
+    ]  # fmt: skip
+    assert {name: (folder / name).read_bytes() for name in NEW_SET} == NEW_SET
+    assert not (folder / STAGING).exists()
+
+
+@linux
+def test_what_is_taken_back_is_on_disk_before_the_next_step(
+    tmp_path: Path, steps: Done, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Stopped when the certificate was to be moved; the next run puts the old files back."""
+    folder = tmp_path / "set"
+    write_set(folder, OLD_SET, force=False)
+    moving = Path.replace
+
+    def stopping(self: Path, target: Any) -> Path:
+        if Path(target) == folder / "certificate":
+            raise KeyboardInterrupt
+        return moving(self, target)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "replace", stopping)
+        patch.setattr("camgeo.design.writing._restore", lambda _: "")
+        with pytest.raises(KeyboardInterrupt):
+            write_set(folder, NEW_SET, force=True)
+    steps.clear()
+    assert "the files from before it have been put back" in settle(folder)
+    back = [each for each in steps if each[0] != "remove" or "journal" in each[1]]
+    assert back == [
+        ("move", f"{STAGING}/new/b"), ("move", f"{STAGING}/new/a"), ("safe", "."),
+        ("move", "a"), ("move", "b"), ("move", "certificate"), ("safe", "."),
+        ("remove", f"{STAGING}/journal"),
+    ]  # fmt: skip
+    assert {name: (folder / name).read_bytes() for name in OLD_SET} == OLD_SET
+
+
+def test_nothing_is_overwritten_unless_it_is_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written = Mock(return_value=(Path("a"),))
+    monkeypatch.setattr("camgeo.design.writing.write_set", written)
+    monkeypatch.setattr("camgeo.design.writing.make_files", lambda *_, **__: ({"a": b""}, ()))
+    write_files((StubProduct(),), tmp_path, ("dxf",), 0.01)
+    write_files((StubProduct(),), tmp_path, ("dxf",), 0.01, force=True)
+    assert [each.kwargs["force"] for each in written.call_args_list] == [False, True]
+
+
+def test_progress_tells_each_file_twice() -> None:
+    """As it is computed and as it is read back, with the disc where that is not the main one."""
+    import camgeo
+    from tests.contour.cams import SCENES
+
+    said: list[str] = []
+    discs = camgeo.load(SCENES / "conjugate_carriage.toml").discs
+    make_files(discs, ("csv",), 0.05, progress=said.append)
+    assert said == [
+        "csv: computing", "csv: reading back",
+        "csv of conjugate_carriage-return: computing",
+        "csv of conjugate_carriage-return: reading back",
+    ]  # fmt: skip
+
+
+# Processes that are stopped, and disks that fail, at every step -----------------------------------
+
+
+VERIFICATION = "verification.json"
+
+FOLDERS = {"fresh": {}, "full": BEFORE, "verified": BEFORE | {VERIFICATION: b"of the files before"}}
+
+
+def after(old: Files, files: Files = WRITTEN) -> Files:
+    """The state after writing `files` into a folder with `old`."""
+    return {name: data for name, data in (old | files).items() if name != VERIFICATION}
+
+
+def write(folder: Path, files: Files = WRITTEN) -> None:
+    write_set(folder, files, force=True, accounts={VERIFICATION: Path.exists})
+
+
+@pytest.fixture(autouse=True)
+def quick_disk(monkeypatch: pytest.MonkeyPatch) -> None:
+    """These processes never really end: what they write need not wait for the disk."""
+    monkeypatch.setattr(os, "fsync", lambda _: None)
+
+
+@pytest.fixture
+def folder() -> Iterator[Path]:
+    """A folder to write into, in memory if there is such a place."""
+    with tempfile.TemporaryDirectory(dir=MEMORY) as place:
+        yield Path(place) / "out"
+
+
+Folder = pytest.mark.parametrize("old", FOLDERS.values(), ids=FOLDERS)
+
+
+def stops(folder: Path, old: Files, steps: Iterator[Steps]) -> Iterator[BaseException]:
+    """What `write_set` into a folder with `old` ends with, for each of `steps`, until it ends well.
+
+    The caller looks at the folder between the runs.
+    """
+    for each in steps:
+        shutil.rmtree(folder, ignore_errors=True)
+        put(folder, old)
+        try:
+            with stepping(each):
+                write(folder)
+        except (OSError, Killed, Stopped) as error:
+            yield error
+        else:
+            if each.done < each.number:
+                return
+
+
+def counted(error: BaseException, **options: bool) -> Iterator[Steps]:
+    return (Steps(number, error, **options) for number in range(1, 200))
+
+
+@Folder
+@pytest.mark.parametrize("done", [False, True])
+def test_killed_at_every_step(old: Files, done: bool, folder: Path) -> None:
+    kills = 0
+    for _ in stops(folder, old, counted(Killed(), after=done, forever=True)):
+        kills += 1
+        assert is_safe(folder, old, after(old))
+        settle(folder)
+        assert is_whole(folder, old, after(old))
+    assert kills > 20
+
+
+def test_restoring_killed_at_every_step(folder: Path) -> None:
+    """Wherever the first process was killed, the one that restores may be killed, too."""
+    left, old = folder.with_name("left"), FOLDERS["verified"]
+    new = after(old)
+    for _ in stops(folder, old, counted(Killed(), forever=True)):
+        shutil.rmtree(left, ignore_errors=True)
+        shutil.copytree(folder, left)
+        settle(folder)
+        found = everything(folder)
+        for steps in counted(Killed(), forever=True):
+            shutil.rmtree(folder)
+            shutil.copytree(left, folder)
+            try:
+                with stepping(steps):
+                    settle(folder)
+            except Killed:
+                assert is_safe(folder, old, new)
+                write(folder, FURTHER)
+                assert is_whole(folder, after(found, FURTHER))
+            else:
+                break
+
+
+@Folder
+@pytest.mark.parametrize("done", [False, True])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_stopped_at_every_step(number: int, done: bool, old: Files, folder: Path) -> None:
+    """A signal that is handled leaves nothing to the next run."""
+    stopped = 0
+    for error in stops(folder, old, counted(Stopped(number), after=done)):
+        stopped += 1
+        assert isinstance(error, Stopped)
+        assert is_whole(folder, old, after(old))
+    assert stopped > 20
+
+
+@Folder
+def test_each_step_refused(old: Files, folder: Path) -> None:
+    """The error is reported and nothing has changed, or else, late, everything is in place."""
+    refused = 0
+    for error in stops(folder, old, counted(OSError(errno.EACCES, "Permission denied"))):
+        refused += 1
+        assert isinstance(error, OutputError)
+        assert "Permission denied; nothing was written" in str(error)
+        assert is_whole(folder, old)
+    assert refused > 20
+
+
+@Folder
+def test_each_step_and_all_later_ones_refused(old: Files, folder: Path) -> None:
+    """As if the disk were gone: the next run restores, and the message says so."""
+    failing = counted(OSError(errno.EIO, "Input/output error"), forever=True)
+    told = set()
+    for error in stops(folder, old, failing):
+        assert is_safe(folder, old, after(old))
+        told.add(str(error).rpartition("; ")[2])
+        said = settle(folder)
+        assert ("put back" in said) == ("put back" in str(error))
+        assert is_whole(folder, old, after(old))
+    assert len(told) == 2
+
+
+@Folder
+def test_full_disk(old: Files, folder: Path) -> None:
+    """At every file, and at a hundred numbers of bytes."""
+    source = random.Random(7)
+    most = sum(map(len, WRITTEN.values()))
+    ends = [sum(map(len, list(WRITTEN.values())[:count])) for count in range(len(WRITTEN))]
+    for room in [*ends, *(source.randrange(most) for _ in range(100))]:
+        put(folder, old)
+        with full_after(room), pytest.raises(OutputError, match="No space left on device; nothing"):
+            write(folder)
+        assert is_whole(folder, old)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are forked")
+def test_processes_stopped_at_every_step() -> None:
+    """Forked where nothing but the test runs: a process with threads should not be."""
+    command = [sys.executable, "-m", "tests.kill", "--everywhere"]
+    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, f"{run.stdout}\n{run.stderr}"
+    told = json.loads(run.stdout)
+    steps = told["alone, SIGKILL"]
+    assert steps > 40
+    caught = [told[f"alone, {number.name}"] for number in SIGNALS[1:]]
+    assert caught == [steps] * 3 if LONG else sum(caught) == steps
+    for number in SIGNALS:
+        assert told[f"beside, {number.name}"] > (20 if LONG else 5)
+    assert [told[f"builds, {number.name}"] for number in BUILT] == [BUILDS] * len(BUILT)

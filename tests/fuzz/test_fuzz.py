@@ -1,38 +1,58 @@
-"""Cases that once failed, and do no more; those that still do are strictly expected to.
-
-A case that has failed in any run lies in `corpus/open`, with the revision and the cause in its
-reason. It refuses no other change: its test fails only when the case passes, and it is then moved
-up. Cases that took too much time or memory are called in one form, as `both` in their file says:
-to print what was found as JSON takes little of either. The long form calls them in both.
-"""
+"""Cases that once failed, and do no more, and random ones; each invariant is seen to fail."""
 
 from __future__ import annotations
 
+import argparse
+import signal
+import threading
 import tomllib
+import warnings
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from random import Random
 from typing import Any, Final
+from unittest.mock import Mock
 
 import pytest
 
+from camgeo.check.finding import Finding
+from camgeo.design.design import Design
 from camgeo.errors import SceneError
 from camgeo.scene.scene import load_scene
-from tests.fuzz import runner
+from tests.fuzz import invariants, runner
 from tests.fuzz.__main__ import call
-from tests.fuzz.case import CORPUS, OPEN, SCENE, SCENE_STEPS, SLOW, Case, restore, store, toml
-from tests.fuzz.cases import KINDS, draw
-from tests.fuzz.invariants import Failure, Outcome
-from tests.fuzz.lines import ENDING, line
-from tests.fuzz.minimise import minimised
-from tests.fuzz.runner import SEPARATOR, Report, fuzz, kept, known_failures
-from tests.fuzz.scenes import fixtures, scene_case, values_of
-from tests.fuzz.worker import Worker
+from tests.fuzz.case import (
+    CORPUS,
+    OPEN,
+    PYTHON,
+    SCENE,
+    SCENE_STEPS,
+    SLOW,
+    Case,
+    restore,
+    store,
+    toml,
+)
+from tests.fuzz.files import ENDING, line
+from tests.fuzz.invariants import Failure, Outcome, run
+from tests.fuzz.runner import (
+    KINDS,
+    SEPARATOR,
+    Report,
+    Worker,
+    draw,
+    fuzz,
+    kept,
+    known_failures,
+    minimised,
+)
+from tests.fuzz.scenes import FIXTURES, fixtures, scene_case, values_of
 from tests.hostile.mutations import mutated
 from tests.long_form import LONG, examples
 from tests.seeds import FIXED, FRESH
+from tests.speed import cpu_second
 from tests.thinned import share
 
 MOST_OPEN: Final = 10
@@ -193,9 +213,7 @@ def test_files_of_no_length_can_be_damaged(seed: int) -> None:
 def test_what_is_kept_is_read_back(case: Case, tmp_path: Path) -> None:
     path = store(case, tmp_path / "case")
     found = restore(path)
-    assert found.steps == case.steps
-    assert found.source == case.source
-    assert found.both == case.both
+    assert (found.steps, found.source, found.both) == (case.steps, case.source, case.both)
     for name, data in case.files.items():  # a scene has the reason above it
         assert found.files[name].endswith(data)
 
@@ -212,21 +230,15 @@ def test_the_smallest_case_has_only_what_fails() -> None:
         return builds and any("law" in each for each in found.get("motion", ()))
 
     smallest = minimised(case, fails)
-    assert smallest.steps == (("build",),)
-    assert smallest.values == {"motion": [{"law": "auto"}]}
+    assert (smallest.steps, smallest.values) == ((("build",),), {"motion": [{"law": "auto"}]})
     assert set(smallest.files) == {SCENE}
 
 
 def test_a_case_is_made_smaller_in_so_many_runs_and_no_more() -> None:
     data = b"".join(b"%d\n" % k for k in range(100))
-    runs = []
-
-    def fails(smaller: Case) -> bool:
-        runs.append(smaller)
-        return b"57" in smaller.files.get("a.dxf", b"")
-
+    fails = Mock(side_effect=lambda smaller: b"57" in smaller.files.get("a.dxf", b""))
     found = minimised(Case({"a.dxf": data}, (("verify", "a.dxf"),)), fails, 5)
-    assert len(runs) == 5
+    assert fails.call_count == 5
     assert b"57" in found.files["a.dxf"]
     assert len(found.files["a.dxf"]) < len(data)
 
@@ -251,3 +263,144 @@ def test_the_command_that_repeats_a_case_draws_it_again(kind: str | None) -> Non
         assert words[:3] == ["python", "-m", "tests.fuzz"]
         given = call(words[3:])
         assert draw(given.seed, given.case, given.kind) == draw(11, number, kind)
+
+
+# Each invariant is seen to fail where camgeo is broken on purpose ---------------------------------
+
+
+TAPPET = (FIXTURES / "scenes" / "tappet.toml").read_bytes()
+
+CHECK = Case({SCENE: TAPPET}, (("check", SCENE),))
+
+Run = Callable[[argparse.Namespace], int]
+
+
+def signatures(case: Case) -> list[str]:
+    return [failure.signature for failure in run(case).failures]
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def test_nothing_fails_where_nothing_is_broken() -> None:
+    steps = ((PYTHON, SCENE), ("check", SCENE), ("build", SCENE, "-o", "out"), ("verify", "out"))
+    outcome = run(Case({SCENE: TAPPET}, steps))
+    assert outcome.failures == []
+    assert outcome.accepted
+    assert outcome.built
+    assert outcome.verified
+
+
+def saying(text: str) -> Run:
+    def say(arguments: argparse.Namespace) -> int:
+        print(text)  # noqa: T201 - as a command does
+        return 0
+
+    return say
+
+
+PRINT_NAN = saying("largest lift -nan mm at cam angle 0 deg")
+
+
+def warn(arguments: argparse.Namespace) -> int:
+    warnings.warn("odd", stacklevel=1)
+    return 0
+
+
+def busy(arguments: argparse.Namespace) -> int:
+    while True:
+        pass
+
+
+def asleep(arguments: argparse.Namespace) -> int:
+    threading.Event().wait()
+    return 0
+
+
+def differ_in_json(arguments: argparse.Namespace) -> int:
+    return int(arguments.json)
+
+
+def write_infinity(arguments: argparse.Namespace) -> int:
+    Path("result.csv").write_text("0;1\n1;inf\n", "ascii")
+    return 2
+
+
+def leave_something(arguments: argparse.Namespace) -> int:
+    Path(".camgeo-x").mkdir(exist_ok=True)
+    return 2
+
+
+@pytest.mark.parametrize(
+    ("broken", "expected"),
+    [
+        (Mock(side_effect=ZeroDivisionError), "ZeroDivisionError at cli/main.py:_run"),
+        (warn, "UserWarning at cli/main.py:_run"),
+        (Mock(side_effect=MemoryError), "MemoryError at cli/main.py:_run"),
+        (busy, "hang in check"),
+        (asleep, "hang in check"),
+        (Mock(return_value=3), "exit code 3 in check"),
+        (differ_in_json, "exit code 0, with --json 1 in check"),
+        (PRINT_NAN, "not finite: text of check in check"),
+        (saying("fine"), "JSONDecodeError"),
+        (write_infinity, "not finite: .csv in files"),
+        (leave_something, "left behind in files"),
+    ],
+)
+def test_a_broken_command_is_found(
+    broken: Run, expected: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("camgeo.app.answers.check.run", broken)
+    if broken is busy:
+        monkeypatch.setattr(invariants, "MOST_CPU", 0.5)
+    if broken is asleep:
+        monkeypatch.setattr(invariants, "PATIENCE", 0.1)
+        monkeypatch.setattr(invariants, "AWAKE", 1e6)
+    (found,) = signatures(CHECK)
+    assert found.startswith(expected)
+
+
+def test_json_may_go_into_a_file_and_a_scene_may_have_any_name() -> None:
+    steps = (("table", SCENE, "-o", "o.txt"), ("new", "translating-roller", "-o", "o.json"))
+    assert signatures(Case({SCENE: TAPPET}, steps)) == []
+
+
+def test_a_file_may_end_like_a_number_that_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("camgeo.app.answers.check.run", PRINT_NAN)
+    certificate = b'{"files": [{"file": "x.nan", "format": "csv"}]}'
+    found = signatures(Case({SCENE: TAPPET, "certificate.json": certificate}, CHECK.steps))
+    assert not [each for each in found if each.startswith("not finite")]
+
+
+def test_a_step_that_a_busy_machine_keeps_waiting_does_not_hang(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Each time its patience is over, the machine has let it do a little; then nothing more."""
+    spent = [0.0]
+    monkeypatch.setattr(invariants, "cpu", lambda: spent[0])
+    awake = 1.01 * invariants.AWAKE * cpu_second()
+    with invariants.limited("check"):
+        for _ in range(100):
+            spent[0] += awake
+            signal.raise_signal(signal.SIGALRM)
+        with pytest.raises(invariants.Hang):
+            signal.raise_signal(signal.SIGALRM)
+
+
+def test_a_number_that_is_none_in_a_finding_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+
+    def findings(design: Design) -> tuple[Finding, ...]:
+        return (Finding("any", "ok", "fine", value=float("nan")),)
+
+    monkeypatch.setattr(Design, "findings", property(findings))
+    case = replace(CHECK, steps=((PYTHON, SCENE), ("check", SCENE)))
+    python, *_ = signatures(case)
+    assert python.startswith("ValueError")  # JSON has no such number
+
+
+def test_words_of_the_case_may_be_repeated() -> None:
+    text = TAPPET.replace(b'rotation = "ccw"', b"rotation = nan", 1)
+    assert text != TAPPET
+    assert signatures(CHECK.with_file(SCENE, text)) == []
