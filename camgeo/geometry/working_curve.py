@@ -16,13 +16,13 @@ from camgeo.kinematics.mechanism.follower import RelativeJet, bend_of_path
 from camgeo.kinematics.mechanism.values import Coordinate
 from camgeo.kinematics.motion import Dwell
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
-from camgeo.numeric.checked import check_fields
+from camgeo.numeric.checked import CheckedFields
 from camgeo.numeric.kept import Kept
 from camgeo.record import Pickled
 
 
 @dataclass(frozen=True, slots=True)
-class WorkingCurve(Pickled):
+class WorkingCurve(Pickled, CheckedFields):
     """The parallel of a pitch curve at a signed distance (Wirsig eqs. 2.53, 2.54, sign corrected).
 
     With t = Z'/|Z'| the outward normal is n = i sigma t, and the curve is Z + d n: outward means
@@ -43,9 +43,6 @@ class WorkingCurve(Pickled):
     pitch: PitchCurve
     distance: Coordinate
     kept: Kept = field(default_factory=dict, init=False, repr=False, compare=False)
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     @property
     def breaks(self) -> FloatArray:

@@ -14,7 +14,7 @@ from camgeo.errors import GeometryError
 from camgeo.kinematics.laws.law import Law
 from camgeo.kinematics.time_course import SpeedCurve
 from camgeo.numeric import checked
-from camgeo.numeric.arrays import FloatArray, frozen
+from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.columns import Asked, NumberColumn, fault, read_columns
 from camgeo.record import Pickled
 from camgeo.units import TURN
@@ -103,7 +103,7 @@ LAST_ROW: Final = 1e-9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class TwoColumns(Pickled):
+class TwoColumns(Pickled, checked.CheckedFields):
     """The rows of a table.
 
     Attributes
@@ -115,14 +115,10 @@ class TwoColumns(Pickled):
     """
 
     file: str
-    first: FloatArray
-    second: FloatArray
+    first: checked.Floats
+    second: checked.Floats
     unit: str
     lines: tuple[int, ...]
-
-    def __post_init__(self) -> None:
-        first, second = (frozen(each, np.float64) for each in (self.first, self.second))
-        checked.hold(self, first=first, second=second)
 
     def fault(self, row: int, values: FloatArray, message: str) -> GeometryError:
         """The error for the value of a row, counted from 0, or backwards from the end."""
@@ -188,7 +184,7 @@ PRINTED_DECIMALS_OF_Z: Final = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class LawTable(Pickled):
+class LawTable(Pickled, checked.CheckedFields):
     """Values of a law at equidistant z.
 
     Attributes
@@ -199,10 +195,7 @@ class LawTable(Pickled):
     """
 
     z: tuple[Decimal, ...]
-    values: FloatArray
-
-    def __post_init__(self) -> None:
-        checked.hold(self, values=frozen(self.values, np.float64))
+    values: checked.Floats
 
     def printed(self) -> list[tuple[str, str, str, str]]:
         """The rows z, f, f', f'' rounded as in the guideline: 7 decimals of f, 4 of f' and f''.

@@ -71,7 +71,7 @@ class TimeCourse(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class ConstantSpeed:
+class ConstantSpeed(checked.CheckedFields):
     """The cam turns at constant speed; time 0 is at cam angle 0.
 
     Attributes
@@ -85,9 +85,6 @@ class ConstantSpeed:
     """
 
     speed: AngularSpeed
-
-    def __post_init__(self) -> None:
-        checked.check_fields(self)
 
     @property
     def borders(self) -> FloatArray:

@@ -39,7 +39,7 @@ from camgeo.geometry.outline.path import (
 )
 from camgeo.lazy import Ledger
 from camgeo.numeric.arrays import BoolArray, ComplexArray, IntArray, grouped
-from camgeo.numeric.checked import CheckedFields, instance, positive
+from camgeo.numeric.checked import CheckedFields, Truth, instance, positive
 from camgeo.record import Pickled
 
 BESIDE = "beside"
@@ -48,7 +48,7 @@ BESIDE = "beside"
 Found = TypeVar("Found", Fit, SplineFit)
 
 Name = Annotated[str, partial(instance, kind=str, what="the name of a boundary"), "part"]
-Hole = Annotated[bool, partial(instance, kind=bool, what="true or false"), "part"]
+Hole = Annotated[Truth, "part"]
 
 
 @dataclass(frozen=True, slots=True)

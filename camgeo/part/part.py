@@ -16,6 +16,7 @@ from camgeo.geometry.contour.spline import SplineContour, SplineFit
 from camgeo.geometry.outline.path import Moments, SecondMoments
 from camgeo.numeric.checked import (
     CheckedFields,
+    Truth,
     check_fields,
     finite,
     hold,
@@ -510,7 +511,7 @@ class Bevel(CheckedFields):
     width: Size
     height: Size
     z: Height
-    upper: Annotated[bool, partial(instance, kind=bool, what="true or false"), "part"]
+    upper: Annotated[Truth, "part"]
 
     @property
     def foot(self) -> float:

@@ -34,6 +34,7 @@ from camgeo.kinematics.planning.requests import (
     TableRequest,
     Unit,
 )
+from camgeo.numeric.checked import instance_from_table
 from camgeo.part.spec import PartSpec, part_of
 from camgeo.reading import SCENE, TABLE, read_within
 from camgeo.record import brief, pickled
@@ -584,9 +585,9 @@ class Builder:
         return self._engine(("limits",), lambda: Limits(**self._top("limits")))
 
     def _drawing(self) -> DrawingSpec | None:
-        table = self._top("drawing")
-        whole = {"step": int(table["step"])} if "step" in table else {}
-        return self._engine(("drawing",), lambda: DrawingSpec(**{**table, **whole}))
+        return self._engine(
+            ("drawing",), lambda: instance_from_table(DrawingSpec, self._top("drawing"))
+        )
 
     def part(self, effects: Attributes) -> PartSpec | None:
         """The part; the `effects` are those that the scene names."""

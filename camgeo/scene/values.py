@@ -331,6 +331,8 @@ class Inside:
             return self.path(path)
         if isinstance(value, str | bool):
             return value
+        if node.get("type") == "integer":
+            return int(value)
         if "x-exact" in node:
             return self.values.exact(*path)
         if reference in LENGTHS or "x-default-mm" in node:

@@ -21,14 +21,8 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, Effort, Form
 from camgeo.geometry.contour.spline import SplineContour
 from camgeo.geometry.outline.path import Flank
-from camgeo.geometry.outline.replay import (
-    DiscLift,
-    Replay,
-    extreme_play,
-    replay_contour,
-    replay_spline,
-)
-from camgeo.geometry.outline.roller import AS_DEMANDED
+from camgeo.geometry.outline.replay import Replay, extreme_play, replay_contour, replay_spline
+from camgeo.geometry.outline.roller import AS_DEMANDED, DiscLift
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.mechanism.face import FlatFollower, flat_follower
 from camgeo.kinematics.mechanism.follower import RelativeJet

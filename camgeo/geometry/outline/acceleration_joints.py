@@ -52,7 +52,7 @@ class AccelerationJoints:
         exact: Motion,
         edges: FloatArray,
     ) -> Self:
-        """Those of `exact` on a disc; `shift_of` as of `camgeo.geometry.outline.roller.ActualLift`.
+        """Those of `exact` on a disc; `shift_of` as of `camgeo.geometry.outline.roller.DiscLift`.
 
         `made` gives the lift with two derivatives (3 or more, n), smooth between the `edges` (m,)
         [rad] over a turn, as `exact` is.

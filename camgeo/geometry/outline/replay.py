@@ -15,12 +15,12 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.acceleration_joints import AccelerationJoints
-from camgeo.geometry.outline.face import FaceLift, face_between, face_on
+from camgeo.geometry.outline.face import face_between, face_on
 from camgeo.geometry.outline.path import Flank, Path, Stretch
 from camgeo.geometry.outline.roller import (
     AS_DEMANDED,
     CORNER,
-    ActualLift,
+    DiscLift,
     PlayedLift,
     lift_on,
     lift_on_splines,
@@ -40,8 +40,8 @@ from camgeo.numeric.arrays import (
     Quantity,
     Side,
     ascending,
-    freeze_fields,
 )
+from camgeo.numeric.checked import CheckedFields, Floats, Integers, Truths
 from camgeo.numeric.extremes import (
     Extreme,
     Extremes,
@@ -90,9 +90,8 @@ def replay_contour(
         follower's reach; for a flat face on an outer flank.
     """
     press = Flank(flank).sign
-    lift: DiscLift
     if pitch.follower.has_pitch_curve:
-        lift = lift_on(pitch, contour, press)
+        lift: DiscLift = lift_on(pitch, contour, press)
     else:
         _require_inner(press)
         lift = face_on(contour, pitch)
@@ -288,10 +287,6 @@ POLISHED: Final = 1e-6
 """Range [rad] on both sides of a largest value in which the root of its slope is its place."""
 
 
-DiscLift = ActualLift | FaceLift
-"""The actual lift of a follower on a disc, over the cam angle."""
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Jumps:
     """Places at which the roller passes from one part of the disc to another with a jump.
@@ -323,7 +318,7 @@ class Jumps:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Replay:
+class Replay(CheckedFields):
     """The motion of the follower on a disc, next to the demanded one.
 
     Samples are for pictures. They lie on a regular grid and at both sides of every place where the
@@ -349,20 +344,15 @@ class Replay:
     lift: DiscLift
     press: int
     corner: float
-    phi: FloatArray
-    demanded: FloatArray
-    actual: FloatArray
-    element: IntArray
-    smooth: BoolArray
+    phi: Floats
+    demanded: Floats
+    actual: Floats
+    element: Integers
+    smooth: Truths
     shocks: Jumps
     drops: Jumps
     demanded_velocity: float
     demanded_acceleration: float
-
-    def __post_init__(self) -> None:
-        freeze_fields(
-            self, phi=float, demanded=float, actual=float, element=np.intp, smooth=np.bool_
-        )
 
     @property
     def lost(self) -> FloatArray:

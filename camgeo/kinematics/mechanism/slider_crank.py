@@ -29,12 +29,11 @@ from camgeo.kinematics.mechanism.triangle import (
 from camgeo.kinematics.mechanism.values import Branch, Sense, angle
 from camgeo.kinematics.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.numeric.checked import check_fields, instance
+from camgeo.numeric.checked import Truth, check_fields
 from camgeo.numeric.interval import Angles
 from camgeo.units import TURN
 
 AcuteAngle = Annotated[float, partial(angle, low=-0.5 * math.pi, high=0.5 * math.pi)]
-Truth = Annotated[bool, partial(instance, kind=bool, what="true or false")]
 
 
 @dataclass(frozen=True)

@@ -22,11 +22,11 @@ from camgeo.kinematics.mechanism.sketch import Dimension, MechanismSketch, Place
 from camgeo.kinematics.mechanism.values import Angle, Length, Sense
 from camgeo.kinematics.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.numeric.checked import check_fields
+from camgeo.numeric.checked import CheckedFields
 
 
 @dataclass(frozen=True, slots=True)
-class TranslatingFlat(Guided, FlatFollower):
+class TranslatingFlat(Guided, FlatFollower, CheckedFields, path="follower."):
     """Translating follower whose face is square to the guide.
 
     With nu = `guide_angle` and h = r_G + kappa_F s in `camgeo.kinematics.mechanism.face` the turn
@@ -63,9 +63,6 @@ class TranslatingFlat(Guided, FlatFollower):
     guide_angle: Angle = math.pi / 2.0
     direction: Sense = 1
     face: FaceEnds | None = None
-
-    def __post_init__(self) -> None:
-        check_fields(self, "follower.")
 
     @property
     def start_arm(self) -> complex:
