@@ -72,7 +72,7 @@ from camgeo.geometry.contour.fewest_chords import fewest_chords
 from camgeo.geometry.contour.spline import CubicSpline, SplineContour
 from camgeo.geometry.outline.path import Path as OutlinePath
 from camgeo.geometry.pieces import Piece, smooth_pieces
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
 from camgeo.scene.scene import load_scene
 from camgeo.studies.accuracy.contours import forced_pieces, least_arcs, least_chords, least_cubics

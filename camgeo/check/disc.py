@@ -33,15 +33,23 @@ from camgeo.check.finding import (
 )
 from camgeo.check.machine import LINKAGE, check_closure, check_follower, linkage_findings
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.convex import SMALLEST, Convexity, convexity
 from camgeo.geometry.outline.face import contact_places
 from camgeo.geometry.outline.outline import CUSP, INSIDE, Outline, undercut_ranges
-from camgeo.geometry.outline.path import Flank, Path
-from camgeo.geometry.pieces import Extremes, extremes, extremes_of_each, turn_cells, turn_enclosed
-from camgeo.geometry.pitch_curve import STANDSTILL, PitchCurve
+from camgeo.geometry.outline.path import Flank, Path, area
+from camgeo.geometry.pieces import (
+    SMALLEST,
+    Convexity,
+    Extremes,
+    convexity,
+    extremes,
+    extremes_of_each,
+    touch,
+    turn_cells,
+    turn_enclosed,
+)
+from camgeo.geometry.pitch_curve import STANDSTILL, PitchCurve, WorkingCurve
 from camgeo.geometry.together import curves_together
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.face import flat_follower
+from camgeo.kinematics.mechanism.flat import flat_follower
 from camgeo.lazy import Ledger
 from camgeo.numeric.arrays import FloatArray, Quantity, Side
 from camgeo.numeric.kept import kept_with_each
@@ -331,8 +339,6 @@ def check_outline(
         )
         found.append(Finding(crossing, severity, sentence, width, 0.0, "deg", start, where))
     for lobe in outline.lobes:
-        from camgeo.geometry.outline.path import area  # few cams have lobes to be measured
-
         size = abs(area(lobe))
         sentence = f"{name} flank: a lobe of {size:.6g} mm^2 is cut off and falls away"
         found.append(Finding(f"lobe-{name}", severity, sentence, size, 0.0, "mm^2"))
@@ -634,8 +640,6 @@ def _of_roller(curve: PitchCurve) -> Quantity:
 
 def _of_face(curve: PitchCurve) -> Quantity:
     """The same for a flat face, where the angle depends on the position of the contact alone."""
-    from camgeo.geometry.outline.convex import touch  # few cams have a flat face
-
     return lambda phi, side: touch(curve, phi, side).contact
 
 

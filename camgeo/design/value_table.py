@@ -14,7 +14,7 @@ import numpy as np
 
 from camgeo.cam.cam import Cam, Demanded, Disc, Drive
 from camgeo.errors import GeometryError, meant
-from camgeo.geometry.outline.convex import touch
+from camgeo.geometry.pieces import touch
 from camgeo.kinematics.motion import Jet
 from camgeo.kinematics.time_course import in_time
 from camgeo.lazy import Ledger, lazy

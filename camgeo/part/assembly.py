@@ -23,11 +23,11 @@ from camgeo.geometry.contour.contour import (
 from camgeo.geometry.outline.outline import real_outline
 from camgeo.geometry.outline.path import Path, radii
 from camgeo.geometry.pieces import curvature_extremes
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.lazy import Ledger
 from camgeo.numeric.checked import positive
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary, largest_radius, numbers_of
-from camgeo.part.lettering import Letter
+from camgeo.part.lettering import Letter, lettered
 from camgeo.part.part import OF_RETURN, Bevel, Boundary, Layer, Part, Wall
 from camgeo.part.spec import (
     BOTH,
@@ -306,8 +306,6 @@ def _engraved(
     texts: Sequence[Engraving], features: Sequence[Feature], tolerance: float
 ) -> Iterable[Feature]:
     """The letters of texts, clear of each other and of all `features`."""
-    from camgeo.part.lettering import lettered
-
     letters = lettered(texts)
     beside = (each.boundary for each in features if each.layer not in HUBS)
     hubs = (each.boundary for each in features if each.layer == UPPER_HUB)

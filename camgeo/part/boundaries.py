@@ -13,7 +13,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.chords import fit_polyline, sampled_polyline
-from camgeo.geometry.contour.contour import Contour, Effort, Fit, require_simple
+from camgeo.geometry.contour.contour import Contour, Effort, Fit, require_simple, winding_number
 from camgeo.geometry.contour.exact import (
     ROUNDING,
     arc_angles,
@@ -26,7 +26,6 @@ from camgeo.geometry.contour.legs import too_many
 from camgeo.geometry.contour.parallel import corners, parallel
 from camgeo.geometry.contour.proof import deviation
 from camgeo.geometry.contour.spline import CubicSpline, SplineContour, SplineFit, strands_of
-from camgeo.geometry.outline.clearance import stays_on_one_side, surely_clear_of_axis
 from camgeo.geometry.outline.path import (
     Moments,
     Path,
@@ -37,6 +36,7 @@ from camgeo.geometry.outline.path import (
     piece_second_moments,
     radii,
 )
+from camgeo.geometry.pieces import stays_on_one_side, surely_clear_of_axis
 from camgeo.lazy import Ledger
 from camgeo.numeric.arrays import BoolArray, ComplexArray, IntArray, grouped
 from camgeo.numeric.checked import CheckedFields, Truth, instance, positive
@@ -343,8 +343,6 @@ def largest_radius(contour: Contour) -> float:
 
 def smallest_radius(contour: Contour) -> float:
     """Smallest distance of the contour from the cam axis [mm]; 0 if the axis lies outside it."""
-    from camgeo.geometry.contour.contour import winding_number
-
     return min(_radii(contour)) if winding_number(contour, 0j) else 0.0
 
 

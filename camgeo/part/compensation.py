@@ -27,7 +27,7 @@ from camgeo.geometry.contour.parallel import parallel
 from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour, SplineFit
 from camgeo.geometry.outline.outline import real_outline
 from camgeo.geometry.outline.path import Moments, Path, SecondMoments
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.numeric.checked import CheckedFields, positive
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary, BoundaryField, Layer, Part

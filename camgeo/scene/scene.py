@@ -18,11 +18,11 @@ from typing import TYPE_CHECKING, Any, Final, Self, TypeVar
 
 import numpy as np
 
-from camgeo.cam.cam import Contact
+from camgeo.cam.cam import Contact, Yoke
 from camgeo.check.finding import Limits
 from camgeo.errors import CamgeoError, Fault, GeometryError, SceneError, unreadable
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
-from camgeo.kinematics.mechanism.linkage import linked
+from camgeo.kinematics.mechanism.linkage import Linkage, linked
 from camgeo.kinematics.mechanism.values import SIGNS, Values
 from camgeo.kinematics.motion import FREE
 from camgeo.kinematics.plan import FULL_TURN, Dwell, MotionPlan
@@ -39,7 +39,7 @@ from camgeo.part.spec import PartSpec, part_of
 from camgeo.reading import SCENE, TABLE, read_within
 from camgeo.record import brief, pickled
 from camgeo.scene.formats.drawing import DrawingSpec
-from camgeo.scene.formats.format import FORMATS, Options, OutputSpec
+from camgeo.scene.formats.format import FORMATS, Format, Options, OutputSpec
 from camgeo.scene.keys import KeyPath, path_of, value_at
 from camgeo.scene.rules import broken_rules
 from camgeo.scene.schema import (
@@ -69,20 +69,16 @@ from camgeo.scene.values import (
     far_end_of,
     without,
 )
-from camgeo.units import RPM, TURN
+from camgeo.units import RPM, TURN, LengthUnit, LiftUnit
 
 if TYPE_CHECKING:
-    from camgeo.cam.cam import Yoke
     from camgeo.dynamics.state.state import Carrier, Model, Speed, Train
     from camgeo.geometry.contour.contour import Form
-    from camgeo.kinematics.mechanism.conjugate import Mount
     from camgeo.kinematics.mechanism.follower import Follower
-    from camgeo.kinematics.mechanism.linkage import Linkage
+    from camgeo.kinematics.mechanism.rollers import Mount
     from camgeo.kinematics.time_course import SpeedCurve
     from camgeo.milling.milling import MillingSpec
     from camgeo.part.printing import PrintSpec
-    from camgeo.scene.formats.format import Format
-    from camgeo.units import LengthUnit, LiftUnit
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -487,9 +483,8 @@ class Builder:
         table: dict[str, Any] | None = self.values.get("follower", "return")
         if table is None:
             return None
-        build = FOLLOWERS[self.values.get("follower", "kind")].build_return
-        assert build is not None  # the schema of other kinds has no such table
-        mount: Mount = build(self._table("follower", "return"))
+        kind = FOLLOWERS[self.values.get("follower", "kind")]
+        mount: Mount = kind.mount(self._table("follower", "return"))
         return mount
 
     def returning(self, mount: Mount, follower: Follower) -> Follower | None:
@@ -499,7 +494,6 @@ class Builder:
     def _yoke(self) -> Yoke | None:
         if self.values.get("follower", "yoke") is None:
             return None
-        from camgeo.cam.cam import Yoke  # few scenes have one
 
         return Yoke(**self.inside.table(("follower", "yoke"), definition("yoke")))
 

@@ -14,21 +14,17 @@ from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, Self, TypeAlias
+from typing import Any, Final, Self, TypeAlias
 
 from camgeo.cam.cam import Contact
 from camgeo.errors import CamgeoError, Fault, FileError, SceneError, meant, unreadable
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
-from camgeo.kinematics.mechanism.values import UNIT_OF, FollowerKind
+from camgeo.kinematics.mechanism.values import UNIT_OF, FollowerKind, Member
 from camgeo.reading import SCENE, TABLE, check_toml
 from camgeo.record import Brief
 from camgeo.scene.keys import KeyPath, key_lines, line_of, path_of, spelled, value_at
 from camgeo.scene.schema import Node, keys_of, resolved, schema, schema_for
 from camgeo.units import MM_PER, RPM, LengthUnit, LiftUnit, in_unit, listed
-
-if TYPE_CHECKING:
-    from camgeo.kinematics.mechanism.values import Member
-
 
 Broken: TypeAlias = tuple[KeyPath, str]
 """What a rule finds: the place at fault, and why."""

@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from camgeo.errors import GeometryError
 from camgeo.scene.keys import KeyPath, spelled
-from camgeo.scene.values import Tree
+from camgeo.scene.values import Tree, value_path
 
 Value = int | float | str | bool
 """A value at a key of a scene, in the units of the scene."""
@@ -45,8 +45,6 @@ def design_path(tree: Tree, key: str, seen: set[str]) -> KeyPath:
     GeometryError
         If no design has the key, or it is among those that vary already.
     """
-    from camgeo.scene.values import value_path  # few scenes state a family
-
     path = value_path(tree, key)
     if path[0] in FAMILIES:
         raise GeometryError("is no key of a design", key)

@@ -19,13 +19,11 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.outline.path import Flank, Stretch
 from camgeo.geometry.outline.path import Path as Outline
 from camgeo.geometry.pieces import Extremes
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.laws import make_law
+from camgeo.kinematics.mechanism.flat import TranslatingFlat
 from camgeo.kinematics.mechanism.follower import Follower
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.scene.scene import load_scene
 from camgeo.units import TURN

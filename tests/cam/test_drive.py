@@ -17,11 +17,8 @@ from camgeo.design.design import Design
 from camgeo.errors import GeometryError
 from camgeo.geometry.pitch_curve import BLOCK
 from camgeo.kinematics.laws import make_law
-from camgeo.kinematics.mechanism.four_bar import FourBar
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.slider_crank import SliderCrank
-from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.linkages import FourBar, SliderCrank, SliderDrivenCrank
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.kinematics.time_course import ConstantSpeed, SpeedCurve
 from camgeo.numeric.arrays import FloatArray, Quantity, Side

@@ -16,9 +16,8 @@ import numpy as np
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.legs import TurnLeg, legs_of
 from camgeo.geometry.outline.path import Path, Pivot, Stretch, whole
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
+from camgeo.kinematics.mechanism.rollers import TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray, Side
 from tests.contour.cams import FLANKS, TURN, dwell, flank, move, outline, translating
 from tests.measuring import DensePath

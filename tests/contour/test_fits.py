@@ -31,10 +31,8 @@ from camgeo.geometry.contour.fewest_chords import fewest_chords
 from camgeo.geometry.contour.proof import deviation
 from camgeo.geometry.outline.path import Path, Pivot, Stretch, area, whole
 from camgeo.geometry.pieces import smooth_pieces
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import IntArray
 from camgeo.part.boundaries import CurveBoundary

@@ -28,7 +28,7 @@ from camgeo.geometry.contour.legs import (
 from camgeo.geometry.contour.proof import proved
 from camgeo.geometry.outline.path import Path, Pivot, Stretch, whole
 from camgeo.geometry.pieces import Piece, smooth_pieces
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.numeric.arrays import FloatArray
 from camgeo.studies.accuracy.contours import forced_pieces, least_arcs, least_chords, least_cubics
 from tests.contour.cams import TURN, dwell, flank, move, translating

@@ -28,7 +28,7 @@ from camgeo.geometry.contour.fewest_chords import (
 )
 from camgeo.geometry.contour.legs import bends_of
 from camgeo.geometry.pieces import smooth_pieces
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
 from tests.contour.cams import FLANKS, TURN, dwell, flank, translating
 

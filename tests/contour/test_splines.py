@@ -31,7 +31,7 @@ from camgeo.geometry.contour.spline import (
 )
 from camgeo.geometry.outline.path import Path, whole
 from camgeo.geometry.pieces import smooth_pieces
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.studies.accuracy.contours import forced_pieces, least_cubics
 from tests.contour.cams import FLANKS, TURN, curves, dwell, flank, move, outline

@@ -22,7 +22,7 @@ from camgeo.geometry.pieces import (
     turn_cells,
 )
 from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray, Quantity, Side
 from camgeo.units import TURN

@@ -16,8 +16,7 @@ from hypothesis import assume, given
 from camgeo.geometry.pitch_curve import BLOCK, PitchCurve, in_blocks, joints
 from camgeo.kinematics.laws import make_law
 from camgeo.kinematics.laws.law import Law
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import TURN

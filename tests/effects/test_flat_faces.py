@@ -16,8 +16,7 @@ import pytest
 
 from camgeo.design.design import Design
 from camgeo.errors import EffectError
-from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.mechanism.flat import OscillatingFlat, TranslatingFlat
 from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.scene.scene import parse_scene

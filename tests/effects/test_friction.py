@@ -14,8 +14,7 @@ from camgeo.dynamics.effects.friction import parse
 from camgeo.dynamics.effects.friction.result import Statics, compute, statics_of
 from camgeo.dynamics.effects.results import Friction
 from camgeo.errors import EffectError
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import grid_of
 from camgeo.units import TURN

@@ -14,7 +14,7 @@ import pytest
 
 from camgeo.design.design import Design
 from camgeo.errors import EffectError
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller
 from camgeo.numeric.arrays import FloatArray, Side
 from tests.effects.bodies import (
     DIFFERENCE,

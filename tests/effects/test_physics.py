@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from camgeo.design.design import Design
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import TranslatingRoller
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 from tests.effects.bodies import (

@@ -7,7 +7,7 @@ from typing import Any, Final, cast
 import numpy as np
 import pytest
 
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import TranslatingRoller
 from camgeo.kinematics.time_course import in_time
 from tests.effects.bodies import (
     GUIDE,

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.spring.result import BetweenPoints, along_slider
 from camgeo.errors import GeometryError
-from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.linkages import SliderCrank
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.units import TURN
 from tests.effects.scenes import design

@@ -11,10 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.convex import touch
+from camgeo.geometry.pieces import touch
 from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.mechanism.flat import OscillatingFlat, TranslatingFlat
 from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
 from camgeo.units import TURN
 from tests.integrals import cells
@@ -112,7 +111,7 @@ def test_virtual_work_gives_the_leverage(curve: PitchCurve) -> None:
 @attack
 @given(curve=flat_curves(tuple(LAWS)), count=st.integers(1, 30))
 def test_bounds_do_all_that_is_asked_of_them(curve: PitchCurve, count: int) -> None:
-    """Of Z' and Z'' all over each cell; the third as `camgeo.kinematics.mechanism.face` says."""
+    """Of Z' and Z'' all over each cell; the third as `camgeo.kinematics.mechanism.flat` says."""
     low, high = cells(curve.borders, count)
     middle, (first, second, third) = curve.jet_and_bounds(low, high)
     half = 0.5 * (high - low)

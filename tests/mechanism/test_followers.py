@@ -17,12 +17,16 @@ from mpmath import mp, mpc, mpf
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.geometry.outline.outline import Outline, real_outline
 from camgeo.geometry.outline.path import area
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.conjugate import FLAT, return_on_carriage, return_on_lever
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.mechanism.linkage import LinkedMotion
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller, hypot_rest
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import (
+    FLAT,
+    OscillatingRoller,
+    TranslatingRoller,
+    hypot_rest,
+    return_on_carriage,
+    return_on_lever,
+)
 from camgeo.kinematics.motion import Motion
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray, phase

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import BALANCES, FAMILIES, make_law
 from camgeo.kinematics.laws.law import Characteristic, characteristic
+from camgeo.kinematics.laws.pulse import Parts
 from camgeo.kinematics.laws.sine_straight import LEAST, curved_for
-from camgeo.kinematics.laws.two_pulses import Parts
 from camgeo.kinematics.planning.build import balanced, equal_accelerations
 from tests.strategies import attack
 

@@ -19,8 +19,7 @@ from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.geometry.contour.contour import Contour, winding_number
 from camgeo.geometry.outline.path import Path, Pivot, area, whole
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.part import boundaries
 from camgeo.part.assembly import bore_boundary, bore_outline, build_part
 from camgeo.part.boundaries import (

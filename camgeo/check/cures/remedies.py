@@ -38,9 +38,8 @@ from camgeo.errors import GeometryError, SceneError
 from camgeo.geometry.pieces import curvature_extremes
 from camgeo.kinematics.laws import FAMILIES, law_of
 from camgeo.kinematics.laws.law import Law, acceleration_jumps, characteristic
-from camgeo.kinematics.mechanism.face import flat_follower
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.flat import flat_follower
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.kinematics.plan import EXACT, Dwell, MotionPlan, Move, Segment
 from camgeo.units import MM_PER, LengthUnit, in_unit, listed
 

@@ -16,12 +16,11 @@ from camgeo.check.disc import transmission_angle_extremes
 from camgeo.check.finding import CONVEXITY, UNDERCUT
 from camgeo.check.machine import check_follower
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.outline import CUSP
-from camgeo.geometry.pieces import Extremes, curvature_extremes
+from camgeo.geometry.outline.outline import CUSP, find_crossings
+from camgeo.geometry.pieces import SMALLEST, Extremes, convexity, curvature_extremes, touch
 from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.together import LinkedMotions, Repeated, one_curve
+from camgeo.geometry.together import LinkedMotions, Repeated, alike, one_curve
 from camgeo.kinematics.mechanism.linkage import LinkedMotion
-from camgeo.kinematics.mechanism.several import alike
 from camgeo.kinematics.motion import FULL_ORDER, Jet, Motion
 from camgeo.kinematics.plan import EXACT, SNAP, Dwell, MotionPlan, Move
 from camgeo.lazy import Ledger
@@ -479,14 +478,12 @@ class Convex(Condition):
     vital = True
 
     def over_turn(self, cam: Cam) -> Extremes:
-        from camgeo.geometry.outline.convex import SMALLEST, convexity  # few cams have a flat face
 
         radius, phi = convexity(cam.disc.pitch_curve).radius
         margin = radius / cam.follower.base_radius - SMALLEST
         return Extremes(np.array([phi]), np.array([margin]))
 
     def at(self, curve: PitchCurve, _: Sequence[Cam], phi: FloatArray, side: Side) -> FloatArray:
-        from camgeo.geometry.outline.convex import SMALLEST, touch
 
         found, size = touch(curve, phi, side), curve.follower.base_radius
         return np.asarray(found.pace[0] - SMALLEST * size * found.turn[0])
@@ -612,8 +609,6 @@ class Neck:
 
 def crossings(discs: Discs) -> Pairs:
     """The crossings of each flank with itself, see `find_crossings`."""
-    from camgeo.geometry.outline.outline import find_crossings
-
     return tuple(
         (number, each.first, each.second)
         for number, cam in enumerate(discs)

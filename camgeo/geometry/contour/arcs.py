@@ -33,7 +33,7 @@ from camgeo.geometry.contour.proof import AIM, Group, fit_by_groups, proved_fit
 from camgeo.geometry.contour.spline import at, highest
 from camgeo.geometry.outline.path import Path
 from camgeo.geometry.pieces import Piece
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, taken
 
 ARC_CONSTANT = 0.2002

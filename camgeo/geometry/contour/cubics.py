@@ -31,7 +31,7 @@ from camgeo.geometry.contour.proof import SHARPNESS, by_curve, proved, proved_bo
 from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour, SplineFit
 from camgeo.geometry.outline.path import Path
 from camgeo.geometry.pieces import Piece
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.kinematics.mechanism.follower import bend_of_path
 from camgeo.kinematics.motion import FULL_ORDER
 from camgeo.numeric.arrays import (

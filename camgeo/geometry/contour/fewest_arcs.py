@@ -17,7 +17,7 @@ from camgeo.geometry.contour.legs import APART, Bends, Chain, bends_of, clearly_
 from camgeo.geometry.contour.proof import Group, fit_by_groups, proved_fit
 from camgeo.geometry.outline.path import Path
 from camgeo.geometry.pieces import Piece
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 
 ARC = math.sqrt(3.0) / 216.0

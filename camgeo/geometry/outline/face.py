@@ -22,7 +22,6 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.convex import contact_extremes, touch
 from camgeo.geometry.outline.outline import (
     MOST_PAIRS,
     NONE,
@@ -37,11 +36,13 @@ from camgeo.geometry.outline.outline import (
 )
 from camgeo.geometry.outline.path import Path
 from camgeo.geometry.outline.roller import AS_DEMANDED, DiscLift
+from camgeo.geometry.pieces import (
+    contact_extremes,
+    touch,
+)
 from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.kinematics.mechanism.face import Touch, flat_follower
+from camgeo.kinematics.mechanism.flat import OscillatingFlat, Touch, TranslatingFlat, flat_follower
 from camgeo.kinematics.mechanism.follower import Follower
-from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from camgeo.numeric.arrays import (
     SIDES,
     BoolArray,
@@ -432,8 +433,7 @@ def contact_places(curve: PitchCurve, outline: Path) -> tuple[FloatArray, FloatA
 #
 # - on a guide h = Re(conj(n) C exp(i sigma phi)) + R, n the direction of the guide;
 # - on a rocker, with V the circle's centre seen from the pivot, in the axis from the pivot to the
-# cam
-#   axis, and f the face's offset,
+#   cam axis, and f the face's offset,
 #
 #       chi = m arg V - asin((f - R) / |V|), q = sqrt(|V|^2 - (f - R)^2):
 #

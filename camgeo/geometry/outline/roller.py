@@ -32,8 +32,7 @@ from camgeo.geometry.outline.outline import (
     seen,
     together,
 )
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.mechanism.follower_path import Bows, FollowerPath, lift_jet, path_of
 from camgeo.kinematics.motion import Motion
 from camgeo.numeric.arrays import (

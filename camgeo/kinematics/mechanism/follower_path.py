@@ -22,8 +22,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.follower import Follower
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, dot, phase
 from camgeo.units import TURN
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from decimal import Decimal
 from typing import Any, Final
 
-from camgeo.milling.milling import AXIS, EARLIER, NEEDED, STATE, GcodeSpec
+from camgeo.milling.milling import AXIS, EARLIER, FAULTS, NEEDED, STATE, GcodeSpec
 from camgeo.numeric.checked import instance_from_table
 from camgeo.record import schema_beside
 from camgeo.scene.formats.format import BODY, Format, Values
@@ -128,8 +128,6 @@ def a_corner_is_known(values: Values) -> Iterator[tuple[str, str]]:
 
 def tables_are_whole(values: Values) -> Iterator[tuple[str, str]]:
     """The tables on milling have all that nobody may invent."""
-    from camgeo.milling.milling import FAULTS  # few scenes mill
-
     for name, faults in FAULTS.items():
         given = values.get(*name.split("."))
         several = isinstance(given, list)

@@ -27,7 +27,7 @@ from camgeo.geometry.contour.spline import SplineFit
 from camgeo.geometry.outline.path import Flank, Path
 from camgeo.geometry.outline.replay import replay_contour
 from camgeo.geometry.pieces import Piece
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.milling.cut import ContourCut
 from camgeo.milling.machine import Machine, load
 from camgeo.milling.machining_time import contour_time

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, distances
 from camgeo.geometry.outline.path import whole
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.milling.moves import ArcFeed
 from camgeo.numeric.arrays import FloatArray
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary

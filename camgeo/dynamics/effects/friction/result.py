@@ -33,7 +33,7 @@ from camgeo.units import TURN
 
 if TYPE_CHECKING:
     from camgeo.check.finding import Severity
-    from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+    from camgeo.kinematics.mechanism.linkages import SliderCrank
     from camgeo.kinematics.motion import Motion
 
 

@@ -30,7 +30,7 @@ from camgeo.units import TURN
 
 if TYPE_CHECKING:
     from camgeo.dynamics.effects.effect import Quantity
-    from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+    from camgeo.kinematics.mechanism.linkages import SliderCrank
     from camgeo.kinematics.motion import Motion
 
 

@@ -1,28 +1,311 @@
-"""Oscillating flat-faced follower: a flat face on a rocker with a fixed pivot."""
+"""Flat faces, on a guide or on a rocker: the support function of the cam, and its envelope.
+
+The face is the line Re(conj(n) F) = h in the fixed frame, n = exp(i nu) its normal away from the
+cam axis and h its distance from it. In the cam the normal has the angle theta = nu - sigma phi, and
+the point of contact follows from the face and its rate, theta' = nu' - sigma:
+
+    Z = (h + i h'/theta') exp(i theta).
+
+With the rotation tau = 1 - sigma nu' of the normal in the cam, against the sense in which the
+cam turns,
+
+    Z' = p t, t = -i sigma exp(i theta), p = tau h + (h'/tau)',
+
+so that rho = p / tau is the signed radius of curvature of the outline. The cam is convex, and the
+face can touch it everywhere, where tau > 0 and p > 0; p = 0 is a cusp, p < 0 undercut, and where
+tau <= 0 the face turns back in the cam.
+
+How Z''' is bounded though it does not exist. Z'' contains the third derivative of the lift, and a
+motion has no derivative of that. Let |Z''(x) - Z''(m)| <= A |x - m| + D over a cell of half-width
+H about its middle m: A from all that is smooth, D from the change of the third derivative. What is
+returned for |Z'''| is V = A + 3 D / H. Everything it is used for still holds:
+
+- The remainder of the parabola that Z osculates in the middle is at most A H^3/6 + D H^2/2, which
+  is V H^3/6.
+- Z' is off the straight line of its parabola by at most A H^2/2 + D H <= V H^2/2.
+- Z'' changes by at most A H + D <= V H.
+
+The same three hold for a scalar product of Z with a fixed vector, for its distance from a point and
+for the direction of Z', whose other parts are smooth: there A is the part that needs no Z'''.
+"""
 
 from __future__ import annotations
 
+import cmath
 import math
+from abc import abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, cast
 
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.kinematics.mechanism.face import (
-    HIGHEST,
-    FaceEnds,
-    FlatFollower,
-    Touch,
-    face_line,
-    spread,
-)
-from camgeo.kinematics.mechanism.follower import RelativeJet, Rocking, TangentJet
+from camgeo.kinematics.mechanism.follower import Follower, Guided, RelativeJet, Rocking, TangentJet
 from camgeo.kinematics.mechanism.sketch import Dimension, MechanismSketch, Places
-from camgeo.kinematics.mechanism.values import Coordinate, Length, Place, Sense
+from camgeo.kinematics.mechanism.values import Angle, Coordinate, Length, Place, Sense, coordinate
 from camgeo.kinematics.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.numeric.checked import check_fields
+from camgeo.numeric.checked import CheckedFields, check_fields, shown
+
+HIGHEST = FULL_ORDER - 1
+"""Order of the highest derivative of Z: each needs one more derivative of the lift."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Touch:
+    """A flat face and its contact at n cam angles.
+
+    Attributes
+    ----------
+    distance : (n,) h [mm], cam axis to face.
+    contact : (2, n) [mm/rad^k] place of the contact along the face, and its derivative, see
+        `FlatFollower`.
+    turn : (2, n) tau and tau' [1/rad]; tau is positive where the face turns forward in the cam.
+    pace : (2, n) [mm/rad^k] p and p'; p is infinite where tau = 0.
+    """
+
+    distance: FloatArray
+    contact: FloatArray
+    turn: FloatArray
+    pace: FloatArray
+
+
+class FlatFollower(Follower):
+    """A follower with a flat face; its `face` is measured as `Touch.contact` is.
+
+    Attributes
+    ----------
+    origin : where the position of the contact is measured from, in words.
+    least_place : position of the contact [mm] at and below which the cam cannot move the follower.
+    raised_by : keys of the lengths that, increased by the same amount, move the face out by it.
+    facing : +1 if the position of the contact is positive to the right, looking along the normal
+        away from the cam axis, -1 to the left.
+    """
+
+    __slots__ = ()
+
+    touching = "face"
+    roller_radius = 0.0
+    offset = 0.0
+    rolls = False
+    has_edge = False
+    has_pitch_curve = False
+    standstill = (
+        "the contact of the flat face stands still in the turning cam (Z' = 0): the outline has a"
+        " cusp and no normal there"
+    )
+    ahead = 1
+
+    origin: ClassVar[str]
+    least_place: ClassVar[float]
+    raised_by: ClassVar[tuple[str, ...]]
+
+    @property
+    @abstractmethod
+    def facing(self) -> int:
+        """See the class."""
+
+    @abstractmethod
+    def normal(self, lift: FloatArray) -> ComplexArray:
+        """(n,) unit normals of the face away from the cam axis at lifts (n,), in the frame."""
+
+    @abstractmethod
+    def touch(self, jet: Jet, rotation: int) -> Touch:
+        """The contact for lifts `jet` (4, n); `rotation` as of `Follower.relative_jet`."""
+
+    def curvature(self, relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
+        """See `Follower.curvature`: of the envelope of the face, which is its tangent.
+
+        Nothing cancels where the face nearly stands still in the cam and Z'' is large.
+        """
+        kappa: FloatArray = (1.0 - rotation * relative.turning) / speed
+        return kappa
+
+    def contact_radius(self, kappa: FloatArray, _: float) -> FloatArray:
+        """See `Follower.contact_radius`: a face adds no curvature."""
+        return 1.0 / kappa
+
+    def on_one_side(self, _: FloatArray) -> bool:
+        """See `Follower.on_one_side`."""
+        return False
+
+    def return_sketch(self, _: ComplexArray, __: FloatArray, ___: float) -> MechanismSketch[Places]:
+        """See `Follower.return_sketch`."""
+        return MechanismSketch()
+
+
+def spread(change: FloatArray, half: FloatArray) -> FloatArray:
+    """(n,) 3 D / H, see the module; 0 for cells of zero width, in which nothing changes."""
+    return np.divide(3.0 * change, half, out=np.zeros_like(change), where=half > 0.0)
+
+
+def face_ends(key: str, face: Any) -> tuple[float, float]:
+    """Where a face begins and ends [mm]; GeometryError unless it ends beyond its beginning."""
+    if not isinstance(face, tuple | list) or len(face) != 2:
+        raise GeometryError("must be two lengths, (from, to)", key, shown(face))
+    start, end = (coordinate(key, each) for each in face)
+    if not start < end:
+        raise GeometryError("must end beyond where it begins", key, shown(face))
+    return start, end
+
+
+FaceEnds = Annotated[tuple[float, float], face_ends]
+
+
+def face_line(
+    start: ComplexArray, along: ComplexArray, ends: tuple[float, float]
+) -> tuple[ComplexArray, ComplexArray]:
+    """The ends of a face [mm] that is measured from `start` in the direction `along`; all (n,)."""
+    return start + along * ends[0], start + along * ends[1]
+
+
+def flat_follower(follower: Follower) -> FlatFollower:
+    """`follower`, which has a flat face; GeometryError with key "follower.kind" if it has none."""
+    if not hasattr(follower, "touch"):
+        message = "this needs a flat-faced follower, and this one has a roller"
+        raise GeometryError(message, key="follower.kind")
+    return cast("FlatFollower", follower)
+
+
+# -- translating flat ------------------------------------------------------------------------------
+# Translating flat-faced follower: a flat face square to a straight guide.
+
+
+@dataclass(frozen=True, slots=True)
+class TranslatingFlat(Guided, FlatFollower, CheckedFields, path="follower."):
+    """Translating follower whose face is square to the guide.
+
+    With nu = `guide_angle` and h = r_G + kappa_F s in `camgeo.kinematics.mechanism.flat` the turn
+    is 1, and
+
+        Z = (h - i sigma h') exp(i theta), rho = h + h''.
+
+    The contact lies h' sigma to the right of the foot of the cam axis, looking along the guide
+    outward: a cam that turns counter-clockwise lifts the follower with its right-hand side. Where
+    the guide itself lies affects the moments in the guide, but not the cam.
+
+    Attributes
+    ----------
+    base_radius : r_G, cam axis to face at cam angle 0 [mm].
+    guide_angle : direction of the guide away from the cam, from the x axis [rad], -2 pi to 2 pi.
+    direction : kappa_F, +1 if a positive lift moves the face outward (F-cam), -1 inward (P-cam).
+    face : where the face begins and ends [mm], along the face from the foot of the cam axis on it,
+        positive to the right when looking along the guide; None if it is as long as needed.
+
+    Raises
+    ------
+    GeometryError
+        With the key of an invalid value.
+    """
+
+    kind: ClassVar = "translating-flat"
+    origin: ClassVar = "cam axis"
+    least_place: ClassVar = -math.inf  # it moves on its guide wherever it is pushed
+    raised_by: ClassVar = ("follower.base_radius",)
+    facing: ClassVar = 1
+    harmonic_is_round: ClassVar = True
+
+    base_radius: Length
+    guide_angle: Angle = math.pi / 2.0
+    direction: Sense = 1
+    face: FaceEnds | None = None
+
+    @property
+    def start_arm(self) -> complex:
+        """See `Follower`."""
+        return 1j * self.base_radius * cmath.rect(1.0, self.guide_angle - 0.5 * math.pi)
+
+    def _distance(self, jet: Jet) -> Jet:
+        """h and as many of its derivatives as the lift has."""
+        distance = self.direction * jet
+        distance[0] += self.base_radius
+        return distance
+
+    def normal(self, lift: FloatArray) -> ComplexArray:
+        """See `FlatFollower.normal`."""
+        return np.full(len(lift), self.outward, dtype=np.complex128)
+
+    def touch(self, jet: Jet, rotation: int) -> Touch:
+        """See `FlatFollower.touch`."""
+        h = self._distance(jet)
+        turn = np.stack((np.ones_like(h[0]), np.zeros_like(h[0])))
+        return Touch(h[0], rotation * h[1:3], turn, h[:2] + h[2:4])
+
+    def relative_jet(self, jet: Jet, rotation: int, order: int = FULL_ORDER) -> RelativeJet:
+        """See `Follower.relative_jet`. The first axis points to the right of the guide."""
+        order = min(order, HIGHEST)
+        h = self._distance(jet[: order + 2])
+        along, across = np.zeros((2, order + 1, jet.shape[1]))
+        pace = h[0] + h[2]
+        np.multiply(h[1], float(rotation), out=along[0])
+        across[0] = h[0]
+        np.multiply(pace, float(rotation), out=along[1])
+        if order > 1:
+            np.add(h[1], h[3], out=along[2])
+            along[2] *= rotation
+            np.negative(pace, out=across[2])
+        axis = self.guide_angle - math.pi / 2.0
+        return RelativeJet(along, across, axis, pace, np.zeros_like(pace), 0.0, self.reach)
+
+    def tangent_jet(self, jet: Jet, rotation: int) -> TangentJet:
+        """See `Follower.tangent_jet`: Z' lies along the face, w = 0."""
+        h = self._distance(jet)
+        u = h[:2] + h[2:4]
+        none = np.zeros_like(u)
+        return TangentJet(u, none, none[0], u[0] * u[1])
+
+    def speed_bounds(self, jet: Jet, bounds: Jet, half: FloatArray, rotation: int) -> FloatArray:
+        """See `Follower.speed_bounds`.
+
+        Z'' = (sigma (h' + h''') - i (h + h'')) exp(i (axis - sigma phi)): with h''' fixed at
+        its value in the middle the rate is at most |h| + 2 (|h'| + |h''| + |h'''|), and h'''
+        changes by no more than the sum of that value and its bound.
+        """
+        height = np.abs(self.base_radius + self.direction * jet[0]) + bounds[0]
+        rest = bounds[1] + bounds[2] + bounds[3]
+        change = np.abs(jet[3]) + bounds[3]
+        return np.stack(
+            (height + bounds[2], height + rest, height + 2.0 * rest + spread(change, half))
+        )
+
+    def sliding(self, jet: Jet, rotation: int) -> FloatArray:
+        """See `Follower.sliding`: g = h; that the contact wanders is no sliding."""
+        return self.touch(jet, rotation).distance
+
+    def _face(self, lifts: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """The foot of the cam axis on the face (n,) [mm], and the direction in which places count,
+        at lifts (n,).
+        """
+        foot = self.traced(lifts)  # in a dwell the contact lies there
+        return foot, -1j * foot / np.abs(foot)
+
+    def sketch(
+        self, lifts: FloatArray, farthest: float, ends: tuple[float, float]
+    ) -> MechanismSketch[Places]:
+        """See `Follower.sketch`."""
+        return self.rod(lifts, farthest) + MechanismSketch(
+            faces=(face_line(*self._face(lifts), ends),),
+            dimensions=(Dimension("base_radius", 0j, self.base_radius * self.outward),),
+        )
+
+    def held(
+        self, ends: tuple[float, float]
+    ) -> tuple[Literal["guide"], complex, tuple[complex, complex]]:
+        """See `Follower.held`."""
+        start, stop = face_line(*self._face(np.zeros(1)), ends)
+        return "guide", 2.0 * self.base_radius * self.outward, (complex(start[0]), complex(stop[0]))
+
+    def far_side(
+        self, lifts: FloatArray, ends: tuple[float, float], breadth: float
+    ) -> MechanismSketch[Places]:
+        """See `Follower.far_side`: the same face, half a turn on."""
+        _, along = self._face(lifts)
+        there, joined = self.across(lifts, breadth)
+        return joined + MechanismSketch(faces=(face_line(there, -along, ends),))
+
+
+# -- oscillating flat ------------------------------------------------------------------------------
+# Oscillating flat-faced follower: a flat face on a rocker with a fixed pivot.
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +316,7 @@ class OscillatingFlat(Rocking, FlatFollower):
     from the line pivot -> cam axis, positive on the rocker's own side m = `arm_side`:
     d = exp(i (alpha + m chi)), alpha the direction of that line, and n = i m d. The face lies f
     (`face_offset`) beyond the parallel through the pivot, so that in
-    `camgeo.kinematics.mechanism.face`
+    `camgeo.kinematics.mechanism.flat`
 
         h = l_1 sin chi + f, tau = 1 - sigma m chi'.
 
