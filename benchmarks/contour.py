@@ -63,11 +63,10 @@ from benchmarks.peers import (
     joined,
 )
 from camgeo.design.design import Design
-from camgeo.geometry.contour.arcs import fit_arcs
+from camgeo.geometry.contour.arcs import fewest_arcs, fit_arcs
 from camgeo.geometry.contour.chords import fit_polyline
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.cubics import fewest_cubics, fit_spline
-from camgeo.geometry.contour.fewest_arcs import fewest_arcs
 from camgeo.geometry.contour.fewest_chords import fewest_chords
 from camgeo.geometry.contour.spline import CubicSpline, SplineContour
 from camgeo.geometry.outline.path import Path as OutlinePath

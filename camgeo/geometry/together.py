@@ -90,8 +90,6 @@ class _Several(Generic[Member]):
 # -- together --------------------------------------------------------------------------------------
 
 
-Member = TypeVar("Member")
-
 Join = Callable[[tuple[Member, ...], IntArray, int], Member]
 """Makes one of many: of which each place is, and how often the places are repeated, see `Together`.
 """

@@ -26,8 +26,14 @@ from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.lazy import Ledger
 from camgeo.numeric.checked import positive
-from camgeo.part.boundaries import CurveBoundary, ExactBoundary, largest_radius, numbers_of
-from camgeo.part.lettering import Letter, lettered
+from camgeo.part.boundaries import (
+    CurveBoundary,
+    ExactBoundary,
+    Letter,
+    largest_radius,
+    lettered,
+    numbers_of,
+)
 from camgeo.part.part import OF_RETURN, Bevel, Boundary, Layer, Part, Wall
 from camgeo.part.spec import (
     BOTH,

@@ -32,8 +32,7 @@ from camgeo.numeric.checked import instance_from_table
 from camgeo.scene.formats.gcode import misfits, tables_are_whole
 from camgeo.scene.keys import KeyPath, path_of
 from camgeo.scene.schema import MILLING, Composed, milling_tables, schema
-from camgeo.scene.schema_faults import judged
-from camgeo.scene.values import Broken, Inside, ValidValues, document
+from camgeo.scene.values import Broken, Inside, ValidValues, document, judged
 
 PROGRAM: Final = ("output", "gcode")
 """Key of the table with the options of the program."""

@@ -54,7 +54,6 @@ from camgeo.scene.schema import (
     resolved,
     schema_for,
 )
-from camgeo.scene.schema_faults import judged
 from camgeo.scene.values import (
     Document,
     Inside,
@@ -67,6 +66,7 @@ from camgeo.scene.values import (
     document_of_tree,
     edited,
     far_end_of,
+    judged,
     without,
 )
 from camgeo.units import RPM, TURN, LengthUnit, LiftUnit
@@ -78,7 +78,7 @@ if TYPE_CHECKING:
     from camgeo.kinematics.mechanism.rollers import Mount
     from camgeo.kinematics.time_course import SpeedCurve
     from camgeo.milling.milling import MillingSpec
-    from camgeo.part.printing import PrintSpec
+    from camgeo.part.compensation import PrintSpec
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -603,7 +603,7 @@ class Builder:
     def _printing(self) -> PrintSpec | None:
         if self.values.get("print") is None:
             return None
-        from camgeo.part.printing import print_of  # few scenes print
+        from camgeo.part.compensation import print_of  # few scenes print
 
         return self._engine(("print",), lambda: print_of(self._top("print")))
 

@@ -13,9 +13,8 @@ import pytest
 
 from camgeo import load
 from camgeo.geometry.contour import proof
-from camgeo.geometry.contour.arcs import fit_arcs
+from camgeo.geometry.contour.arcs import fewest_arcs, fit_arcs
 from camgeo.geometry.contour.cubics import fewest_cubics
-from camgeo.geometry.contour.fewest_arcs import fewest_arcs
 from camgeo.geometry.contour.spline import Arc
 from camgeo.geometry.outline.outline import real_outline
 from camgeo.geometry.outline.path import Path as Outline

@@ -21,12 +21,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError, ToleranceError, UndercutError
-from camgeo.geometry.contour import fewest_arcs as fewest_arcs_module
-from camgeo.geometry.contour.arcs import Biarcs, Ends, fit_arcs
+from camgeo.geometry.contour import arcs as arcs_module
+from camgeo.geometry.contour.arcs import Biarcs, Ends, Strands, fewest_arcs, fit_arcs
 from camgeo.geometry.contour.chords import fit_polyline
 from camgeo.geometry.contour.contour import Contour, Fit, require_simple
 from camgeo.geometry.contour.cubics import fewest_cubics, fit_spline
-from camgeo.geometry.contour.fewest_arcs import Strands, fewest_arcs
 from camgeo.geometry.contour.fewest_chords import fewest_chords
 from camgeo.geometry.contour.proof import deviation
 from camgeo.geometry.outline.path import Path, Pivot, Stretch, area, whole
@@ -292,8 +291,8 @@ def test_attempts_that_do_not_help_are_few(monkeypatch: pytest.MonkeyPatch) -> N
         tried.append(int(np.sum(counts)))
         return [SimpleNamespace(deviation=math.inf) for _ in counts]
 
-    monkeypatch.setattr(fewest_arcs_module, "arc_splines", none)
-    monkeypatch.setattr(fewest_arcs_module, "LAID", 0)
+    monkeypatch.setattr(arcs_module, "arc_splines", none)
+    monkeypatch.setattr(arcs_module, "LAID", 0)
     assert fewest_arcs(whole(flank("vorschub", -1)), 1e-2).deviation <= 1e-2
     assert len(tried) == 1
 

@@ -18,10 +18,9 @@ from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour import proof
-from camgeo.geometry.contour.arcs import fit_arcs
+from camgeo.geometry.contour.arcs import fewest_arcs, fit_arcs
 from camgeo.geometry.contour.chords import fit_polyline
 from camgeo.geometry.contour.contour import Contour
-from camgeo.geometry.contour.fewest_arcs import fewest_arcs
 from camgeo.geometry.contour.proof import deviation, locate
 from camgeo.geometry.outline.outline import real_outline
 from camgeo.geometry.outline.path import Path, whole

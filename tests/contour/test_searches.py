@@ -14,10 +14,11 @@ from hypothesis import strategies as st
 
 from camgeo.errors import ToleranceError
 from camgeo.geometry.contour import fewest_chords as ladder_module
-from camgeo.geometry.contour.arcs import OUTERMOST, tangent_turns
-from camgeo.geometry.contour.fewest_arcs import (
+from camgeo.geometry.contour.arcs import (
+    OUTERMOST,
     Strands,
     arc_splines,
+    tangent_turns,
 )
 from camgeo.geometry.contour.fewest_chords import (
     Evened,

@@ -19,9 +19,12 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.parallel import parallel
 from camgeo.part.assembly import bore_outline, flattened, mark_outline
-from camgeo.part.boundaries import CurveBoundary, ExactBoundary
+from camgeo.part.boundaries import CurveBoundary, ExactBoundary, LetterBoundary
 from camgeo.part.compensation import (
+    Foot,
+    PrintSpec,
     ScaledBoundary,
+    Shrinkage,
     compensated,
     drawn_in,
     scaled,
@@ -29,10 +32,8 @@ from camgeo.part.compensation import (
     scaled_splines,
     with_clearance,
 )
-from camgeo.part.lettering import LetterBoundary
 from camgeo.part.mass import solid
 from camgeo.part.part import Boundary, Part
-from camgeo.part.printing import Foot, PrintSpec, Shrinkage
 from camgeo.part.spec import Chamfer, Chamfers, DShaft, Holes, Hub, Keyway, Mark, PartSpec
 from tests.contour.cams import SCENES
 from tests.export.stub_product import CircleBoundary

@@ -11,9 +11,8 @@ import pytest
 from camgeo.cam.cam import Contact
 from camgeo.design.plate import ring_part, roller_part
 from camgeo.errors import GeometryError
-from camgeo.part.compensation import with_clearance
+from camgeo.part.compensation import Foot, PrintSpec, Shrinkage, print_of, with_clearance
 from camgeo.part.mass import solid
-from camgeo.part.printing import Foot, PrintSpec, Shrinkage, print_of
 from camgeo.part.spec import Keyway, PartSpec
 from tests.part.parts import made, refused
 

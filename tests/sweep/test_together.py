@@ -25,7 +25,7 @@ from camgeo.kinematics.plan import MotionPlan
 from camgeo.lazy import Ledger
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.scene import Scene, load_scene
-from camgeo.scene.varied import Value
+from camgeo.scene.values import Value
 from camgeo.studies.sweep.family import Family, Point
 from camgeo.studies.sweep.rows import (
     TOGETHER,

@@ -29,7 +29,7 @@ from camgeo.dynamics.effects.wording import (
     extreme_finding,
     extreme_findings,
 )
-from camgeo.kinematics.mechanism.linkage import turning
+from camgeo.kinematics.mechanism.linkages import turning
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes, piecewise_highest
 from camgeo.units import at_cam_angles, cam_angle
