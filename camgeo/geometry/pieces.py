@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import singledispatch
 from typing import Protocol
 
 import numpy as np
@@ -14,7 +13,7 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve, in_blocks, joints
 from camgeo.geometry.together import curves_together
 from camgeo.kinematics.mechanism.flat import Touch, flat_follower
-from camgeo.kinematics.motion import Dwell, Motion, lift_range
+from camgeo.kinematics.motion import Dwell, lift_range
 from camgeo.kinematics.plan import MotionPlan
 from camgeo.numeric.arrays import (
     ONE,
@@ -150,17 +149,6 @@ ROUNDING = 2.0**-52 * 32.0
 NOWHERE = complex(np.nan, np.nan)
 
 
-@singledispatch
-def harmonics(_motion: Motion) -> tuple[Dwell, ...]:
-    """The stretches on which it is known that s''' = -s', apart from rests; no border inside."""
-    return ()
-
-
-@harmonics.register
-def _of_plan(motion: MotionPlan) -> tuple[Dwell, ...]:
-    return motion.harmonics
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Circles:
     """The stretches of a pitch curve that are known to be arcs, in order.
@@ -180,7 +168,9 @@ class Circles:
 def circles(pitch: PitchCurve) -> Circles:
     """All stretches known to be arcs."""
     rests = pitch.dwells
-    moves = harmonics(pitch.motion) if pitch.follower.harmonic_is_round else ()
+    moves: tuple[Dwell, ...] = ()
+    if pitch.follower.harmonic_is_round and isinstance(pitch.motion, MotionPlan):
+        moves = pitch.motion.harmonics
     starts = np.array([each.start for each in (*rests, *moves)])
     spans = np.array([each.span for each in (*rests, *moves)])
     centres = np.zeros(len(starts), dtype=np.complex128)

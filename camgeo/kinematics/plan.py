@@ -337,8 +337,7 @@ class Piece:
         if self.spline is None:
             return np.empty(0)
         inner = self.spline.knots[1:-1]
-        angles: FloatArray = self.segment_start + inner * self.length
-        return angles
+        return np.asarray(self.segment_start + inner * self.length)
 
     def spline_bounds(self, low: FloatArray, high: FloatArray) -> Jet:
         """(4, n) the result of `MotionPlan.jet_and_bounds` for cells of a piece with a spline."""
@@ -541,8 +540,7 @@ def _slack(angles: FloatArray) -> FloatArray:
     """
     lengths = np.diff(np.append(angles, angles[0] + TURN))
     shorter = np.minimum(lengths, np.roll(lengths, 1))
-    slack: FloatArray = JUMP + JERK * math.ulp(TURN) / shorter
-    return slack
+    return np.asarray(JUMP + JERK * math.ulp(TURN) / shorter)
 
 
 def _scales(

@@ -55,13 +55,15 @@ def read_lift_table(
     check_from_zero(table, angles, "angle")
     beyond = np.flatnonzero(angles > span * (1.0 + LAST_ROW))
     if len(beyond):
-        message = f"beyond the span; allowed: up to {span:.17g} degrees"
-        raise table.fault(int(beyond[0]), angles, message)
+        raise table.fault(
+            int(beyond[0]), angles, f"beyond the span; allowed: up to {span:.17g} degrees"
+        )
     if abs(angles[-1] - span) <= LAST_ROW * span and span > angles[-2]:
         return replace(table, first=np.append(angles[:-1], span))
     if not periodic:
-        message = f"the last angle; allowed: the end of the span, {span:.17g} degrees"
-        raise table.fault(-1, angles, message)
+        raise table.fault(
+            -1, angles, f"the last angle; allowed: the end of the span, {span:.17g} degrees"
+        )
     return table
 
 
@@ -160,8 +162,9 @@ def check_ascending(table: TwoColumns, values: FloatArray, what: str) -> None:
     if len(falls):
         place = int(falls[0]) + 1
         before = float(values[place - 1])
-        message = f"the {what} before is {before!r}; allowed: only ascending"
-        raise table.fault(place, values, message)
+        raise table.fault(
+            place, values, f"the {what} before is {before!r}; allowed: only ascending"
+        )
 
 
 # -- value table ----------------------------------------------------------------------------------

@@ -183,8 +183,9 @@ class CurveBoundary(Pickled, CheckedFields):
     def inset(self, distance: float, name: str) -> CurveBoundary:
         """See `camgeo.part.part.Boundary`; its fits go into the same ledger."""
         if any(each.distance == 0.0 for each in self.path.pivots):
-            message = f"the {self.name} has a corner, along which there is no parallel"
-            raise GeometryError(message, "part", self.name)
+            raise GeometryError(
+                f"the {self.name} has a corner, along which there is no parallel", "part", self.name
+            )
         path = self.path.offset(distance if self.hole else -distance)
         return CurveBoundary(name, self.hole, path, self.ledger)
 
@@ -512,13 +513,12 @@ def _checked(count: int, tolerance: float) -> int:
 
 def _on_first_circle(exact: Contour) -> BoolArray:
     """(n,) whether a piece is an arc of the same circle as the first one."""
-    same: BoolArray = (
+    return np.asarray(
         (exact.sweeps != 0.0)
         & (exact.sweeps[0] != 0.0)
         & (exact.centres == exact.centres[0])
         & np.isclose(exact.radii, exact.radii[0], rtol=1e-12, atol=0.0)
     )
-    return same
 
 
 # -- lettering -------------------------------------------------------------------------------------
@@ -578,8 +578,9 @@ def lettered(texts: Sequence[Engraving]) -> tuple[tuple[Letter, ...], ...]:
         (_, one), (number, other) = letters[first], letters[second]
         apart = least_distance(Pieces.around(one.contours), Pieces.around(other.contours))
         if apart <= APART * texts[number - 1].height:
-            message = f"the {other.where} touches the {one.where}"
-            raise GeometryError(message, key=f"part.{ENGRAVING}[{number}]")
+            raise GeometryError(
+                f"the {other.where} touches the {one.where}", key=f"part.{ENGRAVING}[{number}]"
+            )
     return found
 
 
@@ -633,11 +634,12 @@ def _places(text: Engraving, key: str) -> Iterator[tuple[str, complex, complex]]
         return
     radius = text.radius - 0.5 * text.height
     if text.height * (last - first) >= TURN * radius:
-        message = (
+        raise GeometryError(
             f"{text.height * (last - first):.4g} mm of text do not fit around"
-            f" {TURN * radius:.4g} mm, the circle on which the letters are nearest to the cam axis"
+            f" {TURN * radius:.4g} mm, the circle on which the letters are nearest to the cam axis",
+            key=f"{key}.radius",
+            value=f"{text.radius:g}",
         )
-        raise GeometryError(message, key=f"{key}.radius", value=f"{text.radius:g}")
     for character, size in zip(text.text, sizes.tolist(), strict=True):
         turned = ray * cmath.exp((-1j if outward else 1j) * size / radius)
         yield character, text.radius * turned, turned * (-1j if outward else 1j)
@@ -672,8 +674,11 @@ def _letter(
     for one, other in combinations(contours, 2):
         apart = least_distance(Pieces.around([one]), Pieces.around([other]))
         if apart <= APART * text.height:
-            message = f'outlines of "{character}" touch each other, which cannot be engraved'
-            raise GeometryError(message, key=f"{key}.text", value=text.text)
+            raise GeometryError(
+                f'outlines of "{character}" touch each other, which cannot be engraved',
+                key=f"{key}.text",
+                value=text.text,
+            )
     boundaries = []
     for boundary, contour in zip(made, contours, strict=True):
         start = complex(contour.vertices[0])
@@ -766,8 +771,7 @@ class LetterBoundary(Pickled):
     @property
     def _straight(self) -> BoolArray:
         start, middle, end = self.pieces.T
-        straight: BoolArray = middle == 0.5 * (start + end)
-        return straight
+        return np.asarray(middle == 0.5 * (start + end))
 
     def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Lines and arcs with their ends on the outline, the same at either effort."""
@@ -797,8 +801,9 @@ class LetterBoundary(Pickled):
             if crossing(found.contour) is not None:
                 raise GeometryError(f"the {self.name} crosses itself", key="part", value=self.name)
             if found.deviation > tolerance:
-                message = f"coordinates round too much for the {self.name}"
-                raise ToleranceError(message, tolerance, found.deviation)
+                raise ToleranceError(
+                    f"coordinates round too much for the {self.name}", tolerance, found.deviation
+                )
             self.known[form, tolerance] = found
         known: Fit = self.known[form, tolerance]
         return known
@@ -904,8 +909,7 @@ def _at(pieces: ComplexArray, t: FloatArray) -> ComplexArray:
     """(n,) points of quadratic curves (n, 3) at `t` (n,)."""
     w = 1.0 - t
     weights = np.stack((w * w, 2.0 * w * t, t * t), axis=1)
-    points: ComplexArray = np.sum(weights * pieces, axis=1)
-    return points
+    return np.asarray(np.sum(weights * pieces, axis=1))
 
 
 def _between_points(one: SplineContour, other: SplineContour) -> float:

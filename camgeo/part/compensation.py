@@ -228,8 +228,9 @@ def fault_of_clearance(spec: PrintSpec, error: GeometryError) -> GeometryError:
     """Why a part has no room for its clearance, as a fault of the key that asks for it."""
     key = "bore_clearance" if spec.bore_clearance else "key_clearance"
     value = getattr(spec, key)
-    message = f"the part has no room for it: {error}"
-    return GeometryError(message, key=f"print.{key}", value=f"{value:g}")
+    return GeometryError(
+        f"the part has no room for it: {error}", key=f"print.{key}", value=f"{value:g}"
+    )
 
 
 def compensated(part: Part, spec: PrintSpec) -> Part:
@@ -273,11 +274,16 @@ def _on_foot(part: Part, foot: Foot) -> Part:
     room = lowest.z1 - lowest.z0
     key = "print.elephant_foot"
     if any(each.z == lowest.z0 for each in part.bevels):
-        message = "edges of the lowest face have chamfers: state upper ones only, or no such foot"
-        raise GeometryError(message, key=key)
+        raise GeometryError(
+            "edges of the lowest face have chamfers: state upper ones only, or no such foot",
+            key=key,
+        )
     if foot.height >= room:
-        message = f"must be less than the height of the lowest layer, {room:.6g} mm"
-        raise GeometryError(message, key=f"{key}.height", value=f"{foot.height:g}")
+        raise GeometryError(
+            f"must be less than the height of the lowest layer, {room:.6g} mm",
+            key=f"{key}.height",
+            value=f"{foot.height:g}",
+        )
     rise = foot.height / foot.steps
     heights = [lowest.z0 + step * rise for step in range(foot.steps)]
     heights.append(lowest.z0 + foot.height)
@@ -291,8 +297,11 @@ def _on_foot(part: Part, foot: Foot) -> Part:
             )
             _require_alike(drawn, lowest.boundaries)
         except GeometryError as error:
-            message = f"the part has no room for it: {error.message}"
-            raise GeometryError(message, key=f"{key}.inset", value=f"{foot.inset:g}") from None
+            raise GeometryError(
+                f"the part has no room for it: {error.message}",
+                key=f"{key}.inset",
+                value=f"{foot.inset:g}",
+            ) from None
         layers.append(Layer(low, high, drawn, FOOT))
     rest = replace(lowest, z0=heights[-1])
     return replace(part, layers=(*layers, rest, *others))
@@ -304,8 +313,7 @@ def _require_alike(moved: tuple[Boundary, ...], before: tuple[Boundary, ...]) ->
     for a, b in combinations(range(len(moved)), 2):
         inside = [_nested(each[a].contour, each[b].contour) for each in (fits, were)]
         if surely_apart(fits[a], fits[b]) <= 0.0 or inside[0] != inside[1]:
-            message = f"{before[a].name} and {before[b].name} would touch"
-            raise GeometryError(message, key="part")
+            raise GeometryError(f"{before[a].name} and {before[b].name} would touch", key="part")
 
 
 def _nested(one: Contour, other: Contour) -> tuple[bool, bool]:
@@ -369,8 +377,10 @@ def _flank_within(boundary: CurveBoundary, distance: float) -> Path:
     except UndercutError:
         raise _gone(boundary.name, distance) from None
     if found.lobes and len(found.lobes) > len(real_outline(flank).lobes):
-        message = f"drawn in by {distance:g} mm, the {boundary.name} falls into several pieces"
-        raise GeometryError(message, key="part")
+        raise GeometryError(
+            f"drawn in by {distance:g} mm, the {boundary.name} falls into several pieces",
+            key="part",
+        )
     return found.path
 
 

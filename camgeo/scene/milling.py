@@ -175,8 +175,7 @@ class MillingBuilder:
         for place, each in zip(_places(self._values, name), made, strict=False):
             if library is not None and known and each.tool not in known:
                 numbers = ", ".join(str(number) for number in sorted(known))
-                message = f"there is no such tool; there are {numbers}"
-                self._inside.fault((*place, "tool"), message)
+                self._inside.fault((*place, "tool"), f"there is no such tool; there are {numbers}")
         return made
 
     def each(self, name: str, make: Callable[[Mapping[str, Any]], Built]) -> list[Built]:

@@ -531,9 +531,11 @@ class Builder:
         swing = float(linkage.transform(jet)[0, 0])
         if swing * farthest * arm_side * SIGNS[stated] < 0.0:
             found = "inward" if stated == "outward" else "outward"
-            message = f"contradicts the linkage, which moves the {follower.touching} {found}"
-            hint = f'leave it out, write "{found}", or turn one of the linkage\'s choices'
-            self.inside.fault(("follower", "direction"), message, hint)
+            self.inside.fault(
+                ("follower", "direction"),
+                f"contradicts the linkage, which moves the {follower.touching} {found}",
+                f'leave it out, write "{found}", or turn one of the linkage\'s choices',
+            )
 
     def effects(self, faulted: Collection[str] = ()) -> dict[str, dict[str, Any]]:
         """The tables of the effects that the scene names, in the units inside.
@@ -735,8 +737,10 @@ class MotionRequests:
             at = self.values.exact(*place, "points", index, "at")
             assert at is not None  # the scene is valid
             if not last < at < span:
-                message = f"must ascend, inside the span of {span.normalize():f} degrees"
-                self.inside.fault((*place, "points", index, "at"), message)
+                self.inside.fault(
+                    (*place, "points", index, "at"),
+                    f"must ascend, inside the span of {span.normalize():f} degrees",
+                )
                 return None
             shares.append(float(at / span))
             last = at

@@ -171,8 +171,9 @@ class Composed:
         try:
             return Draft202012Validator(self.root)
         except ValueError as error:
-            message = f"a declaration of another distribution has no valid JSON Schema: {error}"
-            raise CamgeoError(message) from error
+            raise CamgeoError(
+                f"a declaration of another distribution has no valid JSON Schema: {error}"
+            ) from error
 
 
 NAMING: Final = (EFFECTS_KEY, OUTPUT, *MILLING)

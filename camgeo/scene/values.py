@@ -883,8 +883,9 @@ def value_path(tree: Tree, key: str) -> KeyPath:
             raise _refused(key, f"{_name(found)} is not a list")
         if keys and step not in keys:
             hint = meant(spelled((*found, step)), [spelled((*found, each)) for each in keys])
-            message = f"is no key of a scene; {_name(found)} has {listed(sorted(keys))}"
-            raise _refused(key, message, hint)
+            raise _refused(
+                key, f"is no key of a scene; {_name(found)} has {listed(sorted(keys))}", hint
+            )
         if not keys and found and _single(node):
             raise _refused(key, f"is no key of a scene; {_name(found)} is a single value")
         found = (*found, step)

@@ -277,11 +277,10 @@ class FaceLift(DiscLift):
 
     def heading(self, phi: FloatArray, jet: FloatArray) -> ComplexArray:
         """See `DiscLift`: of the contact, if it did not wander."""
+        del phi  # the jet alone decides
         full = np.vstack((jet, np.zeros_like(jet[:1])))  # with a third derivative
         at = flat_follower(self.pitch.follower).touch(full, self.path.rotation)
-        way: ComplexArray = at.distance + 1j * at.contact[0]
-        del phi
-        return way
+        return np.asarray(at.distance + 1j * at.contact[0])
 
     def shift_of(self, joint: float, error: FloatArray) -> FloatArray:
         """See `DiscLift`.
@@ -454,8 +453,11 @@ def face_path_of(follower: Follower, rotation: int) -> FacePath:
     Raises GeometryError if none is registered for its class.
     """
     del rotation  # used by the registered ones
-    message = f'this needs a flat-faced follower, and this one is "{follower.kind}"'
-    raise GeometryError(message, key="follower.kind", value=follower.kind)
+    raise GeometryError(
+        f'this needs a flat-faced follower, and this one is "{follower.kind}"',
+        key="follower.kind",
+        value=follower.kind,
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -736,8 +736,7 @@ class _Run:
         """The distance (n,) to the inflection point."""
         length, speed = numbers[11:13]
         r = _place_in(z, w, *numbers[13:])
-        way: FloatArray = length * r * speed - numbers[4] * self.stretch.back(r)
-        return way
+        return np.asarray(length * r * speed - numbers[4] * self.stretch.back(r))
 
 
 def _place_in(

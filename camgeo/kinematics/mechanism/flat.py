@@ -118,8 +118,7 @@ class FlatFollower(Follower):
 
         Nothing cancels where the face nearly stands still in the cam and Z'' is large.
         """
-        kappa: FloatArray = (1.0 - rotation * relative.turning) / speed
-        return kappa
+        return np.asarray((1.0 - rotation * relative.turning) / speed)
 
     def contact_radius(self, kappa: FloatArray, _: float) -> FloatArray:
         """See `Follower.contact_radius`: a face adds no curvature."""
@@ -162,8 +161,9 @@ def face_line(
 def flat_follower(follower: Follower) -> FlatFollower:
     """`follower`, which has a flat face; GeometryError with key "follower.kind" if it has none."""
     if not hasattr(follower, "touch"):
-        message = "this needs a flat-faced follower, and this one has a roller"
-        raise GeometryError(message, key="follower.kind")
+        raise GeometryError(
+            "this needs a flat-faced follower, and this one has a roller", key="follower.kind"
+        )
     return cast("FlatFollower", follower)
 
 
@@ -360,8 +360,10 @@ class OscillatingFlat(Rocking, FlatFollower):
         check_fields(self, "follower.")
         l1, f = self.centre_distance, self.face_offset
         if l1 == 0.0:
-            message = "the pivot lies on the cam axis, where no rocker can move its face outward"
-            raise GeometryError(message, key="follower.pivot")
+            raise GeometryError(
+                "the pivot lies on the cam axis, where no rocker can move its face outward",
+                key="follower.pivot",
+            )
         if f <= -l1:
             raise GeometryError(
                 f"the face cannot lie there: with the pivot {l1:.6g} mm from the cam axis it would"
@@ -412,8 +414,7 @@ class OscillatingFlat(Rocking, FlatFollower):
     def normal(self, lift: FloatArray) -> ComplexArray:
         """See `FlatFollower.normal`."""
         angle = self.line_angle + self.arm_side * (self.face_angle(lift) + 0.5 * math.pi)
-        normals: ComplexArray = np.exp(1j * angle)
-        return normals
+        return np.asarray(np.exp(1j * angle))
 
     def touch(self, jet: Jet, rotation: int) -> Touch:
         """See `FlatFollower.touch`."""

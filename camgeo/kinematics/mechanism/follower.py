@@ -193,8 +193,7 @@ class Follower(ABC):
         jet = np.zeros((FULL_ORDER + 1, len(lifts)))
         jet[0] = lifts
         at = self.relative_jet(jet, 1, 1)
-        found: ComplexArray = (at.along[0] + 1j * at.across[0]) * cmath.exp(1j * at.axis)
-        return found
+        return np.asarray((at.along[0] + 1j * at.across[0]) * cmath.exp(1j * at.axis))
 
     def traced_point(self, lift: float) -> complex:
         """The same at one lift."""

@@ -204,8 +204,7 @@ class FarEnd:
 
     def place(self, phi: FloatArray, q: FloatArray) -> FloatArray:
         """(n,) demanded position s [mm or rad] with the follower at `q` (n,), see `jet`."""
-        place: FloatArray = self.jet(phi, q)[0]
-        return place
+        return np.asarray(self.jet(phi, q)[0])
 
     def jet(self, phi: FloatArray, q: FloatArray) -> Jet:
         """(4, n) s, ds/dq, d^2s/dq^2 [mm or rad per that of q^k] and 0, read-only.

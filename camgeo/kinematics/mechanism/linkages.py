@@ -351,8 +351,9 @@ class SliderCrank(RockerCrank):
         check_fields(self, "linkage.")
         gap = self.missing_length(np.zeros(1))[0]
         if gap > 0.0:
-            message = f"the linkage does not close at stroke 0: it misses by {gap:.6g} mm"
-            raise GeometryError(message, key="linkage")
+            raise GeometryError(
+                f"the linkage does not close at stroke 0: it misses by {gap:.6g} mm", key="linkage"
+            )
 
     @cached_property
     def guide_height(self) -> float:
@@ -564,8 +565,10 @@ class SliderCrank(RockerCrank):
         """
         far, own = self.transmission_sines(stroke)
         if np.any(np.abs(far) * self.coupler <= self._rounding):
-            message = "the coupler is square to the guide: the rocker cannot move the slider"
-            raise GeometryError(message, key="linkage")
+            raise GeometryError(
+                "the coupler is square to the guide: the rocker cannot move the slider",
+                key="linkage",
+            )
         slide = -self.stroke_direction * self.crank * own / far
         return np.asarray(-slide if self.mirrored else slide)
 
@@ -694,8 +697,10 @@ class SliderDrivenCrank:
         instance("linkage", self.inner, SliderCrank, "a slider-crank, a `SliderCrank`")
         drop = float(self._drop(np.zeros(1))[0])
         if self.coupler - abs(drop) <= ROUNDING * (self.crank + self.coupler):
-            message = "dead centre at stroke 0: the coupler is square to the guide of the slider"
-            raise GeometryError(message, key="linkage")
+            raise GeometryError(
+                "dead centre at stroke 0: the coupler is square to the guide of the slider",
+                key="linkage",
+            )
 
     @property
     def crank(self) -> float:
@@ -718,13 +723,11 @@ class SliderDrivenCrank:
         return -1.0 if self.inner.mirrored else 1.0
 
     def _theta(self, angle: FloatArray) -> FloatArray:
-        theta: FloatArray = self.inner.start_angle + self._sense * angle
-        return theta
+        return np.asarray(self.inner.start_angle + self._sense * angle)
 
     def _drop(self, angle: FloatArray) -> FloatArray:
         """(n,) [mm] height of the guide above the crank's tip, l_4 sin v."""
-        drop: FloatArray = self.inner.guide_height - self.crank * np.sin(self._theta(angle))
-        return drop
+        return np.asarray(self.inner.guide_height - self.crank * np.sin(self._theta(angle)))
 
     def missing_length(self, angle: FloatArray) -> FloatArray:
         """(n,) [mm] by how much the coupler misses the guide; <= 0 where it reaches it."""
@@ -801,8 +804,9 @@ class SliderDrivenCrank:
         """
         far, own = self.transmission_sines(angle)
         if np.any(np.abs(far) <= ROUNDING * (1.0 + self.crank / self.coupler)):
-            message = "crank and coupler are in line: the slider cannot turn the crank"
-            raise GeometryError(message, key="linkage")
+            raise GeometryError(
+                "crank and coupler are in line: the slider cannot turn the crank", key="linkage"
+            )
         turned = -self.inner.stroke_direction * self._sense
         return np.asarray(turned * own / (self.crank * far))
 
@@ -1133,8 +1137,9 @@ class FourBar(RockerCrank):
         """
         far, own = self.transmission_sines(motion)
         if np.any(np.abs(far) <= ROUNDING * (1.0 + self.lever / self.coupler)):
-            message = "coupler and lever are in line: the rocker cannot move the lever"
-            raise GeometryError(message, key="linkage")
+            raise GeometryError(
+                "coupler and lever are in line: the rocker cannot move the lever", key="linkage"
+            )
         return np.asarray(self.lever_sense * (self.crank / self.lever) * own / far)
 
     def _far_sine(self, motion: FloatArray) -> FloatArray:

@@ -539,14 +539,23 @@ def _check(step: Decimal, first: Decimal, last: Decimal) -> None:
                 f"at most {MOST_DECIMALS} decimals are allowed", key=key, value=str(number)
             )
     if not (step.is_finite() and SMALLEST_STEP <= step <= LARGEST_STEP):
-        message = f"the step of the crank angle must be {SMALLEST_STEP} to {LARGEST_STEP} degrees"
-        raise GeometryError(message, key="step", value=str(step))
+        raise GeometryError(
+            f"the step of the crank angle must be {SMALLEST_STEP} to {LARGEST_STEP} degrees",
+            key="step",
+            value=str(step),
+        )
     if not (first.is_finite() and 0 <= first < FULL_TURN):
-        message = "the first crank angle must be from 0 to less than 360 degrees"
-        raise GeometryError(message, key="from", value=str(first))
+        raise GeometryError(
+            "the first crank angle must be from 0 to less than 360 degrees",
+            key="from",
+            value=str(first),
+        )
     if not (last.is_finite() and first < last <= FULL_TURN):
-        message = f"the last crank angle must be above the first, {first}, and at most 360 degrees"
-        raise GeometryError(message, key="to", value=str(last))
+        raise GeometryError(
+            f"the last crank angle must be above the first, {first}, and at most 360 degrees",
+            key="to",
+            value=str(last),
+        )
 
 
 def _places(number: Decimal) -> int:
