@@ -63,16 +63,15 @@ from benchmarks.peers import (
     joined,
 )
 from camgeo.design.design import Design
-from camgeo.geometry.contour.arcs import fit_arcs
+from camgeo.geometry.contour.arcs import fewest_arcs, fit_arcs
 from camgeo.geometry.contour.chords import fit_polyline
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.cubics import fewest_cubics, fit_spline
-from camgeo.geometry.contour.fewest_arcs import fewest_arcs
 from camgeo.geometry.contour.fewest_chords import fewest_chords
 from camgeo.geometry.contour.spline import CubicSpline, SplineContour
 from camgeo.geometry.outline.path import Path as OutlinePath
 from camgeo.geometry.pieces import Piece, smooth_pieces
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
 from camgeo.scene.scene import load_scene
 from camgeo.studies.accuracy.contours import forced_pieces, least_arcs, least_chords, least_cubics

@@ -34,16 +34,11 @@ if TYPE_CHECKING:
 
     from camgeo.check.finding import Finding, Limits
     from camgeo.design.design import Design
-    from camgeo.geometry.pitch_curve import PitchCurve
-    from camgeo.geometry.working_curve import WorkingCurve
-    from camgeo.kinematics.mechanism.four_bar import FourBar
+    from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
+    from camgeo.kinematics.mechanism.flat import OscillatingFlat, TranslatingFlat
     from camgeo.kinematics.mechanism.linkage import LinkedMotion
-    from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
-    from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-    from camgeo.kinematics.mechanism.slider_crank import SliderCrank
-    from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
-    from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
-    from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+    from camgeo.kinematics.mechanism.linkages import FourBar, SliderCrank, SliderDrivenCrank
+    from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
     from camgeo.kinematics.plan import Dwell, MotionPlan, Move
     from camgeo.scene.scene import Scene
 
@@ -51,20 +46,20 @@ WHEN_ASKED: Final = {
     "Design": "camgeo.design.design",
     "Dwell": "camgeo.kinematics.plan",
     "Finding": "camgeo.check.finding",
-    "FourBar": "camgeo.kinematics.mechanism.four_bar",
+    "FourBar": "camgeo.kinematics.mechanism.linkages",
     "Limits": "camgeo.check.finding",
     "LinkedMotion": "camgeo.kinematics.mechanism.linkage",
     "MotionPlan": "camgeo.kinematics.plan",
     "Move": "camgeo.kinematics.plan",
-    "OscillatingFlat": "camgeo.kinematics.mechanism.oscillating_flat",
-    "OscillatingRoller": "camgeo.kinematics.mechanism.oscillating_roller",
+    "OscillatingFlat": "camgeo.kinematics.mechanism.flat",
+    "OscillatingRoller": "camgeo.kinematics.mechanism.rollers",
     "PitchCurve": "camgeo.geometry.pitch_curve",
     "Scene": "camgeo.scene.scene",
-    "SliderCrank": "camgeo.kinematics.mechanism.slider_crank",
-    "SliderDrivenCrank": "camgeo.kinematics.mechanism.slider_driven_crank",
-    "TranslatingFlat": "camgeo.kinematics.mechanism.translating_flat",
-    "TranslatingRoller": "camgeo.kinematics.mechanism.translating_roller",
-    "WorkingCurve": "camgeo.geometry.working_curve",
+    "SliderCrank": "camgeo.kinematics.mechanism.linkages",
+    "SliderDrivenCrank": "camgeo.kinematics.mechanism.linkages",
+    "TranslatingFlat": "camgeo.kinematics.mechanism.flat",
+    "TranslatingRoller": "camgeo.kinematics.mechanism.rollers",
+    "WorkingCurve": "camgeo.geometry.pitch_curve",
 }
 """Public names by module, imported on first use: a run needs only a few, and the command line must
 be ready for Ctrl-C before it imports anything large."""

@@ -25,14 +25,12 @@ from camgeo.design.value_table import cam_angles
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.outline import find_crossings, real_outline
 from camgeo.geometry.pieces import curvature_extremes
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.laws.law import characteristic
 from camgeo.kinematics.mechanism.linkage import LinkedMotion
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.linkages import SliderCrank
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.kinematics.mechanism.slotted_lever import SlottedLever
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import MotionPlan, Move
 from camgeo.numeric.extremes import roots_on_grid
 from camgeo.units import TURN

@@ -14,9 +14,12 @@ import numpy as np
 from hypothesis import strategies as st
 
 from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.kinematics.mechanism.conjugate import return_on_carriage, return_on_lever
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import (
+    OscillatingRoller,
+    TranslatingRoller,
+    return_on_carriage,
+    return_on_lever,
+)
 from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
 from tests.strategies import SMOOTH, oscillating_rollers, plans, signs, translating_rollers
 

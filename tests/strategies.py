@@ -17,12 +17,9 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.laws import FAMILIES, make_law
 from camgeo.kinematics.laws.law import Law
-from camgeo.kinematics.mechanism.four_bar import FourBar
 from camgeo.kinematics.mechanism.linkage import LinkedMotion, clear_range
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.slider_crank import SliderCrank
-from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.linkages import FourBar, SliderCrank, SliderDrivenCrank
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from tests.laws import LAWS
 from tests.long_form import examples

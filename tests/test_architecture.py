@@ -581,7 +581,7 @@ def test_each_rule_finds_its_breach(tmp_path: Path, name: str, text: str, expect
     ],
 )
 def test_each_question_for_a_kind_is_found(tmp_path: Path, question: str) -> None:
-    head = "from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller\n"
+    head = "from camgeo.kinematics.mechanism.rollers import TranslatingRoller\n"
     text = f"{head}def f(follower, contact, spec):\n    {question}\n"
     tree = package_tree(tmp_path, {"kinematics/mechanism/own.py": text, "check/own.py": text})
     (line,) = kind_questions(tree)

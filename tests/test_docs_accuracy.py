@@ -11,7 +11,7 @@ from typing import Any, Final
 import pytest
 
 import camgeo
-from camgeo.geometry.contour.fewest_arcs import ARC
+from camgeo.geometry.contour.arcs import ARC
 from camgeo.studies.accuracy.benefit import BenefitRow, benefit_rows
 from camgeo.studies.accuracy.contours import CHORD, CUBIC, FORMS, ORDER
 from camgeo.studies.accuracy.knee import enough, words

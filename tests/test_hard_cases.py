@@ -27,12 +27,10 @@ from camgeo.design.value_table import cam_angles, radius_of_curvature
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.geometry.outline.outline import find_crossings, real_outline, undercut_ranges
 from camgeo.geometry.pieces import curvature_extremes
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.mechanism.linkage import LinkedMotion
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.slider_crank import SliderCrank
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.linkages import SliderCrank
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.scene.scene import parse_scene

@@ -118,12 +118,12 @@ def test_names_of_modules() -> None:
 
 @pytest.mark.long  # reads all modules, as the tool does there
 def test_the_mirror_folder_is_asked_first_and_direct_importers_follow() -> None:
-    modules = modules_for("camgeo/geometry/outline/clearance.py")
+    modules = modules_for("camgeo/geometry/pieces.py")
     inside = [each.startswith("tests/outline/") for each in modules]
     assert any(inside)
     assert inside == sorted(inside, reverse=True)
     importing = [
-        "from camgeo.geometry.outline.clearance" in (mutants.ROOT / each).read_text("utf-8")
+        "from camgeo.geometry.pieces" in (mutants.ROOT / each).read_text("utf-8")
         for each in modules
     ]
     own = [each for each, near in zip(importing, inside, strict=True) if near]

@@ -13,8 +13,7 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.path import Flank, Path, whole
 from camgeo.geometry.pieces import Extremes, curvature_extremes, extremes
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.mechanism.linkage import FarEnd, Linkage, far_end, linked
 from camgeo.kinematics.mechanism.values import Length, Member
 from camgeo.kinematics.motion import Dwell, Jet, Motion, turning_angles
@@ -28,8 +27,8 @@ from camgeo.units import TURN, LiftUnit
 if TYPE_CHECKING:
     from camgeo.geometry.outline.outline import Outline
     from camgeo.geometry.outline.replay import Replay
-    from camgeo.kinematics.mechanism.conjugate import Mount
     from camgeo.kinematics.mechanism.follower import Follower
+    from camgeo.kinematics.mechanism.rollers import Mount
     from camgeo.kinematics.time_course import SpeedCurve, TimeCourse
 
 

@@ -33,15 +33,23 @@ from camgeo.check.finding import (
 )
 from camgeo.check.machine import LINKAGE, check_follower, linkage_findings
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.convex import SMALLEST, Convexity, convexity, touch
 from camgeo.geometry.outline.face import contact_places
 from camgeo.geometry.outline.outline import CUSP, INSIDE, Outline, undercut_ranges
 from camgeo.geometry.outline.path import Flank, Path, area
-from camgeo.geometry.pieces import Extremes, extremes, extremes_of_each, turn_cells, turn_enclosed
-from camgeo.geometry.pitch_curve import STANDSTILL, PitchCurve, joints
+from camgeo.geometry.pieces import (
+    SMALLEST,
+    Convexity,
+    Extremes,
+    convexity,
+    extremes,
+    extremes_of_each,
+    touch,
+    turn_cells,
+    turn_enclosed,
+)
+from camgeo.geometry.pitch_curve import STANDSTILL, PitchCurve, WorkingCurve, joints
 from camgeo.geometry.together import curves_together
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.face import flat_follower
+from camgeo.kinematics.mechanism.flat import flat_follower
 from camgeo.lazy import Ledger
 from camgeo.numeric.arrays import FloatArray, Quantity, Side, resolved
 from camgeo.numeric.kept import kept_with_each

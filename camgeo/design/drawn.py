@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from camgeo.cam.cam import Cam
     from camgeo.check.judge import Judgement
     from camgeo.geometry.contour.contour import Contour, Effort, Fit
+    from camgeo.part.compensation import PrintSpec
     from camgeo.part.part import Part
-    from camgeo.part.printing import PrintSpec
 
 
 TOPOLOGY_TOLERANCE = 0.01
@@ -98,8 +98,7 @@ class DrawnDisc(Pickled):
 
     def pitch_contour(self, tolerance: float) -> Fit:
         """The pitch curve as lines and arcs within `tolerance` [mm], counter-clockwise."""
-        from camgeo.geometry.contour.arcs import fit_arcs
-        from camgeo.geometry.contour.fewest_arcs import fewest_arcs
+        from camgeo.geometry.contour.arcs import fewest_arcs, fit_arcs
 
         fit = fit_arcs if self.effort == "fast" else fewest_arcs
         path = self.cam.disc.pitch_path

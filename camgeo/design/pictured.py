@@ -11,7 +11,7 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.outline.envelope import Envelope
 from camgeo.geometry.outline.outline import Outline
 from camgeo.geometry.outline.path import Flank, Pivot, whole
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.kinematics.mechanism.follower import Follower
 from camgeo.kinematics.mechanism.sketch import MechanismSketch, Places
 from camgeo.kinematics.motion import lift_range

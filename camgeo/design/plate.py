@@ -10,9 +10,8 @@ from camgeo.design.product import Product, title_of
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.part.boundaries import ExactBoundary, largest_radius
-from camgeo.part.compensation import compensated
+from camgeo.part.compensation import PrintSpec, compensated
 from camgeo.part.part import Layer, Part
-from camgeo.part.printing import PrintSpec
 from camgeo.scene.formats.threemf import FORMAT, Body, ThreeMfSpec
 
 COLOURS: Final[dict[str, str]] = {

@@ -14,7 +14,7 @@ import numpy as np
 
 from camgeo.cam.cam import Cam, Demanded, Disc, Drive
 from camgeo.errors import GeometryError, meant
-from camgeo.geometry.outline.convex import touch
+from camgeo.geometry.pieces import touch
 from camgeo.kinematics.motion import Jet
 from camgeo.kinematics.time_course import in_time
 from camgeo.lazy import Ledger, lazy
@@ -134,7 +134,7 @@ class TabulatedCam(Pickled):
         """
         if step is None:
             return self.value_table
-        degrees = cam_angles(exact_step(step))
+        degrees = cam_angles(exact_step("output.csv.step", step))
         with self.ledger.entry("value_table"):
             return self._table(degrees)
 
@@ -150,7 +150,9 @@ class TabulatedCam(Pickled):
         if unit == self.scene.unit:
             whole = self.table(step)
         else:
-            whole = self._table(cam_angles(spec.step if step is None else exact_step(step)), unit)
+            whole = self._table(
+                cam_angles(spec.step if step is None else exact_step("output.csv.step", step)), unit
+            )
         return stated_table(whole, spec, unit)
 
     def written(self, step: Decimal | float | None = None) -> Table:

@@ -102,8 +102,7 @@ def turning_angles(motion: Motion) -> FloatArray:
     # At rest at an end of its piece a law may round to 0 at the outermost place.
     piece = np.searchsorted(starts, roots) - 1
     off = 4.0 * INSIDE * (ends - starts)[piece]
-    found: FloatArray = roots[(roots - starts[piece] > off) & (ends[piece] - roots > off)]
-    return found
+    return np.asarray(roots[(roots - starts[piece] > off) & (ends[piece] - roots > off)])
 
 
 # -- boundary -------------------------------------------------------------------------------------

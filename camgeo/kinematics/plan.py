@@ -34,17 +34,14 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Dwell:
+class Dwell(checked.CheckedFields):
     """A rest over `span` degrees, exactly as written; one of zero length is a momentary rest."""
 
     span: Span
 
-    def __post_init__(self) -> None:
-        checked.check_fields(self)
-
 
 @dataclass(frozen=True, slots=True)
-class Move:
+class Move(checked.CheckedFields):
     """A move over `span` degrees, exactly as written, to the position `to` [mm or rad] by `law`.
 
     Attributes
@@ -57,9 +54,6 @@ class Move:
     to: checked.Finite
     law: Law
     scale: checked.Finite | None = None
-
-    def __post_init__(self) -> None:
-        checked.check_fields(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -343,8 +337,7 @@ class Piece:
         if self.spline is None:
             return np.empty(0)
         inner = self.spline.knots[1:-1]
-        angles: FloatArray = self.segment_start + inner * self.length
-        return angles
+        return np.asarray(self.segment_start + inner * self.length)
 
     def spline_bounds(self, low: FloatArray, high: FloatArray) -> Jet:
         """(4, n) the result of `MotionPlan.jet_and_bounds` for cells of a piece with a spline."""
@@ -481,7 +474,7 @@ JERK = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Joint(Pickled):
+class Joint(Pickled, checked.CheckedFields):
     """A place where two segments meet; the first one is cam angle 0, where the turn closes.
 
     Attributes
@@ -498,11 +491,8 @@ class Joint(Pickled):
     before: End
     after: End
     order: int
-    left: FloatArray
-    right: FloatArray
-
-    def __post_init__(self) -> None:
-        checked.hold(self, left=frozen(self.left, np.float64), right=frozen(self.right, np.float64))
+    left: checked.Floats
+    right: checked.Floats
 
 
 @kept_with_owner
@@ -550,8 +540,7 @@ def _slack(angles: FloatArray) -> FloatArray:
     """
     lengths = np.diff(np.append(angles, angles[0] + TURN))
     shorter = np.minimum(lengths, np.roll(lengths, 1))
-    slack: FloatArray = JUMP + JERK * math.ulp(TURN) / shorter
-    return slack
+    return np.asarray(JUMP + JERK * math.ulp(TURN) / shorter)
 
 
 def _scales(

@@ -222,8 +222,7 @@ def smoothest_values(
     nodes, fixed = _prescribed(y, given)
     fixed[:, 0] = True
     ring = period is not None
-    slopes: FloatArray = interpolate(step, chord, nodes, fixed, ring=ring)[:count, 1:]
-    return slopes
+    return np.asarray(interpolate(step, chord, nodes, fixed, ring=ring)[:count, 1:])
 
 
 def report(spline: Spline, x: FloatArray, y: FloatArray) -> FitReport:
@@ -435,8 +434,7 @@ class Spline(Pickled):
         otherwise the relative excess vanishes with the square of the piece's length.
         """
         local = np.max(np.abs(_bernstein(_derivative(self.taylor, order))), axis=1)
-        bound: FloatArray = local / np.diff(self.knots) ** order
-        return bound
+        return np.asarray(local / np.diff(self.knots) ** order)
 
     def cell_bounds(self, low: FloatArray, high: FloatArray) -> FloatArray:
         """(4, n) upper bounds of |s - s(middle)|, |s'|, |s''|, |s'''| over the cells [low, high].
@@ -527,8 +525,7 @@ class Spline(Pickled):
         rows[:, 0] -= y
         t = _roots(rows, np.zeros(len(y)), np.ones(len(y)))
         left = self.knots[piece]
-        x: FloatArray = left + t * (self.knots[piece + 1] - left) + turns * self.period
-        return x
+        return np.asarray(left + t * (self.knots[piece + 1] - left) + turns * self.period)
 
     def _reduced(self, x: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
         """Whole periods in `x`, and the remainder."""
@@ -552,8 +549,7 @@ class Spline(Pickled):
 
     def _piece(self, x: FloatArray, side: Side) -> IntArray:
         found = np.searchsorted(self.knots, x, side) - 1
-        piece: IntArray = np.clip(found, 0, len(self.knots) - 2)
-        return piece
+        return np.asarray(np.clip(found, 0, len(self.knots) - 2))
 
 
 def _taylor(rows: FloatArray, t: FloatArray, order: int) -> FloatArray:
@@ -594,8 +590,7 @@ def _bernstein(rows: FloatArray) -> FloatArray:
             for j in range(degree + 1)
         ]
     )
-    converted: FloatArray = rows @ change.T
-    return converted
+    return np.asarray(rows @ change.T)
 
 
 def _monotone_edges(rows: FloatArray) -> FloatArray:

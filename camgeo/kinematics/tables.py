@@ -14,7 +14,7 @@ from camgeo.errors import GeometryError
 from camgeo.kinematics.laws.law import Law
 from camgeo.kinematics.time_course import SpeedCurve
 from camgeo.numeric import checked
-from camgeo.numeric.arrays import FloatArray, frozen
+from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.columns import Asked, NumberColumn, fault, read_columns
 from camgeo.record import Pickled
 from camgeo.units import TURN
@@ -55,13 +55,15 @@ def read_lift_table(
     check_from_zero(table, angles, "angle")
     beyond = np.flatnonzero(angles > span * (1.0 + LAST_ROW))
     if len(beyond):
-        message = f"beyond the span; allowed: up to {span:.17g} degrees"
-        raise table.fault(int(beyond[0]), angles, message)
+        raise table.fault(
+            int(beyond[0]), angles, f"beyond the span; allowed: up to {span:.17g} degrees"
+        )
     if abs(angles[-1] - span) <= LAST_ROW * span and span > angles[-2]:
         return replace(table, first=np.append(angles[:-1], span))
     if not periodic:
-        message = f"the last angle; allowed: the end of the span, {span:.17g} degrees"
-        raise table.fault(-1, angles, message)
+        raise table.fault(
+            -1, angles, f"the last angle; allowed: the end of the span, {span:.17g} degrees"
+        )
     return table
 
 
@@ -103,7 +105,7 @@ LAST_ROW: Final = 1e-9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class TwoColumns(Pickled):
+class TwoColumns(Pickled, checked.CheckedFields):
     """The rows of a table.
 
     Attributes
@@ -115,14 +117,10 @@ class TwoColumns(Pickled):
     """
 
     file: str
-    first: FloatArray
-    second: FloatArray
+    first: checked.Floats
+    second: checked.Floats
     unit: str
     lines: tuple[int, ...]
-
-    def __post_init__(self) -> None:
-        first, second = (frozen(each, np.float64) for each in (self.first, self.second))
-        checked.hold(self, first=first, second=second)
 
     def fault(self, row: int, values: FloatArray, message: str) -> GeometryError:
         """The error for the value of a row, counted from 0, or backwards from the end."""
@@ -164,8 +162,9 @@ def check_ascending(table: TwoColumns, values: FloatArray, what: str) -> None:
     if len(falls):
         place = int(falls[0]) + 1
         before = float(values[place - 1])
-        message = f"the {what} before is {before!r}; allowed: only ascending"
-        raise table.fault(place, values, message)
+        raise table.fault(
+            place, values, f"the {what} before is {before!r}; allowed: only ascending"
+        )
 
 
 # -- value table ----------------------------------------------------------------------------------
@@ -188,7 +187,7 @@ PRINTED_DECIMALS_OF_Z: Final = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class LawTable(Pickled):
+class LawTable(Pickled, checked.CheckedFields):
     """Values of a law at equidistant z.
 
     Attributes
@@ -199,10 +198,7 @@ class LawTable(Pickled):
     """
 
     z: tuple[Decimal, ...]
-    values: FloatArray
-
-    def __post_init__(self) -> None:
-        checked.hold(self, values=frozen(self.values, np.float64))
+    values: checked.Floats
 
     def printed(self) -> list[tuple[str, str, str, str]]:
         """The rows z, f, f', f'' rounded as in the guideline: 7 decimals of f, 4 of f' and f''.

@@ -71,7 +71,7 @@ class TimeCourse(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class ConstantSpeed:
+class ConstantSpeed(checked.CheckedFields):
     """The cam turns at constant speed; time 0 is at cam angle 0.
 
     Attributes
@@ -85,9 +85,6 @@ class ConstantSpeed:
     """
 
     speed: AngularSpeed
-
-    def __post_init__(self) -> None:
-        checked.check_fields(self)
 
     @property
     def borders(self) -> FloatArray:
@@ -135,8 +132,9 @@ class SpeedCurve(Pickled):
             rows = f"{counted(len(t), 'time')} and {counted(len(phi), 'angle')}"
             raise GeometryError(f"{rows}; allowed: as many angles as times", key="phi")
         if len(t) < FEWEST_ROWS:
-            message = f"{counted(len(t), 'row')}; allowed: {FEWEST_ROWS} rows or more"
-            raise GeometryError(message, key="t")
+            raise GeometryError(
+                f"{counted(len(t), 'row')}; allowed: {FEWEST_ROWS} rows or more", key="t"
+            )
         span = float(phi[-1] - phi[0])
         if not abs(span - TURN) <= CLOSING:
             raise GeometryError(
@@ -230,8 +228,7 @@ def inertia_torque(
     Positive where the cam drives the follower, negative where the follower drives the cam; its
     integral over the cam angle is zero over a turn. Spring, load and friction are not included.
     """
-    torque: FloatArray = inertia * METRES[unit] ** 2 * timed[1] * timed[2] / omega
-    return torque
+    return np.asarray(inertia * METRES[unit] ** 2 * timed[1] * timed[2] / omega)
 
 
 @dataclass(frozen=True, slots=True)
@@ -269,8 +266,7 @@ class Rows:
 
     def at(self, quantity: Quantity, x: FloatArray, side: Side, which: IntArray) -> FloatArray:
         """See `Many.at`."""
-        found: FloatArray = quantity(x, side)[self.rows[which], np.arange(len(x))]
-        return found
+        return np.asarray(quantity(x, side)[self.rows[which], np.arange(len(x))])
 
 
 def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> TimeExtremes:
@@ -290,8 +286,7 @@ def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> 
         return np.concatenate((out, [inertia_torque(out, rates[0], 1.0, unit)]))
 
     def row_of(phi: FloatArray, rows: IntArray) -> FloatArray:
-        found: FloatArray = timed(phi)[rows, np.arange(len(phi))]
-        return found
+        return np.asarray(timed(phi)[rows, np.arange(len(phi))])
 
     places = places_between(edges)
     known = timed(places.ravel())[SMOOTH + 1].reshape(len(SMOOTH), *places.shape)

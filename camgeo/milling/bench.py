@@ -13,7 +13,7 @@ import shapely
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.path import Stretch
 from camgeo.geometry.pieces import curvature_extremes
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.milling.milling import COMPUTED, CONTROL, END_MILL, MillingSpec, Tool, ToolError
 from camgeo.milling.polygons import Area, grown, polygon
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary

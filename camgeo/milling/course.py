@@ -12,7 +12,8 @@ import numpy as np
 
 from camgeo.geometry.contour.contour import Pieces
 from camgeo.milling.moves import ArcFeed, Move, Point, Rapid, Stop
-from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, freeze_fields, taken
+from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, taken
+from camgeo.numeric.checked import Floats, Integers
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,13 +28,9 @@ class Course(Pieces):
     moves : (n,) index of the move that it is part of.
     """
 
-    from_z: FloatArray
-    to_z: FloatArray
-    moves: IntArray
-
-    def __post_init__(self) -> None:
-        Pieces.__post_init__(self)
-        freeze_fields(self, from_z=float, to_z=float, moves=np.intp)
+    from_z: Floats
+    to_z: Floats
+    moves: Integers
 
     @property
     def highest(self) -> FloatArray:

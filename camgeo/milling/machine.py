@@ -499,7 +499,7 @@ def parse(text: str, file: str) -> Machine:
     if faults := faults_of(table):
         raise SceneError(faults, file)
     try:
-        return instance_from_table(Machine, table, floats=False)
+        return instance_from_table(Machine, table)
     except GeometryError as error:
         raise SceneError([Fault(error.key, error.value, error.message)], file) from None
 

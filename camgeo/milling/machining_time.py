@@ -29,14 +29,8 @@ import numpy as np
 from camgeo.geometry.contour.contour import Contour
 from camgeo.milling.machine import Dynamics, Machine
 from camgeo.milling.moves import Move, Point, Rapid, Stop, Toolpath, piece_of
-from camgeo.numeric.arrays import (
-    BoolArray,
-    ComplexArray,
-    FloatArray,
-    IntArray,
-    freeze_fields,
-    grouped,
-)
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, grouped
+from camgeo.numeric.checked import CheckedFields, Floats, Integers, Truths
 
 SECONDS: Final = 60.0
 """Of a minute, the unit of time of feeds."""
@@ -46,7 +40,7 @@ STRAIGHT: Final = 0.999999
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Blocks:
+class Blocks(CheckedFields):
     """Lines and arcs in the order in which they are run.
 
     Attributes
@@ -59,17 +53,13 @@ class Blocks:
     moves : (n,) index of the move that it is part of.
     """
 
-    lengths: FloatArray
-    feeds: FloatArray
-    radii: FloatArray
-    starts: FloatArray
-    ends: FloatArray
-    rests: BoolArray
-    moves: IntArray
-
-    def __post_init__(self) -> None:
-        freeze_fields(self, lengths=float, feeds=float, radii=float, starts=float, ends=float)
-        freeze_fields(self, rests=np.bool_, moves=np.int64)
+    lengths: Floats
+    feeds: Floats
+    radii: Floats
+    starts: Floats
+    ends: Floats
+    rests: Truths
+    moves: Integers
 
     def __len__(self) -> int:
         return len(self.lengths)

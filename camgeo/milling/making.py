@@ -13,7 +13,7 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.outline.envelope import Envelope
 from camgeo.geometry.outline.path import Path
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.milling.bench import COARSE, SAME, Bench, as_wide, bore_of, flank_curve, is_open
 from camgeo.milling.cut import (
     MOST_SLACK,

@@ -40,12 +40,6 @@ def frozen(values: Any, dtype: DTypeLike) -> NDArray[Any]:
     return read_only(np.array(values, dtype=dtype))
 
 
-def freeze_fields(instance: object, **dtypes: DTypeLike) -> None:
-    """Make the named fields of a frozen dataclass that is being made `frozen`, of these types."""
-    for name, dtype in dtypes.items():
-        object.__setattr__(instance, name, frozen(getattr(instance, name), dtype))
-
-
 def read_only(array: NDArray[Number]) -> NDArray[Number]:
     """`array` itself, from now on read-only: a result of ours that is kept."""
     array.flags.writeable = False

@@ -29,9 +29,10 @@ from typing import (
 )
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from camgeo.errors import GeometryError
-from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, frozen
 
 SMALLEST: Final = 1e-30
 LARGEST: Final = 1e30
@@ -248,18 +249,17 @@ def checks_of(kind: type) -> Mapping[str, tuple[Check, str, bool]]:
     return found
 
 
-def instance_from_table(kind: type[Kind], table: Mapping[str, Any], *, floats: bool = True) -> Kind:
+def instance_from_table(kind: type[Kind], table: Mapping[str, Any]) -> Kind:
     """An object of the dataclass `kind` from a table with the names of its fields; raises as it
     does.
 
     A table within it becomes what its field takes, a list a tuple, or a point where the field is
-    one, and a decimal number a float. With `floats`, as all numbers of scenes are, those of fields
-    of whole numbers become such.
+    one, and a decimal number a float or a whole number.
     """
     values, known = dict(table), cast("Any", kind)  # which is hashable, though mypy denies it
     for name, hint in _hints(known).items():
         if name in values:
-            values[name] = _field_value(hint, values[name], floats=floats)
+            values[name] = _field_value(hint, values[name])
     return kind(**values)
 
 
@@ -269,22 +269,21 @@ def _hints(kind: type) -> dict[str, Any]:
     return get_type_hints(kind)
 
 
-def _field_value(hint: Any, given: Any, *, floats: bool) -> Any:
+def _field_value(hint: Any, given: Any) -> Any:
     """A value of a table as a field of that type takes it."""
     kinds = (hint, *get_args(hint))
     inner = next((each for each in kinds if is_dataclass(each)), None)
     if isinstance(given, Mapping) and isinstance(inner, type):
-        return instance_from_table(inner, given, floats=floats)
+        return instance_from_table(inner, given)
     if isinstance(given, list | tuple):
         if complex in kinds:
             return complex(*given)
-        return tuple(_field_value(inner, each, floats=floats) for each in given)
-    if isinstance(given, Decimal) and float in kinds:
-        return float(given)
-    return int(given) if floats and int in kinds and isinstance(given, float) else given
+        return tuple(_field_value(inner, each) for each in given)
+    kind = next((each for each in (float, int) if each in kinds), None)
+    return kind(given) if kind and isinstance(given, Decimal) else given
 
 
-def hold(owner: object, **values: Any) -> None:
+def hold(owner: object, /, **values: Any) -> None:
     """Set fields of a frozen dataclass under construction to their checked values."""
     for name, value in values.items():
         object.__setattr__(owner, name, value)
@@ -327,7 +326,18 @@ def _allowed(
     return f"{text} ({unit})" if unit else text
 
 
+def _frozen(dtype: DTypeLike) -> Check:
+    return lambda _, value: frozen(value, dtype)
+
+
 # As types of fields, see `check_fields`.
 Finite = Annotated[float, finite]
 Positive = Annotated[float, positive]
+Truth = Annotated[bool, partial(instance, kind=bool, what="true or false")]
 Row = Annotated[FloatArray, array]
+
+# Arrays of any numbers and of any shape, which become read-only.
+Floats = Annotated[FloatArray, _frozen(np.float64)]
+Complexes = Annotated[ComplexArray, _frozen(np.complex128)]
+Integers = Annotated[IntArray, _frozen(np.intp)]
+Truths = Annotated[BoolArray, _frozen(np.bool_)]

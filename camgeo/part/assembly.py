@@ -23,11 +23,17 @@ from camgeo.geometry.contour.contour import (
 from camgeo.geometry.outline.outline import real_outline
 from camgeo.geometry.outline.path import Path, radii
 from camgeo.geometry.pieces import curvature_extremes
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.lazy import Ledger
 from camgeo.numeric.checked import positive
-from camgeo.part.boundaries import CurveBoundary, ExactBoundary, largest_radius, numbers_of
-from camgeo.part.lettering import Letter
+from camgeo.part.boundaries import (
+    CurveBoundary,
+    ExactBoundary,
+    Letter,
+    largest_radius,
+    lettered,
+    numbers_of,
+)
 from camgeo.part.part import OF_RETURN, Bevel, Boundary, Layer, Part, Wall
 from camgeo.part.spec import (
     BOTH,
@@ -306,8 +312,6 @@ def _engraved(
     texts: Sequence[Engraving], features: Sequence[Feature], tolerance: float
 ) -> Iterable[Feature]:
     """The letters of texts, clear of each other and of all `features`."""
-    from camgeo.part.lettering import lettered
-
     letters = lettered(texts)
     beside = (each.boundary for each in features if each.layer not in HUBS)
     hubs = (each.boundary for each in features if each.layer == UPPER_HUB)
@@ -351,8 +355,9 @@ def _require_beside(hole: ExactBoundary, screw: SetScrew) -> None:
     middle = complex(hole.exact.centres[0]) * cmath.exp(-1j * screw.angle)
     away = abs(middle.imag) if middle.real > 0.0 else abs(middle)
     if away <= hole.round_radius + 0.5 * screw.diameter:
-        message = f"the hole of the set screw meets the {hole.name}"
-        raise GeometryError(message, key="part.set_screw.angle")
+        raise GeometryError(
+            f"the hole of the set screw meets the {hole.name}", key="part.set_screw.angle"
+        )
 
 
 def _seat(counterbore: Counterbore, foot: float, top: float, *, known: bool) -> float:
@@ -386,8 +391,9 @@ def _require_clear(
         other = each.boundary
         fit = other.beside(tolerance)
         if surely_apart(own, fit) <= 0.0:
-            message = f"the {boundary.name} must lie clear of the {other.name}, which it touches"
-            raise GeometryError(message, key=key)
+            raise GeometryError(
+                f"the {boundary.name} must lie clear of the {other.name}, which it touches", key=key
+            )
         if winding_number(boundary.exact, complex(fit.contour.vertices[0])):
             raise GeometryError(f"the {boundary.name} lies around the {other.name}", key=key)
         inside = winding_number(fit.contour, start) != 0
@@ -396,8 +402,7 @@ def _require_clear(
         else:
             around += inside
     if not around % 2:
-        message = f"the {boundary.name} lies where the disc has no material"
-        raise GeometryError(message, key=key)
+        raise GeometryError(f"the {boundary.name} lies where the disc has no material", key=key)
     return covering
 
 
@@ -432,23 +437,27 @@ def require_room(
                 each.deviation for each in letters
             ):
                 letter = min(letters, key=lambda each: _apart(each, pieces))
-                message = f"must lie clear of the {boundary.name}, which the {letter.where} touches"
-                raise GeometryError(message, key=key)
+                raise GeometryError(
+                    f"must lie clear of the {boundary.name}, which the {letter.where} touches",
+                    key=key,
+                )
             for each in letters:
                 inside = winding_number(fit.contour, _start(each.contours[0])) != 0
                 if any(winding_number(outline, _start(fit.contour)) for outline in each.contours):
-                    message = f"the {each.where} lies around the {boundary.name}"
-                    raise GeometryError(message, key=key)
+                    raise GeometryError(
+                        f"the {each.where} lies around the {boundary.name}", key=key
+                    )
                 if boundary in own:
                     around[each] = around.get(each, 0) + inside
                 elif inside:
-                    message = f"the {each.where} lies under the {boundary.name}"
-                    raise GeometryError(message, key=key)
+                    raise GeometryError(f"the {each.where} lies under the {boundary.name}", key=key)
     for number, letters in enumerate(texts, start=1):
         for each in letters:
             if not around[each] % 2:
-                message = f"the {each.where} lies where the disc has no material"
-                raise GeometryError(message, key=f"part.{ENGRAVING}[{number}]")
+                raise GeometryError(
+                    f"the {each.where} lies where the disc has no material",
+                    key=f"part.{ENGRAVING}[{number}]",
+                )
 
 
 def _start(contour: Contour) -> complex:
@@ -504,8 +513,7 @@ def build_pair(
         try:
             own[name] = build_part(Contact.INNER, path, path, bearing, tolerance, ledger)
         except GeometryError as error:
-            message = f"{name} disc: {error.message}"
-            raise GeometryError(message, error.key, error.value) from error
+            raise GeometryError(f"{name} disc: {error.message}", error.key, error.value) from error
         _require_spacer_within(pair, path, name, tolerance)
     other = tuple(_returning(own[MAIN], own[RETURN]))
     main = own[MAIN].layers
@@ -732,8 +740,7 @@ def bevelled(part: Part, chamfers: Chamfers, tolerance: float) -> Part:
         own = list(_bevels(part, field.name, chamfer, tolerance))
         if not own:
             where = "" if chamfer.edges == BOTH else f" on the {chamfer.edges} side"
-            message = f"there is no such edge{where}"
-            raise GeometryError(message, key=f"{KEY}.{field.name}")
+            raise GeometryError(f"there is no such edge{where}", key=f"{KEY}.{field.name}")
         found += own
     for bevel in found:
         _require_bevel_clear(bevel, found, part, tolerance)
@@ -800,8 +807,11 @@ def _edge(boundary: Boundary, width: float, key: str) -> Boundary:
         and not boundary.hole
         and width >= (radius := boundary.round_radius)
     ):
-        message = f"must be less than the radius of the {boundary.name}, {radius:.6g} mm"
-        raise GeometryError(message, key=key, value=f"{width:g}")
+        raise GeometryError(
+            f"must be less than the radius of the {boundary.name}, {radius:.6g} mm",
+            key=key,
+            value=f"{width:g}",
+        )
     return boundary.inset(width, name)
 
 
@@ -813,8 +823,11 @@ def _require_parallel(boundary: CurveBoundary, width: float, key: str) -> None:
     """
     value = f"{width:g}"
     if any(each.distance == 0.0 for each in boundary.path.pivots):
-        message = f"the {boundary.name} has a corner, along which there is no chamfer"
-        raise GeometryError(message, key=key, value=value)
+        raise GeometryError(
+            f"the {boundary.name} has a corner, along which there is no chamfer",
+            key=key,
+            value=value,
+        )
     curve = boundary.path.stretches[0].curve
     sign = 1.0 if boundary.hole else -1.0
     limit, angle = _smallest_radius(curve, sign)
@@ -832,8 +845,11 @@ def _require_parallel(boundary: CurveBoundary, width: float, key: str) -> None:
     except (GeometryError, UndercutError):
         trimmed = True
     if trimmed:
-        message = f"is too large: the chamfer of the {boundary.name} would come to itself"
-        raise GeometryError(message, key=key, value=value)
+        raise GeometryError(
+            f"is too large: the chamfer of the {boundary.name} would come to itself",
+            key=key,
+            value=value,
+        )
 
 
 def _smallest_radius(curve: WorkingCurve, sign: float) -> tuple[float, float]:

@@ -6,8 +6,9 @@ lowest layers are drawn in: layers are counted in millimetres of the file, as a 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import combinations, pairwise
 from typing import Annotated, Any, Final
 
@@ -27,13 +28,164 @@ from camgeo.geometry.contour.parallel import parallel
 from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour, SplineFit
 from camgeo.geometry.outline.outline import real_outline
 from camgeo.geometry.outline.path import Moments, Path, SecondMoments
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.numeric.checked import CheckedFields, positive
+from camgeo.geometry.pitch_curve import WorkingCurve
+from camgeo.kinematics.mechanism.values import Length
+from camgeo.numeric.checked import CheckedFields, instance_from_table, number, positive, whole
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary, BoundaryField, Layer, Part
-from camgeo.part.printing import Foot, PrintSpec
 from camgeo.part.spec import PartSpec
 from camgeo.record import Pickled
+
+# -- printing --------------------------------------------------------------------------------------
+# What a scene states on printing.
+
+
+LEAST_SHRINKAGE, MOST_SHRINKAGE = -10.0, 20.0
+"""Of a length, in percent; printed parts of some materials grow."""
+
+MOST_STEPS: Final = 20
+"""Of an elephant's foot."""
+
+Percent = Annotated[float, partial(number, least=LEAST_SHRINKAGE, most=MOST_SHRINKAGE, unit="%")]
+Steps = Annotated[int, partial(whole, least=1, most=MOST_STEPS)]
+
+
+@dataclass(frozen=True, slots=True)
+class Foot(CheckedFields, path="print.elephant_foot."):
+    """How the lowest layers are drawn in: the weight of the part and the hot bed squeeze them wide.
+
+    Attributes
+    ----------
+    inset : by which every edge of the lowest face is drawn into the material, per side [mm].
+    height : above the lowest face, from which on the part has its size [mm].
+    steps : of equal height, each drawn in less by the same amount.
+
+    Raises
+    ------
+    GeometryError
+        With the key, if a value is invalid.
+    """
+
+    inset: Length
+    height: Length
+    steps: Steps = 1
+
+    @property
+    def insets(self) -> tuple[float, ...]:
+        """By which each step is drawn in [mm], from the lowest one upwards."""
+        return tuple(self.inset * (self.steps - step) / self.steps for step in range(self.steps))
+
+
+@dataclass(frozen=True, slots=True)
+class Shrinkage(CheckedFields, path="print.shrinkage."):
+    """How much smaller a printed part comes out than its file says.
+
+    Attributes
+    ----------
+    xy, z : of a length in the plane of the disc and along the cam axis [%].
+
+    Raises
+    ------
+    GeometryError
+        With the key, if a value is invalid.
+    """
+
+    xy: Percent = 0.0
+    z: Percent = 0.0
+
+    @property
+    def scale_xy(self) -> float:
+        """By which the part in the file is larger in the plane of the disc."""
+        return 1.0 / (1.0 - 0.01 * self.xy)
+
+    @property
+    def scale_z(self) -> float:
+        """By which it is larger along the cam axis."""
+        return 1.0 / (1.0 - 0.01 * self.z)
+
+
+@dataclass(frozen=True, slots=True)
+class PrintSpec(CheckedFields, path="print."):
+    """`[print]`: how bodies are compensated, and with what they are printed.
+
+    Attributes
+    ----------
+    bore_clearance : by which the bore is larger in diameter [mm]; None for not at all.
+    key_clearance : by which the keyway is wider [mm], half of it per side; its bottom, and the flat
+        of a bore for a D-shaft, lie half of it farther from the cam axis. None for not at all.
+    elephant_foot : of the lowest layers; None for none.
+    shrinkage : that the part in the file makes up for; None for none.
+    nozzle : width of the lines that the nozzle lays down [mm]; None if it is not stated.
+
+    Raises
+    ------
+    GeometryError
+        With the key, if a value is invalid.
+    """
+
+    bore_clearance: Length | None = None
+    key_clearance: Length | None = None
+    elephant_foot: Foot | None = None
+    shrinkage: Shrinkage | None = None
+    nozzle: Length | None = None
+
+    @property
+    def scale_xy(self) -> float:
+        """See `Shrinkage`; 1 without one."""
+        return 1.0 if self.shrinkage is None else self.shrinkage.scale_xy
+
+    @property
+    def scale_z(self) -> float:
+        """See `Shrinkage`; 1 without one."""
+        return 1.0 if self.shrinkage is None else self.shrinkage.scale_z
+
+    @property
+    def compensates(self) -> bool:
+        """Whether a printed body differs from the part."""
+        return bool(self.facts)
+
+    @property
+    def facts(self) -> dict[str, int | float | str]:
+        """The compensation as certificates state it; empty if there is none."""
+        found: dict[str, int | float | str] = {}
+        for name in ("bore_clearance", "key_clearance"):
+            if getattr(self, name) is not None:
+                found[f"{name}_mm"] = getattr(self, name)
+        if self.elephant_foot is not None:
+            foot = self.elephant_foot
+            found |= {"foot_inset_mm": foot.inset, "foot_height_mm": foot.height}
+            found["foot_steps"] = foot.steps
+        if (self.scale_xy, self.scale_z) != (1.0, 1.0):
+            found |= {"scale_xy": self.scale_xy, "scale_z": self.scale_z}
+        return found
+
+    @property
+    def text(self) -> str:
+        """The compensation in words, lengths in mm; empty if there is none."""
+        return "; ".join(self._words())
+
+    def _words(self) -> Iterator[str]:
+        if self.bore_clearance is not None:
+            side = 0.5 * self.bore_clearance
+            yield f"bore {self.bore_clearance:g} mm larger in diameter, {side:g} mm per side"
+        if self.key_clearance is not None:
+            side = 0.5 * self.key_clearance
+            yield f"keyway or flat with {self.key_clearance:g} mm clearance, {side:g} mm per side"
+        if self.elephant_foot is not None:
+            foot = self.elephant_foot
+            steps = f" in {foot.steps} steps" if foot.steps > 1 else ""
+            yield f"lowest {foot.height:g} mm drawn in by {foot.inset:g} mm per side{steps}"
+        if (self.scale_xy, self.scale_z) != (1.0, 1.0):
+            yield f"scaled by {self.scale_xy:.6g} in X and Y, {self.scale_z:.6g} in Z"
+
+
+def print_of(table: Mapping[str, Any]) -> PrintSpec:
+    """The specification of a converted table `[print]`, lengths in mm; raises GeometryError."""
+    return instance_from_table(PrintSpec, table)
+
+
+# -- compensation ----------------------------------------------------------------------------------
+
 
 TOLERANCE: Final = 1e-3
 """Of the contours that show that boundaries lie apart [mm]; their deviation is accounted for."""
@@ -76,8 +228,9 @@ def fault_of_clearance(spec: PrintSpec, error: GeometryError) -> GeometryError:
     """Why a part has no room for its clearance, as a fault of the key that asks for it."""
     key = "bore_clearance" if spec.bore_clearance else "key_clearance"
     value = getattr(spec, key)
-    message = f"the part has no room for it: {error}"
-    return GeometryError(message, key=f"print.{key}", value=f"{value:g}")
+    return GeometryError(
+        f"the part has no room for it: {error}", key=f"print.{key}", value=f"{value:g}"
+    )
 
 
 def compensated(part: Part, spec: PrintSpec) -> Part:
@@ -121,11 +274,16 @@ def _on_foot(part: Part, foot: Foot) -> Part:
     room = lowest.z1 - lowest.z0
     key = "print.elephant_foot"
     if any(each.z == lowest.z0 for each in part.bevels):
-        message = "edges of the lowest face have chamfers: state upper ones only, or no such foot"
-        raise GeometryError(message, key=key)
+        raise GeometryError(
+            "edges of the lowest face have chamfers: state upper ones only, or no such foot",
+            key=key,
+        )
     if foot.height >= room:
-        message = f"must be less than the height of the lowest layer, {room:.6g} mm"
-        raise GeometryError(message, key=f"{key}.height", value=f"{foot.height:g}")
+        raise GeometryError(
+            f"must be less than the height of the lowest layer, {room:.6g} mm",
+            key=f"{key}.height",
+            value=f"{foot.height:g}",
+        )
     rise = foot.height / foot.steps
     heights = [lowest.z0 + step * rise for step in range(foot.steps)]
     heights.append(lowest.z0 + foot.height)
@@ -139,8 +297,11 @@ def _on_foot(part: Part, foot: Foot) -> Part:
             )
             _require_alike(drawn, lowest.boundaries)
         except GeometryError as error:
-            message = f"the part has no room for it: {error.message}"
-            raise GeometryError(message, key=f"{key}.inset", value=f"{foot.inset:g}") from None
+            raise GeometryError(
+                f"the part has no room for it: {error.message}",
+                key=f"{key}.inset",
+                value=f"{foot.inset:g}",
+            ) from None
         layers.append(Layer(low, high, drawn, FOOT))
     rest = replace(lowest, z0=heights[-1])
     return replace(part, layers=(*layers, rest, *others))
@@ -152,8 +313,7 @@ def _require_alike(moved: tuple[Boundary, ...], before: tuple[Boundary, ...]) ->
     for a, b in combinations(range(len(moved)), 2):
         inside = [_nested(each[a].contour, each[b].contour) for each in (fits, were)]
         if surely_apart(fits[a], fits[b]) <= 0.0 or inside[0] != inside[1]:
-            message = f"{before[a].name} and {before[b].name} would touch"
-            raise GeometryError(message, key="part")
+            raise GeometryError(f"{before[a].name} and {before[b].name} would touch", key="part")
 
 
 def _nested(one: Contour, other: Contour) -> tuple[bool, bool]:
@@ -217,8 +377,10 @@ def _flank_within(boundary: CurveBoundary, distance: float) -> Path:
     except UndercutError:
         raise _gone(boundary.name, distance) from None
     if found.lobes and len(found.lobes) > len(real_outline(flank).lobes):
-        message = f"drawn in by {distance:g} mm, the {boundary.name} falls into several pieces"
-        raise GeometryError(message, key="part")
+        raise GeometryError(
+            f"drawn in by {distance:g} mm, the {boundary.name} falls into several pieces",
+            key="part",
+        )
     return found.path
 
 

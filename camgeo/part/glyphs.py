@@ -92,8 +92,11 @@ def require_glyphs(text: str) -> None:
 def _index(font: Any, character: str) -> Any:
     index = font.get_char_index(ord(character))
     if not index:
-        message = f'{FONT} has no "{character}" (U+{ord(character):04X}) to engrave'
-        raise GeometryError(message, "part.engraving.text", character)
+        raise GeometryError(
+            f'{FONT} has no "{character}" (U+{ord(character):04X}) to engrave',
+            "part.engraving.text",
+            character,
+        )
     return index
 
 

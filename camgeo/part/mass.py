@@ -23,7 +23,7 @@ from camgeo.geometry.contour.contour import (
 )
 from camgeo.geometry.outline.exact_flank import ExactFlank
 from camgeo.geometry.outline.path import Flank, Moments, total
-from camgeo.numeric.arrays import FloatArray, freeze_fields
+from camgeo.numeric.checked import CheckedFields, Floats
 from camgeo.numeric.quadrature import gauss, nodes_beside
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Band, Boundary, Layer, Part
@@ -37,7 +37,7 @@ NODES: Final = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Solid:
+class Solid(CheckedFields):
     """A part as a body of uniform density, in cam coordinates with z upward, 0 on the upper face of
     the disc.
 
@@ -53,14 +53,11 @@ class Solid:
     """
 
     volume: float
-    centre: FloatArray
-    inertia: FloatArray
+    centre: Floats
+    inertia: Floats
     axial: float
     share: float
     centre_error: float
-
-    def __post_init__(self) -> None:
-        freeze_fields(self, centre=float, inertia=float)
 
 
 def solid(part: Part, tolerance: float = TOLERANCE) -> Solid:

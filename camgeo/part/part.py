@@ -16,6 +16,7 @@ from camgeo.geometry.contour.spline import SplineContour, SplineFit
 from camgeo.geometry.outline.path import Moments, SecondMoments
 from camgeo.numeric.checked import (
     CheckedFields,
+    Truth,
     check_fields,
     finite,
     hold,
@@ -64,8 +65,11 @@ class Layer:
             raise GeometryError(f"the {self.name} must reach upwards", key="part", value=heights)
         names = [each.name for each in self.boundaries]
         if not names or len(set(names)) < len(names):
-            message = f"the {self.name} needs boundaries, each with its own name"
-            raise GeometryError(message, key="part", value=", ".join(names))
+            raise GeometryError(
+                f"the {self.name} needs boundaries, each with its own name",
+                key="part",
+                value=", ".join(names),
+            )
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,12 +137,16 @@ class Part(Brief):
             raise GeometryError("a part needs layers", key="part", value=shown(layers))
         for lower, upper in pairwise(self.layers):
             if lower.z1 != upper.z0:
-                message = f"the {upper.name} must begin where the {lower.name} ends"
-                raise GeometryError(message, key="part", value=f"{lower.z1} and {upper.z0} mm")
+                raise GeometryError(
+                    f"the {upper.name} must begin where the {lower.name} ends",
+                    key="part",
+                    value=f"{lower.z1} and {upper.z0} mm",
+                )
         names = [boundary.name for boundary in self.boundaries]
         if len(set(names)) < len(names):
-            message = "each boundary needs its own name"
-            raise GeometryError(message, key="part", value=", ".join(names))
+            raise GeometryError(
+                "each boundary needs its own name", key="part", value=", ".join(names)
+            )
         for each in instance("part", self.bevels, tuple, "a tuple of chamfers"):
             instance("part", each, Bevel, "a chamfer")
         if self.bevels:
@@ -298,8 +306,11 @@ class Part(Brief):
         for bevel in self.bevels:
             if min(bevel.width, bevel.height) < least:
                 what = f"the {bevel.edge.name} must be at least {NARROWEST:g} tolerances wide"
-                message = f"{what}, {least:g} mm, to show in a solid"
-                raise GeometryError(message, key="part.chamfers", value=f"{bevel.width:g}")
+                raise GeometryError(
+                    f"{what}, {least:g} mm, to show in a solid",
+                    key="part.chamfers",
+                    value=f"{bevel.width:g}",
+                )
 
     def turned_over(self) -> Part:
         """The same part upside down, its lower face at height 0, without chamfers: the boundaries
@@ -510,7 +521,7 @@ class Bevel(CheckedFields):
     width: Size
     height: Size
     z: Height
-    upper: Annotated[bool, partial(instance, kind=bool, what="true or false"), "part"]
+    upper: Annotated[Truth, "part"]
 
     @property
     def foot(self) -> float:

@@ -102,16 +102,25 @@ def text_to_engrave(key: str, value: Any) -> str:
     """
     text = unicodedata.normalize("NFC", instance(key, value, str, "a text"))
     if not text.strip() or len(text) > MOST_LETTERS:
-        message = f"must be a text of 1 to {MOST_LETTERS} characters, not of spaces alone"
-        raise GeometryError(message, key, shown(value))
+        raise GeometryError(
+            f"must be a text of 1 to {MOST_LETTERS} characters, not of spaces alone",
+            key,
+            shown(value),
+        )
     for each in text:
         known = f"U+{ord(each):04X}"
         if unicodedata.category(each)[0] in "MC":
-            message = f"{known} in it is no character of its own, so it cannot be engraved"
-            raise GeometryError(message, key, shown(value))
+            raise GeometryError(
+                f"{known} in it is no character of its own, so it cannot be engraved",
+                key,
+                shown(value),
+            )
         if unicodedata.bidirectional(each) in SHAPED:
-            message = f'"{each}" ({known}) is written from right to left, which is not engraved'
-            raise GeometryError(message, key, shown(value))
+            raise GeometryError(
+                f'"{each}" ({known}) is written from right to left, which is not engraved',
+                key,
+                shown(value),
+            )
     return text
 
 
@@ -153,8 +162,10 @@ class Engraving:
         if self.along == STRAIGHT:
             return
         if self.turn is not None:
-            message = 'belongs to a "straight" text; along a circle tops point outward or inward'
-            raise GeometryError(message, f"part.{ENGRAVING}.turn")
+            raise GeometryError(
+                'belongs to a "straight" text; along a circle tops point outward or inward',
+                f"part.{ENGRAVING}.turn",
+            )
         number(f"part.{ENGRAVING}.radius", self.radius, above=0.5 * self.height, unit="mm")
 
 
@@ -380,8 +391,12 @@ class Holes:
     def __post_init__(self) -> None:
         check_fields(self, "part.holes.")
         if self.counterbore is not None:
-            key = "part.bolt_circle.counterbore.diameter"
-            number(key, self.counterbore.diameter, above=self.hole, unit="mm")
+            number(
+                "part.bolt_circle.counterbore.diameter",
+                self.counterbore.diameter,
+                above=self.hole,
+                unit="mm",
+            )
 
     @property
     def middles(self) -> tuple[complex, ...]:

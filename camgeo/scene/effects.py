@@ -71,8 +71,10 @@ def weighed(part: PartSpec, table: Mapping[str, Any], inside: Inside) -> PartSpe
         return replace(part, density=stated or find_material(USUAL).density)
     if stated is not None and not math.isclose(stated, part.density, rel_tol=ROUNDING):
         key = "density" if "density" in table else "material"
-        message = f"contradicts [part], where the density is {KG_M3 * part.density:g} kg/m^3"
-        inside.fault((EFFECTS_KEY, "balance", key), message)
+        inside.fault(
+            (EFFECTS_KEY, "balance", key),
+            f"contradicts [part], where the density is {KG_M3 * part.density:g} kg/m^3",
+        )
     return part
 
 

@@ -32,8 +32,7 @@ from camgeo.numeric.checked import instance_from_table
 from camgeo.scene.formats.gcode import misfits, tables_are_whole
 from camgeo.scene.keys import KeyPath, path_of
 from camgeo.scene.schema import MILLING, Composed, milling_tables, schema
-from camgeo.scene.schema_faults import judged
-from camgeo.scene.values import Broken, Inside, ValidValues, document
+from camgeo.scene.values import Broken, Inside, ValidValues, document, judged
 
 PROGRAM: Final = ("output", "gcode")
 """Key of the table with the options of the program."""
@@ -176,8 +175,7 @@ class MillingBuilder:
         for place, each in zip(_places(self._values, name), made, strict=False):
             if library is not None and known and each.tool not in known:
                 numbers = ", ".join(str(number) for number in sorted(known))
-                message = f"there is no such tool; there are {numbers}"
-                self._inside.fault((*place, "tool"), message)
+                self._inside.fault((*place, "tool"), f"there is no such tool; there are {numbers}")
         return made
 
     def each(self, name: str, make: Callable[[Mapping[str, Any]], Built]) -> list[Built]:

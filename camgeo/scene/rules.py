@@ -1,4 +1,4 @@
-"""Rules between the keys of a scene, which a schema cannot state."""
+"""Faults of a scene: against its schema, and against rules that a schema cannot state."""
 
 from __future__ import annotations
 
@@ -14,16 +14,28 @@ from camgeo.kinematics.planning.requests import AUTO
 from camgeo.part.spec import BOTH, ENGRAVING, LOWER, STRAIGHT, din_6885_1
 from camgeo.scene.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE, OutputSpec
 from camgeo.scene.keys import KeyPath
-from camgeo.scene.schema import BY_DATA, EFFECTS_KEY, FINDERS, MILLING, NAMING, SHAPES, schema_for
-from camgeo.scene.values import Broken, Noted, ValidValues, tables_of, unchanged
-from camgeo.scene.varied import (
+from camgeo.scene.schema import (
+    BY_DATA,
+    EFFECTS_KEY,
+    FINDERS,
+    MILLING,
+    NAMING,
+    SHAPES,
+    schema_for,
+)
+from camgeo.scene.values import (
     FAMILIES,
     SWEEP,
+    Broken,
+    Noted,
+    ValidValues,
     design_path,
     faults_of_list,
     faults_of_range,
     keys_in,
     rows_of,
+    tables_of,
+    unchanged,
 )
 
 # -- family rules ---------------------------------------------------------------------------------

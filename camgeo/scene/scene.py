@@ -18,11 +18,11 @@ from typing import TYPE_CHECKING, Any, Final, Self, TypeVar
 
 import numpy as np
 
-from camgeo.cam.cam import Contact
+from camgeo.cam.cam import Contact, Yoke
 from camgeo.check.finding import Limits
 from camgeo.errors import CamgeoError, Fault, GeometryError, SceneError, unreadable
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
-from camgeo.kinematics.mechanism.linkage import linked
+from camgeo.kinematics.mechanism.linkage import Linkage, linked
 from camgeo.kinematics.mechanism.values import SIGNS, Values
 from camgeo.kinematics.motion import FREE
 from camgeo.kinematics.plan import FULL_TURN, Dwell, MotionPlan
@@ -34,11 +34,12 @@ from camgeo.kinematics.planning.requests import (
     TableRequest,
     Unit,
 )
+from camgeo.numeric.checked import instance_from_table
 from camgeo.part.spec import PartSpec, part_of
 from camgeo.reading import SCENE, TABLE, read_within
 from camgeo.record import brief, pickled
 from camgeo.scene.formats.drawing import DrawingSpec
-from camgeo.scene.formats.format import FORMATS, Options, OutputSpec
+from camgeo.scene.formats.format import FORMATS, Format, Options, OutputSpec
 from camgeo.scene.keys import KeyPath, path_of, value_at
 from camgeo.scene.rules import broken_rules
 from camgeo.scene.schema import (
@@ -53,7 +54,6 @@ from camgeo.scene.schema import (
     resolved,
     schema_for,
 )
-from camgeo.scene.schema_faults import judged
 from camgeo.scene.values import (
     Document,
     Inside,
@@ -66,22 +66,19 @@ from camgeo.scene.values import (
     document_of_tree,
     edited,
     far_end_of,
+    judged,
     without,
 )
-from camgeo.units import RPM, TURN
+from camgeo.units import RPM, TURN, LengthUnit, LiftUnit
 
 if TYPE_CHECKING:
-    from camgeo.cam.cam import Yoke
     from camgeo.dynamics.state.state import Carrier, Model, Speed, Train
     from camgeo.geometry.contour.contour import Form
-    from camgeo.kinematics.mechanism.conjugate import Mount
     from camgeo.kinematics.mechanism.follower import Follower
-    from camgeo.kinematics.mechanism.linkage import Linkage
+    from camgeo.kinematics.mechanism.rollers import Mount
     from camgeo.kinematics.time_course import SpeedCurve
     from camgeo.milling.milling import MillingSpec
-    from camgeo.part.printing import PrintSpec
-    from camgeo.scene.formats.format import Format
-    from camgeo.units import LengthUnit, LiftUnit
+    from camgeo.part.compensation import PrintSpec
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -486,9 +483,8 @@ class Builder:
         table: dict[str, Any] | None = self.values.get("follower", "return")
         if table is None:
             return None
-        build = FOLLOWERS[self.values.get("follower", "kind")].build_return
-        assert build is not None  # the schema of other kinds has no such table
-        mount: Mount = build(self._table("follower", "return"))
+        kind = FOLLOWERS[self.values.get("follower", "kind")]
+        mount: Mount = kind.mount(self._table("follower", "return"))
         return mount
 
     def returning(self, mount: Mount, follower: Follower) -> Follower | None:
@@ -498,7 +494,6 @@ class Builder:
     def _yoke(self) -> Yoke | None:
         if self.values.get("follower", "yoke") is None:
             return None
-        from camgeo.cam.cam import Yoke  # few scenes have one
 
         return Yoke(**self.inside.table(("follower", "yoke"), definition("yoke")))
 
@@ -536,9 +531,11 @@ class Builder:
         swing = float(linkage.transform(jet)[0, 0])
         if swing * farthest * arm_side * SIGNS[stated] < 0.0:
             found = "inward" if stated == "outward" else "outward"
-            message = f"contradicts the linkage, which moves the {follower.touching} {found}"
-            hint = f'leave it out, write "{found}", or turn one of the linkage\'s choices'
-            self.inside.fault(("follower", "direction"), message, hint)
+            self.inside.fault(
+                ("follower", "direction"),
+                f"contradicts the linkage, which moves the {follower.touching} {found}",
+                f'leave it out, write "{found}", or turn one of the linkage\'s choices',
+            )
 
     def effects(self, faulted: Collection[str] = ()) -> dict[str, dict[str, Any]]:
         """The tables of the effects that the scene names, in the units inside.
@@ -584,9 +581,9 @@ class Builder:
         return self._engine(("limits",), lambda: Limits(**self._top("limits")))
 
     def _drawing(self) -> DrawingSpec | None:
-        table = self._top("drawing")
-        whole = {"step": int(table["step"])} if "step" in table else {}
-        return self._engine(("drawing",), lambda: DrawingSpec(**{**table, **whole}))
+        return self._engine(
+            ("drawing",), lambda: instance_from_table(DrawingSpec, self._top("drawing"))
+        )
 
     def part(self, effects: Attributes) -> PartSpec | None:
         """The part; the `effects` are those that the scene names."""
@@ -608,7 +605,7 @@ class Builder:
     def _printing(self) -> PrintSpec | None:
         if self.values.get("print") is None:
             return None
-        from camgeo.part.printing import print_of  # few scenes print
+        from camgeo.part.compensation import print_of  # few scenes print
 
         return self._engine(("print",), lambda: print_of(self._top("print")))
 
@@ -740,8 +737,10 @@ class MotionRequests:
             at = self.values.exact(*place, "points", index, "at")
             assert at is not None  # the scene is valid
             if not last < at < span:
-                message = f"must ascend, inside the span of {span.normalize():f} degrees"
-                self.inside.fault((*place, "points", index, "at"), message)
+                self.inside.fault(
+                    (*place, "points", index, "at"),
+                    f"must ascend, inside the span of {span.normalize():f} degrees",
+                )
                 return None
             shares.append(float(at / span))
             last = at

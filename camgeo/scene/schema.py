@@ -39,11 +39,10 @@ from camgeo.kinematics.laws import ALIASES, FAMILIES, OPTIONS
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.kinematics.mechanism.values import FollowerKind, LinkageKind
 from camgeo.kinematics.planning.requests import AUTO
-from camgeo.scene.formats.format import FORMATS, NO_FORMATS, find_format, foreign_names
+from camgeo.scene.formats.format import FORMATS, NO_FORMATS, Format, find_format, foreign_names
 
 if TYPE_CHECKING:
     from camgeo.dynamics.effects.effect import Effect, Only
-    from camgeo.scene.formats.format import Format
 
 
 SCHEMA_FILE: Final = pathlib.Path(__file__).with_name("schema.json")
@@ -172,8 +171,9 @@ class Composed:
         try:
             return Draft202012Validator(self.root)
         except ValueError as error:
-            message = f"a declaration of another distribution has no valid JSON Schema: {error}"
-            raise CamgeoError(message) from error
+            raise CamgeoError(
+                f"a declaration of another distribution has no valid JSON Schema: {error}"
+            ) from error
 
 
 NAMING: Final = (EFFECTS_KEY, OUTPUT, *MILLING)

@@ -9,26 +9,42 @@ import os
 import pathlib
 import re
 import tomllib
-from collections.abc import Collection, Hashable, Iterator, Mapping
+from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, Self, TypeAlias
+from typing import Any, Final, Self, TypeAlias
+
+from jsonschema_rs import ValidationError
 
 from camgeo.cam.cam import Contact
-from camgeo.errors import CamgeoError, Fault, FileError, SceneError, meant, unreadable
+from camgeo.errors import (
+    CamgeoError,
+    Fault,
+    FileError,
+    GeometryError,
+    SceneError,
+    meant,
+    nearest,
+    unreadable,
+)
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
-from camgeo.kinematics.mechanism.values import UNIT_OF, FollowerKind
+from camgeo.kinematics.mechanism.values import UNIT_OF, FollowerKind, Member
 from camgeo.reading import SCENE, TABLE, check_toml
-from camgeo.record import Brief
-from camgeo.scene.keys import KeyPath, key_lines, line_of, path_of, spelled, value_at
-from camgeo.scene.schema import Node, keys_of, resolved, schema, schema_for
+from camgeo.record import Brief, allowed
+from camgeo.scene.keys import KeyPath, key_lines, line_of, path_of, quoted, spelled, value_at
+from camgeo.scene.schema import (
+    Composed,
+    Node,
+    definition,
+    keys_of,
+    referred,
+    resolved,
+    schema,
+    schema_for,
+)
 from camgeo.units import MM_PER, RPM, LengthUnit, LiftUnit, in_unit, listed
-
-if TYPE_CHECKING:
-    from camgeo.kinematics.mechanism.values import Member
-
 
 Broken: TypeAlias = tuple[KeyPath, str]
 """What a rule finds: the place at fault, and why."""
@@ -331,6 +347,8 @@ class Inside:
             return self.path(path)
         if isinstance(value, str | bool):
             return value
+        if node.get("type") == "integer":
+            return int(value)
         if "x-exact" in node:
             return self.values.exact(*path)
         if reference in LENGTHS or "x-default-mm" in node:
@@ -865,8 +883,9 @@ def value_path(tree: Tree, key: str) -> KeyPath:
             raise _refused(key, f"{_name(found)} is not a list")
         if keys and step not in keys:
             hint = meant(spelled((*found, step)), [spelled((*found, each)) for each in keys])
-            message = f"is no key of a scene; {_name(found)} has {listed(sorted(keys))}"
-            raise _refused(key, message, hint)
+            raise _refused(
+                key, f"is no key of a scene; {_name(found)} has {listed(sorted(keys))}", hint
+            )
         if not keys and found and _single(node):
             raise _refused(key, f"is no key of a scene; {_name(found)} is a single value")
         found = (*found, step)
@@ -911,3 +930,233 @@ def _within(node: Node, kind: str) -> str:
 
 def _refused(key: str, message: str, hint: str = "") -> SceneError:
     return SceneError([Fault(key, "", message, hint)])
+
+
+# -- schema faults ---------------------------------------------------------------------------------
+# The faults of a scene against its schema, in terms that a designer uses.
+
+
+UNKNOWN: Final = "additionalProperties"
+"""What the validator calls an unknown key."""
+
+MOST_FAULTS: Final = 1000
+"""Most faults reported of one scene; a file with more is probably not a scene."""
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """The faults of a scene against the schema.
+
+    Attributes
+    ----------
+    faults : in words.
+    bad : paths of the values that are at fault; no conclusions may be drawn from them.
+    meant : paths of missing keys that a misspelt key was meant to be.
+    """
+
+    faults: tuple[Fault, ...]
+    bad: frozenset[KeyPath]
+    meant: frozenset[KeyPath]
+
+
+def judged(scene: Document, schema: Composed) -> Verdict:
+    """Check a document against a schema, which for a scene is that of what it names."""
+    found = itertools.islice(schema.validator.iter_errors(scene.plain), MOST_FAULTS)
+    errors = [(tuple(each.instance_path), each, _node_at(schema.root, each.evaluation_path))
+              for each in found]  # fmt: skip
+    faults: list[Fault] = []
+    bad = set(scene.bad)
+    meant: set[KeyPath] = set()
+    excused: set[KeyPath] = set()
+    # Unknown keys first: one of them may be a misspelt key that is missing.
+    for path, error, node in sorted(errors, key=lambda each: each[1].kind.name != UNKNOWN):
+        if error.kind.name == UNKNOWN:
+            for name in error.kind.as_dict()["unexpected"][:MOST_FAULTS]:
+                fault, known, sibling = _unknown_key(scene, path, name, node)
+                faults.append(fault)
+                bad.add((*path, name))
+                meant |= {(*path, known)} if known else set()
+                excused |= {path} if sibling else set()
+        elif error.kind.name == "required":
+            name = str(error.kind.as_dict()["property"])
+            bad.add((*path, name))
+            if (*path, name) not in meant and path not in excused:
+                faults.append(_missing(scene, (*path, name), node))
+        elif path not in scene.bad:
+            bad.add(path)
+            fault = _refusal(scene, path, error, node)
+            if fault not in faults:
+                faults.append(fault)
+    if len(errors) == MOST_FAULTS or len(faults) >= MOST_FAULTS:
+        # What was not checked may be wrong too: nothing in the scene counts as valid.
+        bad.add(())
+        faults = [
+            *faults[:MOST_FAULTS],
+            Fault("", "", "there are more faults than are listed here"),
+        ]
+    return Verdict(tuple(faults), frozenset(bad), frozenset(meant))
+
+
+def _node_at(root: Node, evaluation: list[str | int]) -> Node:
+    """The node of `root` on whose last keyword an evaluation path of the validator ends."""
+    node: Any = root
+    for step in evaluation[:-1]:
+        node = referred(node) if step == "$ref" else node[step]
+    return node if isinstance(node, dict) else {}
+
+
+def _missing(scene: Document, path: KeyPath, table: Node) -> Fault:
+    node = resolved(table.get("properties", {}).get(path[-1], {}))
+    return scene.fault(path, f"is missing: {node.get('description', 'it is needed')}".rstrip("."))
+
+
+def _refusal(scene: Document, path: KeyPath, error: ValidationError, node: Node) -> Fault:
+    value = scene.at(path)
+    hint = ""
+    choices: list[Any] = node.get("enum") or node.get("x-values") or []
+    values = [str(item) for item in choices]
+    if isinstance(value, str):
+        close = node.get("x-hints", {}).get(value) or meant(value, values, '"')
+        if close:
+            hint = close
+        elif error.kind.name == "type" and _reads_as_number(value):
+            hint = "leave out the quotes"
+    known = {
+        "x-allowed",
+        "enum",
+        "type",
+    } & node.keys()  # a declaration of another distribution may have none
+    return scene.fault(path, allowed(node) if known else str(error.message), hint)
+
+
+def _unknown_key(scene: Document, path: KeyPath, name: str, node: Node) -> tuple[Fault, str, bool]:
+    """The fault, the key of the same table that was meant, and whether a sibling's key was."""
+    place = (*path, name)
+    if "x-unknown" in node:
+        return scene.fault(place, node["x-unknown"]), "", False
+    siblings = [definition(sibling) for sibling in node.get("x-siblings", [])]
+    for sibling in siblings:
+        if name in sibling["properties"]:
+            message = f"belongs to {sibling['title']}; this is {node['title']}"
+            return scene.fault(place, message), "", False
+    table: Any = scene.at(path)
+    free = [key for key in node["properties"] if key not in table]
+    known = nearest(name, free)
+    if known:
+        return scene.fault(place, "is not a known key", meant(name, free)), known, False
+    for sibling in siblings:
+        hint = meant(name, sibling["properties"])
+        if hint:
+            return scene.fault(place, "is not a known key", hint), "", True
+    if path and name in schema()["properties"]:
+        message = f"belongs to the top of the file; it stands in [{quoted(str(path[0]))}] here"
+        return scene.fault(place, message), "", False
+    keys = ", ".join(node["properties"]) or "none"
+    return scene.fault(place, f"is not a known key; known here: {keys}"), "", False
+
+
+def _reads_as_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+# -- varied ----------------------------------------------------------------------------------------
+# What may vary in a family of designs, and what values it may take: the one definition, for tables
+# of a scene as for the options of commands.
+
+
+Value = int | float | str | bool
+"""A value at a key of a scene, in the units of the scene."""
+
+Rows = Sequence[tuple[Value, ...]]
+"""Values of a list, each for all keys that are tied together."""
+
+SWEEP: Final = "sweep"
+OPTIMISE: Final = "optimise"
+FAMILIES: Final = (SWEEP, OPTIMISE)
+"""Tables of the scene that state families; no design of a family has them."""
+
+LARGEST_WHOLE: Final = 2**53
+"""Whole numbers below it are written without a fraction, as a key for a whole number needs."""
+
+
+def plain(number: float) -> int | float:
+    """The number, as an integer if it is whole."""
+    if number.is_integer() and abs(number) < LARGEST_WHOLE:
+        return int(number)
+    return number
+
+
+def design_path(tree: Tree, key: str, seen: set[str]) -> KeyPath:
+    """The path of a key that varies, which is added to those `seen`.
+
+    Raises
+    ------
+    SceneError
+        For a key that there is not, with the nearest one.
+    GeometryError
+        If no design has the key, or it is among those that vary already.
+    """
+    path = value_path(tree, key)
+    if path[0] in FAMILIES:
+        raise GeometryError("is no key of a design", key)
+    name = spelled(path)
+    if name in seen:
+        raise GeometryError("varies twice", name)
+    seen.add(name)
+    return path
+
+
+def faults_of_range(start: Decimal, stop: Decimal, count: int | None) -> Iterator[tuple[str, str]]:
+    """What is wrong with a range of so many numbers, or of any: which key of its table, and why."""
+    if count is not None and count < 1:
+        yield "count", "is an empty range: there must be at least 1 number"
+    elif start == stop and count != 1:
+        yield "to", "is an empty range: both ends are the same"
+    elif start != stop and count == 1:
+        yield "count", "is one number for two ends: there must be at least 2"
+    elif not all(math.isfinite(float(each)) for each in (start, stop, stop - start)):
+        yield "to", "is too large a number"
+
+
+def rows_of(values: Sequence[Any], keys: int) -> Rows:
+    """The values of a list in a table of a scene; a single one is for all tied keys."""
+    rows = ((each if isinstance(each, tuple | list) else (each,) * keys) for each in values)
+    return [tuple(_value(each) for each in row) for row in rows]
+
+
+def faults_of_list(rows: Rows, keys: int) -> Iterator[tuple[int, str]]:
+    """What is wrong with a list: at which place, from 0, and why."""
+    seen = set()
+    for place, row in enumerate(rows):
+        if len(row) != keys:
+            yield place, f"must have a value for each of {keys} keys"
+        if any(isinstance(value, str) and not _encodable(value) for value in row):
+            yield place, "has a text that UTF-8 cannot encode"
+        if repr(row) in seen:
+            yield place, "is listed twice"
+        seen.add(repr(row))
+
+
+def keys_in(table: Mapping[str, Any]) -> tuple[str, ...]:
+    """The keys of a variable that a table of a scene states."""
+    return tuple(table["keys"]) if "keys" in table else (table["key"],)
+
+
+def _value(value: Any) -> Value:
+    if isinstance(value, Decimal | float):
+        return plain(float(value))
+    found: Value = value
+    return found
+
+
+def _encodable(text: str) -> bool:
+    """Whether UTF-8, in which scenes and stores are written, has a form of the text."""
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return False
+    return True

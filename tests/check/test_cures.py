@@ -37,8 +37,7 @@ from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.laws import FAMILIES, make_law
 from camgeo.kinematics.mechanism.linkage import LinkedMotion
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.scene.keys import path_of
 from camgeo.scene.scene import Scene

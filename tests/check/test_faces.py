@@ -17,10 +17,8 @@ import camgeo
 from camgeo.check.disc import check_closure, check_convexity, check_face
 from camgeo.check.finding import Finding
 from camgeo.geometry.outline.path import Path, whole
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
+from camgeo.kinematics.mechanism.flat import OscillatingFlat, TranslatingFlat
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from tests.answers.documents import FIXTURES
 from tests.findings import known

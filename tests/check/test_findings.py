@@ -41,11 +41,10 @@ from camgeo.design.design import Design
 from camgeo.geometry.outline.outline import undercut_ranges
 from camgeo.geometry.outline.path import whole
 from camgeo.geometry.pieces import curvature_extremes
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
+from camgeo.kinematics.mechanism.flat import TranslatingFlat
 from camgeo.kinematics.mechanism.linkage import LinkedMotion
-from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import TranslatingRoller
 from camgeo.kinematics.motion import Dwell as DwellSpan
 from camgeo.kinematics.motion import Jet
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move

@@ -24,14 +24,10 @@ from camgeo.design.design import Design
 from camgeo.geometry.contour.arcs import fit_arcs
 from camgeo.geometry.outline.path import whole
 from camgeo.geometry.outline.replay import replay_contour
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.conjugate import return_on_lever
-from camgeo.kinematics.mechanism.four_bar import FourBar
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.mechanism.linkage import Linkage, LinkedMotion, clear_range
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.slider_crank import SliderCrank
-from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.kinematics.mechanism.linkages import FourBar, SliderCrank, SliderDrivenCrank
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, return_on_lever
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import TURN

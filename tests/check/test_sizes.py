@@ -24,13 +24,11 @@ from camgeo.check.sizing.rounding import exponent_of, rounded, rounded_face
 from camgeo.check.sizing.smallest import Sizing, flocke, rate, size
 from camgeo.check.sizing.task import Task, task_of
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.convex import convexity, touch
+from camgeo.geometry.pieces import convexity, touch
 from camgeo.kinematics.laws.law import Law
+from camgeo.kinematics.mechanism.flat import OscillatingFlat, TranslatingFlat
 from camgeo.kinematics.mechanism.follower import Follower
-from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from tests.cams import cam_of
 from tests.findings import known

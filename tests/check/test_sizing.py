@@ -47,8 +47,7 @@ from camgeo.check.sizing.task import TOUCHING, Task, covered, pairs_of, task_of
 from camgeo.errors import GeometryError
 from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.units import TURN
 from tests.cams import cam_of

@@ -12,10 +12,8 @@ from hypothesis import strategies as st
 
 import camgeo
 from camgeo.geometry.contour.contour import Contour
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray
 from tests.laws import LAWS

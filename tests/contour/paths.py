@@ -18,9 +18,8 @@ from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.legs import TurnLeg, legs_of
 from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour
 from camgeo.geometry.outline.path import Path, Pivot, Stretch, whole
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
+from camgeo.kinematics.mechanism.rollers import TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from tests.contour.cams import FLANKS, TURN, dwell, flank, move, outline, translating
 from tests.measuring import DensePath

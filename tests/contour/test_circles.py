@@ -13,18 +13,16 @@ import pytest
 
 from camgeo import load
 from camgeo.geometry.contour import proof
-from camgeo.geometry.contour.arcs import fit_arcs
+from camgeo.geometry.contour.arcs import fewest_arcs, fit_arcs
 from camgeo.geometry.contour.cubics import fewest_cubics
-from camgeo.geometry.contour.fewest_arcs import fewest_arcs
 from camgeo.geometry.contour.spline import Arc
 from camgeo.geometry.outline.outline import real_outline
 from camgeo.geometry.outline.path import Path as Outline
 from camgeo.geometry.outline.path import whole
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.laws import make_law
-from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.flat import TranslatingFlat
+from camgeo.kinematics.mechanism.rollers import TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from tests.contour.cams import dwell, translating
 

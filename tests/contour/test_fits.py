@@ -21,21 +21,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError, ToleranceError, UndercutError
-from camgeo.geometry.contour import fewest_arcs as fewest_arcs_module
-from camgeo.geometry.contour.arcs import Biarcs, Ends, fit_arcs
+from camgeo.geometry.contour import arcs as arcs_module
+from camgeo.geometry.contour.arcs import Biarcs, Ends, Strands, fewest_arcs, fit_arcs
 from camgeo.geometry.contour.chords import fit_polyline
 from camgeo.geometry.contour.contour import Contour, Fit, require_simple
 from camgeo.geometry.contour.cubics import fewest_cubics, fit_spline
-from camgeo.geometry.contour.fewest_arcs import Strands, fewest_arcs
 from camgeo.geometry.contour.fewest_chords import fewest_chords
 from camgeo.geometry.contour.proof import deviation
 from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour, SplineFit
 from camgeo.geometry.outline.path import Path, Pivot, Stretch, area, whole
 from camgeo.geometry.pieces import smooth_pieces
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, IntArray
 from camgeo.part.boundaries import CurveBoundary
@@ -389,8 +386,8 @@ def test_attempts_that_do_not_help_are_few(monkeypatch: pytest.MonkeyPatch) -> N
         tried.append(int(np.sum(counts)))
         return [SimpleNamespace(deviation=math.inf) for _ in counts]
 
-    monkeypatch.setattr(fewest_arcs_module, "arc_splines", none)
-    monkeypatch.setattr(fewest_arcs_module, "LAID", 0)
+    monkeypatch.setattr(arcs_module, "arc_splines", none)
+    monkeypatch.setattr(arcs_module, "LAID", 0)
     assert fewest_arcs(whole(flank("vorschub", -1)), 1e-2).deviation <= 1e-2
     assert len(tried) == 1
 

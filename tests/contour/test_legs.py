@@ -15,11 +15,7 @@ from hypothesis import strategies as st
 
 from camgeo.errors import ToleranceError, UndercutError
 from camgeo.geometry.contour import fewest_chords as ladder_module
-from camgeo.geometry.contour.arcs import OUTERMOST, tangent_turns
-from camgeo.geometry.contour.fewest_arcs import (
-    Strands,
-    arc_splines,
-)
+from camgeo.geometry.contour.arcs import OUTERMOST, Strands, arc_splines, tangent_turns
 from camgeo.geometry.contour.fewest_chords import (
     Evened,
     Ladder,
@@ -44,7 +40,7 @@ from camgeo.geometry.contour.legs import (
 from camgeo.geometry.contour.proof import proved
 from camgeo.geometry.outline.path import Path, Pivot, Stretch, whole
 from camgeo.geometry.pieces import Piece, smooth_pieces
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
 from camgeo.studies.accuracy.contours import forced_pieces, least_arcs, least_chords, least_cubics
 from tests.contour.cams import FLANKS, TURN, dwell, flank, move, translating

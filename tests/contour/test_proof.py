@@ -18,17 +18,15 @@ from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour import proof
-from camgeo.geometry.contour.arcs import fit_arcs
+from camgeo.geometry.contour.arcs import fewest_arcs, fit_arcs
 from camgeo.geometry.contour.chords import fit_polyline
 from camgeo.geometry.contour.contour import Contour
-from camgeo.geometry.contour.fewest_arcs import fewest_arcs
 from camgeo.geometry.contour.proof import deviation, locate
 from camgeo.geometry.outline.outline import real_outline
 from camgeo.geometry.outline.path import Path, whole
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
+from camgeo.kinematics.mechanism.flat import OscillatingFlat
+from camgeo.kinematics.mechanism.rollers import TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray
 from tests.contour.cams import TURN, curves, dwell, polyline

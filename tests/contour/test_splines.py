@@ -30,7 +30,7 @@ from camgeo.geometry.contour.spline import (
 )
 from camgeo.geometry.outline.path import Path, whole
 from camgeo.geometry.pieces import smooth_pieces
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.contour.cams import TURN, curves, dwell, flank, move, outline
 from tests.contour.cams import translating as cam

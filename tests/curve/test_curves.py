@@ -24,12 +24,10 @@ from camgeo.geometry.pieces import (
     smooth_pieces,
     turn_cells,
 )
-from camgeo.geometry.pitch_curve import BLOCK, PitchCurve, in_blocks, joints
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import BLOCK, PitchCurve, WorkingCurve, in_blocks, joints
 from camgeo.kinematics.laws import make_law
 from camgeo.kinematics.laws.law import Law
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import SIDES, ComplexArray, FloatArray, Quantity, Side
 from camgeo.units import TURN

@@ -15,7 +15,7 @@ import numpy as np
 
 from camgeo.cam.cam import Cam
 from camgeo.design.design import Design
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.effects.scenes import course_of
 

@@ -17,11 +17,12 @@ import pytest
 
 from camgeo.check.finding import MOST_ALIKE, Finding, folded
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.contact_pressure import Life, PressureRequirements, life_findings
+from camgeo.dynamics.effects.contact_pressure import Life, life_findings
 from camgeo.dynamics.effects.lift_off.flight import UNSETTLED, Flight, Flights, refined
 from camgeo.dynamics.effects.lift_off.landing import with_bounces
 from camgeo.dynamics.effects.registry import EFFECTS, find_effect
 from camgeo.dynamics.effects.results import CONTACT_FORCE, FINDERS
+from camgeo.dynamics.effects.tables import PressureRequirements
 from camgeo.dynamics.effects.wording import left_over
 from camgeo.errors import EffectError
 from camgeo.part.materials import find_material

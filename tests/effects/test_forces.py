@@ -22,7 +22,6 @@ from camgeo.dynamics.effects.effect import DataFile, Subject
 from camgeo.dynamics.effects.forces import at_rates
 from camgeo.dynamics.effects.inertia import (
     LinkedTrain,
-    MassProperties,
     at_cam,
     inertia_force,
     train_of,
@@ -31,9 +30,14 @@ from camgeo.dynamics.effects.load import profile_of
 from camgeo.dynamics.effects.results import Inertia
 from camgeo.dynamics.effects.spring import BetweenPoints, along_slider
 from camgeo.dynamics.effects.spring_surge import CLEAR, FARTHEST
-from camgeo.dynamics.effects.tables import parse_inertia, parse_load, read_load_table
+from camgeo.dynamics.effects.tables import (
+    MassProperties,
+    parse_inertia,
+    parse_load,
+    read_load_table,
+)
 from camgeo.errors import GeometryError
-from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.linkages import SliderCrank
 from camgeo.kinematics.plan import Dwell, MotionPlan
 from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import FloatArray, Side

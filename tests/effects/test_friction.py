@@ -23,8 +23,7 @@ from camgeo.dynamics.effects.results import Friction
 from camgeo.dynamics.effects.roller_spin import Rolling, Skid
 from camgeo.dynamics.effects.tables import parse_friction as parse
 from camgeo.errors import EffectError
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import grid_of
 from camgeo.scene.scene import load_scene

@@ -24,9 +24,8 @@ from camgeo.design.design import Design
 from camgeo.dynamics.effects.contact import INNER, OUTER, carrier, sliding
 from camgeo.dynamics.effects.forces import at_rates, rates_of
 from camgeo.errors import EffectError, GeometryError, SceneError
-from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.flat import OscillatingFlat, TranslatingFlat
+from camgeo.kinematics.mechanism.rollers import TranslatingRoller
 from camgeo.kinematics.time_course import in_time
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.scene.scene import parse_scene

@@ -19,9 +19,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.design.design import Design
-from camgeo.kinematics.mechanism.four_bar import FourBar
-from camgeo.kinematics.mechanism.slider_crank import SliderCrank
-from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.kinematics.mechanism.linkages import FourBar, SliderCrank, SliderDrivenCrank
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.scene.scene import parse_scene
 from tests.effects.bodies import along, cross, pull

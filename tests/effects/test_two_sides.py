@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 
 from camgeo.design.design import Design
 from camgeo.errors import EffectError
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.scene.scene import load_scene, parse_scene
 from camgeo.units import RPM, TURN

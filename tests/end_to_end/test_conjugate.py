@@ -16,8 +16,7 @@ from camgeo import load
 from camgeo.app.cli.main import main
 from camgeo.design.design import Design
 from camgeo.errors import UndercutError
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray
 from tests.end_to_end.built import SCENES
 from tests.measuring import DensePath, Outline

@@ -10,8 +10,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from camgeo.design.design import Design
-from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.mechanism.flat import OscillatingFlat, TranslatingFlat
 from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
 from camgeo.scene.formats.csv import FORMAT
 from camgeo.scene.scene import load_scene

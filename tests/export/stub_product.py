@@ -26,7 +26,7 @@ from camgeo.geometry.contour.contour import Contour, Effort, Fit
 from camgeo.geometry.contour.spline import SplineContour
 from camgeo.kinematics import plan
 from camgeo.kinematics.laws import make_law
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import TranslatingRoller
 from camgeo.milling import machine
 from camgeo.milling.cut import ContourCut
 from camgeo.milling.milling import GcodeSpec, MillingSpec, Stock, Tool

@@ -25,7 +25,7 @@ from matplotlib.transforms import TransformedPath
 
 from camgeo.cam.cam import Cam, Drive
 from camgeo.errors import FileError, UnknownNameError
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller
 from camgeo.pictures.model import (
     Area,
     Arrow,

@@ -28,7 +28,7 @@ from camgeo.scene.formats.format import (
     foreign_names,
     no_options,
 )
-from camgeo.scene.formats.threemf import FORMAT, Body, ThreeMfSpec, parse
+from camgeo.scene.formats.threemf import FORMAT, Body, ThreeMfSpec
 from camgeo.scene.scene import parse_scene
 from camgeo.scene.values import ValidValues, document
 from tests.contour.cams import SCENES
@@ -199,8 +199,8 @@ ON_PLATE: dict[str, Any] = {"output.3mf.plate": ["cam", "roller", "test-ring"], 
 
 
 def test_defaults_and_a_whole_table() -> None:
-    assert parse({}) == ThreeMfSpec((), 5.0, None, None)
-    found = parse({"plate": ("cam", "roller"), "gap": 2.0, "roller_bore": 6.0})
+    assert FORMAT.parse({}) == ThreeMfSpec((), 5.0, None, None)
+    found = FORMAT.parse({"plate": ("cam", "roller"), "gap": 2.0, "roller_bore": 6.0})
     assert found == ThreeMfSpec(("cam", "roller"), 2.0, None, 6.0)
 
 
@@ -215,7 +215,7 @@ def test_defaults_and_a_whole_table() -> None:
 )
 def test_doors(table: dict[str, Any], key: str) -> None:
     with refused(f"output.3mf.{key}"):
-        parse(table)
+        FORMAT.parse(table)
 
 
 def test_a_scene_with_a_plate() -> None:

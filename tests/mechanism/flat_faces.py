@@ -8,10 +8,9 @@ import math
 from hypothesis import assume
 from hypothesis import strategies as st
 
-from camgeo.geometry.outline.convex import convexity
+from camgeo.geometry.pieces import convexity
 from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.mechanism.flat import OscillatingFlat, TranslatingFlat
 from tests.strategies import BENT, plans, signs
 
 

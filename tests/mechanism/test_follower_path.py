@@ -16,12 +16,9 @@ from hypothesis import strategies as st
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.face import face_path_of
 from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.kinematics.mechanism.face import FlatFollower
+from camgeo.kinematics.mechanism.flat import FlatFollower, OscillatingFlat, TranslatingFlat
 from camgeo.kinematics.mechanism.follower_path import Bows, FollowerPath, lift_jet, path_of
-from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from tests.strategies import attack, oscillating_rollers, pitch_curves, signs, translating_rollers
 
 FOLLOWERS = (

@@ -14,17 +14,20 @@ from hypothesis import strategies as st
 from mpmath import mp, mpc, mpf
 
 from camgeo.errors import GeometryError, UndercutError
-from camgeo.geometry.outline.convex import touch
 from camgeo.geometry.outline.outline import Outline, real_outline
 from camgeo.geometry.outline.path import area
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.conjugate import FLAT, return_on_carriage, return_on_lever
+from camgeo.geometry.pieces import touch
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
+from camgeo.kinematics.mechanism.flat import OscillatingFlat, TranslatingFlat
 from camgeo.kinematics.mechanism.linkage import LinkedMotion
-from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller, hypot_rest
-from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import (
+    FLAT,
+    OscillatingRoller,
+    TranslatingRoller,
+    hypot_rest,
+    return_on_carriage,
+    return_on_lever,
+)
 from camgeo.kinematics.motion import Motion
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray, phase

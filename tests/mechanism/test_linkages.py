@@ -17,11 +17,9 @@ from hypothesis import strategies as st
 
 from camgeo.check.machine import check_linkage
 from camgeo.errors import GeometryError
-from camgeo.kinematics.mechanism.four_bar import FourBar
+from camgeo.geometry.together import alike, several
 from camgeo.kinematics.mechanism.linkage import LinkedMotion, linked
-from camgeo.kinematics.mechanism.several import alike, several
-from camgeo.kinematics.mechanism.slider_crank import SliderCrank
-from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.kinematics.mechanism.linkages import FourBar, SliderCrank, SliderDrivenCrank
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import SIDES, FloatArray
 from camgeo.units import TURN

@@ -16,13 +16,13 @@ from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import make_law
-from camgeo.kinematics.mechanism.four_bar import FourBar
 from camgeo.kinematics.mechanism.linkage import (
     BACK,
     OUT,
     SIZES,
     Linkage,
     LinkedMotion,
+    Size,
     clear_range,
     closing_sizes,
     locked_at,
@@ -31,9 +31,7 @@ from camgeo.kinematics.mechanism.linkage import (
     position_text,
     why_open,
 )
-from camgeo.kinematics.mechanism.slider_crank import SliderCrank
-from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
-from camgeo.kinematics.mechanism.triangle import Size
+from camgeo.kinematics.mechanism.linkages import FourBar, SliderCrank, SliderDrivenCrank
 from camgeo.kinematics.motion import lift_range
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray, IntArray

@@ -9,8 +9,8 @@ import pytest
 
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.mechanism.linkage import LinkedMotion
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.linkages import SliderCrank
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.reference import (
     column,

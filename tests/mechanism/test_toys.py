@@ -17,7 +17,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import TranslatingRoller
 from camgeo.kinematics.mechanism.values import Angle, Length
 from camgeo.numeric.checked import check_fields, hold
 
@@ -57,12 +57,6 @@ from camgeo.record import schema_beside
 from camgeo.kinematics.mechanism.values import FollowerKind
 
 
-def build(values):
-    from camgeo.kinematics.mechanism.mushroom import Mushroom
-
-    return values.build(Mushroom)
-
-
 def head_is_a_cap(table):
     if table.get("head_radius", 0.0) > 10.0 * table.get("base_radius", 1.0):
         yield "head_radius", "is that of a flat face; use kind = \\"translating-flat\\""
@@ -74,7 +68,7 @@ KIND = FollowerKind(
     unit="mm",
     touching="roller",
     schema=schema_beside(__file__),
-    build=build,
+    made="mushroom:Mushroom",
     sizes=("base_radius", "head_radius"),
     rules=(head_is_a_cap,),
 )
@@ -122,7 +116,7 @@ from camgeo.kinematics.mechanism.values import LinkageKind
 
 
 def build(values, unit):
-    from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+    from camgeo.kinematics.mechanism.linkages import SliderCrank
 
     arm = values.mm * values.table["arm"]
     return SliderCrank(arm, arm, math.radians(30.0), False, 1, 1, 1)

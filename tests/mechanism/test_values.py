@@ -24,18 +24,17 @@ from camgeo.check.finding import Limits
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.outline.path import whole
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.conjugate import return_on_carriage, return_on_lever
-from camgeo.kinematics.mechanism.four_bar import FourBar
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
+from camgeo.kinematics.mechanism.flat import OscillatingFlat, TranslatingFlat
 from camgeo.kinematics.mechanism.linkage import LinkedMotion
-from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.slider_crank import SliderCrank
-from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
+from camgeo.kinematics.mechanism.linkages import FourBar, SliderCrank, SliderDrivenCrank
+from camgeo.kinematics.mechanism.rollers import (
+    OscillatingRoller,
+    TranslatingRoller,
+    return_on_carriage,
+    return_on_lever,
+)
 from camgeo.kinematics.mechanism.slotted_lever import DrivenLever, SlottedLever
-from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.kinematics.plan import MotionPlan, Move
 from camgeo.milling.cut import AreaCut, ContourCut, PointCut
 from camgeo.milling.machine import load

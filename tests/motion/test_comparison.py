@@ -18,8 +18,8 @@ from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import BALANCES, FAMILIES, make_law
 from camgeo.kinematics.laws.comparison import QUANTITIES, Entry, Running, compare, entry_of
 from camgeo.kinematics.laws.law import Characteristic, Law, characteristic
+from camgeo.kinematics.laws.pulse import Parts
 from camgeo.kinematics.laws.sine_straight import LEAST, curved_for
-from camgeo.kinematics.laws.two_pulses import Parts
 from camgeo.kinematics.motion import TASKS
 from camgeo.kinematics.planning.build import balanced, equal_accelerations
 from camgeo.units import TURN

@@ -15,17 +15,16 @@ from hypothesis import strategies as st
 
 import camgeo
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.clearance import (
+from camgeo.geometry.outline.outline import are_clear, backward_angles, sure_bends, undercut_ranges
+from camgeo.geometry.pieces import (
+    Extremes,
+    curvature_extremes,
     nearest_to_axis,
     stays_on_one_side,
     surely_clear_of_axis,
 )
-from camgeo.geometry.outline.outline import are_clear, backward_angles, sure_bends, undercut_ranges
-from camgeo.geometry.pieces import Extremes, curvature_extremes
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray, frozen
 from camgeo.units import TURN

@@ -24,11 +24,10 @@ from camgeo.geometry.outline.envelope import (
     halved,
     overlapping,
 )
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.mechanism.linkage import LinkedMotion
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.linkages import SliderCrank
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.scene.scene import load_scene
 from tests.reference import POLYNOMIAL, hard_case, pitch_curve_of

@@ -15,17 +15,14 @@ from scipy.spatial import ConvexHull
 
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.geometry.contour.arcs import fit_arcs
-from camgeo.geometry.outline.convex import Convexity, contact_extremes, convexity, touch
 from camgeo.geometry.outline.face import contact_places
 from camgeo.geometry.outline.outline import Outline, real_outline
 from camgeo.geometry.outline.path import area
 from camgeo.geometry.outline.replay import replay_contour, replay_outline
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pieces import Convexity, contact_extremes, convexity, touch
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.laws import make_law
-from camgeo.kinematics.mechanism.face import flat_follower
-from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.mechanism.flat import OscillatingFlat, TranslatingFlat, flat_follower
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, Side
 from camgeo.units import TURN

@@ -17,7 +17,6 @@ from camgeo.design.design import Design
 from camgeo.errors import GeometryError, SceneError, UndercutError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.outline import outline
-from camgeo.geometry.outline.clearance import stays_on_one_side
 from camgeo.geometry.outline.envelope import KINK, Envelope, Node, envelope_of
 from camgeo.geometry.outline.outline import (
     Outline,
@@ -28,9 +27,9 @@ from camgeo.geometry.outline.outline import (
 )
 from camgeo.geometry.outline.path import Path, Pivot, Stretch, area
 from camgeo.geometry.outline.replay import replay_contour, replay_outline
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.geometry.pieces import stays_on_one_side
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
+from camgeo.kinematics.mechanism.rollers import TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray, IntArray, ascending
 from camgeo.part.boundaries import chords_of

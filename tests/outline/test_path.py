@@ -29,9 +29,8 @@ from camgeo.geometry.outline.path import (
     radii,
     whole,
 )
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
+from camgeo.kinematics.mechanism.rollers import TranslatingRoller
 from camgeo.kinematics.motion import Dwell, Jet
 from camgeo.kinematics.plan import MotionPlan
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side

@@ -18,7 +18,6 @@ import camgeo
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.arcs import fit_arcs
 from camgeo.geometry.contour.contour import Contour
-from camgeo.geometry.outline.convex import contact_extremes, touch
 from camgeo.geometry.outline.face import FaceLift, face_path_of
 from camgeo.geometry.outline.outline import real_outline
 from camgeo.geometry.outline.path import Path, Pivot, Stretch, whole
@@ -29,14 +28,11 @@ from camgeo.geometry.outline.replay import (
     replay_outline,
 )
 from camgeo.geometry.outline.roller import ActualLift
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.face import FlatFollower
+from camgeo.geometry.pieces import contact_extremes, touch
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
+from camgeo.kinematics.mechanism.flat import FlatFollower, OscillatingFlat, TranslatingFlat
 from camgeo.kinematics.mechanism.follower_path import path_of
-from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.contour.cams import SCENES, curves, dwell, flank, move, outline, polyline, translating
 from tests.findings import known

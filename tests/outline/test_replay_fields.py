@@ -34,10 +34,9 @@ from camgeo.geometry.outline.replay import (
     replay_spline,
 )
 from camgeo.geometry.outline.roller import ActualLift, Chain, PlayedLift
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.mechanism.follower_path import path_of
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import TranslatingRoller
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.units import TURN
 from tests.contour.cams import SCENES, dwell, flank, move, outline, translating

@@ -16,9 +16,8 @@ from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.outline.path import whole
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
+from camgeo.kinematics.mechanism.rollers import TranslatingRoller
 from camgeo.kinematics.plan import MotionPlan
 from camgeo.part.assembly import build_part
 from camgeo.part.boundaries import ExactBoundary

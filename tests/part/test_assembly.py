@@ -17,10 +17,8 @@ from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError, SceneError
 from camgeo.geometry.contour.contour import Contour, winding_number
 from camgeo.geometry.outline.path import Path, whole
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.conjugate import return_on_carriage
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
+from camgeo.kinematics.mechanism.rollers import TranslatingRoller, return_on_carriage
 from camgeo.part.assembly import (
     bevelled,
     bore_outline,

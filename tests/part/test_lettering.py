@@ -25,8 +25,8 @@ from camgeo.geometry.contour.contour import Contour, Pieces, distances, winding_
 from camgeo.geometry.contour.spline import CubicSpline, SplineContour, area, at, elevated
 from camgeo.geometry.outline.path import total
 from camgeo.numeric.arrays import ComplexArray
+from camgeo.part.boundaries import Letter, LetterBoundary, lettered
 from camgeo.part.glyphs import CAPITAL, FILE, glyph, kerning, require_glyphs
-from camgeo.part.lettering import Letter, LetterBoundary, lettered
 from camgeo.part.mass import solid, thinnest_of_each
 from camgeo.part.part import Part
 from camgeo.part.spec import SENSES, Engraving, Holes, Hub, Mark, PartSpec, engravings_of, text_of

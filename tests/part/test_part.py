@@ -20,8 +20,7 @@ from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.geometry.contour.contour import Contour, Fit, winding_number
 from camgeo.geometry.outline.path import Path, Pivot, SecondMoments, area, radii, whole
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.numeric.arrays import FloatArray
 from camgeo.part import boundaries
 from camgeo.part.assembly import bore_boundary, bore_outline, build_part

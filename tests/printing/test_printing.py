@@ -24,21 +24,23 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.parallel import parallel
 from camgeo.part.assembly import bore_outline, flattened, mark_outline
-from camgeo.part.boundaries import CurveBoundary, ExactBoundary
+from camgeo.part.boundaries import CurveBoundary, ExactBoundary, LetterBoundary
 from camgeo.part.compensation import (
+    Foot,
+    PrintSpec,
     ScaledBoundary,
+    Shrinkage,
     compensated,
     drawn_in,
+    print_of,
     scaled,
     scaled_contour,
     scaled_splines,
     with_clearance,
 )
-from camgeo.part.lettering import LetterBoundary
 from camgeo.part.mass import solid
 from camgeo.part.nozzle import RADIUS, STROKE, WALL, findings_of, sunk
 from camgeo.part.part import Boundary, Layer, Part
-from camgeo.part.printing import Foot, PrintSpec, Shrinkage, print_of
 from camgeo.part.spec import (
     Chamfer,
     Chamfers,

@@ -13,8 +13,7 @@ from camgeo.check.disc import disc_findings
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.registry import ONE_DISC
 from camgeo.errors import SceneError
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.scene.scene import parse_scene
 from camgeo.units import TURN
 from tests.effects.scenes import only_for

@@ -9,9 +9,8 @@ from typing import Any
 
 import pytest
 
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.slider_crank import SliderCrank
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.linkages import SliderCrank
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.kinematics.plan import Dwell
 from camgeo.milling.milling import GcodeSpec, Heights, Holding, MillingSpec, Stock, Tool
 from camgeo.part.spec import Chamfer, Chamfers, Engraving, Hub, Keyway, Mark, PartSpec

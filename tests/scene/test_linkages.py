@@ -13,10 +13,8 @@ from camgeo.app.cli.main import main
 from camgeo.check.disc import TRIM
 from camgeo.design.design import Design
 from camgeo.errors import GeometryError, SceneError
-from camgeo.kinematics.mechanism.four_bar import FourBar
-from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
-from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.mechanism.flat import OscillatingFlat, TranslatingFlat
+from camgeo.kinematics.mechanism.linkages import FourBar, SliderDrivenCrank
 from camgeo.scene.formats.format import find_format
 from camgeo.scene.scene import parse_scene
 from camgeo.scene.toml import template

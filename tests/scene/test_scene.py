@@ -26,7 +26,7 @@ from hypothesis import strategies as st
 import camgeo
 from camgeo import record
 from camgeo.errors import SceneError, VersionError
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller
 from camgeo.scene import rules
 from camgeo.scene.keys import spelled
 from camgeo.scene.scene import Scene, load_scene, parse_scene

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from camgeo.errors import SceneError
-from camgeo.part.printing import Foot, PrintSpec, Shrinkage
+from camgeo.part.compensation import Foot, PrintSpec, Shrinkage
 from camgeo.scene.formats.drawing import DrawingSpec
 from camgeo.scene.scene import Scene, load_scene, parse_scene, schema_of_all
 from camgeo.studies.optimise.optimise import Effort, optimise, task_of

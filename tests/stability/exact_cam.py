@@ -15,13 +15,9 @@ from typing import Any, Final
 from mpmath import mp
 
 from camgeo.errors import GeometryError
-from camgeo.kinematics.mechanism.four_bar import FourBar
-from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.slider_crank import SliderCrank
-from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
-from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.flat import OscillatingFlat, TranslatingFlat
+from camgeo.kinematics.mechanism.linkages import FourBar, SliderCrank, SliderDrivenCrank
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from tests.motion.exact_laws import exact_lift
 from tests.stability.series import Number, Series, direction, logarithm, root, variable
 

@@ -17,8 +17,7 @@ from typing import Any, Final
 from mpmath import mp
 
 from camgeo.errors import GeometryError
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from tests.stability.cams import CamSpec
 from tests.stability.exact_cam import AnyFollower, CamJet
 from tests.stability.series import (

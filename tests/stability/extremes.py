@@ -12,8 +12,7 @@ import numpy as np
 from camgeo.check.disc import transmission_angle_extremes
 from camgeo.geometry.outline.outline import undercut_ranges
 from camgeo.geometry.pieces import Extremes, curvature_extremes
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.numeric.arrays import FloatArray
 from tests.stability import cams
 from tests.stability.cams import CamSpec

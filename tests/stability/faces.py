@@ -7,9 +7,7 @@ from typing import Final
 
 from mpmath import mp
 
-from camgeo.kinematics.mechanism.face import flat_follower
-from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
+from camgeo.kinematics.mechanism.flat import OscillatingFlat, TranslatingFlat, flat_follower
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.stability.cams import EVEN, LIFTS, MIDDLE, SHARES, STEEP, WIDE, CamSpec, of_moves
 from tests.stability.exact_cam import face_jet

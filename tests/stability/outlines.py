@@ -14,9 +14,8 @@ from camgeo.geometry.outline.outline import find_crossings, real_outline
 from camgeo.geometry.outline.path import area
 from camgeo.geometry.outline.replay import Replay, replay_outline
 from camgeo.geometry.pieces import curvature_extremes
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.geometry.pitch_curve import WorkingCurve
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.stability.cams import STEEP, CamSpec
 from tests.stability.exact_outline import ExactOutline

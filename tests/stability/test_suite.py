@@ -19,9 +19,8 @@ from camgeo.app.cli.main import COMMANDS
 from camgeo.app.cli.main import main as camgeo
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import make_law
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.linkages import SliderDrivenCrank
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.long_form import examples
 from tests.mechanism.flat_faces import oscillating_flats, translating_flats

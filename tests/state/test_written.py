@@ -28,7 +28,7 @@ from camgeo.dynamics.state.written import Contours, Written
 from camgeo.errors import SceneError
 from camgeo.geometry.contour.contour import Contour, Form
 from camgeo.geometry.outline.roller import PlayedLift
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.kinematics.mechanism.follower_path import path_of
 from camgeo.numeric.arrays import SIDES, ComplexArray, FloatArray
 from camgeo.part.part import written_contour

@@ -18,14 +18,14 @@ import camgeo
 from camgeo.design.design import Design
 from camgeo.errors import GeometryError, SceneError
 from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.geometry.together import alike, several
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.kinematics.mechanism.follower import RelativeJet
-from camgeo.kinematics.mechanism.several import alike, several
 from camgeo.kinematics.plan import MotionPlan
 from camgeo.lazy import Ledger
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.scene import Scene, load_scene
-from camgeo.scene.varied import Value
+from camgeo.scene.values import Value
 from camgeo.studies.sweep.family import Family, Point
 from camgeo.studies.sweep.rows import (
     TOGETHER,

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.linkages import SliderCrank
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.studies.tolerancing.linear import replayed
 from camgeo.studies.tolerancing.sensitivity import Deviations, Freedom, Sensitivities

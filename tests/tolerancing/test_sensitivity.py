@@ -10,8 +10,7 @@ import pytest
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.outline.replay import replay_contour
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.studies.tolerancing import linear

@@ -8,9 +8,8 @@ from typing import Any
 
 from camgeo.cam.cam import Contact
 from camgeo.geometry.outline.path import whole
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
+from camgeo.kinematics.mechanism.rollers import TranslatingRoller
 from camgeo.kinematics.plan import MotionPlan
 from camgeo.milling.cut import Cut
 from camgeo.milling.milling import Heights, Holding, MillingSpec, OperationSpec, Stock, Tool

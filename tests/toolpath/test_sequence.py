@@ -16,9 +16,8 @@ from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.geometry.contour.contour import Contour, distances
 from camgeo.geometry.outline.path import whole
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
+from camgeo.kinematics.mechanism.rollers import TranslatingRoller
 from camgeo.kinematics.plan import MotionPlan
 from camgeo.milling.bench import largest_diameter, tightest
 from camgeo.milling.cut import AreaCut, ContourCut, Cut, PointCut, slack_of

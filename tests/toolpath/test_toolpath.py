@@ -16,8 +16,8 @@ from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, Effort
 from camgeo.geometry.outline.path import Path, whole
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.geometry.pitch_curve import WorkingCurve
+from camgeo.kinematics.mechanism.rollers import TranslatingRoller
 from camgeo.milling import plan
 from camgeo.milling.cut import ContourCut, Cut, PointCut
 from camgeo.milling.machine import load

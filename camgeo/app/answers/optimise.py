@@ -31,7 +31,7 @@ from camgeo.app.cli.command import (
 from camgeo.app.cli.streams import notify
 from camgeo.pictures.model import Figure
 from camgeo.scene.scene import Scene, load_scene
-from camgeo.scene.varied import Value
+from camgeo.scene.values import Value
 from camgeo.studies.optimise.optimise import Found, Trial, optimise, task_of
 from camgeo.studies.sweep.family import Range, Variable, names_in
 from camgeo.units import counted, shortened, unit_in

@@ -28,7 +28,7 @@ from camgeo.app.cli.command import (
 )
 from camgeo.app.cli.streams import notify
 from camgeo.scene.scene import Scene, load_scene
-from camgeo.scene.varied import Value
+from camgeo.scene.values import Value
 from camgeo.studies.sweep.family import Family, Sample, family_of, names_in, questions_of
 from camgeo.studies.sweep.rows import Row, engine_of
 from camgeo.studies.sweep.sweep import Result, sweep

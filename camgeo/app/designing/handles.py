@@ -32,16 +32,11 @@ from camgeo.app.designing.segments import (
 from camgeo.cam.cam import Yoke
 from camgeo.design.design import Design
 from camgeo.errors import Fault, GeometryError, SceneError, UnknownNameError
-from camgeo.kinematics.mechanism.conjugate import Mount
+from camgeo.kinematics.mechanism.flat import OscillatingFlat, TranslatingFlat
 from camgeo.kinematics.mechanism.follower import Follower
-from camgeo.kinematics.mechanism.four_bar import FourBar
 from camgeo.kinematics.mechanism.linkage import Linkage
-from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.slider_crank import SliderCrank
-from camgeo.kinematics.mechanism.slider_driven_crank import SliderDrivenCrank
-from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.linkages import FourBar, SliderCrank, SliderDrivenCrank
+from camgeo.kinematics.mechanism.rollers import Mount, OscillatingRoller, TranslatingRoller
 from camgeo.kinematics.plan import EXACT
 from camgeo.numeric.arrays import phase
 from camgeo.pictures.motion import PLAN

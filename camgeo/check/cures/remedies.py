@@ -32,10 +32,9 @@ from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.together import LinkedMotions, Repeated
 from camgeo.kinematics.laws import FAMILIES, law_of
 from camgeo.kinematics.laws.law import Law, acceleration_jumps, characteristic
-from camgeo.kinematics.mechanism.face import flat_follower
+from camgeo.kinematics.mechanism.flat import flat_follower
 from camgeo.kinematics.mechanism.linkage import LinkedMotion
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.kinematics.motion import FULL_ORDER, Jet, Motion
 from camgeo.kinematics.plan import EXACT, Dwell, MotionPlan, Move, Segment
 from camgeo.numeric.arrays import FloatArray, Side

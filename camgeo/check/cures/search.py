@@ -15,12 +15,10 @@ from camgeo.check.disc import transmission_angle_extremes
 from camgeo.check.finding import CONVEXITY, UNDERCUT
 from camgeo.check.machine import check_follower
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.convex import SMALLEST, convexity, touch
 from camgeo.geometry.outline.outline import CUSP, find_crossings
-from camgeo.geometry.pieces import Extremes, curvature_extremes
+from camgeo.geometry.pieces import SMALLEST, Extremes, convexity, curvature_extremes, touch
 from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.together import one_curve
-from camgeo.kinematics.mechanism.several import alike
+from camgeo.geometry.together import alike, one_curve
 from camgeo.kinematics.plan import SNAP, Dwell, MotionPlan
 from camgeo.lazy import Ledger
 from camgeo.numeric.arrays import SIDES, FloatArray, Side

@@ -6,7 +6,7 @@ line pivot -> cam axis. So a place is -i r_G on a guide and P = l_1 exp(-i chi_0
 rocker, r_G = f + y.
 
 With theta the angle by which the rocker has turned, tau = 1 - sigma m theta' and w = 1/tau (see
-`camgeo.kinematics.mechanism.face`), all conditions are linear in the place:
+`camgeo.kinematics.mechanism.flat`), all conditions are linear in the place:
 
 - distance of the face from the axis: h = f + x sin theta + y cos theta > 0;
 - its lever about the pivot: q = w (x cos theta - y sin theta) >= tan mu |f|, and above 0;
@@ -33,19 +33,19 @@ from camgeo.check.disc import check_convexity, transmission_angle_extremes
 from camgeo.check.sizing.smallest import CLOSE, MOST, Active, Rating, Sizing, require_angle
 from camgeo.check.sizing.task import Placing, Rocking
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.convex import (
+from camgeo.geometry.pieces import (
     SMALLEST,
+    Extremes,
     contact_extremes,
     convexity,
+    extremes,
     smallest_radius,
     smallest_turn,
     touch,
 )
-from camgeo.geometry.pieces import Extremes, extremes
 from camgeo.geometry.pitch_curve import PitchCurve
+from camgeo.kinematics.mechanism.flat import OscillatingFlat, TranslatingFlat
 from camgeo.kinematics.mechanism.follower import Follower
-from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
 from camgeo.kinematics.motion import lift_range
 from camgeo.numeric.arrays import SIDES, FloatArray, Side
 from camgeo.numeric.extremes import Extreme

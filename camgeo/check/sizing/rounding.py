@@ -22,7 +22,7 @@ from camgeo.check.sizing.face import FaceTask
 from camgeo.check.sizing.smallest import Conditions, Sizing, extreme_angles, rate, size
 from camgeo.check.sizing.task import Task, covered, no_pairs, task_of
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.convex import contact_extremes, convexity
+from camgeo.geometry.pieces import contact_extremes, convexity
 from camgeo.lazy import Ledger
 
 DECIMALS: Final = 4

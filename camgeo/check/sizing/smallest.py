@@ -13,9 +13,8 @@ import numpy as np
 from camgeo.check.disc import transmission_angle_extremes
 from camgeo.check.sizing.task import Covers, Task, Terms, covered, no_pairs
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.clearance import nearest_to_axis
 from camgeo.geometry.outline.outline import CUSP
-from camgeo.geometry.pieces import curvature_extremes, extremes, smooth_pieces
+from camgeo.geometry.pieces import curvature_extremes, extremes, nearest_to_axis, smooth_pieces
 from camgeo.kinematics.motion import lift_range
 from camgeo.numeric.arrays import (
     SIDES,

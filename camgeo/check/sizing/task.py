@@ -32,8 +32,7 @@ from camgeo.geometry.outline.outline import find_crossings
 from camgeo.geometry.pieces import Extremes, extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.mechanism.follower import Follower
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.kinematics.motion import Jet, Motion
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, Side, joined, taken
 from camgeo.units import TURN
@@ -378,7 +377,7 @@ def task_of(cam: Cam) -> Task:
 
 TOUCHING = 3e-9
 """A point covered by less than this fraction of |d| counts as touched: somewhat more than in
-`camgeo.geometry.outline.clearance`."""
+`camgeo.geometry.pieces`."""
 
 AROUND, ACROSS = 720, 17
 """Cam angles over the turn, and between two crossings, at which covering is sought."""

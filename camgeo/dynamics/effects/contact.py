@@ -4,7 +4,7 @@ The normal force N is positive where the inner flank of the disc carries. Where 
 outer flank of a groove carries, or the inner flank of the return disc of a conjugate pair, or the
 disc at the second side of a yoke. These two sides are numbered by this sign, +1 and -1.
 
-A flat face slides on the cam. In the notation of `camgeo.kinematics.mechanism.face`, the cam turns
+A flat face slides on the cam. In the notation of `camgeo.kinematics.mechanism.flat`, the cam turns
 at sigma and the follower at Omega = nu', the rate of its own direction, both counter-clockwise
 positive and per unit of cam speed. In the direction of n, the contact is at the distance h from the
 cam axis, and f from the pivot of a rocker. Along the face, in the direction t = Z'/|Z'| in which

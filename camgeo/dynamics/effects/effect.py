@@ -24,7 +24,7 @@ if TYPE_CHECKING:  # each effect imports the modules that it computes with
     from camgeo.cam.cam import Cam, Drive
     from camgeo.dynamics.state.state import Model, Train, Used
     from camgeo.dynamics.state.written import Contours, HasPart, State, Writing
-    from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+    from camgeo.kinematics.mechanism.linkages import SliderCrank
     from camgeo.kinematics.time_course import TimeCourse
     from camgeo.part.spec import PartSpec
     from camgeo.units import LengthUnit, LiftUnit
@@ -136,7 +136,7 @@ class Subject:
 
 def driving_slider(subject: Subject) -> SliderCrank | None:
     """The linkage if its slider makes the demanded motion, else None."""
-    from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+    from camgeo.kinematics.mechanism.linkages import SliderCrank
 
     linkage = subject.drive.linkage
     return linkage if isinstance(linkage, SliderCrank) else None

@@ -26,7 +26,7 @@ from camgeo.dynamics.effects.tables import FrictionCoefficients
 from camgeo.dynamics.effects.wording import at, between
 from camgeo.errors import EffectError, GeometryError
 from camgeo.kinematics.mechanism.linkage import locked_at
-from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.linkages import SliderCrank
 from camgeo.kinematics.motion import Motion
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, merged, read_only
 from camgeo.numeric.extremes import grid_of, piecewise_lowest, roots_on_grid, stretch_below

@@ -30,7 +30,7 @@ from camgeo.dynamics.effects.wording import (
     extreme_findings,
 )
 from camgeo.kinematics.mechanism.linkage import FarEnd, Linkage
-from camgeo.kinematics.mechanism.triangle import turning
+from camgeo.kinematics.mechanism.linkages import turning
 from camgeo.kinematics.motion import Jet, Motion
 from camgeo.kinematics.time_course import TimeCourse
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side

@@ -25,7 +25,7 @@ from camgeo.dynamics.effects.tables import SpringData
 from camgeo.dynamics.effects.wording import at, between, degrees, placed
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.linkage import locked_at
-from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+from camgeo.kinematics.mechanism.linkages import SliderCrank
 from camgeo.kinematics.motion import Motion
 from camgeo.numeric.arrays import SHARE, ComplexArray, FloatArray, Side
 from camgeo.numeric.extremes import (

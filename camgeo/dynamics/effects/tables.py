@@ -18,7 +18,8 @@ from camgeo.dynamics.effects.results import HelicalSpring
 from camgeo.errors import GeometryError
 from camgeo.kinematics.plan import in_turn
 from camgeo.kinematics.tables import ANGLE, check_ascending, read_two_columns, turn_of
-from camgeo.numeric.arrays import FloatArray, Side, freeze_fields, frozen
+from camgeo.numeric.arrays import FloatArray, Side, frozen
+from camgeo.numeric.checked import CheckedFields, Floats
 from camgeo.numeric.columns import NumberColumn
 from camgeo.part.materials import USUAL, Material, density_of, find_material
 from camgeo.units import RPM
@@ -388,7 +389,7 @@ MOTOR_LINE: Final = ("stall_torque", "no_load_speed")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Motor:
+class Motor(CheckedFields):
     """Torque on the camshaft over its speed.
 
     It is linear between rows, and the first and last lines are extrapolated.
@@ -399,11 +400,8 @@ class Motor:
     torques : (k,) [N mm], descending.
     """
 
-    speeds: FloatArray
-    torques: FloatArray
-
-    def __post_init__(self) -> None:
-        freeze_fields(self, speeds=np.float64, torques=np.float64)
+    speeds: Floats
+    torques: Floats
 
     def torque(self, omega: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Torque [N mm] and its derivative [N mm s] at the speeds `omega` (...) [rad/s]."""

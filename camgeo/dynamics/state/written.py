@@ -21,16 +21,10 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, Effort, Form
 from camgeo.geometry.contour.spline import SplineContour
 from camgeo.geometry.outline.path import Flank
-from camgeo.geometry.outline.replay import (
-    DiscLift,
-    Replay,
-    extreme_play,
-    replay_contour,
-    replay_spline,
-)
-from camgeo.geometry.outline.roller import AS_DEMANDED
+from camgeo.geometry.outline.replay import Replay, extreme_play, replay_contour, replay_spline
+from camgeo.geometry.outline.roller import AS_DEMANDED, DiscLift
 from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.kinematics.mechanism.face import FlatFollower, flat_follower
+from camgeo.kinematics.mechanism.flat import FlatFollower, flat_follower
 from camgeo.kinematics.mechanism.follower import RelativeJet
 from camgeo.kinematics.mechanism.linkage import Linkage
 from camgeo.kinematics.motion import FULL_ORDER, Dwell, Jet, Motion
@@ -663,7 +657,7 @@ class FaceCurve(PitchCurve):
     """The path of the contact of a flat face that is pressed against a contour.
 
     On a vertex the contact stands still, and the path has no tangent of its own there, but the
-    contact has one: the face. So the pace p (`camgeo.kinematics.mechanism.face`) is not below that
+    contact has one: the face. So the pace p (`camgeo.kinematics.mechanism.flat`) is not below that
     on an arc of the radius `POINT` r_b.
     """
 

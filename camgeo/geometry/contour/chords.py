@@ -36,7 +36,7 @@ from camgeo.geometry.contour.proof import (
 from camgeo.geometry.contour.spline import highest
 from camgeo.geometry.outline.path import Path
 from camgeo.geometry.pieces import Piece
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 
 SLOPE = 0.06

@@ -21,10 +21,10 @@ from camgeo.numeric.arrays import (
     ComplexArray,
     FloatArray,
     IntArray,
-    freeze_fields,
     grouped,
     taken,
 )
+from camgeo.numeric.checked import CheckedFields, Complexes, Floats
 from camgeo.units import TURN
 
 EPS: Final = float(np.finfo(np.float64).eps)
@@ -58,17 +58,14 @@ def lengths_of(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PieceChain:
+class PieceChain(CheckedFields):
     """Lines and circular arcs in the plane, each beginning where the one before it ends: closed as
     a `Contour`, open as a `camgeo.milling.track.Track`.
     """
 
-    vertices: ComplexArray
-    sweeps: FloatArray
-    centres: ComplexArray
-
-    def __post_init__(self) -> None:
-        freeze_fields(self, vertices=complex, sweeps=float, centres=complex)
+    vertices: Complexes
+    sweeps: Floats
+    centres: Complexes
 
     def __len__(self) -> int:
         return len(self.sweeps)
@@ -297,7 +294,7 @@ class Run(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Pieces:
+class Pieces(CheckedFields):
     """Lines and arcs; each begins anywhere.
 
     Attributes
@@ -307,13 +304,10 @@ class Pieces:
     centres : (n,) complex [mm], centre of each arc; 0 where the piece is a line.
     """
 
-    starts: ComplexArray
-    ends: ComplexArray
-    sweeps: FloatArray
-    centres: ComplexArray
-
-    def __post_init__(self) -> None:
-        freeze_fields(self, starts=complex, ends=complex, sweeps=float, centres=complex)
+    starts: Complexes
+    ends: Complexes
+    sweeps: Floats
+    centres: Complexes
 
     def __len__(self) -> int:
         return len(self.starts)
@@ -327,12 +321,8 @@ class Pieces:
     def around(cls, contours: Iterable[Contour]) -> Pieces:
         """Those of closed contours, in parts of at most half a turn."""
         each = [contour.split(HALF_TURN) for contour in contours]
-        columns = (
-            [contour.vertices for contour in each],
-            [contour.ends for contour in each],
-            [contour.sweeps for contour in each],
-            [contour.centres for contour in each],
-        )
+        names = ("vertices", "ends", "sweeps", "centres")
+        columns = ([getattr(contour, name) for contour in each] for name in names)
         return Pieces(*(np.concatenate([np.empty(0), *column]) for column in columns))
 
     @property

@@ -31,7 +31,7 @@ from camgeo.geometry.contour.proof import SHARPNESS, by_curve, proved, proved_bo
 from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour, SplineFit
 from camgeo.geometry.outline.path import Path
 from camgeo.geometry.pieces import Piece
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.kinematics.mechanism.follower import bend_of_path
 from camgeo.kinematics.motion import FULL_ORDER
 from camgeo.numeric.arrays import (
@@ -515,29 +515,14 @@ def fewest(course: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[
     ToleranceError
         If more than `MAX_CUBICS` would be needed, or no number comes closer.
     """
-    needed = limits(course, aim)
-    places = [bisect.bisect_left(LADDER, LEAST * limit - LESS) for limit in needed]
-    marks = [UNTRIED] * len(places)
-    found: dict[int, Found] = {}
-    while len(found) < len(places):
-        open_pieces = [k for k in range(len(places)) if k not in found]
-        tried = [(k, LADDER[i]) for k in open_pieces for i in _next(places[k], tolerance)]
-        trial = _equalised(course, ends, tried, DAMPING)
-        for number, (k, count) in enumerate(tried):
-            worst = float(trial.worst[number])
-            if k not in found and worst <= aim:
-                found[k] = trial.found(number)
-            if k not in found:
-                marks[k] = still_closer(marks[k], count, worst, tolerance)
-        for k in open_pieces:
-            places[k] += CANDIDATES
-    return [found[k] for k in range(len(places))]
+    starts = (bisect.bisect_left(LADDER, LEAST * limit - LESS) for limit in limits(course, aim))
+    counts = [LADDER[start : start + CANDIDATES] for start in starts]
 
+    def next_counts(count: int, _excess: float) -> Sequence[int]:
+        start = bisect.bisect_right(LADDER, count)
+        return LADDER[start : start + CANDIDATES]
 
-def _next(place: int, tolerance: float) -> range:
-    if place >= len(LADDER):
-        raise too_many(MAX_CUBICS, "cubics", tolerance)
-    return range(place, min(place + CANDIDATES, len(LADDER)))
+    return _search(course, ends, counts, next_counts, DAMPING, aim, tolerance)
 
 
 def fast(course: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[Found]:
@@ -549,26 +534,52 @@ def fast(course: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[Fo
     ToleranceError
         If more than `MAX_CUBICS` would be needed, or no number comes closer.
     """
-    needed = limits(course, aim)
     counts = [
-        sorted({math.ceil(factor * limit) + more for factor, more in SPARE}) for limit in needed
+        _possible(sorted({math.ceil(factor * limit) + more for factor, more in SPARE}))
+        for limit in limits(course, aim)
     ]
-    found: dict[int, Found] = {}
+
+    def next_counts(count: int, excess: float) -> Sequence[int]:
+        return _possible([max(count + 1, math.ceil(count * min(2.0, 1.02 * excess**0.25)))])
+
+    return _search(course, ends, counts, next_counts, DAMPING[:FAST_ROUNDS], aim, tolerance)
+
+
+def _possible(counts: list[int]) -> list[int]:
+    return counts if counts[-1] <= MAX_CUBICS else []
+
+
+def _search(
+    course: ArcLength,
+    ends: Ends,
+    counts: Sequence[Sequence[int]],
+    next_counts: Callable[[int, float], Sequence[int]],
+    damping: tuple[float, ...],
+    aim: float,
+    tolerance: float,
+) -> list[Found]:
+    """A spline for each piece, of the first of its `counts` of cubics whose distance is at most
+    `aim` [mm]; if there is none, of those that `next_counts` gives, by the last number and its
+    distance over the aim.
+    """
+    open_counts = dict(enumerate(counts))
     marks = [UNTRIED] * len(counts)
-    while len(found) < len(counts):
-        tried = [(k, count) for k in range(len(counts)) if k not in found for count in counts[k]]
-        if max(count for _, count in tried) > MAX_CUBICS:
+    found: dict[int, Found] = {}
+    while open_counts:
+        if not all(open_counts.values()):
             raise too_many(MAX_CUBICS, "cubics", tolerance)
-        trial = _equalised(course, ends, tried, DAMPING[:FAST_ROUNDS])
+        tried = [(k, count) for k, each in open_counts.items() for count in each]
+        trial = _equalised(course, ends, tried, damping)
         for number, (k, count) in enumerate(tried):
             worst = float(trial.worst[number])
-            excess = worst / aim
-            if k not in found and excess <= 1.0:
+            if k in found:
+                continue
+            if worst <= aim:
                 found[k] = trial.found(number)
-            if k not in found:
+                del open_counts[k]
+            else:
                 marks[k] = still_closer(marks[k], count, worst, tolerance)
-            more = math.ceil(count * min(2.0, 1.02 * excess**0.25))
-            counts[k] = [max(count + 1, more)]
+                open_counts[k] = next_counts(count, worst / aim)
     return [found[k] for k in range(len(counts))]
 
 

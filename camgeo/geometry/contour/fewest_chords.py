@@ -18,7 +18,7 @@ from camgeo.geometry.contour.legs import Chain, StretchLeg, TurnLeg, check_regul
 from camgeo.geometry.contour.proof import SHARPNESS, PieceOfLeg, proved_fit
 from camgeo.geometry.outline.path import Path
 from camgeo.geometry.pieces import Piece
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.kinematics.mechanism.follower import bend_of_path
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, ascending, grouped
 from camgeo.units import TURN

@@ -18,8 +18,7 @@ from camgeo.errors import GeometryError, ToleranceError, UndercutError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.outline.path import Path, Pivot, Stretch
 from camgeo.geometry.pieces import Piece, arc_pieces, centres_at
-from camgeo.geometry.pitch_curve import curvature_slope
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve, curvature_slope
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, Side, joined
 from camgeo.units import TURN
 

@@ -140,5 +140,6 @@ def steps_to(contour: Contour, distance: float, limit: float) -> int:
 
 
 def _gone(distance: float) -> GeometryError:
-    message = f"a contour {abs(distance):g} mm beside it has other pieces, or none"
-    return GeometryError(message, key="part")
+    return GeometryError(
+        f"a contour {abs(distance):g} mm beside it has other pieces, or none", key="part"
+    )

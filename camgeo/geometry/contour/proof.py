@@ -51,7 +51,7 @@ from camgeo.geometry.contour.legs import (
 )
 from camgeo.geometry.outline.path import Path
 from camgeo.geometry.pieces import Piece
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.numeric.arrays import (
     BoolArray,
     ComplexArray,

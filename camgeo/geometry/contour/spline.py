@@ -13,7 +13,8 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, is_straight
 from camgeo.geometry.outline.path import segment_areas
-from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, freeze_fields, grouped
+from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, grouped
+from camgeo.numeric.checked import CheckedFields, Complexes, Floats
 from camgeo.units import counted
 
 # -- bezier ---------------------------------------------------------------------------------------
@@ -159,7 +160,7 @@ DEGREE = CUBIC
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class CubicSpline:
+class CubicSpline(CheckedFields):
     """A cubic B-spline in the plane, clamped at both ends, not rational.
 
     Attributes
@@ -169,11 +170,8 @@ class CubicSpline:
     controls : (m,) complex [mm], m >= 4.
     """
 
-    knots: FloatArray
-    controls: ComplexArray
-
-    def __post_init__(self) -> None:
-        freeze_fields(self, knots=float, controls=complex)
+    knots: Floats
+    controls: Complexes
 
     @classmethod
     def of(cls, degree: int, knots: FloatArray, controls: ComplexArray) -> Self:

@@ -20,8 +20,7 @@ from numpy.typing import NDArray
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.path import Element, Pivot, Stretch
 from camgeo.geometry.pieces import centres_at
-from camgeo.geometry.pitch_curve import joints
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve, joints
 from camgeo.numeric.arrays import (
     BoolArray,
     ComplexArray,

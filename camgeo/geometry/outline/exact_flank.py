@@ -21,7 +21,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.path import Element, Flank, Path, Pivot, Stretch
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.kinematics.plan import SNAP
 from camgeo.numeric.arrays import (
     SIDES,

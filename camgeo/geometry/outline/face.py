@@ -15,14 +15,13 @@ distances are equal at the roots of a sine.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import singledispatch
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.convex import contact_extremes, touch
 from camgeo.geometry.outline.outline import (
     MOST_PAIRS,
     NONE,
@@ -31,20 +30,28 @@ from camgeo.geometry.outline.outline import (
     changes,
     covered,
     outermost,
-    piece_at,
     seen,
     together,
     too_rough,
 )
 from camgeo.geometry.outline.path import Path
-from camgeo.geometry.outline.roller import AS_DEMANDED
+from camgeo.geometry.outline.roller import AS_DEMANDED, DiscLift
+from camgeo.geometry.pieces import (
+    contact_extremes,
+    touch,
+)
 from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.kinematics.mechanism.face import Touch, flat_follower
+from camgeo.kinematics.mechanism.flat import OscillatingFlat, Touch, TranslatingFlat, flat_follower
 from camgeo.kinematics.mechanism.follower import Follower
-from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
-from camgeo.kinematics.motion import Motion
-from camgeo.numeric.arrays import SIDES, ComplexArray, FloatArray, IntArray, Side, ascending, phase
+from camgeo.numeric.arrays import (
+    SIDES,
+    BoolArray,
+    ComplexArray,
+    FloatArray,
+    IntArray,
+    ascending,
+    phase,
+)
 from camgeo.units import TURN
 
 if TYPE_CHECKING:
@@ -213,95 +220,39 @@ STEADY = 1e-9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class FaceLift:
-    """The actual lift of a flat face that is pressed against a disc, over the cam angle.
+class FaceLift(DiscLift):
+    """The actual lift of a flat face; its numbers are those of circles.
 
     Attributes
     ----------
-    path : of the face.
-    pitch : the demanded contact curve, of the demanded motion.
     circles : what may be touched.
-    borders : (k,) cam angles [rad] in [0, 2 pi), ascending, at which what is touched changes.
-    numbers : (k,) the circle from each border to the next, or AS_DEMANDED.
     widths : (n,) range of normals [rad] over which each of `circles` is touched.
     """
 
     path: FacePath
-    pitch: PitchCurve
     circles: Circles
-    borders: FloatArray
-    numbers: IntArray
     widths: FloatArray
 
-    @property
-    def motion(self) -> Motion:
-        """The demanded lift."""
-        return self.pitch.motion
-
-    @property
-    def outward(self) -> int:
-        """See `camgeo.geometry.outline.roller.ActualLift`."""
-        return self.path.outward
-
-    @property
-    def breaks(self) -> FloatArray:
-        """(m,) cam angles [rad] where a derivative of the demanded lift may jump."""
-        return self.motion.breaks
-
-    @property
-    def knots(self) -> FloatArray:
-        """See `camgeo.geometry.outline.roller.ActualLift`."""
-        return self.motion.borders
-
-    @property
-    def as_demanded(self) -> bool:
-        """See `camgeo.geometry.outline.roller.ActualLift`."""
-        return True
-
-    def number(self, phi: FloatArray, side: Side = "right") -> IntArray:
-        """(n,) the circle at `phi` (n,) [rad]."""
-        return piece_at(self.borders, self.numbers, phi, side)
-
     def held_by(self, numbers: IntArray) -> tuple[IntArray, FloatArray]:
-        """See `camgeo.geometry.outline.roller.ActualLift`."""
+        """See `DiscLift`."""
         bent = self.circles.radii[numbers] > 0.0
         return self.circles.elements[numbers], np.where(bent, TURN, self.widths[numbers])
 
-    def without_corners(self, corner: float) -> FaceLift:
-        """The same lift where the face does not rock about corners of up to `corner` [rad], see
-        `ActualLift.without_corners`.
+    def kept(self, turns: FloatArray, corner: float) -> BoolArray:
+        """See `DiscLift`.
 
         Nothing but corners may lie between two corners; of such a row only what turns by no more
         than `corner` together is left out.
         """
-        _, turns = self.held_by(self.numbers)
         small = turns <= corner
         turned = np.cumsum(np.where(small, turns, 0.0))
         in_row = turned - np.maximum.accumulate(np.where(small, 0.0, turned))
-        kept = ~small | (in_row > corner)
-        return replace(self, borders=self.borders[kept], numbers=self.numbers[kept])
+        return ~small | (in_row > corner)
 
-    def at(self, phi: FloatArray, side: Side = "right") -> FloatArray:
-        """(n,) lift [mm or rad] at `phi` (n,) [rad]."""
-        return np.asarray(self._rows(phi, side, 0)[0])
-
-    def jet(self, phi: FloatArray, side: Side = "right", order: Literal[2, 3] = 2) -> FloatArray:
-        """(order + 1, n) lift with derivatives [mm or rad per rad^k] at `phi` (n,) [rad]."""
-        return self._rows(phi, side, order)
-
-    def _rows(self, phi: FloatArray, side: Side, order: Literal[0, 2, 3]) -> FloatArray:
-        number = self.number(phi, side)
-        held = number != AS_DEMANDED
-        out = np.empty((order + 1, len(phi)))
-        if not np.all(held):
-            made = self.motion.jet(phi[~held], side, max(order, 1))
-            out[:, ~held] = made[: order + 1]
-        if np.any(held):
-            which = number[held]
-            circles = self.circles
-            jet = self.path.jet(phi[held], circles.centres[which], circles.radii[which])
-            out[:, held] = jet[: order + 1]
-        return out
+    def held(self, phi: FloatArray, numbers: IntArray, order: Literal[0, 2, 3]) -> FloatArray:
+        """See `DiscLift`."""
+        circles = self.circles
+        return self.path.jet(phi, circles.centres[numbers], circles.radii[numbers])[: order + 1]
 
     def contacts(self) -> tuple[FloatArray, FloatArray]:
         """Places of the contact along the face (n,) [mm], all extremes among them, and their cam
@@ -325,15 +276,14 @@ class FaceLift:
         )
 
     def heading(self, phi: FloatArray, jet: FloatArray) -> ComplexArray:
-        """See `camgeo.geometry.outline.roller.ActualLift`: of the contact, if it did not wander."""
+        """See `DiscLift`: of the contact, if it did not wander."""
+        del phi  # the jet alone decides
         full = np.vstack((jet, np.zeros_like(jet[:1])))  # with a third derivative
         at = flat_follower(self.pitch.follower).touch(full, self.path.rotation)
-        way: ComplexArray = at.distance + 1j * at.contact[0]
-        del phi
-        return way
+        return np.asarray(at.distance + 1j * at.contact[0])
 
     def shift_of(self, joint: float, error: FloatArray) -> FloatArray:
-        """See `camgeo.geometry.outline.roller.ActualLift`.
+        """See `DiscLift`.
 
         The contact is off along the face by its error, in which that of the velocity counts, and
         runs along the outline with the pace p.
@@ -377,7 +327,7 @@ def face_on(contour: Contour, pitch: PitchCurve) -> FaceLift:
     numbers = hull.touched[order]
     widths = np.zeros(len(hull.circles.radii))
     np.add.at(widths, hull.touched, hull.widths)
-    return FaceLift(path, pitch, hull.circles, borders, numbers, widths)
+    return FaceLift(path, pitch, borders, numbers, hull.circles, widths)
 
 
 def _wrap(turned: FloatArray) -> int:
@@ -458,7 +408,7 @@ def face_between(
     borders, numbers = borders[order], numbers[order]
     if not len(corners):
         borders, numbers = np.zeros(1), np.full(1, AS_DEMANDED)
-    return FaceLift(path, pitch, circles, borders, numbers, np.full(len(corners), TURN))
+    return FaceLift(path, pitch, borders, numbers, circles, np.full(len(corners), TURN))
 
 
 def contact_places(curve: PitchCurve, outline: Path) -> tuple[FloatArray, FloatArray]:
@@ -482,8 +432,7 @@ def contact_places(curve: PitchCurve, outline: Path) -> tuple[FloatArray, FloatA
 #
 # - on a guide h = Re(conj(n) C exp(i sigma phi)) + R, n the direction of the guide;
 # - on a rocker, with V the circle's centre seen from the pivot, in the axis from the pivot to the
-# cam
-#   axis, and f the face's offset,
+#   cam axis, and f the face's offset,
 #
 #       chi = m arg V - asin((f - R) / |V|), q = sqrt(|V|^2 - (f - R)^2):
 #
@@ -504,8 +453,11 @@ def face_path_of(follower: Follower, rotation: int) -> FacePath:
     Raises GeometryError if none is registered for its class.
     """
     del rotation  # used by the registered ones
-    message = f'this needs a flat-faced follower, and this one is "{follower.kind}"'
-    raise GeometryError(message, key="follower.kind", value=follower.kind)
+    raise GeometryError(
+        f'this needs a flat-faced follower, and this one is "{follower.kind}"',
+        key="follower.kind",
+        value=follower.kind,
+    )
 
 
 @dataclass(frozen=True, slots=True)

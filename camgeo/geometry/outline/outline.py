@@ -20,12 +20,6 @@ from typing import Any, Final, Self
 import numpy as np
 
 from camgeo.errors import GeometryError, UndercutError
-from camgeo.geometry.outline.clearance import (
-    nearest_to_axis,
-    stays_on_one_side,
-    surely_clear_of_axis,
-)
-from camgeo.geometry.outline.convex import SMALLEST, Convexity, touch
 from camgeo.geometry.outline.envelope import Cells as FlankCells
 from camgeo.geometry.outline.envelope import (
     Envelope,
@@ -37,10 +31,22 @@ from camgeo.geometry.outline.envelope import (
     unresolved,
 )
 from camgeo.geometry.outline.path import Element, Path, Pivot, Stretch, whole
-from camgeo.geometry.pieces import Extremes, centres_at, curvature_extremes, halves, turn_cells
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.kinematics.mechanism.face import flat_follower
+from camgeo.geometry.pieces import (
+    SMALLEST,
+    Convexity,
+    Extremes,
+    centres_at,
+    convexity,
+    curvature_extremes,
+    halves,
+    nearest_to_axis,
+    stays_on_one_side,
+    surely_clear_of_axis,
+    touch,
+    turn_cells,
+)
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
+from camgeo.kinematics.mechanism.flat import flat_follower
 from camgeo.numeric.arrays import (
     BoolArray,
     ComplexArray,
@@ -165,10 +171,8 @@ def _unsettled(
 def _convex_outline(flank: WorkingCurve) -> Outline:
     """The whole contact curve of a flat face, or what remains of it where it undercuts.
 
-    `camgeo.geometry.outline.convex` shows why the whole one does not cross itself.
+    `camgeo.geometry.outline.face` shows why the whole one does not cross itself.
     """
-    from camgeo.geometry.outline.convex import convexity  # only few cams have a flat face
-
     found = convexity(flank.pitch)
     if found.is_convex:
         return Outline(whole(flank), (), ())

@@ -17,7 +17,7 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.kinematics.motion import turning_angles
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, grouped, merged, phase
 from camgeo.numeric.extremes import Extreme, Extremes, extremes_of, piecewise_extremes

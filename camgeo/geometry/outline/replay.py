@@ -8,27 +8,26 @@ that is the rocker's angle.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Final, Literal, Self
 
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.acceleration_joints import AccelerationJoints
-from camgeo.geometry.outline.face import FaceLift, face_between, face_on
+from camgeo.geometry.outline.face import face_between, face_on
 from camgeo.geometry.outline.path import Flank, Path, Stretch
 from camgeo.geometry.outline.roller import (
     AS_DEMANDED,
     CORNER,
-    ActualLift,
+    DiscLift,
     PlayedLift,
     lift_on,
     lift_on_splines,
     lift_over,
 )
 from camgeo.geometry.pieces import extremes
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.mechanism.follower_path import path_of
 from camgeo.kinematics.motion import Motion
 from camgeo.kinematics.plan import SNAP
@@ -40,8 +39,9 @@ from camgeo.numeric.arrays import (
     Quantity,
     Side,
     ascending,
-    freeze_fields,
+    frozen,
 )
+from camgeo.numeric.checked import CheckedFields, Floats, Integers, Truths
 from camgeo.numeric.extremes import (
     Extreme,
     Extremes,
@@ -54,6 +54,94 @@ from camgeo.units import TURN
 if TYPE_CHECKING:
     from camgeo.geometry.contour.contour import Contour
     from camgeo.geometry.contour.spline import SplineContour
+
+# -- acceleration joints ---------------------------------------------------------------------------
+# Joints at which the exact acceleration jumps, as they lie on a disc that was made.
+#
+# Such a joint lies on the disc within the disc's position error of its place. So close to it, an
+# acceleration, or what follows from it, between the values of its two sides is not off.
+
+
+SHIFT: Final = 4.0
+"""This multiple of the error of the lift at places around a joint certainly covers how far off the
+joint is: between two borders the error is that of one piece from one formula, of which four places
+see more than a quarter."""
+
+PLACES: Final = (np.arange(4) + 0.5) / 4.0
+"""Of each smooth piece at which the error is taken, as shares of it."""
+
+AROUND: Final = 0.02
+"""Range [rad] on both sides of a joint from which the error of the lift around it is taken."""
+
+SEAM: Final = 1e-9
+"""Least distance [rad] within which a joint is sought: rounding of cam angles."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AccelerationJoints:
+    """The joints of an exact motion.
+
+    Attributes
+    ----------
+    places, reaches : (k,) cam angles [rad] in [0, 2 pi), and how near to them the disc may place
+        the joints.
+    """
+
+    places: FloatArray
+    reaches: FloatArray
+
+    @classmethod
+    def between(
+        cls,
+        shift_of: Callable[[float, FloatArray], FloatArray],
+        made: Callable[[FloatArray], FloatArray],
+        exact: Motion,
+        edges: FloatArray,
+    ) -> Self:
+        """Those of `exact` on a disc; `shift_of` as of `camgeo.geometry.outline.roller.DiscLift`.
+
+        `made` gives the lift with two derivatives (3 or more, n), smooth between the `edges` (m,)
+        [rad] over a turn, as `exact` is.
+        """
+        left, right = (exact.jet(exact.breaks, side, 2)[2] for side in SIDES)
+        joints = exact.breaks[left != right]
+        phi = (edges[:-1, np.newaxis] + np.diff(edges)[:, np.newaxis] * PLACES).ravel()
+        errors = made(phi)[:3] - exact.jet(phi, "right", 2)[:3] if len(joints) else np.empty((3, 0))
+        shifts = []
+        for joint in joints.tolist():
+            shift = shift_of(joint, errors[:, _away(phi, joint) < AROUND])
+            shifts.append(float(np.max(shift, initial=0.0)))
+        return cls(frozen(joints, np.float64), frozen(SEAM + SHIFT * np.array(shifts), np.float64))
+
+    @property
+    def ends(self) -> FloatArray:
+        """(3 k,) cam angles [rad] in [0, 2 pi) of the joints and of the ends of what is near."""
+        apart = self.reaches * np.array([[-1.0], [0.0], [1.0]])
+        return np.asarray(np.remainder(self.places + apart, TURN).ravel())
+
+    def deviation(self, quantity: Quantity, exact: Quantity) -> Quantity:
+        """How far a quantity is off the exact one, which jumps at the joints."""
+        sides = np.sort([exact(self.places, side) for side in SIDES], axis=0)
+        joints = list(zip(self.places.tolist(), self.reaches.tolist(), *sides, strict=True))
+
+        def off(phi: FloatArray, side: Side) -> FloatArray:
+            values = quantity(phi, side)
+            found = values - exact(phi, side)
+            for joint, reach, low, high in joints:
+                near = _away(phi, joint) <= reach
+                found[near] = values[near] - np.clip(values[near], low, high)
+            return found
+
+        return off
+
+
+def _away(phi: FloatArray, joint: float) -> FloatArray:
+    """(n,) distance [rad] of `phi` (n,) from a joint, round the turn."""
+    return np.abs(np.remainder(phi - joint + 0.5 * TURN, TURN) - 0.5 * TURN)
+
+
+# -- replay ----------------------------------------------------------------------------------------
+
 
 STEP = math.radians(0.1)
 """Step of the cam angle between the samples, for pictures; the ends of all pieces are sampled as
@@ -90,9 +178,8 @@ def replay_contour(
         follower's reach; for a flat face on an outer flank.
     """
     press = Flank(flank).sign
-    lift: DiscLift
     if pitch.follower.has_pitch_curve:
-        lift = lift_on(pitch, contour, press)
+        lift: DiscLift = lift_on(pitch, contour, press)
     else:
         _require_inner(press)
         lift = face_on(contour, pitch)
@@ -288,10 +375,6 @@ POLISHED: Final = 1e-6
 """Range [rad] on both sides of a largest value in which the root of its slope is its place."""
 
 
-DiscLift = ActualLift | FaceLift
-"""The actual lift of a follower on a disc, over the cam angle."""
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Jumps:
     """Places at which the roller passes from one part of the disc to another with a jump.
@@ -323,7 +406,7 @@ class Jumps:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Replay:
+class Replay(CheckedFields):
     """The motion of the follower on a disc, next to the demanded one.
 
     Samples are for pictures. They lie on a regular grid and at both sides of every place where the
@@ -349,20 +432,15 @@ class Replay:
     lift: DiscLift
     press: int
     corner: float
-    phi: FloatArray
-    demanded: FloatArray
-    actual: FloatArray
-    element: IntArray
-    smooth: BoolArray
+    phi: Floats
+    demanded: Floats
+    actual: Floats
+    element: Integers
+    smooth: Truths
     shocks: Jumps
     drops: Jumps
     demanded_velocity: float
     demanded_acceleration: float
-
-    def __post_init__(self) -> None:
-        freeze_fields(
-            self, phi=float, demanded=float, actual=float, element=np.intp, smooth=np.bool_
-        )
 
     @property
     def lost(self) -> FloatArray:

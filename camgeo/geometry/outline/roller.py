@@ -13,9 +13,10 @@ the one at which the follower's path at phi meets the parallel.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal, Self
 
 import numpy as np
 
@@ -31,8 +32,7 @@ from camgeo.geometry.outline.outline import (
     seen,
     together,
 )
-from camgeo.geometry.pitch_curve import PitchCurve
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.mechanism.follower_path import Bows, FollowerPath, lift_jet, path_of
 from camgeo.kinematics.motion import Motion
 from camgeo.numeric.arrays import (
@@ -170,87 +170,88 @@ HALF_ARC = 0.52
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ActualLift:
-    """The actual lift of a roller that is pressed against a disc, over the cam angle.
-
-    A `camgeo.geometry.outline.face.FaceLift` answers the same questions of a flat face.
+class DiscLift(ABC):
+    """The actual lift of a follower that is pressed against a disc, over the cam angle.
 
     Attributes
     ----------
     path : of the follower.
-    motion : the demanded lift.
-    branches : those that the roller may run on.
-    borders : (k,) cam angles [rad] in [0, 2 pi), ascending, at which the branch changes.
-    numbers : (k,) branch from each border to the next, or AS_DEMANDED.
-    played : the motion that a roller with play makes where it is AS_DEMANDED; None without play.
+    pitch : the pitch curve of a roller, the contact curve of a flat face, of the demanded motion.
+    borders : (k,) cam angles [rad] in [0, 2 pi), ascending, at which what holds it changes.
+    numbers : (k,) what holds it from each border to the next, or AS_DEMANDED.
     """
 
-    path: FollowerPath
-    motion: Motion
-    branches: Branches | Chain
+    path: Any
+    pitch: PitchCurve
     borders: FloatArray
     numbers: IntArray
-    played: PlayedLift | None = None
 
     @property
-    def breaks(self) -> FloatArray:
-        """(m,) cam angles [rad] where a derivative of the demanded or the played lift may jump."""
-        if self.played is None:
-            return self.motion.breaks
-        return ascending(np.concatenate((self.motion.breaks, self.played.breaks)))
-
-    @property
-    def knots(self) -> FloatArray:
-        """(m,) the `breaks` and all other cam angles [rad] where the formula of either changes."""
-        if self.played is None:
-            return self.motion.borders
-        return ascending(np.concatenate((self.motion.borders, self.played.borders)))
-
-    @property
-    def as_demanded(self) -> bool:
-        """Whether it is the demanded one, exactly, where it is AS_DEMANDED: no roller with play."""
-        return self.played is None
+    def motion(self) -> Motion:
+        """The demanded lift."""
+        return self.pitch.motion
 
     @property
     def outward(self) -> int:
         """+1 if a positive lift moves the follower outward, else -1."""
-        return self.path.outward
+        return int(self.path.outward)
 
+    @property
+    def free(self) -> Motion | PlayedLift:
+        """The motion where it is AS_DEMANDED."""
+        return self.motion
+
+    @property
+    def as_demanded(self) -> bool:
+        """Whether it is the demanded one, exactly, where it is AS_DEMANDED: no roller with play."""
+        return self.free is self.motion
+
+    @property
+    def breaks(self) -> FloatArray:
+        """(m,) cam angles [rad] where a derivative of the demanded or the played lift may jump."""
+        return ascending(np.concatenate((self.motion.breaks, self.free.breaks)))
+
+    @property
+    def knots(self) -> FloatArray:
+        """(m,) the `breaks` and all other cam angles [rad] where the formula of either changes."""
+        return ascending(np.concatenate((self.motion.borders, self.free.borders)))
+
+    @abstractmethod
     def held_by(self, numbers: IntArray) -> tuple[IntArray, FloatArray]:
         """(n,) the contour's elements, as of `camgeo.geometry.outline.replay.Replay`, and (n,) the
         turns of the contour [rad] at vertices, a full turn elsewhere, for `numbers` (n,) other than
         AS_DEMANDED.
         """
-        return self.branches.elements[numbers], self.branches.corners[numbers]
 
+    @abstractmethod
     def heading(self, phi: FloatArray, jet: FloatArray) -> ComplexArray:
-        """(n,) complex, where the roller centre runs in the cam: a direction that turns where the
+        """(n,) complex, where the follower runs in the cam: a direction that turns where the
         velocity of `jet` (3, n) jumps.
         """
-        q = self.path.start + self.outward * jet[0]
-        turn = -1j * self.path.rotation * self.path.point(phi, q)
-        along, _ = self.path.along(phi, q)
-        return np.asarray(turn + along * self.outward * jet[1])
 
-    def shift_of(self, _: float, error: FloatArray) -> FloatArray:
+    @abstractmethod
+    def shift_of(self, joint: float, error: FloatArray) -> FloatArray:
         """(n,) [rad] how far from a joint of the demanded motion its place on the disc may lie, by
-        the `error` (3, n) of the lift and its derivatives around it: as far as the roller centre is
-        off.
+        the `error` (3, n) of the lift and its derivatives around it.
         """
-        at_start = np.zeros(1), np.full(1, self.path.start)
-        along, point = self.path.along(*at_start)[0], self.path.point(*at_start)
-        return np.asarray(abs(complex(along[0]) / complex(point[0])) * np.abs(error[0]))
 
-    def without_corners(self, corner: float) -> ActualLift:
-        """The same lift where the roller does not turn about corners of up to `corner` [rad]: the
-        branch before one goes on, off by less than the square of the turn.
+    @abstractmethod
+    def held(self, phi: FloatArray, numbers: IntArray, order: Literal[0, 2, 3]) -> FloatArray:
+        """(order + 1, n) lift with derivatives where `numbers` (n,) hold it at `phi` (n,) [rad]."""
+
+    def without_corners(self, corner: float) -> Self:
+        """The same lift where the follower does not turn about corners of up to `corner` [rad]:
+        what held it before one goes on, off by less than the square of the turn.
         """
-        _, turns = self.held_by(self.numbers)
-        kept = turns > corner
+        kept = self.kept(self.held_by(self.numbers)[1], corner)
         return replace(self, borders=self.borders[kept], numbers=self.numbers[kept])
 
+    def kept(self, turns: FloatArray, corner: float) -> BoolArray:
+        """(k,) which `borders`, with `turns` (k,) [rad] behind them, `without_corners` keeps."""
+        return turns > corner
+
     def number(self, phi: FloatArray, side: Side = "right") -> IntArray:
-        """(n,) the branch at `phi` (n,) [rad]."""
+        """(n,) what holds it at `phi` (n,) [rad]."""
         return piece_at(self.borders, self.numbers, phi, side)
 
     def at(self, phi: FloatArray, side: Side = "right") -> FloatArray:
@@ -270,16 +271,55 @@ class ActualLift:
         return self._rows(phi, side, order)
 
     def _rows(self, phi: FloatArray, side: Side, order: Literal[0, 2, 3]) -> FloatArray:
-        """(order + 1, n) lift with derivatives."""
         number = self.number(phi, side)
         held = number != AS_DEMANDED
         out = np.empty((order + 1, len(phi)))
         if not np.all(held):
-            made = self.motion if self.played is None else self.played
-            out[:, ~held] = made.jet(phi[~held], side, max(order, 1))[: order + 1]
+            out[:, ~held] = self.free.jet(phi[~held], side, max(order, 1))[: order + 1]
         if np.any(held):
-            out[:, held] = self.branches.jet(self.path, phi[held], number[held], order)
+            out[:, held] = self.held(phi[held], number[held], order)
         return out
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ActualLift(DiscLift):
+    """The actual lift of a roller; its numbers are those of branches.
+
+    Attributes
+    ----------
+    branches : those that the roller may run on.
+    played : the motion that a roller with play makes where it is AS_DEMANDED; None without play.
+    """
+
+    path: FollowerPath
+    branches: Branches | Chain
+    played: PlayedLift | None = None
+
+    @property
+    def free(self) -> Motion | PlayedLift:
+        """See `DiscLift`."""
+        return self.played or self.motion
+
+    def held_by(self, numbers: IntArray) -> tuple[IntArray, FloatArray]:
+        """See `DiscLift`."""
+        return self.branches.elements[numbers], self.branches.corners[numbers]
+
+    def held(self, phi: FloatArray, numbers: IntArray, order: Literal[0, 2, 3]) -> FloatArray:
+        """See `DiscLift`."""
+        return self.branches.jet(self.path, phi, numbers, order)
+
+    def heading(self, phi: FloatArray, jet: FloatArray) -> ComplexArray:
+        """See `DiscLift`: of the roller centre."""
+        q = self.path.start + self.outward * jet[0]
+        turn = -1j * self.path.rotation * self.path.point(phi, q)
+        along, _ = self.path.along(phi, q)
+        return np.asarray(turn + along * self.outward * jet[1])
+
+    def shift_of(self, _: float, error: FloatArray) -> FloatArray:
+        """See `DiscLift`: as far as the roller centre is off."""
+        at_start = np.zeros(1), np.full(1, self.path.start)
+        along, point = self.path.along(*at_start)[0], self.path.point(*at_start)
+        return np.asarray(abs(complex(along[0]) / complex(point[0])) * np.abs(error[0]))
 
 
 def lift_on(pitch: PitchCurve, contour: Contour, press: int) -> ActualLift:
@@ -290,7 +330,7 @@ def lift_on(pitch: PitchCurve, contour: Contour, press: int) -> ActualLift:
     path = path_of(pitch.follower, pitch.rotation)
     found = branches(parallel(contour, -press * pitch.follower.roller_radius), path)
     whole = (np.zeros(1), np.full(1, TURN))
-    return ActualLift(path, pitch.motion, found, *pressed(found, path, press, whole))
+    return ActualLift(path, pitch, *pressed(found, path, press, whole), found)
 
 
 def lift_over(
@@ -312,7 +352,7 @@ def lift_over(
     borders, numbers = np.zeros(1), np.full(1, AS_DEMANDED)
     if len(ranges[0]):
         borders, numbers = pressed(found, path, press, ranges)
-    return ActualLift(path, pitch.motion, found, borders, numbers, played)
+    return ActualLift(path, pitch, borders, numbers, found, played)
 
 
 def pressed(
@@ -686,7 +726,7 @@ def lift_on_splines(pitch: PitchCurve, contour: SplineContour, press: int) -> Ac
     apart = np.abs(_signed(np.roll(lows[order], -1) - highs[order]))
     if not np.all(apart <= GAP) or not abs(float(np.sum(spans[order])) - TURN) <= GAP * len(order):
         raise GeometryError("the spline does not lead the roller once round the cam axis")
-    return ActualLift(path, pitch.motion, chain, lows[order], order)
+    return ActualLift(path, pitch, lows[order], order, chain)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -13,8 +13,7 @@ from camgeo.errors import GeometryError, meant
 from camgeo.kinematics.laws.family import Family, Given, Option, boundary_parameters, pulse_law
 from camgeo.kinematics.laws.law import Law
 from camgeo.kinematics.laws.polynomials import FAMILIES as POLYNOMIALS
-from camgeo.kinematics.laws.pulse import Pulse, polynomial_pulse, sine_pulse
-from camgeo.kinematics.laws.two_pulses import Parts
+from camgeo.kinematics.laws.pulse import Parts, Pulse, polynomial_pulse, sine_pulse
 from camgeo.numeric import checked
 
 # -- fixed pulses ---------------------------------------------------------------------------------

@@ -9,8 +9,7 @@ from typing import Any, Final
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws.law import Law
-from camgeo.kinematics.laws.pulse import DIGITS
-from camgeo.kinematics.laws.two_pulses import Parts, law_of_two_pulses
+from camgeo.kinematics.laws.pulse import DIGITS, Parts, law_of_two_pulses
 from camgeo.numeric.checked import SMALLEST
 
 Given = Mapping[str, float]

@@ -120,8 +120,7 @@ class Law(Displayed):
 
     def complement(self, z: FloatArray) -> FloatArray:
         """g = 1 - f at `z` (n,), to the last digits also where f rounds to 1."""
-        rest: FloatArray = self._evaluate(z, complement=True)[0]
-        return rest
+        return np.asarray(self._evaluate(z, complement=True)[0])
 
     def _evaluate(self, z: FloatArray, *, complement: bool) -> Values:
         z = np.asarray(z, dtype=np.float64)

@@ -15,8 +15,7 @@ from decimal import Decimal, localcontext
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws.family import CURVED, Family, Given, Option, pulse_law, share
 from camgeo.kinematics.laws.law import Law
-from camgeo.kinematics.laws.pulse import DIGITS, sine_pulse
-from camgeo.kinematics.laws.two_pulses import Parts
+from camgeo.kinematics.laws.pulse import DIGITS, Parts, sine_pulse
 
 PART_OF_ONE = {"type": "number", "minimum": 0, "maximum": 1}
 

@@ -20,8 +20,7 @@ from camgeo.kinematics.laws.family import (
     share,
 )
 from camgeo.kinematics.laws.law import Law
-from camgeo.kinematics.laws.pulse import DIGITS, PI, sine_pulse
-from camgeo.kinematics.laws.two_pulses import Parts, law_of_two_pulses
+from camgeo.kinematics.laws.pulse import DIGITS, PI, Parts, law_of_two_pulses, sine_pulse
 
 LEAST = math.pi**2 / 4.0
 """Least value of a0 |a1|/(a0 + |a1|), that of the simple sine."""

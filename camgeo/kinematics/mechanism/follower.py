@@ -90,7 +90,7 @@ class Follower(ABC):
     """A follower; lengths in mm.
 
     A kind is a frozen dataclass of its sizes. It inherits from the classes of
-    `camgeo.kinematics.mechanism.follower`, or of `camgeo.kinematics.mechanism.face`, what its whole
+    `camgeo.kinematics.mechanism.follower`, or of `camgeo.kinematics.mechanism.flat`, what its whole
     family answers alike.
 
     Attributes
@@ -193,8 +193,7 @@ class Follower(ABC):
         jet = np.zeros((FULL_ORDER + 1, len(lifts)))
         jet[0] = lifts
         at = self.relative_jet(jet, 1, 1)
-        found: ComplexArray = (at.along[0] + 1j * at.across[0]) * cmath.exp(1j * at.axis)
-        return found
+        return np.asarray((at.along[0] + 1j * at.across[0]) * cmath.exp(1j * at.axis))
 
     def traced_point(self, lift: float) -> complex:
         """The same at one lift."""
@@ -210,7 +209,7 @@ class Follower(ABC):
 
         `jet` is the lift in the middle of the cells, `bounds` as of `Motion.jet_and_bounds`, `half`
         (n,) half their widths [rad]. Where there is no Z''' the third one says how far Z'' may be
-        from its value in the middle, see `camgeo.kinematics.mechanism.face`.
+        from its value in the middle, see `camgeo.kinematics.mechanism.flat`.
         """
 
     @abstractmethod
@@ -290,7 +289,7 @@ def bend_of_path(relative: RelativeJet, speed: FloatArray, rotation: int) -> Flo
 # -- families -------------------------------------------------------------------------------------
 # What the followers of a family share: those on a guide, those on a pivot, those with a roller.
 #
-# Flat faces are another family, see `camgeo.kinematics.mechanism.face`.
+# Flat faces are another family, see `camgeo.kinematics.mechanism.flat`.
 
 
 GUIDE = 0.8

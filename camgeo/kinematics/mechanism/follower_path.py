@@ -22,8 +22,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.follower import Follower
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, dot, phase
 from camgeo.units import TURN
 
@@ -166,8 +165,7 @@ class FollowerPath(ABC):
 
     def frame(self, phi: FloatArray) -> ComplexArray:
         """(n,) unit vectors of the first axis of `centre` in the cam."""
-        axis: ComplexArray = np.exp(1j * (self.axis - self.rotation * phi))
-        return axis
+        return np.asarray(np.exp(1j * (self.axis - self.rotation * phi)))
 
     def cam_angle_of(self, points: ComplexArray) -> tuple[FloatArray, FloatArray]:
         """Cam angle (n,) [rad] in [0, 2 pi) and q (n,) of roller centres at `points` (n,) [mm].
@@ -213,8 +211,11 @@ def path_of(follower: Follower, rotation: int) -> FollowerPath:
     Raises GeometryError if none is registered for its class.
     """
     del rotation  # used by the registered ones
-    message = f'this needs a roller follower, and this one is "{follower.kind}"'
-    raise GeometryError(message, key="follower.kind", value=follower.kind)
+    raise GeometryError(
+        f'this needs a roller follower, and this one is "{follower.kind}"',
+        key="follower.kind",
+        value=follower.kind,
+    )
 
 
 class GuidePath(FollowerPath):
@@ -245,8 +246,7 @@ class GuidePath(FollowerPath):
 
     def coordinate(self, distance: FloatArray) -> FloatArray:
         e = abs(self.follower.offset)
-        height: FloatArray = np.sqrt(np.maximum(distance - e, 0.0) * (distance + e))
-        return height
+        return np.asarray(np.sqrt(np.maximum(distance - e, 0.0) * (distance + e)))
 
     def along(self, phi: FloatArray, q: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         direction = 1j * self.frame(phi)
@@ -256,8 +256,7 @@ class GuidePath(FollowerPath):
         frame = self.frame(phi)
         level = (frame.conj() * bows.points).imag
         guide = Bows(frame * (self.follower.offset + 1j * level), frame, np.zeros(len(phi)))
-        height: FloatArray = level + guide.crossing(bows, facing)
-        return height
+        return np.asarray(level + guide.crossing(bows, facing))
 
     def touching(self, bows: Bows) -> FloatArray:
         turned = bows.normals.conj() * bows.points
@@ -305,8 +304,7 @@ class SwingPath(FollowerPath):
         low, high = self.reach
         near = np.maximum(distance - low, 0.0) * (distance + low)
         far = np.maximum(high - distance, 0.0) * (high + distance)
-        angle: FloatArray = 2.0 * np.arctan2(np.sqrt(near), np.sqrt(far))
-        return angle
+        return np.asarray(2.0 * np.arctan2(np.sqrt(near), np.sqrt(far)))
 
     def centre(self, q: FloatArray) -> ComplexArray:
         """W (n,) in axes along the line pivot -> cam axis, without cancellation of l_3 and l_1."""
@@ -332,8 +330,7 @@ class SwingPath(FollowerPath):
         towards = frame * np.exp(1j * side * near)
         circle = Bows(self.point(phi, near), towards, np.full(len(phi), 1.0 / arm))
         turn = 2.0 * np.arctan(0.5 * circle.crossing(bows, facing * side) / arm)
-        wrapped: FloatArray = np.remainder(near + side * turn + math.pi, TURN) - math.pi
-        return wrapped
+        return np.asarray(np.remainder(near + side * turn + math.pi, TURN) - math.pi)
 
     def touching(self, bows: Bows) -> FloatArray:
         arm, distance = self.follower.arm, self.follower.centre_distance

@@ -8,17 +8,16 @@ backwards. Positions of the demanded motion are in mm for a slider and in rad fo
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from itertools import pairwise
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import TYPE_CHECKING, Final, Literal, Protocol
 
 import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.sketch import MechanismSketch, Places
-from camgeo.kinematics.mechanism.triangle import ROUNDING, Size
 from camgeo.kinematics.mechanism.values import Member, able
 from camgeo.kinematics.motion import (
     FULL_ORDER,
@@ -45,6 +44,21 @@ from camgeo.units import TURN, LiftUnit, counted
 
 if TYPE_CHECKING:
     from camgeo.kinematics.plan import MotionPlan
+
+Size = Literal["crank", "coupler"]
+
+ROUNDING = 8.0 * 2.0**-52
+"""A difference of lengths up to this fraction of crank and coupler is zero up to rounding."""
+
+
+def within(angles: Iterable[float], low: float, high: float) -> tuple[float, ...]:
+    """Those in [low, high] [rad] of `angles`, and of all whole turns away from them, ascending."""
+    found = {
+        angle + TURN * turns
+        for angle in angles
+        for turns in range(math.ceil((low - angle) / TURN), math.floor((high - angle) / TURN) + 1)
+    }
+    return tuple(sorted(found))
 
 
 OUT, BACK = 0, 1
@@ -190,8 +204,7 @@ class FarEnd:
 
     def place(self, phi: FloatArray, q: FloatArray) -> FloatArray:
         """(n,) demanded position s [mm or rad] with the follower at `q` (n,), see `jet`."""
-        place: FloatArray = self.jet(phi, q)[0]
-        return place
+        return np.asarray(self.jet(phi, q)[0])
 
     def jet(self, phi: FloatArray, q: FloatArray) -> Jet:
         """(4, n) s, ds/dq, d^2s/dq^2 [mm or rad per that of q^k] and 0, read-only.

@@ -33,8 +33,8 @@ from typing import Annotated, Any, Final, Literal
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.numeric.arrays import FloatArray, frozen
-from camgeo.numeric.checked import check_fields, hold, shown
+from camgeo.numeric.arrays import FloatArray
+from camgeo.numeric.checked import CheckedFields, Floats, check_fields, shown
 from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.units import TURN
 
@@ -55,7 +55,7 @@ AnySize = Annotated[float, any_size]
 
 
 @dataclass(frozen=True, slots=True)
-class SlottedLever:
+class SlottedLever(CheckedFields):
     """A crank with a slotted lever, seen from the crank at any number of turns.
 
     Attributes
@@ -71,9 +71,6 @@ class SlottedLever:
 
     crank: AnySize
     distance: AnySize
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     @property
     def ratio(self) -> float:
@@ -456,7 +453,7 @@ def crank_for_swing(distance: float, swing: float) -> float:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class LeverTable:
+class LeverTable(CheckedFields):
     """Values of a slotted lever at equidistant crank angles.
 
     Attributes
@@ -467,10 +464,7 @@ class LeverTable:
     """
 
     crank: tuple[Decimal, ...]
-    values: FloatArray
-
-    def __post_init__(self) -> None:
-        hold(self, values=frozen(self.values, np.float64))
+    values: Floats
 
     def printed(self) -> list[tuple[str, ...]]:
         """The rows rounded as in the exercise, to three decimals.
@@ -545,14 +539,23 @@ def _check(step: Decimal, first: Decimal, last: Decimal) -> None:
                 f"at most {MOST_DECIMALS} decimals are allowed", key=key, value=str(number)
             )
     if not (step.is_finite() and SMALLEST_STEP <= step <= LARGEST_STEP):
-        message = f"the step of the crank angle must be {SMALLEST_STEP} to {LARGEST_STEP} degrees"
-        raise GeometryError(message, key="step", value=str(step))
+        raise GeometryError(
+            f"the step of the crank angle must be {SMALLEST_STEP} to {LARGEST_STEP} degrees",
+            key="step",
+            value=str(step),
+        )
     if not (first.is_finite() and 0 <= first < FULL_TURN):
-        message = "the first crank angle must be from 0 to less than 360 degrees"
-        raise GeometryError(message, key="from", value=str(first))
+        raise GeometryError(
+            "the first crank angle must be from 0 to less than 360 degrees",
+            key="from",
+            value=str(first),
+        )
     if not (last.is_finite() and first < last <= FULL_TURN):
-        message = f"the last crank angle must be above the first, {first}, and at most 360 degrees"
-        raise GeometryError(message, key="to", value=str(last))
+        raise GeometryError(
+            f"the last crank angle must be above the first, {first}, and at most 360 degrees",
+            key="to",
+            value=str(last),
+        )
 
 
 def _places(number: Decimal) -> int:

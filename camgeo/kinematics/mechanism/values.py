@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, TypeVar
+from importlib import import_module
+from typing import Annotated, Any, Final, Literal, TypeVar
 
 from camgeo.errors import GeometryError
 from camgeo.numeric.checked import (
@@ -21,11 +22,7 @@ from camgeo.numeric.checked import (
     point,
     shown,
 )
-from camgeo.units import TURN
-
-if TYPE_CHECKING:
-    from camgeo.units import LiftUnit
-
+from camgeo.units import TURN, LiftUnit
 
 Built = TypeVar("Built")
 
@@ -138,11 +135,6 @@ class Values:
         """+1 or -1 for the word at `key`."""
         return SIGNS[self.table.get(key, default)]
 
-    @property
-    def own_direction(self) -> dict[str, None]:
-        """For a rocker: behind a linkage, which gives its own angle, the direction is None."""
-        return {"direction": None} if self.linked else {}
-
 
 # -- kind -----------------------------------------------------------------------------------------
 # What a kind of follower or linkage declares: its name, the keys of its table, how it is built.
@@ -175,9 +167,8 @@ class FollowerKind:
     unit : of its lift.
     touching : the part that touches the cam.
     schema : JSON Schema of its table, without its kind.
-    build : makes the follower of a table.
-    build_return : makes the `conjugate.Mount` of the second roller of a conjugate pair of the table
-        [follower.return]; None if this kind has none.
+    made : its class, as "module:name" beside this module.
+    returned : of a kind with conjugate pairs, what makes the second roller; else empty.
     sizes : keys of the lengths that a tolerance is compared with; nested ones with a dot.
     rules : conditions that relate its keys.
     """
@@ -187,10 +178,28 @@ class FollowerKind:
     unit: LiftUnit
     touching: Touching
     schema: Mapping[str, Any]
-    build: Callable[[Values], Any]
+    made: str
     sizes: tuple[str, ...]
-    build_return: Callable[[Values], Any] | None = None
+    returned: str = ""
     rules: tuple[Rule, ...] = ()
+
+    def build(self, values: Values) -> Any:
+        """The follower of a table; behind a linkage, which gives its own angle, the direction of a
+        rocker is None.
+        """
+        own = {"direction": None} if values.linked and self.unit == "rad" else {}
+        return values.build(_imported(self.made), **own)
+
+    def mount(self, values: Values) -> Any:
+        """The `rollers.Mount` of the second roller, of the table [follower.return]."""
+        make = _imported(self.returned)
+        return _imported("rollers:Mount")(make, tuple(values.given(make).items()))
+
+
+def _imported(place: str) -> Any:
+    """What is named as "module:name"."""
+    module, name = place.split(":")
+    return getattr(import_module(f"camgeo.kinematics.mechanism.{module}"), name)
 
 
 @dataclass(frozen=True, slots=True)

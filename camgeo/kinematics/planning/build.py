@@ -216,7 +216,7 @@ def _out_of_reach(
     takes neither.
 
     The acceleration at a turn runs from a bound, which it has where the other part of the law takes
-    no time, to infinity, where its own part takes none (see `camgeo.kinematics.laws.two_pulses`).
+    no time, to infinity, where its own part takes none (see `camgeo.kinematics.laws.pulse`).
     """
     ends: dict[str, float] = {key: given[key] for key in ("a0", "a1") if key in given}
     if family.parts is None or not ends:

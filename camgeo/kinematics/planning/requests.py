@@ -53,7 +53,7 @@ Balance = Annotated[str, partial(checked.one_of, choices=("", *BALANCES))]
 
 
 @dataclass(frozen=True, slots=True)
-class Unit:
+class Unit(checked.CheckedFields):
     """The unit of position in messages.
 
     Attributes
@@ -65,9 +65,6 @@ class Unit:
     name: str = ""
     size: checked.Positive = 1.0
 
-    def __post_init__(self) -> None:
-        checked.check_fields(self)
-
     def text(self, value: float, order: int = 0) -> str:
         """A position, or its derivative of that order, as text with its unit."""
         number = f"{value / self.size + 0.0:.6g}"
@@ -78,7 +75,7 @@ class Unit:
 
 
 @dataclass(frozen=True, slots=True)
-class MoveRequest(Pickled):
+class MoveRequest(Pickled, checked.CheckedFields):
     """A move by a law.
 
     Attributes
@@ -103,9 +100,6 @@ class MoveRequest(Pickled):
     jerk: checked.Finite | None = None
     optimise: Weights = field(default_factory=lambda: NOTHING)
     balance: Balance = ""
-
-    def __post_init__(self) -> None:
-        checked.check_fields(self)
 
     @property
     def shaped_by(self) -> frozenset[str]:

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Any, Final
+from functools import partial
+from typing import Annotated, Final
 
 from camgeo.errors import GeometryError
-from camgeo.numeric.checked import decimal, hold, instance, one_of, whole
+from camgeo.numeric.checked import (
+    Truth,
+    check_fields,
+    decimal,
+    instance_from_table,
+    one_of,
+    whole,
+)
 from camgeo.record import schema_beside
 from camgeo.scene.formats.format import Format, Values
 from camgeo.units import MM_PER, LengthUnit
@@ -22,6 +30,10 @@ SEPARATORS: Final = {",": ",", ";": ";", "tab": "\t"}
 """Separators of columns, by their names in scenes."""
 
 MOST_DECIMALS: Final = 15
+
+
+exact_step = partial(decimal, least=SMALLEST_STEP, most=LARGEST_STEP, unit="degrees")
+"""A step of the cam angle [degrees], see `camgeo.numeric.checked.decimal`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,46 +58,23 @@ class CsvSpec:
         With the key, if a value is invalid, or numbers with commas would be parted by commas.
     """
 
-    step: Decimal = Decimal(1)
+    step: Annotated[Decimal, exact_step] = Decimal(1)
     columns: tuple[str, ...] | None = None
-    decimals: int | None = None
-    decimal_comma: bool = False
-    separator: str | None = None
-    unit: LengthUnit | None = None
-    angle: str = "deg"
+    decimals: Annotated[int, partial(whole, least=0, most=MOST_DECIMALS)] | None = None
+    decimal_comma: Truth = False
+    separator: Annotated[str, partial(one_of, choices=tuple(SEPARATORS))] | None = None
+    unit: Annotated[LengthUnit, partial(one_of, choices=tuple(MM_PER))] | None = None
+    angle: Annotated[str, partial(one_of, choices=("deg", "rad"))] = "deg"
 
     def __post_init__(self) -> None:
-        hold(self, step=exact_step(self.step))
-        if self.decimals is not None:
-            hold(self, decimals=whole("output.csv.decimals", self.decimals, 0, MOST_DECIMALS))
-        instance("output.csv.decimal_comma", self.decimal_comma, bool, "true or false")
-        one_of("output.csv.angle", self.angle, ("deg", "rad"))
-        if self.unit is not None:
-            one_of("output.csv.unit", self.unit, tuple(MM_PER))
-        if self.separator is not None:
-            one_of("output.csv.separator", self.separator, tuple(SEPARATORS))
-            if self.decimal_comma and self.separator == ",":
-                raise GeometryError(CONFUSED, "output.csv.separator", self.separator)
+        check_fields(self, "output.csv.")
+        if self.decimal_comma and self.separator == ",":
+            raise GeometryError(CONFUSED, "output.csv.separator", self.separator)
 
     @property
     def between(self) -> str:
         """What stands between two columns."""
         return SEPARATORS[self.separator or (";" if self.decimal_comma else ",")]
-
-
-def exact_step(step: Decimal | float) -> Decimal:
-    """A step of the cam angle [degrees], see `camgeo.numeric.checked.decimal`."""
-    return decimal("output.csv.step", step, SMALLEST_STEP, LARGEST_STEP, "degrees")
-
-
-def parse(table: Mapping[str, Any]) -> CsvSpec:
-    """The options of the table."""
-    given = dict(table)
-    if "columns" in given:
-        given["columns"] = tuple(given["columns"])
-    if "decimals" in given:
-        given["decimals"] = int(given["decimals"])
-    return CsvSpec(**given)
 
 
 def commas_are_told_apart(values: Values) -> Iterator[tuple[str, str]]:
@@ -98,5 +87,9 @@ def commas_are_told_apart(values: Values) -> Iterator[tuple[str, str]]:
 CONFUSED: Final = 'must be ";" or "tab" where numbers have a decimal comma'
 
 FORMAT: Final = Format(
-    "csv", ".csv", parse, schema_beside(__file__), rules=(commas_are_told_apart,)
+    "csv",
+    ".csv",
+    partial(instance_from_table, CsvSpec),
+    schema_beside(__file__),
+    rules=(commas_are_told_apart,),
 )

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final, Literal
+from functools import partial
+from typing import Annotated, Final, Literal
 
-from camgeo.kinematics.mechanism.values import Length
-from camgeo.numeric.checked import hold, instance, one_of, optional
+from camgeo.numeric.checked import CheckedFields, Truth, finite, instance, one_of
 from camgeo.scene.formats.format import Format, no_options
 
 SHEETS: Final = ("A3", "A4")
@@ -16,19 +16,13 @@ LANGUAGES: Final = ("en", "de")
 STEPS: Final = (5, 10, 15, 20, 30, 45, 60, 90)
 """Steps of the table on the sheet [degrees]: parts of a turn that fit."""
 
-TEXTS: Final = (
-    *("owner", "number", "revision", "date", "title", "creator", "approver", "document_type"),
-    *("material", "hardness", "general_tolerances", "edges", "surface", "flank_surface"),
-    *("bore_fit", "keyway_fit", "scale"),
-)
-"""Keys whose values are texts."""
-
 SheetName = Literal["A3", "A4"]
 Language = Literal["en", "de"]
+Text = Annotated[str, partial(instance, kind=str, what="a text")]
 
 
 @dataclass(frozen=True, slots=True)
-class DrawingSpec:
+class DrawingSpec(CheckedFields, path="drawing."):
     """`[drawing]`: the sheet, and what the scene states beyond the geometry.
 
     A text that the scene does not give is empty, and nothing is drawn in its place: neither dates
@@ -52,38 +46,28 @@ class DrawingSpec:
         the views.
     """
 
-    sheet: SheetName = "A3"
-    language: Language = "en"
-    scale: str = ""
-    owner: str = ""
-    number: str = ""
-    revision: str = ""
-    date: str = ""
-    title: str = ""
-    creator: str = ""
-    approver: str = ""
-    document_type: str = ""
-    material: str = ""
-    hardness: str = ""
-    general_tolerances: str = ""
-    edges: str = ""
-    surface: str = ""
-    flank_surface: str = ""
-    bore_fit: str = ""
-    keyway_fit: str = ""
-    flank_tolerance: Length | None = None
-    step: int = 10
-    motion: bool | None = None
-
-    def __post_init__(self) -> None:
-        one_of("drawing.sheet", self.sheet, SHEETS)
-        one_of("drawing.language", self.language, LANGUAGES)
-        one_of("drawing.step", self.step, (0, *STEPS))
-        if self.motion is not None:
-            instance("drawing.motion", self.motion, bool, "true or false")
-        for name in TEXTS:
-            instance(f"drawing.{name}", getattr(self, name), str, "a text")
-        hold(self, flank_tolerance=optional("drawing.flank_tolerance", self.flank_tolerance, "mm"))
+    sheet: Annotated[SheetName, partial(one_of, choices=SHEETS)] = "A3"
+    language: Annotated[Language, partial(one_of, choices=LANGUAGES)] = "en"
+    scale: Text = ""
+    owner: Text = ""
+    number: Text = ""
+    revision: Text = ""
+    date: Text = ""
+    title: Text = ""
+    creator: Text = ""
+    approver: Text = ""
+    document_type: Text = ""
+    material: Text = ""
+    hardness: Text = ""
+    general_tolerances: Text = ""
+    edges: Text = ""
+    surface: Text = ""
+    flank_surface: Text = ""
+    bore_fit: Text = ""
+    keyway_fit: Text = ""
+    flank_tolerance: Annotated[float, partial(finite, unit="mm")] | None = None
+    step: Annotated[int, partial(one_of, choices=(0, *STEPS))] = 10
+    motion: Truth | None = None
 
     @property
     def has_motion(self) -> bool:

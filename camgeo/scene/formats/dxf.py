@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final, Literal
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Final, Literal
 
-from camgeo.numeric.checked import instance, one_of
+from camgeo.numeric.checked import CheckedFields, Truth, instance_from_table, one_of
 from camgeo.record import schema_beside
 from camgeo.scene.formats.format import Format
 
@@ -22,7 +22,7 @@ ENTITIES: Final = ("arcs", SINGLE, "polyline", "spline")
 
 
 @dataclass(frozen=True, slots=True)
-class DxfSpec:
+class DxfSpec(CheckedFields, path="output.dxf."):
     """`[output.dxf]`: how curves are drawn, and what is drawn in addition to the part.
 
     Attributes
@@ -32,12 +32,8 @@ class DxfSpec:
     auxiliary : whether pitch curve, base circle and centre mark are drawn too, on their own layers.
     """
 
-    entity: Entity = "arcs"
-    auxiliary: bool = True
-
-    def __post_init__(self) -> None:
-        one_of("output.dxf.entity", self.entity, ENTITIES)
-        instance("output.dxf.auxiliary", self.auxiliary, bool, "true or false")
+    entity: Annotated[Entity, partial(one_of, choices=ENTITIES)] = "arcs"
+    auxiliary: Truth = True
 
     @property
     def form(self) -> Form:
@@ -45,9 +41,6 @@ class DxfSpec:
         return "arcs" if self.entity == SINGLE else self.entity
 
 
-def parse(table: Mapping[str, Any]) -> DxfSpec:
-    """The options of the table."""
-    return DxfSpec(**table)
-
-
-FORMAT: Final = Format("dxf", ".dxf", parse, schema_beside(__file__), ("follower",))
+FORMAT: Final = Format(
+    "dxf", ".dxf", partial(instance_from_table, DxfSpec), schema_beside(__file__), ("follower",)
+)

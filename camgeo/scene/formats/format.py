@@ -215,14 +215,14 @@ def format_of(entry: EntryPoint) -> tuple[Any, Format[Any]]:
     try:
         writer = entry.load()
     except Exception as error:  # whatever another distribution does wrong
-        message = f"the entry point {entry.value} of {GROUP} cannot be loaded: {error}"
-        raise CamgeoError(message) from error
+        raise CamgeoError(
+            f"the entry point {entry.value} of {GROUP} cannot be loaded: {error}"
+        ) from error
     found: Any = getattr(writer, "format", None)
     if not isinstance(found, Format) or found.name != entry.name:
-        message = (
+        raise CamgeoError(
             f"the entry point {entry.value} of {GROUP} is not a writer of format {entry.name!r}"
         )
-        raise CamgeoError(message)
     return writer, found
 
 

@@ -6,7 +6,8 @@ from collections.abc import Iterator, Mapping
 from decimal import Decimal
 from typing import Any, Final
 
-from camgeo.milling.milling import AXIS, EARLIER, NEEDED, STATE, GcodeSpec
+from camgeo.milling.milling import AXIS, EARLIER, FAULTS, NEEDED, STATE, GcodeSpec
+from camgeo.numeric.checked import instance_from_table
 from camgeo.record import schema_beside
 from camgeo.scene.formats.format import BODY, Format, Values
 
@@ -20,14 +21,12 @@ DIAMETER: Final = "output.gcode.tool_diameter"
 
 def parse(table: Mapping[str, Any]) -> GcodeSpec:
     """The options of the table."""
-    numbers = {"tool_number": int, "program_number": int, "spindle_speed": float}
-    converted = {key: make(table[key]) for key, make in numbers.items() if key in table}
-    if "tools" in table:
-        converted["tools"] = table["tools"].name
-    given = {**table, **converted}
+    given = dict(table)
+    if "tools" in given:
+        given["tools"] = given["tools"].name
     if "safe_height" in given:
         given["clearance_height"] = given.pop("safe_height")
-    return GcodeSpec(**given)
+    return instance_from_table(GcodeSpec, given)
 
 
 def milling_has_a_tool(values: Values) -> Iterator[tuple[str, str]]:
@@ -129,8 +128,6 @@ def a_corner_is_known(values: Values) -> Iterator[tuple[str, str]]:
 
 def tables_are_whole(values: Values) -> Iterator[tuple[str, str]]:
     """The tables on milling have all that nobody may invent."""
-    from camgeo.milling.milling import FAULTS  # few scenes mill
-
     for name, faults in FAULTS.items():
         given = values.get(*name.split("."))
         several = isinstance(given, list)

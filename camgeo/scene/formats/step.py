@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final, Literal
+from functools import partial
+from typing import Annotated, Final, Literal
 
-from camgeo.numeric.checked import one_of
+from camgeo.numeric.checked import CheckedFields, instance_from_table, one_of
 from camgeo.record import schema_beside
 from camgeo.scene.formats.format import BODY, Format
 
@@ -15,7 +15,7 @@ WALLS: Final = ("arcs", "spline")
 
 
 @dataclass(frozen=True, slots=True)
-class StepSpec:
+class StepSpec(CheckedFields, path="output.step."):
     """`[output.step]`: what the walls of the solid are.
 
     Attributes
@@ -24,17 +24,16 @@ class StepSpec:
         dwells and turns stay cylinders).
     """
 
-    walls: Literal["arcs", "spline"] = "arcs"
-
-    def __post_init__(self) -> None:
-        one_of("output.step.walls", self.walls, WALLS)
-
-
-def parse(table: Mapping[str, Any]) -> StepSpec:
-    """The options of the table."""
-    return StepSpec(**table)
+    walls: Annotated[Literal["arcs", "spline"], partial(one_of, choices=WALLS)] = "arcs"
 
 
 NEEDS, RULES = BODY
 
-FORMAT: Final = Format("step", ".step", parse, schema_beside(__file__), ("follower", *NEEDS), RULES)
+FORMAT: Final = Format(
+    "step",
+    ".step",
+    partial(instance_from_table, StepSpec),
+    schema_beside(__file__),
+    ("follower", *NEEDS),
+    RULES,
+)

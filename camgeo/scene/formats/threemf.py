@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, Final
+from functools import partial
+from typing import Final
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.values import Length
-from camgeo.numeric.checked import check_fields, instance, one_of, shown
+from camgeo.numeric.checked import check_fields, instance, instance_from_table, one_of, shown
 from camgeo.record import schema_beside
 from camgeo.scene.formats.format import BODY, Format, Values
 
@@ -58,12 +59,6 @@ class ThreeMfSpec:
             raise GeometryError("each is named once", "output.3mf.plate", shown(self.plate))
 
 
-def parse(table: Mapping[str, Any]) -> ThreeMfSpec:
-    """The options of the table."""
-    given = dict(table)
-    return ThreeMfSpec(**{**given, "plate": tuple(given.get("plate", ()))})
-
-
 def what_lies_on_the_plate_exists(values: Values) -> Iterator[tuple[str, str]]:
     """The scene has the discs, rollers and bores of the plate, and rollers for their options."""
     plate = values.get(*TABLE, "plate") or ()
@@ -96,7 +91,7 @@ NEEDS, RULES = BODY
 FORMAT: Final = Format(
     "3mf",
     ".3mf",
-    parse,
+    partial(instance_from_table, ThreeMfSpec),
     schema_beside(__file__),
     ("follower", *NEEDS),
     (*RULES, what_lies_on_the_plate_exists),

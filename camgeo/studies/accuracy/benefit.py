@@ -26,7 +26,7 @@ from camgeo.dynamics.state.state import FIRST
 from camgeo.dynamics.state.written import State, Writing, Written
 from camgeo.errors import EffectError, GeometryError, SceneError, ToleranceError
 from camgeo.geometry.contour.contour import Form
-from camgeo.geometry.outline.acceleration_joints import AccelerationJoints
+from camgeo.geometry.outline.replay import AccelerationJoints
 from camgeo.kinematics.time_course import ConstantSpeed
 from camgeo.lazy import Ledger
 from camgeo.numeric.arrays import SIDES, FloatArray, IntArray, Quantity, Side, grouped, merged

@@ -20,14 +20,14 @@ from camgeo.design.drawn import TOPOLOGY_TOLERANCE
 from camgeo.design.product import Product
 from camgeo.design.writing import Written, find_writer, pieces_of
 from camgeo.errors import EffectError, FileError, GeometryError, SceneError, ToleranceError
+from camgeo.geometry.contour.arcs import ARC
 from camgeo.geometry.contour.contour import Contour, Effort, Fit, Form
-from camgeo.geometry.contour.fewest_arcs import ARC
 from camgeo.geometry.contour.legs import StretchLeg, TurnLeg, legs_of
 from camgeo.geometry.contour.spline import SplineFit
 from camgeo.geometry.outline.path import Flank, Path
 from camgeo.geometry.outline.replay import replay_contour
 from camgeo.geometry.pieces import Piece
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.milling.cut import ContourCut
 from camgeo.milling.machine import Machine, load
 from camgeo.milling.machining_time import contour_time

@@ -21,8 +21,7 @@ from camgeo.design.design import Design
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import BoolArray, FloatArray
 from camgeo.scene.scene import Scene
-from camgeo.scene.values import value_path
-from camgeo.scene.varied import OPTIMISE, Value, plain
+from camgeo.scene.values import OPTIMISE, Value, plain, value_path
 from camgeo.studies.sweep.family import (
     Family,
     Point,

@@ -18,7 +18,7 @@ from camgeo.errors import GeometryError, SceneError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.keys import spelled
 from camgeo.scene.scene import Scene
-from camgeo.scene.varied import (
+from camgeo.scene.values import (
     FAMILIES,
     SWEEP,
     Rows,

@@ -46,8 +46,7 @@ from camgeo.errors import (
     VersionError,
 )
 from camgeo.geometry.pieces import turn_enclosed
-from camgeo.geometry.together import Member, Together, one_curve, one_motion
-from camgeo.kinematics.mechanism.several import alike, several
+from camgeo.geometry.together import Member, Together, alike, one_curve, one_motion, several
 from camgeo.lazy import Ledger
 from camgeo.numeric.arrays import ONE, FloatArray, IntArray, Quantity, merged
 from camgeo.numeric.extremes import BOTH, BOTTOMS, TOPS, Extremes, extremes_of_each

@@ -19,7 +19,7 @@ from camgeo.dynamics.effects.results import CONTACT_FORCE, INERTIA
 from camgeo.errors import EffectError, GeometryError
 from camgeo.geometry.outline.path import Flank
 from camgeo.geometry.pitch_curve import PitchCurve, curvature_slope
-from camgeo.kinematics.mechanism.face import FlatFollower
+from camgeo.kinematics.mechanism.flat import FlatFollower
 from camgeo.kinematics.mechanism.follower import Follower, WithRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, dot, merged
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes

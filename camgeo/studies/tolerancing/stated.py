@@ -15,13 +15,11 @@ import numpy as np
 from camgeo.design.design import Design
 from camgeo.errors import GeometryError, SceneError, meant
 from camgeo.geometry.outline.path import Flank
+from camgeo.kinematics.mechanism.flat import OscillatingFlat, TranslatingFlat
 from camgeo.kinematics.mechanism.follower import Follower
-from camgeo.kinematics.mechanism.four_bar import FourBar
 from camgeo.kinematics.mechanism.linkage import Linkage
-from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
-from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
-from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
+from camgeo.kinematics.mechanism.linkages import FourBar
+from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.numeric.arrays import FloatArray
 from camgeo.record import schema_beside
 from camgeo.scene.keys import KeyPath, spelled

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from camgeo.errors import FileError, GeometryError
 from camgeo.geometry.contour.contour import Contour, distances
 from camgeo.geometry.outline.path import whole
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.milling.cut import AreaCut, ContourCut, Cut, PointCut
 from camgeo.milling.moves import ArcFeed, Feed, Rapid
 from camgeo.milling.strategies.clear import HELIX

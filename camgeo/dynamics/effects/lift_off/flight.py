@@ -48,7 +48,7 @@ from camgeo.dynamics.effects.results import ContactForce, Inertia
 from camgeo.dynamics.effects.wording import missed
 from camgeo.errors import EffectError
 from camgeo.geometry.outline.roller import PlayedLift
-from camgeo.geometry.working_curve import WorkingCurve
+from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.kinematics.mechanism.follower_path import path_of
 from camgeo.kinematics.time_course import TimeCourse, period
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, merged

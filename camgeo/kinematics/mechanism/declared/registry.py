@@ -8,51 +8,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
-from camgeo.kinematics.mechanism.values import FollowerKind, LinkageKind
+from camgeo.kinematics.mechanism.values import FollowerKind, LinkageKind, Values
 from camgeo.record import schema_beside
 
 if TYPE_CHECKING:
-    from camgeo.kinematics.mechanism.conjugate import Mount
-    from camgeo.kinematics.mechanism.follower import Follower
     from camgeo.kinematics.mechanism.linkage import Linkage
-    from camgeo.kinematics.mechanism.values import Values
     from camgeo.units import LiftUnit
-
-
-def _translating_roller(values: Values) -> Follower:
-    from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
-
-    return values.build(TranslatingRoller)
-
-
-def _return_on_carriage(values: Values) -> Mount:
-    from camgeo.kinematics.mechanism.conjugate import Mount, return_on_carriage
-
-    return Mount(return_on_carriage, tuple(values.given(return_on_carriage).items()))
-
-
-def _oscillating_roller(values: Values) -> Follower:
-    from camgeo.kinematics.mechanism.oscillating_roller import OscillatingRoller
-
-    return values.build(OscillatingRoller, **values.own_direction)
-
-
-def _return_on_lever(values: Values) -> Mount:
-    from camgeo.kinematics.mechanism.conjugate import Mount, return_on_lever
-
-    return Mount(return_on_lever, tuple(values.given(return_on_lever).items()))
-
-
-def _translating_flat(values: Values) -> Follower:
-    from camgeo.kinematics.mechanism.translating_flat import TranslatingFlat
-
-    return values.build(TranslatingFlat)
-
-
-def _oscillating_flat(values: Values) -> Follower:
-    from camgeo.kinematics.mechanism.oscillating_flat import OscillatingFlat
-
-    return values.build(OscillatingFlat, **values.own_direction)
 
 
 def _face_has_a_length(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
@@ -64,7 +25,7 @@ def _face_has_a_length(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 def _slider_crank(values: Values, unit: LiftUnit) -> Linkage:
     """Its slider drives a rocker, or a guided follower is its slider."""
-    from camgeo.kinematics.mechanism.slider_crank import SliderCrank
+    from camgeo.kinematics.mechanism.linkages import SliderCrank
 
     slider_crank = values.build(
         SliderCrank,
@@ -73,7 +34,7 @@ def _slider_crank(values: Values, unit: LiftUnit) -> Linkage:
     )
     if unit == "rad":
         return slider_crank
-    from camgeo.kinematics.mechanism.slider_driven_crank import (
+    from camgeo.kinematics.mechanism.linkages import (
         SliderDrivenCrank,  # few scenes have one
     )
 
@@ -82,7 +43,7 @@ def _slider_crank(values: Values, unit: LiftUnit) -> Linkage:
 
 def _four_bar(values: Values, _: LiftUnit) -> Linkage:
     """It turns rockers only."""
-    from camgeo.kinematics.mechanism.four_bar import FourBar
+    from camgeo.kinematics.mechanism.linkages import FourBar
 
     return values.build(FourBar, lever_sense=values.sign("lever_sense", "ccw"))
 
@@ -96,7 +57,7 @@ FOLLOWERS: Final = {
             unit="mm",
             touching="roller",
             schema=schema_beside(__file__, "translating_roller"),
-            build=_translating_roller,
+            made="rollers:TranslatingRoller",
             sizes=(
                 "base_radius",
                 "roller_radius",
@@ -105,7 +66,7 @@ FOLLOWERS: Final = {
                 "return.offset",
                 "return.roller_radius",
             ),
-            build_return=_return_on_carriage,
+            returned="rollers:return_on_carriage",
         ),
         FollowerKind(
             name="oscillating-roller",
@@ -113,7 +74,7 @@ FOLLOWERS: Final = {
             unit="rad",
             touching="roller",
             schema=schema_beside(__file__, "oscillating_roller"),
-            build=_oscillating_roller,
+            made="rollers:OscillatingRoller",
             sizes=(
                 "pivot",
                 "arm",
@@ -122,7 +83,7 @@ FOLLOWERS: Final = {
                 "return.arm",
                 "return.roller_radius",
             ),
-            build_return=_return_on_lever,
+            returned="rollers:return_on_lever",
         ),
         FollowerKind(
             name="translating-flat",
@@ -130,7 +91,7 @@ FOLLOWERS: Final = {
             unit="mm",
             touching="face",
             schema=schema_beside(__file__, "translating_flat"),
-            build=_translating_flat,
+            made="flat:TranslatingFlat",
             sizes=("base_radius",),
             rules=(_face_has_a_length,),
         ),
@@ -140,7 +101,7 @@ FOLLOWERS: Final = {
             unit="rad",
             touching="face",
             schema=schema_beside(__file__, "oscillating_flat"),
-            build=_oscillating_flat,
+            made="flat:OscillatingFlat",
             sizes=("pivot", "base_radius", "face_offset"),
             rules=(_face_has_a_length,),
         ),
