@@ -10,8 +10,16 @@ import sys
 from collections.abc import Sequence
 from typing import Final
 
-from camgeo.app.cli.command import CallError, add_json, present_name, show, write_files
-from camgeo.app.cli.plot import add_picture, output_files
+from camgeo.app.cli.command import (
+    AS_JSON,
+    Argument,
+    CallError,
+    add_arguments,
+    present_name,
+    show,
+    write_files,
+)
+from camgeo.app.cli.plot import output_files, picture_options
 from camgeo.app.cli.streams import Progress
 from camgeo.errors import meant
 from camgeo.units import counted
@@ -21,19 +29,19 @@ SUMMARY: Final = (
 )
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the program."""
-    parser.add_argument(
+ARGUMENTS: Final = (
+    Argument(
         "--only",
         metavar="NAME",
         nargs="+",
         default=[],
         help="groups (laws, tables, cams, linkages, slotted-levers, extremes, outlines),"
         " quantities, or beginnings of case names",
-    )
-    parser.add_argument("--quick", action="store_true", help="only two places of each case")
-    add_json(parser)
-    add_picture(parser)
+    ),
+    Argument("--quick", action="store_true", help="only two places of each case"),
+    AS_JSON,
+    *picture_options(),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -65,7 +73,7 @@ def known_names(asked: Sequence[str], known: tuple[str, ...]) -> frozenset[str]:
 def main(words: Sequence[str] | None = None) -> int:
     """Run the suite as `words` say, by default those of this process."""
     parser = argparse.ArgumentParser(prog="python -m tests.stability", description=SUMMARY)
-    options(parser)
+    add_arguments(parser, ARGUMENTS)
     parser.set_defaults(progress=Progress())
     arguments = parser.parse_args(words)
     arguments.progress.begin()

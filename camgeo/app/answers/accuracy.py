@@ -9,15 +9,8 @@ from dataclasses import dataclass
 from typing import Any, Final, Literal
 
 from camgeo.app.answers.answer import SCENE, Answer, Key, Keys, aligned
-from camgeo.app.cli.command import (
-    add_json,
-    add_scene,
-    notify_main_disc,
-    opened,
-    positive,
-    show,
-)
-from camgeo.app.cli.plot import add_picture, output_files
+from camgeo.app.cli.command import SCENE_FILE, Argument, notify_main_disc, opened, positive, show
+from camgeo.app.cli.plot import output_files, picture_options
 from camgeo.design.design import Design
 from camgeo.geometry.contour.contour import Form
 from camgeo.pictures.model import Figure
@@ -728,39 +721,55 @@ EXAMPLE: Final = (
 )
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    add_scene(parser)
-    parser.add_argument(
+def _tolerances(text: str) -> tuple[float, ...]:
+    """The tolerances of `--tolerances`, each once, the loosest first."""
+    found = set()
+    for word in text.split(","):
+        try:
+            value = float(word)
+        except ValueError:
+            value = math.nan
+        if not SMALLEST_TOLERANCE <= value <= LARGEST_TOLERANCE:
+            raise argparse.ArgumentTypeError(
+                f"{word.strip()!r} must be a length of {SMALLEST_TOLERANCE:g} to"
+                f" {LARGEST_TOLERANCE:g} mm"
+            )
+        found.add(value)
+    return tuple(sorted(found, reverse=True))
+
+
+ARGUMENTS: Final = (
+    SCENE_FILE,
+    Argument(
         "--tolerances",
         metavar="MM",
         type=_tolerances,
         help="comma-separated, in mm; default 1e-1 to 1e-6, one per decade; finer ones take long",
-    )
-    parser.add_argument(
+    ),
+    Argument(
         "--all",
         action="store_true",
         help="measure all forms and fits of the contour, solids, value tables and effects too; so"
         " does --json",
-    )
-    parser.add_argument(
+    ),
+    Argument(
         "--ripple",
         action="store_true",
         help="also replay the contours: how far the follower's acceleration is off",
-    )
-    parser.add_argument(
+    ),
+    Argument(
         "--bill",
         action="store_true",
         help="also build the scene within each tolerance: the seconds of each stage",
-    )
-    parser.add_argument(
+    ),
+    Argument(
         "--speed",
         metavar="RPM",
         type=positive,
         help="also tell which tolerance of each form is enough at this speed of the cam",
-    )
-    add_json(parser)
-    add_picture(parser)
+    ),
+    *picture_options(),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -777,20 +786,3 @@ def run(arguments: argparse.Namespace) -> int:
         progress=arguments.progress,
     )
     return show(found, arguments, output_files(found, arguments, "pieces, bytes, seconds"))
-
-
-def _tolerances(text: str) -> tuple[float, ...]:
-    """The tolerances of `--tolerances`, each once, the loosest first."""
-    found = set()
-    for word in text.split(","):
-        try:
-            value = float(word)
-        except ValueError:
-            value = math.nan
-        if not SMALLEST_TOLERANCE <= value <= LARGEST_TOLERANCE:
-            raise argparse.ArgumentTypeError(
-                f"{word.strip()!r} must be a length of {SMALLEST_TOLERANCE:g} to"
-                f" {LARGEST_TOLERANCE:g} mm"
-            )
-        found.add(value)
-    return tuple(sorted(found, reverse=True))

@@ -12,8 +12,8 @@ from typing import Any, Final, Literal
 from camgeo.app.answers.answer import MARKS, Answer, Key, aligned
 from camgeo.app.answers.check import check
 from camgeo.app.answers.sweep import shown_in
-from camgeo.app.cli.command import add_json, add_repeated, design_in, show
-from camgeo.app.cli.plot import add_picture, output_files
+from camgeo.app.cli.command import Argument, design_in, repeated_option, show
+from camgeo.app.cli.plot import output_files, picture_options
 from camgeo.check.finding import Finding
 from camgeo.check.judge import worst
 from camgeo.design.design import Design
@@ -337,17 +337,13 @@ EXAMPLE: Final = (
 )
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    parser.add_argument("scenes", metavar="SCENE", nargs="+", help="scene files, two or more")
-    add_repeated(
-        parser,
-        "--ask",
-        "NAMES",
-        "compare only these, named as for camgeo sweep; comma-separated",
-    )
-    add_json(parser)
-    add_picture(parser)
+ARGUMENTS: Final = (
+    Argument("scenes", metavar="SCENE", nargs="+", help="scene files, two or more"),
+    repeated_option(
+        "--ask", "NAMES", "compare only these, named as for camgeo sweep; comma-separated"
+    ),
+    *picture_options(),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -15,15 +15,15 @@ import numpy as np
 from camgeo.app.answers.answer import FINDING, SCENE, Answer, Key, exit_code, finding_lines
 from camgeo.app.cli.command import (
     CSV,
+    SCENE_FILE,
+    Argument,
     CallError,
     Written,
-    add_json,
-    add_output,
-    add_scene,
     check_step,
     decimal,
     from_0,
     opened,
+    output_options,
     positive,
     require_beside,
     show,
@@ -467,31 +467,40 @@ EXAMPLE: Final = (
 )
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    add_scene(parser)
-    parser.add_argument(
-        "--step", metavar="DEG", type=decimal, help=f"step of the cam angle; default {STEP}"
-    )
-    parser.add_argument(
-        "--spacing", metavar="MM", type=positive,
+def _csv(name: str) -> str:
+    if Path(name).suffix != CSV:
+        raise argparse.ArgumentTypeError(f"{name!r} must end in {CSV}")
+    return name
+
+
+ARGUMENTS: Final = (
+    SCENE_FILE,
+    Argument("--step", metavar="DEG", type=decimal, help=f"step of the cam angle; default {STEP}"),
+    Argument(
+        "--spacing",
+        metavar="MM",
+        type=positive,
         help="instead of a step: equal distances along the flank, at most this",
-    )  # fmt: skip
-    parser.add_argument("--flank", choices=tuple(map(str, Flank)), help="flank; default all in use")
-    parser.add_argument(
-        "--ball", metavar="MM", type=from_0, default=0.0,
+    ),
+    Argument("--flank", choices=tuple(map(str, Flank)), help="flank; default all in use"),
+    Argument(
+        "--ball",
+        metavar="MM",
+        type=from_0,
+        default=0.0,
         help="radius of the measuring ball: also list its centres, and check that it fits",
-    )  # fmt: skip
-    parser.add_argument(
-        "--tolerance", metavar="MM", type=positive,
+    ),
+    Argument(
+        "--tolerance",
+        metavar="MM",
+        type=positive,
         help="also list the deviations allowed: plus and minus half of this profile tolerance",
-    )  # fmt: skip
-    add_json(parser)
-    parser.add_argument(
-        "--lift", metavar="FILE", type=_csv, help=f"lift curve to write as well ({CSV})"
-    )
-    contents = f"file to write ({CSV}); of several flanks one each, with -inner, -outer, -return"
-    add_output(parser, contents, (CSV,))
+    ),
+    Argument("--lift", metavar="FILE", type=_csv, help=f"lift curve to write as well ({CSV})"),
+    *output_options(
+        f"file to write ({CSV}); of several flanks one each, with -inner, -outer, -return", (CSV,)
+    ),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -530,9 +539,3 @@ def _points(found: Probing, output: str | None) -> Iterator[Written]:
             ending += f"-{one.flank}"
         path = name.with_name(f"{name.stem}{ending}{name.suffix}")
         yield table_file(flank_table(found, one), path)
-
-
-def _csv(name: str) -> str:
-    if Path(name).suffix != CSV:
-        raise argparse.ArgumentTypeError(f"{name!r} must end in {CSV}")
-    return name

@@ -16,7 +16,7 @@ import numpy as np
 
 from camgeo.app.answers.answer import FINDING, MANY, MARKS, SCENE, Answer, Key, in_a_line
 from camgeo.app.answers.check import Check, check
-from camgeo.app.cli.command import add_json, add_output, add_scene, opened, show, write_files
+from camgeo.app.cli.command import SCENE_FILE, Argument, opened, output_options, show, write_files
 from camgeo.check.cures.remedies import Cure
 from camgeo.check.finding import RETURN, Finding, Severity
 from camgeo.design.writing import CERTIFICATE, make_files
@@ -399,16 +399,15 @@ PAGES: Final = "camgeo.pages"
 EXAMPLE: Final = "camgeo report fixtures/scenes/setzhub.toml -o setzhub.html"
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    add_scene(parser)
-    add_output(parser, "page to write, .html; default: print a summary", (".html",))
-    parser.add_argument(
+ARGUMENTS: Final = (
+    SCENE_FILE,
+    *output_options("page to write, .html; default: print a summary", (".html",)),
+    Argument(
         "--quick",
         action="store_true",
         help="leave out price list and certificate, for which files are made",
-    )
-    add_json(parser)
+    ),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -23,11 +23,10 @@ from camgeo.app.answers.answer import (
     aligned,
 )
 from camgeo.app.cli.command import (
-    add_json,
-    add_output,
-    add_scene,
+    SCENE_FILE,
     notify_main_disc,
     opened,
+    output_options,
     show,
     write_files,
 )
@@ -617,11 +616,10 @@ def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 EXAMPLE: Final = "camgeo setup fixtures/scenes/setzhub.toml -o setzhub.html"
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    add_scene(parser)
-    add_output(parser, "page to write, .html; default: print to the terminal", (".html",))
-    add_json(parser)
+ARGUMENTS: Final = (
+    SCENE_FILE,
+    *output_options("page to write, .html; default: print to the terminal", (".html",)),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:

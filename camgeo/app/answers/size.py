@@ -12,17 +12,17 @@ from typing import Any, Final, Literal
 
 from camgeo.app.answers.answer import BROKEN, FINE, SCENE, Answer, Key, Keys
 from camgeo.app.cli.command import (
+    SCENE_FILE,
+    Argument,
     CallError,
     Written,
-    add_json,
-    add_scene,
     notify_main_disc,
     number,
     opened,
     require_beside,
     show,
 )
-from camgeo.app.cli.plot import add_picture, output_files
+from camgeo.app.cli.plot import output_files, picture_options
 from camgeo.app.cli.streams import notify
 from camgeo.cam.cam import Cam
 from camgeo.check.disc import transmission_angle_limit
@@ -748,43 +748,42 @@ EXAMPLE: Final = (
 )
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    add_scene(parser)
-    parser.add_argument(
+ARGUMENTS: Final = (
+    SCENE_FILE,
+    Argument(
         "--transmission-angle",
         metavar="DEG",
         type=number,
         help="smallest allowed, in degrees; default: the scene's",
-    )
-    parser.add_argument(
+    ),
+    Argument(
         "--radius-ratio",
         metavar="RATIO",
         type=number,
         help="largest allowed r_R/r_K, above 0 to 1; default: the scene's",
-    )
-    parser.add_argument(
+    ),
+    Argument(
         "--radius-of-curvature",
         metavar="LENGTH",
         type=number,
         default=0.0,
         help="smallest allowed for the cam of a flat face, in the scene's unit; default 0",
-    )
-    parser.add_argument(
+    ),
+    Argument(
         "--arm",
         nargs=2,
         metavar=("LOW", "HIGH"),
         type=number,
         help="also choose the arm of a rocker, between two lengths in the scene's unit",
-    )
-    parser.add_argument(
+    ),
+    Argument(
         "--scene",
         metavar="FILE",
         dest="target",
         help="write the scene with the answer's base_radius, offset or pivot, and arm_side",
-    )
-    add_json(parser)
-    add_picture(parser)
+    ),
+    *picture_options(),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:

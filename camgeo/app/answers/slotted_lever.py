@@ -12,15 +12,16 @@ from typing import TYPE_CHECKING, Final, Literal
 from camgeo.app.answers import answer
 from camgeo.app.answers.answer import FINE, Answer, Key
 from camgeo.app.cli.command import (
+    Argument,
+    ArgumentGroup,
     CallError,
-    add_json,
     decimal,
     require_beside,
     show,
     table_file,
     write_files,
 )
-from camgeo.app.cli.plot import add_picture, output_files
+from camgeo.app.cli.plot import output_files, picture_options
 from camgeo.app.cli.streams import write
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.slotted_lever import (
@@ -289,44 +290,47 @@ EXAMPLE: Final = (
 )
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    parser.add_argument(
+ARGUMENTS: Final = (
+    Argument(
         "--frame",
         metavar="MM",
         type=decimal,
         required=True,
         help="a, distance between the axes of crank and lever",
-    )
-    size = parser.add_mutually_exclusive_group(required=True)
-    size.add_argument(
-        "--swing",
-        metavar="DEG",
-        type=decimal,
-        help="whole swing of the lever; the crank is a sin(swing/2)",
-    )
-    size.add_argument(
-        "--crank",
-        metavar="MM",
-        type=decimal,
-        help="R, radius of the crank; with R > a the lever makes full turns",
-    )
-    parser.add_argument(
+    ),
+    ArgumentGroup(
+        Argument(
+            "--swing",
+            metavar="DEG",
+            type=decimal,
+            help="whole swing of the lever; the crank is a sin(swing/2)",
+        ),
+        Argument(
+            "--crank",
+            metavar="MM",
+            type=decimal,
+            help="R, radius of the crank; with R > a the lever makes full turns",
+        ),
+        required=True,
+    ),
+    Argument(
         "--speed", metavar="RPM", type=decimal, required=True, help="speed of the crank in rev/min"
-    )
-    group = parser.add_argument_group("value table")
-    group.add_argument("--table", action="store_true", help="print the value table as CSV instead")
-    group.add_argument("--csv", metavar="FILE", help="write the value table to a file")
-    group.add_argument(
-        "--step", metavar="DEG", type=decimal, help="step of the crank angle, default 1"
-    )
-    group.add_argument("--from", metavar="DEG", type=decimal, help="first crank angle, default 0")
-    group.add_argument("--to", metavar="DEG", type=decimal, help="last crank angle, default 360")
-    group.add_argument(
-        "--printed", action="store_true", help="to three decimals, as the SAM exercise prints it"
-    )
-    add_json(parser)
-    add_picture(parser)
+    ),
+    ArgumentGroup(
+        Argument("--table", action="store_true", help="print the value table as CSV instead"),
+        Argument("--csv", metavar="FILE", help="write the value table to a file"),
+        Argument("--step", metavar="DEG", type=decimal, help="step of the crank angle, default 1"),
+        Argument("--from", metavar="DEG", type=decimal, help="first crank angle, default 0"),
+        Argument("--to", metavar="DEG", type=decimal, help="last crank angle, default 360"),
+        Argument(
+            "--printed",
+            action="store_true",
+            help="to three decimals, as the SAM exercise prints it",
+        ),
+        title="value table",
+    ),
+    *picture_options(),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:

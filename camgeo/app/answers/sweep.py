@@ -13,16 +13,18 @@ from typing import Final
 from camgeo.app.answers.answer import Answer, Key, aligned
 from camgeo.app.cli import plot
 from camgeo.app.cli.command import (
+    FORCE,
+    SCENE_FILE,
+    WORKERS,
+    Argument,
+    ArgumentGroup,
     CallError,
     Written,
-    add_json,
-    add_objectives,
-    add_repeated,
-    add_scene,
-    add_workers,
     document,
     ending_in,
     engine_for,
+    objective_options,
+    repeated_option,
     require_new,
     show,
 )
@@ -403,65 +405,58 @@ EXAMPLE: Final = (
 )
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    add_scene(parser)
-    add_repeated(
-        parser,
+ARGUMENTS: Final = (
+    SCENE_FILE,
+    repeated_option(
         "--vary",
         "KEY=VALUES",
         "values of a key: START:STOP:COUNT, a list as 5,6,7, or START:STOP with --samples;"
         " KEY,KEY=VALUES ties keys together, VALUE/VALUE for different values; may be repeated",
-    )
-    add_repeated(
-        parser,
+    ),
+    repeated_option(
         "--ask",
         "NAMES",
         "what is computed of each design: findings as transmission-angle, columns of the value"
         " table as peak:a, max:NAME or min:NAME, diameter, machining-time, verdict;"
         " comma-separated",
-    )
-    parser.add_argument("--samples", metavar="COUNT", type=int, help="draw this many designs")
-    parser.add_argument("--method", choices=METHODS, help="how designs are drawn; default sobol")
-    parser.add_argument("--seed", type=int, help="of the samples; default 0")
-    add_repeated(
-        parser,
+    ),
+    Argument("--samples", metavar="COUNT", type=int, help="draw this many designs"),
+    Argument("--method", choices=METHODS, help="how designs are drawn; default sobol"),
+    Argument("--seed", type=int, help="of the samples; default 0"),
+    repeated_option(
         "-o",
         "FILE",
         f"rows, {', '.join(SUFFIXES)}; only a store can be resumed; may be repeated",
         ending_in(SUFFIXES),
         "output",
-    )
-    parser.add_argument(
+    ),
+    Argument(
         "--picture",
         metavar="FILE",
         type=ending_in(plot.SUFFIXES),
         help=f"also draw a picture, {', '.join(plot.SUFFIXES)}",
-    )
-    parser.add_argument(
+    ),
+    Argument(
         "--show",
         choices=KINDS,
         help="what it shows: a map over one or two keys, parallel axes, or the Pareto front;"
         " default: the front with --least or --largest, else a map, or axes for more keys",
-    )
-    add_objectives(
-        parser,
-        "objectives of the front: what of the answers should be {}",
-    )
-    where = parser.add_mutually_exclusive_group()
-    add_workers(where)
-    where.add_argument(
-        "--cluster",
-        metavar="ADDRESS",
-        help="compute by the workers of a Dask scheduler, tls://HOST:PORT, or on this machine"
-        " tcp://127.0.0.1:PORT; needs the extra camgeo[cluster]",
-    )
-    group = parser.add_mutually_exclusive_group()
-    group.add_argument(
-        "--resume", action="store_true", help="compute only what the store does not have"
-    )
-    group.add_argument("--force", action="store_true", help="overwrite existing files")
-    add_json(parser)
+    ),
+    *objective_options("objectives of the front: what of the answers should be {}"),
+    ArgumentGroup(
+        WORKERS,
+        Argument(
+            "--cluster",
+            metavar="ADDRESS",
+            help="compute by the workers of a Dask scheduler, tls://HOST:PORT, or on this machine"
+            " tcp://127.0.0.1:PORT; needs the extra camgeo[cluster]",
+        ),
+    ),
+    ArgumentGroup(
+        Argument("--resume", action="store_true", help="compute only what the store does not have"),
+        FORCE,
+    ),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:

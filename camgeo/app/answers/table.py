@@ -8,17 +8,17 @@ from decimal import Decimal
 from typing import Final
 
 from camgeo.app.answers.answer import Answer, Key
-from camgeo.app.answers.laws import DEFAULT_TASK, add_law_options, given_options, parameters_from
+from camgeo.app.answers.laws import DEFAULT_TASK, given_options, law_arguments, parameters_from
 from camgeo.app.cli.command import (
+    Argument,
     CallError,
-    add_json,
-    add_output,
     check_step,
     decimal,
     deliver,
     document,
     notify_main_disc,
     opened,
+    output_options,
 )
 from camgeo.design.design import Design
 from camgeo.design.value_table import Table
@@ -101,21 +101,20 @@ EXAMPLE: Final = (
 )
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    parser.add_argument("scene", metavar="SCENE", nargs="?", help="scene file (TOML)")
-    parser.add_argument(
+ARGUMENTS: Final = (
+    Argument("scene", metavar="SCENE", nargs="?", help="scene file (TOML)"),
+    Argument(
         "--step",
         metavar="STEP",
         type=decimal,
         help="step of the cam angle in degrees; with --law, step of z, default 0.002",
-    )
-    add_output(parser, "file to write; default: print to the terminal")
-    add_json(parser)
-    parser.add_argument(
+    ),
+    *output_options("file to write; default: print to the terminal"),
+    Argument(
         "--printed", action="store_true", help="with --law: rounded as the tables of VDI 2143 are"
-    )
-    add_law_options(parser)
+    ),
+    law_arguments(),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:

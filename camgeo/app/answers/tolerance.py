@@ -19,15 +19,7 @@ from camgeo.app.answers.answer import (
     small_extreme,
     unit_of,
 )
-from camgeo.app.cli.command import (
-    CSV,
-    JSON,
-    add_json,
-    add_output,
-    add_scene,
-    opened,
-    show,
-)
+from camgeo.app.cli.command import CSV, JSON, SCENE_FILE, Argument, opened, output_options, show
 from camgeo.app.cli.plot import SUFFIXES, output_files
 from camgeo.design.design import Design
 from camgeo.design.value_table import Table
@@ -605,20 +597,20 @@ EXAMPLE: Final = (
 )
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    add_scene(parser)
-    parser.add_argument(
+ARGUMENTS: Final = (
+    SCENE_FILE,
+    Argument(
         "--count",
         type=int,
         help="random machines that are replayed; default 1024, 0 for the linear analysis alone",
-    )
-    parser.add_argument("--seed", type=int, default=0, help="of what is drawn; default 0")
-    add_json(parser)
-    contents = (
-        f"file to write: a table ({CSV}), a picture ({', '.join(SUFFIXES)}), or the answer ({JSON})"
-    )
-    add_output(parser, contents, (CSV, JSON, *SUFFIXES))
+    ),
+    Argument("--seed", type=int, default=0, help="of what is drawn; default 0"),
+    *output_options(
+        f"file to write: a table ({CSV}), a picture ({', '.join(SUFFIXES)}), or the answer"
+        f" ({JSON})",
+        (CSV, JSON, *SUFFIXES),
+    ),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:

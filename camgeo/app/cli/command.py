@@ -66,64 +66,93 @@ def design_in(file: str, arguments: argparse.Namespace) -> Design:
     return Design(load_scene(file), Ledger(arguments.progress))
 
 
-def add_scene(parser: argparse.ArgumentParser) -> None:
-    """Add the argument that names the scene, see `opened`."""
-    parser.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
+class Argument:
+    """An argument of a command, stated as for `argparse.ArgumentParser.add_argument`."""
+
+    def __init__(self, *names: str, **stated: Any) -> None:
+        self.names, self.stated = names, stated
 
 
-def add_json(parser: argparse.ArgumentParser) -> None:
-    """Add the option that requests JSON in place of text."""
-    parser.add_argument("--json", action="store_true", help="print JSON")
+class ArgumentGroup:
+    """Arguments under a heading of their own, or without one those of which a call may have one
+    only, and has one if that is `required`.
+    """
+
+    def __init__(
+        self, *arguments: Argument, title: str = "", text: str | None = None, required: bool = False
+    ) -> None:
+        self.arguments, self.title, self.text, self.required = arguments, title, text, required
 
 
-def add_origin(parser: argparse.ArgumentParser, of: str) -> None:
-    """Add the option that says where the cam axis lies in the axes of files."""
-    parser.add_argument(
-        "--origin", metavar=("X", "Y"), type=number, nargs=2, default=(0.0, 0.0),
-        help=f"where the cam axis lies in {of} [mm]; default 0 0",
-    )  # fmt: skip
+Arguments = tuple[Argument | ArgumentGroup, ...]
+"""Those of a command, in the order of its help."""
 
 
-def add_output(
-    parser: argparse.ArgumentParser, text: str, suffixes: Sequence[str] | None = None
-) -> None:
-    """Add the options that name a file to write, described by `text`, and allow overwriting it.
+def add_arguments(parser: argparse._ActionsContainer, arguments: Arguments) -> None:
+    """Let a parser take them."""
+    for each in arguments:
+        if isinstance(each, Argument):
+            parser.add_argument(*each.names, **each.stated)
+        elif each.title:
+            add_arguments(parser.add_argument_group(each.title, each.text), each.arguments)
+        else:
+            only_one = parser.add_mutually_exclusive_group(required=each.required)
+            add_arguments(only_one, each.arguments)
+
+
+SCENE_FILE: Final = Argument("scene", metavar="SCENE", help="scene file (TOML)")
+"""Names the scene, see `opened`."""
+
+AS_JSON: Final = Argument("--json", action="store_true", help="print JSON")
+"""Requests JSON in place of text; every command with an answer has it."""
+
+FORCE: Final = Argument("--force", action="store_true", help="overwrite existing files")
+
+WORKERS: Final = Argument(
+    "--workers",
+    metavar="COUNT",
+    type=int,
+    default=1,
+    help="processes of this machine that compute; default 1, 0 for one on each core",
+)
+"""From it `engine_for` makes an engine."""
+
+
+def origin_option(of: str) -> Argument:
+    """Says where the cam axis lies in the axes of files."""
+    text = f"where the cam axis lies in {of} [mm]; default 0 0"
+    return Argument(
+        "--origin", metavar=("X", "Y"), type=number, nargs=2, default=(0.0, 0.0), help=text
+    )
+
+
+def output_options(text: str, suffixes: Sequence[str] | None = None) -> tuple[Argument, Argument]:
+    """Names a file to write, described by `text`, and allows overwriting it.
 
     Its name ends in one of `suffixes`, if there are any.
     """
     named = str if suffixes is None else ending_in(suffixes)
-    parser.add_argument("-o", metavar="FILE", dest="output", type=named, help=text)
-    parser.add_argument("--force", action="store_true", help="overwrite an existing file")
+    return Argument("-o", metavar="FILE", dest="output", type=named, help=text), FORCE
 
 
-def add_repeated(
-    parser: argparse.ArgumentParser,
+def repeated_option(
     option: str,
     metavar: str,
     text: str,
     read: Callable[[str], Any] = str,
     dest: str | None = None,
-) -> None:
-    """Add an option that may be given several times, described by `text`: a list, empty if not."""
-    parser.add_argument(
+) -> Argument:
+    """An option that may be given several times, described by `text`: a list, empty if not."""
+    return Argument(
         option, metavar=metavar, dest=dest, action="append", type=read, default=[], help=text
     )
 
 
-def add_objectives(parser: argparse.ArgumentParser, text: str) -> None:
-    """Add `--least` and `--largest`; `text` describes both, with {} for "small" or "large"."""
-    for option, what in (("--least", "small"), ("--largest", "large")):
-        add_repeated(parser, option, "NAMES", text.format(what))
-
-
-def add_workers(parser: argparse._ActionsContainer) -> None:
-    """Add `--workers`, from which `engine_for` makes an engine."""
-    parser.add_argument(
-        "--workers",
-        metavar="COUNT",
-        type=int,
-        default=1,
-        help="processes of this machine that compute; default 1, 0 for one on each core",
+def objective_options(text: str) -> tuple[Argument, ...]:
+    """`--least` and `--largest`; `text` describes both, with {} for "small" or "large"."""
+    options = {"--least": "small", "--largest": "large"}
+    return tuple(
+        repeated_option(each, "NAMES", text.format(what)) for each, what in options.items()
     )
 
 

@@ -114,8 +114,9 @@ COMMANDS: Final = {
 """What each command does, in the order of the help; each is a module of `camgeo.app.answers`, or of
 `camgeo.app.cli` if it has no answer, with `-` for `_`.
 
-It has an `EXAMPLE`, `options`, which adds to the command's parser, and `run`, which takes the
-arguments and returns the exit code; `arguments.progress` shows the steps of long work.
+It has an `EXAMPLE`, `ARGUMENTS`, those of the command's parser, to which one with an answer adds
+`--json`, and `run`, which takes the arguments and returns the exit code; `arguments.progress` shows
+the steps of long work.
 """
 
 WITHOUT_ANSWER: Final = {"new", "import", "plot", "watch", "design"}
@@ -151,6 +152,8 @@ def parser(commands: Collection[str] = COMMANDS) -> Parser:
     """The parser of all commands, with the options of `commands`; no module of another one is
     imported.
     """
+    from camgeo.app.cli.command import AS_JSON, add_arguments
+
     top = Parser(
         prog="camgeo",
         description="From a scene file to DXF, G-code, STL, 3MF and STEP of a cam, each proved to"
@@ -178,7 +181,9 @@ def parser(commands: Collection[str] = COMMANDS) -> Parser:
             name = MODULES.get(command, command.replace("-", "_"))
             room = "cli" if command in WITHOUT_ANSWER else "answers"
             module = importlib.import_module(f"camgeo.app.{room}.{name}")
-            module.options(own)
+            add_arguments(own, module.ARGUMENTS)
+            if room == "answers":
+                add_arguments(own, (AS_JSON,))
             own.epilog = f"example:\n  {module.EXAMPLE}"
             own.set_defaults(run=module.run, parser=own, progress=Progress())
     return top

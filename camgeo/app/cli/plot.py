@@ -11,12 +11,13 @@ from camgeo.app.answers.answer import FINE, Answer
 from camgeo.app.cli.command import (
     CSV,
     JSON,
+    SCENE_FILE,
+    Argument,
     Written,
-    add_output,
-    add_scene,
     document,
     notify_main_disc,
     opened,
+    output_options,
     table_file,
     write_files,
 )
@@ -35,11 +36,11 @@ SUFFIXES = (".png", ".svg", ".pdf")
 EXAMPLE: Final = "camgeo plot fixtures/scenes/setzhub.toml motion cam -o setzhub.png"
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    add_scene(parser)
-    parser.add_argument("what", metavar="WHAT", nargs="*", help="what to draw; default: everything")
-    add_output(parser, f"picture, {', '.join(SUFFIXES)}; default NAME.png", SUFFIXES)
+ARGUMENTS: Final = (
+    SCENE_FILE,
+    Argument("what", metavar="WHAT", nargs="*", help="what to draw; default: everything"),
+    *output_options(f"picture, {', '.join(SUFFIXES)}; default NAME.png", SUFFIXES),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -79,6 +80,6 @@ def output_files(answer: Answer, arguments: argparse.Namespace, contents: str) -
     return [(target, drawn(render.figure(answer), target.suffix), contents)]
 
 
-def add_picture(parser: argparse.ArgumentParser, text: str = "also draw a picture") -> None:
+def picture_options(text: str = "also draw a picture") -> tuple[Argument, Argument]:
     """The options of a command that draws a picture, by default in addition to what it prints."""
-    add_output(parser, f"{text}, {', '.join(SUFFIXES)}", SUFFIXES)
+    return output_options(f"{text}, {', '.join(SUFFIXES)}", SUFFIXES)
