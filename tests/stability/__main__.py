@@ -14,13 +14,14 @@ from camgeo.app.cli.command import (
     AS_JSON,
     Argument,
     CallError,
+    Progress,
     add_arguments,
+    output_files,
+    picture_options,
     present_name,
     show,
     write_files,
 )
-from camgeo.app.cli.plot import output_files, picture_options
-from camgeo.app.cli.streams import Progress
 from camgeo.errors import meant
 from camgeo.units import counted
 

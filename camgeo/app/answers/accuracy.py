@@ -9,8 +9,15 @@ from dataclasses import dataclass
 from typing import Any, Final, Literal
 
 from camgeo.app.answers.answer import SCENE, Answer, Key, Keys, aligned
-from camgeo.app.cli.command import SCENE_FILE, Argument, notify_main_disc, opened, positive, show
-from camgeo.app.cli.plot import output_files, picture_options
+from camgeo.app.cli.command import (
+    SCENE_FILE,
+    Argument,
+    notify_main_disc,
+    opened,
+    picture_options,
+    positive,
+    show,
+)
 from camgeo.design.design import Design
 from camgeo.geometry.contour.contour import Form
 from camgeo.pictures.model import Figure
@@ -785,4 +792,4 @@ def run(arguments: argparse.Namespace) -> int:
         speed=None if arguments.speed is None else arguments.speed * RPM,
         progress=arguments.progress,
     )
-    return show(found, arguments, output_files(found, arguments, "pieces, bytes, seconds"))
+    return show(found, arguments, contents="pieces, bytes, seconds")

@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Final
 
 from camgeo.app.answers.answer import FINDING, SCENE, Answer, Key, exit_code, finding_lines
-from camgeo.app.cli.command import SCENE_FILE, Argument, number, opened, settle, show
-from camgeo.app.cli.streams import notify
+from camgeo.app.cli.command import SCENE_FILE, Argument, notify, number, opened, settle, show
 from camgeo.check.finding import Finding
 from camgeo.design.design import Design
 from camgeo.design.judged_part import in_one_piece

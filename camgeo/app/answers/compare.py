@@ -12,8 +12,7 @@ from typing import Any, Final, Literal
 from camgeo.app.answers.answer import MARKS, Answer, Key, aligned
 from camgeo.app.answers.check import check
 from camgeo.app.answers.sweep import shown_in
-from camgeo.app.cli.command import Argument, design_in, repeated_option, show
-from camgeo.app.cli.plot import output_files, picture_options
+from camgeo.app.cli.command import Argument, design_in, picture_options, repeated_option, show
 from camgeo.check.finding import Finding
 from camgeo.check.judge import worst
 from camgeo.design.design import Design
@@ -351,8 +350,7 @@ def run(arguments: argparse.Namespace) -> int:
     designs = [design_in(name, arguments) for name in arguments.scenes]
     labels = labels_of(arguments.scenes)
     found = compare(list(zip(labels, designs, strict=True)), names_in(arguments.ask))
-    files = output_files(found, arguments, "flanks, motion, acceleration, mu")
-    return show(found, arguments, files)
+    return show(found, arguments, contents="flanks, motion, acceleration, mu")
 
 
 def labels_of(names: Sequence[str]) -> list[str]:

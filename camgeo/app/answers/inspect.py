@@ -26,17 +26,15 @@ from camgeo.app.answers.answer import (
     whose_lift,
 )
 from camgeo.app.cli.command import (
-    CSV,
     SCENE_FILE,
+    TABLE_OR_PICTURE,
     Argument,
     CallError,
     from_0,
     opened,
-    output_options,
     positive,
     show,
 )
-from camgeo.app.cli.plot import SUFFIXES, output_files
 from camgeo.check.finding import Finding, held
 from camgeo.design.design import Design
 from camgeo.design.product import Product, disc_of
@@ -745,9 +743,7 @@ ARGUMENTS: Final = (
         type=positive,
         help="profile tolerance: width of the zone about the flank that must hold all points",
     ),
-    *output_options(
-        f"file to write: a table ({CSV}) or a picture ({', '.join(SUFFIXES)})", (CSV, *SUFFIXES)
-    ),
+    *TABLE_OR_PICTURE,
 )
 
 
@@ -765,4 +761,4 @@ def run(arguments: argparse.Namespace) -> int:
         ball=arguments.ball,
         tolerance=arguments.tolerance,
     )
-    return show(found, arguments, output_files(found, arguments, "deviations, lift errors"))
+    return show(found, arguments, contents="deviations, lift errors")

@@ -9,8 +9,16 @@ from dataclasses import dataclass, fields
 from typing import Final, Literal
 
 from camgeo.app.answers.answer import Answer, Key, Keys
-from camgeo.app.cli.command import Argument, ArgumentGroup, CallError, number, show, write_files
-from camgeo.app.cli.plot import output_files, picture_options
+from camgeo.app.cli.command import (
+    Argument,
+    ArgumentGroup,
+    CallError,
+    number,
+    output_files,
+    picture_options,
+    show,
+    write_files,
+)
 from camgeo.errors import Fault, SceneError
 from camgeo.kinematics.laws import ALIASES, FAMILIES, OPTIONS, find_family
 from camgeo.kinematics.laws.comparison import QUANTITIES, Entry, Running, compare

@@ -11,17 +11,19 @@ from typing import Final, Literal
 
 from camgeo.app.answers.answer import BROKEN, FINE, STOPPED, Answer, Key, aligned
 from camgeo.app.answers.sweep import csv_of, shown, shown_in
-from camgeo.app.cli import plot
 from camgeo.app.cli.command import (
     FORCE,
+    IMAGES,
     SCENE_FILE,
     WORKERS,
     Argument,
     CallError,
     Written,
     document,
+    drawn,
     ending_in,
     engine_for,
+    notify,
     number,
     objective_options,
     repeated_option,
@@ -29,7 +31,6 @@ from camgeo.app.cli.command import (
     show,
     write_files,
 )
-from camgeo.app.cli.streams import notify
 from camgeo.pictures.model import Figure
 from camgeo.scene.scene import Scene, load_scene
 from camgeo.scene.varied import Value
@@ -375,7 +376,7 @@ def figure(answer: Optimum) -> Figure:
 # -- command line ----------------------------------------------------------------------------------
 
 
-SUFFIXES: Final = (".toml", ".json", ".csv", *plot.SUFFIXES)
+SUFFIXES: Final = (".toml", ".json", ".csv", *IMAGES)
 
 EXAMPLE: Final = (
     "camgeo optimise fixtures/scenes/setzhub.toml --vary follower.base_radius=40:60"
@@ -474,4 +475,4 @@ def _written(answer: Optimum, path: Path) -> Written:
         return path, comma_separated(answer), counted(answer.evaluations, "row")
     if path.suffix == ".json":
         return path, document(answer).encode(), "the record"
-    return path, plot.drawn(figure(answer), path.suffix), "picture"
+    return path, drawn(figure(answer), path.suffix), "picture"

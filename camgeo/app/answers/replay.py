@@ -25,19 +25,17 @@ from camgeo.app.answers.answer import (
     whose_lift,
 )
 from camgeo.app.cli.command import (
-    CSV,
     SCENE_FILE,
+    TABLE_OR_PICTURE,
     Argument,
     check_step,
     decimal,
     from_0,
+    notify,
     opened,
     origin_option,
-    output_options,
     show,
 )
-from camgeo.app.cli.plot import SUFFIXES, output_files
-from camgeo.app.cli.streams import notify
 from camgeo.cam.cam import Cam
 from camgeo.design.design import Design
 from camgeo.design.product import Product, disc_of
@@ -756,9 +754,7 @@ ARGUMENTS: Final = (
         default=STEP,
         help=f"step of the cam angle; default {STEP}",
     ),
-    *output_options(
-        f"file to write: a table ({CSV}) or a picture ({', '.join(SUFFIXES)})", (CSV, *SUFFIXES)
-    ),
+    *TABLE_OR_PICTURE,
 )
 
 
@@ -779,4 +775,4 @@ def run(arguments: argparse.Namespace) -> int:
     for each in found.discs:
         for note in filter(None, (each.note, *each.notes)):
             notify(note)
-    return show(found, arguments, output_files(found, arguments, "lift, velocity, acceleration"))
+    return show(found, arguments, contents="lift, velocity, acceleration")

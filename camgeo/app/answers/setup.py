@@ -24,13 +24,13 @@ from camgeo.app.answers.answer import (
 )
 from camgeo.app.cli.command import (
     SCENE_FILE,
+    drawn,
     notify_main_disc,
     opened,
     output_options,
     show,
     write_files,
 )
-from camgeo.app.cli.plot import drawn
 from camgeo.design.design import Design
 from camgeo.design.milled import compared
 from camgeo.design.product import Product, programs_of, sides_of

@@ -16,14 +16,14 @@ from camgeo.app.cli.command import (
     Argument,
     CallError,
     Written,
+    notify,
     notify_main_disc,
     number,
     opened,
+    picture_options,
     require_beside,
     show,
 )
-from camgeo.app.cli.plot import output_files, picture_options
-from camgeo.app.cli.streams import notify
 from camgeo.cam.cam import Cam
 from camgeo.check.disc import transmission_angle_limit
 from camgeo.check.finding import Finding
@@ -803,20 +803,20 @@ def run(arguments: argparse.Namespace) -> int:
         radius_of_curvature=unit * arguments.radius_of_curvature,
         arms=None if arm is None else (unit * arm[0], unit * arm[1]),
     )
-    return show(found, arguments, _files(found, arguments))
+    return show(found, arguments, _scene_file(found, arguments), "region of the cam axis")
 
 
-def _files(found: CamSize, arguments: argparse.Namespace) -> list[Written]:
-    files: list[Written] = output_files(found, arguments, "region of the cam axis")
-    unit = found.scene.unit
-    if arguments.target is not None and found.written is not None:
-        target, source = Path(arguments.target), Path(arguments.scene)
-        if found.scene.files and target.resolve().parent != source.resolve().parent:
-            raise SceneError(
-                [Fault("--scene", str(target), "must be in the folder of SCENE, which names files")]
-            )
-        radius = f"base radius {found.written.base_radius / MM_PER[unit]:.12g} {unit}"
-        return [(target, sized_scene(found).to_toml().encode(), radius), *files]
-    if arguments.target is not None:
+def _scene_file(found: CamSize, arguments: argparse.Namespace) -> list[Written]:
+    """The scene with the sizes, if it was asked for and there is one."""
+    if arguments.target is None:
+        return []
+    if found.written is None:
         notify(f"{arguments.target}: not written, there is no such mechanism")
-    return files
+        return []
+    unit, target, source = found.scene.unit, Path(arguments.target), Path(arguments.scene)
+    if found.scene.files and target.resolve().parent != source.resolve().parent:
+        raise SceneError(
+            [Fault("--scene", str(target), "must be in the folder of SCENE, which names files")]
+        )
+    radius = f"base radius {found.written.base_radius / MM_PER[unit]:.12g} {unit}"
+    return [(target, sized_scene(found).to_toml().encode(), radius)]

@@ -16,13 +16,14 @@ from camgeo.app.cli.command import (
     ArgumentGroup,
     CallError,
     decimal,
+    output_files,
+    picture_options,
     require_beside,
     show,
     table_file,
+    write,
     write_files,
 )
-from camgeo.app.cli.plot import output_files, picture_options
-from camgeo.app.cli.streams import write
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.slotted_lever import (
     NAMES,

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Final
 
 from camgeo.app.answers.answer import Answer, Key, aligned
-from camgeo.app.cli import plot
 from camgeo.app.cli.command import (
     FORCE,
+    IMAGES,
     SCENE_FILE,
     WORKERS,
     Argument,
@@ -21,14 +21,15 @@ from camgeo.app.cli.command import (
     CallError,
     Written,
     document,
+    drawn,
     ending_in,
     engine_for,
+    notify,
     objective_options,
     repeated_option,
     require_new,
     show,
 )
-from camgeo.app.cli.streams import notify
 from camgeo.scene.scene import Scene, load_scene
 from camgeo.scene.varied import Value
 from camgeo.studies.sweep.family import Family, Sample, family_of, names_in, questions_of
@@ -433,8 +434,8 @@ ARGUMENTS: Final = (
     Argument(
         "--picture",
         metavar="FILE",
-        type=ending_in(plot.SUFFIXES),
-        help=f"also draw a picture, {', '.join(plot.SUFFIXES)}",
+        type=ending_in(IMAGES),
+        help=f"also draw a picture, {', '.join(IMAGES)}",
     ),
     Argument(
         "--show",
@@ -525,7 +526,7 @@ def _picture(
             figure = pictures.pareto(result, least, largest)
         else:
             figure = pictures.PICTURES[kind](result)
-        return [(path, plot.drawn(figure, path.suffix), kind)]
+        return [(path, drawn(figure, path.suffix), kind)]
 
     return draw
 

@@ -19,8 +19,16 @@ from camgeo.app.answers.answer import (
     small_extreme,
     unit_of,
 )
-from camgeo.app.cli.command import CSV, JSON, SCENE_FILE, Argument, opened, output_options, show
-from camgeo.app.cli.plot import SUFFIXES, output_files
+from camgeo.app.cli.command import (
+    CSV,
+    IMAGES,
+    JSON,
+    SCENE_FILE,
+    Argument,
+    opened,
+    output_options,
+    show,
+)
 from camgeo.design.design import Design
 from camgeo.design.value_table import Table
 from camgeo.geometry.outline.path import Flank
@@ -606,9 +614,8 @@ ARGUMENTS: Final = (
     ),
     Argument("--seed", type=int, default=0, help="of what is drawn; default 0"),
     *output_options(
-        f"file to write: a table ({CSV}), a picture ({', '.join(SUFFIXES)}), or the answer"
-        f" ({JSON})",
-        (CSV, JSON, *SUFFIXES),
+        f"file to write: a table ({CSV}), a picture ({', '.join(IMAGES)}), or the answer ({JSON})",
+        (CSV, JSON, *IMAGES),
     ),
 )
 
@@ -617,4 +624,4 @@ def run(arguments: argparse.Namespace) -> int:
     """Analyse, print the answer, and write it."""
     count = COUNT if arguments.count is None else arguments.count
     found = tolerance(opened(arguments), count=count, seed=arguments.seed)
-    return show(found, arguments, output_files(found, arguments, "errors over the cam angle"))
+    return show(found, arguments, contents="errors over the cam angle")

@@ -22,12 +22,12 @@ from camgeo.app.cli.command import (
     FORCE,
     Argument,
     CallError,
+    notify,
     number_from,
     origin_option,
     settle,
     show,
 )
-from camgeo.app.cli.streams import notify
 from camgeo.design.design import Design
 from camgeo.design.product import Product, disc_of
 from camgeo.design.verify import Check, Origin, Reading, Verifier, equal, failed, reported

@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from camgeo.app.answers.answer import FINE
-from camgeo.app.cli.command import Argument, CallError
-from camgeo.app.cli.streams import notify, say, until_ctrl_c
+from camgeo.app.cli.command import Argument, CallError, notify, say, until_ctrl_c
 from camgeo.errors import FileError
 
 DESIGNERS: Final = "camgeo.designers"

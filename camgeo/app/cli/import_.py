@@ -17,8 +17,7 @@ from decimal import Decimal
 from pathlib import Path
 from typing import Final, Literal
 
-from camgeo.app.cli.command import Argument, CallError, deliver, output_options
-from camgeo.app.cli.streams import notify
+from camgeo.app.cli.command import Argument, CallError, deliver, notify, output_options
 from camgeo.errors import Fault, SceneError
 from camgeo.reading import PROJECT
 from camgeo.scene.scene import parse_scene, read_file

@@ -19,7 +19,18 @@ from typing import Final, NoReturn
 
 from camgeo._version import __version__
 from camgeo.app.answers.answer import CRASHED, STOPPED, WRONG, text
-from camgeo.app.cli.streams import Progress, StreamError, notify, printable, write
+from camgeo.app.cli.command import (
+    AS_JSON,
+    CallError,
+    Progress,
+    StreamError,
+    add_arguments,
+    notify,
+    present_name,
+    printable,
+    show,
+    write,
+)
 from camgeo.errors import CamgeoError
 
 # Slower imports are in functions, because a signal may arrive during them.
@@ -152,8 +163,6 @@ def parser(commands: Collection[str] = COMMANDS) -> Parser:
     """The parser of all commands, with the options of `commands`; no module of another one is
     imported.
     """
-    from camgeo.app.cli.command import AS_JSON, add_arguments
-
     top = Parser(
         prog="camgeo",
         description="From a scene file to DXF, G-code, STL, 3MF and STEP of a cam, each proved to"
@@ -224,8 +233,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(words: list[str]) -> int:
     """Run the command of these words."""
-    from camgeo.app.cli.command import CallError, present_name, show
-
     words[:1] = [present_name(word) for word in words[:1]]
     if words and words[0] in GONE:
         notify(f"camgeo: {words[0]} {GONE[words[0]]}")

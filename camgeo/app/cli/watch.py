@@ -12,16 +12,19 @@ from typing import Final
 from camgeo.app.answers.answer import FINE
 from camgeo.app.answers.check import Check, check
 from camgeo.app.cli.command import (
+    IMAGES,
     SCENE_FILE,
     Argument,
     CallError,
+    Progress,
+    drawn,
     from_0,
     number_from,
     opened,
     output_options,
+    say,
+    until_ctrl_c,
 )
-from camgeo.app.cli.plot import SUFFIXES, drawn
-from camgeo.app.cli.streams import Progress, say, until_ctrl_c
 from camgeo.errors import CamgeoError, SceneError
 from camgeo.reading import SCENE
 from camgeo.scene.scene import read_file
@@ -53,7 +56,7 @@ def _count(text: str) -> int:
 ARGUMENTS: Final = (
     SCENE_FILE,
     Argument("what", metavar="WHAT", nargs="*", help="what to draw; default: everything"),
-    *output_options(f"picture, {', '.join(SUFFIXES)}; default SCENE.png", SUFFIXES),
+    *output_options(f"picture, {', '.join(IMAGES)}; default SCENE.png", IMAGES),
     Argument(
         "--every",
         metavar="SECONDS",
