@@ -16,7 +16,7 @@ import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import cycle
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from camgeo.geometry.contour.contour import Form
 from camgeo.pictures.model import (
@@ -37,13 +37,10 @@ from camgeo.pictures.model import (
     log_limits,
     over,
 )
+from camgeo.studies.accuracy.benefit import BenefitRow, advice, enough, words
 from camgeo.studies.accuracy.contours import EFFORTS, FORMS, ORDER, ContourRow, in_length
-from camgeo.studies.accuracy.knee import advice
 from camgeo.studies.accuracy.survey import Stage, Survey
 from camgeo.units import MM_PER, RPM, LengthUnit, LiftUnit, in_unit
-
-if TYPE_CHECKING:
-    from camgeo.studies.accuracy.benefit import BenefitRow
 
 WIDTH, HEIGHT = 8.0, 3.2
 """Sizes [inch] of the figure and of each panel."""
@@ -117,11 +114,6 @@ Marked = tuple[float, str, str]
 def marked(survey: Survey, benefits: Sequence[BenefitRow]) -> Marked | None:
     """The knee of the benefits, of one form, if they have one, else that of the costs, or None."""
     if benefits:
-        from camgeo.studies.accuracy.knee import (  # a survey without a speed needs none
-            enough,
-            words,
-        )
-
         found = enough(benefits)
         if found is not None:
             name = f"enough at {found.row.speed / RPM:g} rev/min"

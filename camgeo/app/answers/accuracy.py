@@ -24,7 +24,14 @@ from camgeo.pictures.model import Figure
 from camgeo.scene.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.scene.scene import Scene
 from camgeo.studies.accuracy import survey as surveys
-from camgeo.studies.accuracy.benefit import BenefitRow, benefit_rows, harmonics
+from camgeo.studies.accuracy.benefit import (
+    BenefitRow,
+    advice,
+    benefit_rows,
+    harmonics,
+    of_each_form,
+    step_sentence,
+)
 from camgeo.studies.accuracy.contours import (
     FORMS,
     ContourRow,
@@ -33,7 +40,6 @@ from camgeo.studies.accuracy.contours import (
     TableRow,
     in_length,
 )
-from camgeo.studies.accuracy.knee import advice, of_each_form, step_sentence
 from camgeo.studies.accuracy.survey import (
     STAGES,
     TOLERANCES,

@@ -201,8 +201,8 @@ def advised(found: Check) -> tuple[Advised, ...]:
 
 def _prices(design: Design, progress: Progress) -> Survey:
     """Of contours alone, with what is the same on every machine."""
+    from camgeo.studies.accuracy.benefit import knee_of
     from camgeo.studies.accuracy.contours import contour_rows
-    from camgeo.studies.accuracy.knee import knee_of
     from camgeo.studies.accuracy.survey import Survey, own_rows
 
     rows = contour_rows(design, TOLERANCES, ripple=False, progress=progress, timed=False)
