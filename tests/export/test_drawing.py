@@ -156,7 +156,7 @@ def check(mark: Mark, entity: Any, there: Placed, size: float, paper: float) -> 
     elif isinstance(mark, Label):
         assert (kind, dxf.layer, dxf.text, dxf.style) == ("TEXT", mark.layer, mark.text, "CAMGEO")
         require(
-            dxf, height=mark.height * paper, rotation=math.degrees(mark.angle), valign=0,
+            dxf, height=mark.height * paper, rotation=0.0, valign=0,
             width=NARROWED * squeeze(mark.text, mark.height, mark.width),
             halign={"left": 0, "centre": 1, "right": 2}[mark.across],
         )  # fmt: skip

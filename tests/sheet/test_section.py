@@ -22,17 +22,20 @@ from camgeo.part.assembly import bevelled as part_with
 from camgeo.part.assembly import bore_boundary
 from camgeo.part.part import Boundary, Layer, Part
 from camgeo.part.spec import Chamfer, Chamfers, Keyway, PartSpec
-from camgeo.pictures.sheet.front import (
+from camgeo.pictures.sheet.marks import Chain, Hatched, Label, Mark, line
+from camgeo.pictures.sheet.section import bevelled, corners_of, edges_above, section
+from camgeo.pictures.sheet.shape import (
+    COARSE,
     DASH_DOT,
     DASH_DOTS,
+    Edge,
+    Shape,
     chains_of,
     dashed,
     dashed_stretch,
     in_dashes,
+    shape_of,
 )
-from camgeo.pictures.sheet.marks import Chain, Hatched, Label, Mark, line
-from camgeo.pictures.sheet.section import bevelled, corners_of, edges_above, section
-from camgeo.pictures.sheet.shape import COARSE, Edge, Shape, shape_of
 from camgeo_export.drawing.writer import hatching
 from tests.part.parts import FLANKS, circle, made_or_refused, specs
 

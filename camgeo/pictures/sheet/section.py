@@ -23,7 +23,6 @@ from camgeo.geometry.contour.contour import Contour, Effort
 from camgeo.geometry.contour.parallel import corners, parallel, steps_to
 from camgeo.numeric.arrays import ComplexArray, phase
 from camgeo.part.part import WRITTEN_SHARE, Bevel, Boundary, written_contour
-from camgeo.pictures.sheet.front import SMALL_BEYOND
 from camgeo.pictures.sheet.marks import (
     ARROW,
     CELL,
@@ -39,6 +38,8 @@ from camgeo.pictures.sheet.marks import (
     Label,
     Layer,
     Mark,
+    Option,
+    Options,
     line,
     moved,
     number_of,
@@ -46,8 +47,7 @@ from camgeo.pictures.sheet.marks import (
     shelf_of,
     width_of,
 )
-from camgeo.pictures.sheet.placing import Option, Options
-from camgeo.pictures.sheet.shape import COARSE, Edge, Shape, crossings, extreme
+from camgeo.pictures.sheet.shape import COARSE, SMALL_BEYOND, Edge, Shape, crossings, extreme
 from camgeo.scene.formats.drawing import DrawingSpec
 from camgeo.units import LengthUnit
 

@@ -15,7 +15,6 @@ from camgeo.design.product import Product
 from camgeo.errors import GeometryError, SceneError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.part.part import WRITTEN_SHARE
-from camgeo.pictures.sheet import front
 from camgeo.pictures.sheet import section as dimensions
 from camgeo.pictures.sheet.marks import (
     CELL,
@@ -24,18 +23,30 @@ from camgeo.pictures.sheet.marks import (
     Label,
     Layer,
     Mark,
+    Options,
     Round,
     Sheet,
     View,
     arrow,
+    cleared,
+    ink_of,
     line,
     moved,
     rectangle,
+    settled,
     texture,
     width_of,
 )
-from camgeo.pictures.sheet.placing import Options, cleared, ink_of, settled
-from camgeo.pictures.sheet.shape import Drawn, shape_of
+from camgeo.pictures.sheet.shape import (
+    BEYOND,
+    DASH_DOT,
+    Drawn,
+    dashed,
+    hole_centres,
+    in_dashes,
+    outlines,
+    shape_of,
+)
 from camgeo.pictures.sheet.texts import (
     SIZES,
     Region,
@@ -117,9 +128,11 @@ def _sheet(
     """A sheet with its frame and title block."""
     size, ratio = SIZES[spec.sheet], spelled(scale)
     all_marks = [*marks, *sheet_marks(spec, ratio, product.unit, numbered)]
-    dashed = tuple(front.in_dashes(all_marks, 1.0))
+    drawn_marks = tuple(in_dashes(all_marks, 1.0))
     comma = spec.language == "de"
-    return Sheet(size.width, size.height, float(scale), ratio, product.unit, comma, views, dashed)
+    return Sheet(
+        size.width, size.height, float(scale), ratio, product.unit, comma, views, drawn_marks
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -267,12 +280,12 @@ def front_view(drawn: Drawn, scale: float, product: Product, spec: DrawingSpec) 
     bench = dimensions.Bench(spec, unit, scale, reach)
     fixed: list[Mark] = []
     if drawn.pitch is not None:
-        fixed += front.dashed(drawn.pitch, scale, "PITCH_CURVE", front.DASH_DOT)
+        fixed += dashed(drawn.pitch, scale, "PITCH_CURVE", DASH_DOT)
     if drawn.base_radius is not None:
         fixed.append(Round(0j, drawn.base_radius, "BASE_CIRCLE"))
     fixed += _cross(low, high, scale)
-    fixed += front.hole_centres(shape, scale)
-    fixed += front.outlines(shape)
+    fixed += hole_centres(shape, scale)
+    fixed += outlines(shape)
     fixed += drawn.edges
     if drawn.cut:
         fixed += _plane(low, high, scale)
@@ -294,12 +307,12 @@ def front_view(drawn: Drawn, scale: float, product: Product, spec: DrawingSpec) 
 
 def _cleared(marks: list[Mark], scale: float, unit: LengthUnit) -> list[Mark]:
     """The marks of a view with thin lines kept off its texts and frames."""
-    return list(cleared(front.in_dashes(marks, scale), ink_of(marks, scale, unit), scale))
+    return list(cleared(in_dashes(marks, scale), ink_of(marks, scale, unit), scale))
 
 
 def _cross(low: complex, high: complex, scale: float) -> list[Mark]:
     """Centre lines through the cam axis, beyond all that is shown."""
-    far = front.BEYOND / scale
+    far = BEYOND / scale
     return [
         line(complex(low.real - far, 0.0), complex(high.real + far, 0.0), "CENTRE"),
         line(complex(0.0, low.imag - far), complex(0.0, high.imag + far), "CENTRE"),
@@ -354,7 +367,7 @@ def _plane(low: complex, high: complex, scale: float) -> list[Mark]:
     """The ends of the cutting plane A-A, with arrows in the direction of sight."""
     marks: list[Mark] = []
     for y, way in ((low.imag, -1.0), (high.imag, 1.0)):
-        start = complex(0.0, y + way * (front.BEYOND + 0.5) / scale)
+        start = complex(0.0, y + way * (BEYOND + 0.5) / scale)
         end = start + 5j * way / scale
         marks.append(line(start, end, "SECTION"))
         tail = end - 9.0 / scale
@@ -426,7 +439,7 @@ def section_view(drawn: Drawn, scale: float, product: Product, spec: DrawingSpec
     shape, unit = drawn.shape, product.unit
     thick = shape.part.thickness
     bench = dimensions.Bench(spec, unit, scale, shape.size)
-    far = front.BEYOND / scale
+    far = BEYOND / scale
     fixed: list[Mark] = [line(complex(-far), complex(thick + far), "CENTRE")]
     fixed += dimensions.bevelled(drawn.cut, shape)
     fixed += dimensions.hole_centres(shape, scale)
