@@ -39,15 +39,8 @@ class Placed:
 
     @property
     def line(self) -> int | None:
+        """Its number; None if it concerns the whole program."""
         return self.found.line or None
-
-    @property
-    def value(self) -> str | None:
-        return self.found.value or None
-
-    @property
-    def allowed(self) -> str | None:
-        return self.found.allowed or None
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,11 +60,8 @@ class Program:
 
     @property
     def file(self) -> str:
+        """Its path, as text."""
         return str(self.path)
-
-    @property
-    def refused(self) -> str | None:
-        return self.damage or None
 
     @property
     def moves(self) -> int:
@@ -225,7 +215,9 @@ DOCUMENT: Final = Key(
             "In the order in which they were named.",
             {
                 "file": "Its path, as named.",
-                "refused": Key("Why it cannot be read; missing if it can.", optional=True),
+                "refused": Key(
+                    "Why it cannot be read; missing if it can.", of="damage", optional=True
+                ),
                 "moves": "Moves that it makes.",
                 "complete": "Whether it was read to its end; false after too many findings.",
                 "findings": Key(
@@ -247,8 +239,8 @@ DOCUMENT: Final = Key(
                             ],
                         ),
                         "what": Key("What is wrong.", of="found.what"),
-                        "value": Key("What was found.", optional=True),
-                        "allowed": Key("What would be right.", optional=True),
+                        "value": Key("What was found.", of="found.value", optional=True),
+                        "allowed": Key("What would be right.", of="found.allowed", optional=True),
                     },
                 ),
             },
