@@ -688,7 +688,7 @@ def test_letters_and_arrows_are_where_the_sheet_has_them(name: str) -> None:
             )
         elif isinstance(mark, Label) and mark.text.strip():
             place, size = (at + scale * mark.at) / GRAIN, mark.height / GRAIN
-            along = (firsts - place) * np.exp(-1j * mark.angle)
+            along = firsts - place
             low, high = {"left": (-0.5, 2.0), "centre": (-2.0, 2.0), "right": (-2.0, 0.5)}[
                 mark.across
             ]

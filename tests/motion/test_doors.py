@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from camgeo.app.answers.table import law_table
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import FAMILIES, make_law
 from camgeo.kinematics.laws.comparison import Running, compare
@@ -25,7 +26,7 @@ from camgeo.kinematics.planning.build import balanced
 from camgeo.kinematics.planning.planner import plan_motion
 from camgeo.kinematics.planning.requests import MoveRequest, PointsRequest, TableRequest
 from camgeo.kinematics.splines import Spline, clamped_spline, periodic_spline, smooth_clamped_spline
-from camgeo.kinematics.tables import law_table, read_lift_table, read_speed_table
+from camgeo.kinematics.tables import read_lift_table, read_speed_table
 from camgeo.kinematics.time_course import ConstantSpeed, SpeedCurve, plan_extremes, time_extremes
 from camgeo.units import TURN
 from tests.long_form import examples

@@ -23,18 +23,23 @@ from camgeo.part.assembly import bore_boundary
 from camgeo.part.part import Boundary, Layer, Part
 from camgeo.part.spec import Chamfer, Chamfers, Keyway, PartSpec
 from camgeo.pictures.sheet.marks import Chain, Hatched, Label, Mark, line
-from camgeo.pictures.sheet.section import bevelled, corners_of, edges_above, section
-from camgeo.pictures.sheet.shape import (
+from camgeo.pictures.sheet.section import (
     COARSE,
-    DASH_DOT,
-    DASH_DOTS,
     Edge,
     Shape,
+    bevelled,
+    corners_of,
+    edges_above,
+    section,
+    shape_of,
+)
+from camgeo.pictures.sheet.sheet import (
+    DASH_DOT,
+    DASH_DOTS,
     chains_of,
     dashed,
     dashed_stretch,
     in_dashes,
-    shape_of,
 )
 from camgeo_export.drawing.writer import hatching
 from tests.part.parts import FLANKS, circle, made_or_refused, specs

@@ -11,17 +11,16 @@ from collections.abc import Sequence
 from typing import Final
 
 from camgeo.app.cli.command import (
-    AS_JSON,
     Argument,
     CallError,
     Progress,
-    add_arguments,
     output_files,
     picture_options,
     present_name,
     show,
     write_files,
 )
+from camgeo.app.cli.main import AS_JSON, add_arguments
 from camgeo.errors import meant
 from camgeo.units import counted
 

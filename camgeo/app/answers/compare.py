@@ -322,9 +322,9 @@ def _cell(cell: Cell, length: LengthUnit) -> str:
 
 def figure(answer: Compare) -> Figure:
     """The designs over each other."""
-    from camgeo.pictures import compare as picture
+    from camgeo.pictures.sweep import of_designs
 
-    return picture.figure([(each.label, each.design) for each in answer.designs])
+    return of_designs([(each.label, each.design) for each in answer.designs])
 
 
 # -- command line ----------------------------------------------------------------------------------

@@ -22,16 +22,10 @@ from camgeo.check.finding import RETURN, Finding, Severity
 from camgeo.design.writing import CERTIFICATE, make_files
 from camgeo.errors import CamgeoError
 from camgeo.pictures import plots
-from camgeo.pictures.charts import (
-    MOTION,
-    Chart,
-    disc_diagrams,
-    motion_diagram,
-    of_effects,
-    readings,
-)
 from camgeo.pictures.mechanism import Animation, animation
 from camgeo.pictures.model import Figure
+from camgeo.pictures.motion import readings
+from camgeo.pictures.plots import MOTION_TITLE, Chart, disc_diagrams, motion_diagram, of_effects
 from camgeo.units import counted
 
 if TYPE_CHECKING:
@@ -141,7 +135,7 @@ def report(design: Design, *, quick: bool = False, progress: Progress = lambda _
         left_out.append("mechanism: the scene has no follower, so there is no disc")
     else:
         turn = tried("mechanism", lambda: animation(design.disc))
-    wanted = [(MOTION, partial(motion_diagram, design))]
+    wanted = [(MOTION_TITLE, partial(motion_diagram, design))]
     wanted += tried("diagrams of the disc", lambda: [*_of_discs(design)]) or ()
     charts = [
         Chart(what, figure, readings(figure))

@@ -94,23 +94,8 @@ Arguments = tuple[Argument | ArgumentGroup, ...]
 """Those of a command, in the order of its help."""
 
 
-def add_arguments(parser: argparse._ActionsContainer, arguments: Arguments) -> None:
-    """Let a parser take them."""
-    for each in arguments:
-        if isinstance(each, Argument):
-            parser.add_argument(*each.names, **each.stated)
-        elif each.title:
-            add_arguments(parser.add_argument_group(each.title, each.text), each.arguments)
-        else:
-            only_one = parser.add_mutually_exclusive_group(required=each.required)
-            add_arguments(only_one, each.arguments)
-
-
 SCENE_FILE: Final = Argument("scene", metavar="SCENE", help="scene file (TOML)")
 """Names the scene, see `opened`."""
-
-AS_JSON: Final = Argument("--json", action="store_true", help="print JSON")
-"""Requests JSON in place of text; every command with an answer has it."""
 
 FORCE: Final = Argument("--force", action="store_true", help="overwrite existing files")
 

@@ -20,11 +20,11 @@ from typing import Final, NoReturn
 from camgeo._version import __version__
 from camgeo.app.answers.answer import CRASHED, STOPPED, WRONG, text
 from camgeo.app.cli.command import (
-    AS_JSON,
+    Argument,
+    Arguments,
     CallError,
     Progress,
     StreamError,
-    add_arguments,
     notify,
     present_name,
     printable,
@@ -51,6 +51,9 @@ BLAS_THREADS: Final = "OPENBLAS_NUM_THREADS"
 """Variable that states how many threads the BLAS of numpy and that of scipy start, each on loading.
 camgeo's matrices are too small to be shared among threads, which would only wait for work, and do
 so by spinning."""
+
+AS_JSON: Final = Argument("--json", action="store_true", help="print JSON")
+"""Requests JSON in place of text; every command with an answer has it."""
 
 COMMANDS: Final = {
     "new": "write a commented scene to start from",
@@ -157,6 +160,18 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         super().error(printable(message))
+
+
+def add_arguments(parser: argparse._ActionsContainer, arguments: Arguments) -> None:
+    """Let a parser take them."""
+    for each in arguments:
+        if isinstance(each, Argument):
+            parser.add_argument(*each.names, **each.stated)
+        elif each.title:
+            add_arguments(parser.add_argument_group(each.title, each.text), each.arguments)
+        else:
+            only_one = parser.add_mutually_exclusive_group(required=each.required)
+            add_arguments(only_one, each.arguments)
 
 
 def parser(commands: Collection[str] = COMMANDS) -> Parser:

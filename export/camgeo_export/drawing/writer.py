@@ -54,8 +54,7 @@ from camgeo.pictures.sheet.marks import (
     number_of,
     squeeze,
 )
-from camgeo.pictures.sheet.shape import dashed_stretch
-from camgeo.pictures.sheet.sheet import sheets_of
+from camgeo.pictures.sheet.sheet import dashed_stretch, sheets_of
 from camgeo.scene.formats.drawing import FORMAT
 from camgeo.scene.formats.format import Format
 from camgeo.units import MM_PER
