@@ -45,16 +45,6 @@ class Compared:
     design: Design
     verdict: str
 
-    @property
-    def name(self) -> str:
-        """Of the scene."""
-        return self.design.name
-
-    @property
-    def identity(self) -> str:
-        """Of the scene."""
-        return self.design.scene.identity
-
 
 @dataclass(frozen=True, slots=True)
 class DifferingKey:
@@ -231,9 +221,10 @@ DOCUMENT: Final = Key(
             "The designs, in the order given.",
             {
                 "label": "By which the text and the picture name it.",
-                "name": "Name of its scene.",
+                "name": Key("Name of its scene.", of="design.name"),
                 "sha256": Key(
-                    "SHA-256 of everything that the scene states, hexadecimal.", of="identity"
+                    "SHA-256 of everything that the scene states, hexadecimal.",
+                    of="design.scene.identity",
                 ),
                 "verdict": Key(
                     "The worst severity of its findings; empty if only some questions were asked.",

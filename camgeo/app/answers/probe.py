@@ -74,11 +74,6 @@ class ProbedFlank:
         """Number of points."""
         return len(self.points.places)
 
-    @property
-    def off_radius(self) -> Extreme:
-        """The largest angle [rad] between a normal and the radius, with its cam angle."""
-        return self.points.off_radius
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Probing(Answer):
@@ -355,6 +350,7 @@ FLANK: Final = Key(
                 "angle_deg": Key("That angle.", of="value"),
                 "cam_angle_deg": Key("Cam angle of the value.", of="place"),
             },
+            of="points.off_radius",
         ),
         "findings": Key("What is to be known, worst first.", FINDING),
     },
@@ -389,7 +385,7 @@ def text(answer: Probing) -> str:
             f"{each.disc.name}: {counted(each.count, 'point')} of the {each.flank} flank, {spaced},"
             f" {each.length:.6g} mm long"
         )
-        off = each.off_radius
+        off = each.points.off_radius
         lines.append(
             f"        {'normals':26}up to {math.degrees(off.value):.4g} deg off the radius,"
             f" {at_cam_angles(off.place)}"

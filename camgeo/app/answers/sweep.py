@@ -113,16 +113,6 @@ class Sweep(Answer):
         return self.result.family.scene
 
     @property
-    def keys(self) -> tuple[str, ...]:
-        """The keys that vary."""
-        return self.result.family.keys
-
-    @property
-    def sample(self) -> Sample | None:
-        """How designs were drawn; None for all combinations."""
-        return self.result.family.sample
-
-    @property
     def designs(self) -> Iterator[Design]:
         """All designs, in the order of the family."""
         mixed = frozenset(span.word for span in self.spans if span.mixed)
@@ -214,13 +204,14 @@ DOCUMENT: Final = Key(
                 ),
             },
         ),
-        "keys": "The keys of the scene that vary.",
+        "keys": Key("The keys of the scene that vary.", of="result.family.keys"),
         "sample": Key(
             "How designs were drawn; null for all combinations.",
             {
                 "method": "Sequence of the samples.",
                 "seed": "With which it begins.",
             },
+            of="result.family.sample",
         ),
         "count": "Number of designs.",
         "failed": "Designs that lack an answer, with a reason.",
@@ -284,7 +275,7 @@ def text(answer: Sweep) -> str:
 
 
 def _drawn(answer: Sweep) -> str:
-    sample = answer.sample
+    sample = answer.result.family.sample
     if sample is None:
         return ""
     return f", drawn with {sample.method}, seed {sample.seed}"
@@ -316,7 +307,7 @@ def headed(span: Span, length: LengthUnit = "mm") -> str:
 
 def _cells(answer: Sweep, designs: Iterable[Design]) -> list[list[str]]:
     length = answer.scene.unit
-    rows = [[*answer.keys, *(headed(span, length) for span in answer.spans), REASON]]
+    rows = [[*answer.result.family.keys, *(headed(span, length) for span in answer.spans), REASON]]
     common = {span.word: span.unit for span in answer.spans}
     for each in designs:
         answers = (
@@ -359,7 +350,7 @@ def comma_separated(answer: Sweep) -> bytes:
     """
 
     def rows() -> Iterator[list[object]]:
-        heads: list[object] = list(answer.keys)
+        heads: list[object] = list(answer.result.family.keys)
         for span in answer.spans:
             heads += [headed(span), *([f"{span.word} unit"] if span.mixed else [])]
         yield [*heads, REASON]
