@@ -481,7 +481,7 @@ def size(job: Job, recent: Recent) -> dict[str, Any]:
     made = found.best.made
     sizes = [
         _rating(name, each, unit)
-        for name, each in (("present design", found.present), ("smallest", found.written))
+        for name, each in (("present design", found.present), ("smallest", found.best.written))
         if each is not None
     ]
     edits = {} if made is None else edits_with(found.scene, made)
@@ -495,11 +495,11 @@ def size(job: Job, recent: Recent) -> dict[str, Any]:
 
 def _sentence(found: CamSize, edits: Mapping[str, Any]) -> str:
     """The smallest base radius, and what else changes with it."""
-    if found.written is None:
+    if found.best.written is None:
         only_just = "The requirement can only just be met: no scene surely keeps it."
-        return in_unit(found.infeasible or only_just, found.scene.unit)
+        return in_unit(found.best.infeasible or only_just, found.scene.unit)
     unit = MM_PER[found.scene.unit]
-    now = found.written.base_radius / unit
+    now = found.best.written.base_radius / unit
     sentence = f"The smallest base radius is {now:.6g} {found.scene.unit}"
     if found.present is not None:
         sentence += f" instead of {found.present.base_radius / unit:.6g} {found.scene.unit}"
