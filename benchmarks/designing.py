@@ -31,9 +31,7 @@ from typing import Any, Final
 import numpy as np
 
 from camgeo.app.designing.children import Job
-from camgeo.app.designing.painting import painted
-from camgeo.app.designing.recent import Recent
-from camgeo.app.designing.work import prepared
+from camgeo.app.designing.work import Recent, painted, prepared
 from camgeo.design.design import Design
 from camgeo.scene.scene import parse_scene
 

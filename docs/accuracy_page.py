@@ -15,9 +15,8 @@ from typing import Final
 import camgeo
 from camgeo.geometry.contour.contour import Effort, Form
 from camgeo.pictures.accuracy import figure
-from camgeo.studies.accuracy.benefit import benefit_rows
+from camgeo.studies.accuracy.benefit import advice, benefit_rows, knee_of
 from camgeo.studies.accuracy.contours import EFFORTS, FORMS, ContourRow, contour_rows
-from camgeo.studies.accuracy.knee import advice, knee_of
 from camgeo.studies.accuracy.survey import STEPS, Survey, own_rows, solid_rows, survey, table_rows
 from camgeo.units import RPM
 from camgeo_export.plots import render

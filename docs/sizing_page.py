@@ -174,9 +174,9 @@ def page() -> str:
         "smallest on the other side": other.written,
     }
     lobe = sized(LOBE)
-    task, limits = lobe.task, lobe.scene.limits
+    task, limits = lobe.best.task, lobe.scene.limits
     assert sizing.answer is not None
-    assert lobe.sizing.answer is not None
+    assert lobe.best.sizing.answer is not None
     text = TEXT.format(
         scene=SCENE,
         angle=math.degrees(sizing.angle),
@@ -186,8 +186,8 @@ def page() -> str:
         answer=sizing.answer.base_radius,
         lobe=LOBE,
         local=task.follower.roller_radius / limits.radius_ratio,
-        least=lobe.sizing.answer.base_radius,
-        proved=lobe.sizing.none_below,
+        least=lobe.best.sizing.answer.base_radius,
+        proved=lobe.best.sizing.none_below,
         rocker=ROCKER,
         faces="".join(_faces(scene) for scene in (TAPPET, ROCKER)),
         low=ARMS[0],
@@ -203,7 +203,7 @@ def _faces(scene: str) -> str:
     found = [size(design, radius_of_curvature=each) for each in RADII]
     rows = {f"`{scene}`": found[0].present}
     rows |= {
-        f"smallest, rho at least {radius:g} mm": each.written
+        f"smallest, rho at least {radius:g} mm": each.best.written
         for radius, each in zip(RADII, found, strict=True)
     }
     return "".join(_face_row(name, rating) for name, rating in rows.items())

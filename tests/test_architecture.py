@@ -44,7 +44,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("pictures.sheet",),
     ("pictures",),
     ("app.answers.answer",),
-    ("app.cli.command", "app.cli.plot", "app.cli.streams"),
+    ("app.cli.command",),
     ("app.answers",),
     ("app.designing",),
     ("app.cli",),

@@ -12,9 +12,8 @@ import pytest
 
 import camgeo
 from camgeo.geometry.contour.arcs import ARC
-from camgeo.studies.accuracy.benefit import BenefitRow, benefit_rows
+from camgeo.studies.accuracy.benefit import BenefitRow, benefit_rows, enough, words
 from camgeo.studies.accuracy.contours import CHORD, CUBIC, FORMS, ORDER
-from camgeo.studies.accuracy.knee import enough, words
 from camgeo.units import RPM
 from tests.pages import page_maker
 

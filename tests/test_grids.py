@@ -295,7 +295,7 @@ CLOSED: dict[str, dict[str, str]] = {
     "camgeo/pictures/sheet/texts.py": {
         "np.linspace(0.0, TURN, SAMPLES)": PICTURE,
     },
-    "camgeo/pictures/sheet/front.py": {
+    "camgeo/pictures/sheet/sheet.py": {
         "np.arange(PLACES + 1)": PICTURE,
     },
     "camgeo/studies/tolerancing/linear.py": {

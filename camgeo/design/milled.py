@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from camgeo.milling.cut import ContourCut, Cut
     from camgeo.milling.features import Feature
     from camgeo.milling.judged import Done
-    from camgeo.milling.milling import GcodeSpec, MillingSpec, Stock
+    from camgeo.milling.milling import GcodeSpec, MillingSpec
     from camgeo.milling.moves import Toolpath
     from camgeo.milling.plan import Engaged
     from camgeo.milling.planned import Sequence
@@ -106,18 +106,15 @@ class MilledDisc(Pickled):
         """
         if self.whole is not None:
             return self.whole.sequence
-        with self._faults_of_scene():
-            return self._sequence()
-
-    def _sequence(self) -> Sequence:
         from camgeo.milling.planned import sequence_of
 
-        if lacking := self.scene.lacking([FORMAT]):
-            raise SceneError(lacking, self.scene.source.file)
-        assert self.spec is not None  # for the scene has a tool
-        options = self.gcode
-        found = sequence_of(self.part, self.spec, options.heights, options.compensation)
-        return replace(found, findings=stated_in(self.scene.unit, found.findings))
+        with self._faults_of_scene():
+            if lacking := self.scene.lacking([FORMAT]):
+                raise SceneError(lacking, self.scene.source.file)
+            assert self.spec is not None  # for the scene has a tool
+            options = self.gcode
+            found = sequence_of(self.part, self.spec, options.heights, options.compensation)
+            return replace(found, findings=stated_in(self.scene.unit, found.findings))
 
     @contextmanager
     def _faults_of_scene(self) -> Iterator[None]:
@@ -183,23 +180,21 @@ class MilledDisc(Pickled):
     @property
     def zero(self) -> Zero:
         """Of the program; raises SceneError if the blank has no such corner."""
-        from camgeo.milling.milling import NOT, Stock
+        from camgeo.milling.bench import Bench
+        from camgeo.milling.milling import AXIS, NOT, Stock
+        from camgeo.milling.planned import is_cut_free
+        from camgeo.milling.zero import zero_of
 
         stock = Stock() if self.spec is None else self.spec.stock
         turned = NOT if self.spec is None else self.spec.turned
         with self._faults_of_scene():
-            return self._zero_of(stock, turned)
-
-    def _zero_of(self, stock: Stock, turned: str) -> Zero:
-        from camgeo.milling.milling import AXIS
-        from camgeo.milling.zero import zero_of
-
-        found, first = zero_of(self.gcode, stock, self.part, turned), self.first
-        if first is not None and first.spec is not None and found.name != AXIS:
-            from camgeo.milling.bench import Bench
-            from camgeo.milling.planned import is_cut_free
-
-            if is_cut_free(Bench(first.part, first.spec), first.sequence.cuts):
+            found, first = zero_of(self.gcode, stock, self.part, turned), self.first
+            if (
+                first is not None
+                and first.spec is not None
+                and found.name != AXIS
+                and is_cut_free(Bench(first.part, first.spec), first.sequence.cuts)
+            ):
                 message = "there is no corner: the first side cuts the part out of the blank"
                 raise GeometryError(message, "output.gcode.zero", f'"{found.name}"')
         return found

@@ -74,6 +74,9 @@ LOCK: Final = ".camgeo-lock"
 PATIENCE: Final = 10.0
 """Seconds to wait for another process; moving files takes much less."""
 
+PRIVATE: Final = 0o600
+"""Mode of files that nobody else may read."""
+
 EVERY: Final = 0.02
 """Seconds between two attempts to get the lock."""
 
@@ -115,7 +118,7 @@ def write_set(
     try:
         for created in made:
             with suppress(OSError):  # it may be a folder that cannot be read
-                _sync(created.parent)
+                sync(created.parent)
         with _locked(folder, progress):
             _restore(folder)
             _refuse_overwriting(folder, files, force=force)
@@ -174,7 +177,8 @@ def settle(folder: Path, progress: Progress = silent) -> str:
 def _locked(folder: Path, progress: Progress) -> Generator[None]:
     """Keep other processes, and other threads, out of `folder`."""
     end = time.monotonic() + PATIENCE
-    while (lock := _lock(folder)) is None:
+    place = folder / LOCK if sys.platform == "win32" else folder
+    while (lock := lock_at(place, os.O_RDONLY)) is None:
         try:
             who = f"process {int((folder / STAGING / WRITER).read_bytes())}"
         except (OSError, ValueError):  # it has not said so yet, or has just finished
@@ -189,22 +193,25 @@ def _locked(folder: Path, progress: Progress) -> Generator[None]:
         os.close(lock)  # releases it
 
 
-def _lock(folder: Path) -> int | None:
-    """The lock as an open file; None if another process has it."""
+def lock_at(place: Path, flags: int) -> int | None:
+    """A lock as an open file, opened with `flags`; None if another process has it.
+
+    Where a file system has no locks everybody gets it: what is locked is still safe, but two
+    processes at once are not kept apart.
+    """
     if sys.platform == "win32":
-        flags = os.O_CREAT | os.O_EXCL | os.O_TEMPORARY  # deleted when it is closed
         try:
-            return os.open(folder / LOCK, flags)
+            return os.open(place, os.O_CREAT | os.O_EXCL | os.O_TEMPORARY)  # goes when closed
         except FileExistsError:
             return None
-    lock = os.open(folder, os.O_RDONLY)
+    lock = os.open(place, flags, PRIVATE)
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         os.close(lock)
         return None
     except OSError:
-        pass  # a file system without locks: sets are still safe, but two at once are not kept apart
+        pass
     return lock
 
 
@@ -291,24 +298,24 @@ def _stage(folder: Path, files: Mapping[str, bytes], outdated: tuple[str, ...]) 
     for name in (*files, *outdated):
         if os.path.lexists(folder / name):
             _keep(folder / name, staging / OLD / name)
-    _sync(staging / NEW)
-    _sync(staging / OLD)
+    sync(staging / NEW)
+    sync(staging / OLD)
     _write_durably(staging / "names", json.dumps(list(files)).encode())
     (staging / "names").replace(staging / JOURNAL)
-    _sync(staging)
-    _sync(folder)
+    sync(staging)
+    sync(folder)
 
 
 def _move_into_place(folder: Path, names: tuple[str, ...], outdated: tuple[str, ...]) -> None:
     *others, last = names
     for name in (*([last] if others else []), *outdated):
         (folder / name).unlink(missing_ok=True)
-    _sync(folder)
+    sync(folder)
     for name in others:
         (folder / STAGING / NEW / name).replace(folder / name)
-    _sync(folder)
+    sync(folder)
     (folder / STAGING / NEW / last).replace(folder / last)
-    _sync(folder)
+    sync(folder)
     (folder / STAGING / JOURNAL).unlink()
 
 
@@ -332,12 +339,12 @@ def _restore(folder: Path) -> str:
                     reason = "is a folder now, which must be moved away"
                     raise OSError(errno.EISDIR, reason, str(folder / name))
                 (folder / name).replace(staging / NEW / name)
-        _sync(folder)
+        sync(folder)
         kept = sorted(path.name for path in (staging / OLD).glob("*"))
         for name in (*(each for each in kept if each not in names), *names):
             if os.path.lexists(staging / OLD / name) and not os.path.lexists(folder / name):
                 (staging / OLD / name).replace(folder / name)
-        _sync(folder)
+        sync(folder)
         (staging / JOURNAL).unlink()
         said = "a run was interrupted here; the files from before it have been put back"
     _clear(staging)
@@ -376,7 +383,7 @@ def _keep(source: Path, target: Path) -> None:
     except OSError:
         shutil.copy2(source, target, follow_symlinks=False)
         if not target.is_symlink():
-            _sync(target)
+            sync(target)
 
 
 def _write_durably(path: Path, data: bytes) -> None:
@@ -386,7 +393,7 @@ def _write_durably(path: Path, data: bytes) -> None:
         os.fsync(file.fileno())
 
 
-def _sync(path: Path) -> None:
+def sync(path: Path) -> None:
     """Wait until a folder's entries, or a file, are on disk; some systems cannot for folders."""
     if sys.platform == "win32":
         return

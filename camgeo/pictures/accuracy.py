@@ -13,10 +13,10 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from itertools import cycle
-from typing import TYPE_CHECKING, Final
+from itertools import cycle, product
+from typing import Any, Final
 
 from camgeo.geometry.contour.contour import Form
 from camgeo.pictures.model import (
@@ -37,13 +37,10 @@ from camgeo.pictures.model import (
     log_limits,
     over,
 )
+from camgeo.studies.accuracy.benefit import BenefitRow, advice, enough, words
 from camgeo.studies.accuracy.contours import EFFORTS, FORMS, ORDER, ContourRow, in_length
-from camgeo.studies.accuracy.knee import advice
 from camgeo.studies.accuracy.survey import Stage, Survey
 from camgeo.units import MM_PER, RPM, LengthUnit, LiftUnit, in_unit
-
-if TYPE_CHECKING:
-    from camgeo.studies.accuracy.benefit import BenefitRow
 
 WIDTH, HEIGHT = 8.0, 3.2
 """Sizes [inch] of the figure and of each panel."""
@@ -117,11 +114,6 @@ Marked = tuple[float, str, str]
 def marked(survey: Survey, benefits: Sequence[BenefitRow]) -> Marked | None:
     """The knee of the benefits, of one form, if they have one, else that of the costs, or None."""
     if benefits:
-        from camgeo.studies.accuracy.knee import (  # a survey without a speed needs none
-            enough,
-            words,
-        )
-
         found = enough(benefits)
         if found is not None:
             name = f"enough at {found.row.speed / RPM:g} rev/min"
@@ -163,7 +155,8 @@ def figure(
     if computing and any(row.stages for row in survey.bill):
         drawn.append(("seconds of a build", _bill(survey)))
     if any(row.ripple for row in survey.contours):
-        drawn.append(("ripple [% of the demanded peak]", _ripples(survey)))
+        ripples = _by_form(survey, lambda row: row.ripple and 100.0 * row.ripple, "ripple, {}, {}")
+        drawn.append(("ripple [% of the demanded peak]", ripples))
     count = len(drawn)
     spectrum = [row for row in own if row.octaves]
     effects = computing and any(row.seconds is not None for row in survey.effects)
@@ -242,30 +235,26 @@ def _both(
     0 or not known is left out. Empty without benefits.
     """
     known = [row for row in benefits if row.acceleration is not None]
-    tolerances = [row.tolerance for row in known]
     lines = []
     for name, (colour, marker), off in (
         ("acceleration off", OFF_STYLES[0], [row.ripple for row in known]),
         ("contact force off", OFF_STYLES[1], [row.force_share for row in known]),
         ("lift-off speed lost", OFF_STYLES[2], [row.lift_off_share for row in known]),
     ):
-        shown = [(x, 100.0 * y) for x, y in zip(tolerances, off, strict=True) if y]
+        shown = [(row.tolerance, y and 100.0 * y) for row, y in zip(known, off, strict=True)]
         lines += _course(shown, Style(colour, 1.4, marker=marker, size=5.0), name)
     if not lines:
         return []
     fits = [row for row in survey.contours if (row.form, row.effort) == (form, EFFORTS[0])]
-    built = [(row.tolerance, row.total) for row in survey.bill] if computing else []
-    for name, (colour, marker), spent in (
-        (
-            "pieces",
-            COST_STYLES[0],
-            [(row.tolerance, None if row.count is None else row.count.pieces) for row in fits],
-        ),
-        ("bytes, DXF", COST_STYLES[1], [(row.tolerance, _drawing_size(row)) for row in fits]),
-        ("milled round", COST_STYLES[2], [(row.tolerance, row.round_seconds) for row in fits]),
-        ("seconds of a build", COST_STYLES[3], built),
-    ):
-        costs = sorted(((x, y) for x, y in spent if y), reverse=True)
+    spent: tuple[list[tuple[float, float | None]], ...] = (
+        [(row.tolerance, row.count.pieces if row.count else None) for row in fits],
+        [(row.tolerance, _drawing_size(row)) for row in fits],
+        [(row.tolerance, row.round_seconds) for row in fits],
+        [(row.tolerance, row.total) for row in survey.bill if computing],
+    )
+    names = ("pieces", "bytes, DXF", "milled round", "seconds of a build")
+    for name, (colour, marker), found in zip(names, COST_STYLES, spent, strict=True):
+        costs = sorted(((x, y) for x, y in found if y), reverse=True)
         style = Style(colour, 1.0, (4.0, 2.0), marker, 5.0, "white", colour)
         lines += _course([(x, y / costs[0][1]) for x, y in costs], style, name)
     return lines
@@ -275,9 +264,26 @@ def _off(benefits: Sequence[BenefitRow]) -> list[Line]:
     """What the acceleration is off on contours of each form, in per cent of its exact peak."""
     lines = []
     for form in FORMS:
-        found = [(row.tolerance, 100.0 * row.ripple) for row in benefits
-                 if row.form == form and row.ripple]  # fmt: skip
+        found = [(row.tolerance, row.ripple and 100.0 * row.ripple) for row in benefits
+                 if row.form == form]  # fmt: skip
         lines += _course(found, _style(form, EFFORTS[0]), f"acceleration off, {form}")
+    return lines
+
+
+def _by_form(
+    survey: Survey,
+    value: Value,
+    label: str,
+    efforts: Sequence[str] = EFFORTS,
+    forms: Sequence[Form] = FORMS,
+    **drawn: Any,
+) -> list[Line]:
+    """A value of the contours of each form, with one effort after the other."""
+    lines = []
+    for form, effort in product(forms, efforts):
+        found = [(row.tolerance, value(row)) for row in survey.contours
+                 if (row.form, row.effort) == (form, effort)]  # fmt: skip
+        lines += _course(found, replace(_style(form, effort), **drawn), label.format(form, effort))
     return lines
 
 
@@ -289,60 +295,44 @@ def _pieces(survey: Survey) -> list[Line]:
 
     lines = []
     for form in FORMS:
-        own = [row for row in survey.contours if row.form == form and row.count is not None]
         # The rows of both efforts hold the same limit.
-        least = {row.tolerance: row.count.least for row in own if row.count}
+        least = {row.tolerance: row.count.least for row in survey.contours
+                 if row.form == form and row.count}  # fmt: skip
         tolerances = sorted(least, reverse=True)
         if tolerances and least[tolerances[0]] > 0.0:
             values = [least[tolerance] for tolerance in tolerances]
             slope = f"limit, slope −1/{ORDER[form]}"
             lines.append(Line(over(tolerances, values), Style(COLOURS[form], 0.7), slope))
-        for effort in EFFORTS:
-            rows = [row for row in own if row.effort == effort]
-            lines += _points(rows, free, f"{form}, {effort}", _style(form, effort))
+        lines += _by_form(survey, free, "{}, {}", forms=(form,))
     return lines
 
 
 def _bytes(survey: Survey) -> list[Line]:
     """Sizes of the files: drawings, programs, solids; for contours those with the fewest pieces."""
-    fewest = [row for row in survey.contours if row.effort == EFFORTS[0]]
-    lines = []
-    for form in FORMS:
-        rows = [row for row in fewest if row.form == form]
-        lines += _points(rows, _drawing_size, f"DXF, {form}", _style(form, EFFORTS[0]))
+    lines = _by_form(survey, _drawing_size, "DXF, {}", EFFORTS[:1])
     style = replace(_style("arcs", EFFORTS[1]), marker="D", width=0.8, dashes=DOTTED)
-    lines += _points(
-        fewest,
-        lambda row: None if row.program is None else row.program.size,
-        "G-code",
-        style,
-    )
+    programs = [(row.tolerance, row.program.size) for row in survey.contours
+                if row.effort == EFFORTS[0] and row.program]  # fmt: skip
+    lines += _course(programs, style, "G-code")
     for name, (marker, colour) in SOLID_STYLES.items():
-        found = [(row.tolerance, row.file.size) for row in survey.solids if row.format == name
-                 and row.file is not None]  # fmt: skip
+        found = [(row.tolerance, row.file.size if row.file else None) for row in survey.solids
+                 if row.format == name]  # fmt: skip
         lines += _course(found, Style(colour, 0.8, (4.0, 2.0), marker, 5.0), name.upper())
     return lines
 
 
 def _seconds(survey: Survey, *, computing: bool) -> list[Line]:
     """Time of milling one round, and of computing: fit with its proof."""
-    fewest = [row for row in survey.contours if row.effort == EFFORTS[0]]
-    lines = []
-    for form in FORMS:
-        rows = [row for row in fewest if row.form == form]
-        label = f"milled round, {form}"
-        lines += _points(rows, lambda row: row.round_seconds, label, _style(form, EFFORTS[0]))
-    for form in FORMS if computing else ():
-        for effort in EFFORTS:
-            rows = [row for row in survey.contours if (row.form, row.effort) == (form, effort)]
-            style = replace(_style(form, effort), width=0.8, dashes=DOTTED, size=3.5)
-            label = f"fit, {form}, {effort}"
-            lines += _points(
-                rows,
-                lambda row: None if row.count is None else row.count.fit_seconds,
-                label,
-                style,
-            )
+    lines = _by_form(survey, lambda row: row.round_seconds, "milled round, {}", EFFORTS[:1])
+    if computing:
+        lines += _by_form(
+            survey,
+            lambda row: row.count.fit_seconds if row.count else None,
+            "fit, {}, {}",
+            width=0.8,
+            dashes=DOTTED,
+            size=3.5,
+        )
     return lines
 
 
@@ -359,39 +349,20 @@ def _bill(survey: Survey) -> list[Line]:
     return lines
 
 
-def _ripples(survey: Survey) -> list[Line]:
-    """Largest error of the acceleration in a replay, in per cent of its demanded peak."""
-    lines = []
-    for form in FORMS:
-        for effort in EFFORTS:
-            rows = [row for row in survey.contours if (row.form, row.effort) == (form, effort)]
-            label = f"ripple, {form}, {effort}"
-            lines += _points(
-                rows, lambda row: row.ripple and 100.0 * row.ripple, label, _style(form, effort)
-            )
-    return lines
-
-
 def _effects(survey: Survey) -> list[Line]:
     """Computing times of the numerical effects, over their own tolerances."""
     lines = []
     for number, name in enumerate(dict.fromkeys(row.effect for row in survey.effects)):
-        found = [(row.tolerance, row.seconds) for row in survey.effects
-                 if row.effect == name and row.seconds is not None]  # fmt: skip
+        found = [(row.tolerance, row.seconds) for row in survey.effects if row.effect == name]
         marker = EFFECT_MARKERS[number % len(EFFECT_MARKERS)]
         lines += _course(found, Style(LINE, 0.8, DOTTED, marker, 5.0), name)
     return lines
 
 
-def _points(rows: Sequence[ContourRow], value: Value, label: str, style: Style) -> list[Line]:
-    found = [(row.tolerance, value(row)) for row in rows]
-    positive = [(x, y) for x, y in found if y is not None and y > 0.0]
-    return _course(positive, style, label)
-
-
-def _course(points: Sequence[tuple[float, float]], style: Style, label: str) -> list[Line]:
-    """A line through points, if there are any."""
-    return [Line(over(*zip(*points, strict=True)), style, label)] if points else []
+def _course(points: Iterable[tuple[float, float | None]], style: Style, label: str) -> list[Line]:
+    """A line through those points that have a place on logarithmic axes, if there are any."""
+    shown = [(x, y) for x, y in points if y is not None and 0.0 < y < math.inf]
+    return [Line(over(*zip(*shown, strict=True)), style, label)] if shown else []
 
 
 def _style(form: Form, effort: str) -> Style:
@@ -475,13 +446,8 @@ def _each(
     lines = []
     for form in FORMS:
         for number, speed in enumerate(speeds):
-            found = [
-                (row.tolerance, shown)
-                for row in rows
-                if (row.form, row.speed) == (form, speed)
-                and (shown := value(row)) is not None
-                and 0.0 < shown < math.inf
-            ]
+            found = [(row.tolerance, value(row)) for row in rows
+                     if (row.form, row.speed) == (form, speed)]  # fmt: skip
             colour, dashes = COLOURS[form], DASHES[number % len(DASHES)]
             style = Style(colour, 0.8, dashes, MARKERS[form], 4.0, colour, colour)
             at = f", {speed / RPM:g} rev/min" if len(speeds) > 1 else ""
@@ -519,7 +485,7 @@ def octaves(
     """
     lines = []
     for row, colour, marker in zip(rows, cycle(TOLERANCE_COLOURS), cycle(TOLERANCE_MARKERS)):
-        found = [(2.0**octave, value) for octave, value in enumerate(row.octaves) if value > 0.0]
+        found = [(2.0**octave, value) for octave, value in enumerate(row.octaves)]
         style = Style(colour, 1.2, marker=marker, size=4.0)
         lines += _course(found, style, f"{row.tolerance:.6g} {length}")
     low, high = log_limits(heights(lines))

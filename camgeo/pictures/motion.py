@@ -8,6 +8,7 @@ three derivatives. With a linkage the plan is that of its far end, and both ends
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -711,3 +712,91 @@ def transmission_angle(product: Product, size: Size = DIAGRAM_SIZE) -> Figure:
     floor = max(0.0, 10.0 * float(np.floor(low / 10.0)) - 5.0)
     shown = Axis((floor, 95.0), "transmission angle μ [°]")
     return diagram(size, f"{product.name}: transmission angle", shown, marks, joints)
+
+
+# -- readings -------------------------------------------------------------------------------------
+# What a diagram over the cam angle says, in numbers: the extremes of each of its curves.
+
+
+CURVE_POINTS: Final = 100
+"""A line of fewer points is no curve over the turn but a joint, a spike, or part of a plan."""
+
+TOLD: Final = 4
+"""Most curves of a diagram in its sentence; the table has all."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """The extremes of one curve.
+
+    Attributes
+    ----------
+    name : of the quantity, with its unit in brackets.
+    low, high : smallest and largest value, infinite where the diagram says so.
+    low_at, high_at : cam angles of the first of each [rad].
+    limits : with which it is compared, and what the diagram calls them.
+    """
+
+    name: str
+    low: float
+    low_at: float
+    high: float
+    high_at: float
+    limits: tuple[tuple[str, float], ...] = ()
+
+
+def readings(figure: Figure) -> tuple[Reading, ...]:
+    """Those of all curves of a figure over the cam angle, from the top."""
+    return tuple(each for panel in figure.panels for each in _of_panel(panel))
+
+
+def shown(value: float) -> str:
+    """Five digits, with a minus that is one."""
+    if math.isinf(value):
+        return "∞" if value > 0.0 else "−∞"
+    return f"{value + 0.0:.5g}".replace("-", "−")
+
+
+def plain(text: str) -> str:
+    """A text of a figure without the signs of its subscripts."""
+    return text.replace("$_", "").replace("$", "")
+
+
+def _of_panel(panel: Panel) -> Iterator[Reading]:
+    if panel.bare or panel.x.limits != (0.0, 360.0):
+        return
+    limits = tuple(
+        (plain(mark.label), mark.at)
+        for mark in panel.marks
+        if isinstance(mark, Rule) and mark.axis == "y" and mark.label
+    )
+    beyond = {}
+    for style, value in ((INFINITE, math.inf), (DOWNWARDS, -math.inf)):
+        places = [
+            float(mark.points[0, 0])
+            for mark in panel.marks
+            if isinstance(mark, Line) and mark.style == style
+        ]
+        if places:
+            beyond[value] = min(places)
+    for mark in panel.marks:
+        if isinstance(mark, Line) and len(mark.points) > CURVE_POINTS:
+            x, y = mark.points.T
+            low, high = int(np.nanargmin(y)), int(np.nanargmax(y))
+            ends = [(float(y[k]), float(x[k])) for k in (low, high)]
+            if -math.inf in beyond:
+                ends[0] = -math.inf, beyond[-math.inf]
+            if math.inf in beyond:
+                ends[1] = math.inf, beyond[math.inf]
+            name = _named(mark.label, panel.y.label)
+            (lowest, low_at), (highest, high_at) = ends
+            angles = math.radians(low_at), math.radians(high_at)
+            yield Reading(name, lowest, angles[0], highest, angles[1], limits)
+
+
+def _named(label: str, axis: str) -> str:
+    """The name of a curve with the unit of its axis."""
+    if not label or label.startswith("pitch curve") or label == "outline":
+        return axis
+    unit = axis[axis.index("[") :] if "[" in axis else ""
+    return f"{label} {unit}".strip()

@@ -1,9 +1,11 @@
-"""The plots of a design by name, and several of them one above the other."""
+"""The plots of a design by name, several of them one above the other, and its diagrams."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from importlib import import_module
 from importlib.metadata import entry_points
 from types import MappingProxyType
@@ -13,7 +15,9 @@ import numpy as np
 
 from camgeo.design.product import Product
 from camgeo.errors import Fault, SceneError, UnknownNameError, meant
+from camgeo.pictures import effects, motion
 from camgeo.pictures.model import Figure, Size
+from camgeo.pictures.motion import TOLD, Reading, plain, shown
 
 if TYPE_CHECKING:
     from camgeo.design.design import Design
@@ -104,13 +108,9 @@ def of_design(design: Design, what: Sequence[str] = ()) -> tuple[Figure, list[st
         possible = [MOTION]
     wanted = list(what) or possible
     if wanted == possible == [MOTION]:
-        from camgeo.pictures import motion
-
-        found = motion.of_drive(design.name, scene.unit, design.drive, scene.lift_unit)
-        return found, wanted
+        return motion_diagram(design), wanted
     own: dict[str, Builder] = {}
     if SPECTRUM in wanted:
-        from camgeo.pictures import effects  # few scenes name it
 
         def spectra(product: Product, size: Size = effects.SIZE, /) -> Figure:
             found = design.effect(SPECTRUM)
@@ -150,3 +150,67 @@ def rooms(width: float, heights: Sequence[float]) -> list[Size]:
     down = np.cumsum([0.0, *(high * (1.0 / count * count / total) for high in heights)])
     edges = (1.0 - down) * (total * 100.0)
     return [(width, float(high)) for high in (edges[:-1] - edges[1:]) / 100.0]
+
+
+# -- charts ---------------------------------------------------------------------------------------
+# Diagrams of a design over the cam angle, and what they say in words and numbers.
+
+
+TOGETHER: Final = 6
+"""Most panels of effects in a diagram: as many as fit on a sheet."""
+
+MOTION_TITLE: Final = "motion plan and diagrams"
+"""Title of the first diagram."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chart:
+    """A diagram over the cam angle.
+
+    Attributes
+    ----------
+    title : what it shows.
+    figure : the diagram.
+    readings : the extremes of its curves.
+    """
+
+    title: str
+    figure: Figure
+    readings: tuple[Reading, ...]
+
+    @property
+    def sentence(self) -> str:
+        """The first curves in words."""
+        told = [
+            f"{plain(each.name)} from {shown(each.low)} at {math.degrees(each.low_at):.1f}° to"
+            f" {shown(each.high)} at {math.degrees(each.high_at):.1f}°"
+            for each in self.readings[:TOLD]
+        ]
+        more = len(self.readings) - TOLD
+        return "; ".join(told) + (f"; {more} more in the table" if more > 0 else "") + "."
+
+
+def motion_diagram(design: Design) -> Figure:
+    """The motion plan, and the motion over the cam angle."""
+    scene = design.scene
+    return motion.of_drive(design.name, scene.unit, design.drive, scene.lift_unit)
+
+
+def disc_diagrams(design: Design) -> Iterator[tuple[str, str, partial[Figure]]]:
+    """Name, title and maker of each diagram that shows a disc, one after the other."""
+    for disc in design.discs:
+        name, of = ("", "") if disc is design.disc else ("-return", f" of {disc.name}")
+        angle = partial(motion.transmission_angle, disc)
+        yield f"transmission{name}", f"transmission angle{of}", angle
+        yield f"curvature{name}", f"curvature{of}", partial(motion.curvature, disc)
+
+
+def of_effects(disc: Product) -> Iterator[tuple[str, partial[Figure]]]:
+    """Title and maker of each diagram of the scene's effects, of at most TOGETHER panels."""
+    groups = effects.panels(disc.columns())
+    parts = [groups[k : k + TOGETHER] for k in range(0, len(groups), TOGETHER)]
+    for number, part in enumerate(parts, start=1):
+        chosen = tuple(column for group in part for column in group)
+        share = f", {number} of {len(parts)}" if len(parts) > 1 else ""
+        one = replace(disc, columns=partial(tuple, chosen))
+        yield f"forces and effects{share}", partial(effects.figure, one)

@@ -271,46 +271,13 @@ def lift_errors(flank: ExactFlank, deviations: Deviations, *, clearance: float =
     return LiftErrors(phi, error(phi), found)
 
 
-# -- student --------------------------------------------------------------------------------------
-# Quantiles of Student's t distribution, for confidence intervals.
-
-
-FEWEST_FREEDOMS: Final = 8
-"""Degrees of freedom from which on the expansion is off by less than 2e-5 of the value, up to a
-probability of 0.975."""
-
-TERMS: Final = (
-    ((1, 1), 4),
-    ((5, 16, 3), 96),
-    ((3, 19, 17, -15), 384),
-    ((79, 776, 1482, -1920, -945), 92160),
-)
-"""Coefficients of the odd powers of z, the highest first, and their divisor."""
-
-
-def quantile(probability: float, freedom: int) -> float:
-    """The value that a variable with `freedom` degrees of freedom, at least `FEWEST`, does not
-    exceed with that `probability`.
-
-    The expansion in 1/freedom about the normal quantile z (Abramowitz and Stegun 26.7.5).
-    """
-    z = NormalDist().inv_cdf(probability)
-    found = z
-    for order, (coefficients, divisor) in enumerate(TERMS, start=1):
-        value = 0.0
-        for each in coefficients:
-            value = value * z * z + each
-        found += z * value / divisor / freedom**order
-    return found
-
-
 # -- alignment ------------------------------------------------------------------------------------
 
 
 CONFIDENCE: Final = 0.95
 """Of each uncertainty, by itself."""
 
-FEWEST_POINTS: Final = FEWEST_FREEDOMS + 3
+FEWEST_POINTS: Final = 11
 """Points of a fit."""
 
 STEPS: Final = 40
@@ -601,6 +568,8 @@ def _uncertainties(
     """Of shift [mm] and turn [rad], at `CONFIDENCE`: by Student's t from the covariance; and the
     sway.
     """
+    from scipy.special import stdtrit  # only fits need it
+
     count = len(found.deviations)
     matrix = _jacobian(found.feet, size)
     columns = _determined(matrix, found.align)
@@ -608,7 +577,7 @@ def _uncertainties(
     sigma = math.sqrt(float(np.sum(found.deviations**2)) / freedom)
     if robust:
         sigma = standard_error(found.deviations, freedom, FLOOR * size)
-    factor = sigma * quantile(0.5 + 0.5 * CONFIDENCE, freedom)
+    factor = sigma * float(stdtrit(freedom, 0.5 + 0.5 * CONFIDENCE))
     chosen = matrix[:, columns]
     cofactors = np.zeros((3, 3))
     if columns:

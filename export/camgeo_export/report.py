@@ -21,9 +21,10 @@ from camgeo.app.answers.answer import MARKS, verdict_on
 from camgeo.app.answers.report import STEP, Report, triangles
 from camgeo.design.value_table import Table
 from camgeo.pictures import accuracy
-from camgeo.pictures.charts import Chart, plain, shown
 from camgeo.pictures.model import figure_data
-from camgeo.studies.accuracy.knee import advice
+from camgeo.pictures.motion import plain, shown
+from camgeo.pictures.plots import Chart
+from camgeo.studies.accuracy.benefit import advice
 from camgeo.studies.accuracy.survey import Survey
 from camgeo.units import MM_PER, LengthUnit, counted, in_unit
 from camgeo_export.browser.bundles import bundle

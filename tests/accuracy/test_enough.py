@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from camgeo.studies.accuracy.benefit import BenefitRow
-from camgeo.studies.accuracy.knee import SHARE, enough, of_each_form, words
+from camgeo.studies.accuracy.benefit import SHARE, BenefitRow, enough, of_each_form, words
 from tests.findings import known
 
 

@@ -6,9 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from camgeo.studies.accuracy.benefit import BenefitRow
+from camgeo.studies.accuracy.benefit import SLACK, BenefitRow, End, advice, knee_of, step_sentence
 from camgeo.studies.accuracy.contours import ContourRow
-from camgeo.studies.accuracy.knee import SLACK, End, advice, knee_of, step_sentence
 from tests.accuracy.rows import file, missing, row
 from tests.findings import known
 

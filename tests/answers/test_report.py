@@ -11,8 +11,9 @@ import pytest
 from camgeo.app.answers.report import OTHERWISE, Report, next_step, report
 from camgeo.check.finding import Finding
 from camgeo.design.design import Design
-from camgeo.pictures.charts import Chart, readings
 from camgeo.pictures.model import Axis, Figure, Line, Panel, Style, over
+from camgeo.pictures.motion import readings
+from camgeo.pictures.plots import Chart
 from camgeo.scene.scene import Scene, load_scene, parse_scene
 from camgeo.units import TURN
 from tests.answers.documents import FIXTURES, document

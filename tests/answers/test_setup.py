@@ -65,14 +65,14 @@ def test_the_operator_reads_notes_stops_and_what_is_left_to_be_done() -> None:
     scene = FIXTURES / "milling" / "moved_clamps.toml"
     found = setup_sheet(Design(load_scene(scene)))
     (second,) = (each for each in found.steps if each.stops)
-    noted = [each for each in found.steps if each.note]
+    noted = [each for each in found.steps if each.operation.cut.note]
     assert "clamp at 0, -40 mm, top at Z 10, until rough outline" in found.holding
     assert "clamp at 0, 0 mm, top at Z 10, from rough outline on" in found.holding
     told = ("a skin of 0.3 mm is left below the part, to be removed by hand",)
     found = replace(found, told=told)
     assert told[0] in text(found)
     shown = html(found, "<svg></svg>")
-    assert all(each in shown for each in (second.stops[0], noted[0].note, *told))
+    assert all(each in shown for each in (second.stops[0], noted[0].operation.cut.note, *told))
     assert setup_sheet(Design(load_scene(scene.parent / "onion_skin.toml"))).told == told
 
 
@@ -80,7 +80,9 @@ def test_the_engagement_of_an_operation_that_clears_an_area(sheet: SetupSheet) -
     found = Engaged("bore", 100.0, 0.071, 0.8, 0.9, 0.95, 1j)
     steps = (replace(sheet.steps[0], engaged=found), *sheet.steps[1:])
     changed = replace(sheet, steps=steps)
-    assert f"{steps[0].name}: 7 % of its length in air, the cutter engaged over" in text(changed)
+    assert f"{steps[0].operation.name}: 7 % of its length in air, the cutter engaged over" in text(
+        changed
+    )
     first, *others = (each["engagement"] for each in document(changed)["operations"])
     assert first["air"] == 0.071
     assert first["largest_deg"] == pytest.approx(math.degrees(0.9))
@@ -90,14 +92,14 @@ def test_the_engagement_of_an_operation_that_clears_an_area(sheet: SetupSheet) -
 def test_it_says_what_the_offsets_of_compensated_tools_hold(sheet: SetupSheet) -> None:
     scene = sheet.scene.with_values({"output.gcode.compensation": "wear"})
     worn = setup_sheet(Design(scene))
-    told = {step.name: step.compensation for step in worn.steps if step.compensation}
+    told = {step.operation.name: step.compensation for step in worn.steps if step.compensation}
     assert set(told) == {"bore", "outline"}
     for name, sentence in told.items():
         assert f"{name}: {sentence}" in text(worn)
         assert f"<li>{name}: {sentence}</li>" in html(worn, "<svg></svg>")
         assert re.search(r"holds twice the wear alone.* at most 0\.\d+ mm either way", sentence)
     told = {each["name"]: each["compensation"] for each in document(worn)["operations"]}
-    assert told == {step.name: step.compensation for step in worn.steps}
+    assert told == {step.operation.name: step.compensation for step in worn.steps}
     assert not any(step.compensation for step in sheet.steps)
 
 

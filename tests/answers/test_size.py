@@ -42,14 +42,14 @@ def test_the_scene_with_the_answer_keeps_what_was_required() -> None:
     written = sized_scene(found)
     again = size(Design(written))
     assert again.present is not None
-    assert found.written is not None
-    assert again.present.follower == found.written.follower
+    assert found.best.written is not None
+    assert again.present.follower == found.best.written.follower
     assert again.present.follower.arm == 40.0
-    assert again.present.transmission_angle.value >= found.sizing.angle
+    assert again.present.transmission_angle.value >= found.best.sizing.angle
     # On the side that was found, only the last digit is left to be gained.
     assert again.best is again.own
-    assert again.written is not None
-    assert again.written.base_radius == again.present.base_radius
+    assert again.best.written is not None
+    assert again.best.written.base_radius == again.present.base_radius
 
 
 @pytest.mark.parametrize("name", ["schnitt", "setzhub", "flat_rocker"])
@@ -151,9 +151,9 @@ def test_a_yoke_of_rollers_keeps_its_offset_of_0() -> None:
         }
     )
     found = size(Design(rolling))
-    assert found.written is not None
-    assert found.written.follower.offset == 0.0
-    assert found.sizing.answer is not None
+    assert found.best.written is not None
+    assert found.best.written.follower.offset == 0.0
+    assert found.best.sizing.answer is not None
     after = Design(sized_scene(found))
     assert not [each for each in after.findings if each.severity in BAD and "clos" not in each.name]
 
@@ -161,9 +161,9 @@ def test_a_yoke_of_rollers_keeps_its_offset_of_0() -> None:
 def test_a_linkage_that_locks_is_infeasible_at_any_size() -> None:
     found = size(Design(load_scene(FIXTURES / "found" / "dead_centre.toml")))
     assert found.exit_code == 1
-    assert found.infeasible is not None
-    assert "infeasible at any size: crank and coupler come into line" in found.infeasible
-    assert found.infeasible in text(found).splitlines()
+    assert found.best.infeasible is not None
+    assert "infeasible at any size: crank and coupler come into line" in found.best.infeasible
+    assert found.best.infeasible in text(found).splitlines()
     assert document(found)["written"] is None
     json.dumps(figure(found).to_data(), allow_nan=False)
 
@@ -178,7 +178,7 @@ def test_a_linkage_that_locks_is_infeasible_at_any_size() -> None:
 def test_what_no_size_cures_is_a_remark(scene: str, remarks: set[str]) -> None:
     """The transmission angle of a linkage; corners of the pitch curve by jumps of the velocity."""
     found = size(Design(load_scene(FIXTURES / f"{scene}.toml")))
-    assert found.written is not None
+    assert found.best.written is not None
     assert {each.name for each in found.remarks} == remarks
 
 

@@ -226,7 +226,7 @@ def test_the_smallest_radius_under_a_flat_face() -> None:
     assert found.value == pytest.approx(radius[least], rel=CLOSE)
     assert place == pytest.approx(phi[least], abs=GRID)
     scene = camgeo.load(FOUND / "inch_lobe_flat" / "inch_lobe_flat.toml")
-    sized = size(scene).sizing
+    sized = size(scene).best.sizing
     assert known(sized.answer).base_radius == pytest.approx(-np.min(s + s2), rel=CLOSE)
     assert [each.name for each in sized.active] == ["convexity"]
 

@@ -13,9 +13,8 @@ import pytest
 from camgeo.pictures.accuracy import figure
 from camgeo.pictures.model import Line, Rule, Text
 from camgeo.studies.accuracy import survey as surveys
-from camgeo.studies.accuracy.benefit import BenefitRow
+from camgeo.studies.accuracy.benefit import BenefitRow, knee_of
 from camgeo.studies.accuracy.contours import FORMS, ContourRow, SolidRow, TableRow
-from camgeo.studies.accuracy.knee import knee_of
 from camgeo.studies.accuracy.survey import BillRow, Survey
 from camgeo.units import RPM
 from camgeo_export.plots import render

@@ -13,8 +13,8 @@ from typing import Final
 import pytest
 
 import camgeo
+from camgeo.app.cli.command import CLEARED, Progress, clear
 from camgeo.app.cli.main import COMMANDS
-from camgeo.app.cli.streams import CLEARED, Progress, clear
 from camgeo.design import writing
 from camgeo.scene.toml import TEMPLATE_KINDS
 from tests.cli.calling import SCENES, called, changed
@@ -127,7 +127,7 @@ def test_progress_only_on_a_terminal_and_late(
     stream: type[io.StringIO], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     seconds = iter([0.0, 0.5, 1.5, 2.5])
-    monkeypatch.setattr("camgeo.app.cli.streams.time.monotonic", lambda: next(seconds))
+    monkeypatch.setattr("camgeo.app.cli.command.time.monotonic", lambda: next(seconds))
     terminal = stream()
     monkeypatch.setattr(sys, "stderr", terminal)
     progress = Progress()
@@ -142,8 +142,8 @@ def test_progress_only_on_a_terminal_and_late(
 
 
 def test_a_long_step_is_seen_to_go_on(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("camgeo.app.cli.streams.EVERY", 0.001)
-    monkeypatch.setattr("camgeo.app.cli.streams.PATIENCE", 0.0)
+    monkeypatch.setattr("camgeo.app.cli.command.EVERY", 0.001)
+    monkeypatch.setattr("camgeo.app.cli.command.PATIENCE", 0.0)
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
     progress = Progress()

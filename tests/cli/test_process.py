@@ -14,8 +14,8 @@ import pytest
 
 from camgeo.app.answers import check
 from camgeo.app.answers.answer import CRASHED, STOPPED
+from camgeo.app.cli.command import printable
 from camgeo.app.cli.main import BLAS_THREADS, TRACEBACK, Stopped, main
-from camgeo.app.cli.streams import printable
 from camgeo.design.writing import JOURNAL, NEW, OLD, STAGING
 
 SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"

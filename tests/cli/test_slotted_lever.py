@@ -10,9 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgeo.app.answers.slotted_lever import FULL_TURN, slotted_lever
+from camgeo.app.answers.slotted_lever import FULL_TURN, NAMES, slotted_lever
 from camgeo.errors import GeometryError
-from camgeo.kinematics.mechanism.slotted_lever import NAMES
 from tests.cli.calling import FIXTURES, Called, called
 
 EXERCISE = ("--frame", "150", "--swing", "60", "--speed", "90")

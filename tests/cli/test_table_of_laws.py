@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from camgeo.app.answers.laws import PARAMETERS
+from camgeo.app.answers.table import law_table
 from camgeo.kinematics.laws import FAMILIES, make_law
-from camgeo.kinematics.tables import law_table
 from tests.cli.calling import FIXTURES, called
 
 

@@ -18,8 +18,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from camgeo.app.designing.children import Job, Result
 from camgeo.app.designing.desk import Desk
-from camgeo.app.designing.recent import Recent
-from camgeo.app.designing.work import run
+from camgeo.app.designing.work import Recent, run
 from camgeo_export.designer.serve import Address, Keys, application, listening, server_of
 from camgeo_export.designer.session import Jobs, Session, body
 from tests.waiting import PATIENCE

@@ -12,8 +12,7 @@ import pytest
 
 from camgeo.app.answers.check import check
 from camgeo.app.designing.children import Job
-from camgeo.app.designing.recent import Recent
-from camgeo.app.designing.work import run
+from camgeo.app.designing.work import Recent, run
 from camgeo.design.design import Design
 from camgeo.scene.scene import load_scene
 from camgeo.scene.toml import template

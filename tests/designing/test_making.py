@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from camgeo.app.designing.children import Job, JobError
-from camgeo.app.designing.recent import Recent
-from camgeo.app.designing.work import run
+from camgeo.app.designing.work import Recent, run
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.registry import effect_names
 from camgeo.scene.scene import load_scene, parse_scene

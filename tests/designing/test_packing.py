@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.app.designing.painting import APART, packed
+from camgeo.app.designing.work import APART, packed
 from camgeo.design.design import Design
 from camgeo.pictures import motion
 from camgeo.pictures.mechanism import animation

@@ -10,8 +10,7 @@ from typing import Any
 import pytest
 
 from camgeo.app.designing.children import Job, JobError
-from camgeo.app.designing.recent import Recent
-from camgeo.app.designing.work import run
+from camgeo.app.designing.work import Recent, run
 from tests.answers.documents import FIXTURES
 from tests.designing.scenes import CHOSEN, SETZHUB, TEXT, name_of
 

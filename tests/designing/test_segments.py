@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.app.designing.edits import ACTIONS, changed, total
-from camgeo.app.designing.segments import spans_of
+from camgeo.app.designing.form import spans_of
 from camgeo.errors import SceneError
 from tests.designing.scenes import FILES, FIXTURES, SETZHUB, TEXT, design
 

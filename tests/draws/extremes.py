@@ -283,9 +283,9 @@ def sized(values: Any, design: camgeo.Design) -> Iterator[str]:
     """What is wrong with the sizes that `size` finds."""
     flat = values["follower"]["kind"].endswith("flat")
     found = size(design, radius_of_curvature=1.0) if flat else size(design)
-    if found.sizing.answer is None:
+    if found.best.sizing.answer is None:
         return
-    answer = found.sizing.answer
+    answer = found.best.sizing.answer
     radius = answer.radius_of_curvature
     own: Any = answer.follower
     made = {**values["follower"], "base_radius": own.base_radius}

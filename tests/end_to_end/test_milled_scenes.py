@@ -92,7 +92,7 @@ def test_all_its_files_are_right_and_the_sheet_has_no_flaw(scene: Path, tmp_path
     sheet = setup_sheet(design)
     for own, side in zip(sheet.sheets, sides, strict=True):
         assert own.flaws == ()
-        assert [step.name for step in own.steps] == [cut.name for cut in side.milled.cuts]
+        assert [step.operation.name for step in own.steps] == [cut.name for cut in side.milled.cuts]
 
 
 @cache

@@ -18,8 +18,7 @@ from typing import TYPE_CHECKING, Any, Final
 import pytest
 
 import camgeo
-from camgeo.app.designing.painting import painted
-from camgeo.app.designing.recent import Recent
+from camgeo.app.designing.work import Recent, painted
 from camgeo_export.browser.bundles import bundle
 from tests.hostile_scene import ALL_AT_ONCE, HOSTILE
 from tests.judges import axe

@@ -156,7 +156,7 @@ def check(mark: Mark, entity: Any, there: Placed, size: float, paper: float) -> 
     elif isinstance(mark, Label):
         assert (kind, dxf.layer, dxf.text, dxf.style) == ("TEXT", mark.layer, mark.text, "CAMGEO")
         require(
-            dxf, height=mark.height * paper, rotation=math.degrees(mark.angle), valign=0,
+            dxf, height=mark.height * paper, rotation=0.0, valign=0,
             width=NARROWED * squeeze(mark.text, mark.height, mark.width),
             halign={"left": 0, "centre": 1, "right": 2}[mark.across],
         )  # fmt: skip
@@ -692,7 +692,7 @@ def test_letters_and_arrows_are_where_the_sheet_has_them(name: str) -> None:
             )
         elif isinstance(mark, Label) and mark.text.strip():
             place, size = (at + scale * mark.at) / GRAIN, mark.height / GRAIN
-            along = (firsts - place) * np.exp(-1j * mark.angle)
+            along = firsts - place
             low, high = {"left": (-0.5, 2.0), "centre": (-2.0, 2.0), "right": (-2.0, 0.5)}[
                 mark.across
             ]

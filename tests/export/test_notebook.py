@@ -34,8 +34,7 @@ from camgeo.app.answers.sweep import Sweep, answer_of
 from camgeo.app.answers.table import ValueTable, table_of_scene
 from camgeo.app.answers.verify import Verdict, Verification, verify
 from camgeo.app.cli.main import main
-from camgeo.app.designing.painting import painted
-from camgeo.app.designing.recent import Recent
+from camgeo.app.designing.work import Recent, painted
 from camgeo.check.finding import Finding, Findings, Severity
 from camgeo.design.design import Design
 from camgeo.design.value_table import Table

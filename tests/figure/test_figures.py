@@ -20,8 +20,7 @@ from matplotlib.figure import Figure as Page
 
 import camgeo
 from camgeo import pictures
-from camgeo.app.cli import plot
-from camgeo.app.cli.plot import RENDERERS
+from camgeo.app.cli.command import RENDERERS
 from camgeo.cam.cam import Disc
 from camgeo.check.sizing.smallest import size as sized
 from camgeo.check.sizing.task import task_of
@@ -351,7 +350,9 @@ def test_what_commands_draw_is_as_kept(tmp_path: Path, monkeypatch: pytest.Monke
         return kept.marks(figure).encode()
 
     monkeypatch.chdir(FIXTURES)
-    monkeypatch.setattr(plot, "drawn", marks)
+    # The command last: the others, once imported, have its own.
+    for module in ("cli.plot", "answers.sweep", "answers.optimise", "cli.command"):
+        monkeypatch.setattr(f"camgeo.app.{module}.drawn", marks)
     calls = list(kept.called(CALLS, tmp_path))
     (tmp_path / "points.csv").unlink()
     kept.compare("figure/commands.txt", [*calls, *kept.files(tmp_path)])

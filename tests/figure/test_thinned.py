@@ -8,12 +8,13 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
+from camgeo.app.designing.work import PAPER, READ, SEEN, few_of, thinned, thinned_turn
 from camgeo.design.design import Design
 from camgeo.numeric.arrays import FloatArray
 from camgeo.pictures import motion
 from camgeo.pictures.mechanism import CHORDS, animation
 from camgeo.pictures.model import Area, Figure, Line
-from camgeo.pictures.thinned import CURVE, PAPER, READ, SEEN, few_of, thinned, thinned_turn
+from camgeo.pictures.motion import CURVE_POINTS
 from camgeo.scene.scene import load_scene
 from camgeo.units import TURN
 from tests.test_architecture import ROOT
@@ -56,7 +57,7 @@ def lines(draw: st.DrawFn) -> list[np.ndarray]:
     random = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     found = []
     for _ in range(draw(st.integers(1, 3))):
-        count = int(random.integers(CURVE + 2, 600))
+        count = int(random.integers(CURVE_POINTS + 2, 600))
         t = np.linspace(0.0, 1.0, count)
         waves = [random.normal() * np.sin(random.uniform(1.0, 60.0) * t) for _ in range(3)]
         y = (
@@ -78,7 +79,7 @@ def test_no_point_is_farther_off_than_allowed(found: list[np.ndarray], most: flo
         own = kept[(kept >= first) & (kept < first + len(points))] - first
         assert own[0] == 0
         assert own[-1] == len(points) - 1
-        assert len(own) > CURVE
+        assert len(own) > CURVE_POINTS
         plane = np.column_stack((points.real, points.imag))
         assert apart(plane, plane[own]) <= most + ROUNDING
 
@@ -90,9 +91,9 @@ def test_diagrams_look_the_same(name: str) -> None:
             figure.panels, thinned(figure).panels, scales(figure), strict=True
         ):
             for one, other in zip(before.marks, after.marks, strict=True):
-                if isinstance(one, Line) and len(one.points) > CURVE:
+                if isinstance(one, Line) and len(one.points) > CURVE_POINTS:
                     assert isinstance(other, Line)
-                    assert len(one.points) > len(other.points) > CURVE
+                    assert len(one.points) > len(other.points) > CURVE_POINTS
                     assert apart(one.points * scale, other.points * scale) <= BOUND
                     assert apart(other.points * scale, one.points * scale) <= BOUND
 
@@ -109,7 +110,9 @@ def test_diagrams_show_the_exact_motion(name: str, order: int) -> None:
         (number, mark)
         for number, panel in enumerate(thinned(figure).panels)
         for mark in panel.marks
-        if isinstance(mark, Line) and len(mark.points) > CURVE and np.ptp(mark.points.T[0]) > 359
+        if isinstance(mark, Line)
+        and len(mark.points) > CURVE_POINTS
+        and np.ptp(mark.points.T[0]) > 359
     ][order]
     phi = np.random.default_rng(1).uniform(0.0, TURN, 4000)
     jet = of.drive.plan.jet(phi)

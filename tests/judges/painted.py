@@ -11,11 +11,11 @@ from typing import Any, Final
 import numpy as np
 import shapely
 
+from camgeo.app.designing.work import PAPER, SEEN, SHARE
 from camgeo.design.design import Design
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.part import Boundary
 from camgeo.pictures.mechanism import CHORDS, animation, parts_of
-from camgeo.pictures.thinned import PAPER, SEEN, SHARE
 from camgeo.units import TURN
 from tests.judges.programs_of_others import Refusal
 
@@ -58,7 +58,7 @@ class Frame:
 
     @property
     def thinning(self) -> float:
-        """By how much a thinned line may be off [mm], see `camgeo.pictures.thinned`."""
+        """By how much a thinned line may be off [mm], see `camgeo.app.designing.work`."""
         size = self.high - self.low
         return SEEN * max(size.real, size.imag) / PAPER
 

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 import pytest
 
-from camgeo.app.designing import painting
+from camgeo.app.designing import work
 from camgeo.app.designing.edits import Changed, changed
 from tests.designer.conftest import MISSING
 from tests.judges import axe, browsing
@@ -126,7 +126,7 @@ def test_a_lost_comment_is_refused(
         found = changed(*given)
         return replace(found, text=found.text.replace(COMMENT, ""))
 
-    monkeypatch.setattr(painting, "changed", wrong)
+    monkeypatch.setattr(work, "changed", wrong)
     with pytest.raises(Refusal, match="a comment is lost"):
         used(page, server.desk.folder, NAME)
 

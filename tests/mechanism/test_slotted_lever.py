@@ -13,14 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
+from camgeo.app.answers.slotted_lever import NAMES, lever_table
 from camgeo.errors import GeometryError
-from camgeo.kinematics.mechanism.slotted_lever import (
-    NAMES,
-    DrivenLever,
-    SlottedLever,
-    crank_for_swing,
-    lever_table,
-)
+from camgeo.kinematics.mechanism.slotted_lever import DrivenLever, SlottedLever, crank_for_swing
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 from tests.stability.slotted_levers import exact_angle

@@ -25,6 +25,7 @@ import numpy as np
 import pytest
 
 from camgeo import load
+from camgeo.app.answers.table import law_table
 from camgeo.errors import GeometryError, VersionError
 from camgeo.kinematics.laws import FAMILIES, law_of, make_law
 from camgeo.kinematics.laws.comparison import Running, compare
@@ -36,7 +37,7 @@ from camgeo.kinematics.planning.build import balanced
 from camgeo.kinematics.planning.planner import plan_motion
 from camgeo.kinematics.planning.requests import MoveRequest, PointsRequest, TableRequest
 from camgeo.kinematics.splines import Spline, clamped_spline, periodic_spline, smooth_clamped_spline
-from camgeo.kinematics.tables import TwoColumns, law_table, read_lift_table, read_speed_table
+from camgeo.kinematics.tables import TwoColumns, read_lift_table, read_speed_table
 from camgeo.kinematics.time_course import ConstantSpeed, SpeedCurve, plan_extremes, time_extremes
 from camgeo.numeric import kept
 from camgeo.numeric.arrays import FloatArray

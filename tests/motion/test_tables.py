@@ -22,18 +22,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from camgeo.app.answers.table import LARGEST_STEP_OF_Z, NAMES, SMALLEST_STEP_OF_Z, law_table
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import make_law
 from camgeo.kinematics.splines import periodic_spline
-from camgeo.kinematics.tables import (
-    LARGEST_STEP,
-    NAMES,
-    SMALLEST_STEP,
-    TwoColumns,
-    law_table,
-    read_lift_table,
-    read_speed_table,
-)
+from camgeo.kinematics.tables import TwoColumns, read_lift_table, read_speed_table
 from camgeo.numeric.columns import MOST_ROWS
 from camgeo.reading import TABLE
 from camgeo.units import TURN
@@ -250,7 +243,7 @@ def test_the_printed_table_differs_in_the_listed_cells_only(name: str) -> None:
 
 few = settings(max_examples=examples(10, long=60))
 
-steps = st.decimals(SMALLEST_STEP * 200, LARGEST_STEP, allow_nan=False, places=8)
+steps = st.decimals(SMALLEST_STEP_OF_Z * 200, LARGEST_STEP_OF_Z, allow_nan=False, places=8)
 
 
 @few
@@ -281,9 +274,9 @@ def test_a_third_has_all_its_digits() -> None:
 @pytest.mark.parametrize(
     "step",
     [
-        SMALLEST_STEP * 20,
+        SMALLEST_STEP_OF_Z * 20,
         # A million rows are made as fifty thousand are.
-        pytest.param(SMALLEST_STEP, marks=pytest.mark.long),
+        pytest.param(SMALLEST_STEP_OF_Z, marks=pytest.mark.long),
     ],
 )
 def test_the_finest_table(step: Decimal) -> None:

@@ -41,7 +41,7 @@ def test_the_radius_of_camgeo_size() -> None:
 def test_the_radius_and_offset_of_camgeo_size() -> None:
     """Where the transmission angles of rise and return reach their limit at once."""
     scene = bare("plate_translating")
-    answer = known(size(Design(scene)).sizing.answer)
+    answer = known(size(Design(scene)).best.sizing.answer)
     vary = ["follower.base_radius=20:40", "follower.offset=-5:10"]
     found = optimise(task_of(scene, vary, least=["diameter"]), evaluations=3000)
     assert found.best.point == pytest.approx((answer.base_radius, answer.place.real), rel=1e-6)

@@ -123,10 +123,9 @@ def room(mark: Label | Distance | Diameter, sheet: Sheet, at: complex, scale: fl
     """Where the text of a mark stands whose origin is `at` [mm of paper]."""
     if isinstance(mark, Label):
         wide = width_of(mark.text, mark.height) * squeeze(mark.text, mark.height, mark.width)
-        along = cmath.rect(1.0, mark.angle)
         shift = {"left": 0.5, "centre": 0.0, "right": -0.5}[mark.across] * wide
-        middle = at + scale * mark.at + along * (shift + 0.5j * mark.height)
-        return Room(mark.text, middle, along, 0.5 * wide, 0.5 * mark.height)
+        middle = at + scale * mark.at + (shift + 0.5j * mark.height)
+        return Room(mark.text, middle, 1.0, 0.5 * wide, 0.5 * mark.height)
     text = text_of(mark, sheet)
     wide = width_of(text, 3.5)
     if isinstance(mark, Distance):

@@ -22,7 +22,18 @@ from camgeo.part.assembly import bevelled as part_with
 from camgeo.part.assembly import bore_boundary
 from camgeo.part.part import Boundary, Layer, Part
 from camgeo.part.spec import Chamfer, Chamfers, Keyway, PartSpec
-from camgeo.pictures.sheet.front import (
+from camgeo.pictures.sheet.marks import Chain, Hatched, Label, Mark, line
+from camgeo.pictures.sheet.section import (
+    COARSE,
+    Edge,
+    Shape,
+    bevelled,
+    corners_of,
+    edges_above,
+    section,
+    shape_of,
+)
+from camgeo.pictures.sheet.sheet import (
     DASH_DOT,
     DASH_DOTS,
     chains_of,
@@ -30,9 +41,6 @@ from camgeo.pictures.sheet.front import (
     dashed_stretch,
     in_dashes,
 )
-from camgeo.pictures.sheet.marks import Chain, Hatched, Label, Mark, line
-from camgeo.pictures.sheet.section import bevelled, corners_of, edges_above, section
-from camgeo.pictures.sheet.shape import COARSE, Edge, Shape, shape_of
 from camgeo_export.drawing.writer import hatching
 from tests.part.parts import FLANKS, circle, made_or_refused, specs
 

@@ -24,7 +24,7 @@ import camgeo
 from camgeo.design.design import Design
 from camgeo.errors import SceneError
 from camgeo.numeric.arrays import ComplexArray
-from camgeo.pictures.sheet import placing, texts
+from camgeo.pictures.sheet import marks, texts
 from camgeo.pictures.sheet.marks import (
     NARROWED,
     Chain,
@@ -32,17 +32,23 @@ from camgeo.pictures.sheet.marks import (
     Distance,
     Filled,
     Hatched,
+    Ink,
     Label,
     Mark,
+    Options,
     Round,
     Sheet,
     View,
+    across,
+    boxes,
+    cleared,
+    dots,
+    findings_of,
     line,
     number_of,
     squeeze,
     width_of,
 )
-from camgeo.pictures.sheet.placing import Ink, Options, across, boxes, cleared, dots, findings_of
 from camgeo.pictures.sheet.section import placed
 from camgeo.pictures.sheet.sheet import scale_of, scales, sheets_of, spelled
 from camgeo.pictures.sheet.texts import LEFT, MARGIN, TABLE, wrapped
@@ -280,7 +286,7 @@ def test_texts_that_stand_where_they_would_first_are_found(
     def first(options: Options, ink: Ink, scale: float, unit: LengthUnit) -> tuple[Mark, ...]:
         return next((tuple(marks) for _, marks in iter(options)), ())
 
-    monkeypatch.setattr(placing, "chosen", first)
+    monkeypatch.setattr(marks, "chosen", first)
     found = unreadable("hub and bolts", 255, "A3")
     assert any(layer == "OUTLINE" for _, layer in found)
     assert any(layer in ("DIMENSION", "SYMBOL") for _, layer in found)

@@ -8,27 +8,35 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from typing import Final
 
-from camgeo.app.cli.command import CallError, add_json, present_name, show, write_files
-from camgeo.app.cli.plot import add_picture, output_files
-from camgeo.app.cli.streams import Progress
+from camgeo.app.cli.command import (
+    Argument,
+    CallError,
+    Progress,
+    output_files,
+    picture_options,
+    present_name,
+    show,
+    write_files,
+)
+from camgeo.app.cli.main import AS_JSON, add_arguments
 from camgeo.errors import meant
 from camgeo.units import counted
 
-
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the program."""
-    parser.add_argument(
+ARGUMENTS: Final = (
+    Argument(
         "--only",
         metavar="NAME",
         nargs="+",
         default=[],
         help="groups (laws, tables, cams, linkages, slotted-levers, extremes, outlines),"
         " quantities, or beginnings of case names",
-    )
-    parser.add_argument("--quick", action="store_true", help="only two places of each case")
-    add_json(parser)
-    add_picture(parser)
+    ),
+    Argument("--quick", action="store_true", help="only two places of each case"),
+    AS_JSON,
+    *picture_options(),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -61,10 +69,10 @@ def main(words: Sequence[str] | None = None) -> int:
     """Run the suite as `words` say, by default those of this process."""
     parser = argparse.ArgumentParser(
         prog="python -m tests.stability",
-        description="Measure the rounding errors of every quantity against mpmath, also on the "
-        "hard cases.",
+        description="Measure the rounding errors of every quantity against mpmath, also on the"
+        " hard cases.",
     )
-    options(parser)
+    add_arguments(parser, ARGUMENTS)
     parser.set_defaults(progress=Progress())
     arguments = parser.parse_args(words)
     arguments.progress.begin()

@@ -11,8 +11,7 @@ from camgeo.design.design import Design
 from camgeo.geometry.outline.path import Flank
 from camgeo.scene.scene import Scene, load_scene
 from camgeo.studies.tolerancing.linear import Linear, replayed
-from camgeo.studies.tolerancing.sensitivity import Deviations, Machine, Sensitivities, Unit
-from camgeo.studies.tolerancing.stated import stated_of
+from camgeo.studies.tolerancing.stated import Deviations, Machine, Sensitivities, Unit, stated_of
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
 

@@ -11,8 +11,7 @@ from camgeo.dynamics.effects.results import CONTACT_FORCE
 from camgeo.geometry.outline.path import Flank
 from camgeo.scene.scene import load_scene
 from camgeo.studies.tolerancing.linear import contact_forces, replayed
-from camgeo.studies.tolerancing.sensitivity import Deviations
-from camgeo.studies.tolerancing.stated import dimensions_of
+from camgeo.studies.tolerancing.stated import Deviations, dimensions_of
 from tests.answers.documents import document
 from tests.findings import known
 from tests.tolerancing.machines import ANGLES, LEVER, sensitivities

@@ -11,8 +11,7 @@ import pytest
 from camgeo.kinematics.mechanism.linkages import SliderCrank
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.studies.tolerancing.linear import replayed
-from camgeo.studies.tolerancing.sensitivity import Deviations, Freedom, Sensitivities
-from camgeo.studies.tolerancing.stated import dimensions_of
+from camgeo.studies.tolerancing.stated import Deviations, Freedom, Sensitivities, dimensions_of
 from tests.tolerancing.machines import errors, fixture
 
 SIZE = 0.4

@@ -11,8 +11,7 @@ from camgeo.design.design import Design
 from camgeo.errors import CamgeoError
 from camgeo.geometry.outline.path import Flank
 from camgeo.scene.scene import Scene, load_scene
-from camgeo.studies.tolerancing.sensitivity import Machine
-from camgeo.studies.tolerancing.stated import dimensions_of
+from camgeo.studies.tolerancing.stated import Machine, dimensions_of
 from tests import kept
 from tests.thinned import WHOLE, share
 from tests.tolerancing.machines import FIXTURES, LEVER

@@ -20,8 +20,7 @@ from camgeo.design.design import Design
 from camgeo.kinematics.mechanism.follower import Follower
 from camgeo.scene.scene import Scene, load_scene
 from camgeo.studies.tolerancing.linear import Play, deviations_of
-from camgeo.studies.tolerancing.sensitivity import Deviations
-from camgeo.studies.tolerancing.stated import dimensions_of, machines_of, stated_of
+from camgeo.studies.tolerancing.stated import Deviations, dimensions_of, machines_of, stated_of
 from tests.findings import known
 from tests.tolerancing.machines import FIXTURES, LEVER
 

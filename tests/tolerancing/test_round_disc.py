@@ -17,8 +17,7 @@ from hypothesis import strategies as st
 
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS as KINDS
 from camgeo.studies.tolerancing.linear import replayed
-from camgeo.studies.tolerancing.sensitivity import Deviations, Freedom, Way
-from camgeo.studies.tolerancing.stated import dimensions_of
+from camgeo.studies.tolerancing.stated import Deviations, Freedom, Way, dimensions_of
 from tests.long_form import examples
 from tests.tolerancing.machines import FOLLOWERS, ROUND, errors, round_cam, turned
 

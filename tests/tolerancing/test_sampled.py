@@ -10,8 +10,7 @@ import pytest
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.scene.scene import load_scene
 from camgeo.studies.tolerancing.linear import ANGLES, deviations_of, replayed, sampled
-from camgeo.studies.tolerancing.sensitivity import Deviations
-from camgeo.studies.tolerancing.stated import SHAPES, Distribution, Shape, Source
+from camgeo.studies.tolerancing.stated import SHAPES, Deviations, Distribution, Shape, Source
 from tests.tolerancing.machines import FIXTURES, LEVER, lifter, linear_of
 
 

@@ -15,8 +15,14 @@ from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.studies.tolerancing import linear
 from camgeo.studies.tolerancing.linear import replayed
-from camgeo.studies.tolerancing.sensitivity import Deviations, Freedom, Sensitivities, Unit, Way
-from camgeo.studies.tolerancing.stated import dimensions_of
+from camgeo.studies.tolerancing.stated import (
+    Deviations,
+    Freedom,
+    Sensitivities,
+    Unit,
+    Way,
+    dimensions_of,
+)
 from camgeo.units import TURN
 from tests.tolerancing.machines import ANGLES, errors, fixture
 

@@ -140,14 +140,14 @@ def test_a_parent_that_cannot_be_synchronised(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As with a folder that may be written but not read."""
-    original = writing._sync
+    original = writing.sync
 
     def refused(path: Path) -> None:
         if path == tmp_path:
             raise PermissionError(errno.EACCES, "Permission denied", str(path))
         original(path)
 
-    monkeypatch.setattr(writing, "_sync", refused)
+    monkeypatch.setattr(writing, "sync", refused)
     write_set(tmp_path / "out", FILES, force=False)
     assert everything(tmp_path / "out") == FILES
 

@@ -10,21 +10,28 @@ from typing import Any, Final, Literal
 
 from camgeo.app.answers.answer import SCENE, Answer, Key, Keys, aligned
 from camgeo.app.cli.command import (
-    add_json,
-    add_scene,
+    SCENE_FILE,
+    Argument,
     notify_main_disc,
     opened,
+    picture_options,
     positive,
     show,
 )
-from camgeo.app.cli.plot import add_picture, output_files
 from camgeo.design.design import Design
 from camgeo.geometry.contour.contour import Form
 from camgeo.pictures.model import Figure
 from camgeo.scene.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.scene.scene import Scene
 from camgeo.studies.accuracy import survey as surveys
-from camgeo.studies.accuracy.benefit import BenefitRow, benefit_rows, harmonics
+from camgeo.studies.accuracy.benefit import (
+    BenefitRow,
+    advice,
+    benefit_rows,
+    harmonics,
+    of_each_form,
+    step_sentence,
+)
 from camgeo.studies.accuracy.contours import (
     FORMS,
     ContourRow,
@@ -33,7 +40,6 @@ from camgeo.studies.accuracy.contours import (
     TableRow,
     in_length,
 )
-from camgeo.studies.accuracy.knee import advice, of_each_form, step_sentence
 from camgeo.studies.accuracy.survey import (
     STAGES,
     TOLERANCES,
@@ -728,57 +734,6 @@ EXAMPLE: Final = (
 )
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    add_scene(parser)
-    parser.add_argument(
-        "--tolerances",
-        metavar="MM",
-        type=_tolerances,
-        help="comma-separated, in mm; default 1e-1 to 1e-6, one per decade; finer ones take long",
-    )
-    parser.add_argument(
-        "--all",
-        action="store_true",
-        help="measure all forms and fits of the contour, solids, value tables and effects too; so"
-        " does --json",
-    )
-    parser.add_argument(
-        "--ripple",
-        action="store_true",
-        help="also replay the contours: how far the follower's acceleration is off",
-    )
-    parser.add_argument(
-        "--bill",
-        action="store_true",
-        help="also build the scene within each tolerance: the seconds of each stage",
-    )
-    parser.add_argument(
-        "--speed",
-        metavar="RPM",
-        type=positive,
-        help="also tell which tolerance of each form is enough at this speed of the cam",
-    )
-    add_json(parser)
-    add_picture(parser)
-
-
-def run(arguments: argparse.Namespace) -> int:
-    """Measure, and print or draw the results."""
-    design = opened(arguments)
-    notify_main_disc(design, "figures")
-    found = accuracy(
-        design,
-        arguments.tolerances or TOLERANCES,
-        ripple=arguments.ripple or None,
-        complete=arguments.all or arguments.json,
-        bill=arguments.bill,
-        speed=None if arguments.speed is None else arguments.speed * RPM,
-        progress=arguments.progress,
-    )
-    return show(found, arguments, output_files(found, arguments, "pieces, bytes, seconds"))
-
-
 def _tolerances(text: str) -> tuple[float, ...]:
     """The tolerances of `--tolerances`, each once, the loosest first."""
     found = set()
@@ -794,3 +749,53 @@ def _tolerances(text: str) -> tuple[float, ...]:
             )
         found.add(value)
     return tuple(sorted(found, reverse=True))
+
+
+ARGUMENTS: Final = (
+    SCENE_FILE,
+    Argument(
+        "--tolerances",
+        metavar="MM",
+        type=_tolerances,
+        help="comma-separated, in mm; default 1e-1 to 1e-6, one per decade; finer ones take long",
+    ),
+    Argument(
+        "--all",
+        action="store_true",
+        help="measure all forms and fits of the contour, solids, value tables and effects too; so"
+        " does --json",
+    ),
+    Argument(
+        "--ripple",
+        action="store_true",
+        help="also replay the contours: how far the follower's acceleration is off",
+    ),
+    Argument(
+        "--bill",
+        action="store_true",
+        help="also build the scene within each tolerance: the seconds of each stage",
+    ),
+    Argument(
+        "--speed",
+        metavar="RPM",
+        type=positive,
+        help="also tell which tolerance of each form is enough at this speed of the cam",
+    ),
+    *picture_options(),
+)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Measure, and print or draw the results."""
+    design = opened(arguments)
+    notify_main_disc(design, "figures")
+    found = accuracy(
+        design,
+        arguments.tolerances or TOLERANCES,
+        ripple=arguments.ripple or None,
+        complete=arguments.all or arguments.json,
+        bill=arguments.bill,
+        speed=None if arguments.speed is None else arguments.speed * RPM,
+        progress=arguments.progress,
+    )
+    return show(found, arguments, contents="pieces, bytes, seconds")

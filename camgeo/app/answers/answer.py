@@ -279,7 +279,7 @@ class Key:
         plain values. Those of another `Key` mean what that says.
     of : its attribute, with dots; "" for the one of its name.
     type : of the value, where the attribute does not say it; of a document its class.
-    optional : whether it is left out where there is no value.
+    optional : whether it is left out where there is no value, or an empty text.
     by_key : whether the object is a mapping by the keys of the document.
     """
 
@@ -386,7 +386,7 @@ def _read_object(value: Any, key: Key) -> dict[str, Any]:
     found = {}
     for name, each in (_keys_of(key) or {}).items():
         item = _read(_attribute(value, name, each, by_key=key.by_key), name, each)
-        if item is not None or not each.optional:
+        if item not in (None, "") or not each.optional:
             found[name] = item
     return found
 

@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Final
 
 from camgeo.app.answers.answer import FINDING, SCENE, Answer, Key, exit_code, finding_lines
-from camgeo.app.cli.command import add_scene, number, opened, settle, show
-from camgeo.app.cli.streams import notify
+from camgeo.app.cli.command import SCENE_FILE, Argument, notify, number, opened, settle, show
 from camgeo.check.finding import Finding
 from camgeo.design.design import Design
 from camgeo.design.judged_part import in_one_piece
@@ -154,18 +153,17 @@ def _size(file: FileReport, unit: LengthUnit) -> str:
 EXAMPLE: Final = "camgeo build fixtures/scenes/setzhub.toml -o out --only dxf,gcode"
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    add_scene(parser)
-    parser.add_argument(
+ARGUMENTS: Final = (
+    SCENE_FILE,
+    Argument(
         "-o", metavar="DIR", dest="output", default=".", help="folder; default: the current one"
-    )
-    parser.add_argument("--only", metavar="FORMATS", help="comma-separated: dxf,gcode,stl,3mf,...")
-    parser.add_argument(
+    ),
+    Argument("--only", metavar="FORMATS", help="comma-separated: dxf,gcode,stl,3mf,..."),
+    Argument(
         "--tolerance", metavar="MM", type=number, help="largest deviation, instead of the scene's"
-    )
-    parser.add_argument("--force", action="store_true", help="overwrite existing files that differ")
-    parser.add_argument("--json", action="store_true", help="print the report as JSON")
+    ),
+    Argument("--force", action="store_true", help="overwrite existing files that differ"),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:

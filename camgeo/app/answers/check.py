@@ -19,7 +19,7 @@ from camgeo.app.answers.answer import (
     exit_code,
     finding_lines,
 )
-from camgeo.app.cli.command import add_json, add_scene, opened, show
+from camgeo.app.cli.command import SCENE_FILE, opened, show
 from camgeo.check.finding import FINDINGS, RETURN, Finding, forbidding
 from camgeo.design.judged_part import Body, PartFound, part_of
 from camgeo.design.product import with_pair
@@ -527,10 +527,7 @@ def _time(found: OperationTime) -> str:
 EXAMPLE: Final = "camgeo check fixtures/scenes/setzhub.toml"
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    add_scene(parser)
-    add_json(parser)
+ARGUMENTS: Final = (SCENE_FILE,)
 
 
 def run(arguments: argparse.Namespace) -> int:

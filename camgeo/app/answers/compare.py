@@ -12,8 +12,7 @@ from typing import Any, Final, Literal
 from camgeo.app.answers.answer import MARKS, Answer, Key, aligned
 from camgeo.app.answers.check import check
 from camgeo.app.answers.sweep import shown_in
-from camgeo.app.cli.command import add_json, add_repeated, design_in, show
-from camgeo.app.cli.plot import add_picture, output_files
+from camgeo.app.cli.command import Argument, design_in, picture_options, repeated_option, show
 from camgeo.check.finding import Finding
 from camgeo.check.judge import worst
 from camgeo.design.design import Design
@@ -45,16 +44,6 @@ class Compared:
     label: str
     design: Design
     verdict: str
-
-    @property
-    def name(self) -> str:
-        """Of the scene."""
-        return self.design.name
-
-    @property
-    def identity(self) -> str:
-        """Of the scene."""
-        return self.design.scene.identity
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,9 +221,10 @@ DOCUMENT: Final = Key(
             "The designs, in the order given.",
             {
                 "label": "By which the text and the picture name it.",
-                "name": "Name of its scene.",
+                "name": Key("Name of its scene.", of="design.name"),
                 "sha256": Key(
-                    "SHA-256 of everything that the scene states, hexadecimal.", of="identity"
+                    "SHA-256 of everything that the scene states, hexadecimal.",
+                    of="design.scene.identity",
                 ),
                 "verdict": Key(
                     "The worst severity of its findings; empty if only some questions were asked.",
@@ -323,9 +313,9 @@ def _cell(cell: Cell, length: LengthUnit) -> str:
 
 def figure(answer: Compare) -> Figure:
     """The designs over each other."""
-    from camgeo.pictures import compare as picture
+    from camgeo.pictures.sweep import of_designs
 
-    return picture.figure([(each.label, each.design) for each in answer.designs])
+    return of_designs([(each.label, each.design) for each in answer.designs])
 
 
 # -- command line ----------------------------------------------------------------------------------
@@ -337,17 +327,13 @@ EXAMPLE: Final = (
 )
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    parser.add_argument("scenes", metavar="SCENE", nargs="+", help="scene files, two or more")
-    add_repeated(
-        parser,
-        "--ask",
-        "NAMES",
-        "compare only these, named as for camgeo sweep; comma-separated",
-    )
-    add_json(parser)
-    add_picture(parser)
+ARGUMENTS: Final = (
+    Argument("scenes", metavar="SCENE", nargs="+", help="scene files, two or more"),
+    repeated_option(
+        "--ask", "NAMES", "compare only these, named as for camgeo sweep; comma-separated"
+    ),
+    *picture_options(),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -355,8 +341,7 @@ def run(arguments: argparse.Namespace) -> int:
     designs = [design_in(name, arguments) for name in arguments.scenes]
     labels = labels_of(arguments.scenes)
     found = compare(list(zip(labels, designs, strict=True)), names_in(arguments.ask))
-    files = output_files(found, arguments, "flanks, motion, acceleration, mu")
-    return show(found, arguments, files)
+    return show(found, arguments, contents="flanks, motion, acceleration, mu")
 
 
 def labels_of(names: Sequence[str]) -> list[str]:

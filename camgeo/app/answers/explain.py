@@ -11,7 +11,7 @@ from typing import Final, Literal
 
 from camgeo.app.answers.answer import SCENE, Answer, Key
 from camgeo.app.answers.check import OF_MILLING, OF_PART, Check, check
-from camgeo.app.cli.command import add_json, add_scene, opened, show
+from camgeo.app.cli.command import SCENE_FILE, Argument, opened, show
 from camgeo.cam.cam import Disc, Drive
 from camgeo.check.finding import FINDINGS, Finding
 from camgeo.check.judge import Judgement
@@ -242,14 +242,17 @@ def found_words(findings: Iterable[Finding]) -> str:
 EXAMPLE: Final = "camgeo explain fixtures/scenes/setzhub.toml build"
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    add_scene(parser)
-    parser.add_argument(
-        "command", metavar="COMMAND", nargs="?", default="check", choices=tuple(GOALS),
+ARGUMENTS: Final = (
+    SCENE_FILE,
+    Argument(
+        "command",
+        metavar="COMMAND",
+        nargs="?",
+        default="check",
+        choices=tuple(GOALS),
         help=f"one of {', '.join(GOALS)}; default check. nothing is written",
-    )  # fmt: skip
-    add_json(parser)
+    ),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -26,17 +26,15 @@ from camgeo.app.answers.answer import (
     whose_lift,
 )
 from camgeo.app.cli.command import (
-    CSV,
+    SCENE_FILE,
+    TABLE_OR_PICTURE,
+    Argument,
     CallError,
-    add_json,
-    add_output,
-    add_scene,
     from_0,
     opened,
     positive,
     show,
 )
-from camgeo.app.cli.plot import SUFFIXES, output_files
 from camgeo.check.finding import Finding, held
 from camgeo.design.design import Design
 from camgeo.design.product import Product, disc_of
@@ -704,42 +702,49 @@ EXAMPLE: Final = (
 )
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    add_scene(parser)
-    parser.add_argument(
+ARGUMENTS: Final = (
+    SCENE_FILE,
+    Argument(
         "measured",
         metavar="MEASURED",
         help="points (CSV: x, y, perhaps nx, ny) in the axes of the scene's cam; a name that ends"
         " in -return is of the return disc of a conjugate pair, in -inner or -outer of that flank",
-    )
-    parser.add_argument(
-        "--align", choices=tuple(map(str, Align)), default=str(Align.DATUM),
+    ),
+    Argument(
+        "--align",
+        choices=tuple(map(str, Align)),
+        default=str(Align.DATUM),
         help="what to fit: nothing (the points were measured from bore and key), the turn about the"
         " cam axis, or shift and turn; a fit hides eccentricity and phase; default %(default)s",
-    )  # fmt: skip
-    parser.add_argument(
-        "--robust", action="store_true",
+    ),
+    Argument(
+        "--robust",
+        action="store_true",
         help="of a fit: pass over local errors of form, which would sway the least squares",
-    )  # fmt: skip
-    parser.add_argument(
-        "--unit", choices=("mm", "inch"), help="unit of MEASURED, if it does not state one; default"
-        " the scene's",
-    )  # fmt: skip
-    parser.add_argument(
+    ),
+    Argument(
+        "--unit",
+        choices=("mm", "inch"),
+        help="unit of MEASURED, if it does not state one; default the scene's",
+    ),
+    Argument(
         "--flank", choices=tuple(map(str, Flank)), help="flank; default by the name, or the scene's"
-    )
-    parser.add_argument(
-        "--ball", metavar="MM", type=from_0, default=0.0,
+    ),
+    Argument(
+        "--ball",
+        metavar="MM",
+        type=from_0,
+        default=0.0,
         help="the points are centres of a ball of this radius",
-    )  # fmt: skip
-    parser.add_argument(
-        "--tolerance", metavar="MM", type=positive,
+    ),
+    Argument(
+        "--tolerance",
+        metavar="MM",
+        type=positive,
         help="profile tolerance: width of the zone about the flank that must hold all points",
-    )  # fmt: skip
-    add_json(parser)
-    contents = f"file to write: a table ({CSV}) or a picture ({', '.join(SUFFIXES)})"
-    add_output(parser, contents, (CSV, *SUFFIXES))
+    ),
+    *TABLE_OR_PICTURE,
+)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -756,4 +761,4 @@ def run(arguments: argparse.Namespace) -> int:
         ball=arguments.ball,
         tolerance=arguments.tolerance,
     )
-    return show(found, arguments, output_files(found, arguments, "deviations, lift errors"))
+    return show(found, arguments, contents="deviations, lift errors")

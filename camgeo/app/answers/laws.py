@@ -9,8 +9,16 @@ from dataclasses import dataclass, fields
 from typing import Final, Literal
 
 from camgeo.app.answers.answer import Answer, Key, Keys
-from camgeo.app.cli.command import CallError, add_json, number, show, write_files
-from camgeo.app.cli.plot import add_picture, output_files
+from camgeo.app.cli.command import (
+    Argument,
+    ArgumentGroup,
+    CallError,
+    number,
+    output_files,
+    picture_options,
+    show,
+    write_files,
+)
 from camgeo.errors import Fault, SceneError
 from camgeo.kinematics.laws import ALIASES, FAMILIES, OPTIONS, find_family
 from camgeo.kinematics.laws.comparison import QUANTITIES, Entry, Running, compare
@@ -366,6 +374,61 @@ def _notes(entries: Sequence[Entry]) -> list[str]:
     return ["", *found] if found else []
 
 
+# -- law options ----------------------------------------------------------------------------------
+# Options that name a motion law, its task and its parameters.
+
+
+DEFAULT_TASK: Final = "R-R"
+
+EVERY_TASK: Final = "all"
+
+PARAMETERS: Final = {
+    "inflection": ("LAMBDA", "z of the inflection point, counted as in VDI 2143"),
+    "v0": ("F1", "f'(0)"),
+    "a0": ("F2", "f''(0)"),
+    "j0": ("F3", "f'''(0)"),
+    "v1": ("F1", "f'(1)"),
+    "a1": ("F2", "f''(1)"),
+    "j1": ("F3", "f'''(1)"),
+    **{name: (option.symbol.upper(), option.text) for name, option in OPTIONS.items()},
+}
+"""What `make_law` may take in addition to name and task: metavar and help of the option."""
+
+
+def law_arguments(*, several: bool = False) -> ArgumentGroup:
+    """`--law`, `--task` and an option for each parameter; absent ones are None.
+
+    With `several`, `--law` takes any number of names, and `--task` may also be "all".
+    """
+    of_law = {"help": "name of the law, as `camgeo laws` lists it"}
+    tasks, also = TASKS, ""
+    if several:
+        of_law = {"nargs": "+", "help": "only these laws"}
+        tasks, also = (*TASKS, EVERY_TASK), f", or {EVERY_TASK}"
+    text = f"motion task, {TASKS[0]} to {TASKS[-1]}{also}; default {DEFAULT_TASK}"
+    return ArgumentGroup(
+        Argument("--law", metavar="NAME", **of_law),
+        Argument("--task", choices=tasks, metavar="TASK", help=text),
+        *(
+            Argument(f"--{name}", metavar=metavar, type=number, help=text)
+            for name, (metavar, text) in PARAMETERS.items()
+        ),
+        title="motion law",
+        text="normalised: f(0) = 0, f(1) = 1; the law decides which parameters there are",
+    )
+
+
+def given_options(arguments: argparse.Namespace) -> list[str]:
+    """The options given among the task and the parameters."""
+    return [f"--{name}" for name in ("task", *PARAMETERS) if getattr(arguments, name) is not None]
+
+
+def parameters_from(arguments: argparse.Namespace) -> dict[str, float]:
+    """The parameters that are given, by the names that `make_law` takes."""
+    parameters = {key: getattr(arguments, key) for key in PARAMETERS}
+    return {key: value for key, value in parameters.items() if value is not None}
+
+
 # -- command line ----------------------------------------------------------------------------------
 
 
@@ -383,19 +446,20 @@ EXAMPLE: Final = (
 )
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    add_law_options(parser, several=True)
-    group = parser.add_argument_group(
-        "physical values",
-        "with all three: velocity, acceleration, jerk, and torque at the camshaft against the"
+ARGUMENTS: Final = (
+    law_arguments(several=True),
+    ArgumentGroup(
+        *(
+            Argument(f"--{name}", metavar=metavar, type=number, help=text)
+            for name, (metavar, text) in RUNNING.items()
+        ),
+        title="physical values",
+        text="with all three: velocity, acceleration, jerk, and torque at the camshaft against the"
         " inertia of 1 kg on the follower",
-    )
-    for name, (metavar, text) in RUNNING.items():
-        group.add_argument(f"--{name}", metavar=metavar, type=number, help=text)
-    parser.add_argument("--places", action="store_true", help="also print z of the extremes")
-    add_json(parser)
-    add_picture(parser, "draw a picture")
+    ),
+    Argument("--places", action="store_true", help="also print z of the extremes"),
+    *picture_options("draw a picture"),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -430,61 +494,3 @@ def _running(arguments: argparse.Namespace) -> Running | None:
     if missing:
         raise CallError(f"physical values need {' and '.join(missing)} too")
     return Running(arguments.speed * RPM, math.radians(arguments.span), arguments.stroke)
-
-
-# -- law options ----------------------------------------------------------------------------------
-# Options that name a motion law, its task and its parameters.
-
-
-DEFAULT_TASK: Final = "R-R"
-
-EVERY_TASK: Final = "all"
-
-PARAMETERS: Final = {
-    "inflection": ("LAMBDA", "z of the inflection point, counted as in VDI 2143"),
-    "v0": ("F1", "f'(0)"),
-    "a0": ("F2", "f''(0)"),
-    "j0": ("F3", "f'''(0)"),
-    "v1": ("F1", "f'(1)"),
-    "a1": ("F2", "f''(1)"),
-    "j1": ("F3", "f'''(1)"),
-    **{name: (option.symbol.upper(), option.text) for name, option in OPTIONS.items()},
-}
-"""What `make_law` may take in addition to name and task: metavar and help of the option."""
-
-
-def add_law_options(parser: argparse.ArgumentParser, *, several: bool = False) -> None:
-    """Add `--law`, `--task` and an option for each parameter; absent ones are None.
-
-    With `several`, `--law` takes any number of names, and `--task` may also be "all".
-    """
-    group = parser.add_argument_group(
-        "motion law", "normalised: f(0) = 0, f(1) = 1; the law decides which parameters there are"
-    )
-    if several:
-        group.add_argument("--law", metavar="NAME", nargs="+", help="only these laws")
-    else:
-        group.add_argument(
-            "--law", metavar="NAME", help="name of the law, as `camgeo laws` lists it"
-        )
-    group.add_argument(
-        "--task",
-        choices=(*TASKS, EVERY_TASK) if several else TASKS,
-        metavar="TASK",
-        help=f"motion task, {TASKS[0]} to {TASKS[-1]}"
-        + (f", or {EVERY_TASK}" if several else "")
-        + f"; default {DEFAULT_TASK}",
-    )
-    for name, (metavar, text) in PARAMETERS.items():
-        group.add_argument(f"--{name}", metavar=metavar, type=number, help=text)
-
-
-def given_options(arguments: argparse.Namespace) -> list[str]:
-    """The options given among the task and the parameters."""
-    return [f"--{name}" for name in ("task", *PARAMETERS) if getattr(arguments, name) is not None]
-
-
-def parameters_from(arguments: argparse.Namespace) -> dict[str, float]:
-    """The parameters that are given, by the names that `make_law` takes."""
-    parameters = {key: getattr(arguments, key) for key in PARAMETERS}
-    return {key: value for key, value in parameters.items() if value is not None}

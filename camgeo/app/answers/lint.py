@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, Final, Literal, Protocol
 
 from camgeo.app.answers.answer import BROKEN, FINE, WRONG, Answer, Key
-from camgeo.app.cli.command import CallError, add_json, number, opened, show
+from camgeo.app.cli.command import Argument, CallError, number, opened, show
 from camgeo.design.design import Design
 from camgeo.design.linting import Bench, LineFinding, Linted
 from camgeo.design.product import Product, disc_of, sides_of
@@ -39,15 +39,8 @@ class Placed:
 
     @property
     def line(self) -> int | None:
+        """Its number; None if it concerns the whole program."""
         return self.found.line or None
-
-    @property
-    def value(self) -> str | None:
-        return self.found.value or None
-
-    @property
-    def allowed(self) -> str | None:
-        return self.found.allowed or None
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,11 +60,8 @@ class Program:
 
     @property
     def file(self) -> str:
+        """Its path, as text."""
         return str(self.path)
-
-    @property
-    def refused(self) -> str | None:
-        return self.damage or None
 
     @property
     def moves(self) -> int:
@@ -225,7 +215,9 @@ DOCUMENT: Final = Key(
             "In the order in which they were named.",
             {
                 "file": "Its path, as named.",
-                "refused": Key("Why it cannot be read; missing if it can.", optional=True),
+                "refused": Key(
+                    "Why it cannot be read; missing if it can.", of="damage", optional=True
+                ),
                 "moves": "Moves that it makes.",
                 "complete": "Whether it was read to its end; false after too many findings.",
                 "findings": Key(
@@ -247,8 +239,8 @@ DOCUMENT: Final = Key(
                             ],
                         ),
                         "what": Key("What is wrong.", of="found.what"),
-                        "value": Key("What was found.", optional=True),
-                        "allowed": Key("What would be right.", optional=True),
+                        "value": Key("What was found.", of="found.value", optional=True),
+                        "allowed": Key("What would be right.", of="found.allowed", optional=True),
                     },
                 ),
             },
@@ -322,35 +314,54 @@ EXAMPLE: Final = (
 )
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    parser.add_argument("files", metavar="PROGRAM", nargs="+", help="files, of any origin")
-    parser.add_argument(
-        "--machine", metavar="NAME|PROFILE", required=True,
+def _radius(text: str) -> tuple[int, float]:
+    offset, mark, radius = text.partition("=")
+    if not (mark and offset.isascii() and offset.isdigit() and len(offset) <= 6):
+        raise argparse.ArgumentTypeError(f"{text!r} is not an offset and its radius, like 1=3.0")
+    return int(offset), number(radius)
+
+
+ARGUMENTS: Final = (
+    Argument("files", metavar="PROGRAM", nargs="+", help="files, of any origin"),
+    Argument(
+        "--machine",
+        metavar="NAME|PROFILE",
+        required=True,
         help="machine profile: the name of one, or a TOML file",
-    )  # fmt: skip
-    parser.add_argument(
-        "--stock-top", metavar="MM", type=number, default=0.0,
+    ),
+    Argument(
+        "--stock-top",
+        metavar="MM",
+        type=number,
+        default=0.0,
         help="Z of the highest stock; default 0",
-    )  # fmt: skip
-    parser.add_argument(
-        "--clearance", metavar="MM", type=number,
+    ),
+    Argument(
+        "--clearance",
+        metavar="MM",
+        type=number,
         help="Z from which on traverses may go anywhere; default: the top of the stock",
-    )  # fmt: skip
-    parser.add_argument(
-        "--radius", metavar="D=MM", action="append", default=[], type=_radius,
+    ),
+    Argument(
+        "--radius",
+        metavar="D=MM",
+        action="append",
+        default=[],
+        type=_radius,
         help="what offset D holds, where the control compensates for the cutter: its radius, or its"
         " wear alone",
-    )  # fmt: skip
-    parser.add_argument(
-        "--scene", metavar="SCENE",
+    ),
+    Argument(
+        "--scene",
+        metavar="SCENE",
         help="scene whose tools, blank, holding and part the programs are run with",
-    )  # fmt: skip
-    parser.add_argument(
-        "--second-side", action="store_true",
+    ),
+    Argument(
+        "--second-side",
+        action="store_true",
         help="the programs mill the second side of the scene; those of camgeo say so themselves",
-    )  # fmt: skip
-    add_json(parser)
+    ),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -365,10 +376,3 @@ def run(arguments: argparse.Namespace) -> int:
     if second and design is None:
         raise CallError("argument --second-side: needs --scene, whose second side it is")
     return show(lint(paths, arguments.machine, bench, design, second_side=second), arguments)
-
-
-def _radius(text: str) -> tuple[int, float]:
-    offset, mark, radius = text.partition("=")
-    if not (mark and offset.isascii() and offset.isdigit() and len(offset) <= 6):
-        raise argparse.ArgumentTypeError(f"{text!r} is not an offset and its radius, like 1=3.0")
-    return int(offset), number(radius)

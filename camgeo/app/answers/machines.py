@@ -10,7 +10,7 @@ from dataclasses import dataclass, fields, is_dataclass
 from typing import Any, Final, Literal
 
 from camgeo.app.answers.answer import Answer, Key, Keys, aligned
-from camgeo.app.cli.command import add_json, show
+from camgeo.app.cli.command import Argument, show
 from camgeo.milling.machine import EVIDENCE, Evidence, Machine, load, names, schema
 
 
@@ -215,13 +215,14 @@ def _keys(keys: Sequence[ProfileKey]) -> list[str]:
 EXAMPLE: Final = "camgeo machines haas"
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    parser.add_argument(
-        "profile", metavar="PROFILE", nargs="?",
+ARGUMENTS: Final = (
+    Argument(
+        "profile",
+        metavar="PROFILE",
+        nargs="?",
         help="name of a profile, or a profile file (TOML); default: list them all",
-    )  # fmt: skip
-    add_json(parser)
+    ),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -11,24 +11,26 @@ from typing import Final, Literal
 
 from camgeo.app.answers.answer import BROKEN, FINE, STOPPED, Answer, Key, aligned
 from camgeo.app.answers.sweep import csv_of, shown, shown_in
-from camgeo.app.cli import plot
 from camgeo.app.cli.command import (
+    FORCE,
+    IMAGES,
+    SCENE_FILE,
+    WORKERS,
+    Argument,
     CallError,
     Written,
-    add_json,
-    add_objectives,
-    add_repeated,
-    add_scene,
-    add_workers,
     document,
+    drawn,
     ending_in,
     engine_for,
+    notify,
     number,
+    objective_options,
+    repeated_option,
     require_new,
     show,
     write_files,
 )
-from camgeo.app.cli.streams import notify
 from camgeo.pictures.model import Figure
 from camgeo.scene.scene import Scene, load_scene
 from camgeo.scene.values import Value
@@ -374,7 +376,7 @@ def figure(answer: Optimum) -> Figure:
 # -- command line ----------------------------------------------------------------------------------
 
 
-SUFFIXES: Final = (".toml", ".json", ".csv", *plot.SUFFIXES)
+SUFFIXES: Final = (".toml", ".json", ".csv", *IMAGES)
 
 EXAMPLE: Final = (
     "camgeo optimise fixtures/scenes/setzhub.toml --vary follower.base_radius=40:60"
@@ -385,53 +387,47 @@ EXAMPLE: Final = (
 )
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    add_scene(parser)
-    add_repeated(
-        parser,
+ARGUMENTS: Final = (
+    SCENE_FILE,
+    repeated_option(
         "--vary",
         "KEY=VALUES",
         "values of a key: LOW:HIGH for any number between, START:STOP:COUNT, or a list as"
         " 5,6,7; KEY,KEY=VALUES ties keys together; may be repeated",
-    )
-    add_objectives(
-        parser,
+    ),
+    *objective_options(
         "objectives that should be {}: findings as transmission-angle, columns as"
-        " peak:a, max:NAME or min:NAME, diameter; comma-separated",
-    )
-    add_repeated(
-        parser,
+        " peak:a, max:NAME or min:NAME, diameter; comma-separated"
+    ),
+    repeated_option(
         "--keep",
         "LIMIT",
         "'NAME>=NUMBER' or 'NAME<=NUMBER', besides the limits of the scene, or in place of its"
         " own on the same finding; may be repeated",
-    )
-    add_repeated(
-        parser,
+    ),
+    repeated_option(
         "--ignore",
         "NAMES",
         "findings whose limits in the scene do not count, or limits for all of them",
-    )
-    parser.add_argument("--seed", type=int, help="of what is drawn; default 0")
-    parser.add_argument(
+    ),
+    Argument("--seed", type=int, help="of what is drawn; default 0"),
+    Argument(
         "--evaluations", metavar="COUNT", type=int, help="designs that may be tried; default 2000"
-    )
-    parser.add_argument(
+    ),
+    Argument(
         "--seconds", type=number, help="after which no other design is tried; default: no limit"
-    )
-    add_workers(parser)
-    add_repeated(
-        parser,
+    ),
+    WORKERS,
+    repeated_option(
         "-o",
         "FILE",
         "the scene of the best design, .toml; the record, .json; all designs that were tried,"
         " .csv; the front or the course of the search, .png, .svg, .pdf; may be repeated",
         ending_in(SUFFIXES),
         "output",
-    )
-    parser.add_argument("--force", action="store_true", help="overwrite existing files")
-    add_json(parser)
+    ),
+    FORCE,
+)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -479,4 +475,4 @@ def _written(answer: Optimum, path: Path) -> Written:
         return path, comma_separated(answer), counted(answer.evaluations, "row")
     if path.suffix == ".json":
         return path, document(answer).encode(), "the record"
-    return path, plot.drawn(figure(answer), path.suffix), "picture"
+    return path, drawn(figure(answer), path.suffix), "picture"

@@ -15,15 +15,15 @@ import numpy as np
 from camgeo.app.answers.answer import FINDING, SCENE, Answer, Key, exit_code, finding_lines
 from camgeo.app.cli.command import (
     CSV,
+    SCENE_FILE,
+    Argument,
     CallError,
     Written,
-    add_json,
-    add_output,
-    add_scene,
     check_step,
     decimal,
     from_0,
     opened,
+    output_options,
     positive,
     require_beside,
     show,
@@ -73,11 +73,6 @@ class ProbedFlank:
     def count(self) -> int:
         """Number of points."""
         return len(self.points.places)
-
-    @property
-    def off_radius(self) -> Extreme:
-        """The largest angle [rad] between a normal and the radius, with its cam angle."""
-        return self.points.off_radius
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -355,6 +350,7 @@ FLANK: Final = Key(
                 "angle_deg": Key("That angle.", of="value"),
                 "cam_angle_deg": Key("Cam angle of the value.", of="place"),
             },
+            of="points.off_radius",
         ),
         "findings": Key("What is to be known, worst first.", FINDING),
     },
@@ -389,7 +385,7 @@ def text(answer: Probing) -> str:
             f"{each.disc.name}: {counted(each.count, 'point')} of the {each.flank} flank, {spaced},"
             f" {each.length:.6g} mm long"
         )
-        off = each.off_radius
+        off = each.points.off_radius
         lines.append(
             f"        {'normals':26}up to {math.degrees(off.value):.4g} deg off the radius,"
             f" {at_cam_angles(off.place)}"
@@ -467,31 +463,40 @@ EXAMPLE: Final = (
 )
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    add_scene(parser)
-    parser.add_argument(
-        "--step", metavar="DEG", type=decimal, help=f"step of the cam angle; default {STEP}"
-    )
-    parser.add_argument(
-        "--spacing", metavar="MM", type=positive,
+def _csv(name: str) -> str:
+    if Path(name).suffix != CSV:
+        raise argparse.ArgumentTypeError(f"{name!r} must end in {CSV}")
+    return name
+
+
+ARGUMENTS: Final = (
+    SCENE_FILE,
+    Argument("--step", metavar="DEG", type=decimal, help=f"step of the cam angle; default {STEP}"),
+    Argument(
+        "--spacing",
+        metavar="MM",
+        type=positive,
         help="instead of a step: equal distances along the flank, at most this",
-    )  # fmt: skip
-    parser.add_argument("--flank", choices=tuple(map(str, Flank)), help="flank; default all in use")
-    parser.add_argument(
-        "--ball", metavar="MM", type=from_0, default=0.0,
+    ),
+    Argument("--flank", choices=tuple(map(str, Flank)), help="flank; default all in use"),
+    Argument(
+        "--ball",
+        metavar="MM",
+        type=from_0,
+        default=0.0,
         help="radius of the measuring ball: also list its centres, and check that it fits",
-    )  # fmt: skip
-    parser.add_argument(
-        "--tolerance", metavar="MM", type=positive,
+    ),
+    Argument(
+        "--tolerance",
+        metavar="MM",
+        type=positive,
         help="also list the deviations allowed: plus and minus half of this profile tolerance",
-    )  # fmt: skip
-    add_json(parser)
-    parser.add_argument(
-        "--lift", metavar="FILE", type=_csv, help=f"lift curve to write as well ({CSV})"
-    )
-    contents = f"file to write ({CSV}); of several flanks one each, with -inner, -outer, -return"
-    add_output(parser, contents, (CSV,))
+    ),
+    Argument("--lift", metavar="FILE", type=_csv, help=f"lift curve to write as well ({CSV})"),
+    *output_options(
+        f"file to write ({CSV}); of several flanks one each, with -inner, -outer, -return", (CSV,)
+    ),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -530,9 +535,3 @@ def _points(found: Probing, output: str | None) -> Iterator[Written]:
             ending += f"-{one.flank}"
         path = name.with_name(f"{name.stem}{ending}{name.suffix}")
         yield table_file(flank_table(found, one), path)
-
-
-def _csv(name: str) -> str:
-    if Path(name).suffix != CSV:
-        raise argparse.ArgumentTypeError(f"{name!r} must end in {CSV}")
-    return name

@@ -25,19 +25,17 @@ from camgeo.app.answers.answer import (
     whose_lift,
 )
 from camgeo.app.cli.command import (
-    CSV,
-    add_json,
-    add_origin,
-    add_output,
-    add_scene,
+    SCENE_FILE,
+    TABLE_OR_PICTURE,
+    Argument,
     check_step,
     decimal,
     from_0,
+    notify,
     opened,
+    origin_option,
     show,
 )
-from camgeo.app.cli.plot import SUFFIXES, output_files
-from camgeo.app.cli.streams import notify
 from camgeo.cam.cam import Cam
 from camgeo.design.design import Design
 from camgeo.design.product import Product, disc_of
@@ -719,40 +717,45 @@ EXAMPLE: Final = (
 )
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    add_scene(parser)
-    parser.add_argument(
+ARGUMENTS: Final = (
+    SCENE_FILE,
+    Argument(
         "contours",
         metavar="CONTOUR",
         nargs="*",
         help="drawing (DXF, SVG), or vertices (CSV: x, y, and bulge if a heading names it), in the"
         " axes of the scene's cam; default the scene's real outline. Of a conjugate pair one of"
         " each disc, or of one disc alone: that of the return disc has a name that ends in -return",
-    )
-    parser.add_argument("--layer", metavar="NAME", help="layer of the drawing; default CUT, or all")
-    parser.add_argument(
-        "--unit", choices=("mm", "inch"), help="unit of CONTOUR, if it does not state one"
-    )
-    parser.add_argument(
-        "--gap", metavar="MM", type=from_0, default=GAP,
+    ),
+    Argument("--layer", metavar="NAME", help="layer of the drawing; default CUT, or all"),
+    Argument("--unit", choices=("mm", "inch"), help="unit of CONTOUR, if it does not state one"),
+    Argument(
+        "--gap",
+        metavar="MM",
+        type=from_0,
+        default=GAP,
         help=f"end points of a drawing up to this far apart are joined; default {GAP:g}",
-    )  # fmt: skip
-    add_origin(parser, "CONTOUR")
-    parser.add_argument(
-        "--corner", metavar="DEG", type=from_0, default=FLAT,
+    ),
+    origin_option("CONTOUR"),
+    Argument(
+        "--corner",
+        metavar="DEG",
+        type=from_0,
+        default=FLAT,
         help=f"corners of CONTOUR up to this angle are ignored; default {FLAT:g}",
-    )  # fmt: skip
-    parser.add_argument(
+    ),
+    Argument(
         "--flank", choices=tuple(map(str, Flank)), help="flank of the follower; default the scene's"
-    )
-    parser.add_argument(
-        "--step", metavar="DEG", type=decimal, default=STEP,
+    ),
+    Argument(
+        "--step",
+        metavar="DEG",
+        type=decimal,
+        default=STEP,
         help=f"step of the cam angle; default {STEP}",
-    )  # fmt: skip
-    add_json(parser)
-    contents = f"file to write: a table ({CSV}) or a picture ({', '.join(SUFFIXES)})"
-    add_output(parser, contents, (CSV, *SUFFIXES))
+    ),
+    *TABLE_OR_PICTURE,
+)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -772,4 +775,4 @@ def run(arguments: argparse.Namespace) -> int:
     for each in found.discs:
         for note in filter(None, (each.note, *each.notes)):
             notify(note)
-    return show(found, arguments, output_files(found, arguments, "lift, velocity, acceleration"))
+    return show(found, arguments, contents="lift, velocity, acceleration")

@@ -16,22 +16,16 @@ import numpy as np
 
 from camgeo.app.answers.answer import FINDING, MANY, MARKS, SCENE, Answer, Key, in_a_line
 from camgeo.app.answers.check import Check, check
-from camgeo.app.cli.command import add_json, add_output, add_scene, opened, show, write_files
+from camgeo.app.cli.command import SCENE_FILE, Argument, opened, output_options, show, write_files
 from camgeo.check.cures.remedies import Cure
 from camgeo.check.finding import RETURN, Finding, Severity
 from camgeo.design.writing import CERTIFICATE, make_files
 from camgeo.errors import CamgeoError
 from camgeo.pictures import plots
-from camgeo.pictures.charts import (
-    MOTION,
-    Chart,
-    disc_diagrams,
-    motion_diagram,
-    of_effects,
-    readings,
-)
 from camgeo.pictures.mechanism import Animation, animation
 from camgeo.pictures.model import Figure
+from camgeo.pictures.motion import readings
+from camgeo.pictures.plots import MOTION_TITLE, Chart, disc_diagrams, motion_diagram, of_effects
 from camgeo.units import counted
 
 if TYPE_CHECKING:
@@ -141,7 +135,7 @@ def report(design: Design, *, quick: bool = False, progress: Progress = lambda _
         left_out.append("mechanism: the scene has no follower, so there is no disc")
     else:
         turn = tried("mechanism", lambda: animation(design.disc))
-    wanted = [(MOTION, partial(motion_diagram, design))]
+    wanted = [(MOTION_TITLE, partial(motion_diagram, design))]
     wanted += tried("diagrams of the disc", lambda: [*_of_discs(design)]) or ()
     charts = [
         Chart(what, figure, readings(figure))
@@ -201,8 +195,8 @@ def advised(found: Check) -> tuple[Advised, ...]:
 
 def _prices(design: Design, progress: Progress) -> Survey:
     """Of contours alone, with what is the same on every machine."""
+    from camgeo.studies.accuracy.benefit import knee_of
     from camgeo.studies.accuracy.contours import contour_rows
-    from camgeo.studies.accuracy.knee import knee_of
     from camgeo.studies.accuracy.survey import Survey, own_rows
 
     rows = contour_rows(design, TOLERANCES, ripple=False, progress=progress, timed=False)
@@ -399,16 +393,15 @@ PAGES: Final = "camgeo.pages"
 EXAMPLE: Final = "camgeo report fixtures/scenes/setzhub.toml -o setzhub.html"
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    add_scene(parser)
-    add_output(parser, "page to write, .html; default: print a summary", (".html",))
-    parser.add_argument(
+ARGUMENTS: Final = (
+    SCENE_FILE,
+    *output_options("page to write, .html; default: print a summary", (".html",)),
+    Argument(
         "--quick",
         action="store_true",
         help="leave out price list and certificate, for which files are made",
-    )
-    add_json(parser)
+    ),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -23,15 +23,14 @@ from camgeo.app.answers.answer import (
     aligned,
 )
 from camgeo.app.cli.command import (
-    add_json,
-    add_output,
-    add_scene,
+    SCENE_FILE,
+    drawn,
     notify_main_disc,
     opened,
+    output_options,
     show,
     write_files,
 )
-from camgeo.app.cli.plot import drawn
 from camgeo.design.design import Design
 from camgeo.design.milled import compared
 from camgeo.design.product import Product, programs_of, sides_of
@@ -84,21 +83,6 @@ class Step:
     base: float = 0.0
 
     @property
-    def name(self) -> str:
-        """Of the operation."""
-        return self.operation.name
-
-    @property
-    def tool(self) -> Tool:
-        """With the feeds and the speed of this operation."""
-        return self.operation.tool
-
-    @property
-    def number(self) -> int:
-        """Of the tool."""
-        return self.tool.number
-
-    @property
     def lowest(self) -> float:
         """Z of the tip at its deepest, from the program's zero [mm]."""
         return min(move.end[2] for move in self.operation.travel) - self.base
@@ -107,11 +91,6 @@ class Step:
     def stops(self) -> tuple[str, ...]:
         """What the operator does at each halt."""
         return tuple(move.note for move in self.operation.moves if isinstance(move, Stop))
-
-    @property
-    def note(self) -> str:
-        """For the operator; may be empty."""
-        return self.operation.cut.note
 
 
 @dataclass(frozen=True, slots=True)
@@ -338,11 +317,11 @@ ENGAGEMENT: Final = Key(
 OPERATION: Final = Key(
     "An operation.",
     {
-        "name": "Of the operation.",
-        "tool": Key("Number of the tool.", of="number"),
-        "spindle_speed": Key("Revolutions a minute.", of="tool.spindle_speed"),
-        "feed": Key("mm/min, in the plane.", of="tool.feed"),
-        "plunge_feed": Key("mm/min, into material.", of="tool.plunge_feed"),
+        "name": Key("Of the operation.", of="operation.name"),
+        "tool": Key("Number of the tool.", of="operation.tool.number"),
+        "spindle_speed": Key("Revolutions a minute.", of="operation.tool.spindle_speed"),
+        "feed": Key("mm/min, in the plane.", of="operation.tool.feed"),
+        "plunge_feed": Key("mm/min, into material.", of="operation.tool.plunge_feed"),
         "lowest": "Z of the tip at its deepest, mm.",
         "seconds": "Machining time; null if the dynamics of the machine are not known.",
         "compensation": (
@@ -350,7 +329,7 @@ OPERATION: Final = Key(
             " compensation."
         ),
         "stops": "What the operator does at each halt.",
-        "note": "For the operator; may be empty.",
+        "note": Key("For the operator; may be empty.", of="operation.cut.note"),
         "engagement": Key(
             "How the cutter is engaged; null if it clears no area.", ENGAGEMENT, of="engaged"
         ),
@@ -558,10 +537,11 @@ def _verdict(answer: SetupSheet) -> str:
 def _remarks(answer: SetupSheet) -> Iterator[str]:
     """What the operator reads of each operation, and of the sequence."""
     for step in answer.steps:
-        yield from (f"stop before {step.name}: {note}" for note in step.stops)
-        yield from (f"{step.name}: {each}" for each in (step.compensation, step.note) if each)
+        yield from (f"stop before {step.operation.name}: {note}" for note in step.stops)
+        name, notes = step.operation.name, (step.compensation, step.operation.cut.note)
+        yield from (f"{name}: {each}" for each in notes if each)
         if step.engaged is not None:
-            yield f"{step.name}: {step.engaged.sentence}"
+            yield f"{name}: {step.engaged.sentence}"
     yield from answer.told
 
 
@@ -586,11 +566,11 @@ def _tool(tool: Tool, unit: LengthUnit) -> list[str]:
 
 
 def _step(number: int, step: Step, unit: LengthUnit) -> list[str]:
-    tool, scale = step.tool, 1.0 / MM_PER[unit]
+    tool, scale = step.operation.tool, 1.0 / MM_PER[unit]
     feeds = (f"{each * scale:.{FEED[unit]}f}" for each in (tool.feed, tool.plunge_feed))
     return [
         f"{number}",
-        step.name,
+        step.operation.name,
         f"{tool.number}",
         f"{tool.spindle_speed:.0f}",
         *feeds,
@@ -617,11 +597,10 @@ def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 EXAMPLE: Final = "camgeo setup fixtures/scenes/setzhub.toml -o setzhub.html"
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    add_scene(parser)
-    add_output(parser, "page to write, .html; default: print to the terminal", (".html",))
-    add_json(parser)
+ARGUMENTS: Final = (
+    SCENE_FILE,
+    *output_options("page to write, .html; default: print to the terminal", (".html",)),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -12,41 +12,31 @@ from typing import Any, Final, Literal
 
 from camgeo.app.answers.answer import BROKEN, FINE, SCENE, Answer, Key, Keys
 from camgeo.app.cli.command import (
+    SCENE_FILE,
+    Argument,
     CallError,
     Written,
-    add_json,
-    add_scene,
+    notify,
     notify_main_disc,
     number,
     opened,
+    picture_options,
     require_beside,
     show,
 )
-from camgeo.app.cli.plot import add_picture, output_files
-from camgeo.app.cli.streams import notify
 from camgeo.cam.cam import Cam
 from camgeo.check.disc import transmission_angle_limit
 from camgeo.check.finding import Finding
 from camgeo.check.judge import motion_findings
-from camgeo.check.sizing import smallest
-from camgeo.check.sizing.face import FaceTask, face_task_of, rate_face, size_for_face
-from camgeo.check.sizing.rounding import (
-    Made,
-    exponent_of,
-    rounded,
-    rounded_face,
-    size_with_arm,
-    with_arm,
-)
-from camgeo.check.sizing.smallest import ARM_SIDES, Active, Rating, Sizing, rate
-from camgeo.check.sizing.task import Placing, Task, task_of
+from camgeo.check.sizing.face import FaceTask
+from camgeo.check.sizing.rounding import Made, exponent_of, made_of, rated, sized
+from camgeo.check.sizing.smallest import ARM_SIDES, Active, Rating, Sizing
+from camgeo.check.sizing.task import Placing, Task
 from camgeo.design.design import Design
 from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.pictures.model import Figure
 from camgeo.scene.scene import Scene
 from camgeo.units import MM_PER, LengthUnit
-
-NO_ARM: Final = "only an oscillating roller follower has an arm to be sized"
 
 BAD: Final = ("broken", "no-disc", "invalid")
 """Severities of findings that matter."""
@@ -181,44 +171,12 @@ class CamSize(Answer):
         """What is known of anything smaller."""
         below = min(side.sizing.none_below for side in self.sides)
         limit = self.best.base_radius
-        return Proof(self.sizing.exact and below >= limit, min(below, limit))
-
-    @property
-    def task(self) -> Placing:
-        """What was sized, on that side."""
-        return self.best.task
-
-    @property
-    def sizing(self) -> Sizing:
-        """Its sizing."""
-        return self.best.sizing
-
-    @property
-    def written(self) -> Rating | None:
-        """The answer with its sizes rounded up; None if there is none."""
-        return self.best.written
-
-    @property
-    def infeasible(self) -> str | None:
-        """Why there is no answer, see `Side`."""
-        return self.best.infeasible
+        return Proof(self.best.sizing.exact and below >= limit, min(below, limit))
 
     @property
     def exit_code(self) -> int:
         """1 if nothing meets the requirement, or nothing that can be written down."""
         return FINE if self.best.made is not None else BROKEN
-
-
-def rated(cam: Cam) -> Rating | None:
-    """What a cam results in; None if there is no such mechanism."""
-    found: Rating | None
-    if cam.follower.has_pitch_curve:
-        task = task_of(cam)
-        found = rate(task, task.present)
-    else:
-        face = face_task_of(cam)
-        found = rate_face(face, face.present)
-    return None if found is None else replace(found, follower=cam.follower)
 
 
 def size(
@@ -241,8 +199,7 @@ def size(
     Raises
     ------
     GeometryError
-        As `check.sizing.smallest.size`, `check.sizing.face.size_for_face` and
-        `check.sizing.arm.size_with_arm`.
+        As `camgeo.check.sizing.rounding.sized`.
     """
     limits, cam = design.scene.limits, design.cam
     angle = transmission_angle
@@ -250,61 +207,15 @@ def size(
         angle = transmission_angle_limit(cam, limits)
     ratio = limits.radius_ratio if radius_ratio is None else radius_ratio
     unit = design.scene.unit
-    if cam.follower.has_pitch_curve:
-        sides = _of_roller(task_of(cam), unit, angle, ratio, arms)
-    elif arms is not None:
-        raise GeometryError(NO_ARM, key="follower.kind", value=cam.follower.kind)
-    else:
-        sides = tuple(
-            Side(each, size_for_face(each, angle, radius_of_curvature), unit)
-            for each in face_task_of(cam).sides
-        )
-    sides = tuple(replace(side, made=_made(design.scene, side, ratio)) for side in sides)
-    found = CamSize(design.scene, sides, rated(cam))
-    made = found.best.made
-    return found if made is None else replace(found, remarks=_remarks(design.scene, made))
-
-
-def _of_roller(
-    own: Task, unit: LengthUnit, angle: float, ratio: float, arms: tuple[float, float] | None
-) -> tuple[Side, ...]:
-    if arms is None:
-        return tuple(Side(each, smallest.size(each, angle, ratio), unit) for each in own.sides)
-    found = []
-    for each in own.sides:
-        task, sizing = size_with_arm(each, angle, ratio, *arms)
-        arm = stated_arm(task.follower.arm, arms, MM_PER[unit])
-        if arm != task.follower.arm:
-            task = with_arm(task, arm)
-            sizing = smallest.size(task, angle, ratio)
-        found.append(Side(task, sizing, unit))
-    return tuple(found)
-
-
-def stated_arm(arm: float, arms: tuple[float, float], unit: float) -> float:
-    """An arm [mm] with the decimals with which it is written in a unit of `unit` mm."""
-    if arm in arms:
-        return arm
-    last = Decimal(1).scaleb(exponent_of(arm, unit))
-    return min(max(unit * float(Decimal(arm / unit).quantize(last)), arms[0]), arms[1])
-
-
-def _made(scene: Scene, side: Side, ratio: float) -> Made | None:
-    """The answer with its sizes rounded up, and the arm that was found."""
-    task, sizing, unit = side.task, side.sizing, MM_PER[side.unit]
-    if sizing.answer is None:
-        return None
-    if isinstance(task, FaceTask):
-        least = sizing.radius or 0.0
-        return rounded_face(task, sizing.answer.place, sizing.angle, least, unit)
-    assert isinstance(task, Task)
-    assert sizing.examined is not None  # as there is an answer
-    place, now = sizing.answer.place, sizing.examined
-    made = rounded(task, place, now, sizing.angle, ratio, unit)
-    arm, present = (getattr(each, "arm", None) for each in (task.follower, scene.follower))
-    if made is None or arm is None or arm == present:
-        return made
-    return replace(made, lengths={**made.lengths, "arm": float(f"{arm / unit:.12g}")})
+    found = sized(cam, angle, ratio, radius_of_curvature, arms, MM_PER[unit])
+    present = getattr(design.scene.follower, "arm", None)
+    sides = tuple(
+        Side(task, sizing, unit, made_of(task, sizing, ratio, present, MM_PER[unit]))
+        for task, sizing in found
+    )
+    answer = CamSize(design.scene, sides, rated(cam))
+    made = answer.best.made
+    return answer if made is None else replace(answer, remarks=_remarks(design.scene, made))
 
 
 def _remarks(scene: Scene, made: Made) -> tuple[Finding, ...]:
@@ -412,7 +323,7 @@ DOCUMENT: Final = Key(
                     optional=True,
                 ),
             },
-            of="sizing",
+            of="best.sizing",
         ),
         "present": Key("The present design; null if there is no such mechanism.", RATING),
         "flocke": Key(
@@ -431,12 +342,13 @@ DOCUMENT: Final = Key(
             "The limit: the smallest that keeps all requirements, on the better side of a rocker,"
             " to the last digits; null if none does.",
             RATING,
-            of="sizing.answer",
+            of="best.sizing.answer",
         ),
         "written": Key(
             "The same with its sizes rounded up, as they are printed and written; null if there"
             " is none.",
             RATING,
+            of="best.written",
         ),
         "proof": Key(
             "What is known of anything smaller.",
@@ -490,9 +402,11 @@ DOCUMENT: Final = Key(
                 ),
                 "cam_angle_deg": "Cam angle of the value.",
             },
-            of="sizing.active",
+            of="best.sizing.active",
         ),
-        "infeasible": "Why none keeps all requirements, in words; null if one does.",
+        "infeasible": Key(
+            "Why none keeps all requirements, in words; null if one does.", of="best.infeasible"
+        ),
         "nearest": Key(
             "What can be achieved instead.",
             {
@@ -505,7 +419,7 @@ DOCUMENT: Final = Key(
                     of="nearest_ratio",
                 ),
             },
-            of="sizing",
+            of="best.sizing",
         ),
     },
     type=CamSize,
@@ -526,7 +440,8 @@ VELOCITIES = "it assumes the largest velocities at both end positions"
 
 def text(answer: CamSize) -> str:
     """The requirement, and one row per design; lengths in the scene's unit, angles in degrees."""
-    sizing, best = answer.sizing, answer.best
+    best = answer.best
+    sizing = best.sizing
     lines = [
         f"required: {_required(answer)}",
         f"{'':{WIDTH}}" + "".join(f"{cell:>{CELL}}" for cell in _head(answer)),
@@ -548,7 +463,7 @@ def text(answer: CamSize) -> str:
         [
             *lines,
             *_changed(answer),
-            answer.infeasible
+            answer.best.infeasible
             or "decided by " + " and ".join(_active(each, sizing) for each in sizing.active),
             *_proved(answer),
             *(f"camgeo check finds in that scene: {each.sentence}" for each in answer.remarks),
@@ -570,7 +485,7 @@ def figure(answer: CamSize) -> Figure:
 
 
 def _required(answer: CamSize) -> str:
-    sizing, unit = answer.sizing, answer.scene.unit
+    sizing, unit = answer.best.sizing, answer.scene.unit
     angle = f"transmission angle at least {math.degrees(sizing.angle):g} deg"
     if sizing.radius is None:
         return f"{angle}, r_R/r_K at most {sizing.ratio:g}, no undercut"
@@ -582,8 +497,8 @@ def _required(answer: CamSize) -> str:
 
 def _head(answer: CamSize) -> tuple[str, ...]:
     unit = answer.scene.unit
-    last = "r_R/r_K" if answer.sizing.radius is None else f"rho [{unit}]"
-    second = f"{answer.task.second} [{unit}]"
+    last = "r_R/r_K" if answer.best.sizing.radius is None else f"rho [{unit}]"
+    second = f"{answer.best.task.second} [{unit}]"
     return f"r_G [{unit}]", second, "mu [deg]", "at [deg]", last, "at [deg]"
 
 
@@ -597,7 +512,7 @@ def _row(answer: CamSize, name: str, rating: Rating | None) -> str:
     digits = 4 if unit == 1.0 else 5
     cells = (
         f"{rating.base_radius / unit:.{digits}f}",
-        f"{answer.task.second_of(rating.place) / unit + 0.0:.{digits}f}",
+        f"{answer.best.task.second_of(rating.place) / unit + 0.0:.{digits}f}",
         f"{math.degrees(angle.value):.4f}",
         f"{math.degrees(angle.place):.3f}",
         f"{last.value / per:.4f}",
@@ -748,43 +663,42 @@ EXAMPLE: Final = (
 )
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    add_scene(parser)
-    parser.add_argument(
+ARGUMENTS: Final = (
+    SCENE_FILE,
+    Argument(
         "--transmission-angle",
         metavar="DEG",
         type=number,
         help="smallest allowed, in degrees; default: the scene's",
-    )
-    parser.add_argument(
+    ),
+    Argument(
         "--radius-ratio",
         metavar="RATIO",
         type=number,
         help="largest allowed r_R/r_K, above 0 to 1; default: the scene's",
-    )
-    parser.add_argument(
+    ),
+    Argument(
         "--radius-of-curvature",
         metavar="LENGTH",
         type=number,
         default=0.0,
         help="smallest allowed for the cam of a flat face, in the scene's unit; default 0",
-    )
-    parser.add_argument(
+    ),
+    Argument(
         "--arm",
         nargs=2,
         metavar=("LOW", "HIGH"),
         type=number,
         help="also choose the arm of a rocker, between two lengths in the scene's unit",
-    )
-    parser.add_argument(
+    ),
+    Argument(
         "--scene",
         metavar="FILE",
         dest="target",
         help="write the scene with the answer's base_radius, offset or pivot, and arm_side",
-    )
-    add_json(parser)
-    add_picture(parser)
+    ),
+    *picture_options(),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -804,20 +718,20 @@ def run(arguments: argparse.Namespace) -> int:
         radius_of_curvature=unit * arguments.radius_of_curvature,
         arms=None if arm is None else (unit * arm[0], unit * arm[1]),
     )
-    return show(found, arguments, _files(found, arguments))
+    return show(found, arguments, _scene_file(found, arguments), "region of the cam axis")
 
 
-def _files(found: CamSize, arguments: argparse.Namespace) -> list[Written]:
-    files: list[Written] = output_files(found, arguments, "region of the cam axis")
-    unit = found.scene.unit
-    if arguments.target is not None and found.written is not None:
-        target, source = Path(arguments.target), Path(arguments.scene)
-        if found.scene.files and target.resolve().parent != source.resolve().parent:
-            raise SceneError(
-                [Fault("--scene", str(target), "must be in the folder of SCENE, which names files")]
-            )
-        radius = f"base radius {found.written.base_radius / MM_PER[unit]:.12g} {unit}"
-        return [(target, sized_scene(found).to_toml().encode(), radius), *files]
-    if arguments.target is not None:
+def _scene_file(found: CamSize, arguments: argparse.Namespace) -> list[Written]:
+    """The scene with the sizes, if it was asked for and there is one."""
+    if arguments.target is None:
+        return []
+    if found.best.written is None:
         notify(f"{arguments.target}: not written, there is no such mechanism")
-    return files
+        return []
+    unit, target, source = found.scene.unit, Path(arguments.target), Path(arguments.scene)
+    if found.scene.files and target.resolve().parent != source.resolve().parent:
+        raise SceneError(
+            [Fault("--scene", str(target), "must be in the folder of SCENE, which names files")]
+        )
+    radius = f"base radius {found.best.written.base_radius / MM_PER[unit]:.12g} {unit}"
+    return [(target, sized_scene(found).to_toml().encode(), radius)]

@@ -5,32 +5,36 @@ from __future__ import annotations
 import argparse
 import math
 from dataclasses import dataclass
-from decimal import Decimal
+from decimal import Decimal, localcontext
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, Literal
+
+import numpy as np
 
 from camgeo.app.answers import answer
 from camgeo.app.answers.answer import FINE, Answer, Key
 from camgeo.app.cli.command import (
+    Argument,
+    ArgumentGroup,
     CallError,
-    add_json,
     decimal,
+    output_files,
+    picture_options,
     require_beside,
     show,
     table_file,
+    write,
     write_files,
 )
-from camgeo.app.cli.plot import add_picture, output_files
-from camgeo.app.cli.streams import write
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.slotted_lever import (
-    NAMES,
     DrivenLever,
     LeverExtreme,
     SlottedLever,
     crank_for_swing,
-    lever_table,
 )
+from camgeo.numeric.arrays import FloatArray
 from camgeo.units import RPM
 
 if TYPE_CHECKING:
@@ -46,7 +50,10 @@ Number = float | Decimal
 Rows = tuple[Decimal, Decimal, Decimal]
 """Step, first and last crank angle of a table [deg]."""
 
-FULL_TURN: Final[Rows] = (Decimal(1), Decimal(0), Decimal(360))
+DEGREES: Final = Decimal(360)
+"""Of a turn of the crank."""
+
+FULL_TURN: Final[Rows] = (Decimal(1), Decimal(0), DEGREES)
 """Those of the table of the SAM exercise."""
 
 
@@ -127,6 +134,127 @@ def _table(driven: DrivenLever, rows: Rows, printed: bool) -> Table:
 
     found = lever_table(driven, *rows)
     return Table.rounded(NAMES, found.printed()) if printed else Table(NAMES, found.values)
+
+
+# -- table ---------------------------------------------------------------------------------------
+# The table of the motion over the crank angle, as the SAM exercise prints it.
+
+
+NAMES: Final = ("crank [deg]", "time [s]", "phi [deg]", "omega2 [rad/s]", "eps2 [rad/s^2]")
+"""Columns in the order of the exercise's table."""
+
+SMALLEST_STEP: Final = Decimal("0.001")
+LARGEST_STEP: Final = Decimal(90)
+
+PRINTED_DECIMALS: Final = 3
+"""Decimals in all its columns except the crank angle."""
+
+MOST_DECIMALS: Final = 12
+"""Most decimals of a step and of the ends of a table."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LeverTable:
+    """Values of a slotted lever at equidistant crank angles.
+
+    Attributes
+    ----------
+    crank : (n,) crank angles [deg], exact.
+    values : (n, 5), the columns `NAMES`; angles are positive as the crank turns, time
+        starts at the crank angle 0. Finite, no -0.0.
+    """
+
+    crank: tuple[Decimal, ...]
+    values: FloatArray
+
+    def printed(self) -> list[tuple[str, ...]]:
+        """The rows rounded as in the exercise, to three decimals.
+
+        A number is rounded from all its digits; what rounds to zero has no sign. The crank angle is
+        exact, with as many decimals as the rows need.
+        """
+        places = max(_places(angle) for angle in self.crank)
+        return [
+            (f"{angle:.{places}f}", *(f"{value:z.{PRINTED_DECIMALS}f}" for value in row[1:]))
+            for angle, row in zip(self.crank, self.values.tolist(), strict=True)
+        ]
+
+
+def lever_table(
+    driven: DrivenLever,
+    step: Decimal = FULL_TURN[0],
+    first: Decimal = FULL_TURN[1],
+    last: Decimal = DEGREES,
+) -> LeverTable:
+    """Tabulate a slotted lever at first, first + step, ... below last, and at last.
+
+    The multiples are exact, so rounding neither drops nor duplicates a row; a step that does not
+    divide the range makes the last interval shorter. Beyond 180 degrees the values are those at 360
+    degrees minus the angle with the signs of the symmetry, so that both halves agree to the last
+    digit and phi and eps_2 are 0 at 180 degrees.
+
+    Parameters
+    ----------
+    driven : the slotted lever and its speed.
+    step : of the crank angle [deg], from 0.001 to 90.
+    first, last : crank angles [deg], 0 <= first < last <= 360.
+        All three with at most twelve decimals.
+
+    Raises
+    ------
+    GeometryError
+        With key "step", "from" or "to" outside these limits; with key "from" or "to", if the crank
+        is as long as the distance between the axes and the range includes 0 or 360, where phi is
+        undefined.
+    """
+    _check(step, first, last)
+    with localcontext() as context:
+        # Three digits before the point and `MOST_DECIMALS` after it: every sum is exact.
+        context.prec = max(context.prec, 28)
+        count = math.ceil(Fraction(last - first) / Fraction(step))
+        crank = (*(first + step * number for number in range(count)), last)
+        folded = [min(angle, DEGREES - angle) for angle in crank]
+    half = DEGREES / 2
+    side = np.array([float((angle < half) - (angle > half)) for angle in crank])
+    lever = driven.lever
+    if lever.crank == lever.distance:
+        for key, end in (("from", first), ("to", last)):
+            if end % DEGREES == 0:
+                raise GeometryError(
+                    "the crank is as long as the distance between the axes: at 0 and 360 degrees"
+                    " its pin is on the axis of the lever, whose angle is undefined there; angles"
+                    " between the two are allowed",
+                    key=key,
+                    value=str(end),
+                )
+    phi, omega, eps = driven.output(np.radians([float(angle) for angle in folded]))
+    degrees = np.array([float(angle) for angle in crank])
+    columns = (degrees, degrees / 360.0 * driven.turn_time, side * np.degrees(phi), omega)
+    return LeverTable(crank, np.column_stack((*columns, side * eps)) + 0.0)
+
+
+def _check(step: Decimal, first: Decimal, last: Decimal) -> None:
+    for key, number in (("step", step), ("from", first), ("to", last)):
+        if number.is_finite() and _places(number) > MOST_DECIMALS:
+            raise GeometryError(
+                f"at most {MOST_DECIMALS} decimals are allowed", key=key, value=str(number)
+            )
+    if not (step.is_finite() and SMALLEST_STEP <= step <= LARGEST_STEP):
+        message = f"the step of the crank angle must be {SMALLEST_STEP} to {LARGEST_STEP} degrees"
+        raise GeometryError(message, key="step", value=str(step))
+    if not (first.is_finite() and 0 <= first < DEGREES):
+        message = "the first crank angle must be from 0 to less than 360 degrees"
+        raise GeometryError(message, key="from", value=str(first))
+    if not (last.is_finite() and first < last <= DEGREES):
+        message = f"the last crank angle must be above the first, {first}, and at most 360 degrees"
+        raise GeometryError(message, key="to", value=str(last))
+
+
+def _places(number: Decimal) -> int:
+    """Decimals of a finite number, without trailing zeros."""
+    exponent = number.normalize().as_tuple().exponent
+    assert isinstance(exponent, int)  # a letter if it is not finite
+    return max(0, -exponent)
 
 
 # -- document -------------------------------------------------------------------------------------
@@ -289,44 +417,47 @@ EXAMPLE: Final = (
 )
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    parser.add_argument(
+ARGUMENTS: Final = (
+    Argument(
         "--frame",
         metavar="MM",
         type=decimal,
         required=True,
         help="a, distance between the axes of crank and lever",
-    )
-    size = parser.add_mutually_exclusive_group(required=True)
-    size.add_argument(
-        "--swing",
-        metavar="DEG",
-        type=decimal,
-        help="whole swing of the lever; the crank is a sin(swing/2)",
-    )
-    size.add_argument(
-        "--crank",
-        metavar="MM",
-        type=decimal,
-        help="R, radius of the crank; with R > a the lever makes full turns",
-    )
-    parser.add_argument(
+    ),
+    ArgumentGroup(
+        Argument(
+            "--swing",
+            metavar="DEG",
+            type=decimal,
+            help="whole swing of the lever; the crank is a sin(swing/2)",
+        ),
+        Argument(
+            "--crank",
+            metavar="MM",
+            type=decimal,
+            help="R, radius of the crank; with R > a the lever makes full turns",
+        ),
+        required=True,
+    ),
+    Argument(
         "--speed", metavar="RPM", type=decimal, required=True, help="speed of the crank in rev/min"
-    )
-    group = parser.add_argument_group("value table")
-    group.add_argument("--table", action="store_true", help="print the value table as CSV instead")
-    group.add_argument("--csv", metavar="FILE", help="write the value table to a file")
-    group.add_argument(
-        "--step", metavar="DEG", type=decimal, help="step of the crank angle, default 1"
-    )
-    group.add_argument("--from", metavar="DEG", type=decimal, help="first crank angle, default 0")
-    group.add_argument("--to", metavar="DEG", type=decimal, help="last crank angle, default 360")
-    group.add_argument(
-        "--printed", action="store_true", help="to three decimals, as the SAM exercise prints it"
-    )
-    add_json(parser)
-    add_picture(parser)
+    ),
+    ArgumentGroup(
+        Argument("--table", action="store_true", help="print the value table as CSV instead"),
+        Argument("--csv", metavar="FILE", help="write the value table to a file"),
+        Argument("--step", metavar="DEG", type=decimal, help="step of the crank angle, default 1"),
+        Argument("--from", metavar="DEG", type=decimal, help="first crank angle, default 0"),
+        Argument("--to", metavar="DEG", type=decimal, help="last crank angle, default 360"),
+        Argument(
+            "--printed",
+            action="store_true",
+            help="to three decimals, as the SAM exercise prints it",
+        ),
+        title="value table",
+    ),
+    *picture_options(),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -11,22 +11,25 @@ from pathlib import Path
 from typing import Final
 
 from camgeo.app.answers.answer import Answer, Key, aligned
-from camgeo.app.cli import plot
 from camgeo.app.cli.command import (
+    FORCE,
+    IMAGES,
+    SCENE_FILE,
+    WORKERS,
+    Argument,
+    ArgumentGroup,
     CallError,
     Written,
-    add_json,
-    add_objectives,
-    add_repeated,
-    add_scene,
-    add_workers,
     document,
+    drawn,
     ending_in,
     engine_for,
+    notify,
+    objective_options,
+    repeated_option,
     require_new,
     show,
 )
-from camgeo.app.cli.streams import notify
 from camgeo.scene.scene import Scene, load_scene
 from camgeo.scene.values import Value
 from camgeo.studies.sweep.family import Family, Sample, family_of, names_in, questions_of
@@ -108,16 +111,6 @@ class Sweep(Answer):
     def scene(self) -> Scene:
         """The scene that the family starts from."""
         return self.result.family.scene
-
-    @property
-    def keys(self) -> tuple[str, ...]:
-        """The keys that vary."""
-        return self.result.family.keys
-
-    @property
-    def sample(self) -> Sample | None:
-        """How designs were drawn; None for all combinations."""
-        return self.result.family.sample
 
     @property
     def designs(self) -> Iterator[Design]:
@@ -211,13 +204,14 @@ DOCUMENT: Final = Key(
                 ),
             },
         ),
-        "keys": "The keys of the scene that vary.",
+        "keys": Key("The keys of the scene that vary.", of="result.family.keys"),
         "sample": Key(
             "How designs were drawn; null for all combinations.",
             {
                 "method": "Sequence of the samples.",
                 "seed": "With which it begins.",
             },
+            of="result.family.sample",
         ),
         "count": "Number of designs.",
         "failed": "Designs that lack an answer, with a reason.",
@@ -281,7 +275,7 @@ def text(answer: Sweep) -> str:
 
 
 def _drawn(answer: Sweep) -> str:
-    sample = answer.sample
+    sample = answer.result.family.sample
     if sample is None:
         return ""
     return f", drawn with {sample.method}, seed {sample.seed}"
@@ -313,7 +307,7 @@ def headed(span: Span, length: LengthUnit = "mm") -> str:
 
 def _cells(answer: Sweep, designs: Iterable[Design]) -> list[list[str]]:
     length = answer.scene.unit
-    rows = [[*answer.keys, *(headed(span, length) for span in answer.spans), REASON]]
+    rows = [[*answer.result.family.keys, *(headed(span, length) for span in answer.spans), REASON]]
     common = {span.word: span.unit for span in answer.spans}
     for each in designs:
         answers = (
@@ -356,7 +350,7 @@ def comma_separated(answer: Sweep) -> bytes:
     """
 
     def rows() -> Iterator[list[object]]:
-        heads: list[object] = list(answer.keys)
+        heads: list[object] = list(answer.result.family.keys)
         for span in answer.spans:
             heads += [headed(span), *([f"{span.word} unit"] if span.mixed else [])]
         yield [*heads, REASON]
@@ -403,65 +397,58 @@ EXAMPLE: Final = (
 )
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    add_scene(parser)
-    add_repeated(
-        parser,
+ARGUMENTS: Final = (
+    SCENE_FILE,
+    repeated_option(
         "--vary",
         "KEY=VALUES",
         "values of a key: START:STOP:COUNT, a list as 5,6,7, or START:STOP with --samples;"
         " KEY,KEY=VALUES ties keys together, VALUE/VALUE for different values; may be repeated",
-    )
-    add_repeated(
-        parser,
+    ),
+    repeated_option(
         "--ask",
         "NAMES",
         "what is computed of each design: findings as transmission-angle, columns of the value"
         " table as peak:a, max:NAME or min:NAME, diameter, machining-time, verdict;"
         " comma-separated",
-    )
-    parser.add_argument("--samples", metavar="COUNT", type=int, help="draw this many designs")
-    parser.add_argument("--method", choices=METHODS, help="how designs are drawn; default sobol")
-    parser.add_argument("--seed", type=int, help="of the samples; default 0")
-    add_repeated(
-        parser,
+    ),
+    Argument("--samples", metavar="COUNT", type=int, help="draw this many designs"),
+    Argument("--method", choices=METHODS, help="how designs are drawn; default sobol"),
+    Argument("--seed", type=int, help="of the samples; default 0"),
+    repeated_option(
         "-o",
         "FILE",
         f"rows, {', '.join(SUFFIXES)}; only a store can be resumed; may be repeated",
         ending_in(SUFFIXES),
         "output",
-    )
-    parser.add_argument(
+    ),
+    Argument(
         "--picture",
         metavar="FILE",
-        type=ending_in(plot.SUFFIXES),
-        help=f"also draw a picture, {', '.join(plot.SUFFIXES)}",
-    )
-    parser.add_argument(
+        type=ending_in(IMAGES),
+        help=f"also draw a picture, {', '.join(IMAGES)}",
+    ),
+    Argument(
         "--show",
         choices=KINDS,
         help="what it shows: a map over one or two keys, parallel axes, or the Pareto front;"
         " default: the front with --least or --largest, else a map, or axes for more keys",
-    )
-    add_objectives(
-        parser,
-        "objectives of the front: what of the answers should be {}",
-    )
-    where = parser.add_mutually_exclusive_group()
-    add_workers(where)
-    where.add_argument(
-        "--cluster",
-        metavar="ADDRESS",
-        help="compute by the workers of a Dask scheduler, tls://HOST:PORT, or on this machine"
-        " tcp://127.0.0.1:PORT; needs the extra camgeo[cluster]",
-    )
-    group = parser.add_mutually_exclusive_group()
-    group.add_argument(
-        "--resume", action="store_true", help="compute only what the store does not have"
-    )
-    group.add_argument("--force", action="store_true", help="overwrite existing files")
-    add_json(parser)
+    ),
+    *objective_options("objectives of the front: what of the answers should be {}"),
+    ArgumentGroup(
+        WORKERS,
+        Argument(
+            "--cluster",
+            metavar="ADDRESS",
+            help="compute by the workers of a Dask scheduler, tls://HOST:PORT, or on this machine"
+            " tcp://127.0.0.1:PORT; needs the extra camgeo[cluster]",
+        ),
+    ),
+    ArgumentGroup(
+        Argument("--resume", action="store_true", help="compute only what the store does not have"),
+        FORCE,
+    ),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -530,7 +517,7 @@ def _picture(
             figure = pictures.pareto(result, least, largest)
         else:
             figure = pictures.PICTURES[kind](result)
-        return [(path, plot.drawn(figure, path.suffix), kind)]
+        return [(path, drawn(figure, path.suffix), kind)]
 
     return draw
 

@@ -21,17 +21,16 @@ from camgeo.app.answers.answer import (
 )
 from camgeo.app.cli.command import (
     CSV,
+    IMAGES,
     JSON,
-    add_json,
-    add_output,
-    add_scene,
+    SCENE_FILE,
+    Argument,
     opened,
+    output_options,
     show,
 )
-from camgeo.app.cli.plot import SUFFIXES, output_files
 from camgeo.design.design import Design
 from camgeo.design.value_table import Table
-from camgeo.geometry.outline.path import Flank
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.extremes import Extreme
 from camgeo.pictures.model import Figure
@@ -162,11 +161,6 @@ class ToleranceAnalysis(Answer):
         return str(self.linear.stated.machine.cam.drive.demanded_of)
 
     @property
-    def flank(self) -> Flank:
-        """That carries the follower."""
-        return self.linear.stated.machine.flank
-
-    @property
     def unit(self) -> str:
         """Of the position: that of the scene, or "deg"."""
         return unit_of(self.scene.unit, is_angle=self._turns)[0]
@@ -185,11 +179,6 @@ class ToleranceAnalysis(Answer):
         """Of the error; None if none is stated."""
         limit = self.linear.stated.limit
         return None if limit is None else limit * self.factor
-
-    @property
-    def set_at(self) -> float | None:
-        """Cam angle [rad] at which the error is set to 0; None if it is not."""
-        return self.linear.stated.set_at
 
     @property
     def worst(self) -> Extreme:
@@ -380,11 +369,12 @@ DOCUMENT: Final = Key(
             "Whose position it is: that of the follower, or of the far end of the linkage.",
             type=Literal["follower", "slider", "lever", "crank"],
         ),
-        "flank": "The flank that carries the follower.",
+        "flank": Key("The flank that carries the follower.", of="linear.stated.machine.flank"),
         "unit": Key("Unit of the position and its errors.", type=Literal["mm", "inch", "deg"]),
         "limit": "Largest error that is allowed, plus or minus; null if the scene states none.",
         "set_at_deg": Key(
-            "Cam angle at which the error is set to 0; null if it is not.", of="set_at"
+            "Cam angle at which the error is set to 0; null if it is not.",
+            of="linear.stated.set_at",
         ),
         "within": (
             "Whether mean and three standard deviations keep the limit; null if there is none."
@@ -489,14 +479,14 @@ COST: Final = "by the scene, and below what 1 %, 50 % and 99 % of machines stay"
 
 def text(answer: ToleranceAnalysis) -> str:
     """The largest error, and a line for each source."""
-    sources = counted(len(answer.sources), "source")
-    worst = small_extreme(answer.worst, answer.unit)
+    sources, stated = counted(len(answer.sources), "source"), answer.linear.stated
+    worst, flank = small_extreme(answer.worst, answer.unit), stated.machine.flank
     lines = [
-        f"{answer.scene.name}: position of the {answer.of} on the {answer.flank} flank, {sources}",
+        f"{answer.scene.name}: position of the {answer.of} on the {flank} flank, {sources}",
         f"largest error, mean and 3 sigma: {worst}{_verdict(answer)}",
     ]
-    if answer.set_at is not None:
-        lines.append(f"the machine is set {at_cam_angles(answer.set_at)}")
+    if stated.set_at is not None:
+        lines.append(f"the machine is set {at_cam_angles(stated.set_at)}")
     lines += ["", *_sources(answer.sources), ""]
     lines.append(f"errors in {answer.unit}, cam angles in degrees; {NOTE}")
     room = answer.play
@@ -605,24 +595,23 @@ EXAMPLE: Final = (
 )
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    add_scene(parser)
-    parser.add_argument(
+ARGUMENTS: Final = (
+    SCENE_FILE,
+    Argument(
         "--count",
         type=int,
         help="random machines that are replayed; default 1024, 0 for the linear analysis alone",
-    )
-    parser.add_argument("--seed", type=int, default=0, help="of what is drawn; default 0")
-    add_json(parser)
-    contents = (
-        f"file to write: a table ({CSV}), a picture ({', '.join(SUFFIXES)}), or the answer ({JSON})"
-    )
-    add_output(parser, contents, (CSV, JSON, *SUFFIXES))
+    ),
+    Argument("--seed", type=int, default=0, help="of what is drawn; default 0"),
+    *output_options(
+        f"file to write: a table ({CSV}), a picture ({', '.join(IMAGES)}), or the answer ({JSON})",
+        (CSV, JSON, *IMAGES),
+    ),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Analyse, print the answer, and write it."""
     count = COUNT if arguments.count is None else arguments.count
     found = tolerance(opened(arguments), count=count, seed=arguments.seed)
-    return show(found, arguments, output_files(found, arguments, "errors over the cam angle"))
+    return show(found, arguments, contents="errors over the cam angle")

@@ -18,8 +18,16 @@ from typing import Any, Final
 
 from camgeo._version import __version__
 from camgeo.app.answers.answer import BROKEN, CRASHED, FINE, Answer, Key
-from camgeo.app.cli.command import CallError, add_json, add_origin, number_from, settle, show
-from camgeo.app.cli.streams import notify
+from camgeo.app.cli.command import (
+    FORCE,
+    Argument,
+    CallError,
+    notify,
+    number_from,
+    origin_option,
+    settle,
+    show,
+)
 from camgeo.design.design import Design
 from camgeo.design.product import Product, disc_of
 from camgeo.design.verify import Check, Origin, Reading, Verifier, equal, failed, reported
@@ -824,30 +832,33 @@ EXAMPLE: Final = (
 )
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    parser.add_argument("files", metavar="FILE|DIR", nargs="+", help="files, or a folder of files")
-    parser.add_argument(
+ARGUMENTS: Final = (
+    Argument("files", metavar="FILE|DIR", nargs="+", help="files, or a folder of files"),
+    Argument(
         "--scene",
         metavar="SCENE",
         help="scene file (TOML); default: the one whose hash the files name, searched for in their"
         " folder, the one above it and the current one",
-    )
-    parser.add_argument(
-        "--tolerance", metavar="MM", type=number_from(math.ulp(0.0), math.inf, "a length above 0"),
+    ),
+    Argument(
+        "--tolerance",
+        metavar="MM",
+        type=number_from(math.ulp(0.0), math.inf, "a length above 0"),
         help="largest deviation; default: from the file, certificate.json or the scene",
-    )  # fmt: skip
-    parser.add_argument(
+    ),
+    Argument(
         "--unit", choices=("mm", "inch"), help="unit of files that do not state it; STL: default mm"
-    )
-    parser.add_argument("--layer", metavar="NAME", help="layer of drawings; default CUT, or all")
-    add_origin(parser, "drawings (DXF) of others")
-    add_json(parser)
-    parser.add_argument(
-        "-o", metavar="FILE", dest="output",
+    ),
+    Argument("--layer", metavar="NAME", help="layer of drawings; default CUT, or all"),
+    origin_option("drawings (DXF) of others"),
+    Argument(
+        "-o",
+        metavar="FILE",
+        dest="output",
         help="certificate to write; default: verification.json in their folder",
-    )  # fmt: skip
-    parser.add_argument("--force", action="store_true", help="overwrite existing files")
+    ),
+    FORCE,
+)
 
 
 def run(arguments: argparse.Namespace) -> int:

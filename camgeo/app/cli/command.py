@@ -1,4 +1,4 @@
-"""What all commands share: options and their checks, the scene, earlier names, output."""
+"""What all commands share: arguments and their checks, the scene, earlier names, files, output."""
 
 from __future__ import annotations
 
@@ -6,14 +6,18 @@ import argparse
 import json
 import math
 import os
-from collections.abc import Callable, Iterable, Sequence
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from camgeo.app.answers import answer as render
 from camgeo.app.answers.answer import FINE, Answer
-from camgeo.app.cli.streams import notify, say, write
 from camgeo.errors import OutputError
 from camgeo.lazy import Ledger
 from camgeo.units import counted
@@ -21,6 +25,7 @@ from camgeo.units import counted
 if TYPE_CHECKING:
     from camgeo.design.design import Design
     from camgeo.design.value_table import Table
+    from camgeo.pictures.model import Figure
     from camgeo.studies.sweep.rows import Engine
 
 
@@ -34,7 +39,8 @@ EARLIER: Final = {
 
 CSV: Final = ".csv"
 JSON: Final = ".json"
-"""How the names of a table and of a document end."""
+IMAGES: Final = (".png", ".svg", ".pdf")
+"""How the names of a table, of a document and of pictures end."""
 
 SMALLEST: Final = 1e-9
 LARGEST: Final = 1e6
@@ -66,64 +72,78 @@ def design_in(file: str, arguments: argparse.Namespace) -> Design:
     return Design(load_scene(file), Ledger(arguments.progress))
 
 
-def add_scene(parser: argparse.ArgumentParser) -> None:
-    """Add the argument that names the scene, see `opened`."""
-    parser.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
+class Argument:
+    """An argument of a command, stated as for `argparse.ArgumentParser.add_argument`."""
+
+    def __init__(self, *names: str, **stated: Any) -> None:
+        self.names, self.stated = names, stated
 
 
-def add_json(parser: argparse.ArgumentParser) -> None:
-    """Add the option that requests JSON in place of text."""
-    parser.add_argument("--json", action="store_true", help="print JSON")
+class ArgumentGroup:
+    """Arguments under a heading of their own, or without one those of which a call may have one
+    only, and has one if that is `required`.
+    """
+
+    def __init__(
+        self, *arguments: Argument, title: str = "", text: str | None = None, required: bool = False
+    ) -> None:
+        self.arguments, self.title, self.text, self.required = arguments, title, text, required
 
 
-def add_origin(parser: argparse.ArgumentParser, of: str) -> None:
-    """Add the option that says where the cam axis lies in the axes of files."""
-    parser.add_argument(
-        "--origin", metavar=("X", "Y"), type=number, nargs=2, default=(0.0, 0.0),
-        help=f"where the cam axis lies in {of} [mm]; default 0 0",
-    )  # fmt: skip
+Arguments = tuple[Argument | ArgumentGroup, ...]
+"""Those of a command, in the order of its help."""
 
 
-def add_output(
-    parser: argparse.ArgumentParser, text: str, suffixes: Sequence[str] | None = None
-) -> None:
-    """Add the options that name a file to write, described by `text`, and allow overwriting it.
+SCENE_FILE: Final = Argument("scene", metavar="SCENE", help="scene file (TOML)")
+"""Names the scene, see `opened`."""
+
+FORCE: Final = Argument("--force", action="store_true", help="overwrite existing files")
+
+WORKERS: Final = Argument(
+    "--workers",
+    metavar="COUNT",
+    type=int,
+    default=1,
+    help="processes of this machine that compute; default 1, 0 for one on each core",
+)
+"""From it `engine_for` makes an engine."""
+
+
+def origin_option(of: str) -> Argument:
+    """Says where the cam axis lies in the axes of files."""
+    text = f"where the cam axis lies in {of} [mm]; default 0 0"
+    return Argument(
+        "--origin", metavar=("X", "Y"), type=number, nargs=2, default=(0.0, 0.0), help=text
+    )
+
+
+def output_options(text: str, suffixes: Sequence[str] | None = None) -> tuple[Argument, Argument]:
+    """Names a file to write, described by `text`, and allows overwriting it.
 
     Its name ends in one of `suffixes`, if there are any.
     """
     named = str if suffixes is None else ending_in(suffixes)
-    parser.add_argument("-o", metavar="FILE", dest="output", type=named, help=text)
-    parser.add_argument("--force", action="store_true", help="overwrite an existing file")
+    return Argument("-o", metavar="FILE", dest="output", type=named, help=text), FORCE
 
 
-def add_repeated(
-    parser: argparse.ArgumentParser,
+def repeated_option(
     option: str,
     metavar: str,
     text: str,
     read: Callable[[str], Any] = str,
     dest: str | None = None,
-) -> None:
-    """Add an option that may be given several times, described by `text`: a list, empty if not."""
-    parser.add_argument(
+) -> Argument:
+    """An option that may be given several times, described by `text`: a list, empty if not."""
+    return Argument(
         option, metavar=metavar, dest=dest, action="append", type=read, default=[], help=text
     )
 
 
-def add_objectives(parser: argparse.ArgumentParser, text: str) -> None:
-    """Add `--least` and `--largest`; `text` describes both, with {} for "small" or "large"."""
-    for option, what in (("--least", "small"), ("--largest", "large")):
-        add_repeated(parser, option, "NAMES", text.format(what))
-
-
-def add_workers(parser: argparse._ActionsContainer) -> None:
-    """Add `--workers`, from which `engine_for` makes an engine."""
-    parser.add_argument(
-        "--workers",
-        metavar="COUNT",
-        type=int,
-        default=1,
-        help="processes of this machine that compute; default 1, 0 for one on each core",
+def objective_options(text: str) -> tuple[Argument, ...]:
+    """`--least` and `--largest`; `text` describes both, with {} for "small" or "large"."""
+    options = {"--least": "small", "--largest": "large"}
+    return tuple(
+        repeated_option(each, "NAMES", text.format(what)) for each, what in options.items()
     )
 
 
@@ -251,11 +271,17 @@ def check_step(step: Decimal | None, smallest: Decimal, largest: Decimal) -> Non
         raise CallError(f"argument --step: {message}")
 
 
-def show(answer: Answer, arguments: argparse.Namespace, files: Sequence[Written] = ()) -> int:
-    """Write files by `write_files`, and print the answer as text, or as JSON with `--json`; return
-    its exit code.
+def show(
+    answer: Answer,
+    arguments: argparse.Namespace,
+    files: Sequence[Written] = (),
+    contents: str = "",
+) -> int:
+    """Write files by `write_files`, with `contents` those of `output_files` too, and print the
+    answer as text, or as JSON with `--json`; return its exit code.
     """
-    write_files(files, arguments)
+    own = output_files(answer, arguments, contents) if contents else []
+    write_files([*files, *own], arguments)
     arguments.progress.end()
     if arguments.json:
         write(document(answer))
@@ -281,3 +307,156 @@ def notify_main_disc(design: Design, what: str) -> None:
     """Report of a conjugate pair that `what`, in the plural, covers the main disc alone."""
     if design.scene.returning is not None:
         notify(f"{what} of the main disc; the return disc, {design.name}-return, is not covered")
+
+
+# -- pictures -------------------------------------------------------------------------------------
+# The drawing of pictures, and the files of answers.
+
+
+RENDERERS = "camgeo.renderers"
+"""Entry points of renderers: callables that turn a figure into a file, by its suffix."""
+
+RENDERER = "matplotlib"
+
+
+def drawn(figure: Figure, suffix: str) -> bytes:
+    """The figure as a file of kind `suffix`, one of IMAGES."""
+    from importlib.metadata import entry_points
+
+    data: bytes = entry_points(group=RENDERERS)[RENDERER].load()(figure, suffix)
+    return data
+
+
+def output_files(answer: Answer, arguments: argparse.Namespace, contents: str) -> list[Written]:
+    """The file of `-o`: by its ending the table of an answer, its document or its picture, which is
+    reported by its `contents`; none without `-o`.
+    """
+    if arguments.output is None:
+        return []
+    target = Path(arguments.output)
+    if target.suffix == CSV:
+        return [table_file(render.table(answer), target)]
+    if target.suffix == JSON:
+        return [(target, document(answer).encode(), "the answer")]
+    return [(target, drawn(render.figure(answer), target.suffix), contents)]
+
+
+TABLE_OR_PICTURE: Final = output_options(
+    f"file to write: a table ({CSV}) or a picture ({', '.join(IMAGES)})", (CSV, *IMAGES)
+)
+"""The options of a command that writes either of an answer."""
+
+
+def picture_options(text: str = "also draw a picture") -> tuple[Argument, Argument]:
+    """The options of a command that draws a picture, by default in addition to what it prints."""
+    return output_options(f"{text}, {', '.join(IMAGES)}", IMAGES)
+
+
+# -- streams --------------------------------------------------------------------------------------
+# Standard output and standard error: the output of commands, made safe for a terminal, and the
+# progress of long work.
+
+
+LINES: Final = "\n\t"
+"""Characters that belong to a text although they are not printable."""
+
+
+class StreamError(Exception):
+    """Standard output takes no more, e.g. because the disk is full or it is closed."""
+
+
+def write(text: str) -> None:
+    """Write a document on standard output, as it is."""
+    try:
+        sys.stdout.write(text)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise StreamError(f"standard output: {error.strerror or error}") from error
+
+
+def say(text: str) -> None:
+    """Print lines on standard output."""
+    write(f"{printable(text)}\n")
+
+
+@contextmanager
+def until_ctrl_c() -> Iterator[None]:
+    """Ctrl-C ends what is within, and is no error; other signals are."""
+    try:
+        yield
+    except KeyboardInterrupt as stop:
+        if getattr(stop, "number", signal.SIGINT) != signal.SIGINT:
+            raise
+        notify("")  # after the ^C that terminals show
+
+
+def notify(message: str) -> None:
+    """Print a line for the person at the terminal, on standard error."""
+    with suppress(OSError):  # no one is listening, and there is nowhere else to report it
+        clear()
+        print(printable(message), file=sys.stderr, flush=True)
+
+
+def printable(text: str) -> str:
+    """The text with escapes for characters that would direct the terminal, as in file names."""
+    return "".join(
+        each if each.isprintable() or each in LINES else each.encode("unicode_escape").decode()
+        for each in text
+    )
+
+
+# Progress of long work on a terminal is one line that is overwritten, and cleared at the end.
+
+
+PATIENCE = 1.0
+"""Seconds before the first line: shorter work needs no progress line."""
+
+EVERY = 1.0
+"""Seconds after which the line is written again, to show that a long step is still running."""
+
+CLEARED = "\r\x1b[K"
+"""Makes a terminal clear its line."""
+
+
+class Progress:
+    """Shows the current step, once the work has taken longer than a second; silent in a pipe."""
+
+    def __init__(self) -> None:
+        self._start = time.monotonic()
+        self._step = "working"
+        self._lock, self._ended = threading.Lock(), threading.Event()
+
+    def begin(self) -> None:
+        """Show from now on how long the work takes, also between steps, until `end`."""
+        if sys.stderr.isatty():
+            threading.Thread(target=self._go_on, daemon=True).start()
+
+    def __call__(self, step: str) -> None:
+        self._step = step
+        self._show()
+
+    def end(self) -> None:
+        """Clear the line for good: the output of the command follows."""
+        with self._lock:
+            self._ended.set()
+            clear()
+
+    def _go_on(self) -> None:
+        while not self._ended.wait(EVERY):
+            self._show()
+
+    def _show(self) -> None:
+        elapsed = time.monotonic() - self._start
+        with self._lock:
+            if elapsed > PATIENCE and sys.stderr.isatty() and not self._ended.is_set():
+                sys.stderr.write(f"{CLEARED}{elapsed:5.1f} s  {self._step}")
+                sys.stderr.flush()
+
+
+def clear() -> None:
+    """Clear the progress line, if there is one, before something else is printed."""
+    if sys.stderr.isatty():
+        sys.stderr.write(CLEARED)
+        sys.stderr.flush()

@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from camgeo.app.answers.answer import FINE
-from camgeo.app.cli.command import CallError
-from camgeo.app.cli.streams import notify, say, until_ctrl_c
+from camgeo.app.cli.command import Argument, CallError, notify, say, until_ctrl_c
 from camgeo.errors import FileError
 
 DESIGNERS: Final = "camgeo.designers"
@@ -21,25 +20,27 @@ HOST: Final = "127.0.0.1"
 EXAMPLE: Final = "camgeo design fixtures/scenes/setzhub.toml"
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    parser.add_argument(
+def _port(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and int(text) < 65_536):
+        raise argparse.ArgumentTypeError("must be a whole number from 0 to 65535")
+    return int(text)
+
+
+ARGUMENTS: Final = (
+    Argument(
         "scene",
         metavar="SCENE",
         nargs="?",
         help="scene file (TOML); default: the page offers those in the folder, and new ones",
-    )
-    parser.add_argument(
-        "--port", type=_port, default=0, help="port to listen on; default: one that is free"
-    )
-    parser.add_argument(
+    ),
+    Argument("--port", type=_port, default=0, help="port to listen on; default: one that is free"),
+    Argument(
         "--host",
         default=HOST,
         help=f"address to listen on; default {HOST}, which only this machine can reach",
-    )
-    parser.add_argument(
-        "--no-browser", action="store_true", help="print the address, and open no browser"
-    )
+    ),
+    Argument("--no-browser", action="store_true", help="print the address, and open no browser"),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -85,9 +86,3 @@ def run(arguments: argparse.Namespace) -> int:
         for sentence in desk.told():
             notify(sentence)
     return FINE
-
-
-def _port(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and int(text) < 65_536):
-        raise argparse.ArgumentTypeError("must be a whole number from 0 to 65535")
-    return int(text)

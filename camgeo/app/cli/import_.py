@@ -17,8 +17,7 @@ from decimal import Decimal
 from pathlib import Path
 from typing import Final, Literal
 
-from camgeo.app.cli.command import CallError, add_output, deliver
-from camgeo.app.cli.streams import notify
+from camgeo.app.cli.command import Argument, CallError, deliver, notify, output_options
 from camgeo.errors import Fault, SceneError
 from camgeo.reading import PROJECT
 from camgeo.scene.scene import parse_scene, read_file
@@ -308,10 +307,10 @@ step = {n}  # n
 EXAMPLE: Final = "camgeo import fixtures/reference/ocv/setzhub.ocv -o setzhub.toml"
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    parser.add_argument("project", metavar="PROJECT", help="project file (.ocv)")
-    add_output(parser, "scene file to write; default: print to the terminal")
+ARGUMENTS: Final = (
+    Argument("project", metavar="PROJECT", help="project file (.ocv)"),
+    *output_options("scene file to write; default: print to the terminal"),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:

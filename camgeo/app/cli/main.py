@@ -19,7 +19,18 @@ from typing import Final, NoReturn
 
 from camgeo._version import __version__
 from camgeo.app.answers.answer import CRASHED, STOPPED, WRONG, text
-from camgeo.app.cli.streams import Progress, StreamError, notify, printable, write
+from camgeo.app.cli.command import (
+    Argument,
+    Arguments,
+    CallError,
+    Progress,
+    StreamError,
+    notify,
+    present_name,
+    printable,
+    show,
+    write,
+)
 from camgeo.errors import CamgeoError
 
 # Slower imports are in functions, because a signal may arrive during them.
@@ -40,6 +51,9 @@ BLAS_THREADS: Final = "OPENBLAS_NUM_THREADS"
 """Variable that states how many threads the BLAS of numpy and that of scipy start, each on loading.
 camgeo's matrices are too small to be shared among threads, which would only wait for work, and do
 so by spinning."""
+
+AS_JSON: Final = Argument("--json", action="store_true", help="print JSON")
+"""Requests JSON in place of text; every command with an answer has it."""
 
 COMMANDS: Final = {
     "new": "write a commented scene to start from",
@@ -114,8 +128,9 @@ COMMANDS: Final = {
 """What each command does, in the order of the help; each is a module of `camgeo.app.answers`, or of
 `camgeo.app.cli` if it has no answer, with `-` for `_`.
 
-It has an `EXAMPLE`, `options`, which adds to the command's parser, and `run`, which takes the
-arguments and returns the exit code; `arguments.progress` shows the steps of long work.
+It has an `EXAMPLE`, `ARGUMENTS`, those of the command's parser, to which one with an answer adds
+`--json`, and `run`, which takes the arguments and returns the exit code; `arguments.progress` shows
+the steps of long work.
 """
 
 WITHOUT_ANSWER: Final = {"new", "import", "plot", "watch", "design"}
@@ -145,6 +160,18 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         super().error(printable(message))
+
+
+def add_arguments(parser: argparse._ActionsContainer, arguments: Arguments) -> None:
+    """Let a parser take them."""
+    for each in arguments:
+        if isinstance(each, Argument):
+            parser.add_argument(*each.names, **each.stated)
+        elif each.title:
+            add_arguments(parser.add_argument_group(each.title, each.text), each.arguments)
+        else:
+            only_one = parser.add_mutually_exclusive_group(required=each.required)
+            add_arguments(only_one, each.arguments)
 
 
 def parser(commands: Collection[str] = COMMANDS) -> Parser:
@@ -178,7 +205,9 @@ def parser(commands: Collection[str] = COMMANDS) -> Parser:
             name = MODULES.get(command, command.replace("-", "_"))
             room = "cli" if command in WITHOUT_ANSWER else "answers"
             module = importlib.import_module(f"camgeo.app.{room}.{name}")
-            module.options(own)
+            add_arguments(own, module.ARGUMENTS)
+            if room == "answers":
+                add_arguments(own, (AS_JSON,))
             own.epilog = f"example:\n  {module.EXAMPLE}"
             own.set_defaults(run=module.run, parser=own, progress=Progress())
     return top
@@ -219,8 +248,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(words: list[str]) -> int:
     """Run the command of these words."""
-    from camgeo.app.cli.command import CallError, present_name, show
-
     words[:1] = [present_name(word) for word in words[:1]]
     if words and words[0] in GONE:
         notify(f"camgeo: {words[0]} {GONE[words[0]]}")

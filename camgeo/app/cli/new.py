@@ -5,15 +5,14 @@ from __future__ import annotations
 import argparse
 from typing import Final
 
-from camgeo.app.cli.command import add_output, deliver, present_name
+from camgeo.app.cli.command import Argument, deliver, output_options, present_name
 from camgeo.scene.toml import TEMPLATE_KINDS, template
 
 EXAMPLE: Final = "camgeo new oscillating-roller -o my-cam.toml"
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    parser.add_argument(
+ARGUMENTS: Final = (
+    Argument(
         "kind",
         metavar="KIND",
         nargs="?",
@@ -21,8 +20,9 @@ def options(parser: argparse.ArgumentParser) -> None:
         default=TEMPLATE_KINDS[0],
         choices=TEMPLATE_KINDS,
         help=", ".join(TEMPLATE_KINDS),
-    )
-    add_output(parser, "file to write; default: print to the terminal")
+    ),
+    *output_options("file to write; default: print to the terminal"),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -1,4 +1,4 @@
-"""`camgeo plot`: pictures of a scene, and the drawing of pictures for all commands."""
+"""`camgeo plot`: pictures of a scene."""
 
 from __future__ import annotations
 
@@ -6,40 +6,29 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from camgeo.app.answers import answer as render
-from camgeo.app.answers.answer import FINE, Answer
+from camgeo.app.answers.answer import FINE
 from camgeo.app.cli.command import (
-    CSV,
-    JSON,
-    Written,
-    add_output,
-    add_scene,
-    document,
+    IMAGES,
+    SCENE_FILE,
+    Argument,
+    drawn,
     notify_main_disc,
     opened,
-    table_file,
+    output_options,
     write_files,
 )
 
 if TYPE_CHECKING:  # figures are imported when one is asked for
-    from camgeo.pictures.model import Figure
-
-RENDERERS = "camgeo.renderers"
-"""Entry points of renderers: callables that turn a figure into a file, by its suffix."""
-
-RENDERER = "matplotlib"
-
-SUFFIXES = (".png", ".svg", ".pdf")
-
+    pass
 
 EXAMPLE: Final = "camgeo plot fixtures/scenes/setzhub.toml motion cam -o setzhub.png"
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    add_scene(parser)
-    parser.add_argument("what", metavar="WHAT", nargs="*", help="what to draw; default: everything")
-    add_output(parser, f"picture, {', '.join(SUFFIXES)}; default NAME.png", SUFFIXES)
+ARGUMENTS: Final = (
+    SCENE_FILE,
+    Argument("what", metavar="WHAT", nargs="*", help="what to draw; default: everything"),
+    *output_options(f"picture, {', '.join(IMAGES)}; default NAME.png", IMAGES),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -55,30 +44,3 @@ def run(arguments: argparse.Namespace) -> int:
     if set(wanted) - {plots.CAM}:
         notify_main_disc(design, "curves")
     return FINE
-
-
-def drawn(figure: Figure, suffix: str) -> bytes:
-    """The figure as a file of kind `suffix`, one of SUFFIXES."""
-    from importlib.metadata import entry_points
-
-    data: bytes = entry_points(group=RENDERERS)[RENDERER].load()(figure, suffix)
-    return data
-
-
-def output_files(answer: Answer, arguments: argparse.Namespace, contents: str) -> list[Written]:
-    """The file of `-o`: by its ending the table of an answer, its document or its picture, which is
-    reported by its `contents`; none without `-o`.
-    """
-    if arguments.output is None:
-        return []
-    target = Path(arguments.output)
-    if target.suffix == CSV:
-        return [table_file(render.table(answer), target)]
-    if target.suffix == JSON:
-        return [(target, document(answer).encode(), "the answer")]
-    return [(target, drawn(render.figure(answer), target.suffix), contents)]
-
-
-def add_picture(parser: argparse.ArgumentParser, text: str = "also draw a picture") -> None:
-    """The options of a command that draws a picture, by default in addition to what it prints."""
-    add_output(parser, f"{text}, {', '.join(SUFFIXES)}", SUFFIXES)

@@ -11,9 +11,20 @@ from typing import Final
 
 from camgeo.app.answers.answer import FINE
 from camgeo.app.answers.check import Check, check
-from camgeo.app.cli.command import CallError, add_output, add_scene, from_0, number_from, opened
-from camgeo.app.cli.plot import SUFFIXES, drawn
-from camgeo.app.cli.streams import Progress, say, until_ctrl_c
+from camgeo.app.cli.command import (
+    IMAGES,
+    SCENE_FILE,
+    Argument,
+    CallError,
+    Progress,
+    drawn,
+    from_0,
+    number_from,
+    opened,
+    output_options,
+    say,
+    until_ctrl_c,
+)
 from camgeo.errors import CamgeoError, SceneError
 from camgeo.reading import SCENE
 from camgeo.scene.scene import read_file
@@ -35,21 +46,28 @@ NAMED: Final = 3
 EXAMPLE: Final = "camgeo watch fixtures/scenes/setzhub.toml cam -o setzhub.png"
 
 
-def options(parser: argparse.ArgumentParser) -> None:
-    """Add those of the command."""
-    add_scene(parser)
-    parser.add_argument("what", metavar="WHAT", nargs="*", help="what to draw; default: everything")
-    add_output(parser, f"picture, {', '.join(SUFFIXES)}; default SCENE.png", SUFFIXES)
-    parser.add_argument(
+def _count(text: str) -> int:
+    value = from_0(text)
+    if value != int(value):
+        raise argparse.ArgumentTypeError("must be a whole number from 0 on")
+    return int(value)
+
+
+ARGUMENTS: Final = (
+    SCENE_FILE,
+    Argument("what", metavar="WHAT", nargs="*", help="what to draw; default: everything"),
+    *output_options(f"picture, {', '.join(IMAGES)}; default SCENE.png", IMAGES),
+    Argument(
         "--every",
         metavar="SECONDS",
         type=number_from(QUICKEST, 3600.0, f"a number from {QUICKEST:g} to 3600"),
         default=EVERY,
         help=f"time between two looks at the files; default {EVERY:g}",
-    )
-    parser.add_argument(
+    ),
+    Argument(
         "--runs", metavar="N", type=_count, default=0, help="end after N runs; default: at Ctrl-C"
-    )
+    ),
+)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -119,13 +137,6 @@ def _fault(error: CamgeoError) -> str:
     else:
         text = str(error)
     return " ".join(text.split())
-
-
-def _count(text: str) -> int:
-    value = from_0(text)
-    if value != int(value):
-        raise argparse.ArgumentTypeError("must be a whole number from 0 on")
-    return int(value)
 
 
 # -- watching -------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, Literal, Self
 
-from camgeo.design.writing import settle, write_set
+from camgeo.design.writing import PRIVATE, lock_at, settle, sync, write_set
 from camgeo.errors import FileError, unreadable
 from camgeo.reading import SCENE, check_size, read_within
 from camgeo.scene.values import Stamp, stamp_of
@@ -403,9 +403,6 @@ def _refuse_overwriting(path: Path, data: bytes, before: Opened | None) -> None:
 # process that has died.
 
 
-if sys.platform != "win32":
-    import fcntl
-
 FORM: Final = 1
 """Version of the format of journals; others are not read."""
 
@@ -415,7 +412,6 @@ MOST_BYTES: Final = 128_000_000
 SPARE: Final = 1_000_000
 """Bytes that a journal may grow beyond twice its first size before it is written anew."""
 
-PRIVATE: Final = 0o600
 PRIVATE_FOLDER: Final = 0o700
 
 NO_LINK: Final = getattr(os, "O_NOFOLLOW", 0)
@@ -549,7 +545,7 @@ class Journal:
             os.close(self._stream)
             self._stream = None
         fresh.replace(place)
-        _sync_folder(place.parent)
+        sync(place.parent)
         self._stream = os.open(place, os.O_WRONLY | os.O_APPEND | NO_LINK)
         self._size = self._least = len(data)
 
@@ -672,38 +668,14 @@ def _write(stream: int, data: bytes) -> None:
         data = data[os.write(stream, data) :]
 
 
-def _sync_folder(folder: Path) -> None:
-    """Wait until the entries of a folder are on disk, where the system can."""
-    if sys.platform == "win32":
-        return
-    opened = os.open(folder, os.O_RDONLY)
-    try:
-        with suppress(OSError):
-            os.fsync(opened)
-    finally:
-        os.close(opened)
-
-
 def _locked(place: Path) -> int | None:
     """The lock file, open and locked; None if another process has it."""
-    if sys.platform == "win32":
-        try:
-            return os.open(place, os.O_CREAT | os.O_EXCL | os.O_TEMPORARY)  # goes when closed
-        except FileExistsError:
-            return None
-    while True:
-        lock = os.open(place, os.O_RDWR | os.O_CREAT | NO_LINK, PRIVATE)
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            os.close(lock)
-            return None
-        except OSError:
-            return lock  # a file system without locks
+    while (lock := lock_at(place, os.O_RDWR | os.O_CREAT | NO_LINK)) is not None:
         with suppress(FileNotFoundError):
-            if os.path.samestat(os.fstat(lock), place.stat()):
+            if sys.platform == "win32" or os.path.samestat(os.fstat(lock), place.stat()):
                 return lock
         os.close(lock)  # its process removed it after it had been opened here
+    return None
 
 
 def unkept(error: Exception) -> str:

@@ -17,10 +17,11 @@ from typing import Any, Final, TypeGuard
 
 import numpy as np
 
-from camgeo.app.designing.form import Fields, is_angular, is_length, title_of
-from camgeo.app.designing.handles import dragged
-from camgeo.app.designing.segments import (
+from camgeo.app.designing.form import (
+    Fields,
+    is_angular,
     is_fixed,
+    is_length,
     is_number,
     least_span,
     span_beside,
@@ -28,7 +29,9 @@ from camgeo.app.designing.segments import (
     span_of,
     spans_of,
     styled,
+    title_of,
 )
+from camgeo.app.designing.handles import dragged
 from camgeo.check.cures.remedies import edits_of
 from camgeo.design.design import KEPT, Design
 from camgeo.dynamics.effects.effect import Effect

@@ -15,8 +15,7 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from camgeo.app.designing.form import title_of
-from camgeo.app.designing.segments import (
+from camgeo.app.designing.form import (
     FINEST,
     is_fixed,
     joints,
@@ -28,6 +27,7 @@ from camgeo.app.designing.segments import (
     spans_of,
     step_near,
     styled,
+    title_of,
 )
 from camgeo.cam.cam import Yoke
 from camgeo.design.design import Design

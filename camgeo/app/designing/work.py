@@ -1,30 +1,35 @@
-"""The one door of what the designer computes: a job to JSON data."""
+"""The one door of what the designer computes: a job to JSON data, pictures among them."""
 
 from __future__ import annotations
 
 import base64
 import json
 import math
-from collections.abc import Callable, Iterator, Mapping
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
 
-from camgeo.app.answers.answer import MARKS, text, verdict_on
+from camgeo.app.answers.answer import MARKS, in_a_line, text, verdict_on
 from camgeo.app.answers.build import poor_findings
 from camgeo.app.answers.check import Check, check
 from camgeo.app.answers.report import Advised, advised, coarse_solids, triangles
 from camgeo.app.answers.size import CamSize, edits_with
 from camgeo.app.answers.size import size as size_of
-from camgeo.app.designing import painting
 from camgeo.app.designing.children import Job, JobError
+from camgeo.app.designing.edits import changed
 from camgeo.app.designing.faults import faults_as_data
-from camgeo.app.designing.recent import Arguments, Recent
+from camgeo.app.designing.form import form, plan
+from camgeo.app.designing.handles import handles
 from camgeo.check.cures.remedies import Cure
 from camgeo.check.finding import RETURN, Finding
 from camgeo.check.sizing.smallest import Rating
+from camgeo.design.design import Design
 from camgeo.design.writing import CERTIFICATE, make_files
 from camgeo.dynamics.effects.registry import effect_names, find_effect
 from camgeo.errors import CamgeoError, GeometryError, SceneError
@@ -34,12 +39,373 @@ from camgeo.kinematics.laws.comparison import entry_of
 from camgeo.kinematics.laws.law import Law
 from camgeo.kinematics.motion import ends_of
 from camgeo.kinematics.plan import FULL_TURN, MotionPlan, joints
+from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, frozen
 from camgeo.pictures import laws as picture
-from camgeo.pictures.charts import shown
-from camgeo.pictures.model import figure_data
-from camgeo.pictures.thinned import thinned
+from camgeo.pictures.mechanism import Animation, animation
+from camgeo.pictures.model import Area, Figure, Line, Panel, figure_data
+from camgeo.pictures.model import listed as nested
+from camgeo.pictures.motion import CURVE_POINTS, Reading, plain, readings, shown
+from camgeo.pictures.plots import MOTION_TITLE, Chart, disc_diagrams, motion_diagram, of_effects
+from camgeo.scene.scene import Scene, parse_scene
 from camgeo.scene.toml import TEMPLATE_KINDS, template
+from camgeo.scene.values import Document, Source, data_of, document, document_of_tree, edited
 from camgeo.units import MM_PER, TURN, in_unit, listed
+
+# -- recent ----------------------------------------------------------------------------------------
+# What jobs leave for those that follow: the last design, for scenes that are edits of it.
+
+
+class Recent:
+    """The design of the last scene that was valid, unless it names files, which may change."""
+
+    def __init__(self) -> None:
+        self._of: tuple[str, str, str] = ("", "", "")
+        self._design: Design | None = None
+        self._kept: dict[str, tuple[tuple[Any, ...], Any]] = {}
+
+    def kept(self, name: str, of: tuple[Any, ...], make: Callable[[], Any]) -> Any:
+        """What `make` makes `of` equal texts and the same objects, if it was the last one so named.
+
+        Nobody must change it.
+        """
+        known = self._kept.get(name)
+        if known is None or not all(map(_same, known[0], of)):
+            known = self._kept[name] = of, make()
+        return known[1]
+
+    def last(self, name: str) -> Any:
+        """What was made last under a name, see `kept`; None if nothing was."""
+        known = self._kept.get(name)
+        return None if known is None else known[1]
+
+    def design(self, job: Job) -> Design:
+        """The design of a job's scene; SceneError if it is not valid."""
+        place = job.text, job.file, job.folder
+        if self._design is not None and place == self._of:
+            return self._design
+        return self._kept_of(job, self._made(job))
+
+    def restate(self, job: Job, error: CamgeoError) -> None:
+        """Put the lengths of an error into the unit of the job's scene, if that is the last one."""
+        if self._design is not None and (job.text, job.file, job.folder) == self._of:
+            self._design.scene.restate(error)
+
+    def made(self, job: Job, scene: Scene) -> None:
+        """Take note of the scene of a job: an edit of the last one, which shares with that what it
+        leaves as it was.
+        """
+        if self._design is not None and (job.file, job.folder) == self._of[1:]:
+            self._kept_of(job, self._sharing(scene, self._design))
+
+    def _kept_of(self, job: Job, design: Design) -> Design:
+        self._of = job.text, job.file, job.folder
+        self._design = None if design.scene.files else design
+        return design
+
+    def _sharing(self, scene: Scene, earlier: Design) -> Design:
+        """The design of a scene that is an edit; with the drive of the earlier one if it moves as
+        that does.
+        """
+        made = Design(scene)
+        if _moves_alike(scene, earlier.scene):
+            made.__dict__["drive"] = earlier.drive
+        return made
+
+    def _made(self, job: Job) -> Design:
+        """The design; what the edit leaves as it was is that of the last one."""
+        earlier = self._design
+        if earlier is None or (job.file, job.folder) != self._of[1:]:
+            return Design(parse_scene(job.text, job.file, job.folder or None))
+        found = self.document(job)
+        source = Source.of(job.file, job.folder or None, job.text)
+        scene = Scene.of(_grafted(found, earlier.scene), source, earlier.scene)
+        return self._sharing(scene, earlier)
+
+    def document(self, job: Job) -> Document:
+        """The values of a job's text, right or wrong; SceneError if it is not TOML."""
+        return document(data_of(job.text))
+
+    def edited(self, job: Job, edits: Mapping[str, Any]) -> Scene:
+        """The scene of a job, which may have faults, with other values; SceneError if it has some
+        then.
+        """
+        found = document_of_tree(edited(self.document(job).exact, edits))
+        return Scene.of(found, Source.of(job.file, job.folder or None, job.text))
+
+
+def _same(one: Any, other: Any) -> bool:
+    return one is other or (isinstance(one, str) and one == other)
+
+
+def _grafted(found: Document, earlier: Scene) -> Document:
+    """The document with those tables of the `earlier` scene that are equal to its own: what is
+    built of a table is built again only if it is another one.
+    """
+    then = earlier.stated.scene.exact
+    # What Python prints tells 1 from true, and 1.0 from 1.00.
+    exact: dict[str, Any] = {
+        key: then[key] if key in then and repr(then[key]) == repr(value) else value
+        for key, value in found.exact.items()
+    }
+    return replace(found, exact=exact)
+
+
+def _moves_alike(scene: Scene, other: Scene) -> bool:
+    """Whether the drives of two scenes are the same."""
+    return (
+        scene.plan is other.plan
+        and scene.linkage is other.linkage
+        and scene.lift_unit == other.lift_unit
+        and scene.speed == other.speed
+        and scene.speed_curve is other.speed_curve
+    )
+
+
+# -- arguments ------------------------------------------------------------------------------------
+# The arguments of jobs, checked at their door.
+
+
+class Arguments:
+    """The arguments of a job; each method raises JobError unless the argument is as it must be."""
+
+    def __init__(self, job: Job) -> None:
+        self._given = job.arguments
+
+    def flag(self, name: str, *, otherwise: bool) -> bool:
+        """True or false; `otherwise` if it is not given."""
+        value = self._given.get(name, otherwise)
+        if not isinstance(value, bool):
+            raise self._wrong(name, "true or false")
+        return value
+
+    def number(self, name: str) -> float | None:
+        """A finite number; None if it is not given."""
+        value = self._given.get(name)
+        return None if value is None else self._finite(name, value)
+
+    def pair(self, name: str) -> tuple[float, float] | None:
+        """Two finite numbers; None if it is not given."""
+        value = self._given.get(name)
+        if value is None:
+            return None
+        if not isinstance(value, list | tuple) or len(value) != 2 or None in value:
+            raise self._wrong(name, "two numbers")
+        low, high = (self._finite(name, each) for each in value)
+        return low, high
+
+    def index(self, name: str) -> int:
+        """The position of something in a list, from 0."""
+        value = self._given.get(name)
+        if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < 2**31:
+            raise self._wrong(name, "a position from 0")
+        return value
+
+    def texts(self, name: str) -> tuple[str, ...] | None:
+        """A list of texts; None if it is not given."""
+        value = self._given.get(name)
+        if value is None:
+            return None
+        if not isinstance(value, list | tuple) or not all(isinstance(each, str) for each in value):
+            raise self._wrong(name, "a list of texts")
+        return tuple(value)
+
+    def _finite(self, name: str, value: Any) -> float:
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise self._wrong(name, "a number")
+        if not abs(value) <= sys.float_info.max:
+            raise self._wrong(name, "a finite number")
+        return float(value)
+
+    def _wrong(self, name: str, allowed: str) -> JobError:
+        return JobError(f"{name} must be {allowed}")
+
+
+# -- painting --------------------------------------------------------------------------------------
+# What is painted while the designer edits: the turning mechanism, and diagrams.
+#
+# Lines have as few points as are seen, see `thinned`.
+
+
+def curves(job: Job, recent: Recent) -> dict[str, Any]:
+    """The scene as pictures, and all that can be changed in it.
+
+    With faults there are no pictures; form and plan are there as long as the text is TOML.
+    """
+    try:
+        design = recent.design(job)
+    except SceneError as error:
+        try:
+            found = recent.document(job)
+        except SceneError:  # no TOML, which has no form
+            return {"faults": faults_as_data(error), "form": [], "plan": []}
+        return {"faults": faults_as_data(error), **_stated(found, recent)}
+    stated = _stated(design.scene.stated.scene, recent)
+    return {**painted(design, recent), **_held(design), **stated}
+
+
+def _moved(job: Job, recent: Recent) -> dict[str, Any]:
+    """Of the `curves` what moves in a drag: without the fields of the scene, and without a diagram
+    that is the last one.
+    """
+    drawn = recent.last("motion")
+    found = painted(design := recent.design(job), recent, moving=True)
+    if drawn is not None and recent.last("motion") is drawn:
+        found["charts"] = [each for each in found["charts"] if each is not drawn]
+    return {**found, **_held(design)}
+
+
+def _held(design: Design) -> dict[str, Any]:
+    held: list[dict[str, Any]] = []
+    with suppress(CamgeoError):  # the findings say why
+        held = [each.to_data() for each in handles(design)]
+    return {"handles": held}
+
+
+def change(job: Job, recent: Recent) -> dict[str, Any]:
+    """The text with the change that the arguments ask for, its name, and the `curves` of the text.
+
+    A change that cannot be made leaves the text as it is: `refused` says why, in a sentence. One
+    after which the scene is not valid is made, and `faults` say what is wrong.
+
+    With the argument `moving`, for a change that is one of many, `moving` is true if the scene is
+    valid, and of the `curves` there is only what differs or is soon made, see `_moved`.
+    """
+    try:
+        design = recent.design(job)
+    except SceneError:  # such a text can be changed too
+        design = None
+    try:
+        found = changed(job.text, job.file, job.folder or None, job.arguments, design)
+    except JobError:
+        raise
+    except CamgeoError as error:
+        return {"text": job.text, "refused": in_a_line(error), "faults": faults_as_data(error)}
+    after = replace(job, text=found.text)
+    if found.scene is not None:
+        recent.made(after, found.scene)
+    if job.arguments.get("moving") is True and found.scene is not None:
+        head = {"text": found.text, "moving": True, "label": found.label}
+        return {**head, **_moved(after, recent)}
+    return {"text": found.text, "label": found.label, **curves(after, recent)}
+
+
+def _stated(found: Document, recent: Recent) -> dict[str, Any]:
+    # Joints are dragged more often than anything else, and the form does not show them.
+    fields = repr({key: value for key, value in found.exact.items() if key != "motion"})
+    named = found.at(("effects",))
+    return {
+        "form": recent.kept("form", (fields,), lambda: form(found)),
+        "plan": plan(found),
+        "effects": sorted(named) if isinstance(named, dict) else [],
+    }
+
+
+def painted(design: Design, recent: Recent, *, moving: bool = False) -> dict[str, Any]:
+    """A design as pictures; if it is `moving`, as of `camgeo.pictures.mechanism.animation`.
+
+    `animation` is None if there is no disc or the mechanism has no position somewhere; a diagram
+    that cannot be computed is left out: the findings say why.
+    """
+    scene = design.scene
+    turn = None
+    if scene.follower is not None:
+        with suppress(CamgeoError):
+            turn = packed(thinned_turn(animation(design.disc, moving=moving)))
+    charts = []
+    for make in _wanted(design, recent):
+        with suppress(CamgeoError):
+            charts.append(make())
+    return {"name": scene.name, "unit": scene.unit, "animation": turn, "charts": charts}
+
+
+def effect_charts(design: Design) -> list[dict[str, Any]]:
+    """The diagrams of the scene's effects, which take longer than those of `painted`."""
+    if design.scene.follower is None or not design.scene.effects:
+        return []
+    try:
+        wanted = list(of_effects(design.disc))
+    except CamgeoError:  # the findings say why
+        return []
+    charts = []
+    for number, (title, make) in enumerate(wanted, start=1):
+        with suppress(CamgeoError):
+            charts.append(_chart(f"effects-{number}", title, make))
+    return charts
+
+
+def _wanted(design: Design, recent: Recent) -> Iterator[Callable[[], dict[str, Any]]]:
+    """What makes each diagram that is soon made."""
+    scene, drive = design.scene, design.drive
+    moved = design.name, scene.unit, drive, scene.lift_unit
+    chart = partial(_chart, "motion", MOTION_TITLE, partial(motion_diagram, design))
+    yield partial(recent.kept, "motion", moved, chart)
+    if scene.follower is not None:
+        yield from (partial(_chart, *each) for each in disc_diagrams(design))
+
+
+def _chart(name: str, title: str, make: Callable[[], Figure]) -> dict[str, Any]:
+    figure = make()
+    chart = Chart(title, figure, readings(figure))
+    return {
+        "name": name,
+        "title": title,
+        "figure": packed(thinned(figure)),
+        "sentence": chart.sentence,
+        "readings": [_reading(each) for each in chart.readings],
+    }
+
+
+def _reading(found: Reading) -> dict[str, Any]:
+    """Extremes as they are read, and their cam angles in degrees."""
+    return {
+        "name": plain(found.name),
+        "low": shown(found.low),
+        "low_at": round(math.degrees(found.low_at), 3),
+        "high": shown(found.high),
+        "high_at": round(math.degrees(found.high_at), 3),
+        "limits": [[name, shown(value)] for name, value in found.limits],
+    }
+
+
+# -- packing --------------------------------------------------------------------------------------
+# Pictures as JSON data, their long lists of numbers packed: digits take longer to write and to
+# read than all else that is done for a frame of a drag.
+
+
+FEWEST: Final = 32
+"""Numbers that are packed; fewer are a list."""
+
+APART: Final = 1e-6
+"""By which packed numbers may be off, relative to the extent of theirs along each axis."""
+
+ROUNDING: Final = 2.0**-24
+LEAST: Final = 2.0**-150
+"""Most by which a single float is off, relative to its value and at all."""
+
+LARGEST: Final = float(np.finfo(np.float32).max)
+"""Beyond it there is no single float."""
+
+
+def packed(picture: Figure | Animation) -> dict[str, Any]:
+    """As `picture.to_data()`, with long arrays packed: in `numbers`, in base 64, all of them as
+    binary numbers in the order of the array, of the type `packed`, "f4" or "f8", the lowest byte
+    first; `shape` is that of the array. A gap is not a number.
+    """
+    data: dict[str, Any] = figure_data(picture, _packed)
+    return data
+
+
+def _packed(array: FloatArray) -> Any:
+    if array.size < FEWEST:
+        return nested(array)
+    rows = array.reshape(-1, array.shape[-1] if array.ndim > 1 else 1)
+    low, high = np.fmin.reduce(rows), np.fmax.reduce(rows)  # leave gaps out
+    size = np.maximum(-low, high)
+    fine = np.maximum(ROUNDING * size, LEAST) <= APART * (high - low)
+    kind = "f4" if bool(np.all(fine & (size <= LARGEST))) else "f8"
+    text = _text(array.astype(f"<{kind}").tobytes())
+    return {"packed": kind, "shape": list(array.shape), "numbers": text}
+
 
 # -- making ---------------------------------------------------------------------------------------
 # What the designer makes of a scene: its files, its solids, and the smallest cam.
@@ -115,7 +481,7 @@ def size(job: Job, recent: Recent) -> dict[str, Any]:
     made = found.best.made
     sizes = [
         _rating(name, each, unit)
-        for name, each in (("present design", found.present), ("smallest", found.written))
+        for name, each in (("present design", found.present), ("smallest", found.best.written))
         if each is not None
     ]
     edits = {} if made is None else edits_with(found.scene, made)
@@ -129,11 +495,11 @@ def size(job: Job, recent: Recent) -> dict[str, Any]:
 
 def _sentence(found: CamSize, edits: Mapping[str, Any]) -> str:
     """The smallest base radius, and what else changes with it."""
-    if found.written is None:
+    if found.best.written is None:
         only_just = "The requirement can only just be met: no scene surely keeps it."
-        return in_unit(found.infeasible or only_just, found.scene.unit)
+        return in_unit(found.best.infeasible or only_just, found.scene.unit)
     unit = MM_PER[found.scene.unit]
-    now = found.written.base_radius / unit
+    now = found.best.written.base_radius / unit
     sentence = f"The smallest base radius is {now:.6g} {found.scene.unit}"
     if found.present is not None:
         sentence += f" instead of {found.present.base_radius / unit:.6g} {found.scene.unit}"
@@ -204,7 +570,7 @@ def findings(job: Job, recent: Recent) -> dict[str, Any]:
         "findings": [_finding(each) for each in listed],
         "cures": [_cure(index, each) for index, each in enumerate(found.cures)],
         "places": list(_places(found)),
-        "charts": painting.effect_charts(design),
+        "charts": effect_charts(design),
     }
 
 
@@ -393,8 +759,8 @@ Work = Callable[[Job, Recent], dict[str, Any]]
 """Does a job; JobError if its arguments are wrong, any other CamgeoError tells faults."""
 
 WORK: Final[Mapping[str, Work]] = {
-    "curves": painting.curves,
-    "change": painting.change,
+    "curves": curves,
+    "change": change,
     "findings": findings,
     "build": build,
     "size": size,
@@ -441,3 +807,172 @@ def prepared() -> Callable[[Job], dict[str, Any]]:
         run(Job(kind, text))
     run(Job("change", text, arguments={"edits": {"name": "warm"}}))
     return partial(run, recent=Recent())
+
+
+# -- thinned ---------------------------------------------------------------------------------------
+# Figures with as few points as are seen: for the browser, which draws them anew with every change.
+#
+# A thinned line goes through some of the points of the line, and each of the others is within a
+# distance of it on paper: `READ` in diagrams, `SEEN` in an animation. Coordinates are rounded by at
+# most a quarter of that. So where the line was within d of a curve, the thinned one is within d and
+# 1.25 times that distance.
+
+
+READ: Final = 1.0 / 3200.0
+"""Distance [inch] so small that numbers read off a line of a diagram are right to a few parts in
+ten thousand of the height of its panel."""
+
+SEEN: Final = 1.0 / 1600.0
+"""Distance [inch] that nobody sees, an eighth of a dot of 200 per inch."""
+
+SHARE: Final = 0.25
+"""Of that, by which coordinates are rounded at most, along each axis by 1 / sqrt(2) of it."""
+
+AIM: Final = 0.7
+"""Share of the distance that points are placed for; what is farther off gets more of them."""
+
+
+Scale = tuple[float, float]
+
+
+def thinned(figure: Figure) -> Figure:
+    """The figure with fewer points, and shorter numbers."""
+    plain = [not (panel.x.log or panel.y.log) for panel in figure.panels]
+    shown = [panel for panel, is_plain in zip(figure.panels, plain, strict=True) if is_plain]
+    scales = [_scale(panel, figure.size) for panel in shown]
+    fewer = iter(_thinned([panel.marks for panel in shown], scales, READ))
+    panels = tuple(
+        replace(panel, marks=next(fewer)) if is_plain else panel
+        for panel, is_plain in zip(figure.panels, plain, strict=True)
+    )
+    return replace(figure, panels=panels, rows=tuple(map(thinned, figure.rows)))
+
+
+PAPER: Final = 8.0
+"""Longer side of an animation on paper [inch]."""
+
+
+def thinned_turn(turn: Animation) -> Animation:
+    """The animation likewise, `PAPER` wide or high."""
+    extent = turn.high - turn.low
+    scale = PAPER / max(extent.real, extent.imag)
+    digits = _digits((scale, scale), SEEN)[0]
+    return replace(
+        turn,
+        turning=_thinned([turn.turning], [(scale, scale)], SEEN)[0],
+        places=frozen(np.round(turn.places, digits) + 0.0, np.float64),
+    )
+
+
+def _thinned(
+    panels: Sequence[Sequence[Any]], scales: Sequence[Scale], most: float
+) -> list[tuple[Any, ...]]:
+    """The marks of panels likewise, all at once; what is neither line nor area stays.
+
+    Parameters
+    ----------
+    scales : of each panel, inches on paper per unit of each axis.
+    most : distance by which points are off on paper [inch].
+    """
+    both = list(zip(panels, scales, strict=True))
+    lines = [(each.points, by) for marks, by in both for each in marks if isinstance(each, Line)]
+    kept = iter(_kept(lines, most))
+    found: list[tuple[Any, ...]] = []
+    for marks, scale in both:
+        digits = _digits(scale, most)
+        fewer: list[Any] = []
+        for mark in marks:
+            if isinstance(mark, Line):
+                fewer.append(replace(mark, points=_rounded(mark.points[next(kept)], digits)))
+            elif isinstance(mark, Area):
+                rings = tuple(_rounded(ring, digits) for ring in mark.rings)
+                fewer.append(replace(mark, rings=rings))
+            else:
+                fewer.append(mark)
+        found.append(tuple(fewer))
+    return found
+
+
+def _scale(panel: Panel, size: tuple[float, float]) -> Scale:
+    """Inches on paper per unit of each axis."""
+    (left, low, right, high), (width, height) = panel.frame, size
+    across = (right - left) * width / abs(panel.x.limits[1] - panel.x.limits[0])
+    up = (high - low) * height / abs(panel.y.limits[1] - panel.y.limits[0])
+    return across, up
+
+
+def _digits(scale: tuple[float, float], most: float) -> tuple[int, int]:
+    """Decimals of both coordinates."""
+    step = 2.0 * SHARE * most / math.sqrt(2.0)
+    return math.ceil(math.log10(scale[0] / step)), math.ceil(math.log10(scale[1] / step))
+
+
+def _rounded(points: FloatArray, digits: tuple[int, int]) -> FloatArray:
+    rounded = [np.round(points[:, axis], digits[axis]) + 0.0 for axis in (0, 1)]
+    return frozen(np.column_stack(rounded), np.float64)
+
+
+def _kept(lines: Iterable[tuple[FloatArray, Scale]], most: float) -> list[slice | IntArray]:
+    """Which points of each of `lines` are kept, both ends among them."""
+    found: list[slice | IntArray] = []
+    long: list[tuple[int, ComplexArray]] = []
+    for number, (points, scale) in enumerate(lines):
+        found.append(slice(None))
+        if len(points) > CURVE_POINTS + 1 and bool(np.all(np.isfinite(points))):
+            long.append((number, (points * np.array(scale)).view(np.complex128)[:, 0]))
+    if long:
+        ends = np.cumsum([0, *(len(points) for _, points in long)])
+        kept = few_of(np.concatenate([points for _, points in long]), ends, most)
+        parts = np.split(kept, np.searchsorted(kept, ends[1:-1]))
+        for (number, _), part, first in zip(long, parts, ends[:-1], strict=True):
+            found[number] = part - first
+    return found
+
+
+def few_of(points: ComplexArray, ends: IntArray, most: float) -> IntArray:
+    """Numbers, ascending, of points of several lines through which a polygon is near all of them.
+
+    Parameters
+    ----------
+    points : (n,) of all lines, one line after the other.
+    ends : where each line begins, and n.
+    most : distance of any point from the chord across it.
+    """
+    kept = _placed(points, ends, AIM * most)
+    while True:
+        distance = _apart(points, kept)
+        worst = np.maximum.reduceat(distance, kept)
+        wrong = np.nonzero(worst > most)[0]
+        if not len(wrong):
+            return kept
+        stops = np.append(kept[1:], len(points))
+        more = [kept[k] + int(np.argmax(distance[kept[k] : stops[k]])) for k in wrong]
+        kept = np.union1d(kept, more)
+
+
+def _placed(points: ComplexArray, ends: IntArray, aim: float) -> IntArray:
+    """Points about as dense as a smooth curve needs: a chord over m steps is off by m^2 |d| / 8, d
+    the second difference of the points.
+    """
+    bend = np.zeros(len(points))
+    bend[1:-1] = np.abs(points[2:] - 2.0 * points[1:-1] + points[:-2])
+    bend[ends[:-1]] = bend[ends[1:] - 1] = 0.0
+    density = np.minimum(np.sqrt(bend / (8.0 * aim)), 1.0)
+    # Whatever its bends, each line keeps more than CURVE_POINTS points.
+    for first, last in pairwise(ends):
+        density[first:last] = np.maximum(density[first:last], (CURVE_POINTS + 4.0) / (last - first))
+    stations = np.floor(np.cumsum(density))
+    chosen = np.nonzero(np.diff(stations, prepend=-1.0) > 0.0)[0]
+    return np.union1d(chosen, np.concatenate((ends[:-1], ends[1:] - 1)))
+
+
+def _apart(points: ComplexArray, kept: IntArray) -> FloatArray:
+    """(n,) distance of each point from the chord across it; 0 between two lines."""
+    number = np.repeat(np.arange(len(kept)), np.diff(np.append(kept, len(points))))
+    start = points[kept]
+    way = np.append(start[1:], start[-1:]) - start
+    square = np.maximum(way.real**2 + way.imag**2, np.finfo(np.float64).tiny)
+    along = points - start[number]
+    share = np.clip((along * way.conj()[number]).real / square[number], 0.0, 1.0)
+    distance: FloatArray = np.abs(along - share * way[number])
+    return distance

@@ -18,9 +18,16 @@ from camgeo.cam.cam import Cam
 from camgeo.check.disc import disc_findings
 from camgeo.check.finding import Finding, Limits
 from camgeo.check.machine import linkage_findings
-from camgeo.check.sizing.face import FaceTask
-from camgeo.check.sizing.smallest import Conditions, Sizing, extreme_angles, rate, size
-from camgeo.check.sizing.task import Task, covered, no_pairs, task_of
+from camgeo.check.sizing.face import FaceTask, face_task_of, rate_face, size_for_face
+from camgeo.check.sizing.smallest import (
+    Conditions,
+    Rating,
+    Sizing,
+    extreme_angles,
+    rate,
+    size,
+)
+from camgeo.check.sizing.task import Placing, Task, covered, no_pairs, task_of
 from camgeo.errors import GeometryError
 from camgeo.geometry.pieces import contact_extremes, convexity
 from camgeo.lazy import Ledger
@@ -262,6 +269,8 @@ decides, one takes a dozen, and the best arm is found less closely."""
 CLOSE = 1e-3
 """If an arm longer than the shortest by this fraction is no better, the shortest is the best."""
 
+NO_ARM: Final = "only an oscillating roller follower has an arm to be sized"
+
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
@@ -290,11 +299,7 @@ def size_with_arm(
         lets the roller reach the pivot; and as `size` does.
     """
     if task.held is None:
-        raise GeometryError(
-            "only an oscillating roller follower has an arm to be sized",
-            key="follower.kind",
-            value=task.follower.kind,
-        )
+        raise GeometryError(NO_ARM, key="follower.kind", value=task.follower.kind)
     roller = task.follower.roller_radius
     if not (roller < low <= high < math.inf):
         raise GeometryError(
@@ -341,3 +346,82 @@ def size_with_arm(
         else:
             left = first
     return result(min(tried, key=radius))
+
+
+# -- sides ----------------------------------------------------------------------------------------
+# The sizing of a cam whatever its follower: on both sides of a rocker, then rounded up.
+
+
+def rated(cam: Cam) -> Rating | None:
+    """What a cam results in; None if there is no such mechanism."""
+    found: Rating | None
+    if cam.follower.has_pitch_curve:
+        task = task_of(cam)
+        found = rate(task, task.present)
+    else:
+        face = face_task_of(cam)
+        found = rate_face(face, face.present)
+    return None if found is None else replace(found, follower=cam.follower)
+
+
+def sized(
+    cam: Cam,
+    angle: float,
+    ratio: float,
+    radius: float,
+    arms: tuple[float, float] | None,
+    unit: float,
+) -> list[tuple[Placing, Sizing]]:
+    """The smallest base circle on each side, that of the cam first, with its sizing.
+
+    Parameters
+    ----------
+    angle, ratio, radius : limits as for `size`, and as for `size_for_face`.
+    arms : the shortest and the longest arm of a rocker [mm], to look for its arm too.
+    unit : of written lengths [mm].
+
+    Raises
+    ------
+    GeometryError
+        As `size`, `size_for_face` and `size_with_arm`.
+    """
+    if cam.follower.has_pitch_curve:
+        sides = task_of(cam).sides
+        if arms is None:
+            return [(each, size(each, angle, ratio)) for each in sides]
+        return [_with_stated_arm(each, angle, ratio, arms, unit) for each in sides]
+    if arms is not None:
+        raise GeometryError(NO_ARM, key="follower.kind", value=cam.follower.kind)
+    return [(each, size_for_face(each, angle, radius)) for each in face_task_of(cam).sides]
+
+
+def _with_stated_arm(
+    side: Task, angle: float, ratio: float, arms: tuple[float, float], unit: float
+) -> tuple[Task, Sizing]:
+    """The sizing with an arm of the decimals with which it is written."""
+    task, sizing = size_with_arm(side, angle, ratio, *arms)
+    found = task.follower.arm
+    last = Decimal(1).scaleb(exponent_of(found, unit))
+    arm = min(max(unit * float(Decimal(found / unit).quantize(last)), arms[0]), arms[1])
+    if found in arms or arm == found:
+        return task, sizing
+    task = with_arm(task, arm)
+    return task, size(task, angle, ratio)
+
+
+def made_of(
+    task: Placing, sizing: Sizing, ratio: float, present: float | None, unit: float
+) -> Made | None:
+    """The answer with its sizes rounded up, and the arm if it is not the `present` one [mm]."""
+    if sizing.answer is None:
+        return None
+    if isinstance(task, FaceTask):
+        least = sizing.radius or 0.0
+        return rounded_face(task, sizing.answer.place, sizing.angle, least, unit)
+    assert isinstance(task, Task)
+    assert sizing.examined is not None  # as there is an answer
+    made = rounded(task, sizing.answer.place, sizing.examined, sizing.angle, ratio, unit)
+    arm = getattr(task.follower, "arm", None)
+    if made is None or arm is None or arm == present:
+        return made
+    return replace(made, lengths={**made.lengths, "arm": float(f"{arm / unit:.12g}")})

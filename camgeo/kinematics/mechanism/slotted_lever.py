@@ -25,8 +25,6 @@ import math
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
-from decimal import Decimal, localcontext
-from fractions import Fraction
 from numbers import Real
 from typing import Annotated, Any, Final, Literal
 
@@ -34,7 +32,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.checked import CheckedFields, Floats, check_fields, shown
+from camgeo.numeric.checked import CheckedFields, check_fields, shown
 from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.units import TURN
 
@@ -255,23 +253,6 @@ Quantity = Literal["phi", "omega2", "eps2"]
 
 UNITS: Final[Mapping[Quantity, str]] = {"phi": "rad", "omega2": "rad/s", "eps2": "rad/s^2"}
 
-NAMES: Final = ("crank [deg]", "time [s]", "phi [deg]", "omega2 [rad/s]", "eps2 [rad/s^2]")
-"""Columns in the order of the exercise's table."""
-
-SMALLEST_STEP: Final = Decimal("0.001")
-LARGEST_STEP: Final = Decimal(90)
-
-PRINTED_STEP: Final = Decimal(1)
-"""The step of the exercise's table [deg]."""
-
-PRINTED_DECIMALS: Final = 3
-"""Decimals in all its columns except the crank angle."""
-
-MOST_DECIMALS: Final = 12
-"""Most decimals of a step and of the ends of a table."""
-
-FULL_TURN: Final = Decimal(360)
-
 
 @dataclass(frozen=True, slots=True)
 class LeverExtreme:
@@ -450,116 +431,3 @@ def crank_for_swing(distance: float, swing: float) -> float:
             value=f"{swing:.17g}",
         )
     return crank
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class LeverTable(CheckedFields):
-    """Values of a slotted lever at equidistant crank angles.
-
-    Attributes
-    ----------
-    crank : (n,) crank angles [deg], exact.
-    values : (n, 5), the columns `NAMES`; angles are positive as the crank turns, time
-        starts at the crank angle 0. Finite, no -0.0.
-    """
-
-    crank: tuple[Decimal, ...]
-    values: Floats
-
-    def printed(self) -> list[tuple[str, ...]]:
-        """The rows rounded as in the exercise, to three decimals.
-
-        A number is rounded from all its digits; what rounds to zero has no sign. The crank angle is
-        exact, with as many decimals as the rows need.
-        """
-        places = max(_places(angle) for angle in self.crank)
-        return [
-            (f"{angle:.{places}f}", *(f"{value:z.{PRINTED_DECIMALS}f}" for value in row[1:]))
-            for angle, row in zip(self.crank, self.values.tolist(), strict=True)
-        ]
-
-
-def lever_table(
-    driven: DrivenLever,
-    step: Decimal = PRINTED_STEP,
-    first: Decimal = Decimal(0),
-    last: Decimal = FULL_TURN,
-) -> LeverTable:
-    """Tabulate a slotted lever at first, first + step, ... below last, and at last.
-
-    The multiples are exact, so rounding neither drops nor duplicates a row; a step that does not
-    divide the range makes the last interval shorter. Beyond 180 degrees the values are those at 360
-    degrees minus the angle with the signs of the symmetry, so that both halves agree to the last
-    digit and phi and eps_2 are 0 at 180 degrees.
-
-    Parameters
-    ----------
-    driven : the slotted lever and its speed.
-    step : of the crank angle [deg], from 0.001 to 90.
-    first, last : crank angles [deg], 0 <= first < last <= 360.
-        All three with at most twelve decimals.
-
-    Raises
-    ------
-    GeometryError
-        With key "step", "from" or "to" outside these limits; with key "from" or "to", if the crank
-        is as long as the distance between the axes and the range includes 0 or 360, where phi is
-        undefined.
-    """
-    _check(step, first, last)
-    with localcontext() as context:
-        # Three digits before the point and `MOST_DECIMALS` after it: every sum is exact.
-        context.prec = max(context.prec, 28)
-        count = math.ceil(Fraction(last - first) / Fraction(step))
-        crank = (*(first + step * number for number in range(count)), last)
-        folded = [min(angle, FULL_TURN - angle) for angle in crank]
-    half = FULL_TURN / 2
-    side = np.array([float((angle < half) - (angle > half)) for angle in crank])
-    lever = driven.lever
-    if lever.crank == lever.distance:
-        for key, end in (("from", first), ("to", last)):
-            if end % FULL_TURN == 0:
-                raise GeometryError(
-                    "the crank is as long as the distance between the axes: at 0 and 360 degrees"
-                    " its pin is on the axis of the lever, whose angle is undefined there; angles"
-                    " between the two are allowed",
-                    key=key,
-                    value=str(end),
-                )
-    phi, omega, eps = driven.output(np.radians([float(angle) for angle in folded]))
-    degrees = np.array([float(angle) for angle in crank])
-    columns = (degrees, degrees / 360.0 * driven.turn_time, side * np.degrees(phi), omega)
-    return LeverTable(crank, np.column_stack((*columns, side * eps)) + 0.0)
-
-
-def _check(step: Decimal, first: Decimal, last: Decimal) -> None:
-    for key, number in (("step", step), ("from", first), ("to", last)):
-        if number.is_finite() and _places(number) > MOST_DECIMALS:
-            raise GeometryError(
-                f"at most {MOST_DECIMALS} decimals are allowed", key=key, value=str(number)
-            )
-    if not (step.is_finite() and SMALLEST_STEP <= step <= LARGEST_STEP):
-        raise GeometryError(
-            f"the step of the crank angle must be {SMALLEST_STEP} to {LARGEST_STEP} degrees",
-            key="step",
-            value=str(step),
-        )
-    if not (first.is_finite() and 0 <= first < FULL_TURN):
-        raise GeometryError(
-            "the first crank angle must be from 0 to less than 360 degrees",
-            key="from",
-            value=str(first),
-        )
-    if not (last.is_finite() and first < last <= FULL_TURN):
-        raise GeometryError(
-            f"the last crank angle must be above the first, {first}, and at most 360 degrees",
-            key="to",
-            value=str(last),
-        )
-
-
-def _places(number: Decimal) -> int:
-    """Decimals of a finite number, without trailing zeros."""
-    exponent = number.normalize().as_tuple().exponent
-    assert isinstance(exponent, int)  # a letter if it is not finite
-    return max(0, -exponent)

@@ -1,4 +1,4 @@
-"""The contents of a sheet: lines, arcs, texts, dimensions. Nothing here draws.
+"""The contents of a sheet: lines, arcs, texts, dimensions, and their places. Nothing here draws.
 
 Marks of the sheet itself are in millimetres of paper, from its lower left corner; those of a view
 are in millimetres of the part. Heights of texts are always those on paper.
@@ -6,15 +6,18 @@ are in millimetres of the part. Heights of texts are always those on paper.
 
 from __future__ import annotations
 
+import cmath
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import singledispatchmethod
 from typing import Final, Literal
 
 import numpy as np
 
-from camgeo.numeric.arrays import ComplexArray, FloatArray, frozen
-from camgeo.units import MM_PER, LengthUnit
+from camgeo.check.finding import Finding
+from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, frozen
+from camgeo.units import MM_PER, LengthUnit, counted, listed
 
 Layer = Literal[
     "OUTLINE", "HIDDEN", "SECTION", "EDGES", "CENTRE", "PITCH_CURVE", "BASE_CIRCLE",
@@ -67,7 +70,6 @@ class Label:
     ----------
     at : where its base line begins, has its middle or ends, see `across` [mm].
     height : of its capitals [mm of paper].
-    angle : of its base line [rad].
     width : at most, in mm of paper, to which a longer text is narrowed; 0 for no limit.
     """
 
@@ -76,7 +78,6 @@ class Label:
     height: float = 2.5
     across: Across = "left"
     layer: Layer = "TEXT"
-    angle: float = 0.0
     width: float = 0.0
 
 
@@ -174,10 +175,6 @@ ARROW: Final = 3.0
 
 LIFTED: Final = 0.8
 """Of texts above the dimension line, and the gap beside arrows [mm of paper]."""
-
-
-BEFORE, BEHIND = 0.8, 1.5
-"""From the part to its extension line, and from the dimension line to its end [mm of paper]."""
 
 
 BEFORE, BEHIND = 0.8, 1.5
@@ -287,10 +284,6 @@ def moved(marks: Sequence[Mark], at: complex, scale: float) -> list[Mark]:
     return found
 
 
-# -- stretch --------------------------------------------------------------------------------------
-# Stretches of a contour, cut from its lines and arcs.
-
-
 # -- lettering ------------------------------------------------------------------------------------
 # Widths of texts, by which a sheet is laid out.
 #
@@ -353,3 +346,478 @@ def texture(at: complex, text: str, letter: float = 2.5) -> list[Mark]:
         line(left, level, "SYMBOL"),
         Label(text, top + complex(1.0, -1.5 * letter), letter, layer="SYMBOL"),
     ]
+
+
+# -- placing ---------------------------------------------------------------------------------------
+# Where dimensions and symbols stand: nothing is written across edges, lines or other texts.
+
+
+CLEAR: Final = 0.7
+"""Around a text, where no line is drawn [mm of paper]."""
+
+UNREADABLE: Final = 1000.0
+"""Costs of each text that is drawn across something, or that something is drawn across."""
+
+OVER_AN_EDGE, OVER_A_LINE, OVER_AN_AXIS = 2.0, 1.0, 0.2
+"""Costs of each crossing of an extension line or leader, and of a text on a centre line."""
+
+ROUNDS: Final = 4
+"""Most times that each place is chosen."""
+
+Option = tuple[float, Sequence[Mark]]
+"""A place that marks may have, after what it costs by itself."""
+
+Options = Iterable[Option]
+
+
+def cost(own: Ink, ink: Ink, enough: float = math.inf) -> float:
+    """What is bad about own marks next to all that is there, or so much of it as is `enough`."""
+    found = 0.0
+    for where in _unreadable(own, ink):
+        found += UNREADABLE * int(np.count_nonzero(where))
+        if found >= enough:
+            return found
+    drawn = np.concatenate([own.wide, own.thin])
+    found += OVER_AN_EDGE * (crossings(drawn, ink.wide) + crossings(own.wide, ink.thin))
+    found += OVER_A_LINE * crossings(own.thin, ink.thin)
+    found += OVER_A_LINE * int(np.count_nonzero(ink.bars.cut(drawn)))
+    for rooms in (own.texts.around(CLEAR), own.frames):
+        found += OVER_AN_AXIS * int(np.count_nonzero(rooms.hit(ink.axes)))
+    return found
+
+
+def _unreadable(own: Ink, ink: Ink) -> Iterator[BoolArray]:
+    """Where texts, frames and dimension lines meet what they must not."""
+    texts = own.texts.around(CLEAR)
+    drawn = np.concatenate([own.wide, own.thin])
+    lines = np.concatenate([ink.wide, ink.thin])
+    yield texts.hit(lines)
+    yield texts.overlap(ink.texts.around(CLEAR))
+    yield texts.overlap(ink.frames)
+    yield ink.texts.around(CLEAR).hit(drawn)
+    yield own.bars.overlap(ink.bars)
+    yield own.frames.overlap(ink.frames)
+    yield own.frames.hit(lines)
+    yield ink.frames.hit(drawn)
+    yield own.texts.hit(drawn)
+    yield np.triu(own.texts.overlap(own.texts), 1)
+
+
+def chosen(options: Options, ink: Ink, scale: float, unit: LengthUnit) -> tuple[Mark, ...]:
+    """The marks of the option that costs least next to what is there; nothing if there is none.
+
+    Options are in the order of what they cost by themselves.
+    """
+    best: tuple[Mark, ...] = ()
+    least = math.inf
+    for price, marks in options:
+        if price >= least:
+            break
+        found = price + cost(ink_of(marks, scale, unit), ink, least - price)
+        if found < least:
+            best, least = tuple(marks), found
+    return best
+
+
+def settled(
+    requests: Iterable[Options], fixed: Sequence[Mark], scale: float, unit: LengthUnit
+) -> list[Mark]:
+    """The fixed marks, and those of the best option of each request, one after the other; those
+    that later ones are in the way of are chosen again.
+    """
+    asked = [sorted(options, key=lambda option: option[0]) for options in requests]
+    always = ink_of(fixed, scale, unit)
+    places: list[tuple[Mark, ...]] = [() for _ in asked]
+    inks = [Ink() for _ in asked]
+    for turn in range(ROUNDS):
+        for number, options in enumerate(asked):
+            others = together([always, *inks[:number], *inks[number + 1 :]])
+            if turn and cost(inks[number], others) < UNREADABLE:
+                continue
+            places[number] = chosen(options, others, scale, unit)
+            inks[number] = ink_of(places[number], scale, unit)
+    return [*fixed, *(mark for marks in places for mark in marks)]
+
+
+def cleared(marks: Iterable[Mark], ink: Ink, scale: float) -> Iterator[Mark]:
+    """The marks, with straight lines of `AXES` interrupted, and short chains of them left out,
+    where they would go through a text or a frame of the `ink`.
+    """
+    rooms = (ink.texts.around(CLEAR), ink.frames)
+    for mark in marks:
+        if not (isinstance(mark, Chain) and mark.layer in AXES):
+            yield mark
+            continue
+        lines = chords(scale * mark.vertices, mark.sweeps, closed=mark.closed)
+        if len(mark.vertices) == 2 and not mark.sweeps[0]:
+            yield from _interrupted(mark, rooms, lines)
+        elif not any(np.any(each.cut(lines)) for each in rooms):
+            yield mark
+
+
+def _interrupted(mark: Chain, rooms: Sequence[Boxes], lines: ComplexArray) -> Iterator[Mark]:
+    start, end = (complex(each) for each in mark.vertices)
+    spans = []
+    for low, high in (each.spans(lines) for each in rooms):
+        spans += [span for span in zip(low[:, 0].tolist(), high[:, 0].tolist(), strict=True)
+                  if span[0] < span[1]]  # fmt: skip
+    place = 0.0
+    for first, last in sorted(spans):
+        if first > place:
+            yield line(start + place * (end - start), start + first * (end - start), mark.layer)
+        place = max(place, last)
+    if not spans:
+        yield mark
+    elif place < 1.0:
+        yield line(start + place * (end - start), end, mark.layer)
+
+
+# -- readable -------------------------------------------------------------------------------------
+# What cannot be read on a sheet: texts with lines across them, outlines that are mere dots.
+
+
+READABLE: Final = "drawing-readable"
+
+DOT: Final = 1.0
+"""Width of an outline on paper below which it is a dot: twice the width of its line [mm]."""
+
+SEEN: Final = ("OUTLINE", "HIDDEN")
+"""Layers of the outlines of the part."""
+
+NAMED: Final = 3
+"""Most texts that a sentence names."""
+
+
+def findings_of(sheet: Sheet) -> Iterator[Finding]:
+    """Warnings of what cannot be read, with what helps."""
+    texts = [text for view in sheet.views for text in across(view, sheet)]
+    if texts:
+        names = listed([f'"{text}"' for text in texts], NAMED)
+        what = f"the drawing has lines across {counted(len(texts), 'text')} ({names})"
+        yield Finding(READABLE, "warning", f"{what}: it needs a larger sheet or scale")
+    small = list(dots(sheet))
+    if small:
+        width, at = min(small, key=lambda each: each[0])
+        mm = MM_PER[sheet.unit]
+        place = f"({at.real / mm:.4g} / {at.imag / mm:.4g})"
+        what = f"the drawing shows {counted(len(small), 'outline')} as a dot"
+        sentence = f"{what}, {width:.2g} mm wide on paper, at {place}: a larger scale shows more"
+        yield Finding(READABLE, "warning", sentence, width, DOT, "mm")
+
+
+def across(view: View, sheet: Sheet) -> Iterator[str]:
+    """The texts of a view that something is drawn across."""
+    ink = ink_of(view.marks, sheet.scale, sheet.unit)
+    over = ink.texts.overlap(ink.texts)
+    np.fill_diagonal(over, val=False)
+    lines = np.concatenate([ink.wide, ink.thin])
+    written = [mark for mark in view.marks if isinstance(mark, Label | Distance | Diameter)]
+    for mark, poor in zip(written, ink.texts.hit(lines) | over.any(axis=1), strict=True):
+        if poor:
+            text = mark.text if isinstance(mark, Label) else number_of(mark, sheet.unit)
+            yield text.replace(DIAMETER, "Ø")
+
+
+def dots(sheet: Sheet) -> Iterator[tuple[float, complex]]:
+    """The outlines of the part that are mere dots: width on paper, and middle [mm of the part]."""
+    for view in sheet.views[:1]:
+        for mark in view.marks:
+            if isinstance(mark, Chain) and mark.closed and mark.layer in SEEN:
+                low, high = ink_of([mark], sheet.scale, sheet.unit).extent
+                size = high - low
+                if max(size.real, size.imag) < DOT:
+                    yield max(size.real, size.imag), 0.5 * (low + high) / sheet.scale
+
+
+# -- ink ------------------------------------------------------------------------------------------
+# What marks cover on paper: rooms of texts, dimension lines, wide and thin lines [mm of paper].
+#
+# The origin is that of the view, or of the sheet. Arcs are chords within `SAGITTA`.
+
+
+SAGITTA: Final = 0.01
+"""By which chords may leave their arcs [mm of paper]."""
+
+
+BAR: Final = 1.0
+"""Half the width of a dimension line with its arrows [mm of paper]."""
+
+WIDE: Final = frozenset(("OUTLINE", "HIDDEN", "SECTION", "EDGES", "FRAME", "ENGRAVING"))
+"""Layers of edges, which nothing may be written across."""
+
+AXES: Final = frozenset(("CENTRE", "PITCH_CURVE", "BASE_CIRCLE"))
+"""Layers of lines that are interrupted at texts."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Boxes:
+    """Rectangles by their middles, unit vectors along them, and half their widths and heights.
+
+    Attributes
+    ----------
+    middles, alongs : (n,) complex [mm of paper, 1].
+    halves : (n,) half the width, and half the height as imaginary part [mm of paper].
+    """
+
+    middles: ComplexArray
+    alongs: ComplexArray
+    halves: ComplexArray
+
+    def __post_init__(self) -> None:
+        for name in ("middles", "alongs", "halves"):
+            object.__setattr__(self, name, frozen(getattr(self, name), np.complex128))
+
+    def __len__(self) -> int:
+        return len(self.middles)
+
+    def around(self, by: float) -> Boxes:
+        """Boxes that are larger on all sides."""
+        return Boxes(self.middles, self.alongs, self.halves + complex(by, by))
+
+    @property
+    def corners(self) -> ComplexArray:
+        """(n, 4) complex [mm of paper]."""
+        signs = np.array([1 + 1j, -1 + 1j, -1 - 1j, 1 - 1j])
+        spread = (
+            self.halves.real[:, None] * signs.real + 1j * self.halves.imag[:, None] * signs.imag
+        )
+        found: ComplexArray = self.middles[:, None] + self.alongs[:, None] * spread
+        return found
+
+    def spans(self, lines: ComplexArray) -> tuple[FloatArray, FloatArray]:
+        """(n, k) shares of each of k straight lines, (k, 2), between which they are in each box:
+        inside nowhere if the first is not less than the second.
+        """
+        turn = self.alongs.conj()[:, None]
+        start = (lines[None, :, 0] - self.middles[:, None]) * turn
+        step = (lines[:, 1] - lines[:, 0])[None, :] * turn
+        low, high = np.zeros(start.shape), np.ones(start.shape)
+        for at, way, half in ((start.real, step.real, self.halves.real[:, None]),
+                              (start.imag, step.imag, self.halves.imag[:, None])):  # fmt: skip
+            with np.errstate(divide="ignore", invalid="ignore"):
+                one, other = (-half - at) / way, (half - at) / way
+            still = way == 0.0
+            outside = still & (np.abs(at) >= half)
+            near = np.where(still, np.where(outside, 2.0, 0.0), np.minimum(one, other))
+            far = np.where(still, np.where(outside, -1.0, 1.0), np.maximum(one, other))
+            low, high = np.maximum(low, near), np.minimum(high, far)
+        return low, high
+
+    def cut(self, lines: ComplexArray) -> BoolArray:
+        """(n, k) whether each of k straight lines, (k, 2), goes through each box."""
+        low, high = self.spans(lines)
+        found: BoolArray = low < high
+        return found
+
+    def hit(self, lines: ComplexArray) -> BoolArray:
+        """(n,) whether any of k straight lines, (k, 2), goes through each box."""
+        found: BoolArray = np.any(self.cut(lines), axis=1)
+        return found
+
+    def overlap(self, other: Boxes) -> BoolArray:
+        """(n, k) whether each of the boxes overlaps each of others: no line along a side separates
+        them.
+        """
+        between = self.middles[:, None] - other.middles[None, :]
+        apart = np.zeros(between.shape, dtype=bool)
+        for axes in (self.alongs[:, None], other.alongs[None, :]):
+            for axis in (axes, 1j * axes):
+                reach = np.zeros(between.shape)
+                for boxes, shape in ((self, (-1, 1)), (other, (1, -1))):
+                    along = boxes.alongs.reshape(shape) * np.conj(axis)
+                    halves = boxes.halves.reshape(shape)
+                    reach += halves.real * np.abs(along.real) + halves.imag * np.abs(along.imag)
+                apart |= np.abs((between * np.conj(axis)).real) >= reach
+        return ~apart
+
+
+def boxes(found: Sequence[tuple[complex, complex, float, float]]) -> Boxes:
+    """Boxes of middles, unit vectors along them, widths and heights [mm of paper]."""
+    if not found:
+        return NONE
+    middles, alongs, widths, heights = zip(*found, strict=True)
+    halves = 0.5 * np.array(widths) + 0.5j * np.array(heights)
+    return Boxes(np.array(middles), np.array(alongs), halves)
+
+
+NONE: Final = Boxes(*(np.zeros(0, dtype=np.complex128) for _ in range(3)))
+
+
+NO_LINES: Final[ComplexArray] = frozen(np.zeros((0, 2)), np.complex128)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ink:
+    """What some marks cover.
+
+    Attributes
+    ----------
+    texts : their rooms.
+    bars : dimension lines with their arrows.
+    frames : rectangles with a letter or a value in each.
+    wide, thin, axes : (n, 2) straight lines: edges, lines of dimensions and symbols, and those that
+        are interrupted at texts.
+    """
+
+    texts: Boxes = NONE
+    bars: Boxes = NONE
+    frames: Boxes = NONE
+    wide: ComplexArray = field(default_factory=lambda: NO_LINES)
+    thin: ComplexArray = field(default_factory=lambda: NO_LINES)
+    axes: ComplexArray = field(default_factory=lambda: NO_LINES)
+
+    @property
+    def extent(self) -> tuple[complex, complex]:
+        """Lower left and upper right corner of all."""
+        points = np.concatenate([self.texts.corners.ravel(), self.wide.ravel(), self.thin.ravel(),
+                                 self.axes.ravel()])  # fmt: skip
+        low = complex(points.real.min(), points.imag.min())
+        return low, complex(points.real.max(), points.imag.max())
+
+
+def together(inks: Iterable[Ink]) -> Ink:
+    """What all of them cover."""
+    found = list(inks)
+
+    def all_of(kind: str) -> Boxes:
+        own = [getattr(each, kind) for each in found]
+        return Boxes(*(np.concatenate([getattr(b, name) for b in own]) for name in Boxes.__slots__))
+
+    def lines_of(kind: str) -> ComplexArray:
+        return np.concatenate([NO_LINES, *(getattr(each, kind) for each in found)])
+
+    texts, bars, frames = map(all_of, ("texts", "bars", "frames"))
+    return Ink(texts, bars, frames, lines_of("wide"), lines_of("thin"), lines_of("axes"))
+
+
+def crossings(one: ComplexArray, other: ComplexArray) -> int:
+    """How often straight lines, (n, 2) and (k, 2), cross each other; touching does not count."""
+    if not len(one) or not len(other):
+        return 0
+    a, b = one[:, None, 0], one[:, None, 1]
+    c, d = other[None, :, 0], other[None, :, 1]
+
+    def side(start: ComplexArray, end: ComplexArray, point: ComplexArray) -> FloatArray:
+        found: FloatArray = ((end - start).conj() * (point - start)).imag
+        return found
+
+    across = (side(a, b, c) * side(a, b, d) < 0.0) & (side(c, d, a) * side(c, d, b) < 0.0)
+    return int(np.count_nonzero(across))
+
+
+def ink_of(marks: Iterable[object], scale: float, unit: LengthUnit) -> Ink:
+    """What marks cover at a scale [mm of paper for each of the marks]."""
+    paper = _Paper(scale, unit)
+    return together([Ink(), *map(paper.ink, marks)])
+
+
+def _lines(layer: str, found: ComplexArray) -> Ink:
+    if layer in WIDE:
+        return Ink(wide=found)
+    return Ink(axes=found) if layer in AXES else Ink(thin=found)
+
+
+@dataclass(frozen=True, slots=True)
+class _Paper:
+    """Where marks stand on paper."""
+
+    scale: float
+    unit: LengthUnit
+
+    @singledispatchmethod
+    def ink(self, mark: object) -> Ink:
+        """What a mark covers."""
+        raise TypeError(f"{type(mark).__name__} is not a mark")
+
+    @ink.register
+    def _(self, mark: Chain) -> Ink:
+        corners = self.scale * mark.vertices
+        found = _lines(mark.layer, chords(corners, mark.sweeps, closed=mark.closed))
+        if mark.layer == "SYMBOL" and mark.closed and len(corners) == 4:
+            low, across, up = complex(corners[0]), complex(corners[1]), complex(corners[3])
+            along = (across - low) / abs(across - low)
+            own = (0.5 * (across + up), along, abs(across - low), abs(up - low))
+            return replace(found, frames=boxes([own]))
+        return found
+
+    @ink.register
+    def _(self, mark: Round) -> Ink:
+        corners = self.scale * (mark.centre + mark.radius * QUARTERS)
+        return _lines(mark.layer, chords(corners, np.full(4, 0.5 * np.pi), closed=True))
+
+    @ink.register
+    def _(self, mark: Filled) -> Ink:
+        corners = self.scale * np.array(mark.corners, np.complex128)
+        return Ink(thin=np.stack([corners, np.roll(corners, -1)], axis=1))
+
+    @ink.register
+    def _(self, _mark: Hatched) -> Ink:
+        return Ink()  # its edges are lines of their own
+
+    @ink.register
+    def _(self, mark: Label) -> Ink:
+        wide = width_of(mark.text, mark.height) * squeeze(mark.text, mark.height, mark.width)
+        shift = {"left": 0.5, "centre": 0.0, "right": -0.5}[mark.across] * wide
+        middle = self.scale * mark.at + complex(shift, 0.5 * mark.height)
+        return Ink(texts=boxes([(middle, 1.0, wide, mark.height)]))
+
+    @ink.register
+    def _(self, mark: Distance) -> Ink:
+        along = cmath.rect(1.0, mark.angle)
+        base = self.scale * mark.line
+        ends = [self.scale * mark.first, self.scale * mark.second]
+        feet = [base + along * ((end - base) * along.conjugate()).real for end in ends]
+        lines = []
+        for end, foot in zip(ends, feet, strict=True):
+            length = abs(foot - end)
+            if length > BEFORE:
+                way = (foot - end) / length
+                lines.append((end + BEFORE * way, foot + BEHIND * way))
+        low, high = sorted(((foot - feet[0]) * along.conjugate()).real for foot in feet)
+        if high - low < 2.0 * ARROW + LIFTED:  # arrows outside, each with a tail
+            low, high = low - 2.0 * ARROW, high + 2.0 * ARROW
+        wide = width_of(number_of(mark, self.unit), LETTERS)
+        middle = 0.5 * (feet[0] + feet[1])
+        at = ((middle - feet[0]) * along.conjugate()).real + mark.aside
+        if mark.aside:
+            low, high = min(low, at - 0.5 * wide), max(high, at + 0.5 * wide)
+        lines.append((feet[0] + low * along, feet[0] + high * along))
+        lifted = middle + along * (mark.aside + 1j * (LIFTED + 0.5 * LETTERS))
+        bar = (feet[0] + 0.5 * (low + high) * along, along, high - low - 0.1, 2.0 * BAR)
+        return Ink(boxes([(lifted, along, wide, LETTERS)]), boxes([bar]), thin=np.array(lines))
+
+    @ink.register
+    def _(self, mark: Diameter) -> Ink:
+        tip = self.scale * (mark.centre + cmath.rect(mark.radius, mark.angle))
+        knee = tip + cmath.rect(mark.reach, mark.angle)
+        text = number_of(mark, self.unit)
+        shelf = shelf_of(text)
+        end = knee + (shelf if knee.real > tip.real else -shelf)
+        middle = 0.5 * (knee + end) + 1j * (LIFTED + 0.5 * LETTERS)
+        before = tip + cmath.rect(0.5, mark.angle)
+        lines = np.array([(before, knee), (knee, end)])
+        return Ink(boxes([(middle, 1.0, width_of(text, LETTERS), LETTERS)]), thin=lines)
+
+
+def chords(vertices: ComplexArray, sweeps: FloatArray, *, closed: bool) -> ComplexArray:
+    """(n, 2) chords of lines and arcs end to end, within `SAGITTA`."""
+    if len(vertices) == 2 and not closed and not sweeps[0]:
+        return vertices[None, :]
+    starts, ends = vertices, np.roll(vertices, -1)
+    if not closed:
+        starts, ends, sweeps = starts[:-1], ends[:-1], sweeps[:-1]
+    bent = sweeps != 0.0
+    half = np.where(bent, 0.5 * sweeps, 1.0)
+    radii = np.where(bent, 0.5 * np.abs(ends - starts) / np.abs(np.sin(half)), 1.0)
+    step = np.where(bent, 2.0 * np.arccos(np.maximum(1.0 - SAGITTA / radii, 0.0)), 1.0)
+    counts = np.where(bent, np.ceil(np.abs(sweeps) / step), 1.0).astype(np.int64)
+    counts = np.maximum(counts, 1)
+    index = np.repeat(np.arange(len(starts)), counts)
+    number = np.arange(len(index)) - np.repeat(np.cumsum(counts) - counts, counts)
+    shares = np.stack([number, number + 1], axis=1) / counts[index, None]
+    chord = (ends - starts)[index, None]
+    angle = sweeps[index, None]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        turned = np.expm1(1j * angle * shares) / np.expm1(1j * angle)
+    found: ComplexArray = starts[index, None] + chord * np.where(bent[index, None], turned, shares)
+    return found

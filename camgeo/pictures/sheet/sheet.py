@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -14,8 +15,8 @@ import numpy as np
 from camgeo.design.product import Product
 from camgeo.errors import GeometryError, SceneError
 from camgeo.geometry.contour.contour import Contour
+from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.part import WRITTEN_SHARE
-from camgeo.pictures.sheet import front
 from camgeo.pictures.sheet import section as dimensions
 from camgeo.pictures.sheet.marks import (
     CELL,
@@ -24,18 +25,28 @@ from camgeo.pictures.sheet.marks import (
     Label,
     Layer,
     Mark,
+    Options,
     Round,
     Sheet,
     View,
     arrow,
+    cleared,
+    ink_of,
     line,
     moved,
     rectangle,
+    settled,
     texture,
     width_of,
 )
-from camgeo.pictures.sheet.placing import Options, cleared, ink_of, settled
-from camgeo.pictures.sheet.shape import Drawn, shape_of
+from camgeo.pictures.sheet.section import (
+    COARSE,
+    Drawn,
+    Edge,
+    Shape,
+    enclosing,
+    shape_of,
+)
 from camgeo.pictures.sheet.texts import (
     SIZES,
     Region,
@@ -117,9 +128,11 @@ def _sheet(
     """A sheet with its frame and title block."""
     size, ratio = SIZES[spec.sheet], spelled(scale)
     all_marks = [*marks, *sheet_marks(spec, ratio, product.unit, numbered)]
-    dashed = tuple(front.in_dashes(all_marks, 1.0))
+    drawn_marks = tuple(in_dashes(all_marks, 1.0))
     comma = spec.language == "de"
-    return Sheet(size.width, size.height, float(scale), ratio, product.unit, comma, views, dashed)
+    return Sheet(
+        size.width, size.height, float(scale), ratio, product.unit, comma, views, drawn_marks
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -267,12 +280,12 @@ def front_view(drawn: Drawn, scale: float, product: Product, spec: DrawingSpec) 
     bench = dimensions.Bench(spec, unit, scale, reach)
     fixed: list[Mark] = []
     if drawn.pitch is not None:
-        fixed += front.dashed(drawn.pitch, scale, "PITCH_CURVE", front.DASH_DOT)
+        fixed += dashed(drawn.pitch, scale, "PITCH_CURVE", DASH_DOT)
     if drawn.base_radius is not None:
         fixed.append(Round(0j, drawn.base_radius, "BASE_CIRCLE"))
     fixed += _cross(low, high, scale)
-    fixed += front.hole_centres(shape, scale)
-    fixed += front.outlines(shape)
+    fixed += pattern_centres(shape, scale)
+    fixed += outlines(shape)
     fixed += drawn.edges
     if drawn.cut:
         fixed += _plane(low, high, scale)
@@ -294,12 +307,12 @@ def front_view(drawn: Drawn, scale: float, product: Product, spec: DrawingSpec) 
 
 def _cleared(marks: list[Mark], scale: float, unit: LengthUnit) -> list[Mark]:
     """The marks of a view with thin lines kept off its texts and frames."""
-    return list(cleared(front.in_dashes(marks, scale), ink_of(marks, scale, unit), scale))
+    return list(cleared(in_dashes(marks, scale), ink_of(marks, scale, unit), scale))
 
 
 def _cross(low: complex, high: complex, scale: float) -> list[Mark]:
     """Centre lines through the cam axis, beyond all that is shown."""
-    far = front.BEYOND / scale
+    far = BEYOND / scale
     return [
         line(complex(low.real - far, 0.0), complex(high.real + far, 0.0), "CENTRE"),
         line(complex(0.0, low.imag - far), complex(0.0, high.imag + far), "CENTRE"),
@@ -354,7 +367,7 @@ def _plane(low: complex, high: complex, scale: float) -> list[Mark]:
     """The ends of the cutting plane A-A, with arrows in the direction of sight."""
     marks: list[Mark] = []
     for y, way in ((low.imag, -1.0), (high.imag, 1.0)):
-        start = complex(0.0, y + way * (front.BEYOND + 0.5) / scale)
+        start = complex(0.0, y + way * (BEYOND + 0.5) / scale)
         end = start + 5j * way / scale
         marks.append(line(start, end, "SECTION"))
         tail = end - 9.0 / scale
@@ -426,7 +439,7 @@ def section_view(drawn: Drawn, scale: float, product: Product, spec: DrawingSpec
     shape, unit = drawn.shape, product.unit
     thick = shape.part.thickness
     bench = dimensions.Bench(spec, unit, scale, shape.size)
-    far = front.BEYOND / scale
+    far = BEYOND / scale
     fixed: list[Mark] = [line(complex(-far), complex(thick + far), "CENTRE")]
     fixed += dimensions.bevelled(drawn.cut, shape)
     fixed += dimensions.hole_centres(shape, scale)
@@ -464,3 +477,233 @@ def tolerance_frame(corner: complex, value: str, datums: Sequence[str]) -> list[
 def frame_width(value: str, datums: Sequence[str]) -> float:
     """Width of such a frame [mm]."""
     return CELL * (1 + len(datums)) + width_of(value, LETTER) + 3.0
+
+
+# -- front -----------------------------------------------------------------------------------------
+# The front view: the part from above, with centre lines, pitch curve and base circle.
+
+
+DASH_DOT = (8.4, 1.05, 0.25, 1.05)
+"""Line 04.1 of ISO 128-2 for lines 0.35 wide: dash, gap, dot, gap [mm of paper]."""
+
+DASH_DOTS = (8.4, 1.05, 0.25, 1.05, 0.25, 1.05)
+"""Line 05.1: the same with two dots."""
+
+PATTERNS = {"CENTRE": DASH_DOT, "BASE_CIRCLE": DASH_DOTS}
+
+BEYOND = 4.0
+"""How far centre lines go beyond what they are of [mm of paper]."""
+
+
+def outlines(shape: Shape) -> list[Mark]:
+    """The edges of the part as they are seen from above."""
+    return [mark for edge in shape.edges for mark in chains_of(shape, edge)]
+
+
+def pattern_centres(shape: Shape, scale: float) -> list[Mark]:
+    """Centre lines of round boundaries off the cam axis: radial and along their pitch circle."""
+    marks: list[Mark] = []
+    circles: set[float] = set()
+    holes = shape.holes
+    for centre, radius in holes:
+        outward = centre / abs(centre)
+        far = radius + dimensions.SMALL_BEYOND / scale
+        marks.append(line(centre - far * outward, centre + far * outward, "CENTRE"))
+        if sum(math.isclose(abs(each), abs(centre), rel_tol=1e-9) for each, _ in holes) > 1:
+            if not any(math.isclose(each, abs(centre), rel_tol=1e-9) for each in circles):
+                circles.add(abs(centre))
+                marks.append(Round(0j, abs(centre), "CENTRE"))
+        else:
+            across = far * 1j * outward
+            marks.append(line(centre - across, centre + across, "CENTRE"))
+    return marks
+
+
+def in_dashes(marks: Iterable[Mark], scale: float) -> Iterator[Mark]:
+    """The marks of a view, with its centre lines and auxiliary curves in dashes and dots.
+
+    These are lines of their own: many programs know no patterns, have patterns of another size, or
+    begin them anew at each vertex, so that a curve of short arcs is drawn solid.
+    """
+    for mark in marks:
+        pattern = PATTERNS.get(getattr(mark, "layer", ""))
+        if pattern is None or isinstance(mark, Label):
+            yield mark
+        elif isinstance(mark, Round):
+            circle = Contour.circle(mark.radius, mark.centre)
+            yield from dashed(circle, scale, mark.layer, pattern)
+        elif isinstance(mark, Chain) and len(mark.vertices) == 2:
+            yield from _dashed_line(mark, scale, pattern)
+        else:
+            yield mark
+
+
+def dashed(
+    contour: Contour, scale: float, layer: Layer, pattern: Sequence[float]
+) -> Iterator[Chain]:
+    """A closed contour in dashes and dots, with a whole number of patterns around it."""
+    total = float(np.cumsum(contour.lengths)[-1])
+    count = max(1, round(total * scale / sum(pattern)))
+    share = total / (count * sum(pattern))
+    ends = _dashes(pattern, count * len(pattern), share, -0.5 * pattern[0] * share)
+    for place, size in ends:
+        yield cut_out(contour, place % total, size, layer)
+
+
+def dashed_stretch(mark: Chain, scale: float, pattern: Sequence[float]) -> Iterator[Chain]:
+    """Lines and arcs end to end in dashes, a closed chain with a whole number of patterns around
+    it, an open one with a dash at each end; what is too short for a gap stays as it is.
+    """
+    contour = Contour.through(mark.vertices, mark.sweeps)
+    if mark.closed:
+        yield from dashed(contour, scale, mark.layer, pattern)
+        return
+    length = float(np.sum(contour.lengths[:-1]))
+    count = round((length * scale - pattern[0]) / sum(pattern))
+    if count < 1:
+        yield mark
+        return
+    share = length / (count * sum(pattern) + pattern[0])
+    for place, size in _dashes(pattern, count * len(pattern) + 1, share):
+        yield cut_out(contour, place, min(size, length - place), mark.layer)
+
+
+def _dashed_line(mark: Chain, scale: float, pattern: Sequence[float]) -> Iterator[Chain]:
+    """A straight line that begins and ends with a dash; a short one is one dash."""
+    start, end = (complex(each) for each in mark.vertices)
+    count = round((abs(end - start) * scale - pattern[0]) / sum(pattern))
+    if count < 1:
+        yield mark
+        return
+    share = 1.0 / (count * sum(pattern) + pattern[0])
+    for place, size in _dashes(pattern, count * len(pattern) + 1, share):
+        way = end - start
+        yield line(start + place * way, start + (place + size) * way, mark.layer)
+
+
+def _dashes(
+    pattern: Sequence[float], pieces: int, share: float, place: float = 0.0
+) -> Iterator[tuple[float, float]]:
+    """Where each dash begins and how long it is, of so many dashes and gaps in turn."""
+    for number in range(pieces):
+        size = pattern[number % len(pattern)] * share
+        if number % 2 == 0:
+            yield place, size
+        place += size
+
+
+def cut_out(contour: Contour, first: float, size: float, layer: Layer) -> Chain:
+    """The stretch of the length `size` that begins at the length `first` [mm], below the whole."""
+    lengths = contour.lengths
+    starts = np.concatenate(([0.0], np.cumsum(lengths)))
+    index = min(int(np.searchsorted(starts, first, side="right")) - 1, len(contour) - 1)
+    inside = first - float(starts[index])
+    vertices, sweeps, left = [], [], size
+    while True:
+        share = inside / lengths[index] if lengths[index] else 0.0
+        taken = min(left, float(lengths[index]) - inside)
+        part = taken / float(lengths[index]) if lengths[index] else 0.0
+        vertices.append(on(contour, index, share))
+        sweeps.append(float(contour.sweeps[index]) * part)
+        left -= taken
+        if left <= 1e-12 * size:
+            vertices.append(on(contour, index, share + part))
+            return Chain(np.array(vertices), np.array([*sweeps, 0.0]), layer)
+        index, inside = (index + 1) % len(contour), 0.0
+
+
+def on(contour: Contour, index: int, share: float) -> complex:
+    """The point of a piece at a share of its length."""
+    start, sweep = complex(contour.vertices[index]), float(contour.sweeps[index])
+    if sweep == 0.0:
+        return start + share * (complex(contour.ends[index]) - start)
+    centre = complex(contour.centres[index])
+    return centre + (start - centre) * cmath.exp(1j * sweep * share)
+
+
+# -- hidden ---------------------------------------------------------------------------------------
+# Edges of which a part is hidden: the outline of the lower disc of a pair in one piece.
+#
+# What is seen of an edge changes where it passes under an edge above it. Places along it are
+# compared one by one, as polygons, so a stretch shorter than their distance may be drawn as its
+# neighbours are; the edge itself stays what it is, as its stretches are cut from its lines and
+# arcs.
+
+
+PLACES: Final = 720
+"""Along an edge."""
+
+NEAR: Final = 1e-4
+"""Of the size of the part: an edge nearer than that to one above it is seen."""
+
+FINE: Final = 1e-7
+"""Of the length of an edge, to which the ends of its stretches are found."""
+
+
+def chains_of(shape: Shape, edge: Edge) -> list[Chain]:
+    """The edge as it is drawn: whole, or in stretches that are seen and hidden in turn."""
+    contour, layer = edge.contour, _layer(edge)
+    whole = Chain(contour.vertices, contour.sweeps, layer, closed=True)
+    covers = _above(shape, edge) if layer == "OUTLINE" and not edge.boundary.hole else []
+    if not covers:
+        return [whole]
+    size, length = shape.size, float(np.sum(contour.lengths))
+
+    def covered(place: float) -> bool:
+        here = cut_out(contour, place * length, 0.0, "OUTLINE").vertices[0]
+        return any(_inside(rings, complex(here), NEAR * size) for rings in covers)
+
+    ends = _changes(covered)
+    if not ends:
+        return [whole]
+    found = []
+    for first, last in pairwise([*ends, ends[0] + 1.0]):
+        layer = "HIDDEN" if covered(0.5 * (first + last) % 1.0) else "OUTLINE"
+        found.append(cut_out(contour, first * length, (last - first) * length, layer))
+    return found
+
+
+def _layer(edge: Edge) -> Layer:
+    if edge.is_letter:
+        return "ENGRAVING"
+    return "HIDDEN" if edge.hidden else "OUTLINE"
+
+
+def _above(shape: Shape, edge: Edge) -> list[list[ComplexArray]]:
+    """The boundaries of each layer above an edge that reaches it, as polygons."""
+    layers, coarse = shape.part.layers, COARSE * shape.size
+    top = max(k for k, layer in enumerate(layers) if edge.boundary in layer.boundaries)
+    above = [shape.contours(layer) for layer in layers[top + 1 :]]
+    polygons = [[each.points(coarse) for each in contours] for contours in above]
+    nearest = float(np.min(np.abs(edge.contour.points(coarse))))
+    return [rings for rings in polygons if float(np.max(np.abs(rings[0]))) > nearest]
+
+
+def _inside(rings: Sequence[ComplexArray], point: complex, near: float) -> bool:
+    """Whether a point lies in the material of a layer, and not on its edge."""
+    if not enclosing(rings, point) % 2:
+        return False
+    return all(_distance(ring, point) > near for ring in rings)
+
+
+def _distance(ring: ComplexArray, point: complex) -> float:
+    way = np.roll(ring, -1) - ring
+    share = np.clip(((point - ring) * way.conj()).real / np.abs(way) ** 2, 0.0, 1.0)
+    return float(np.min(np.abs(ring + share * way - point)))
+
+
+def _changes(covered: Callable[[float], bool]) -> list[float]:
+    """The places, as shares of the length, at which an edge goes under another or comes out."""
+    places = (np.arange(PLACES + 1) / PLACES).tolist()
+    seen = [covered(each) for each in places[:-1]]
+    found = []
+    for (low, high), before, after in zip(
+        pairwise(places), seen, [*seen[1:], seen[0]], strict=True
+    ):
+        if before == after:
+            continue
+        while high - low > FINE:
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if covered(middle) == before else (low, middle)
+        found.append(0.5 * (low + high))
+    return found

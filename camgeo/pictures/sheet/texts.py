@@ -25,7 +25,7 @@ from camgeo.pictures.sheet.marks import (
     texture,
     width_of,
 )
-from camgeo.pictures.sheet.shape import Drawn
+from camgeo.pictures.sheet.section import Drawn
 from camgeo.scene.formats.drawing import DrawingSpec, Language, SheetName
 from camgeo.units import MM_PER, TURN, LengthUnit
 

@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final, Literal, cast
+from typing import Any, Final, Literal, cast
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import written_contour
 from camgeo.scene.formats.dxf import FORMAT
 from camgeo.scene.scene import Scene
+from camgeo.studies.accuracy.benefit import BenefitRow, Knee, knee_of
 from camgeo.studies.accuracy.contours import (
     EFFORTS,
     FORMS,
@@ -43,12 +44,7 @@ from camgeo.studies.accuracy.contours import (
     reason,
     repeated,
 )
-from camgeo.studies.accuracy.knee import Knee, knee_of
 from camgeo.units import MM_PER, TURN, LengthUnit
-
-if TYPE_CHECKING:
-    from camgeo.studies.accuracy.benefit import BenefitRow
-
 
 # -- effects --------------------------------------------------------------------------------------
 # The numerical effects of a design over their tolerance: computing time and error.

@@ -20,6 +20,7 @@ from camgeo.check.finding import NO_OUTLINE, Finding
 from camgeo.design.design import Design
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import BoolArray, FloatArray
+from camgeo.scene.keys import value_at
 from camgeo.scene.scene import Scene
 from camgeo.scene.values import OPTIMISE, Value, plain, value_path
 from camgeo.studies.sweep.family import (
@@ -319,7 +320,7 @@ class Space:
         tree: Any = scene.stated.scene.exact
         found = []
         for variable in self.variables:
-            own = tuple(_stated(tree, value_path(tree, key)) for key in variable.keys)
+            own = tuple(value_at(tree, value_path(tree, key)) for key in variable.keys)
             within = _continuous(variable)
             at = _number_in(variable, own) if within is None else _share_of_range(within, own)
             if at is None:
@@ -361,16 +362,6 @@ def _between(within: Range, share: float) -> float:
     if share >= 1.0:
         return stop
     return start if share <= 0.0 else start + (stop - start) * share
-
-
-def _stated(tree: Any, path: Sequence[Any]) -> Any:
-    for step in path:
-        if isinstance(step, int) and not (isinstance(tree, list) and step < len(tree)):
-            return None
-        if isinstance(step, str) and not (isinstance(tree, dict) and step in tree):
-            return None
-        tree = tree[step]
-    return tree
 
 
 def _share_of_range(within: Range, own: tuple[Any, ...]) -> float | None:

@@ -665,7 +665,7 @@ def _extremes_of_each(
         edges = designs[numbers[0]].drive.smooth_angles
         some = together([members[number] for number in numbers])
         with np.errstate(all="ignore"):  # a value that is not finite has a reason
-            each = extremes_of_each(some, quantity, edges, SIGNS[asked.how])
+            each = extremes_of_each(some, quantity, edges, EXTREMES[asked.how][0])
         found |= zip(numbers, each, strict=True)
     return [found[number] for number in range(len(designs))]
 
@@ -707,24 +707,24 @@ def _extreme(
     if borders is not None and len(borders):
         edges = merged(np.concatenate((edges, borders)))
     with np.errstate(all="ignore"):  # a value that is not finite has a reason
-        (found,) = extremes_of_each(ONE, quantity, edges, SIGNS[asked.how])
+        (found,) = extremes_of_each(ONE, quantity, edges, EXTREMES[asked.how][0])
     return _read(found, asked, heading)
 
 
 def _read(found: Extremes, asked: Asked, heading: str) -> Reading:
     unit = heading.rpartition(" [")[2].removesuffix("]") if heading.endswith("]") else ""
-    return Reading(EXTREME[asked.how](found), unit)
+    return Reading(EXTREMES[asked.how][1](found), unit)
 
 
-SIGNS: Final[dict[str, tuple[float, ...]]] = {"min": BOTTOMS, "max": TOPS, "peak": BOTH}
-"""Turning points that are refined: a transmission angle has a kink at 90 degrees, which no grid
-resolves, and nobody who asks for its least value wants to know where."""
-
-EXTREME: Final[dict[str, Callable[[Extremes], float]]] = {
-    "min": lambda found: found.lowest.value,
-    "max": lambda found: found.highest.value,
-    "peak": lambda found: found.magnitude,
+EXTREMES: Final[dict[str, tuple[tuple[float, ...], Callable[[Extremes], float]]]] = {
+    "min": (BOTTOMS, lambda found: found.lowest.value),
+    "max": (TOPS, lambda found: found.highest.value),
+    "peak": (BOTH, lambda found: found.magnitude),
 }
+"""By the prefix of a column's name the turning points that are refined, and the extreme that is
+asked for. A transmission angle has a kink at 90 degrees, which no grid resolves, and nobody who
+asks for its least value wants to know where.
+"""
 
 ANSWERS: Final[dict[Group, Callable[[Design, Asked], Reading]]] = {
     "angle": _angle,
@@ -753,11 +753,6 @@ TOGETHER: Final[dict[Group, Callable[[Sequence[Design], Asked], list[Reading]]]]
 # name is looked up once, in the scene that the family starts from, so that of each design only what
 # answers it is computed.
 
-
-How = Literal["value", "min", "max", "peak"]
-
-EXTREMES: Final[dict[str, How]] = {"min": "min", "max": "max", "peak": "peak"}
-"""Which extreme of a column, by the prefix of its name."""
 
 Group = Literal[
     "angle", "linkage", "motion", "part", "disc", "verdict", "machining", "curves", "effects"
@@ -835,14 +830,14 @@ class Asked:
     ----------
     word : as it heads its column: `peak:contact-force`.
     name : of the finding or the column, with hyphens.
-    how : the value of a finding, or which extreme of a column.
+    how : "value" of a finding, or which of the `EXTREMES` of a column.
     group : what has it.
     effects : those that may have it, for the group "effects".
     """
 
     word: str
     name: str
-    how: How
+    how: str
     group: Group
     effects: tuple[str, ...] = ()
 
@@ -870,7 +865,7 @@ def asked_of(design: Design, words: Iterable[str]) -> tuple[Asked, ...]:
 def _asked(design: Design, word: str) -> Asked:
     before, colon, rest = word.partition(":")
     if colon and before.strip() in EXTREMES:
-        return _asked_extreme(design, EXTREMES[before.strip()], hyphened(rest))
+        return _asked_extreme(design, before.strip(), hyphened(rest))
     word = hyphened(word)
     name = ALSO.get(word, word)
     for group, names in BY_GROUP.items():
@@ -879,7 +874,9 @@ def _asked(design: Design, word: str) -> Asked:
                 message = f"is not stated: {MACHINING_TIME} needs a milling program"
                 raise GeometryError(message, "tool")
             return Asked(word, name, "value", group)
-    seen, silent = _findings_of_effects(design)
+    seen, silent = _names(
+        design, lambda name: (each.name for each in design.effects.findings(name))
+    )
     effect = next((each for each, names in seen.items() if name in names), None)
     if effect is not None:
         return Asked(word, name, "value", "effects", (effect,))
@@ -898,7 +895,7 @@ def _asked(design: Design, word: str) -> Asked:
     raise UnknownNameError("finding", name, dict.fromkeys(there))
 
 
-def _asked_extreme(design: Design, how: How, name: str) -> Asked:
+def _asked_extreme(design: Design, how: str, name: str) -> Asked:
     word = canonical(f"{how}:{name}")
     if name in (hyphened(pole) for pole in POLES):
         message = "is infinite where the curve is straight, and has no extremes; ask for kappa"
@@ -938,10 +935,6 @@ def _curve_names(design: Design) -> list[str]:
 
 Names = tuple[dict[str, list[str]], tuple[str, ...]]
 """Names by effects, and the effects that have no answer."""
-
-
-def _findings_of_effects(design: Design) -> Names:
-    return _names(design, lambda name: (each.name for each in design.effects.findings(name)))
 
 
 def _columns(design: Design) -> Names:

@@ -24,8 +24,16 @@ from camgeo.kinematics.mechanism.follower import Follower, WithRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, dot, merged
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes
 from camgeo.studies.sweep.family import Sample
-from camgeo.studies.tolerancing.sensitivity import Deviations, Freedom, Pose, Sensitivities, Way
-from camgeo.studies.tolerancing.stated import SIGMAS, Source, Stated
+from camgeo.studies.tolerancing.stated import (
+    SIGMAS,
+    Deviations,
+    Freedom,
+    Pose,
+    Sensitivities,
+    Source,
+    Stated,
+    Way,
+)
 from camgeo.units import TURN
 
 ANGLES: Final = 360

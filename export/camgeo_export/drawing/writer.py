@@ -31,7 +31,6 @@ from camgeo.design.product import Product
 from camgeo.design.writing import Written
 from camgeo.errors import FileError
 from camgeo.numeric.arrays import ComplexArray
-from camgeo.pictures.sheet.front import dashed_stretch
 from camgeo.pictures.sheet.marks import (
     ARROW,
     BEFORE,
@@ -51,11 +50,11 @@ from camgeo.pictures.sheet.marks import (
     Mark,
     Round,
     Sheet,
+    findings_of,
     number_of,
     squeeze,
 )
-from camgeo.pictures.sheet.placing import findings_of
-from camgeo.pictures.sheet.sheet import sheets_of
+from camgeo.pictures.sheet.sheet import dashed_stretch, sheets_of
 from camgeo.scene.formats.drawing import FORMAT
 from camgeo.scene.formats.format import Format
 from camgeo.units import MM_PER
@@ -259,7 +258,7 @@ class _Drawing:
         text = self._space.add_text(
             mark.text,
             height=mark.height * self._paper,
-            rotation=math.degrees(mark.angle),
+            rotation=0.0,
             dxfattribs={"layer": mark.layer, "style": STYLE, "width": NARROWED * narrow},
         )
         text.set_placement(self._at(mark.at), align=TextEntityAlignment[JUSTIFIED[mark.across]])

@@ -284,7 +284,11 @@ def _(value: Sweep) -> Shown:
     """The rows of a small family; for a larger one, what the command prints."""
     if value.count > FEW:
         return Shown(preformatted(answer.text(value)))
-    heads = [*value.keys, *map(headed, value.spans), *(["reason"] if value.failed else [])]
+    heads = [
+        *value.result.family.keys,
+        *map(headed, value.spans),
+        *(["reason"] if value.failed else []),
+    ]
     rows = []
     for each in value.designs:
         cells = [*map(cell, (*each.values.values(), *each.answers.values()))]

@@ -8,8 +8,7 @@ from typing import Any
 import anywidget
 import traitlets
 
-from camgeo.app.designing.painting import painted
-from camgeo.app.designing.recent import Recent
+from camgeo.app.designing.work import Recent, painted
 from camgeo.design.design import Design
 from camgeo_export.browser.bundles import bundle
 
