@@ -193,8 +193,9 @@ class Bench:
             text = f"its cutting edges, {tool.flute_length:g} mm, are shorter than {depth:g} mm"
             return Reason(text, "flute_length")
         if tool.stick_out is not None and tool.stick_out < reach:
-            text = f"it sticks out {tool.stick_out:g} mm, less than {reach:g} mm"
-            return Reason(text, "stick_out")
+            return Reason(
+                f"it sticks out {tool.stick_out:g} mm, less than {reach:g} mm", "stick_out"
+            )
         wide = tool.shank_diameter
         if wide is not None and wide > tool.diameter and tool.flute_length is None:
             text = f"its shank is wider than its edges, whose length is not stated for {depth:g} mm"
@@ -208,8 +209,9 @@ class Bench:
             return ""
         if isinstance(boundary, ExactBoundary):
             size = 2.0 * place.radius
-            text = f"the cutter must be smaller than the {boundary.name}, {size:g} mm"
-            return Reason(text, "diameter")
+            return Reason(
+                f"the cutter must be smaller than the {boundary.name}, {size:g} mm", "diameter"
+            )
         return Reason(
             f"the cutter is too large for the {boundary.name}: {place.sentence};"
             f" the largest that fits has {largest_diameter(place):g} mm",

@@ -122,11 +122,12 @@ def limit_of(operation: Operation) -> Limit | None:
                 least = min(least, least_distance(way, outline) - cut.tool.radius)
     most = math.floor(SHARE * least / LEAST) * LEAST
     if most < LEAST:
-        message = (
+        raise GeometryError(
             f"{cut.name} leaves no room for it: its leads are {run[0].length:.3g} mm long; roughing"
-            ' with more allowance makes room, "computed" needs none'
+            ' with more allowance makes room, "computed" needs none',
+            KEY,
+            f'"{mode_of(cut)}"',
         )
-        raise GeometryError(message, KEY, f'"{mode_of(cut)}"')
     return Limit(cut.name, mode_of(cut), cut.tool.number, cut.tool.radius, most)
 
 
@@ -143,11 +144,11 @@ def limits_of(operations: Sequence[Operation]) -> dict[str, Limit]:
     for each in found:
         other = modes.setdefault(each.tool, each)
         if other.mode != each.mode:
-            message = (
+            raise GeometryError(
                 f'tool {each.tool} has "{other.mode}" in {other.operation} and "{each.mode}" in'
-                f" {each.operation}; its offset cannot hold both"
+                f" {each.operation}; its offset cannot hold both",
+                KEY,
             )
-            raise GeometryError(message, KEY)
     return {each.operation: each for each in found}
 
 

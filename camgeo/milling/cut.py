@@ -91,8 +91,9 @@ class Cut:
         check_fields(self)
         depths = array("toolpath", instance("toolpath", self.depths, tuple, "a tuple of depths"))
         if not len(depths) or not np.all(np.diff(depths) < 0.0) or depths[0] > self.top:
-            message = f"must be descending depths below {self.top:g} mm"
-            raise GeometryError(message, "toolpath", shown(self.depths))
+            raise GeometryError(
+                f"must be descending depths below {self.top:g} mm", "toolpath", shown(self.depths)
+            )
         given = instance("toolpath", self.obstacles, tuple, "a tuple of obstacles")
         obstacles = instances("toolpath", given, (Obstacle,), "obstacles")
         hold(self, depths=tuple(depths.tolist()), obstacles=obstacles)

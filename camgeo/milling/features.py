@@ -134,13 +134,13 @@ def _wall(wall: Wall, sides: Sequence[Side]) -> Feature:
     if is_finished(wall, sides):
         return Feature(called, LEFT_OUT, made)
     if made:
-        text = "not all of its height is finished"
-        return Feature(called, UNLIKE_THE_PART, made, severity, text)
+        return Feature(called, UNLIKE_THE_PART, made, severity, "not all of its height is finished")
     if cuts:
         left = min(cut.allowance for cut in cuts)
         by = tuple(cut.name for cut in cuts)
-        text = f"{left:g} mm are left on it"
-        return Feature(called, UNLIKE_THE_PART, by, severity, text, 0.0, left)
+        return Feature(
+            called, UNLIKE_THE_PART, by, severity, f"{left:g} mm are left on it", 0.0, left
+        )
     if _is_in_the_blank(wall, sides[0].part, sides[0].milling.stock):
         return Feature(called, LEFT_OUT, difference="the blank has it")
     return Feature(called, LEFT_OUT, (), severity, UNMADE)
@@ -200,8 +200,9 @@ def _edge(bevel: Bevel, cuts: Sequence[Cut]) -> Feature:
         severity: Severity = "broken" if off > 0.0 else "warning"
         return Feature(name, CHAMFERS, by, severity, text, bevel.width, width)
     if bevel.boundary.corner_radius is not None:
-        text = "it is made along the circle alone"
-        return Feature(name, CHAMFERS, by, "warning", text, bevel.width, width)
+        return Feature(
+            name, CHAMFERS, by, "warning", "it is made along the circle alone", bevel.width, width
+        )
     return Feature(name, CHAMFERS, by, stated=bevel.width, made=width)
 
 

@@ -92,8 +92,7 @@ def blocks_of(key: str, given: Any, names: tuple[str, ...]) -> tuple[str, ...]:
             found = [("", None, None, None)]
         if any(name not in names or form or kind for _, name, form, kind in found):
             allowed = f" but {', '.join(f'{{{each}}}' for each in names)}" if names else ""
-            message = f"must hold no braces{allowed}"
-            raise GeometryError(message, key, repr(block[:MOST_SHOWN]))
+            raise GeometryError(f"must hold no braces{allowed}", key, repr(block[:MOST_SHOWN]))
     return blocks
 
 
@@ -473,8 +472,9 @@ def load(machine: str, key: str = KEY) -> Machine:
     try:
         text = read_within(Path(machine), MACHINE).decode("utf-8-sig")
     except (OSError, ValueError) as error:  # the latter also for a path that no file can have
-        message = f"the profile cannot be read: {unreadable(error)}"
-        raise SceneError([Fault(key, repr(machine), message)]) from None
+        raise SceneError(
+            [Fault(key, repr(machine), f"the profile cannot be read: {unreadable(error)}")]
+        ) from None
     return parse(text, machine)
 
 
@@ -696,8 +696,9 @@ class NumberForm:
             whole(f"numbers.most_decimals.{unit}", getattr(self.most_decimals, unit), least,
                   MOST_DECIMALS)  # fmt: skip
         if (self.increment is None) != (self.point == "optional"):
-            message = 'must be given if point is "required", and only then'
-            raise GeometryError(message, "numbers.increment", "")
+            raise GeometryError(
+                'must be given if point is "required", and only then', "numbers.increment", ""
+            )
 
 
 @dataclass(frozen=True, slots=True)

@@ -164,8 +164,9 @@ class Tool:
             raise GeometryError(message, "tool.stepover", f"{self.stepover:g}")
         flutes, out = self.flute_length, self.stick_out
         if flutes is not None and out is not None and out < flutes:
-            message = f"must be at least the flute length, {flutes:g} mm"
-            raise GeometryError(message, "tool.stick_out", f"{out:g}")
+            raise GeometryError(
+                f"must be at least the flute length, {flutes:g} mm", "tool.stick_out", f"{out:g}"
+            )
 
     @property
     def radius(self) -> float:

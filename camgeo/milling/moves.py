@@ -175,8 +175,7 @@ class Toolpath:
             instance("toolpath", each, Operation, "an operation")
         names = [each.cut.name for each in self.operations]
         if len(set(names)) < len(names):
-            message = "each operation needs its own name"
-            raise GeometryError(message, "toolpath", ", ".join(names))
+            raise GeometryError("each operation needs its own name", "toolpath", ", ".join(names))
 
 
 # -- pieces ---------------------------------------------------------------------------------------

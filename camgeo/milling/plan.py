@@ -50,8 +50,9 @@ def plan_toolpath(
     for cut in cuts:
         if cut.strategy not in STRATEGIES:
             known = ", ".join(STRATEGIES)
-            message = f"{cut.name} has no such strategy; there are {known}"
-            raise GeometryError(message, "toolpath", cut.strategy)
+            raise GeometryError(
+                f"{cut.name} has no such strategy; there are {known}", "toolpath", cut.strategy
+            )
         moves = _moves_of(cut, heights, tolerance, effort)
         first, *others = islice(divided(moves, limits.largest_turn), left + 1)
         # After a halt the cutter comes back above its first point, wherever it was taken.

@@ -98,8 +98,9 @@ def _face(bench: Bench) -> Iterator[Step]:
     if not top:
         return
     if bench.milling.stock.outline is None:
-        key = "stock.length"
-        raise GeometryError("the outline of a blank that is to be faced must be known", key)
+        raise GeometryError(
+            "the outline of a blank that is to be faced must be known", "stock.length"
+        )
     tool = bench.choose("upper face", lambda tool: bench.too_short(tool, 0.0, top))
     yield clear_area(bench, "face", "face", tool, top, 0.0, ())
 
@@ -290,8 +291,9 @@ def guarded(bench: Bench, cuts: list[Cut], heights: Heights) -> list[Cut]:
     if holding is None:
         freed = [each for each in cuts if _is_through(bench, each)]
         if freed:
-            message = f"is missing: {freed[0].name} goes through, and what it cuts free drops"
-            raise GeometryError(message, "holding")
+            raise GeometryError(
+                f"is missing: {freed[0].name} goes through, and what it cuts free drops", "holding"
+            )
         return list(cuts)
     names = [cut.name for cut in cuts]
     for clamp in holding.clamps:
@@ -350,8 +352,7 @@ def require_room(bench: Bench) -> None:
         what = "the bore of the part" if around else "the width of the part"
         free = 2.0 * min(each.nearest() for each in around or [bench.part.outermost])
         if bore > free * (1.0 + SAME):
-            message = f"must be at most {what}, {free:g} mm"
-            raise GeometryError(message, "stock.bore", f"{bore:g}")
+            raise GeometryError(f"must be at most {what}, {free:g} mm", "stock.bore", f"{bore:g}")
     if milling.stock.outline is None:
         return
     blank = coarse(milling.stock.outline)
@@ -381,8 +382,9 @@ def require_size(bench: Bench) -> None:
             ("shank_diameter", tool.shank_diameter or 0.0),
         ):
             if wide > 2.0 * LARGEST:
-                message = f"must be at most {2.0 * LARGEST:g} mm for a milling program"
-                raise ToolError(message, tool, field)
+                raise ToolError(
+                    f"must be at most {2.0 * LARGEST:g} mm for a milling program", tool, field
+                )
     around = [each for each in bench.part.boundaries if not each.hole]
     blank = milling.stock.outline
     for what, key, boundaries in (
@@ -440,8 +442,9 @@ def _clears_the_blank(bench: Bench, heights: Heights) -> None:
     top = bench.milling.stock.top
     for key, height in (("clearance", heights.clearance), ("retract", heights.retract)):
         if height <= top:
-            message = f"must be above the blank, {top:g} mm"
-            raise GeometryError(message, f"output.gcode.{key}_height", f"{height:g}")
+            raise GeometryError(
+                f"must be above the blank, {top:g} mm", f"output.gcode.{key}_height", f"{height:g}"
+            )
 
 
 def _is_through(bench: Bench, cut: Cut) -> bool:
@@ -576,18 +579,19 @@ def sequence_of(
         ]  # fmt: skip
         if left:
             named = dict.fromkeys(text_of(name) or name for name in left)
-            sentence = f"no operation makes {', '.join(named)}"
-            findings.append(Finding("left-out", "warning", sentence))
+            findings.append(
+                Finding("left-out", "warning", f"no operation makes {', '.join(named)}")
+            )
     else:
         steps = list(planned_steps(bench))
         cuts = [step for step in steps if isinstance(step, Cut)]
         findings = [step for step in steps if isinstance(step, Finding)]
         if milling.turned and not cuts:
-            message = (
+            raise GeometryError(
                 "nothing is to be milled: the blank is not lower than the part, and the first side"
-                " leaves no wall that is open on the lower face; state its operations"
+                " leaves no wall that is open on the lower face; state its operations",
+                "second_side",
             )
-            raise GeometryError(message, "second_side")
         listed = ", ".join(f"{cut.name} (tool {cut.tool.number})" for cut in cuts)
         listed = listed or "nothing to mill"
         findings.insert(0, Finding(SEQUENCE, "ok", f"planned: {listed}"))

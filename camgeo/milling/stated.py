@@ -171,8 +171,7 @@ class _Stated:
         bottom, top = self.bench.bottom(walls[0]), self._top(walls[0])
         self._require(self.bench.too_short(self.tool, bottom, top))
         places = {wall.boundary.name: complex(bore_of(wall).exact.centres[0]) for wall in walls}
-        name = f"drill {', '.join(places)}"
-        return drill_all(name, self.tool, top, bottom, places)
+        return drill_all(f"drill {', '.join(places)}", self.tool, top, bottom, places)
 
     def _holes(self, name: str) -> list[Wall]:
         """The hole of that name, or those with it and a number."""
@@ -237,8 +236,9 @@ class _Stated:
     def _cleared(self, wall: Wall, *, outermost: bool) -> Cut:
         key, value = f"{self.key}.strategy", f'"{Roughing.SPIRAL}"'
         if not outermost or self.bench.milling.stock.outline is None:
-            message = "clears what is around the part in a blank whose outline is stated"
-            raise GeometryError(message, key, value)
+            raise GeometryError(
+                "clears what is around the part in a blank whose outline is stated", key, value
+            )
         allowance = self.spec.allowance
         made = clear_outside(self.bench, wall, self.tool, self._top(wall), allowance)
         if made is None:

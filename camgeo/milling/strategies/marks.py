@@ -125,8 +125,9 @@ def _require_clear(path: Contour, walls: list[Fit], cut: LetterCut) -> None:
     for wall in walls:
         apart = least_distance(Track.around(path), Track.around(wall.contour)) - wall.deviation
         if apart < needed:
-            message = f"{cut.name} comes {needed - apart:.3g} mm too near to an outline"
-            raise GeometryError(message, key="toolpath")
+            raise GeometryError(
+                f"{cut.name} comes {needed - apart:.3g} mm too near to an outline", key="toolpath"
+            )
 
 
 def strokes(walls: Sequence[Boundary]) -> list[Area]:

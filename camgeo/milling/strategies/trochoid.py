@@ -134,8 +134,9 @@ def _steps(
     largest = min(cut.stepover, ahead(size, cut.tool.radius, limit))
     least = SHORTEST * cut.tool.radius
     if largest < least:
-        message = "is too small for loops along the wall"
-        raise GeometryError(message, "tool.engagement", f"{math.degrees(limit):g}")
+        raise GeometryError(
+            "is too small for loops along the wall", "tool.engagement", f"{math.degrees(limit):g}"
+        )
     if MOVES * len(cut.depths) * length > PROGRAM_LINES * largest:
         raise too_long()
     cutting = size * (math.pi + math.asin(min(0.5 * largest / size, 1.0)))

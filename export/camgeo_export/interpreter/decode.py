@@ -499,8 +499,9 @@ class Klartext(Decoder):
         self._tool_feed = block.values.get("F")
         number = found[1]
         if number.startswith('"'):
-            what = "a tool called by name: its number is not known"
-            self._findings.add(line, "unsupported", what, shown(number))
+            self._findings.add(
+                line, "unsupported", "a tool called by name: its number is not known", shown(number)
+            )
             return block
         block.values["T"] = Number(float(number[:9]), number)
         block.codes["tool"], block.words["tool"] = "tool change", "TOOL CALL"
@@ -644,7 +645,8 @@ class Klartext(Decoder):
         if not (unread and unread[1] in STILL):
             self._state.lose()
         if unread:
-            what = f"{unread[1]} is outside what is read"
-            self._findings.add(line, "unsupported", what, shown(text))
+            self._findings.add(
+                line, "unsupported", f"{unread[1]} is outside what is read", shown(text)
+            )
         else:
             self._findings.add(line, "unreadable", "cannot be read", shown(text))

@@ -72,8 +72,9 @@ class Mover(BlockReader):
     def enter(self, block: Block) -> None:
         """Compensation was switched on."""
         if block.codes.get("motion") in ARCS:
-            what = "compensation begins with an arc"
-            self._report(block, "compensation", what, allowed="a straight move")
+            self._report(
+                block, "compensation", "compensation begins with an arc", allowed="a straight move"
+            )
         self._compensator = Compensator(self._findings)
 
     def skip(self, block: Block) -> None:
@@ -771,8 +772,9 @@ class ArcReader(BlockReader):
             return None
         arc = by_radius(start, end, radius, ccw=ccw, turns=self._turns(block))
         if arc.mismatch > self._difference(self._reading.short_radius) + ARC_SLACK:
-            what = f"the radius of the arc is too short by {arc.mismatch:.6g} mm"
-            self._report(block, "arc-radius", what)
+            self._report(
+                block, "arc-radius", f"the radius of the arc is too short by {arc.mismatch:.6g} mm"
+            )
         turn = abs(arc.sweep)
         if abs(turn - math.pi) < AMBIGUOUS or TURN - turn < AMBIGUOUS:
             what = f"an arc of {math.degrees(turn):.1f} degrees stated by its radius is ill defined"

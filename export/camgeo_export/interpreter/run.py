@@ -255,8 +255,9 @@ class _Program:
             other = "klartext"
         else:
             return
-        allowed = f'a machine profile with dialect = "{other}"'
-        self._findings.add(number, "unreadable", what, allowed=allowed)
+        self._findings.add(
+            number, "unreadable", what, allowed=f'a machine profile with dialect = "{other}"'
+        )
         raise Enough
 
     def _block(self, number: int, block: str, klartext: bool) -> None:
@@ -269,8 +270,9 @@ class _Program:
         if named and named[1] in self._machine.reading.number_marks:
             return
         if block.startswith("/"):
-            what = "a block that a switch of the controller skips"
-            self._findings.add(number, "unsupported", what)
+            self._findings.add(
+                number, "unsupported", "a block that a switch of the controller skips"
+            )
             block = block.lstrip("/0123456789 ")
         if (known := self._known.get(block)) is not None:
             self._executor.run(known.at_line(number))
@@ -402,8 +404,9 @@ def check_line(line: int, text: str, machine: Machine, findings: Findings) -> bo
 def check_ends(data: bytes, machine: Machine, findings: Findings) -> None:
     """Find what of a program's bytes the controller takes otherwise than an editor shows."""
     if data.startswith(BOM_UTF8) and not machine.reading.byte_order_mark:
-        what = "the program begins with a byte order mark"
-        findings.add(1, "characters", what, allowed="printable ASCII")
+        findings.add(
+            1, "characters", "the program begins with a byte order mark", allowed="printable ASCII"
+        )
     if machine.reading.carriage_return == "end" or b"\r" not in data:
         return
     before, alone, _ = data.replace(b"\r\n", b"\n").partition(b"\r")
@@ -614,8 +617,9 @@ class Executor(BlockReader):
         """Judge the coolant of the tool that leaves the spindle."""
         state = self._state
         if state.dry and state.used_coolant:
-            what = "a cut without the coolant that the tool has elsewhere"
-            self._findings.add(state.dry, "coolant", what)
+            self._findings.add(
+                state.dry, "coolant", "a cut without the coolant that the tool has elsewhere"
+            )
         state.dry, state.used_coolant = 0, False
 
     def _spindle(self, block: Block, *, off: bool) -> None:
@@ -628,8 +632,9 @@ class Executor(BlockReader):
         elif not self._state.speed > 0.0:
             self._report(block, "no-spindle", f"{block.words['spindle']} without a speed S")
         if spindle == "spindle counter-clockwise":
-            what = "the spindle turns counter-clockwise: cutters cut clockwise"
-            self._report(block, "spindle-sense", what)
+            self._report(
+                block, "spindle-sense", "the spindle turns counter-clockwise: cutters cut clockwise"
+            )
         self._state.modes["spindle"] = spindle
 
     def _coolant(self, block: Block, *, off: bool) -> None:
@@ -646,8 +651,9 @@ class Executor(BlockReader):
         letters, form = self._controller.dwell_letters, self._controller.machine.dwell
         letter = next((each for each in letters if each in block.values), "")
         if not letter:
-            what = f"{block.words['dwell']} without its time"
-            self._report(block, "missing-word", what, allowed=letters)
+            self._report(
+                block, "missing-word", f"{block.words['dwell']} without its time", allowed=letters
+            )
             return
         number = block.values.pop(letter)
         text, seconds = f"{letter}{number.text}", number.value
@@ -655,8 +661,9 @@ class Executor(BlockReader):
             seconds *= 60.0 / (self._state.speed or math.inf)
         elif letter == letters[0] and form.unit != "s":
             if number.has_point and not form.point_seconds:
-                what = "a dwell in whole milliseconds takes no decimal point"
-                self._report(block, "number", what, text)
+                self._report(
+                    block, "number", "a dwell in whole milliseconds takes no decimal point", text
+                )
             seconds /= 1.0 if number.has_point and form.point_seconds else 1000.0
         if seconds != 0.0 and not SHORTEST_DWELL <= seconds <= LONGEST_DWELL:
             what = f"a dwell of {seconds:g} s: {text} counts in {form.unit} here"

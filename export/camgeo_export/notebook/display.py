@@ -427,5 +427,6 @@ def values(table: Table) -> str:
     rows = [[f"{value + 0.0:.{DIGITS}g}" for value in table.values[k].tolist()] for k in shown]
     if len(shown) < count:
         rows.insert(FIRST_ROWS, ["⋮"] * len(table.names))
-    size = f"{counted(count, 'row')}, {counted(len(table.names), 'column')}"
-    return rows_of(table.names, rows, numbers=True) + paragraph(size)
+    return rows_of(table.names, rows, numbers=True) + paragraph(
+        f"{counted(count, 'row')}, {counted(len(table.names), 'column')}"
+    )

@@ -540,12 +540,12 @@ def require_apart(part: Part, nearest: Nearest, tolerance: float) -> None:
     for one, other in dict.fromkeys(pairs):
         if (found := nearest(one, other)) is not None:
             apart, place = found
-            message = (
+            raise GeometryError(
                 f"a solid within {tolerance:g} mm does not keep the {one} and the {other} apart:"
                 f" {apart:.3g} mm are left near ({place.real:.5g}, {place.imag:.5g}) mm; take a"
-                " smaller tolerance"
+                " smaller tolerance",
+                key="part",
             )
-            raise GeometryError(message, key="part")
 
 
 def of_polygons(rings: Mapping[str, ComplexArray], tolerance: float) -> Nearest:

@@ -255,8 +255,9 @@ def require_one_body(part: Part, faces: dict[float, list[FlatFace]]) -> None:
             one |= other
             groups |= dict.fromkeys(other, one)
     if len({id(group) for group in groups.values()}) > 1:
-        message = "a STEP file holds one body without closed cavities, which this part is not"
-        raise GeometryError(message, key="part")
+        raise GeometryError(
+            "a STEP file holds one body without closed cavities, which this part is not", key="part"
+        )
 
 
 def courses_of(part: Part) -> list[list[Band]]:
@@ -583,8 +584,9 @@ def parallel(strands: Sequence[Strand], width: float, name: str) -> tuple[Arc, .
         moved = Arc(start, end, strand.sweep, strand.centre)
         off = max(abs(abs(each - strand.centre) - radius) for each in (start, end))
         if strand.sweep and off > UNCERTAINTY:
-            message = f"arcs of the {name} do not meet at the edge of its chamfer"
-            raise ToleranceError(message, UNCERTAINTY, off)
+            raise ToleranceError(
+                f"arcs of the {name} do not meet at the edge of its chamfer", UNCERTAINTY, off
+            )
         found.append(moved)
     return tuple(found)
 
@@ -609,8 +611,9 @@ def _is_bent(before: Arc, after: Arc) -> bool:
     if abs(other / abs(other) - one / abs(one)) <= SHARPEST:
         return False
     if before.sweep and after.sweep:
-        message = "two arcs meet in a corner, along which there is no chamfer"
-        raise GeometryError(message, key="part.chamfers")
+        raise GeometryError(
+            "two arcs meet in a corner, along which there is no chamfer", key="part.chamfers"
+        )
     return True
 
 

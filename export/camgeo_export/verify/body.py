@@ -130,8 +130,9 @@ def slope_checks(
         return
     for place, own in enumerate(found):
         shapes = shapes_of(slope.edges(place), extent, tolerance)
-        where = f"{PLACES[place]} of the {slope.name}"
-        yield from _level_checks(partial(list, own), shapes, tolerance, extra, where, {})
+        yield from _level_checks(
+            partial(list, own), shapes, tolerance, extra, f"{PLACES[place]} of the {slope.name}", {}
+        )
 
 
 def level_checks(

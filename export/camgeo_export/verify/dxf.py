@@ -85,8 +85,9 @@ class DxfVerifier:
             found = drawing.outlines(reading.layer, reading.unit, gaps).about(reading.origin)
         except CamgeoError as error:
             return (*checks, failed("closure", str(error)))
-        note = "largest gap between pieces"
-        checks.append(at_most("closure", found.gap, tolerance, "mm", note=note))
+        checks.append(
+            at_most("closure", found.gap, tolerance, "mm", note="largest gap between pieces")
+        )
         checks += [reported("not compared", CUT, note=note) for note in found.notes]
         items = drawing.on(reading.layer)
         checks += flat_checks(items, drawing.scale(reading.unit), tolerance)

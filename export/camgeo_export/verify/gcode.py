@@ -92,8 +92,9 @@ class GcodeVerifier:
             return (failed("program", "it is for a second side, which the scene does not have"),)
         programs = programs_of(side)
         if len(programs) > 1 and not 1 <= said.program <= len(programs):
-            note = f"it does not say which one of {len(programs)} programs it is"
-            return (failed("program", note),)
+            return (
+                failed("program", f"it does not say which one of {len(programs)} programs it is"),
+            )
         product = programs[said.program - 1 if len(programs) > 1 else 0]
         spec = product.milled.gcode
         machine = load(spec.machine)
@@ -450,8 +451,9 @@ def work_findings(product: Product, program: Program) -> tuple[LineFinding, ...]
             if own and not seen.watched:
                 told.append(_finding(flaw, seen, found, bench))
             elif not seen.watched:  # as it is planned, or what is left after both sides
-                what = f"of the other side, {seen.sentence}"
-                told.append(LineFinding(0, RULES[seen.name], WORK, what))
+                told.append(
+                    LineFinding(0, RULES[seen.name], WORK, f"of the other side, {seen.sentence}")
+                )
         told += _too_deep(side.setup, found) if own else ()
     return tuple(sorted(told, key=lambda each: each.line or math.inf))
 
