@@ -18,14 +18,12 @@ from camgeo.scene.formats.gcode import FORMAT
 if TYPE_CHECKING:
     from camgeo.design.drawn import DrawnDisc
     from camgeo.milling.cut import ContourCut, Cut
-    from camgeo.milling.features import Feature
-    from camgeo.milling.judged import Done
+    from camgeo.milling.judged import Done, Feature
     from camgeo.milling.milling import GcodeSpec, MillingSpec, Stock
-    from camgeo.milling.moves import Toolpath
+    from camgeo.milling.moves import Toolpath, Zero
     from camgeo.milling.plan import Engaged
     from camgeo.milling.planned import Sequence
     from camgeo.milling.simulation import Flaw, Run
-    from camgeo.milling.zero import Zero
     from camgeo.part.part import Part
     from camgeo.scene.scene import Scene
 
@@ -192,7 +190,7 @@ class MilledDisc(Pickled):
 
     def _zero_of(self, stock: Stock, turned: str) -> Zero:
         from camgeo.milling.milling import AXIS
-        from camgeo.milling.zero import zero_of
+        from camgeo.milling.moves import zero_of
 
         found, first = zero_of(self.gcode, stock, self.part, turned), self.first
         if first is not None and first.spec is not None and found.name != AXIS:
@@ -242,8 +240,7 @@ class MilledDisc(Pickled):
         """What is told of the sequence and its programs, and what their simulation finds: "broken"
         if they must not be run.
         """
-        from camgeo.milling.features import findings_of
-        from camgeo.milling.judged import verdict
+        from camgeo.milling.judged import findings_of, verdict
 
         found = (*findings_of(compared(self)), *verdict(self.flaws(toolpath, tolerance)))
         names = {each.name for each in found}
@@ -284,8 +281,7 @@ def compared(milled: MilledDisc) -> tuple[Feature, ...]:
     """The part, feature by feature, with the operations of all sides of its job; none for a second
     side, of whose operations the first one tells.
     """
-    from camgeo.milling.features import features_of
-    from camgeo.milling.judged import Side
+    from camgeo.milling.judged import Side, features_of
 
     first = milled if milled.whole is None else milled.whole
     if first.first is not None or first.spec is None:

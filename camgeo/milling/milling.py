@@ -960,8 +960,7 @@ class Stock:
         from camgeo.geometry.contour.contour import Contour
         from camgeo.part.boundaries import ExactBoundary
 
-        circle = Contour.circle(self.bore / 2.0)
-        return ExactBoundary("hole in the blank", hole=True, exact=circle)
+        return ExactBoundary("hole in the blank", hole=True, exact=Contour.circle(self.bore / 2.0))
 
     @property
     def outline(self) -> ExactBoundary | None:

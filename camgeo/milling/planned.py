@@ -23,24 +23,22 @@ from camgeo.milling.bench import (
     Bench,
     as_wide,
     bore_of,
-    coarse,
-    flank_curve,
-    is_open,
-    letters_of,
-)
-from camgeo.milling.cut import AreaCut, ContourCut, Cut
-from camgeo.milling.judged import LOOSE_CORE, left_out
-from camgeo.milling.making import (
     clear_area,
     clear_around,
+    coarse,
     drill_all,
     engraved,
     finish_along,
+    flank_curve,
+    is_open,
+    letters_of,
     no_engraver,
     rough_around,
     rough_outside,
     slot_between,
 )
+from camgeo.milling.cut import AreaCut, ContourCut, Cut
+from camgeo.milling.judged import LOOSE_CORE, left_out
 from camgeo.milling.milling import (
     CLAMPS,
     COMPUTED,

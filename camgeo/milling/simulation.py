@@ -21,8 +21,7 @@ import numpy as np
 import shapely
 
 from camgeo.geometry.contour.contour import Contour
-from camgeo.milling.course import Course, alike, below, course_of
-from camgeo.milling.moves import Feed, Move, Point, Rapid, Stop
+from camgeo.milling.moves import Course, Feed, Move, Point, Rapid, Stop, alike, below, course_of
 from camgeo.milling.polygons import NOTHING, Area, grown, parts, polygon
 from camgeo.numeric.arrays import ComplexArray, FloatArray, taken
 
@@ -357,8 +356,7 @@ def _material(setup: Setup, whole: Area, z: float) -> Area:
     """What is there at first at the height `z` [mm]; `whole` is the section of the blank."""
     if setup.before is None:
         return whole if setup.bottom < z < setup.top else NOTHING
-    left = (slab.material for slab in setup.before.slabs if slab.z0 < z < slab.z1)
-    return next(left, NOTHING)
+    return next((slab.material for slab in setup.before.slabs if slab.z0 < z < slab.z1), NOTHING)
 
 
 def _heights(setup: Setup, runs: Sequence[Run], level: float) -> list[float]:
@@ -482,12 +480,11 @@ class _Bench:
         text = "a traverse goes {:.3g} mm deep into material" if rapid else (
             "a plunge goes {:.3g} mm deep into material, which the tool must not"
         )  # fmt: skip
-        name = "rapid" if rapid else "plunge"
         yield from self._meets(
             replace(run, radius=run.radius - self.allowed),
             course,
             areas(self.slabs),
-            name,
+            "rapid" if rapid else "plunge",
             text.format,
         )
 
@@ -602,8 +599,7 @@ class _Bench:
                 within = max(0.0, radius - self.allowed - float(away))
                 text = f"the {what} goes {within:.3g} mm into the {body.name}"
                 tip = float(np.min(low.lowest))
-                place = _point(place_in(touched), tip)
-                yield Flaw("obstacle", run.name, text, within, 0.0, place)
+                yield Flaw("obstacle", run.name, text, within, 0.0, _point(place_in(touched), tip))
         tip = float(np.min(course.lowest))
         point = 0.0 if run.rounded else run.point
         limit = None if self.setup.lowest is None else self.setup.lowest - point
@@ -903,8 +899,7 @@ def swept(course: Course, radius: float, fineness: float) -> Area:
     shapes = [_shape(part) for part in chains]
     found = shapely.buffer(shapes, radius, quad_segs=_quarter(radius, fineness))
     while len(found) > 1:  # neighbours first: half the time of all at once
-        rest = found[len(found) // 2 * 2 :]
-        found = np.append(shapely.union(found[:-1:2], found[1::2]), rest)
+        found = np.append(shapely.union(found[:-1:2], found[1::2]), found[len(found) // 2 * 2 :])
     return found[0]
 
 
@@ -935,8 +930,7 @@ def swept_below(
         for which in (fresh & level, fresh & ~level):
             if not np.any(which):
                 continue
-            pieces = below(taken(course, which), z)
-            more, more_wide = _swept_once(pieces, radius, fineness, known)
+            more, more_wide = _swept_once(below(taken(course, which), z), radius, fineness, known)
             if area.is_empty:
                 area, wide = more, more_wide
             elif not shapely.covers(wide, more):

@@ -13,12 +13,6 @@ from camgeo.milling.bench import (
     Bench,
     as_wide,
     bore_of,
-    flank_curve,
-    letters_of,
-    tightest,
-)
-from camgeo.milling.cut import AreaCut, ContourCut, Cut
-from camgeo.milling.making import (
     clear_area,
     clear_around,
     clear_outside,
@@ -26,12 +20,16 @@ from camgeo.milling.making import (
     drill_all,
     engraved,
     finish_along,
+    flank_curve,
+    letters_of,
     loops_along,
     no_engraver,
     rough_around,
     rough_outside,
     slot_between,
+    tightest,
 )
+from camgeo.milling.cut import AreaCut, ContourCut, Cut
 from camgeo.milling.milling import (
     CHAMFER_MILL,
     COMPUTED,
@@ -42,7 +40,7 @@ from camgeo.milling.milling import (
     Roughing,
     Tool,
 )
-from camgeo.milling.strategies.trochoid import NARROWEST
+from camgeo.milling.strategies import NARROWEST
 from camgeo.milling.track import Track
 from camgeo.part.part import Boundary, Wall
 
@@ -113,7 +111,7 @@ class _Stated:
 
     def cut(self) -> Cut:
         """The cut; GeometryError with the operation's key if the tool cannot make it."""
-        kinds = {
+        return {
             Kind.FACE: self._face,
             Kind.DRILL: self._drill,
             Kind.BORE: self._bore,
@@ -122,8 +120,7 @@ class _Stated:
             Kind.SLOT: self._slot,
             Kind.CHAMFER: self._chamfer,
             Kind.ENGRAVE: self._engrave,
-        }
-        return kinds[Kind(self.spec.kind)]()
+        }[Kind(self.spec.kind)]()
 
     def _wall(self, name: str) -> Wall:
         wall, depth = self.bench.wall(name, f"{self.key}.boundary"), self.spec.depth
@@ -239,8 +236,7 @@ class _Stated:
             raise GeometryError(
                 "clears what is around the part in a blank whose outline is stated", key, value
             )
-        allowance = self.spec.allowance
-        made = clear_outside(self.bench, wall, self.tool, self._top(wall), allowance)
+        made = clear_outside(self.bench, wall, self.tool, self._top(wall), self.spec.allowance)
         if made is None:
             message = "rays from the cam axis meet the cutter's path or the blank's edge twice"
             raise GeometryError(message, key, value)
@@ -264,7 +260,6 @@ class _Stated:
         room = self._room(wall, bottom)
         cleared = room is not None
         top = self._top(wall)
-        depths = (bottom,) if cleared else depths_of(tool, top, bottom)
         made = finish_along(
             bench,
             wall,
@@ -272,7 +267,7 @@ class _Stated:
             top,
             room or 0.0,
             rest=self._rest(wall, bottom) if cleared else 0.0,
-            depths=depths,
+            depths=(bottom,) if cleared else depths_of(tool, top, bottom),
             cleared=cleared,
             springs=self.spec.springs,
             compensation=self.compensation,

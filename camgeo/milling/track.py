@@ -104,8 +104,7 @@ class Track(PieceChain):
         pieces = self.pieces
         index, first, last = pieces.halves()
         parts = taken(pieces, index).between(first, last)
-        vertices = np.append(parts.starts, self.vertices[-1])
-        return type(self)(vertices, parts.sweeps, parts.centres)
+        return type(self)(np.append(parts.starts, self.vertices[-1]), parts.sweeps, parts.centres)
 
     def at(self, distances: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """(m,) points [mm] and unit tangents at `distances` (m,) [mm] from its start along it."""
@@ -402,8 +401,7 @@ def _turn(radius: float, arm: complex, room: float, bend: float) -> float:
         side, far = 1.0 / bend - radius, 1.0 / bend - room
         cosine = (far * far - side * side - length * length) / (2.0 * side * length)
         most = math.pi if bend > 0.0 else most
-    turn = math.acos(min(max(cosine, -1.0), 1.0)) - ahead
-    return min(max(turn, SMALLEST_TURN), most)
+    return min(max(math.acos(min(max(cosine, -1.0), 1.0)) - ahead, SMALLEST_TURN), most)
 
 
 def _turned(
@@ -434,8 +432,7 @@ def _is_clear(path: Contour, track: Track, way: Track, near: float, free: int) -
     if least_distance(way.between(near, way.length), track) == 0.0:
         return False
     # Counter-clockwise a path has its inside on the left.
-    inside = winding_number(path, way.end) != 0
-    return inside == ((path.area > 0.0) == (free > 0))
+    return (winding_number(path, way.end) != 0) == ((path.area > 0.0) == (free > 0))
 
 
 def _keeps_off(lead: Lead, avoid: Sequence[tuple[Track, float]]) -> bool:

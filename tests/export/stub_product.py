@@ -30,11 +30,10 @@ from camgeo.kinematics.mechanism.translating_roller import TranslatingRoller
 from camgeo.milling import machine
 from camgeo.milling.cut import ContourCut
 from camgeo.milling.milling import GcodeSpec, MillingSpec, Stock, Tool
-from camgeo.milling.moves import ArcFeed, Feed, Move, Operation, Rapid, Toolpath
+from camgeo.milling.moves import OF_THE_PART, ArcFeed, Feed, Move, Operation, Rapid, Toolpath, Zero
 from camgeo.milling.plan import divided
 from camgeo.milling.planned import Sequence
-from camgeo.milling.strategies.walk import centre_feed
-from camgeo.milling.zero import OF_THE_PART, Zero
+from camgeo.milling.walk import centre_feed
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Layer, Part
 from camgeo.part.spec import PartSpec

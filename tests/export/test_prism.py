@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 
 from camgeo.geometry.contour.contour import Contour
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
-from camgeo_export.reading import paired
 from camgeo_export.solid import prism
 from camgeo_export.solid.prism import PIECE, of_polygons, triangulated
+from camgeo_export.verify.plane import paired
 
 SIZE = 10.0
 """Largest radius of the rings that are drawn [mm]."""

@@ -33,8 +33,7 @@ from camgeo.part.mass import solid
 from camgeo.part.part import Bevel, Boundary, Layer, Part
 from camgeo.part.spec import Chamfers, Counterbore, DShaft, Holes, Hub, Keyway, PartSpec
 from camgeo.units import LengthUnit
-from camgeo_export.part21.solid import Cone, Model, solid_of
-from camgeo_export.part21.text import exchange_of
+from camgeo_export.part21 import Cone, solid_of
 from camgeo_export.solid.prism import FIT_SHARE, body
 from camgeo_export.step.writer import WRITER as STEP
 from camgeo_export.stl import WRITER as STL
@@ -315,7 +314,7 @@ def test_step_files_have_cones(unit: LengthUnit) -> None:
     written = read_back(STEP, product, least=0.0)
     assert written.facts["volume_mm3"] == pytest.approx(VOLUME, rel=1e-12)
     assert solid(PART).volume == pytest.approx(VOLUME, rel=1e-13)
-    read = solid_of(Model.of(exchange_of(written.data)))
+    read = solid_of(written.data)
     leaning = [face for face in read.faces if face.is_inclined]
     assert {face.name for face in leaning} == {each.edge.name for each in PART.bevels}
     assert all(isinstance(face.surface, Cone) for face in leaning)
@@ -399,7 +398,7 @@ def test_step_files_have_parabolas_at_corners(bore: ExactBoundary, unit: LengthU
     assert measured(STEP, product, written.data) <= 1e-9
     volume = solid(part).volume
     assert written.facts["volume_mm3"] == pytest.approx(volume, rel=1e-13)
-    read = solid_of(Model.of(exchange_of(written.data)))
+    read = solid_of(written.data)
     assert volume_of(bounds_of(read), read.faces) == pytest.approx(volume, rel=1e-12)
     edges = {use.edge.number: use.edge for face in read.faces for loop in face.loops
              for use in loop}  # fmt: skip

@@ -37,8 +37,7 @@ from camgeo.part.spec import (
     PartSpec,
 )
 from camgeo.scene.formats.step import StepSpec
-from camgeo_export.part21.solid import Model, Solid, solid_of
-from camgeo_export.part21.text import exchange_of
+from camgeo_export.part21 import solid_of
 from camgeo_export.step import writer
 from camgeo_export.step.writer import WRITER
 from camgeo_export.verify.step import bounds_of, shell_checks, volume_of
@@ -50,10 +49,6 @@ from tests.export.verified import TOLERANCE, VERIFIERS, read_back, require_momen
 from tests.long_form import examples
 from tests.measuring import Outline
 from tests.part.parts import made
-
-
-def read(data: bytes) -> Solid:
-    return solid_of(Model.of(exchange_of(data)))
 
 
 def test_a_spline_that_is_closed_is_divided() -> None:
@@ -90,7 +85,7 @@ def test_layers_of_any_kind_make_one_solid(name: str) -> None:
     """The faces of each level with the holes in them, islands and floors that look down."""
     part = BODIES[name]
     written = read_back(WRITER, StubProduct(given=part))
-    solid = read(written.data)
+    solid = solid_of(written.data)
     assert all(check.ok for check in shell_checks(solid, 1e-7))
     flat = [face for face in solid.faces if face.is_level]
     assert len(solid.faces) - len(flat) == PIECES * len(part.walls)
@@ -109,7 +104,7 @@ def test_layers_of_any_kind_make_one_solid(name: str) -> None:
 
 
 def test_an_island_has_a_face_of_its_own() -> None:
-    solid = read(WRITER.write(StubProduct(given=BODIES["pockets round an island"]), 0.01).data)
+    solid = solid_of(WRITER.write(StubProduct(given=BODIES["pockets round an island"]), 0.01).data)
     loops = sorted(
         (face.name, len(face.loops), len(face.loops[0])) for face in solid.faces if face.is_level
     )
@@ -165,7 +160,7 @@ def test_random_layers_are_one_solid_or_are_refused(slices: list[tuple[str, str]
     assert WRITER.measure(product, written.data) <= 0.1
     areas = {SOLID: 0.0, OPEN: 25.0, RINGED: 25.0 - 4.0}
     volume = 2.0 * math.pi * sum(1600.0 - sum(areas[kind] for kind in kinds) for kinds in slices)
-    assert volume_of(bounds_of(read(written.data)), ()) == pytest.approx(volume, rel=0.01)
+    assert volume_of(bounds_of(solid_of(written.data)), ()) == pytest.approx(volume, rel=0.01)
 
 
 def test_names_are_those_of_the_part_in_any_script() -> None:
@@ -173,7 +168,7 @@ def test_names_are_those_of_the_part_in_any_script() -> None:
     data = WRITER.write(product, TOLERANCE).data
     assert data.isascii()
     assert rb"\X2\00FC\X0\r \X2\00D8\X0\8, \X2\51F88F6E\X0\ ''\X4\0001D6FC\X0\'' \\ a" in data
-    solid = read(data)
+    solid = solid_of(data)
     assert (solid.name, solid.products) == (product.name, (product.name,))
     assert {face.name for face in solid.faces} == {"lower face", "upper face", "outline", "bore"}
     assert WRITER.measure(product, data) <= TOLERANCE

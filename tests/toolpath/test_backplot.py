@@ -9,10 +9,9 @@ import pytest
 
 import camgeo
 from camgeo.geometry.contour.contour import Contour
-from camgeo.milling.course import course_of
 from camgeo.milling.cut import ContourCut
 from camgeo.milling.milling import Heights, Tool
-from camgeo.milling.moves import ArcFeed, Feed, Operation, Rapid, Toolpath
+from camgeo.milling.moves import ArcFeed, Feed, Operation, Rapid, Toolpath, course_of
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.pictures.backplot import plotted
 

@@ -13,8 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.geometry.contour.contour import Contour
-from camgeo.milling.course import below, course_of
-from camgeo.milling.moves import ArcFeed, Feed, Move, Point, Rapid, Stop
+from camgeo.milling.moves import ArcFeed, Feed, Move, Point, Rapid, Stop, below, course_of
 from camgeo.milling.polygons import NOTHING, parts, polygon, rings
 from camgeo.milling.simulation import (
     Body,

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from camgeo.geometry.contour.contour import Contour
 from camgeo.milling.milling import AXES, NOT, OTHER, Clamp, Stock, mirrored, mirrored_all
-from camgeo.milling.zero import OF_THE_PART, Zero, described
+from camgeo.milling.moves import OF_THE_PART, Zero, described
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Layer, Part
 

@@ -61,7 +61,7 @@ from camgeo.scene.formats.format import Format
 from camgeo.units import MM_PER
 from camgeo_export.dxf.reader import Item, drawing_of
 from camgeo_export.dxf.writer import bytes_of, new_document
-from camgeo_export.reading import deviation
+from camgeo_export.verify.plane import deviation
 
 # -- document -------------------------------------------------------------------------------------
 # A sheet as a DXF document: the part at true size, the sheet around it at the inverse scale.
@@ -404,8 +404,7 @@ def _svg_outline(outline: Outline) -> str:
     for word, points in outline:
         found.append(word.lower())
         ways = [point - at for point in points]
-        numbers = "".join(f"{_signed(w.real)}{_signed(-w.imag)}" for w in ways)
-        found.append(numbers.strip())
+        found.append("".join(f"{_signed(w.real)}{_signed(-w.imag)}" for w in ways).strip())
         at = points[-1] if points else at
     return "".join(found)
 
@@ -680,8 +679,7 @@ class _Taken(Backend):
     def draw_line(self, start: Vec2, end: Vec2, properties: BackendProperties) -> None:
         """A line of a dimension."""
         ends = np.array([self._at(start), self._at(end)], np.complex128)
-        line = Chain(ends, np.zeros(2), "DIMENSION")
-        self._found.add(round(100.0 * properties.lineweight), line)
+        self._found.add(round(100.0 * properties.lineweight), Chain(ends, np.zeros(2), "DIMENSION"))
 
     def draw_filled_paths(self, paths: Iterable[BkPath2d], properties: BackendProperties) -> None:
         """Letters, each by itself."""

@@ -1116,7 +1116,6 @@ def _rings(paths: Mapping[int, ComplexArray]) -> list[Ring]:
     heads = {(path[0], path[1]): (k, True) for k, path in long.items()}
     heads |= {(path[-1], path[-2]): (k, False) for k, path in long.items()}
     lines = [shapely.LineString(np.column_stack((z.real, z.imag))) for z in long.values()]
-    faces = shapely.get_parts(shapely.polygonize(lines))
-    rings = shapely.get_exterior_ring(faces)
+    rings = shapely.get_exterior_ring(shapely.get_parts(shapely.polygonize(lines)))
     borders = (shapely.get_coordinates(ring) @ (1.0, 1.0j) for ring in rings)
     return [[heads[step] for step in pairwise(z.tolist()) if step in heads] for z in borders]

@@ -33,7 +33,8 @@ from camgeo.reading import DRAWING_LINES
 from camgeo.scene.formats.dxf import FORMAT, SINGLE
 from camgeo.units import MM_PER, LengthUnit, counted
 from camgeo_export.dxf.reader import Curve, Drawing, drawing_of
-from camgeo_export.reading import CUT, deviation, layered
+from camgeo_export.reading import CUT, layered
+from camgeo_export.verify.plane import deviation
 
 PITCH = "PITCH_CURVE"
 

@@ -34,6 +34,7 @@ from camgeo.milling.machine import (
 from camgeo.milling.machining_time import toolpath_times
 from camgeo.milling.milling import HOW, OTHER, WEAR, GcodeSpec, Stock, Tool
 from camgeo.milling.moves import (
+    OF_THE_PART,
     ArcFeed,
     Feed,
     Operation,
@@ -41,10 +42,12 @@ from camgeo.milling.moves import (
     Rapid,
     Stop,
     Toolpath,
+    Zero,
     arc_sweep,
+    box,
+    described,
     too_long,
 )
-from camgeo.milling.zero import OF_THE_PART, Zero, box, described
 from camgeo.numeric.checked import one_of
 from camgeo.reading import PROGRAM_LINES
 from camgeo.scene.formats.gcode import FORMAT
@@ -269,8 +272,7 @@ class Program:
         grid, zero = self.speller.grid, self.setup.zero
         cut = operation.cut
         depths = " ".join(grid.text(grid.steps(depth - zero.z)) for depth in cut.depths)
-        about = (f"operation {cut.name}", f"depths {depths}", said, cut.note)
-        comments = self._commented(about)
+        comments = self._commented((f"operation {cut.name}", f"depths {depths}", said, cut.note))
         self.lines += () if first else comments
         moves = programmed(operation)
         before = moves[1] if not first and len(moves) > 1 else None
@@ -298,8 +300,7 @@ class Program:
             return ""
         if limit.mode == WEAR:
             grid = self.speller.grid
-            radius = grid.text(grid.steps(limit.radius))
-            self._nominal = words.nominal.format(radius=radius)
+            self._nominal = words.nominal.format(radius=grid.text(grid.steps(limit.radius)))
         number = str(limit.tool)
         self.speller.switches = {
             side: getattr(words, side).format(tool=number, nominal=self._nominal).rstrip()
@@ -327,8 +328,7 @@ class Program:
         self.speller.restart()
         self._dry()
         unit = machine.unit.of(self.setup.unit)
-        offset = self.setup.work_offset
-        blocks = filled(machine.program.safe_start, unit=unit, work_offset=offset)
+        blocks = filled(machine.program.safe_start, unit=unit, work_offset=self.setup.work_offset)
         self.lines += [block for block in blocks if block]
         self.lines += self._smoothing()
         if (before is not None and not self._plain_retract) or machine.retract.first:

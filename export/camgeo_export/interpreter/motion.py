@@ -291,8 +291,7 @@ class Mover(BlockReader):
             self._make(block, "rapid", *self._target(block), None)
         gone = axes or list(AXES)
         z = RETRACTED if "Z" in gone else state.z
-        at = UNKNOWN if {"X", "Y"} & set(gone) else state.at
-        self._make(block, "rapid", at, z, None)
+        self._make(block, "rapid", UNKNOWN if {"X", "Y"} & set(gone) else state.at, z, None)
         return STRAIGHT
 
     def _leads_away(self, block: Block, axis: str) -> bool:
@@ -431,8 +430,7 @@ class Mover(BlockReader):
             if move.kind != "rapid" or move.start != move.end:
                 self._compensator.take(move, state.side, radius)
         elif state.left_compensation:
-            radius = self._radii.get(move.tool, math.nan) + state.oversize
-            self._compensator.leave(move, radius)
+            self._compensator.leave(move, self._radii.get(move.tool, math.nan) + state.oversize)
             state.left_compensation = 0
 
 
@@ -622,8 +620,7 @@ def by_radius(start: complex, end: complex, radius: float, *, ccw: bool, turns: 
     left = ccw if radius > 0.0 else not ccw
     side = 1j if left else -1j
     centre = 0.5 * (start + end) + side * chord / abs(chord) * height
-    arc = swept(start, end, centre, ccw=ccw, turns=turns)
-    return Arc(centre, arc.sweep, max(half - size, 0.0))
+    return Arc(centre, swept(start, end, centre, ccw=ccw, turns=turns).sweep, max(half - size, 0.0))
 
 
 def tangent(start: complex, end: complex, heading: complex) -> Arc | None:
@@ -633,8 +630,7 @@ def tangent(start: complex, end: complex, heading: complex) -> Arc | None:
     if abs(math.sin(0.5 * turn)) < 1e-9:
         return None
     radius = 0.5 * abs(chord) / math.sin(0.5 * turn)  # positive to the left
-    centre = start + 1j * heading / abs(heading) * radius
-    return Arc(centre, turn, 0.0)
+    return Arc(start + 1j * heading / abs(heading) * radius, turn, 0.0)
 
 
 def rounded(
@@ -796,8 +792,7 @@ class ArcReader(BlockReader):
                         return None
                 parts.append(at)
                 continue
-            value = self._coordinate(block, arm)
-            parts.append(value + (0.0 if own else at))
+            parts.append(self._coordinate(block, arm) + (0.0 if own else at))
         return complex(*parts)
 
     def _turns(self, block: Block) -> int:

@@ -140,8 +140,7 @@ def nearly_closed(run: list[CutterMove], gap: float) -> list[Loop]:
     ends = np.array([move.end for move in run])
     along = np.cumsum([0.0, *(move.course.length for move in run)])
     tree = shapely.STRtree(np.asarray(shapely.points(starts.real, starts.imag)))
-    points = np.asarray(shapely.points(ends.real, ends.imag))
-    last, first = _near(tree, points, gap)
+    last, first = _near(tree, np.asarray(shapely.points(ends.real, ends.imag)), gap)
     long = (last >= first) & (along[last + 1] - along[first] >= LEAST_LENGTH * gap)
     if not np.any(long):
         return []
@@ -465,8 +464,7 @@ class Parallel:
         """How far along the move a point of its parallel is, as a share of it."""
         move = self.move
         if move.kind != "arc":
-            way = move.end - move.start
-            return ((centre - move.start) / way).real
+            return ((centre - move.start) / (move.end - move.start)).real
         turned = phase((centre - move.centre) / (move.start - move.centre))
         sign = 1.0 if move.sweep > 0.0 else -1.0
         along = (sign * turned) % TURN

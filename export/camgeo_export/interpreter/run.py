@@ -13,7 +13,7 @@ from camgeo.design.linting import Bench, LineFinding, Linted
 from camgeo.errors import FileError
 from camgeo.milling.machine import LONGEST_LINE, Machine
 from camgeo.milling.milling import OTHER
-from camgeo.milling.zero import Zero
+from camgeo.milling.moves import Zero
 from camgeo.reading import PROGRAM, check_text, lines_of
 from camgeo.units import MM_PER
 from camgeo_export.interpreter.controller import (

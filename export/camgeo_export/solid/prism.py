@@ -149,8 +149,7 @@ def _polygons(boundary: Boundary, edges: Mapping[str, Bevel], share: float) -> P
     off = {boundary.name: fit.deviation}
     for name, bevel in edges.items():
         # Counter-clockwise, so a hole has its material on the right.
-        by = -bevel.width if boundary.hole else bevel.width
-        outlines[name] = _parallel(exact, by)
+        outlines[name] = _parallel(exact, -bevel.width if boundary.hole else bevel.width)
         off[name] = bevel.edge.deviation(Contour.polygon(outlines[name]))
     return outlines, off
 
@@ -455,8 +454,7 @@ def _through_hole(face: _Face, at: ComplexArray, seen: ComplexArray) -> list[_Fa
         ]
         if not best or min(map(len, parts)) > min(map(len, best)):
             best = parts
-    others = [face.holes[k] for k in sorted(order[:-1])]
-    return _faces(best, others, at) if best else []
+    return _faces(best, [face.holes[k] for k in sorted(order[:-1])], at) if best else []
 
 
 def _evenly(count: int) -> list[int]:
@@ -573,8 +571,7 @@ def of_contours(contours: Mapping[str, Contour], tolerance: float) -> Nearest:
     def nearest(one: str, other: str) -> tuple[float, complex] | None:
         if not shapely.dwithin(boxes[one], boxes[other], tolerance):
             return None
-        runs = [Pieces.around([contours[name]]) for name in (one, other)]
-        apart = least_distance(*runs)
+        apart = least_distance(*([Pieces.around([contours[name]]) for name in (one, other)]))
         if apart > tolerance:
             return None
         corners = contours[one].vertices, contours[other].vertices

@@ -92,8 +92,7 @@ def _facts(part: Part, rings: dict[str, Ring], faces: int) -> dict[str, int | fl
     counts: dict[str, int | float | str] = {"faces": faces, "cylinders": bent}
     counts |= {"cones": cones} if cones else {}
     counts |= {"splines": splines} if splines else {}
-    planes = faces - bent - cones - splines
-    return counts | {"planes": planes, "volume_mm3": math.fsum(volumes)}
+    return counts | {"planes": faces - bent - cones - splines, "volume_mm3": math.fsum(volumes)}
 
 
 def _area(band: Band, strands: tuple[Strand, ...]) -> float:
@@ -110,8 +109,7 @@ def _area(band: Band, strands: tuple[Strand, ...]) -> float:
 
     if (radius := band.wall.corner_radius) is None:
         return (whole + 4.0 * within(0.5) + within(1.0)) / 6.0
-    nodes = nodes_beside(-1.0 - radius / band.width)
-    shares, _, weights = gauss(np.zeros(1), np.ones(1), nodes)
+    shares, _, weights = gauss(np.zeros(1), np.ones(1), nodes_beside(-1.0 - radius / band.width))
     return 0.5 * math.fsum(
         weight * within(share) for weight, share in zip(weights, shares[0], strict=True)
     )
@@ -351,8 +349,7 @@ class Shell:
             edges = [(edge, name in ends) for edge in self.edges[name, level.z]]
             loops.append(self._loop(edges if name in ends else edges[::-1]))
         axes = self.pen.axes(level.z - self.bottom, UP if face.upwards else DOWN)
-        surface = self.pen.file.add("PLANE", "", axes)
-        self._face(level.name, loops, surface, same=True)
+        self._face(level.name, loops, self.pen.file.add("PLANE", "", axes), same=True)
 
     def _loop(self, edges: Iterable[tuple[Ref, bool]]) -> Ref:
         file = self.pen.file
@@ -461,8 +458,7 @@ class Pen:
         """The plane through a point, by its normal in the plane and upwards, and a level way."""
         across, up = normal
         size = math.hypot(abs(across), up)
-        numbers = (across.real / size, across.imag / size, up / size)
-        axis = self.file.add("DIRECTION", "", numbers)
+        axis = self.file.add("DIRECTION", "", (across.real / size, across.imag / size, up / size))
         return self.file.add(
             "PLANE", "", self._placement(through, axis, self._direction(way))
         )  # fmt: skip
@@ -495,8 +491,7 @@ class Pen:
         ]
         below, above = (self.file.add("CIRCLE", "", each, radius) for each in axes)
         surface = self.file.add("CYLINDRICAL_SURFACE", "", axes[0], radius)
-        ahead = strand.sweep > 0.0
-        return (below, above), surface, ahead
+        return (below, above), surface, strand.sweep > 0.0
 
     def _straight(self, line: Arc, lower: Ends, upper: Ends) -> tuple[tuple[Ref, Ref], Ref, bool]:
         along = line.end - line.start
@@ -714,8 +709,7 @@ def surface_of(pen: Pen, lower: Row, upper: Row, k: int) -> tuple[Ref, bool]:
     first = (longer.start if ahead else longer.end) - one.centre
     base = pen.placement(one.centre, lower.z if grows else upper.z, UP if grows else DOWN, first)
     # About the third axis of its base, with the radius there, which grows along it.
-    surface = pen.file.add("CONICAL_SURFACE", "", base, min(radii) / pen.scale, angle)
-    return surface, one.sweep > 0.0
+    return pen.file.add("CONICAL_SURFACE", "", base, min(radii) / pen.scale, angle), one.sweep > 0.0
 
 
 # -- text -----------------------------------------------------------------------------------------

@@ -92,8 +92,7 @@ class ThreeMfWriter:
 
     def pieces(self, product: Product) -> tuple[Product, ...]:
         """The disc, or the pair that it is one piece with; a plate is that of the main disc."""
-        on_plate = product.position and product.options[FORMAT].plate
-        return () if on_plate else bodies_of(product)
+        return () if (product.position and product.options[FORMAT].plate) else bodies_of(product)
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The bodies [mm] within `tolerance` [mm]."""
@@ -183,8 +182,7 @@ def _frame(product: Product, tolerance: float, items: Sequence[Item]) -> ET.Elem
     if coloured:
         group = ET.SubElement(resources, "basematerials", {"id": MATERIALS})
         for each in coloured:
-            base = {"name": each.name, "displaycolor": each.colour or ""}
-            ET.SubElement(group, "base", base)
+            ET.SubElement(group, "base", {"name": each.name, "displaycolor": each.colour or ""})
     build = ET.Element("build")
     for number, each in enumerate(items):
         own = {"id": str(number + 1 + bool(coloured)), "type": "model", "name": each.name}

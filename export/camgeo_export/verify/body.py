@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypeVar
 
@@ -21,24 +20,17 @@ from camgeo.part.mass import volume_within
 from camgeo.part.part import Band, Boundary, Part
 from camgeo.reading import COORDINATE
 from camgeo.units import counted
-from camgeo_export.reading import AnyContour, deviation
-from camgeo_export.verify.plane import Shape, contour_checks, matched, shapes_of
+from camgeo_export.verify.plane import (
+    AnyContour,
+    Shape,
+    contour_checks,
+    deviation,
+    matched,
+    shapes_of,
+)
 
 PLACES = ("lower edge", "half way up", "upper edge")
 """Where a chamfer is compared."""
-
-
-def mesh_in(data: bytes, scale: float) -> tuple[FloatArray, IntArray] | Check:
-    """Vertices (n, 3) [mm] and triangles (m, 3) of a 3MF package; a failed check if it has none."""
-    import trimesh  # a build measures its meshes without
-
-    try:
-        with np.errstate(all="ignore"):  # transforms may overflow, which is seen in the vertices
-            mesh = trimesh.load_mesh(io.BytesIO(data), file_type="3mf", process=False)
-        vertices, triangles = np.array(mesh.vertices), np.array(mesh.faces)
-    except Exception as error:  # what trimesh raises for damaged files is not documented
-        return failed("file", f"no mesh: {error}")
-    return vertices * scale, triangles
 
 
 def body_checks(
@@ -104,8 +96,7 @@ def checks_of_body(
     def contours(number: int) -> list[AnyContour]:
         return [polygon(vertices[loop]) for loop in border_loops(triangles[numbers == number])]
 
-    found = volume(vertices, triangles)
-    checks += level_checks(part, extent, ranges, contours, found, tolerance)
+    checks += level_checks(part, extent, ranges, contours, volume(vertices, triangles), tolerance)
     for number, slope in enumerate(slopes):
         own = triangles[leaning == number]
         checks += slope_checks(slope, extent, contours_of(vertices, own), tolerance)
@@ -171,8 +162,7 @@ def level_checks(
         height = exact + float(off[np.argmax(np.abs(off))])
         checks.append(near("height", height, exact, tolerance, "mm", level.name))
         own = [by_name[boundary.name] for boundary in level.boundaries]
-        found = partial(contours, number)
-        checks += _level_checks(found, own, tolerance, extra, level.name, done)
+        checks += _level_checks(partial(contours, number), own, tolerance, extra, level.name, done)
     return checks + _volume(part, by_name, volume, tolerance)
 
 
@@ -190,11 +180,7 @@ def _level_checks(
     except (CamgeoError, KeyError) as error:
         return [failed("deviation", f"the boundary of the face cannot be traced: {error}", name)]
     pairs, count = matched(found, shapes)
-    checks = (
-        []
-        if count.ok
-        else [Check("contours", name, count.value, count.expected, ok=False, note=count.note)]
-    )
+    checks = [] if count.ok else [replace(count, of=name)]
     for shape, contour in pairs:
         if contour is not None:
             key = (shape.name, numbers_of(contour))
@@ -518,8 +504,7 @@ def measure(part: Part, vertices: FloatArray, triangles: IntArray) -> float:
     corners = vertices[triangles]
     flat = (corners[:, :, 2] == corners[:, :1, 2]).all(axis=1)
     slopes = slopes_of(part)
-    within = SAME * (1.0 + np.abs(vertices).max())
-    numbers = sloping(vertices, triangles, ~flat, slopes, within)
+    numbers = sloping(vertices, triangles, ~flat, slopes, SAME * (1.0 + np.abs(vertices).max()))
     walls = upright(corners[~flat & (numbers < 0)])
     for check in (*solid_checks(vertices, triangles), walls):
         if not check.ok:

@@ -18,12 +18,13 @@ from camgeo.scene.formats.drawing import FORMAT as SHEET
 from camgeo.scene.formats.dxf import FORMAT
 from camgeo_export.drawing.writer import measure
 from camgeo_export.dxf.reader import Drawing, Item, Tag, drawing_of, gaps_up_to
-from camgeo_export.reading import COMPUTED, CUT, AnyContour, text_tokens
+from camgeo_export.reading import COMPUTED, CUT, text_tokens
 from camgeo_export.verify.plane import (
+    AnyContour,
     Shape,
+    all_checks,
     contour_checks,
     corners_of_contour,
-    matched,
     shapes_of,
 )
 
@@ -89,20 +90,15 @@ class DxfVerifier:
             at_most("closure", found.gap, tolerance, "mm", note="largest gap between pieces")
         )
         checks += [reported("not compared", CUT, note=note) for note in found.notes]
-        items = drawing.on(reading.layer)
-        checks += flat_checks(items, drawing.scale(reading.unit), tolerance)
-        boundaries = product.drawn.part.boundaries
-        shapes = shapes_of(boundaries, product.drawn.base_radius, tolerance)
+        checks += flat_checks(drawing.on(reading.layer), drawing.scale(reading.unit), tolerance)
+        shapes = shapes_of(product.drawn.part.boundaries, product.drawn.base_radius, tolerance)
         if found.loose and len(found.contours) < len(shapes):
             checks.append(failed("closure", found.loose))
         outline = found.contours[0]
         axis = "" if isinstance(outline, SplineContour) else found.off_axis(outline)
         if axis:
             checks.append(reported("axis", "elsewhere", note=axis))
-        pairs, count = matched(found.contours, shapes)
-        checks.append(count)
-        for shape, contour in pairs:
-            checks += contour_checks(shape, contour, tolerance, extra=found.gap + found.followed)
+        checks += all_checks(found.contours, shapes, tolerance, found.gap + found.followed)
         if "camgeo" in _properties(data) and product.options[FORMAT].auxiliary:
             checks += [*_auxiliary(product, drawing, tolerance), _centre(drawing, tolerance)]
         return tuple(checks)
@@ -141,8 +137,7 @@ def _auxiliary(product: Product, drawing: Drawing, tolerance: float) -> list[Che
     try:
         (circle,) = drawing.contours("BASE_CIRCLE")
         assert isinstance(circle, Contour)  # it is drawn as a circle
-        exact = Contour.circle(product.drawn.base_radius)
-        value = distance_between(exact, circle)
+        value = distance_between(Contour.circle(product.drawn.base_radius), circle)
         checks.append(at_most("deviation", value, tolerance, "mm", "base circle"))
     except (CamgeoError, ValueError) as error:
         checks.append(failed("deviation", str(error), "base circle"))
@@ -180,8 +175,7 @@ def _pitch(product: Product, tolerance: float) -> Shape:
         points = product.drawn.pitch_contour(0.5 * within).contour.points(0.5 * within)
         return Contour.polygon(points)
 
-    fine = min(tolerance, 1e-3 * product.drawn.base_radius)
-    contour = product.drawn.pitch_contour(fine).contour
+    contour = product.drawn.pitch_contour(min(tolerance, 1e-3 * product.drawn.base_radius)).contour
     corners = corners_of_contour(contour)
     return Shape("pitch curve", deviation, polygon, corners, contour.length, None)
 

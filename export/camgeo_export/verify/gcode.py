@@ -37,12 +37,11 @@ from camgeo.geometry.contour.contour import HALF_TURN, Contour, Pieces, distance
 from camgeo.geometry.contour.spline import SplineContour
 from camgeo.milling.bench import Bench as Workbench
 from camgeo.milling.compensation import mode_of, side_of
-from camgeo.milling.course import Course, course_of
 from camgeo.milling.cut import AreaCut, ContourCut, Cut, LetterCut
 from camgeo.milling.judged import Done, Side, run_with, runs_of, settled, simulated
 from camgeo.milling.machine import Machine, load
 from camgeo.milling.milling import END_MILL, WEAR, MillingSpec, Tool
-from camgeo.milling.moves import ArcFeed, Feed, Move, Point, Rapid
+from camgeo.milling.moves import ArcFeed, Course, Feed, Move, Point, Rapid, course_of
 from camgeo.milling.plan import inside
 from camgeo.milling.simulation import ALLOWED, Flaw, Run, Setup
 from camgeo.milling.track import Track
@@ -96,8 +95,7 @@ class GcodeVerifier:
                 failed("program", f"it does not say which one of {len(programs)} programs it is"),
             )
         product = programs[said.program - 1 if len(programs) > 1 else 0]
-        spec = product.milled.gcode
-        machine = load(spec.machine)
+        machine = load(product.milled.gcode.machine)
         limits = machine.arcs
         bench = bench_of(product, machine) if said.version else Bench()
         try:
@@ -107,8 +105,7 @@ class GcodeVerifier:
         except FileError as error:
             hint = "" if said.version else f"; it is read as a program for {machine.name}"
             return (failed("program", f"{error}{hint}"),)
-        unit = NAMES.get(program.mm_per_unit, "unknown")
-        checks = [unit_check(unit, reading)]
+        checks = [unit_check(NAMES.get(program.mm_per_unit, "unknown"), reading)]
         checks += [_without(program, name, *concerns) for name, concerns in CONCERNS.items()]
         compensated = (*_compensation(product, program, machine),)
         checks += compensated
@@ -353,8 +350,7 @@ def traced(product: Product, program: Program, cuts: Iterable[Cut]) -> tuple[Tra
         obstacles = always if cut is None else cut.obstacles  # those that neither come nor go
         title = name or f"tool {number}"
         for start, chain, lines in _chains(moves, above):
-            run = run_with(known, title, chain, obstacles, start)
-            found.append(Traced(run, known, lines))
+            found.append(Traced(run_with(known, title, chain, obstacles, start), known, lines))
     return tuple(found)
 
 
@@ -441,8 +437,7 @@ def work_findings(product: Product, program: Program) -> tuple[LineFinding, ...]
         return ()
     # What is wrong is told once for each name.
     runs = tuple(replace(each.run, name=f"{k} {each.run.name}") for k, each in enumerate(found))
-    level = program.step if math.isfinite(program.step) else 0.0
-    done = _done(product, cuts, runs, level)
+    done = _done(product, cuts, runs, program.step if math.isfinite(program.step) else 0.0)
     bench = Workbench(product.milled.part, _spec(product))
     told = []
     for side, flaws in zip(done, settled(done), strict=True):
@@ -464,8 +459,7 @@ def _done(
     """Both sides of the job, or the only one; also where nothing can be planned of it."""
     milled = product.milled
     try:
-        tolerance = product.scene.output.tolerance
-        return job(milled, cuts, runs, tolerance, level=level, allowed=ALLOWED)
+        return job(milled, cuts, runs, product.scene.output.tolerance, level=level, allowed=ALLOWED)
     except SceneError:
         side = Side(milled.part, _spec(product), cuts, runs)
         return simulated([side], allowed=ALLOWED, level=level, of=1)
@@ -649,8 +643,7 @@ def _of_pieces(
     looked = (places[:, None] + rims[:, None] * SIDES).ravel()
     order = np.repeat(numbers, len(SIDES))
     tops = standing(looked)
-    near = _near(whole, looked, radii)
-    cleared = _cleared(whole, near, looked, order, radii)
+    cleared = _cleared(whole, _near(whole, looked, radii), looked, order, radii)
     found = np.minimum(tops, cleared).reshape(-1, len(SIDES)) - tips[:, None]
     for k, piece in enumerate(numbers.tolist()):
         at = (float(places[k].real), float(places[k].imag), float(tips[k]))
@@ -694,8 +687,7 @@ def measure(product: Product, data: bytes) -> float:
 
     Raises FileError if the program is incomplete, unsafe or in the wrong unit.
     """
-    spec = product.milled.gcode
-    machine = load(spec.machine)
+    machine = load(product.milled.gcode.machine)
     program = run(data, machine, bench_of(product, machine), most=1)
     program.refuse("words", "path")
     program = program.in_the_part(product.milled.zero)
@@ -744,11 +736,10 @@ def bench_of(product: Product, machine: Machine) -> Bench:
     heights, milling = product.milled.gcode.heights, product.milled.spec
     z = product.milled.zero.z
     step = 10.0 ** -machine.numbers.decimals.of(product.unit) * MM_PER[product.unit]
-    names = tuple(cut.name for cut in product.milled.cuts)
     return Bench(
         stock_top=(0.0 if milling is None else milling.stock.top) - z,
         clearance=heights.retract - z - 0.5 * step,
-        operations=names,
+        operations=tuple(cut.name for cut in product.milled.cuts),
     )
 
 

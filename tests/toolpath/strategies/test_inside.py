@@ -11,8 +11,8 @@ import pytest
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.outline.path import whole
-from camgeo.milling.strategies.clear import HELIX
-from camgeo.milling.strategies.walk import centre_feed
+from camgeo.milling.clear import HELIX
+from camgeo.milling.walk import centre_feed
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import Boundary
 from tests.contour.cams import dwell, move, translating

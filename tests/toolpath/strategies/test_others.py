@@ -96,7 +96,7 @@ def test_what_cannot_be_cleared(changes: dict[str, Any], message: str, key: str)
 def test_moves_end_where_no_program_can_be_read(monkeypatch: pytest.MonkeyPatch) -> None:
     """Those of one cut alone, before the others are made."""
     count = len(made(GROOVE))
-    monkeypatch.setattr("camgeo.milling.strategies.walk.PROGRAM_LINES", count // 2)
+    monkeypatch.setattr("camgeo.milling.walk.PROGRAM_LINES", count // 2)
     with pytest.raises(FileError, match="the limit for a program that is read"):
         made(GROOVE)
 

@@ -15,7 +15,7 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, distances
 from camgeo.geometry.outline.path import whole
 from camgeo.geometry.working_curve import WorkingCurve
-from camgeo.milling.strategies.trochoid import NARROWEST, ahead, engaged
+from camgeo.milling.strategies import NARROWEST, ahead, engaged
 from camgeo.milling.track import Track, chained
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import Boundary
