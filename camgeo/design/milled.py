@@ -190,16 +190,17 @@ class MilledDisc(Pickled):
 
     def _zero_of(self, stock: Stock, turned: str) -> Zero:
         from camgeo.milling.milling import AXIS
-        from camgeo.milling.moves import zero_of
+        from camgeo.milling.moves import Zero
 
-        found, first = zero_of(self.gcode, stock, self.part, turned), self.first
-        if first is not None and first.spec is not None and found.name != AXIS:
-            from camgeo.milling.bench import Bench
-            from camgeo.milling.planned import is_cut_free
-
-            if is_cut_free(Bench(first.part, first.spec), first.sequence.cuts):
-                message = "there is no corner: the first side cuts the part out of the blank"
-                raise GeometryError(message, "output.gcode.zero", f'"{found.name}"')
+        found, first = Zero.stated(self.gcode, stock, self.part, turned), self.first
+        if (
+            first is not None
+            and first.spec is not None
+            and found.name != AXIS
+            and first.sequence.is_cut_free
+        ):
+            message = "there is no corner: the first side cuts the part out of the blank"
+            raise GeometryError(message, "output.gcode.zero", f'"{found.name}"')
         return found
 
     @kept_with_owner

@@ -206,16 +206,20 @@ class Bench:
         """
         depth, reach = top - bottom, max(top, 0.0) - bottom
         if tool.flute_length is not None and tool.flute_length < depth:
-            text = f"its cutting edges, {tool.flute_length:g} mm, are shorter than {depth:g} mm"
-            return Reason(text, "flute_length")
+            return Reason(
+                f"its cutting edges, {tool.flute_length:g} mm, are shorter than {depth:g} mm",
+                "flute_length",
+            )
         if tool.stick_out is not None and tool.stick_out < reach:
             return Reason(
                 f"it sticks out {tool.stick_out:g} mm, less than {reach:g} mm", "stick_out"
             )
         wide = tool.shank_diameter
         if wide is not None and wide > tool.diameter and tool.flute_length is None:
-            text = f"its shank is wider than its edges, whose length is not stated for {depth:g} mm"
-            return Reason(text, "shank_diameter")
+            return Reason(
+                f"its shank is wider than its edges, whose length is not stated for {depth:g} mm",
+                "shank_diameter",
+            )
         return ""
 
     def too_large(self, tool: Tool, boundary: Boundary) -> str:
@@ -393,8 +397,10 @@ def rough_outside(
     cleared = clear_outside(bench, wall, tool, top, allowance)
     if cleared is not None:
         return cleared
-    note = "no spiral clears its hollows: a slot leaves the waste in one piece"
-    return replace(rough_around(bench, wall, tool, top, allowance), note=note)
+    return replace(
+        rough_around(bench, wall, tool, top, allowance),
+        note="no spiral clears its hollows: a slot leaves the waste in one piece",
+    )
 
 
 def clear_outside(
@@ -616,8 +622,11 @@ def passes(top: float, bottom: float, largest: float | None) -> tuple[float, ...
     if largest is not None:
         share = depth / positive("tool.stepdown", largest, "mm") * (1.0 - 1e-12)
         if share > MOST_PASSES:
-            message = f"must be at least {depth / MOST_PASSES:.3g} mm: no more passes than that"
-            raise GeometryError(message, "tool.stepdown", f"{largest:g}")
+            raise GeometryError(
+                f"must be at least {depth / MOST_PASSES:.3g} mm: no more passes than that",
+                "tool.stepdown",
+                f"{largest:g}",
+            )
         count = max(1, math.ceil(share))
     return (*(top - depth * (k + 1) / count for k in range(count - 1)), bottom)
 
@@ -625,14 +634,20 @@ def passes(top: float, bottom: float, largest: float | None) -> tuple[float, ...
 def depths_of(tool: Tool, top: float, bottom: float) -> tuple[float, ...]:
     """Z of equal passes [mm]; raises ToolError without a stepdown."""
     if tool.stepdown is None:
-        message = f"tool {tool.number} states no stepdown to cut {top - bottom:g} mm deep"
-        raise ToolError(message, tool, "stepdown")
+        raise ToolError(
+            f"tool {tool.number} states no stepdown to cut {top - bottom:g} mm deep",
+            tool,
+            "stepdown",
+        )
     return passes(top, bottom, tool.stepdown)
 
 
 def stepover_of(tool: Tool) -> float:
     """Between neighbouring paths [mm]; raises ToolError if it is not stated."""
     if tool.stepover is None:
-        message = f"tool {tool.number} states no stepover to clear an area; none is invented"
-        raise ToolError(message, tool, "stepover")
+        raise ToolError(
+            f"tool {tool.number} states no stepover to clear an area; none is invented",
+            tool,
+            "stepover",
+        )
     return tool.stepover

@@ -150,7 +150,10 @@ def inside(walk: Walk, cut: AreaCut, wall: Boundary, tolerance: float) -> None:
     hole = _hole(cut, fine)
     middle = min(HELIX * flat, 0.5 * least) if hole is None else min(hole, 0.9 * least)
     finish = flattest_direction(path)
-    outward = fitted(spiral(cut, _circle(middle), star, finish, fine, outward=True), fine)
+    outward = fitted(
+        spiral(cut, star_of(Contour.circle(middle), "helix"), star, finish, fine, outward=True),
+        fine,
+    )
     helix = Track.arc(outward.start, 0j, turned)
     last = begun(path, star.along(finish))
     last = last if cut.climb else last.reversed()
@@ -175,12 +178,6 @@ def inside(walk: Walk, cut: AreaCut, wall: Boundary, tolerance: float) -> None:
             walk.down(z)
         walk.follow(level)
     walk.follow(Track.line(walk.place, 0.5 * walk.place))
-
-
-def _circle(radius: float) -> Star:
-    found = Star.of(Contour.circle(radius))
-    assert found is not None  # as of every circle about the pole
-    return found
 
 
 def _is_circle(path: Contour) -> bool:
@@ -460,8 +457,11 @@ def ring(walk: Walk, cut: AreaCut, solid: Boundary, hole: Boundary, tolerance: f
             value=f"{cut.tool.diameter:g}",
         )
     if 0.5 * play > MOST_TURNS * cut.stepover:
-        message = f"makes more than {MOST_TURNS} rounds on each side of the groove's middle"
-        raise GeometryError(message, "tool.stepover", f"{cut.stepover:g}")
+        raise GeometryError(
+            f"makes more than {MOST_TURNS} rounds on each side of the groove's middle",
+            "tool.stepover",
+            f"{cut.stepover:g}",
+        )
     count = math.ceil(0.5 * play / cut.stepover)
     offs = [0.5 * play * (count - k) / count for k in range(1, count + 1)] if count else []
     middle = _begun(along(hole, cut, fine, 0.5 * play), climb=cut.climb)
@@ -667,8 +667,11 @@ def paced(
     travel = float(np.max(np.abs(a.at(rays)[0] - b.at(rays)[0])))
     fewest = max(travel / step, 1e-3)
     if fewest > MOST_TURNS:
-        message = f"makes more than {MOST_TURNS} turns of the roughing spiral"
-        raise GeometryError(message, key="tool.stepover", value=f"{step:g}")
+        raise GeometryError(
+            f"makes more than {MOST_TURNS} turns of the roughing spiral",
+            key="tool.stepover",
+            value=f"{step:g}",
+        )
 
     # Without slowing, 1 / rate is the number of turns less half of those in which it eases.
     plain = Morph(a, b, sense, side, finish, fewest + 0.5 * min(EASE, fewest))
@@ -680,8 +683,11 @@ def paced(
 
     best = _shortest(plain, MOST_TURNS, holds)
     if best is None:
-        message = f"is too small: no roughing spiral of {MOST_TURNS} turns keeps to it"
-        raise GeometryError(message, "tool.engagement", f"{math.degrees(limit):g}")
+        raise GeometryError(
+            f"is too small: no roughing spiral of {MOST_TURNS} turns keeps to it",
+            "tool.engagement",
+            f"{math.degrees(limit):g}",
+        )
     for slowing in SLOWINGS:
         shorter = replace(best, turns=best.turns - WORTH, slowing=slowing)
         if shorter.turns > plain.turns and holds(shorter):

@@ -13,8 +13,6 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
 
-import numpy as np
-
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import least_distance
 from camgeo.geometry.contour.spline import Arc
@@ -116,10 +114,7 @@ def limit_of(operation: Operation) -> Limit | None:
         for obstacle in cut.obstacles:
             if cut.bottom < obstacle.top:
                 outline = Track.around(obstacle.outline.arcs(0.01, "fast").contour)
-                places = np.array([run[0].start, *(each.end for each in run)])
-                sweeps = np.array([each.sweep for each in run])
-                way = Track(places, sweeps, np.array([each.centre for each in run]))
-                least = min(least, least_distance(way, outline) - cut.tool.radius)
+                least = min(least, least_distance(Track.along(run), outline) - cut.tool.radius)
     most = math.floor(SHARE * least / LEAST) * LEAST
     if most < LEAST:
         raise GeometryError(

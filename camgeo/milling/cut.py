@@ -209,8 +209,11 @@ class AreaCut(Cut):
         if not self.walls and self.stock is None:
             raise GeometryError("an area needs a wall or the outline of the blank", "toolpath")
         if self.stepover > self.tool.diameter:
-            message = f"must be at most the cutter's diameter, {self.tool.diameter:g} mm"
-            raise GeometryError(message, "toolpath", f"{self.stepover:g}")
+            raise GeometryError(
+                f"must be at most the cutter's diameter, {self.tool.diameter:g} mm",
+                "toolpath",
+                f"{self.stepover:g}",
+            )
 
     @property
     def produced(self) -> tuple[str, ...]:

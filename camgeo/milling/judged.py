@@ -151,10 +151,8 @@ def setup_of(side: Side, tolerance: float = PART_FINENESS, others: Iterable[Cut]
     lowest = None
     if holding is not None:
         held = (bodies[0].contours,) if holding.kind == FIXTURE else ()
-        if holding.tabs is not None:
-            joined.append(low + holding.tabs.height)
-        if holding.skin is not None:
-            joined.append(low + holding.skin)
+        left = _height_left(holding)
+        joined += [] if left is None else [low + left]
         lowest = low - max(holding.through, 0.0)
     return Setup(
         tuple(blank),

@@ -157,11 +157,17 @@ class Tool:
     def __post_init__(self) -> None:
         check_fields(self, "tool.")
         if self.corner_radius > self.radius:
-            message = f"must be at most half the diameter, {self.radius:g} mm"
-            raise GeometryError(message, "tool.corner_radius", f"{self.corner_radius:g}")
+            raise GeometryError(
+                f"must be at most half the diameter, {self.radius:g} mm",
+                "tool.corner_radius",
+                f"{self.corner_radius:g}",
+            )
         if self.stepover is not None and self.stepover > self.diameter:
-            message = f"must be at most the diameter, {self.diameter:g} mm"
-            raise GeometryError(message, "tool.stepover", f"{self.stepover:g}")
+            raise GeometryError(
+                f"must be at most the diameter, {self.diameter:g} mm",
+                "tool.stepover",
+                f"{self.stepover:g}",
+            )
         flutes, out = self.flute_length, self.stick_out
         if flutes is not None and out is not None and out < flutes:
             raise GeometryError(

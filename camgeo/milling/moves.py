@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, Self
 
 import numpy as np
 
@@ -150,8 +150,11 @@ class Operation:
         instance("toolpath", self.cut, Cut, "a cut")
         instance("toolpath", self.moves, tuple, "a tuple of moves")
         if not self.moves or not isinstance(self.moves[0], Rapid):
-            message = f"the operation {self.cut.name} must begin with a traverse"
-            raise GeometryError(message, "toolpath", shown(self.moves[:1]))
+            raise GeometryError(
+                f"the operation {self.cut.name} must begin with a traverse",
+                "toolpath",
+                shown(self.moves[:1]),
+            )
 
     @property
     def travel(self) -> tuple[Move, ...]:
@@ -272,24 +275,26 @@ class Course(Pieces):
         low, high = self._tip(first), self._tip(last)
         return Course(found.starts, found.ends, found.sweeps, found.centres, low, high, self.moves)
 
+    def below(self, z: float) -> Course:
+        """The parts of the pieces on which the tip is not above `z` [mm]."""
+        course = taken(self, self.lowest <= z)
+        if np.all(course.highest <= z):
+            return course
+        rise = course.to_z - course.from_z
+        share = np.divide(z - course.from_z, rise, out=np.ones(len(course)), where=rise != 0.0)
+        share = np.clip(share, 0.0, 1.0)
+        first = np.where(course.from_z > z, share, 0.0)
+        found = course.part(first, np.where(course.to_z > z, share, 1.0))
+        low, high = (
+            np.minimum(found.from_z, z),
+            np.minimum(found.to_z, z),
+        )  # which rounding may exceed
+        return Course(found.starts, found.ends, found.sweeps, found.centres, low, high, found.moves)
+
     def _tip(self, shares: FloatArray) -> FloatArray:
         """(n,) Z [mm] at a share of the length of each piece."""
         inner = self.from_z + (self.to_z - self.from_z) * shares
         return np.where(shares == 1.0, self.to_z, inner)
-
-
-def below(course: Course, z: float) -> Course:
-    """The parts of the pieces on which the tip is not above `z` [mm]."""
-    course = taken(course, course.lowest <= z)
-    if np.all(course.highest <= z):
-        return course
-    rise = course.to_z - course.from_z
-    share = np.divide(z - course.from_z, rise, out=np.ones(len(course)), where=rise != 0.0)
-    share = np.clip(share, 0.0, 1.0)
-    first = np.where(course.from_z > z, share, 0.0)
-    found = course.part(first, np.where(course.to_z > z, share, 1.0))
-    low, high = np.minimum(found.from_z, z), np.minimum(found.to_z, z)  # which rounding may exceed
-    return Course(found.starts, found.ends, found.sweeps, found.centres, low, high, found.moves)
 
 
 def arc_sweeps(starts: ComplexArray, ends: ComplexArray, turns: FloatArray) -> FloatArray:
@@ -381,6 +386,35 @@ class Zero:
     z: float = 0.0
     turned: str = NOT
 
+    @classmethod
+    def stated(cls, spec: GcodeSpec, stock: Stock, part: Part, turned: str = NOT) -> Self:
+        """The zero that a scene asks for, of work that is `turned` over about an axis, or not.
+
+        Raises
+        ------
+        GeometryError
+            With key "output.gcode.zero", if the blank has no such corner.
+        """
+        place = 0j
+        if spec.zero != AXIS:
+            if stock.length is None or stock.width is None:
+                raise GeometryError(
+                    "needs a plate whose length and width are stated: there is no corner",
+                    "output.gcode.zero",
+                    f'"{spec.zero}"',
+                )
+            along, across = CORNERS[spec.zero]
+            corner = 0.5 * complex(along * stock.length, across * stock.width)
+            place = stock.centre + mirrored(corner, turned)
+        low, high = part.layers[0].z0, part.layers[-1].z1
+        heights = {
+            PART_TOP: 0.0,
+            "part-bottom": low,
+            "blank-top": high + stock.top,
+            "blank-bottom": low - stock.bottom,
+        }
+        return cls(spec.zero, spec.zero_height, place, heights[spec.zero_height], turned)
+
     @property
     def is_of_the_part(self) -> bool:
         """Whether the program's coordinates are the part's own."""
@@ -408,34 +442,17 @@ class Zero:
         """A place in the program's coordinates [mm] in those of the part."""
         return mirrored(place, self.turned) + self.place
 
-
-OF_THE_PART: Final = Zero()
-
-
-def zero_of(spec: GcodeSpec, stock: Stock, part: Part, turned: str = NOT) -> Zero:
-    """The zero that a scene asks for, of work that is `turned` over about an axis, or not.
-
-    Raises
-    ------
-    GeometryError
-        With key "output.gcode.zero", if the blank has no such corner.
-    """
-    place = 0j
-    if spec.zero != AXIS:
-        if stock.length is None or stock.width is None:
-            message = "needs a plate whose length and width are stated: there is no corner"
-            raise GeometryError(message, "output.gcode.zero", f'"{spec.zero}"')
-        along, across = CORNERS[spec.zero]
-        corner = 0.5 * complex(along * stock.length, across * stock.width)
-        place = stock.centre + mirrored(corner, turned)
-    low, high = part.layers[0].z0, part.layers[-1].z1
-    heights = {
-        PART_TOP: 0.0,
-        "part-bottom": low,
-        "blank-top": high + stock.top,
-        "blank-bottom": low - stock.bottom,
-    }
-    return Zero(spec.zero, spec.zero_height, place, heights[spec.zero_height], turned)
+    def box(self, stock: Stock, part: Part) -> tuple[Point, Point] | None:
+        """The corners of the blank with the least and the largest coordinates [mm]; None if its
+        outline is not known.
+        """
+        sides = (stock.length, stock.width) if stock.diameter is None else (stock.diameter,) * 2
+        if sides[0] is None or sides[1] is None:
+            return None
+        corner, centre = 0.5 * complex(sides[0], sides[1]), self.of(stock.centre)
+        low, high = _heights(stock, part)
+        least, most = centre - corner, centre + corner
+        return (least.real, least.imag, low - self.z), (most.real, most.imag, high - self.z)
 
 
 def described(stock: Stock, part: Part, zero: Zero, unit: LengthUnit = "mm") -> str:
@@ -459,19 +476,6 @@ def described(stock: Stock, part: Part, zero: Zero, unit: LengthUnit = "mm") -> 
     centre = zero.of(stock.centre)
     off = f", its middle at X {length(centre.real)}, Y {length(centre.imag)}" if centre else ""
     return f"{outline}, {height}{bore}{where}{off}"
-
-
-def box(stock: Stock, part: Part, zero: Zero) -> tuple[Point, Point] | None:
-    """The corners of the blank with the least and the largest coordinates [mm]; None if its outline
-    is not known.
-    """
-    sides = (stock.length, stock.width) if stock.diameter is None else (stock.diameter,) * 2
-    if sides[0] is None or sides[1] is None:
-        return None
-    corner, centre = 0.5 * complex(sides[0], sides[1]), zero.of(stock.centre)
-    low, high = _heights(stock, part)
-    least, most = centre - corner, centre + corner
-    return (least.real, least.imag, low - zero.z), (most.real, most.imag, high - zero.z)
 
 
 def _heights(stock: Stock, part: Part) -> tuple[float, float]:

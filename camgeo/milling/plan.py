@@ -485,8 +485,10 @@ class Cutting:
         for number, (other, size) in enumerate(self.cleared):
             close = self._low_of(number, level).near(place, radius + size)
             swept.append((taken(other, close), size))
-        edges = [crossings(self.boundary, place, radius, 0.0)]
-        edges += [crossings(each, place, radius, size) for each, size in swept if len(each)]
+        edges = [
+            crossings(self.boundary, place, radius, 0.0),
+            *(crossings(each, place, radius, size) for each, size in swept if len(each)),
+        ]
         # Angles from the direction of travel, of the leading half.
         ahead = np.angle(np.exp(1j * (np.concatenate(edges) - np.angle(way))))
         half = 0.5 * np.pi

@@ -299,8 +299,11 @@ def guarded(bench: Bench, cuts: list[Cut], heights: Heights) -> list[Cut]:
             name = getattr(clamp, key)
             if name and name not in names:
                 known = ", ".join(f'"{each}"' for each in names)
-                message = f"there is no such operation; there are {known}"
-                raise GeometryError(message, f"holding.{clamp.what}.{key}", f'"{name}"')
+                raise GeometryError(
+                    f"there is no such operation; there are {known}",
+                    f"holding.{clamp.what}.{key}",
+                    f'"{name}"',
+                )
         if clamp.height >= heights.clearance:
             raise GeometryError(
                 f"must be above the {clamp.obstacle.name}, {clamp.height:g} mm high",
@@ -343,8 +346,11 @@ def require_room(bench: Bench) -> None:
         heights["height"] = holding.tabs.height
     for key, height in heights.items():
         if height is not None and height >= thickness:
-            message = f"must be less than the thickness of the part, {thickness:g} mm"
-            raise GeometryError(message, f"holding.{key}", f"{height:g}")
+            raise GeometryError(
+                f"must be less than the thickness of the part, {thickness:g} mm",
+                f"holding.{key}",
+                f"{height:g}",
+            )
     if (bore := milling.stock.bore) is not None:
         around = [each for each in bench.part.boundaries if each.hole and each.nearest() > 0.0]
         what = "the bore of the part" if around else "the width of the part"
@@ -427,7 +433,7 @@ def told_of_holding(bench: Bench, cuts: Iterable[Cut]) -> Iterator[Finding]:
         yield Finding("onion-skin", "warning", text)
 
 
-def is_cut_free(bench: Bench, cuts: Iterable[Cut]) -> bool:
+def _is_cut_free(bench: Bench, cuts: Iterable[Cut]) -> bool:
     """Whether nothing of the blank hangs on the part when these cuts are done."""
     holding = bench.milling.holding
     through = 0.0 if holding is None else holding.through
@@ -539,10 +545,12 @@ class Sequence:
     ----------
     cuts : in their order.
     findings : what is told of them, beside the notes that each has of its own.
+    is_cut_free : whether nothing of the blank hangs on the part when they are done.
     """
 
     cuts: tuple[Cut, ...]
     findings: tuple[Finding, ...]
+    is_cut_free: bool
 
 
 def sequence_of(
@@ -563,8 +571,11 @@ def sequence_of(
     """
     part.require_heights()
     if part.layers[0] not in part.disc and milling.second is None and not milling.turned:
-        message = "a hub on the lower face is milled from there: state [second_side]"
-        raise GeometryError(message, key="part.hub.side", value=part.layers[0].name)
+        raise GeometryError(
+            "a hub on the lower face is milled from there: state [second_side]",
+            key="part.hub.side",
+            value=part.layers[0].name,
+        )
     bench = Bench(part, milling, compensation)
     require_size(bench)
     require_room(bench)
@@ -603,4 +614,4 @@ def sequence_of(
             " states more"
         )
         findings.append(Finding("earlier-keys", "warning", sentence))
-    return Sequence(tuple(cuts), tuple(findings))
+    return Sequence(tuple(cuts), tuple(findings), _is_cut_free(bench, cuts))

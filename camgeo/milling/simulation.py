@@ -21,7 +21,7 @@ import numpy as np
 import shapely
 
 from camgeo.geometry.contour.contour import Contour
-from camgeo.milling.moves import Course, Feed, Move, Point, Rapid, Stop, alike, below, course_of
+from camgeo.milling.moves import Course, Feed, Move, Point, Rapid, Stop, alike, course_of
 from camgeo.milling.polygons import NOTHING, Area, grown, parts, polygon
 from camgeo.numeric.arrays import ComplexArray, FloatArray, taken
 
@@ -362,10 +362,12 @@ def _material(setup: Setup, whole: Area, z: float) -> Area:
 def _heights(setup: Setup, runs: Sequence[Run], level: float) -> list[float]:
     """Ascending borders of the slabs [mm]."""
     highest = max([setup.top, *(body.z1 for body in setup.part)])
-    found = [setup.top, setup.bottom]
-    found += [z for body in setup.part for z in (body.z0, body.z1)]
-    found += [z for z in (setup.joined, setup.hanging) if z is not None]
-    found += [z for chamfer in setup.chamfers for z in chamfer.heights]
+    found = [
+        *(setup.top, setup.bottom),
+        *(z for body in setup.part for z in (body.z0, body.z1)),
+        *(z for z in (setup.joined, setup.hanging) if z is not None),
+        *(z for chamfer in setup.chamfers for z in chamfer.heights),
+    ]
     lowest = setup.bottom
     if setup.before is not None:
         borders = [z for slab in setup.before.slabs for z in (slab.z0, slab.z1)]
@@ -380,9 +382,11 @@ def _heights(setup: Setup, runs: Sequence[Run], level: float) -> list[float]:
             & (course.ends[1:] == course.ends[:-1])
             & (course.to_z[1:] < course.to_z[:-1])
         )
-        ends = course.to_z[straight & ~np.append(on, False)]
-        found += [*course.from_z[flat].tolist(), *ends.tolist()]
-        found += [z for tip in _lowest(course) for z in run.slices(tip, highest)]
+        found += [
+            *course.from_z[flat].tolist(),
+            *course.to_z[straight & ~np.append(on, False)].tolist(),
+            *(z for tip in _lowest(course) for z in run.slices(tip, highest)),
+        ]
     heights: list[float] = []
     for z in sorted(z for z in found if lowest <= z <= highest):
         if not heights or z - heights[-1] > level:
@@ -527,11 +531,11 @@ class _Bench:
             return [at[z] for z in tops], [at[z] for z in bottoms]
         middles = [slab.middle for slab in self.slabs]
         reached = [
-            _passed(run, below(course, top), z, self.fineness, most=True)
+            _passed(run, course.below(top), z, self.fineness, most=True)
             for top, z in zip(tops, middles, strict=True)
         ]
         cleared = [
-            _passed(run, below(course, bottom), z, self.fineness)
+            _passed(run, course.below(bottom), z, self.fineness)
             for bottom, z in zip(bottoms, middles, strict=True)
         ]
         return reached, cleared
@@ -549,7 +553,7 @@ class _Bench:
         for slab, body in zip(self.slabs, bodies, strict=True):
             if body.is_empty:
                 continue
-            low = below(course, slab.z1 - above - 2.0 * self.level)
+            low = course.below(slab.z1 - above - 2.0 * self.level)
             reached = _passed(run, low, slab.middle - above, self.fineness, most=True)
             touched = shapely.intersection(reached, body)
             if parts(touched):
@@ -561,7 +565,7 @@ class _Bench:
         both = each_once(shapely.intersection, reached, self.kernels)
         for number, (slab, touched) in enumerate(zip(self.slabs, both, strict=True)):
             if parts(touched):
-                low = below(course, slab.z1 - 2.0 * self.level)
+                low = course.below(slab.z1 - 2.0 * self.level)
                 depth, where = self._depth(number, touched)
                 if depth <= self.allowed + 2.0 * self.fineness:  # an edge that is rounded
                     continue
@@ -592,7 +596,7 @@ class _Bench:
         cylinders += [("shank", *run.shank)] if run.shank is not None else []
         for body, (what, radius, above) in product(run.obstacles, cylinders):
             outline = polygon(body.contours, self.fineness)
-            low = below(course, body.z1 - above - self.level)
+            low = course.below(body.z1 - above - self.level)
             touched = shapely.intersection(swept(low, radius, self.fineness), outline)
             if parts(touched):
                 away = shapely.distance(swept(low, self.allowed, self.fineness), outline)
@@ -930,7 +934,7 @@ def swept_below(
         for which in (fresh & level, fresh & ~level):
             if not np.any(which):
                 continue
-            more, more_wide = _swept_once(below(taken(course, which), z), radius, fineness, known)
+            more, more_wide = _swept_once(taken(course, which).below(z), radius, fineness, known)
             if area.is_empty:
                 area, wide = more, more_wide
             elif not shapely.covers(wide, more):

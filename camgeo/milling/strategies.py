@@ -22,7 +22,7 @@ from camgeo.milling.compensation import side_of
 from camgeo.milling.cut import AreaCut, ContourCut, Cut, LetterCut, LineCut, PointCut
 from camgeo.milling.milling import CONTROL, END_MILL, Heights, Tool, ToolError
 from camgeo.milling.moves import Move, too_long
-from camgeo.milling.polygons import Area, parts, polygon, rings
+from camgeo.milling.polygons import Area, parts, polygon
 from camgeo.milling.track import Beside, Track, begun, chained, flattest, joined, started
 from camgeo.milling.walk import (
     SPENT,
@@ -386,8 +386,11 @@ def centres(stroke: Area, cut: LetterCut) -> list[Contour]:
     found: list[Contour] = []
     for number, area in enumerate(takewhile(lambda each: not each.is_empty, shrunk)):
         if number == MOST_TURNS:
-            message = f"makes more than {MOST_TURNS} rounds in a stroke of {cut.name}"
-            raise GeometryError(message, "tool.stepover", f"{cut.stepover:g}")
+            raise GeometryError(
+                f"makes more than {MOST_TURNS} rounds in a stroke of {cut.name}",
+                "tool.stepover",
+                f"{cut.stepover:g}",
+            )
         thin = shapely.orient_polygons(shapely.simplify(area, FINE))
         found += [_round(ring[:-1], climb=cut.climb) for ring in rings(thin)]
     return found[::-1]
@@ -397,6 +400,16 @@ def _round(ring: ComplexArray, *, climb: bool) -> Contour:
     """A path along a ring, of which outer ones run counter-clockwise."""
     contour = Contour.polygon(ring)
     return contour if climb else contour.reversed()
+
+
+def rings(area: Area) -> tuple[ComplexArray, ...]:
+    """All rings of `area`, outer and inner, as complex [mm]."""
+    found = []
+    for each in parts(area):
+        for ring in (each.exterior, *each.interiors):
+            points = shapely.get_coordinates(ring)
+            found.append(points[:, 0] + 1j * points[:, 1])
+    return tuple(found)
 
 
 def reached(cut: LetterCut) -> list[Contour]:

@@ -18,6 +18,7 @@ from camgeo.geometry.contour.contour import (
     least_distance,
     winding_number,
 )
+from camgeo.geometry.contour.spline import Arc
 from camgeo.numeric.arrays import ComplexArray, FloatArray, taken
 
 FLAT = 1e-9
@@ -94,6 +95,13 @@ class Track(PieceChain):
         """One arc from `start` about `centre` [mm] by `sweep` [rad]."""
         end = centre + (start - centre) * np.exp(1j * sweep)
         return cls(np.array([start, end]), np.array([sweep]), np.array([centre]))
+
+    @classmethod
+    def along(cls, pieces: Sequence[Arc]) -> Self:
+        """Along pieces that each begin where the one before it ends."""
+        vertices = np.array([pieces[0].start, *(each.end for each in pieces)])
+        sweeps = np.array([each.sweep for each in pieces])
+        return cls(vertices, sweeps, np.array([each.centre for each in pieces]))
 
     def reversed(self) -> Self:
         """The same in the opposite direction."""

@@ -1,4 +1,4 @@
-"""What all readers of files share: numbers and tokens, and the layers of drawings."""
+"""What all readers of files share: tokens, and the layers of drawings."""
 
 from __future__ import annotations
 
@@ -9,22 +9,12 @@ from typing import Final
 import numpy as np
 
 from camgeo.design.product import Product
-from camgeo.errors import FileError
+from camgeo.geometry.contour.contour import Contour
+from camgeo.geometry.contour.spline import SplineContour
 from camgeo.part.part import Boundary, Edge, edges_of
-from camgeo.reading import COORDINATE, number_of
 from camgeo.units import MM_PER
 
-
-def finite(text: str, name: str, line: int) -> float:
-    """The number `text` in a line of the file `name`.
-
-    Raises FileError if it is none, not finite, or beyond the limits of `camgeo.reading`.
-    """
-    number = number_of(text)
-    if number is None:
-        what = f"is not a finite number of at most {COORDINATE:g}"
-        raise FileError(f"{name}, line {line}: {text[:40]!r} {what}")
-    return number
+AnyContour = Contour | SplineContour
 
 
 TOKEN: Final = re.compile(r"""[^\s,;()<>="']+|[,;()<>="']""")

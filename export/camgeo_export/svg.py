@@ -84,9 +84,11 @@ class CutSvgWriter:
         ]
         for name, contours in layers.items():
             colour = THROUGH if name == CUT else NOT_THROUGH
-            lines.append(f'<g id="{name}" fill="none" stroke="{colour}" stroke-width="{HAIRLINE}">')
-            lines += [f'<path d="{path_of(contour)}"/>' for contour in contours]
-            lines.append("</g>")
+            lines += [
+                f'<g id="{name}" fill="none" stroke="{colour}" stroke-width="{HAIRLINE}">',
+                *(f'<path d="{path_of(contour)}"/>' for contour in contours),
+                "</g>",
+            ]
         arcs = sum(contour.arc_count for contour in curves)
         facts: dict[str, int | float | str] = {
             "boundaries": len(curves), "arcs": arcs, "lines": pieces - arcs,

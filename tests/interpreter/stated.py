@@ -11,7 +11,8 @@ from camgeo.design.verify import Check, Reading
 from camgeo.milling.machine import load
 from camgeo.scene.scene import parse_scene
 from camgeo_export.gcode.writer import WRITER
-from camgeo_export.interpreter.run import Run, run
+from camgeo_export.interpreter.moves import Run
+from camgeo_export.interpreter.run import run
 from camgeo_export.verify.gcode import VERIFIER, bench_of
 
 TOLERANCE: Final = 0.02

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.milling.machine import load, names
-from camgeo_export.interpreter.controller import RULES
-from camgeo_export.interpreter.run import Run, run
+from camgeo_export.interpreter.moves import RULES, Run
+from camgeo_export.interpreter.run import run
 from tests.interpreter.programs import GOOD
 from tests.long_form import examples
 

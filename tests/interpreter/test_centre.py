@@ -12,9 +12,8 @@ import pytest
 
 from camgeo.design.linting import Bench
 from camgeo.milling.machine import load
-from camgeo_export.interpreter.controller import Findings
-from camgeo_export.interpreter.moves import CutterMove, centres, judge
-from camgeo_export.interpreter.run import Run, run
+from camgeo_export.interpreter.moves import CutterMove, Findings, Run, centres, judge
+from camgeo_export.interpreter.run import run
 from tests.judges import rs274
 from tests.judges.paths import difference
 from tests.judges.programs import random_contour

@@ -13,8 +13,8 @@ from camgeo.design.verify import Check, Reading
 from camgeo.errors import FileError
 from camgeo.milling.machine import load, names
 from camgeo_export.gcode.writer import WRITER
-from camgeo_export.interpreter.moves import CutterMove
-from camgeo_export.interpreter.run import Run, run
+from camgeo_export.interpreter.moves import CutterMove, Run
+from camgeo_export.interpreter.run import run
 from camgeo_export.verify.gcode import VERIFIER, bench_of
 from tests.interpreter.stated import (
     CAM,

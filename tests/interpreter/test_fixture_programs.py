@@ -18,7 +18,8 @@ from camgeo.design.product import Product
 from camgeo.errors import ToleranceError
 from camgeo.milling.machine import load, names
 from camgeo_export.gcode.writer import WRITER
-from camgeo_export.interpreter.run import Run, run
+from camgeo_export.interpreter.moves import Run
+from camgeo_export.interpreter.run import run
 from camgeo_export.verify.gcode import bench_of
 from tests.interpreter.stated import failing
 from tests.judges.programs import (

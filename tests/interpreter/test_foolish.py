@@ -12,7 +12,8 @@ import pytest
 
 from camgeo.design.linting import Bench
 from camgeo.milling.machine import load
-from camgeo_export.interpreter.run import Run, run
+from camgeo_export.interpreter.moves import Run
+from camgeo_export.interpreter.run import run
 from tests.interpreter.programs import GOOD
 
 CLEARANCE = 5.0

@@ -16,7 +16,8 @@ import pytest
 
 from camgeo.errors import FileError
 from camgeo.milling.machine import load
-from camgeo_export.interpreter.run import Run, run
+from camgeo_export.interpreter.moves import Run
+from camgeo_export.interpreter.run import run
 from tests.interpreter.programs import GOOD
 
 FOLDER: Final = Path(__file__).parents[2] / "fixtures" / "found" / "programs"

@@ -6,7 +6,8 @@ import re
 from pathlib import Path
 
 from camgeo.milling.machine import MEANINGS
-from camgeo_export.interpreter.controller import COMMON, GROUP_OF, RULES
+from camgeo_export.interpreter.controller import COMMON, GROUP_OF
+from camgeo_export.interpreter.moves import RULES
 from tests.interpreter.test_foolish import LINUXCNC, OTHERS
 
 ROOT = Path(__file__).parents[2]

@@ -15,7 +15,8 @@ from camgeo.milling.machine import load, names
 from camgeo.milling.milling import CORNERS, HEIGHTS
 from camgeo.scene.scene import parse_scene
 from camgeo_export.gcode.writer import WRITER
-from camgeo_export.interpreter.run import Run, run
+from camgeo_export.interpreter.moves import Run
+from camgeo_export.interpreter.run import run
 from camgeo_export.verify.gcode import VERIFIER, bench_of
 from tests.interpreter.stated import (
     CAM,

@@ -357,9 +357,8 @@ def svg(pages: Sequence[Strokes]) -> bytes:
     ]
     left = 0.0
     for number, each in enumerate(pages):
-        found.append(f'<g transform="translate({_grains(left)} 0)">' if number else "<g>")
-        found += _svg_page(each, number)
-        found.append("</g>")
+        head = f'<g transform="translate({_grains(left)} 0)">' if number else "<g>"
+        found += [head, *_svg_page(each, number), "</g>"]
         left += each.width + APART
     return "\n".join([*found, "</svg>", ""]).encode()
 
@@ -439,10 +438,12 @@ def _pieces(stroke: Chain) -> Pieces:
 
 def pdf(pages: Sequence[Strokes]) -> bytes:
     """A document with a page for each."""
-    objects: list[bytes] = [b"<< /Type /Catalog /Pages 2 0 R >>"]
     kids = " ".join(f"{4 + 2 * number} 0 R" for number in range(len(pages)))
-    objects.append(f"<< /Type /Pages /Kids [ {kids} ] /Count {len(pages)} >>".encode())
-    objects.append(b"<< /Creator (camgeo) >>")
+    objects = [
+        b"<< /Type /Catalog /Pages 2 0 R >>",
+        f"<< /Type /Pages /Kids [ {kids} ] /Count {len(pages)} >>".encode(),
+        b"<< /Creator (camgeo) >>",
+    ]
     for number, each in enumerate(pages):
         size = f"{each.width / POINT:.4f} {each.height / POINT:.4f}"
         objects.append(
@@ -773,10 +774,7 @@ class PageWriter:
 
     format: Format[None]
     written: Callable[[Sequence[Strokes]], bytes]
-
-    def pieces(self, product: Product) -> tuple[Product, ...]:
-        """See `with_pair`."""
-        return with_pair(product)
+    pieces = staticmethod(with_pair)
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The whole sheets, at their scale."""
@@ -798,10 +796,7 @@ class DrawingWriter:
 
     format: Format[None]
     companions: tuple[PageWriter, ...]
-
-    def pieces(self, product: Product) -> tuple[Product, ...]:
-        """See `with_pair`."""
-        return with_pair(product)
+    pieces = staticmethod(with_pair)
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The sheet; the edges of the part lie within `tolerance` [mm]."""

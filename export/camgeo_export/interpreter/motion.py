@@ -13,24 +13,26 @@ from camgeo.numeric.arrays import phase
 from camgeo.reading import PROGRAM, PROGRAM_MOVES, beyond
 from camgeo.units import TURN
 from camgeo_export.interpreter.controller import (
-    ARMS,
     AXES,
     CYCLE,
     CYCLES,
-    GROUPS,
-    RETRACTED,
     UNKNOWN,
     Block,
     BlockReader,
     Controller,
-    Findings,
     State,
 )
-from camgeo_export.interpreter.moves import Compensator, CutterMove, Kind
+from camgeo_export.interpreter.moves import Compensator, CutterMove, Findings, Kind
 
 ARCS: Final = ("clockwise arc", "counter-clockwise arc")
 
 STRAIGHT: Final = frozenset({*AXES, "PR", "PA", "RND"})
+
+ARMS: Final = "IJK"
+"""Words of an arc's centre, by their axes."""
+
+RETRACTED: Final = math.inf
+"""Height of the spindle at its reference, above everything."""
 
 ROUND: Final = STRAIGHT | frozenset({*ARMS, "R"})
 """Words that moves take."""
@@ -413,7 +415,7 @@ class Mover(BlockReader):
             return ""
         if group == "unit" and not math.isnan(state.scale):
             return ""  # found at the first coordinate
-        words = [word for word, each in controller.meanings.items() if each in GROUPS[group]]
+        words = controller.words_in(group)
         if group == "centres" and len(words) < 2:
             return ""  # there is no choice
         program = controller.machine.program

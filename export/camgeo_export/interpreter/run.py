@@ -6,14 +6,10 @@ import math
 import re
 from codecs import BOM_UTF8
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass, replace
 from typing import Final
 
-from camgeo.design.linting import Bench, LineFinding, Linted
-from camgeo.errors import FileError
+from camgeo.design.linting import Bench, Linted
 from camgeo.milling.machine import LONGEST_LINE, Machine
-from camgeo.milling.milling import OTHER
-from camgeo.milling.moves import Zero
 from camgeo.reading import PROGRAM, check_text, lines_of
 from camgeo.units import MM_PER
 from camgeo_export.interpreter.controller import (
@@ -22,24 +18,20 @@ from camgeo_export.interpreter.controller import (
     Block,
     BlockReader,
     Controller,
-    Enough,
-    Findings,
-    State,
-    controller_of,
-)
-from camgeo_export.interpreter.decode import (
     Decoder,
     Klartext,
-    without_comments,
+    State,
 )
 from camgeo_export.interpreter.motion import Mover
-from camgeo_export.interpreter.moves import CutterMove, Event, Loop, Radius, centres, closed_paths
+from camgeo_export.interpreter.moves import (
+    Enough,
+    Event,
+    Findings,
+    Run,
+)
 
 MOST: Final = 1_000
 """Findings of one program; after as many it is not read further."""
-
-NOTE: Final = re.compile(r"\(([^()]*)\)|;(.*)")
-"""A comment in brackets, or one up to the end of the line, in whatever dialect."""
 
 OPERATION: Final = "operation "
 """A comment that begins with it names the operation that follows."""
@@ -59,79 +51,6 @@ NAME: Final = re.compile(r"(\S)\s*+\d++\s*+", re.ASCII)
 
 ASSIGNMENT: Final = re.compile(r"(?:N\d++\s*+)?+(?:#|R\d++\s*+=)", re.ASCII)
 """A block that gives a parameter its value, and moves nothing."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Run:
-    """A program that was run.
-
-    Attributes
-    ----------
-    mm_per_unit : of the unit of length of its first cut; NaN if it states none.
-    step : last printed decimal [mm].
-    blending : how far the controller may leave the programmed path in a cut [mm]; 0 for the exact
-        path, infinite without a bound.
-    naive_cam : how far it may move points before that [mm].
-    moves, events : in the order of running.
-    comments : those that stand alone in their lines, without brackets; what is said right before
-        a stop is for the operator and left out.
-    findings : by line.
-    complete : whether the program was read to its end, not up to the last finding allowed.
-    central : whether all moves are those of the cutter's centre, also compensated ones.
-    """
-
-    mm_per_unit: float
-    step: float
-    blending: float
-    naive_cam: float
-    moves: tuple[CutterMove, ...]
-    comments: tuple[str, ...]
-    events: tuple[Event, ...]
-    findings: tuple[LineFinding, ...]
-    complete: bool
-    central: bool = False
-
-    def loops(self, gap: float = 0.0) -> list[Loop]:
-        """Closed runs of cuts, see `closed_paths`."""
-        return closed_paths(self.moves, gap)
-
-    @property
-    def compensated(self) -> CutterMove | None:
-        """The first move whose path is not that of the cutter's centre; None if there is none."""
-        if self.central:
-            return None
-        return next((move for move in self.moves if move.compensation), None)
-
-    def in_the_part(self, zero: Zero) -> Run:
-        """The same in the coordinates of the part, in which the program's `zero` is somewhere."""
-        z, part_of, turned = zero.z, zero.part_of, bool(zero.turned)
-        if not (zero.place or z or turned):
-            return self
-        moved = tuple(
-            replace(
-                move,
-                start=part_of(move.start),
-                end=part_of(move.end),
-                centre=part_of(move.centre) if move.kind == "arc" else move.centre,
-                sweep=-move.sweep if turned and move.sweep else move.sweep,
-                z_start=move.z_start + z,
-                z_end=move.z_end + z,
-                compensation=OTHER[move.compensation] if turned else move.compensation,
-            )
-            for move in self.moves
-        )
-        events = tuple(replace(each, at=part_of(each.at), z=each.z + z) for each in self.events)
-        return replace(self, moves=moved, events=events)
-
-    def centred(self, radius: Radius) -> Run:
-        """The same along the cutter's centre, with what `radius` says of compensated moves."""
-        return replace(self, moves=centres(self.moves, radius), central=True)
-
-    def refuse(self, *concerns: str) -> None:
-        """Raise FileError with the first finding that concerns one of these, or anything."""
-        for finding in self.findings:
-            if not concerns or finding.concerns in concerns:
-                raise FileError(str(finding))
 
 
 def run(
@@ -176,11 +95,6 @@ def _lines_of(data: bytes, machine: Machine) -> Iterator[str]:
     return lines_of(data, newline=CARRIAGE_RETURNS[machine.reading.carriage_return])
 
 
-def notes_of(text: str) -> list[str]:
-    """The comments in a text of any dialect, without brackets."""
-    return [(inside or after).strip() for inside, after in NOTE.findall(text)]
-
-
 KEPT: Final = 20_000
 """Blocks of which the words are kept for later lines with the same text."""
 
@@ -191,7 +105,7 @@ class _Program:
     def __init__(self, machine: Machine, bench: Bench, findings: Findings) -> None:
         self._machine = machine
         self._bench = bench
-        self._controller: Controller = controller_of(machine)
+        self._controller = Controller.of(machine)
         self._findings = findings
         self._state = State()
         if machine.smoothing is None:
@@ -217,9 +131,7 @@ class _Program:
         line = line.replace("\r", "")
         self._first = self._first or (number if line.strip() else 0)
         klartext = self._machine.dialect == "klartext"
-        brackets = self._controller.brackets and not klartext
-        may_end = self._machine.reading.open_comment
-        text, notes = without_comments(number, line, brackets, self._findings, may_end=may_end)
+        text, notes = self._decoder.without_comments(number, line)
         block = text.strip().upper()
         alone = not block or (klartext and block.isdigit())
         for note in notes:

@@ -130,8 +130,11 @@ def _rings(
         left = tolerance - moved
         share = FIT_SHARE * min(left, share * left / largest)
         if FIT_SHARE * left < LEAST_SHARE * tolerance or share < LEAST_OF_CHAMFERS * tolerance:
-            message = f"the numbers of the format are too coarse for the {boundary.name}"
-            raise ToleranceError(message, tolerance, moved / (1.0 - LEAST_SHARE))
+            raise ToleranceError(
+                f"the numbers of the format are too coarse for the {boundary.name}",
+                tolerance,
+                moved / (1.0 - LEAST_SHARE),
+            )
     kept = np.all([each != np.roll(each, 1) for each in points.values()], axis=0)
     polygons = {name: each[kept] for name, each in points.items()}
     return {name: each[::-1] if boundary.hole else each for name, each in polygons.items()}
@@ -281,19 +284,19 @@ class _Mesh:
         lie over those of the former, by the shorter diagonals.
         """
         lower_next, upper_next = np.roll(lower, -1), np.roll(upper, -1)
+        one, other = lower, upper_next
         if skew:
             points = np.concatenate(self.points)
             rising, falling = (
-                np.linalg.norm(points[one] - points[other], axis=1)
-                for one, other in ((lower, upper_next), (lower_next, upper))
+                np.linalg.norm(points[start] - points[end], axis=1)
+                for start, end in ((lower, upper_next), (lower_next, upper))
             )
             shorter = falling < rising
             one, other = np.where(shorter, lower_next, lower), np.where(shorter, upper, upper_next)
-            self.faces.append(np.column_stack((lower, lower_next, other)))
-            self.faces.append(np.column_stack((one, upper_next, upper)))
-            return
-        self.faces.append(np.column_stack((lower, lower_next, upper_next)))
-        self.faces.append(np.column_stack((lower, upper_next, upper)))
+        self.faces += [
+            np.column_stack((lower, lower_next, other)),
+            np.column_stack((one, upper_next, upper)),
+        ]
 
     def close(self) -> Body:
         """The body; raises ArithmeticError if the triangles do not enclose one, FileError if there

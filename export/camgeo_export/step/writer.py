@@ -146,8 +146,11 @@ def ring_of(boundary: Boundary, product: Product, tolerance: float) -> Ring:
         strands = _open(curve)
     apart = max((_off_circle(each) for each in strands if isinstance(each, Arc)), default=0.0)
     if apart > UNCERTAINTY:
-        message = f"arcs of the {boundary.name} are too flat for the numbers of the format"
-        raise ToleranceError(message, UNCERTAINTY, apart)
+        raise ToleranceError(
+            f"arcs of the {boundary.name} are too flat for the numbers of the format",
+            UNCERTAINTY,
+            apart,
+        )
     if boundary.hole:
         strands = tuple(strand.reversed() for strand in strands[::-1])
     return Ring(strands, contour)
@@ -561,8 +564,11 @@ def parallel(strands: Sequence[Strand], width: float, name: str) -> tuple[Arc, .
     """
     arcs = [strand for strand in strands if isinstance(strand, Arc)]
     if len(arcs) < len(strands):
-        message = "chamfers are along lines and arcs: a parallel of a spline is none"
-        raise GeometryError(message, key="output.step.walls", value='"spline"')
+        raise GeometryError(
+            "chamfers are along lines and arcs: a parallel of a spline is none",
+            key="output.step.walls",
+            value='"spline"',
+        )
     if any(_is_bent(*pair) for pair in zip((arcs[-1], *arcs[:-1]), arcs, strict=True)):
         return _mitred(arcs, width, name)
     places = []
@@ -574,8 +580,11 @@ def parallel(strands: Sequence[Strand], width: float, name: str) -> tuple[Arc, .
     for strand, (start, end) in zip(arcs, pairwise((*places, places[0])), strict=True):
         radius = radius_of(strand) - math.copysign(width, strand.sweep)
         if strand.sweep and not radius > 0.0:
-            message = f"an arc of the {name} has no parallel {width:g} mm within the material"
-            raise GeometryError(message, key="part.chamfers", value=f"{width:g}")
+            raise GeometryError(
+                f"an arc of the {name} has no parallel {width:g} mm within the material",
+                key="part.chamfers",
+                value=f"{width:g}",
+            )
         moved = Arc(start, end, strand.sweep, strand.centre)
         off = max(abs(abs(each - strand.centre) - radius) for each in (start, end))
         if strand.sweep and off > UNCERTAINTY:
@@ -591,8 +600,11 @@ def _mitred(arcs: Sequence[Arc], width: float, name: str) -> tuple[Arc, ...]:
     try:
         moved = mitred(contour_of(arcs), -width)
     except GeometryError:
-        message = f"the {name} has no parallel {width:g} mm within the material"
-        raise GeometryError(message, key="part.chamfers", value=f"{width:g}") from None
+        raise GeometryError(
+            f"the {name} has no parallel {width:g} mm within the material",
+            key="part.chamfers",
+            value=f"{width:g}",
+        ) from None
     pieces = zip(moved.vertices.tolist(), moved.ends.tolist(), moved.sweeps.tolist(),
                  moved.centres.tolist(), strict=True)  # fmt: skip
     return tuple(Arc(*piece) for piece in pieces)

@@ -147,13 +147,11 @@ def _model(
     written = [before]
     for solid, between, after in zip(bodies, parts[::2], parts[1::2], strict=True):
         written += [
-            f'<vertex x="{x!r}" y="{y!r}" z="{z!r}" />' for x, y, z in solid.vertices.tolist()
+            *(f'<vertex x="{x!r}" y="{y!r}" z="{z!r}" />' for x, y, z in solid.vertices.tolist()),
+            between,
+            *(f'<triangle v1="{a}" v2="{b}" v3="{c}" />' for a, b, c in solid.triangles.tolist()),
+            after,
         ]
-        written.append(between)
-        written += [
-            f'<triangle v1="{a}" v2="{b}" v3="{c}" />' for a, b, c in solid.triangles.tolist()
-        ]
-        written.append(after)
     return "".join(written).encode()
 
 

@@ -18,9 +18,8 @@ from camgeo.scene.formats.drawing import FORMAT as SHEET
 from camgeo.scene.formats.dxf import FORMAT
 from camgeo_export.drawing.writer import measure
 from camgeo_export.dxf.reader import Drawing, Item, Tag, drawing_of, gaps_up_to
-from camgeo_export.reading import COMPUTED, CUT, text_tokens
+from camgeo_export.reading import COMPUTED, CUT, AnyContour, text_tokens
 from camgeo_export.verify.plane import (
-    AnyContour,
     Shape,
     all_checks,
     contour_checks,
@@ -79,18 +78,20 @@ class DxfVerifier:
                 off = measure(product, data)
             except CamgeoError as error:
                 return (*checks, failed("contents", str(error)))
-            note = "of edges and dimensions"
-            return (*checks, at_most("deviation", off, tolerance, "mm", note=note))
+            return (
+                *checks,
+                at_most("deviation", off, tolerance, "mm", note="of edges and dimensions"),
+            )
         try:
             gaps = gaps_up_to(tolerance)
             found = drawing.outlines(reading.layer, reading.unit, gaps).about(reading.origin)
         except CamgeoError as error:
             return (*checks, failed("closure", str(error)))
-        checks.append(
-            at_most("closure", found.gap, tolerance, "mm", note="largest gap between pieces")
-        )
-        checks += [reported("not compared", CUT, note=note) for note in found.notes]
-        checks += flat_checks(drawing.on(reading.layer), drawing.scale(reading.unit), tolerance)
+        checks += [
+            at_most("closure", found.gap, tolerance, "mm", note="largest gap between pieces"),
+            *(reported("not compared", CUT, note=note) for note in found.notes),
+            *flat_checks(drawing.on(reading.layer), drawing.scale(reading.unit), tolerance),
+        ]
         shapes = shapes_of(product.drawn.part.boundaries, product.drawn.base_radius, tolerance)
         if found.loose and len(found.contours) < len(shapes):
             checks.append(failed("closure", found.loose))

@@ -49,10 +49,9 @@ from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, joined, t
 from camgeo.reading import PROGRAM, check_text
 from camgeo.scene.formats.gcode import FORMAT
 from camgeo.units import MM_PER, counted
-from camgeo_export.interpreter.controller import Enough, Findings
-from camgeo_export.interpreter.moves import CutterMove, Loop, Radius, judge
-from camgeo_export.interpreter.run import Run as Program
-from camgeo_export.interpreter.run import notes_of, run
+from camgeo_export.interpreter.moves import CutterMove, Enough, Findings, Loop, Radius, judge
+from camgeo_export.interpreter.moves import Run as Program
+from camgeo_export.interpreter.run import run
 from camgeo_export.reading import COMPUTED, text_tokens
 from camgeo_export.verify.plane import Shape, contour_checks, shapes_of
 
@@ -105,10 +104,12 @@ class GcodeVerifier:
         except FileError as error:
             hint = "" if said.version else f"; it is read as a program for {machine.name}"
             return (failed("program", f"{error}{hint}"),)
-        checks = [unit_check(NAMES.get(program.mm_per_unit, "unknown"), reading)]
-        checks += [_without(program, name, *concerns) for name, concerns in CONCERNS.items()]
         compensated = (*_compensation(product, program, machine),)
-        checks += compensated
+        checks = [
+            unit_check(NAMES.get(program.mm_per_unit, "unknown"), reading),
+            *(_without(program, name, *concerns) for name, concerns in CONCERNS.items()),
+            *compensated,
+        ]
         rest = 0.0
         if all(check.ok for check in compensated):
             program, rest = centred(product.milled.cuts, program, machine)
@@ -156,8 +157,10 @@ def _compensation(product: Product, program: Program, machine: Machine) -> Itera
     move, cuts = program.compensated, product.milled.cuts
     if not stated(program.comments).version:
         if move is not None:
-            note = f"line {move.line}: the control keeps the cutter off the path by what it knows"
-            yield failed("compensation", note)
+            yield failed(
+                "compensation",
+                f"line {move.line}: the control keeps the cutter off the path by what it knows",
+            )
     elif fault := fault_of(cuts, program, machine, stated(program.comments)):
         yield failed("compensation", fault)
     elif move is not None:
@@ -778,19 +781,13 @@ def too_near(cut: AreaCut | LetterCut, moves: Sequence[CutterMove]) -> float:
     the allowance; 0 if none does.
     """
     groups = groupby(moves, lambda move: move.kind != "rapid" and move.start != move.end)
-    tracks = [_track(list(group)) for is_cut, group in groups if is_cut]
+    tracks = [Track.along([move.course for move in group]) for is_cut, group in groups if is_cut]
     least = [np.inf]
     for wall in cut.walls:
         fit = wall.arcs(FINE, "fast")
         around = Track.around(fit.contour)
         least += [least_distance(track, around) + fit.deviation for track in tracks]
     return float(max(0.0, cut.tool.radius + cut.allowance - min(least)))
-
-
-def _track(moves: Sequence[CutterMove]) -> Track:
-    vertices = np.array([moves[0].start, *(move.end for move in moves)])
-    sweeps = np.array([move.sweep for move in moves])
-    return Track(vertices, sweeps, np.array([move.centre for move in moves]))
 
 
 # -- compensated ----------------------------------------------------------------------------------
@@ -886,6 +883,9 @@ def _beyond(cut: Cut, moves: Sequence[CutterMove], machine: Machine, most: float
 # What the comments of a program state.
 
 
+NOTE: Final = re.compile(r"\(([^()]*)\)|;(.*)")
+"""A comment in brackets, or one up to the end of the line, in whatever dialect."""
+
 NUMBER = r"([-+.\de]+)"
 
 TOLERANCE = re.compile(rf"\btolerance (?:{NUMBER} inch, )?{NUMBER} mm", re.IGNORECASE)
@@ -926,6 +926,11 @@ class Stated:
     program: int = 0
     offsets: tuple[float, ...] = ()
     second: bool = False
+
+
+def notes_of(text: str) -> list[str]:
+    """The comments in a text of any dialect, without brackets."""
+    return [(inside or after).strip() for inside, after in NOTE.findall(text)]
 
 
 def stated(notes: Iterable[str]) -> Stated:

@@ -20,8 +20,7 @@ from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.compensation import ScaledBoundary
 from camgeo.part.part import Boundary
 from camgeo.units import counted, place_text
-
-AnyContour = Contour | SplineContour
+from camgeo_export.reading import AnyContour
 
 SLOPE = 18.0
 """Largest slope, times length over tolerance, of a piece's deviation along its length: a polynomial
@@ -217,7 +216,7 @@ class Shape:
     """
 
     name: str
-    deviation: Callable[[Contour | SplineContour], float]
+    deviation: Callable[[AnyContour], float]
     polygon: Callable[[float], Contour]
     corners: ComplexArray
     length: float
@@ -296,7 +295,7 @@ class Joints:
     after: FloatArray
 
 
-def joints_of(contour: Contour | SplineContour) -> Joints:
+def joints_of(contour: AnyContour) -> Joints:
     """The joints of `contour`; each cubic of a spline counts as a piece, as a file's splines need
     not be smooth inside.
     """
@@ -426,9 +425,7 @@ PARTS = 16
 """Points per line or cubic."""
 
 
-def farthest(
-    polygon: Contour, contour: Contour | SplineContour, sagitta: float
-) -> tuple[float, complex]:
+def farthest(polygon: Contour, contour: AnyContour, sagitta: float) -> tuple[float, complex]:
     """Largest distance [mm] found between the two and its place [mm].
 
     In both directions; for splines, only from them to the polygon. Arcs are replaced by chords
@@ -440,7 +437,7 @@ def farthest(
     return max(found, key=lambda each: each[0])
 
 
-def points_of(contour: Contour | SplineContour, sagitta: float) -> ComplexArray:
+def points_of(contour: AnyContour, sagitta: float) -> ComplexArray:
     """(m,) complex [mm] points on the contour, in any order."""
     share = np.arange(PARTS) / PARTS
     if isinstance(contour, Contour):

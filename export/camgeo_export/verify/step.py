@@ -34,16 +34,12 @@ from camgeo_export.part21 import (
     header_of,
     solid_of,
 )
-from camgeo_export.reading import OF_ARCS, text_tokens
+from camgeo_export.reading import OF_ARCS, AnyContour, text_tokens
 from camgeo_export.verify.body import (
-    largest_deviation,
-    level_checks,
+    Surfaces,
     levels_of,
     no_body,
-    slope_checks,
-    slopes_of,
 )
-from camgeo_export.verify.plane import AnyContour
 
 OURS, SCENE, TOLERANCE = "camgeo ", "scene ", "tolerance "
 """How the lines of the description in our files begin."""
@@ -99,13 +95,13 @@ class StepVerifier:
             found = volume_of(bounds, solid.faces)
         except FileError as error:
             return (*checks, failed("body", str(error)))
-        off = gap(solid)
-        extent, own = product.drawn.base_radius, contours.__getitem__
-        checks += level_checks(part, extent, ranges - base, own, found, tolerance, off)
-        for slope in slopes_of(part):
-            there = slope_contours(solid, slope.z0 + base, slope.z1 + base, tolerance)
-            checks += slope_checks(slope, extent, there, tolerance, off)
-        return tuple(checks)
+        surfaces = Surfaces(
+            ranges - base,
+            contours.__getitem__,
+            lambda low, high: slope_contours(solid, low + base, high + base, tolerance),
+            gap(solid),
+        )
+        return (*checks, *surfaces.checks(part, product.drawn.base_radius, found, tolerance))
 
 
 VERIFIER = StepVerifier()
@@ -128,8 +124,7 @@ def shell_checks(solid: Solid, within: float) -> list[Check]:
     checks = [_closed(solid), _oriented(solid)]
     if not all(check.ok for check in checks):
         return checks
-    checks.append(_uncertainty(solid, within))
-    checks.append(_walls(solid, within))
+    checks += [_uncertainty(solid, within), _walls(solid, within)]
     if all(check.ok for check in checks):
         checks.append(_outwards(solid))
     return checks
@@ -495,5 +490,10 @@ def measure(product: Product, data: bytes) -> float:
         if not check.ok:
             raise FileError(f"the solid fails the check '{check.name}': {check.note}")
     ranges, contours = levels(bounds_of(solid), UNCERTAINTY)
-    chamfers = (slope_contours(solid, each.z0, each.z1, UNCERTAINTY) for each in slopes_of(part))
-    return largest_deviation(part, ranges, contours.__getitem__, chamfers, gap(solid))
+    surfaces = Surfaces(
+        ranges,
+        contours.__getitem__,
+        lambda low, high: slope_contours(solid, low, high, UNCERTAINTY),
+        gap(solid),
+    )
+    return surfaces.deviation(part)
