@@ -20,7 +20,7 @@ from camgeo.milling.cut import ContourCut, Cut
 from camgeo.milling.machine import Compensation
 from camgeo.milling.milling import COMPUTED, CONTROL
 from camgeo.milling.moves import ArcFeed, Feed, Move, Operation, Point, Stop, piece_of
-from camgeo.milling.track import Track
+from camgeo.milling.track import Track, track_of
 
 KEY: Final = "output.gcode.compensation"
 
@@ -114,7 +114,7 @@ def limit_of(operation: Operation) -> Limit | None:
         for obstacle in cut.obstacles:
             if cut.bottom < obstacle.top:
                 outline = Track.around(obstacle.outline.arcs(0.01, "fast").contour)
-                least = min(least, least_distance(Track.along(run), outline) - cut.tool.radius)
+                least = min(least, least_distance(track_of(run), outline) - cut.tool.radius)
     most = math.floor(SHARE * least / LEAST) * LEAST
     if most < LEAST:
         raise GeometryError(

@@ -605,16 +605,16 @@ def tool_faults(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
             yield other, f"contradicts {one}; give one of them"
         elif one not in table and other not in table:
             yield one, f"is missing: give it or {other}; camgeo invents none"
-    if "chip_load" in table and "flutes" not in table:
-        yield "flutes", "is missing: chip_load needs it"
-    if kind != DRILL and "plunge_feed" not in table:
-        yield "plunge_feed", "is missing: the feed of ramps, helices and plunges"
-    if kind == END_MILL and "stepdown" not in table:
-        yield "stepdown", "is missing: the largest depth of a pass into full material"
+    for key, needed, reason in (
+        ("flutes", "chip_load" in table, "chip_load needs it"),
+        ("plunge_feed", kind != DRILL, "the feed of ramps, helices and plunges"),
+        ("stepdown", kind == END_MILL, "the largest depth of a pass into full material"),
+        ("tip_angle", kind != END_MILL, "the included angle of its point"),
+    ):
+        if needed and key not in table:
+            yield key, f"is missing: {reason}"
     if kind == END_MILL and "tip_angle" in table:
         yield "tip_angle", f'belongs to kind "{DRILL}" or "{CHAMFER_MILL}"'
-    if kind != END_MILL and "tip_angle" not in table:
-        yield "tip_angle", "is missing: the included angle of its point"
 
 
 def stock_faults(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

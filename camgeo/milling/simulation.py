@@ -753,12 +753,10 @@ def _loose_pieces(
         if not held:  # what holds the rim is not stated; it holds what hangs on the part
             kept = [piece for piece in kept if piece.shared(part) > TOUCHING] or kept
         for piece in found:
-            if piece in kept or any(_same(piece, each) for each in known):
-                continue
-            if _is_dust(piece, allowed):
-                continue
-            known.append(piece)
-            yield _loose(stage, piece, part, setup)
+            told = piece in kept or any(_same(piece, each) for each in known)
+            if not told and not _is_dust(piece, allowed):
+                known.append(piece)
+                yield _loose(stage, piece, part, setup)
 
 
 def _meets(piece: Piece, held: Sequence[Area]) -> bool:

@@ -96,13 +96,6 @@ class Track(PieceChain):
         end = centre + (start - centre) * np.exp(1j * sweep)
         return cls(np.array([start, end]), np.array([sweep]), np.array([centre]))
 
-    @classmethod
-    def along(cls, pieces: Sequence[Arc]) -> Self:
-        """Along pieces that each begin where the one before it ends."""
-        vertices = np.array([pieces[0].start, *(each.end for each in pieces)])
-        sweeps = np.array([each.sweep for each in pieces])
-        return cls(vertices, sweeps, np.array([each.centre for each in pieces]))
-
     def reversed(self) -> Self:
         """The same in the opposite direction."""
         return type(self)(self.vertices[::-1], -self.sweeps[::-1], self.centres[::-1])
@@ -141,6 +134,13 @@ class Track(PieceChain):
             ends[1] = self.vertices[-1]
         vertices = np.concatenate((ends[:1], self.vertices[inner], ends[1:]))
         return type(self)(vertices, self.sweeps[index] * share, self.centres[index])
+
+
+def track_of(pieces: Sequence[Arc]) -> Track:
+    """Along pieces that each begin where the one before it ends."""
+    vertices = np.array([pieces[0].start, *(each.end for each in pieces)])
+    sweeps = np.array([each.sweep for each in pieces])
+    return Track(vertices, sweeps, np.array([each.centre for each in pieces]))
 
 
 def chained(tracks: Iterable[Track]) -> Track:

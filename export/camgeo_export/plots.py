@@ -330,6 +330,10 @@ def _(mark: Arrow, axes: Axes) -> None:
 
 
 @draw.register
+def _(mark: Band, axes: Axes) -> None:
+    _band(mark, axes)
+
+
 def _band(mark: Band, axes: Axes) -> PolyCollection:
     fill = axes.fill_betweenx if mark.axis == "y" else axes.fill_between
     held = list(~np.isnan(mark.low))

@@ -85,9 +85,10 @@ class GcodeWriter:
             "budget_rounding_mm": _short(shares.rounding),
             "budget_chords_mm": _short(shares.chord),
             "path_blending_mm": _short(shares.blending),
+            **(
+                {"controller_arcs_mm": _short(shares.interpolation)} if shares.interpolation else {}
+            ),
         }
-        if shares.interpolation > 0.0:
-            facts["controller_arcs_mm"] = _short(shares.interpolation)
         if program.limits:
             facts["compensation"] = ", ".join(
                 f"{each.operation} {each.mode} {each.most:.3f} mm"

@@ -1,5 +1,5 @@
-"""What the interpreter goes by: the meanings of words, a machine profile prepared for looking them
-up, the modal state, blocks, and the rules that programs break.
+"""What the interpreter goes by: a machine profile prepared for looking words up, the modal state,
+the meanings of words, and lines decoded into blocks.
 """
 
 from __future__ import annotations

@@ -1,4 +1,6 @@
-"""Moves of a milling program that was read, and the closed paths that they form."""
+"""Moves of a milling program that was read, the closed paths that they form, and the rules that it
+breaks.
+"""
 
 from __future__ import annotations
 

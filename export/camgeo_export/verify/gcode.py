@@ -44,7 +44,7 @@ from camgeo.milling.milling import END_MILL, WEAR, MillingSpec, Tool
 from camgeo.milling.moves import ArcFeed, Course, Feed, Move, Point, Rapid, course_of
 from camgeo.milling.plan import inside
 from camgeo.milling.simulation import ALLOWED, Flaw, Run, Setup
-from camgeo.milling.track import Track
+from camgeo.milling.track import Track, track_of
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, joined, taken
 from camgeo.reading import PROGRAM, check_text
 from camgeo.scene.formats.gcode import FORMAT
@@ -531,8 +531,9 @@ def _too_deep(setup: Setup, found: Sequence[Traced]) -> Iterator[LineFinding]:
     told: set[tuple[int, str]] = set()
     for depth in depths(setup, [each.run for each in found]):
         each = found[depth.run]
-        for rule, value, limit, what in _limits(each.tool, depth):
-            if value > limit + DEEPER and (depth.run, rule) not in told:
+        limits = _limits(each.tool, depth) if each.tool.kind == END_MILL else ()
+        for rule, value, limit, what in limits:
+            if limit is not None and value > limit + DEEPER and (depth.run, rule) not in told:
                 told.add((depth.run, rule))
                 x, y, _ = depth.place
                 text = f"{each.run.name}: {what} at X {x:.4g}, Y {y:.4g} mm"
@@ -540,21 +541,13 @@ def _too_deep(setup: Setup, found: Sequence[Traced]) -> Iterator[LineFinding]:
                 yield LineFinding(line, rule, WORK, text, f"{value:.4g} mm", f"{limit:g} mm")
 
 
-def _limits(tool: Tool, depth: Depth) -> Iterator[tuple[str, float, float, str]]:
-    """Rule, depth, limit and words for what a tool must not do."""
-    if tool.kind != END_MILL:
-        return
-    if tool.stepdown is not None:
-        yield "slot-depth", depth.ahead, tool.stepdown, "a slot deeper than the tool's stepdown"
-    if tool.flute_length is not None:
-        yield "flute-length", depth.beside, tool.flute_length, "deeper than the cutting edges are"
-    if tool.stick_out is not None:
-        yield (
-            "holder",
-            depth.beside,
-            tool.stick_out,
-            "deeper than the tool sticks out of its holder",
-        )
+def _limits(tool: Tool, depth: Depth) -> tuple[tuple[str, float, float | None, str], ...]:
+    """Rule, depth, limit if any and words for what an end mill must not do."""
+    return (
+        ("slot-depth", depth.ahead, tool.stepdown, "a slot deeper than the tool's stepdown"),
+        ("flute-length", depth.beside, tool.flute_length, "deeper than the cutting edges are"),
+        ("holder", depth.beside, tool.stick_out, "deeper than the tool sticks out of its holder"),
+    )
 
 
 # -- reach ----------------------------------------------------------------------------------------
@@ -781,7 +774,7 @@ def too_near(cut: AreaCut | LetterCut, moves: Sequence[CutterMove]) -> float:
     the allowance; 0 if none does.
     """
     groups = groupby(moves, lambda move: move.kind != "rapid" and move.start != move.end)
-    tracks = [Track.along([move.course for move in group]) for is_cut, group in groups if is_cut]
+    tracks = [track_of([move.course for move in group]) for is_cut, group in groups if is_cut]
     least = [np.inf]
     for wall in cut.walls:
         fit = wall.arcs(FINE, "fast")
