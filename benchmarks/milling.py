@@ -42,13 +42,12 @@ import camgeo
 from camgeo.design.product import Product
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour
-from camgeo.milling.course import Course, course_of
 from camgeo.milling.cut import AreaCut, ContourCut
 from camgeo.milling.judged import Side, runs_of, setup_of
 from camgeo.milling.machine import Machine, load
 from camgeo.milling.machining_time import block_times, blocks_of, contour_time
 from camgeo.milling.milling import Heights, Holding, MillingSpec, Stock, Tool
-from camgeo.milling.moves import Feed, Move, Operation, Rapid, Toolpath
+from camgeo.milling.moves import Course, Feed, Move, Operation, Rapid, Toolpath, course_of
 from camgeo.milling.plan import Cutting, Engagement, plan_toolpath
 from camgeo.milling.planned import sequence_of
 from camgeo.milling.simulation import simulate

@@ -309,7 +309,7 @@ CLOSED: dict[str, dict[str, str]] = {
             "a bracket of a turn; `least_distance` then decides whether the lead is clear"
         ),
     },
-    "camgeo/milling/strategies/clear.py": {
+    "camgeo/milling/clear.py": {
         "np.linspace(0.0, 2.0 * np.pi, PER_TURN, endpoint=False)": (
             "paces a spiral; `require_clear` proves that it leaves the part alone"
         ),
@@ -319,7 +319,7 @@ CLOSED: dict[str, dict[str, str]] = {
             "slabs of a point or of rounded corners; gouge and rest are told of a slab's middle"
         ),
     },
-    "camgeo/milling/strategies/trochoid.py": {
+    "camgeo/milling/strategies.py": {
         "np.linspace(-np.pi, 0.0, PLACES)": (
             "paces loops, `ROUNDING` below the limit: more than a top between two places can hide"
         ),

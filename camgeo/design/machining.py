@@ -18,7 +18,7 @@ from camgeo.scene.formats.gcode import FORMAT
 if TYPE_CHECKING:
     from camgeo.design.product import Product
     from camgeo.errors import Fault
-    from camgeo.milling.features import Feature
+    from camgeo.milling.judged import Feature
     from camgeo.milling.machine import Machine
     from camgeo.milling.plan import Engaged
 

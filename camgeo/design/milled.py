@@ -18,14 +18,12 @@ from camgeo.scene.formats.gcode import FORMAT
 if TYPE_CHECKING:
     from camgeo.design.drawn import DrawnDisc
     from camgeo.milling.cut import ContourCut, Cut
-    from camgeo.milling.features import Feature
-    from camgeo.milling.judged import Done
+    from camgeo.milling.judged import Done, Feature
     from camgeo.milling.milling import GcodeSpec, MillingSpec
-    from camgeo.milling.moves import Toolpath
+    from camgeo.milling.moves import Toolpath, Zero
     from camgeo.milling.plan import Engaged
     from camgeo.milling.planned import Sequence
     from camgeo.milling.simulation import Flaw, Run
-    from camgeo.milling.zero import Zero
     from camgeo.part.part import Part
     from camgeo.scene.scene import Scene
 
@@ -180,20 +178,18 @@ class MilledDisc(Pickled):
     @property
     def zero(self) -> Zero:
         """Of the program; raises SceneError if the blank has no such corner."""
-        from camgeo.milling.bench import Bench
         from camgeo.milling.milling import AXIS, NOT, Stock
-        from camgeo.milling.planned import is_cut_free
-        from camgeo.milling.zero import zero_of
+        from camgeo.milling.moves import Zero
 
         stock = Stock() if self.spec is None else self.spec.stock
         turned = NOT if self.spec is None else self.spec.turned
         with self._faults_of_scene():
-            found, first = zero_of(self.gcode, stock, self.part, turned), self.first
+            found, first = Zero.stated(self.gcode, stock, self.part, turned), self.first
             if (
                 first is not None
                 and first.spec is not None
                 and found.name != AXIS
-                and is_cut_free(Bench(first.part, first.spec), first.sequence.cuts)
+                and first.sequence.is_cut_free
             ):
                 message = "there is no corner: the first side cuts the part out of the blank"
                 raise GeometryError(message, "output.gcode.zero", f'"{found.name}"')
@@ -237,8 +233,7 @@ class MilledDisc(Pickled):
         """What is told of the sequence and its programs, and what their simulation finds: "broken"
         if they must not be run.
         """
-        from camgeo.milling.features import findings_of
-        from camgeo.milling.judged import verdict
+        from camgeo.milling.judged import findings_of, verdict
 
         found = (*findings_of(compared(self)), *verdict(self.flaws(toolpath, tolerance)))
         names = {each.name for each in found}
@@ -279,8 +274,7 @@ def compared(milled: MilledDisc) -> tuple[Feature, ...]:
     """The part, feature by feature, with the operations of all sides of its job; none for a second
     side, of whose operations the first one tells.
     """
-    from camgeo.milling.features import features_of
-    from camgeo.milling.judged import Side
+    from camgeo.milling.judged import Side, features_of
 
     first = milled if milled.whole is None else milled.whole
     if first.first is not None or first.spec is None:

@@ -13,8 +13,6 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
 
-import numpy as np
-
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import least_distance
 from camgeo.geometry.contour.spline import Arc
@@ -22,7 +20,7 @@ from camgeo.milling.cut import ContourCut, Cut
 from camgeo.milling.machine import Compensation
 from camgeo.milling.milling import COMPUTED, CONTROL
 from camgeo.milling.moves import ArcFeed, Feed, Move, Operation, Point, Stop, piece_of
-from camgeo.milling.track import Track
+from camgeo.milling.track import Track, track_of
 
 KEY: Final = "output.gcode.compensation"
 
@@ -116,17 +114,15 @@ def limit_of(operation: Operation) -> Limit | None:
         for obstacle in cut.obstacles:
             if cut.bottom < obstacle.top:
                 outline = Track.around(obstacle.outline.arcs(0.01, "fast").contour)
-                places = np.array([run[0].start, *(each.end for each in run)])
-                sweeps = np.array([each.sweep for each in run])
-                way = Track(places, sweeps, np.array([each.centre for each in run]))
-                least = min(least, least_distance(way, outline) - cut.tool.radius)
+                least = min(least, least_distance(track_of(run), outline) - cut.tool.radius)
     most = math.floor(SHARE * least / LEAST) * LEAST
     if most < LEAST:
-        message = (
+        raise GeometryError(
             f"{cut.name} leaves no room for it: its leads are {run[0].length:.3g} mm long; roughing"
-            ' with more allowance makes room, "computed" needs none'
+            ' with more allowance makes room, "computed" needs none',
+            KEY,
+            f'"{mode_of(cut)}"',
         )
-        raise GeometryError(message, KEY, f'"{mode_of(cut)}"')
     return Limit(cut.name, mode_of(cut), cut.tool.number, cut.tool.radius, most)
 
 
@@ -143,11 +139,11 @@ def limits_of(operations: Sequence[Operation]) -> dict[str, Limit]:
     for each in found:
         other = modes.setdefault(each.tool, each)
         if other.mode != each.mode:
-            message = (
+            raise GeometryError(
                 f'tool {each.tool} has "{other.mode}" in {other.operation} and "{each.mode}" in'
-                f" {each.operation}; its offset cannot hold both"
+                f" {each.operation}; its offset cannot hold both",
+                KEY,
             )
-            raise GeometryError(message, KEY)
     return {each.operation: each for each in found}
 
 

@@ -91,8 +91,9 @@ class Cut:
         check_fields(self)
         depths = array("toolpath", instance("toolpath", self.depths, tuple, "a tuple of depths"))
         if not len(depths) or not np.all(np.diff(depths) < 0.0) or depths[0] > self.top:
-            message = f"must be descending depths below {self.top:g} mm"
-            raise GeometryError(message, "toolpath", shown(self.depths))
+            raise GeometryError(
+                f"must be descending depths below {self.top:g} mm", "toolpath", shown(self.depths)
+            )
         given = instance("toolpath", self.obstacles, tuple, "a tuple of obstacles")
         obstacles = instances("toolpath", given, (Obstacle,), "obstacles")
         hold(self, depths=tuple(depths.tolist()), obstacles=obstacles)
@@ -208,8 +209,11 @@ class AreaCut(Cut):
         if not self.walls and self.stock is None:
             raise GeometryError("an area needs a wall or the outline of the blank", "toolpath")
         if self.stepover > self.tool.diameter:
-            message = f"must be at most the cutter's diameter, {self.tool.diameter:g} mm"
-            raise GeometryError(message, "toolpath", f"{self.stepover:g}")
+            raise GeometryError(
+                f"must be at most the cutter's diameter, {self.tool.diameter:g} mm",
+                "toolpath",
+                f"{self.stepover:g}",
+            )
 
     @property
     def produced(self) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ import functools
 import math
 import re
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from importlib.resources import files
@@ -18,7 +18,7 @@ from typing import Annotated, Any, Final
 from jsonschema_rs import Draft202012Validator, ValidationError
 
 from camgeo.errors import Fault, FileError, GeometryError, SceneError, meant, unreadable
-from camgeo.milling.milling import COMPUTED, CONTROL, WEAR, FeedRate, SpinUp
+from camgeo.milling.milling import COMPUTED, CONTROL, WEAR, FeedRate, SpinUp, Text, Truth
 from camgeo.numeric.checked import (
     CheckedFields,
     check_fields,
@@ -92,8 +92,7 @@ def blocks_of(key: str, given: Any, names: tuple[str, ...]) -> tuple[str, ...]:
             found = [("", None, None, None)]
         if any(name not in names or form or kind for _, name, form, kind in found):
             allowed = f" but {', '.join(f'{{{each}}}' for each in names)}" if names else ""
-            message = f"must hold no braces{allowed}"
-            raise GeometryError(message, key, repr(block[:MOST_SHOWN]))
+            raise GeometryError(f"must hold no braces{allowed}", key, repr(block[:MOST_SHOWN]))
     return blocks
 
 
@@ -123,8 +122,6 @@ def meanings(key: str, given: Any) -> Mapping[str, str]:
     return MappingProxyType(found)
 
 
-Text = Annotated[str, partial(instance, kind=str, what="a text")]
-Flag = Annotated[bool, partial(instance, kind=bool, what="true or false")]
 Texts = Annotated[tuple[str, ...], texts]
 Plain = Annotated[tuple[str, ...], blocks_with()]
 Size = Annotated[float, partial(number, least=0.0)]
@@ -314,17 +311,17 @@ class Reading(CheckedFields, path="reading."):
 
     counted: Annotated[str, partial(one_of, choices=("line", "code"))] = "line"
     carriage_return: Annotated[str, partial(one_of, choices=RETURNS)] = "unknown"
-    byte_order_mark: Flag = False
+    byte_order_mark: Truth = False
     percent: Annotated[str, partial(one_of, choices=("first", "any", "none"))] = "any"
     number_marks: Text = "O:"
-    number_first: Flag = False
+    number_first: Truth = False
     largest_number: Annotated[int, partial(whole, least=1, most=2**31 - 1)] = 10_000_000
     alone: Annotated[tuple[str, ...], _sets] = ()
     dwell: Text = ""
-    open_comment: Flag = False
+    open_comment: Truth = False
     bare: Texts = ()
     takes_axes: Texts = ("G43.1",)
-    cancelled_axes: Flag = True
+    cancelled_axes: Truth = True
     machine_position: Annotated[tuple[str, ...], partial(_choices, allowed=TO_MACHINE)] = ()
     feed_unit: Annotated[str, partial(one_of, choices=("block", "before"))] = "block"
     feed_mode: Annotated[str, partial(one_of, choices=("keeps", "resets"))] = "keeps"
@@ -408,24 +405,37 @@ class Machine:
     def __post_init__(self) -> None:
         check_fields(self)
         if not (self.extension.startswith(".") and self.extension[1:].isalnum()):
-            message = "must be a point and up to eight letters or digits"
-            raise GeometryError(message, "extension", shown(self.extension))
+            raise GeometryError(
+                "must be a point and up to eight letters or digits",
+                "extension",
+                shown(self.extension),
+            )
         compensation = self.compensation
         if compensation is None or not compensation.nominal:
             return
         blocks = (compensation.left, compensation.right, *self.tool_change.change)
         if not any("{nominal}" in block for block in blocks):
-            message = "must stand as {nominal} in compensation.left and right or tool_change.change"
-            raise GeometryError(message, "compensation.nominal", shown(compensation.nominal))
+            raise GeometryError(
+                "must stand as {nominal} in compensation.left and right or tool_change.change",
+                "compensation.nominal",
+                shown(compensation.nominal),
+            )
         called = any("{nominal}" in block for block in self.tool_change.change)
         if called and not self.tool_change.repeat:
-            message = "must be true where tool_change.change has {nominal}: it holds up to the next"
-            raise GeometryError(message, "tool_change.repeat", "false")
+            raise GeometryError(
+                "must be true where tool_change.change has {nominal}: it holds up to the next",
+                "tool_change.repeat",
+                "false",
+            )
 
     @property
     def compensations(self) -> tuple[str, ...]:
         """Those of `camgeo.milling.milling.COMPENSATIONS` that it allows, "computed" first."""
         return (COMPUTED, *(self.compensation.modes if self.compensation else ()))
+
+    def error(self, message: str) -> SceneError:
+        """What the profile does not allow."""
+        return SceneError([Fault(KEY, repr(self.name), message)])
 
     def decimals(self, unit: LengthUnit, tolerance: float) -> int:
         """Of the coordinates in a program within `tolerance` [mm]: as many as the controller
@@ -473,8 +483,9 @@ def load(machine: str, key: str = KEY) -> Machine:
     try:
         text = read_within(Path(machine), MACHINE).decode("utf-8-sig")
     except (OSError, ValueError) as error:  # the latter also for a path that no file can have
-        message = f"the profile cannot be read: {unreadable(error)}"
-        raise SceneError([Fault(key, repr(machine), message)]) from None
+        raise SceneError(
+            [Fault(key, repr(machine), f"the profile cannot be read: {unreadable(error)}")]
+        ) from None
     return parse(text, machine)
 
 
@@ -696,8 +707,9 @@ class NumberForm:
             whole(f"numbers.most_decimals.{unit}", getattr(self.most_decimals, unit), least,
                   MOST_DECIMALS)  # fmt: skip
         if (self.increment is None) != (self.point == "optional"):
-            message = 'must be given if point is "required", and only then'
-            raise GeometryError(message, "numbers.increment", "")
+            raise GeometryError(
+                'must be given if point is "required", and only then', "numbers.increment", ""
+            )
 
 
 @dataclass(frozen=True, slots=True)
@@ -748,7 +760,7 @@ class ToolChange(CheckedFields, path="tool_change."):
 
     change: Annotated[tuple[str, ...], blocks_with("tool", "speed", "nominal")]
     length_offset: Annotated[tuple[str, ...], blocks_with("tool", "z")]
-    repeat: Flag = False
+    repeat: Truth = False
     approach: Annotated[str, partial(one_of, choices=("z-first", "xy-first"))] = "z-first"
 
 
@@ -763,13 +775,16 @@ class Retract:
     """
 
     blocks: Annotated[tuple[str, ...], blocks_with("z")]
-    first: Flag = False
+    first: Truth = False
 
     def __post_init__(self) -> None:
         check_fields(self, "retract.")
         if self.first and self.is_a_height:
-            message = "must be false for a retract to {z}: before a tool change no length holds"
-            raise GeometryError(message, "retract.first", "true")
+            raise GeometryError(
+                "must be false for a retract to {z}: before a tool change no length holds",
+                "retract.first",
+                "true",
+            )
 
     @property
     def is_a_height(self) -> bool:
@@ -787,7 +802,7 @@ class Spindle(CheckedFields, path="spindle."):
     clockwise: Annotated[tuple[str, ...], blocks_with("speed")]
     off: Plain
     spin_up: SpinUp = 0.0
-    whole_speed: Flag = False
+    whole_speed: Truth = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -820,7 +835,7 @@ class Dwell(CheckedFields, path="dwell."):
 
     blocks: Annotated[tuple[str, ...], blocks_with("dwell")]
     unit: Annotated[str, partial(one_of, choices=("s", "ms"))]
-    point_seconds: Flag = False
+    point_seconds: Truth = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -844,8 +859,8 @@ class ArcLimits(CheckedFields, path="arcs."):
     centre: Annotated[str, partial(one_of, choices=("incremental", "absolute", "block"))] = (
         "incremental"
     )
-    helical: Flag = True
-    full_circle: Flag = True
+    helical: Truth = True
+    full_circle: Truth = True
     largest_sweep: Sweep = 180.0
     interpolation: Size = 0.0
 
@@ -886,8 +901,3 @@ class Words(CheckedFields, path="words."):
                     words = [f"{ends[1]}{k}" for k in range(int(ends[2]), int(ends[3]) + 1)]
                 found |= dict.fromkeys(words, meaning)
         return found
-
-
-def filled(blocks: Iterable[str], **words: str) -> list[str]:
-    """`blocks` with `words` in place of the names in braces."""
-    return [block.format(**words) for block in blocks]

@@ -157,15 +157,22 @@ class Tool:
     def __post_init__(self) -> None:
         check_fields(self, "tool.")
         if self.corner_radius > self.radius:
-            message = f"must be at most half the diameter, {self.radius:g} mm"
-            raise GeometryError(message, "tool.corner_radius", f"{self.corner_radius:g}")
+            raise GeometryError(
+                f"must be at most half the diameter, {self.radius:g} mm",
+                "tool.corner_radius",
+                f"{self.corner_radius:g}",
+            )
         if self.stepover is not None and self.stepover > self.diameter:
-            message = f"must be at most the diameter, {self.diameter:g} mm"
-            raise GeometryError(message, "tool.stepover", f"{self.stepover:g}")
+            raise GeometryError(
+                f"must be at most the diameter, {self.diameter:g} mm",
+                "tool.stepover",
+                f"{self.stepover:g}",
+            )
         flutes, out = self.flute_length, self.stick_out
         if flutes is not None and out is not None and out < flutes:
-            message = f"must be at least the flute length, {flutes:g} mm"
-            raise GeometryError(message, "tool.stick_out", f"{out:g}")
+            raise GeometryError(
+                f"must be at least the flute length, {flutes:g} mm", "tool.stick_out", f"{out:g}"
+            )
 
     @property
     def radius(self) -> float:
@@ -598,16 +605,16 @@ def tool_faults(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
             yield other, f"contradicts {one}; give one of them"
         elif one not in table and other not in table:
             yield one, f"is missing: give it or {other}; camgeo invents none"
-    if "chip_load" in table and "flutes" not in table:
-        yield "flutes", "is missing: chip_load needs it"
-    if kind != DRILL and "plunge_feed" not in table:
-        yield "plunge_feed", "is missing: the feed of ramps, helices and plunges"
-    if kind == END_MILL and "stepdown" not in table:
-        yield "stepdown", "is missing: the largest depth of a pass into full material"
+    for key, needed, reason in (
+        ("flutes", "chip_load" in table, "chip_load needs it"),
+        ("plunge_feed", kind != DRILL, "the feed of ramps, helices and plunges"),
+        ("stepdown", kind == END_MILL, "the largest depth of a pass into full material"),
+        ("tip_angle", kind != END_MILL, "the included angle of its point"),
+    ):
+        if needed and key not in table:
+            yield key, f"is missing: {reason}"
     if kind == END_MILL and "tip_angle" in table:
         yield "tip_angle", f'belongs to kind "{DRILL}" or "{CHAMFER_MILL}"'
-    if kind != END_MILL and "tip_angle" not in table:
-        yield "tip_angle", "is missing: the included angle of its point"
 
 
 def stock_faults(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
@@ -959,8 +966,7 @@ class Stock:
         from camgeo.geometry.contour.contour import Contour
         from camgeo.part.boundaries import ExactBoundary
 
-        circle = Contour.circle(self.bore / 2.0)
-        return ExactBoundary("hole in the blank", hole=True, exact=circle)
+        return ExactBoundary("hole in the blank", hole=True, exact=Contour.circle(self.bore / 2.0))
 
     @property
     def outline(self) -> ExactBoundary | None:

@@ -1,4 +1,5 @@
-"""Moves of a cutter: what a toolpath consists of and what a G-code writer prints.
+"""Moves of a cutter: what a toolpath consists of and what a G-code writer prints; the course of its
+centre along them, and the zero of a program that states them.
 
 Millimetres, mm/min, Z = 0 on the upper face of the part, Z up. Positions are of the cutter's tip.
 """
@@ -6,24 +7,43 @@ Millimetres, mm/min, Z = 0 on the upper face of the part, Z up. Positions are of
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, Self
+
+import numpy as np
 
 from camgeo.errors import FileError, GeometryError
+from camgeo.geometry.contour.contour import Pieces
 from camgeo.geometry.contour.spline import Arc
 from camgeo.milling.cut import Cut
-from camgeo.milling.milling import Heights, Text, Tool
-from camgeo.numeric.arrays import phase
+from camgeo.milling.milling import (
+    AXIS,
+    CORNERS,
+    NOT,
+    PART_TOP,
+    GcodeSpec,
+    Heights,
+    Stock,
+    Text,
+    Tool,
+    mirrored,
+)
+from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, phase, taken
 from camgeo.numeric.checked import (
     LARGEST,
     CheckedFields,
+    Floats,
+    Integers,
     finite,
     instance,
     one_of,
     positive,
     shown,
 )
+from camgeo.part.part import Part
 from camgeo.reading import PROGRAM_LINES
+from camgeo.units import MM_PER, LengthUnit
 
 Point = tuple[float, float, float]
 
@@ -132,8 +152,11 @@ class Operation:
         instance("toolpath", self.cut, Cut, "a cut")
         instance("toolpath", self.moves, tuple, "a tuple of moves")
         if not self.moves or not isinstance(self.moves[0], Rapid):
-            message = f"the operation {self.cut.name} must begin with a traverse"
-            raise GeometryError(message, "toolpath", shown(self.moves[:1]))
+            raise GeometryError(
+                f"the operation {self.cut.name} must begin with a traverse",
+                "toolpath",
+                shown(self.moves[:1]),
+            )
 
     @property
     def travel(self) -> tuple[Move, ...]:
@@ -175,8 +198,7 @@ class Toolpath:
             instance("toolpath", each, Operation, "an operation")
         names = [each.cut.name for each in self.operations]
         if len(set(names)) < len(names):
-            message = "each operation needs its own name"
-            raise GeometryError(message, "toolpath", ", ".join(names))
+            raise GeometryError("each operation needs its own name", "toolpath", ", ".join(names))
 
 
 # -- pieces ---------------------------------------------------------------------------------------
@@ -203,3 +225,257 @@ def arc_sweep(start: complex, end: complex, *, ccw: bool) -> float:
         turn += 2.0 * math.pi
     turn = max(turn, 0.0)
     return turn if ccw else -turn
+
+
+# -- course ---------------------------------------------------------------------------------------
+# The course of a cutter: lines and arcs of its centre in the plane, with the heights of its tip.
+#
+# Exact to the rounding of a few operations: no piece is replaced by chords.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Course(Pieces):
+    """Pieces in the order in which they are run.
+
+    Attributes
+    ----------
+    starts, ends, sweeps, centres : as of all pieces, at most half a turn each, so that the circle
+        around its chord holds a piece; the ends are equal where the cutter moves along Z alone.
+    from_z, to_z : (n,) Z of the tip [mm] at both ends of each piece, with a constant slope between.
+    moves : (n,) index of the move that it is part of.
+    """
+
+    from_z: Floats
+    to_z: Floats
+    moves: Integers
+
+    @property
+    def highest(self) -> FloatArray:
+        """(n,) largest Z of the tip [mm] on each piece."""
+        return np.maximum(self.from_z, self.to_z)
+
+    @property
+    def lowest(self) -> FloatArray:
+        """(n,) least Z of the tip [mm] on each piece."""
+        return np.minimum(self.from_z, self.to_z)
+
+    @property
+    def cleared(self) -> FloatArray:
+        """(n,) Z [mm] down to which all of a piece has been run: that of its higher end, and of a
+        move along Z that of its lower one.
+        """
+        upright = (self.starts == self.ends) & (self.sweeps == 0.0)
+        return np.where(upright, self.lowest, self.highest)
+
+    def part(self, first: FloatArray, last: FloatArray) -> Course:
+        """The part of each from the share `first` to the share `last` (n,) of its length."""
+        found = self.between(first, last)
+        low, high = self._tip(first), self._tip(last)
+        return Course(found.starts, found.ends, found.sweeps, found.centres, low, high, self.moves)
+
+    def below(self, z: float) -> Course:
+        """The parts of the pieces on which the tip is not above `z` [mm]."""
+        course = taken(self, self.lowest <= z)
+        if np.all(course.highest <= z):
+            return course
+        rise = course.to_z - course.from_z
+        share = np.divide(z - course.from_z, rise, out=np.ones(len(course)), where=rise != 0.0)
+        share = np.clip(share, 0.0, 1.0)
+        first = np.where(course.from_z > z, share, 0.0)
+        found = course.part(first, np.where(course.to_z > z, share, 1.0))
+        low, high = (
+            np.minimum(found.from_z, z),
+            np.minimum(found.to_z, z),
+        )  # which rounding may exceed
+        return Course(found.starts, found.ends, found.sweeps, found.centres, low, high, found.moves)
+
+    def _tip(self, shares: FloatArray) -> FloatArray:
+        """(n,) Z [mm] at a share of the length of each piece."""
+        inner = self.from_z + (self.to_z - self.from_z) * shares
+        return np.where(shares == 1.0, self.to_z, inner)
+
+
+def arc_sweeps(starts: ComplexArray, ends: ComplexArray, turns: FloatArray) -> FloatArray:
+    """(n,) as `arc_sweep`, of arms (n,) and their directions (n,): 1 counter-clockwise, else -1."""
+    found = np.angle(ends / starts) * turns
+    found = np.where(found < -0.5 * np.pi, found + 2.0 * np.pi, found)
+    return turns * np.maximum(found, 0.0)
+
+
+def course_of(moves: Iterable[Move | Stop], at: Point | None = None) -> Course:
+    """The course of the feed moves; traverses cut nothing and are left out.
+
+    Parameters
+    ----------
+    at : where the cutter stands before; None if the first move is a traverse.
+    """
+    points: list[Point] = []
+    rows: list[tuple[int, float, float, float]] = []  # of the move, its centre, its direction
+    for number, move in enumerate(moves):
+        if isinstance(move, Stop):
+            continue
+        if at is not None and not isinstance(move, Rapid):
+            points += (at, move.end)
+            if isinstance(move, ArcFeed):
+                rows.append((number, *move.centre, 1.0 if move.ccw else -1.0))
+            else:
+                rows.append((number, 0.0, 0.0, 0.0))
+        at = move.end
+    ends = np.array(points, dtype=np.float64).reshape(-1, 2, 3)
+    columns = np.array(rows, dtype=np.float64).reshape(-1, 4)
+    flat = ends[:, :, 0] + 1j * ends[:, :, 1]
+    centres = columns[:, 1] + 1j * columns[:, 2]
+    sweeps = np.zeros(len(columns))
+    arcs = np.flatnonzero(columns[:, 3])
+    if len(arcs):
+        arms = flat[arcs] - centres[arcs, None]
+        sweeps[arcs] = arc_sweeps(arms[:, 0], arms[:, 1], columns[arcs, 3])
+    z, numbers = ends[:, :, 2], columns[:, 0].astype(np.intp)
+    whole = Course(flat[:, 0], flat[:, 1], sweeps, centres, z[:, 0], z[:, 1], numbers)
+    index, first, last = whole.halves()
+    return whole if len(index) == len(whole) else taken(whole, index).part(first, last)
+
+
+def alike(course: Course) -> IntArray:
+    """(n,) the first piece that is the same in the plane as each."""
+    rows = np.column_stack((course.starts, course.ends, course.sweeps, course.centres))
+    size = rows.dtype.itemsize * rows.shape[1]
+    first: dict[bytes, int] = {}
+    keys = np.ascontiguousarray(rows).view(f"V{size}")[:, 0].tolist()
+    return np.array([first.setdefault(key, k) for k, key in enumerate(keys)], dtype=np.intp)
+
+
+# -- zero -----------------------------------------------------------------------------------------
+# Where the coordinates of a program begin: on the cam axis or a corner of the blank, on a face;
+# and the blank from there, in words and as the box around it.
+
+
+FACES: Final = {
+    PART_TOP: "the upper face of the finished disc",
+    "part-bottom": "the lower face of the finished disc",
+    "blank-top": "the upper face of the blank",
+    "blank-bottom": "the lower face of the blank",
+}
+
+TURNED_FACES: Final = {
+    PART_TOP: "the lower face of the finished part, which lies up",
+    "part-bottom": "the upper face of the finished part, which lies down",
+    "blank-top": "the lower face of the blank, which lies up",
+    "blank-bottom": "what lies lowest",
+}
+"""The same on the second side."""
+
+
+@dataclass(frozen=True, slots=True)
+class Zero:
+    """The zero of a program, and how its work lies.
+
+    Attributes
+    ----------
+    name, height : as in scenes.
+    place : seen from the cam axis, in the part's coordinates [mm].
+    z : above the upper face of the part [mm]; on the second side above its lower one.
+    turned : the axis about which the work has been turned over; empty on the first side.
+    """
+
+    name: str = AXIS
+    height: str = PART_TOP
+    place: complex = 0j
+    z: float = 0.0
+    turned: str = NOT
+
+    @classmethod
+    def stated(cls, spec: GcodeSpec, stock: Stock, part: Part, turned: str = NOT) -> Self:
+        """The zero that a scene asks for, of work that is `turned` over about an axis, or not.
+
+        Raises
+        ------
+        GeometryError
+            With key "output.gcode.zero", if the blank has no such corner.
+        """
+        place = 0j
+        if spec.zero != AXIS:
+            if stock.length is None or stock.width is None:
+                raise GeometryError(
+                    "needs a plate whose length and width are stated: there is no corner",
+                    "output.gcode.zero",
+                    f'"{spec.zero}"',
+                )
+            along, across = CORNERS[spec.zero]
+            corner = 0.5 * complex(along * stock.length, across * stock.width)
+            place = stock.centre + mirrored(corner, turned)
+        low, high = part.layers[0].z0, part.layers[-1].z1
+        heights = {
+            PART_TOP: 0.0,
+            "part-bottom": low,
+            "blank-top": high + stock.top,
+            "blank-bottom": low - stock.bottom,
+        }
+        return cls(spec.zero, spec.zero_height, place, heights[spec.zero_height], turned)
+
+    @property
+    def is_of_the_part(self) -> bool:
+        """Whether the program's coordinates are the part's own."""
+        return self.name == AXIS and self.height == PART_TOP and not self.turned
+
+    @property
+    def sentence(self) -> str:
+        """Where it is, in words."""
+        where = "the cam axis"
+        if self.name != AXIS:
+            where = f"the {self.name.replace('-', ' ')} corner of the blank"
+        faces = TURNED_FACES if self.turned else FACES
+        return f"X 0, Y 0 on {where}, Z 0 on {faces[self.height]}"
+
+    def of(self, place: complex) -> complex:
+        """A place of the part [mm] in the program's coordinates."""
+        return mirrored(place - self.place, self.turned)
+
+    def of_point(self, point: Point) -> Point:
+        """A point of the part [mm] in the program's coordinates."""
+        place = self.of(complex(point[0], point[1]))
+        return place.real, place.imag, point[2] - self.z
+
+    def part_of(self, place: complex) -> complex:
+        """A place in the program's coordinates [mm] in those of the part."""
+        return mirrored(place, self.turned) + self.place
+
+    def box(self, stock: Stock, part: Part) -> tuple[Point, Point] | None:
+        """The corners of the blank with the least and the largest coordinates [mm]; None if its
+        outline is not known.
+        """
+        sides = (stock.length, stock.width) if stock.diameter is None else (stock.diameter,) * 2
+        if sides[0] is None or sides[1] is None:
+            return None
+        corner, centre = 0.5 * complex(sides[0], sides[1]), self.of(stock.centre)
+        low, high = _heights(stock, part)
+        least, most = centre - corner, centre + corner
+        return (least.real, least.imag, low - self.z), (most.real, most.imag, high - self.z)
+
+
+def described(stock: Stock, part: Part, zero: Zero, unit: LengthUnit = "mm") -> str:
+    """The blank in words, lengths in `unit`."""
+
+    def length(mm: float) -> str:
+        return f"{mm / MM_PER[unit]:g}"
+
+    low, high = _heights(stock, part)
+    height = f"{length(high - low)} {unit} high"
+    if stock.diameter is not None:
+        outline = f"round, diameter {length(stock.diameter)} {unit}"
+    elif stock.length is not None and stock.width is not None:
+        outline = f"plate, {length(stock.length)} x {length(stock.width)} {unit}"
+    else:
+        outline = "plate of unstated size"
+    bore = "" if stock.bore is None else f", bore {length(stock.bore)} {unit}"
+    where = f", its upper face at Z {length(high - zero.z)}"
+    if zero.turned:
+        where = f", what the first side has left of it, up to Z {length(high - zero.z)}"
+    centre = zero.of(stock.centre)
+    off = f", its middle at X {length(centre.real)}, Y {length(centre.imag)}" if centre else ""
+    return f"{outline}, {height}{bore}{where}{off}"
+
+
+def _heights(stock: Stock, part: Part) -> tuple[float, float]:
+    """Z of its faces above the upper face of the part [mm]."""
+    return part.layers[0].z0 - stock.bottom, part.layers[-1].z1 + stock.top

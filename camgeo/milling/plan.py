@@ -11,16 +11,25 @@ from typing import Final
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, Effort, Pieces, distances
 from camgeo.milling.compensation import limits_of
-from camgeo.milling.course import Course, course_of
 from camgeo.milling.cut import AreaCut, Cut
 from camgeo.milling.judged import Side, runs_of, setup_of
 from camgeo.milling.machine import ArcLimits
-from camgeo.milling.milling import END_MILL, Heights, MillingSpec, ToolError
-from camgeo.milling.moves import ArcFeed, Move, Operation, Point, Stop, Toolpath, piece_of, too_long
-from camgeo.milling.strategies import STRATEGIES
+from camgeo.milling.milling import END_MILL, Heights, MillingSpec
+from camgeo.milling.moves import (
+    ArcFeed,
+    Course,
+    Move,
+    Operation,
+    Point,
+    Stop,
+    Toolpath,
+    course_of,
+    piece_of,
+    too_long,
+)
+from camgeo.milling.strategies import moves_of
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, frozen, taken
 from camgeo.part.part import Part
 from camgeo.reading import PROGRAM_LINES
@@ -48,11 +57,7 @@ def plan_toolpath(
     operations: list[Operation] = []
     left = PROGRAM_LINES
     for cut in cuts:
-        if cut.strategy not in STRATEGIES:
-            known = ", ".join(STRATEGIES)
-            message = f"{cut.name} has no such strategy; there are {known}"
-            raise GeometryError(message, "toolpath", cut.strategy)
-        moves = _moves_of(cut, heights, tolerance, effort)
+        moves = moves_of(cut, heights, tolerance, effort)
         first, *others = islice(divided(moves, limits.largest_turn), left + 1)
         # After a halt the cutter comes back above its first point, wherever it was taken.
         stop = (Stop(cut.stop), first) if cut.stop else ()
@@ -63,18 +68,6 @@ def plan_toolpath(
         operations.append(operation)
     limits_of(operations)  # raises where compensation has no room
     return Toolpath(heights, tuple(operations))
-
-
-def _moves_of(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[Move]:
-    """Those of its strategy; what is wrong with the tool there is said of this cut's."""
-    try:
-        return STRATEGIES[cut.strategy](cut, heights, tolerance, effort)
-    except ToolError:
-        raise
-    except GeometryError as error:
-        if error.key == "tool":
-            raise ToolError(f"{cut.name}: {error.message}", cut.tool) from error
-        raise
 
 
 def divided(moves: Iterable[Move | Stop], largest: float) -> Iterator[Move | Stop]:
@@ -191,8 +184,7 @@ def engaged(toolpath: Toolpath, blank: Sequence[Contour], top: float) -> tuple[E
     for operation in toolpath.operations:
         if isinstance(operation.cut, AreaCut):
             course, radius = course_of(operation.moves), operation.tool.radius
-            cutting = Cutting(course, radius, blank, top, cleared)
-            found.append(_engaged(operation.cut, cutting))
+            found.append(_engaged(operation.cut, Cutting(course, radius, blank, top, cleared)))
         cleared.append(cleared_by(operation))
     return tuple(found)
 
@@ -463,12 +455,11 @@ class Cutting:
             self.air(int(piece), at, each) * float(lengths[piece])
             for piece, at, each in zip(pieces, shares, angles, strict=True)
         ]
-        places = taken(self.course, pieces).at(where)
         return Engagement(
             frozen(pieces, np.intp),
             frozen(lengths[pieces], np.float64),
             frozen(largest, np.float64),
-            frozen(places, np.complex128),
+            frozen(taken(self.course, pieces).at(where), np.complex128),
             frozen(air, np.float64),
             frozen(np.concatenate(angles or [np.zeros(0)]), np.float64),
             frozen(np.concatenate(weights or [np.zeros(0)]), np.float64),
@@ -478,8 +469,7 @@ class Cutting:
         """What a cutter that ran before, or of number -1 the own one, has run at one height."""
         key = (number, level)
         if key not in self._low:
-            course = self.course if number < 0 else self.cleared[number][0]
-            self._low[key] = _Low(course, level)
+            self._low[key] = _Low(self.course if number < 0 else self.cleared[number][0], level)
         return self._low[key]
 
     def angle(self, piece: int, share: float) -> float:
@@ -495,8 +485,10 @@ class Cutting:
         for number, (other, size) in enumerate(self.cleared):
             close = self._low_of(number, level).near(place, radius + size)
             swept.append((taken(other, close), size))
-        edges = [crossings(self.boundary, place, radius, 0.0)]
-        edges += [crossings(each, place, radius, size) for each, size in swept if len(each)]
+        edges = [
+            crossings(self.boundary, place, radius, 0.0),
+            *(crossings(each, place, radius, size) for each, size in swept if len(each)),
+        ]
         # Angles from the direction of travel, of the leading half.
         ahead = np.angle(np.exp(1j * (np.concatenate(edges) - np.angle(way))))
         half = 0.5 * np.pi

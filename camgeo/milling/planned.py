@@ -23,24 +23,22 @@ from camgeo.milling.bench import (
     Bench,
     as_wide,
     bore_of,
-    coarse,
-    flank_curve,
-    is_open,
-    letters_of,
-)
-from camgeo.milling.cut import AreaCut, ContourCut, Cut
-from camgeo.milling.judged import LOOSE_CORE, left_out
-from camgeo.milling.making import (
     clear_area,
     clear_around,
+    coarse,
     drill_all,
     engraved,
     finish_along,
+    flank_curve,
+    is_open,
+    letters_of,
     no_engraver,
     rough_around,
     rough_outside,
     slot_between,
 )
+from camgeo.milling.cut import AreaCut, ContourCut, Cut
+from camgeo.milling.judged import LOOSE_CORE, left_out
 from camgeo.milling.milling import (
     CLAMPS,
     COMPUTED,
@@ -98,8 +96,9 @@ def _face(bench: Bench) -> Iterator[Step]:
     if not top:
         return
     if bench.milling.stock.outline is None:
-        key = "stock.length"
-        raise GeometryError("the outline of a blank that is to be faced must be known", key)
+        raise GeometryError(
+            "the outline of a blank that is to be faced must be known", "stock.length"
+        )
     tool = bench.choose("upper face", lambda tool: bench.too_short(tool, 0.0, top))
     yield clear_area(bench, "face", "face", tool, top, 0.0, ())
 
@@ -290,8 +289,9 @@ def guarded(bench: Bench, cuts: list[Cut], heights: Heights) -> list[Cut]:
     if holding is None:
         freed = [each for each in cuts if _is_through(bench, each)]
         if freed:
-            message = f"is missing: {freed[0].name} goes through, and what it cuts free drops"
-            raise GeometryError(message, "holding")
+            raise GeometryError(
+                f"is missing: {freed[0].name} goes through, and what it cuts free drops", "holding"
+            )
         return list(cuts)
     names = [cut.name for cut in cuts]
     for clamp in holding.clamps:
@@ -299,8 +299,11 @@ def guarded(bench: Bench, cuts: list[Cut], heights: Heights) -> list[Cut]:
             name = getattr(clamp, key)
             if name and name not in names:
                 known = ", ".join(f'"{each}"' for each in names)
-                message = f"there is no such operation; there are {known}"
-                raise GeometryError(message, f"holding.{clamp.what}.{key}", f'"{name}"')
+                raise GeometryError(
+                    f"there is no such operation; there are {known}",
+                    f"holding.{clamp.what}.{key}",
+                    f'"{name}"',
+                )
         if clamp.height >= heights.clearance:
             raise GeometryError(
                 f"must be above the {clamp.obstacle.name}, {clamp.height:g} mm high",
@@ -343,15 +346,17 @@ def require_room(bench: Bench) -> None:
         heights["height"] = holding.tabs.height
     for key, height in heights.items():
         if height is not None and height >= thickness:
-            message = f"must be less than the thickness of the part, {thickness:g} mm"
-            raise GeometryError(message, f"holding.{key}", f"{height:g}")
+            raise GeometryError(
+                f"must be less than the thickness of the part, {thickness:g} mm",
+                f"holding.{key}",
+                f"{height:g}",
+            )
     if (bore := milling.stock.bore) is not None:
         around = [each for each in bench.part.boundaries if each.hole and each.nearest() > 0.0]
         what = "the bore of the part" if around else "the width of the part"
         free = 2.0 * min(each.nearest() for each in around or [bench.part.outermost])
         if bore > free * (1.0 + SAME):
-            message = f"must be at most {what}, {free:g} mm"
-            raise GeometryError(message, "stock.bore", f"{bore:g}")
+            raise GeometryError(f"must be at most {what}, {free:g} mm", "stock.bore", f"{bore:g}")
     if milling.stock.outline is None:
         return
     blank = coarse(milling.stock.outline)
@@ -381,8 +386,9 @@ def require_size(bench: Bench) -> None:
             ("shank_diameter", tool.shank_diameter or 0.0),
         ):
             if wide > 2.0 * LARGEST:
-                message = f"must be at most {2.0 * LARGEST:g} mm for a milling program"
-                raise ToolError(message, tool, field)
+                raise ToolError(
+                    f"must be at most {2.0 * LARGEST:g} mm for a milling program", tool, field
+                )
     around = [each for each in bench.part.boundaries if not each.hole]
     blank = milling.stock.outline
     for what, key, boundaries in (
@@ -427,7 +433,7 @@ def told_of_holding(bench: Bench, cuts: Iterable[Cut]) -> Iterator[Finding]:
         yield Finding("onion-skin", "warning", text)
 
 
-def is_cut_free(bench: Bench, cuts: Iterable[Cut]) -> bool:
+def _is_cut_free(bench: Bench, cuts: Iterable[Cut]) -> bool:
     """Whether nothing of the blank hangs on the part when these cuts are done."""
     holding = bench.milling.holding
     through = 0.0 if holding is None else holding.through
@@ -440,8 +446,9 @@ def _clears_the_blank(bench: Bench, heights: Heights) -> None:
     top = bench.milling.stock.top
     for key, height in (("clearance", heights.clearance), ("retract", heights.retract)):
         if height <= top:
-            message = f"must be above the blank, {top:g} mm"
-            raise GeometryError(message, f"output.gcode.{key}_height", f"{height:g}")
+            raise GeometryError(
+                f"must be above the blank, {top:g} mm", f"output.gcode.{key}_height", f"{height:g}"
+            )
 
 
 def _is_through(bench: Bench, cut: Cut) -> bool:
@@ -538,10 +545,12 @@ class Sequence:
     ----------
     cuts : in their order.
     findings : what is told of them, beside the notes that each has of its own.
+    is_cut_free : whether nothing of the blank hangs on the part when they are done.
     """
 
     cuts: tuple[Cut, ...]
     findings: tuple[Finding, ...]
+    is_cut_free: bool
 
 
 def sequence_of(
@@ -562,8 +571,11 @@ def sequence_of(
     """
     part.require_heights()
     if part.layers[0] not in part.disc and milling.second is None and not milling.turned:
-        message = "a hub on the lower face is milled from there: state [second_side]"
-        raise GeometryError(message, key="part.hub.side", value=part.layers[0].name)
+        raise GeometryError(
+            "a hub on the lower face is milled from there: state [second_side]",
+            key="part.hub.side",
+            value=part.layers[0].name,
+        )
     bench = Bench(part, milling, compensation)
     require_size(bench)
     require_room(bench)
@@ -576,18 +588,19 @@ def sequence_of(
         ]  # fmt: skip
         if left:
             named = dict.fromkeys(text_of(name) or name for name in left)
-            sentence = f"no operation makes {', '.join(named)}"
-            findings.append(Finding("left-out", "warning", sentence))
+            findings.append(
+                Finding("left-out", "warning", f"no operation makes {', '.join(named)}")
+            )
     else:
         steps = list(planned_steps(bench))
         cuts = [step for step in steps if isinstance(step, Cut)]
         findings = [step for step in steps if isinstance(step, Finding)]
         if milling.turned and not cuts:
-            message = (
+            raise GeometryError(
                 "nothing is to be milled: the blank is not lower than the part, and the first side"
-                " leaves no wall that is open on the lower face; state its operations"
+                " leaves no wall that is open on the lower face; state its operations",
+                "second_side",
             )
-            raise GeometryError(message, "second_side")
         listed = ", ".join(f"{cut.name} (tool {cut.tool.number})" for cut in cuts)
         listed = listed or "nothing to mill"
         findings.insert(0, Finding(SEQUENCE, "ok", f"planned: {listed}"))
@@ -601,4 +614,4 @@ def sequence_of(
             " states more"
         )
         findings.append(Finding("earlier-keys", "warning", sentence))
-    return Sequence(tuple(cuts), tuple(findings))
+    return Sequence(tuple(cuts), tuple(findings), _is_cut_free(bench, cuts))

@@ -14,7 +14,6 @@ import numpy as np
 import shapely
 
 from camgeo.geometry.contour.contour import Contour
-from camgeo.numeric.arrays import ComplexArray
 
 Area = Any
 """A polygon or several, of shapely, which has no types."""
@@ -48,13 +47,3 @@ def parts(area: Area) -> list[Area]:
         for each in shapely.get_parts(shapely.make_valid(area)).tolist()
         if each.geom_type == "Polygon" and each.area > 0.0
     ] if not area.is_empty else []  # fmt: skip
-
-
-def rings(area: Area) -> tuple[ComplexArray, ...]:
-    """All rings of `area`, outer and inner, as complex [mm]."""
-    found = []
-    for each in parts(area):
-        for ring in (each.exterior, *each.interiors):
-            points = shapely.get_coordinates(ring)
-            found.append(points[:, 0] + 1j * points[:, 1])
-    return tuple(found)

@@ -21,8 +21,7 @@ import numpy as np
 import shapely
 
 from camgeo.geometry.contour.contour import Contour
-from camgeo.milling.course import Course, alike, below, course_of
-from camgeo.milling.moves import Feed, Move, Point, Rapid, Stop
+from camgeo.milling.moves import Course, Feed, Move, Point, Rapid, Stop, alike, course_of
 from camgeo.milling.polygons import NOTHING, Area, grown, parts, polygon
 from camgeo.numeric.arrays import ComplexArray, FloatArray, taken
 
@@ -357,17 +356,18 @@ def _material(setup: Setup, whole: Area, z: float) -> Area:
     """What is there at first at the height `z` [mm]; `whole` is the section of the blank."""
     if setup.before is None:
         return whole if setup.bottom < z < setup.top else NOTHING
-    left = (slab.material for slab in setup.before.slabs if slab.z0 < z < slab.z1)
-    return next(left, NOTHING)
+    return next((slab.material for slab in setup.before.slabs if slab.z0 < z < slab.z1), NOTHING)
 
 
 def _heights(setup: Setup, runs: Sequence[Run], level: float) -> list[float]:
     """Ascending borders of the slabs [mm]."""
     highest = max([setup.top, *(body.z1 for body in setup.part)])
-    found = [setup.top, setup.bottom]
-    found += [z for body in setup.part for z in (body.z0, body.z1)]
-    found += [z for z in (setup.joined, setup.hanging) if z is not None]
-    found += [z for chamfer in setup.chamfers for z in chamfer.heights]
+    found = [
+        *(setup.top, setup.bottom),
+        *(z for body in setup.part for z in (body.z0, body.z1)),
+        *(z for z in (setup.joined, setup.hanging) if z is not None),
+        *(z for chamfer in setup.chamfers for z in chamfer.heights),
+    ]
     lowest = setup.bottom
     if setup.before is not None:
         borders = [z for slab in setup.before.slabs for z in (slab.z0, slab.z1)]
@@ -382,9 +382,11 @@ def _heights(setup: Setup, runs: Sequence[Run], level: float) -> list[float]:
             & (course.ends[1:] == course.ends[:-1])
             & (course.to_z[1:] < course.to_z[:-1])
         )
-        ends = course.to_z[straight & ~np.append(on, False)]
-        found += [*course.from_z[flat].tolist(), *ends.tolist()]
-        found += [z for tip in _lowest(course) for z in run.slices(tip, highest)]
+        found += [
+            *course.from_z[flat].tolist(),
+            *course.to_z[straight & ~np.append(on, False)].tolist(),
+            *(z for tip in _lowest(course) for z in run.slices(tip, highest)),
+        ]
     heights: list[float] = []
     for z in sorted(z for z in found if lowest <= z <= highest):
         if not heights or z - heights[-1] > level:
@@ -482,12 +484,11 @@ class _Bench:
         text = "a traverse goes {:.3g} mm deep into material" if rapid else (
             "a plunge goes {:.3g} mm deep into material, which the tool must not"
         )  # fmt: skip
-        name = "rapid" if rapid else "plunge"
         yield from self._meets(
             replace(run, radius=run.radius - self.allowed),
             course,
             areas(self.slabs),
-            name,
+            "rapid" if rapid else "plunge",
             text.format,
         )
 
@@ -530,11 +531,11 @@ class _Bench:
             return [at[z] for z in tops], [at[z] for z in bottoms]
         middles = [slab.middle for slab in self.slabs]
         reached = [
-            _passed(run, below(course, top), z, self.fineness, most=True)
+            _passed(run, course.below(top), z, self.fineness, most=True)
             for top, z in zip(tops, middles, strict=True)
         ]
         cleared = [
-            _passed(run, below(course, bottom), z, self.fineness)
+            _passed(run, course.below(bottom), z, self.fineness)
             for bottom, z in zip(bottoms, middles, strict=True)
         ]
         return reached, cleared
@@ -552,7 +553,7 @@ class _Bench:
         for slab, body in zip(self.slabs, bodies, strict=True):
             if body.is_empty:
                 continue
-            low = below(course, slab.z1 - above - 2.0 * self.level)
+            low = course.below(slab.z1 - above - 2.0 * self.level)
             reached = _passed(run, low, slab.middle - above, self.fineness, most=True)
             touched = shapely.intersection(reached, body)
             if parts(touched):
@@ -564,7 +565,7 @@ class _Bench:
         both = each_once(shapely.intersection, reached, self.kernels)
         for number, (slab, touched) in enumerate(zip(self.slabs, both, strict=True)):
             if parts(touched):
-                low = below(course, slab.z1 - 2.0 * self.level)
+                low = course.below(slab.z1 - 2.0 * self.level)
                 depth, where = self._depth(number, touched)
                 if depth <= self.allowed + 2.0 * self.fineness:  # an edge that is rounded
                     continue
@@ -595,15 +596,14 @@ class _Bench:
         cylinders += [("shank", *run.shank)] if run.shank is not None else []
         for body, (what, radius, above) in product(run.obstacles, cylinders):
             outline = polygon(body.contours, self.fineness)
-            low = below(course, body.z1 - above - self.level)
+            low = course.below(body.z1 - above - self.level)
             touched = shapely.intersection(swept(low, radius, self.fineness), outline)
             if parts(touched):
                 away = shapely.distance(swept(low, self.allowed, self.fineness), outline)
                 within = max(0.0, radius - self.allowed - float(away))
                 text = f"the {what} goes {within:.3g} mm into the {body.name}"
                 tip = float(np.min(low.lowest))
-                place = _point(place_in(touched), tip)
-                yield Flaw("obstacle", run.name, text, within, 0.0, place)
+                yield Flaw("obstacle", run.name, text, within, 0.0, _point(place_in(touched), tip))
         tip = float(np.min(course.lowest))
         point = 0.0 if run.rounded else run.point
         limit = None if self.setup.lowest is None else self.setup.lowest - point
@@ -753,12 +753,10 @@ def _loose_pieces(
         if not held:  # what holds the rim is not stated; it holds what hangs on the part
             kept = [piece for piece in kept if piece.shared(part) > TOUCHING] or kept
         for piece in found:
-            if piece in kept or any(_same(piece, each) for each in known):
-                continue
-            if _is_dust(piece, allowed):
-                continue
-            known.append(piece)
-            yield _loose(stage, piece, part, setup)
+            told = piece in kept or any(_same(piece, each) for each in known)
+            if not told and not _is_dust(piece, allowed):
+                known.append(piece)
+                yield _loose(stage, piece, part, setup)
 
 
 def _meets(piece: Piece, held: Sequence[Area]) -> bool:
@@ -903,8 +901,7 @@ def swept(course: Course, radius: float, fineness: float) -> Area:
     shapes = [_shape(part) for part in chains]
     found = shapely.buffer(shapes, radius, quad_segs=_quarter(radius, fineness))
     while len(found) > 1:  # neighbours first: half the time of all at once
-        rest = found[len(found) // 2 * 2 :]
-        found = np.append(shapely.union(found[:-1:2], found[1::2]), rest)
+        found = np.append(shapely.union(found[:-1:2], found[1::2]), found[len(found) // 2 * 2 :])
     return found[0]
 
 
@@ -935,8 +932,7 @@ def swept_below(
         for which in (fresh & level, fresh & ~level):
             if not np.any(which):
                 continue
-            pieces = below(taken(course, which), z)
-            more, more_wide = _swept_once(pieces, radius, fineness, known)
+            more, more_wide = _swept_once(taken(course, which).below(z), radius, fineness, known)
             if area.is_empty:
                 area, wide = more, more_wide
             elif not shapely.covers(wide, more):

@@ -13,12 +13,6 @@ from camgeo.milling.bench import (
     Bench,
     as_wide,
     bore_of,
-    flank_curve,
-    letters_of,
-    tightest,
-)
-from camgeo.milling.cut import AreaCut, ContourCut, Cut
-from camgeo.milling.making import (
     clear_area,
     clear_around,
     clear_outside,
@@ -26,12 +20,16 @@ from camgeo.milling.making import (
     drill_all,
     engraved,
     finish_along,
+    flank_curve,
+    letters_of,
     loops_along,
     no_engraver,
     rough_around,
     rough_outside,
     slot_between,
+    tightest,
 )
+from camgeo.milling.cut import AreaCut, ContourCut, Cut
 from camgeo.milling.milling import (
     CHAMFER_MILL,
     COMPUTED,
@@ -42,7 +40,7 @@ from camgeo.milling.milling import (
     Roughing,
     Tool,
 )
-from camgeo.milling.strategies.trochoid import NARROWEST
+from camgeo.milling.strategies import NARROWEST
 from camgeo.milling.track import Track
 from camgeo.part.part import Boundary, Wall
 
@@ -74,8 +72,11 @@ def stated_cuts(bench: Bench) -> list[Cut]:
         tool = spec.run(tools[spec.tool])
         needed = KIND_OF_TOOL.get(Kind(spec.kind), END_MILL)
         if tool.kind != needed:
-            message = f'"{spec.kind}" needs a tool of kind "{needed}", not "{tool.kind}"'
-            raise GeometryError(message, f"{key}.tool", f"{spec.tool}")
+            raise GeometryError(
+                f'"{spec.kind}" needs a tool of kind "{needed}", not "{tool.kind}"',
+                f"{key}.tool",
+                f"{spec.tool}",
+            )
         cut = _Stated(bench, spec, tool, key, tuple(found), faced=faced).cut()
         name = spec.name or cut.name
         if name in (each.name for each in found):
@@ -84,10 +85,6 @@ def stated_cuts(bench: Bench) -> list[Cut]:
         found.append(replace(cut, name=name, climb=spec.climb, stop=spec.stop, note=note))
         faced = faced or spec.kind == Kind.FACE
     return found
-
-
-def _names(walls: tuple[Boundary, ...]) -> list[str]:
-    return [wall.name for wall in walls]
 
 
 class _Stated:
@@ -113,7 +110,7 @@ class _Stated:
 
     def cut(self) -> Cut:
         """The cut; GeometryError with the operation's key if the tool cannot make it."""
-        kinds = {
+        return {
             Kind.FACE: self._face,
             Kind.DRILL: self._drill,
             Kind.BORE: self._bore,
@@ -122,8 +119,7 @@ class _Stated:
             Kind.SLOT: self._slot,
             Kind.CHAMFER: self._chamfer,
             Kind.ENGRAVE: self._engrave,
-        }
-        return kinds[Kind(self.spec.kind)]()
+        }[Kind(self.spec.kind)]()
 
     def _wall(self, name: str) -> Wall:
         wall, depth = self.bench.wall(name, f"{self.key}.boundary"), self.spec.depth
@@ -148,8 +144,11 @@ class _Stated:
             if across < most:
                 most, reason = across, "more would cut into the flank across the groove"
         if allowance >= most:
-            message = f"must be less than {most:.4g} mm with tool {self.tool.number}: {reason}"
-            raise GeometryError(message, f"{self.key}.allowance", f"{allowance:g}")
+            raise GeometryError(
+                f"must be less than {most:.4g} mm with tool {self.tool.number}: {reason}",
+                f"{self.key}.allowance",
+                f"{allowance:g}",
+            )
 
     def _face(self) -> Cut:
         if not self.top or self.bench.milling.stock.outline is None:
@@ -171,8 +170,7 @@ class _Stated:
         bottom, top = self.bench.bottom(walls[0]), self._top(walls[0])
         self._require(self.bench.too_short(self.tool, bottom, top))
         places = {wall.boundary.name: complex(bore_of(wall).exact.centres[0]) for wall in walls}
-        name = f"drill {', '.join(places)}"
-        return drill_all(name, self.tool, top, bottom, places)
+        return drill_all(f"drill {', '.join(places)}", self.tool, top, bottom, places)
 
     def _holes(self, name: str) -> list[Wall]:
         """The hole of that name, or those with it and a number."""
@@ -221,8 +219,11 @@ class _Stated:
         self._require_reach(wall)
         if wall in bench.bosses:
             if self.spec.strategy not in ("", Roughing.SPIRAL):
-                message = "leaves what is around it; all of that is cleared"
-                raise GeometryError(message, f"{self.key}.strategy", f'"{self.spec.strategy}"')
+                raise GeometryError(
+                    "leaves what is around it; all of that is cleared",
+                    f"{self.key}.strategy",
+                    f'"{self.spec.strategy}"',
+                )
             return clear_around(bench, wall, tool, self.top, self.spec.allowance)
         # The inner flank of a groove bounds an island, which no blank surrounds.
         outermost = not boundary.hole and not boundary.name.endswith("flank")
@@ -237,20 +238,26 @@ class _Stated:
     def _cleared(self, wall: Wall, *, outermost: bool) -> Cut:
         key, value = f"{self.key}.strategy", f'"{Roughing.SPIRAL}"'
         if not outermost or self.bench.milling.stock.outline is None:
-            message = "clears what is around the part in a blank whose outline is stated"
-            raise GeometryError(message, key, value)
-        allowance = self.spec.allowance
-        made = clear_outside(self.bench, wall, self.tool, self._top(wall), allowance)
+            raise GeometryError(
+                "clears what is around the part in a blank whose outline is stated", key, value
+            )
+        made = clear_outside(self.bench, wall, self.tool, self._top(wall), self.spec.allowance)
         if made is None:
-            message = "rays from the cam axis meet the cutter's path or the blank's edge twice"
-            raise GeometryError(message, key, value)
+            raise GeometryError(
+                "rays from the cam axis meet the cutter's path or the blank's edge twice",
+                key,
+                value,
+            )
         return made
 
     def _loops(self, wall: Wall) -> Cut:
         bench, holding = self.bench, self.bench.milling.holding
         if holding is not None and holding.tabs is not None and bench.is_through(wall):
-            message = f'leaves no tabs: state "{Roughing.RAMP}", or another holding'
-            raise GeometryError(message, f"{self.key}.strategy", f'"{Roughing.TROCHOIDAL}"')
+            raise GeometryError(
+                f'leaves no tabs: state "{Roughing.RAMP}", or another holding',
+                f"{self.key}.strategy",
+                f'"{Roughing.TROCHOIDAL}"',
+            )
         other = None
         if wall.boundary.name in FLANKS:
             (other,) = (self._wall(name) for name in FLANKS if name != wall.boundary.name)
@@ -264,7 +271,6 @@ class _Stated:
         room = self._room(wall, bottom)
         cleared = room is not None
         top = self._top(wall)
-        depths = (bottom,) if cleared else depths_of(tool, top, bottom)
         made = finish_along(
             bench,
             wall,
@@ -272,14 +278,16 @@ class _Stated:
             top,
             room or 0.0,
             rest=self._rest(wall, bottom) if cleared else 0.0,
-            depths=depths,
+            depths=(bottom,) if cleared else depths_of(tool, top, bottom),
             cleared=cleared,
             springs=self.spec.springs,
             compensation=self.compensation,
         )
         if self.compensation != COMPUTED and not (cleared and room):
-            message = 'needs a wall that is roughed before, and room for leads; or "computed"'
-            raise GeometryError(message, *self._said_compensation)
+            raise GeometryError(
+                'needs a wall that is roughed before, and room for leads; or "computed"',
+                *self._said_compensation,
+            )
         if not cleared:
             return replace(made, strategy="slot")
         if not self.spec.allowance:
@@ -293,7 +301,7 @@ class _Stated:
         """
         name, tool = wall.boundary.name, self.tool
         deep = [cut for cut in self.before if cut.bottom <= bottom]
-        areas = [cut for cut in deep if isinstance(cut, AreaCut) and name in _names(cut.walls)]
+        areas = [cut for cut in deep if isinstance(cut, AreaCut) and name in cut.produced]
         if any(not cut.slot for cut in areas):
             if name == "bore":
                 return 0.5 * (bore_of(wall).round_radius - tool.radius)
@@ -318,7 +326,7 @@ class _Stated:
             for cut in self.before
             if cut.bottom <= bottom
             and (
-                (isinstance(cut, AreaCut) and name in _names(cut.walls))
+                (isinstance(cut, AreaCut) and name in cut.produced)
                 or (isinstance(cut, ContourCut) and cut.right == name)
             )
         ]
@@ -357,11 +365,16 @@ class _Stated:
         wall, size, tool = self._wall(self.spec.boundary), self.spec.size, self.tool
         assert size is not None  # which the rules of the scene require
         if wall.z1 != 0.0:
-            message = f"its {self.bench.milling.up} edge is not on the {self.bench.milling.up} face"
-            raise GeometryError(message, f"{self.key}.boundary")
+            raise GeometryError(
+                f"its {self.bench.milling.up} edge is not on the {self.bench.milling.up} face",
+                f"{self.key}.boundary",
+            )
         if self.top:
-            message = f"the {self.bench.milling.up} face is not there yet: it is to be faced before"
-            raise GeometryError(message, f"{self.key}.kind", '"chamfer"')
+            raise GeometryError(
+                f"the {self.bench.milling.up} face is not there yet: it is to be faced before",
+                f"{self.key}.kind",
+                '"chamfer"',
+            )
         # Its flank touches the lower edge of the chamfer a tenth of the size above the point.
         reach = (1.0 + BELOW) * size
         depth, beside = reach * tool.tip_length / tool.radius, BELOW * size
@@ -393,5 +406,8 @@ class _Stated:
         tracks = [Track.around(each.arcs(COARSE, "fast").contour) for each in (centre, other)]
         apart = least_distance(*tracks)
         if apart < reach + 2.0 * COARSE:
-            message = f"the chamfer comes to the {other.name}, {apart:.3g} mm from the point"
-            raise GeometryError(message, f"{self.key}.size", f"{self.spec.size:g}")
+            raise GeometryError(
+                f"the chamfer comes to the {other.name}, {apart:.3g} mm from the point",
+                f"{self.key}.size",
+                f"{self.spec.size:g}",
+            )

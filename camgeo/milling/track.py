@@ -18,6 +18,7 @@ from camgeo.geometry.contour.contour import (
     least_distance,
     winding_number,
 )
+from camgeo.geometry.contour.spline import Arc
 from camgeo.numeric.arrays import ComplexArray, FloatArray, taken
 
 FLAT = 1e-9
@@ -104,8 +105,7 @@ class Track(PieceChain):
         pieces = self.pieces
         index, first, last = pieces.halves()
         parts = taken(pieces, index).between(first, last)
-        vertices = np.append(parts.starts, self.vertices[-1])
-        return type(self)(vertices, parts.sweeps, parts.centres)
+        return type(self)(np.append(parts.starts, self.vertices[-1]), parts.sweeps, parts.centres)
 
     def at(self, distances: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """(m,) points [mm] and unit tangents at `distances` (m,) [mm] from its start along it."""
@@ -134,6 +134,13 @@ class Track(PieceChain):
             ends[1] = self.vertices[-1]
         vertices = np.concatenate((ends[:1], self.vertices[inner], ends[1:]))
         return type(self)(vertices, self.sweeps[index] * share, self.centres[index])
+
+
+def track_of(pieces: Sequence[Arc]) -> Track:
+    """Along pieces that each begin where the one before it ends."""
+    vertices = np.array([pieces[0].start, *(each.end for each in pieces)])
+    sweeps = np.array([each.sweep for each in pieces])
+    return Track(vertices, sweeps, np.array([each.centre for each in pieces]))
 
 
 def chained(tracks: Iterable[Track]) -> Track:
@@ -402,8 +409,7 @@ def _turn(radius: float, arm: complex, room: float, bend: float) -> float:
         side, far = 1.0 / bend - radius, 1.0 / bend - room
         cosine = (far * far - side * side - length * length) / (2.0 * side * length)
         most = math.pi if bend > 0.0 else most
-    turn = math.acos(min(max(cosine, -1.0), 1.0)) - ahead
-    return min(max(turn, SMALLEST_TURN), most)
+    return min(max(math.acos(min(max(cosine, -1.0), 1.0)) - ahead, SMALLEST_TURN), most)
 
 
 def _turned(
@@ -434,8 +440,7 @@ def _is_clear(path: Contour, track: Track, way: Track, near: float, free: int) -
     if least_distance(way.between(near, way.length), track) == 0.0:
         return False
     # Counter-clockwise a path has its inside on the left.
-    inside = winding_number(path, way.end) != 0
-    return inside == ((path.area > 0.0) == (free > 0))
+    return (winding_number(path, way.end) != 0) == ((path.area > 0.0) == (free > 0))
 
 
 def _keeps_off(lead: Lead, avoid: Sequence[tuple[Track, float]]) -> bool:

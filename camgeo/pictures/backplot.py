@@ -13,10 +13,9 @@ import numpy as np
 from camgeo.design.product import Product, sides_of
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour
-from camgeo.milling.course import Course, alike, course_of
 from camgeo.milling.judged import Side, runs_of, setup_of
 from camgeo.milling.milling import mirrored_all
-from camgeo.milling.moves import Operation, Rapid, Stop, Toolpath
+from camgeo.milling.moves import Course, Operation, Rapid, Stop, Toolpath, alike, course_of
 from camgeo.milling.plan import Cutting, cleared_by
 from camgeo.numeric.arrays import ComplexArray, taken
 from camgeo.pictures.model import (

@@ -108,20 +108,14 @@ def render(figure: Figure, suffix: str) -> bytes:
     return saved(drawn(figure), suffix)
 
 
-def drawn(figure: Figure) -> Picture:
-    """The figure as a page, to be saved in any kind of file."""
-    with rc_context(RC):
-        return page(figure)
-
-
+@rc_context(RC)
 def saved(made: Page, suffix: str) -> bytes:
     """A page as a file of kind `suffix`; raises like `render`."""
     kind = suffix.removeprefix(".")
     if kind not in METADATA:
         raise ValueError(f"no figures of kind {suffix}; there are .svg, .png and .pdf")
-    with rc_context(RC):
-        stream = io.BytesIO()
-        made.savefig(stream, format=kind, dpi=RESOLUTION, metadata=METADATA[kind])
+    stream = io.BytesIO()
+    made.savefig(stream, format=kind, dpi=RESOLUTION, metadata=METADATA[kind])
     return stream.getvalue()
 
 
@@ -132,8 +126,9 @@ def plot(design: Design, names: Sequence[str]) -> Picture:
     return drawn(of_design(design, names)[0])
 
 
-def page(figure: Figure) -> Picture:
-    """The figure as a matplotlib figure."""
+@rc_context(RC)
+def drawn(figure: Figure) -> Picture:
+    """The figure as a page, to be saved in any kind of file."""
     made = Picture(figsize=figure.size)
     FigureCanvasAgg(made)
     if figure.rows:

@@ -1,37 +1,20 @@
-"""What all readers of files share: numbers and tokens, the layers of drawings, and which contour of
-a file is which boundary of the part.
-"""
+"""What all readers of files share: tokens, and the layers of drawings."""
 
 from __future__ import annotations
 
-import math
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from typing import Final
 
 import numpy as np
 
-from camgeo.design.drawn import TOPOLOGY_TOLERANCE
 from camgeo.design.product import Product
-from camgeo.errors import FileError
 from camgeo.geometry.contour.contour import Contour
-from camgeo.geometry.contour.spline import CubicSpline, SplineContour, at
-from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.geometry.contour.spline import SplineContour
 from camgeo.part.part import Boundary, Edge, edges_of
-from camgeo.reading import COORDINATE, number_of
-from camgeo.units import MM_PER, counted
+from camgeo.units import MM_PER
 
-
-def finite(text: str, name: str, line: int) -> float:
-    """The number `text` in a line of the file `name`.
-
-    Raises FileError if it is none, not finite, or beyond the limits of `camgeo.reading`.
-    """
-    number = number_of(text)
-    if number is None:
-        what = f"is not a finite number of at most {COORDINATE:g}"
-        raise FileError(f"{name}, line {line}: {text[:40]!r} {what}")
-    return number
+AnyContour = Contour | SplineContour
 
 
 TOKEN: Final = re.compile(r"""[^\s,;()<>="']+|[,;()<>="']""")
@@ -49,147 +32,6 @@ def text_tokens(data: bytes, place: str = "") -> Iterator[tuple[str, str]]:
         where = place or f"line {number}"
         for token in TOKEN.findall(line):
             yield where, token
-
-
-# -- matching -------------------------------------------------------------------------------------
-# Assignment of a file's contours to the boundaries of the part.
-
-
-LOOSE = 1e-3
-"""Share of its extent within which the place of a contour is found."""
-
-ALIKE = 0.05
-"""Areas that differ by less than this fraction do not show which is which: that of a small hole is
-known no better with a tolerance for the whole drawing."""
-
-AnyContour = Contour | SplineContour
-
-
-def deviation(contours: Sequence[AnyContour], boundaries: tuple[Boundary, ...]) -> float:
-    """Proved bound [mm] on the distance between the `contours` of a file and the `boundaries`.
-
-    A wrong pairing would show as a large deviation, never as a small one. Raises FileError unless
-    there are as many contours as boundaries.
-    """
-    if len(contours) != len(boundaries):
-        names = ", ".join(boundary.name for boundary in boundaries)
-        found = counted(len(contours), "closed contour")
-        raise FileError(f"{found}, expected {len(boundaries)}: {names}")
-    outlines = [boundary.arcs(TOPOLOGY_TOLERANCE, "fast").contour for boundary in boundaries]
-    pairs = zip(boundaries, paired(contours, outlines), strict=True)
-    return max(boundary.deviation(contour.counter_clockwise()) for boundary, contour in pairs)
-
-
-def paired(contours: Sequence[AnyContour], outlines: Sequence[Contour]) -> list[AnyContour]:
-    """The contours of a file in the order of as many `outlines`, approximate polygons of the part.
-
-    The order of the areas distinguishes boundaries that lie inside each other; those of about the
-    same size, such as the holes of a bolt circle and letters, lie at different places.
-    """
-    (wanted, middles), (given, places) = map(_areas_and_middles, (outlines, contours))
-    unsure = [TOPOLOGY_TOLERANCE * each.length for each in outlines]
-    order = np.argsort(wanted, kind="stable").tolist()
-    free = np.argsort(given, kind="stable").tolist()
-    found: dict[int, AnyContour] = {}
-    while order:
-        alike = _alike([(wanted[k], unsure[k]) for k in order])
-        ours, free = free[:alike], free[alike:]
-        for k in order[:alike]:
-            away = np.abs(places[ours] - middles[k])
-            away += np.abs(np.sqrt(given[ours]) - np.sqrt(wanted[k]))
-            found[k] = contours[ours.pop(int(np.argmin(away)))]
-        order = order[alike:]
-    return [found[k] for k in range(len(outlines))]
-
-
-def _alike(areas: Sequence[tuple[float, float]]) -> int:
-    """How many of the first of ascending areas [mm^2], each with its uncertainty, one cannot tell
-    by their order from the one before.
-    """
-    limit, count = math.inf, 0
-    for area, unsure in areas:
-        if area - unsure > limit:
-            break
-        limit = area * (1.0 + ALIKE) + unsure
-        count += 1
-    return count
-
-
-def _areas_and_middles(contours: Sequence[AnyContour]) -> tuple[FloatArray, ComplexArray]:
-    """(n,), (n,) complex areas [mm^2] and middles [mm] of contours."""
-    areas = np.array([abs(each.area) for each in contours])
-    return areas, np.array([_middle(each) for each in contours])
-
-
-def _middle(contour: AnyContour) -> complex:
-    """Middle of its bounding box [mm]."""
-    points = points_of(contour, LOOSE * reach_of(contour))
-    sides = (points.real, points.imag)
-    x, y = (0.5 * float(np.min(each) + np.max(each)) for each in sides)
-    return complex(x, y)
-
-
-def reach_of(contour: AnyContour) -> float:
-    """Largest distance of its vertices, or of its control points, from the cam axis [mm]."""
-    if isinstance(contour, SplineContour):
-        return contour.reach
-    return float(abs(contour.vertices).max())
-
-
-PARTS = 16
-"""Points per line or cubic."""
-
-
-def farthest(
-    polygon: Contour, contour: Contour | SplineContour, sagitta: float
-) -> tuple[float, complex]:
-    """Largest distance [mm] found between the two and its place [mm].
-
-    In both directions; for splines, only from them to the polygon. Arcs are replaced by chords
-    that lie within `sagitta` [mm] of them.
-    """
-    found = [_largest(polygon.vertices, points_of(contour, sagitta))]
-    if isinstance(contour, Contour):
-        found.append(_largest(contour.points(sagitta), polygon.vertices))
-    return max(found, key=lambda each: each[0])
-
-
-def points_of(contour: Contour | SplineContour, sagitta: float) -> ComplexArray:
-    """(m,) complex [mm] points on the contour, in any order."""
-    share = np.arange(PARTS) / PARTS
-    if isinstance(contour, Contour):
-        lines = contour.sweeps == 0.0
-        starts, ends = contour.vertices[lines, None], contour.ends[lines, None]
-        between = (starts + (ends - starts) * share).ravel()
-        return np.concatenate((contour.points(sagitta), between))
-    parts: list[ComplexArray] = []
-    for strand in contour.strands:
-        if isinstance(strand, CubicSpline):
-            parts.append(at(strand.beziers, share).ravel())
-        else:
-            parts.append(strand.at(share))
-    return np.concatenate(parts)
-
-
-def _largest(course: ComplexArray, points: ComplexArray) -> tuple[float, complex]:
-    """Largest distance of `points` from the closed polygon `course`, and where."""
-    distances = distances_from(course, points)
-    index = int(np.argmax(distances))
-    return float(distances[index]), complex(points[index])
-
-
-def distances_from(course: ComplexArray, points: ComplexArray) -> FloatArray:
-    """(n,) distance of `points` from the closed polygon `course`."""
-    import shapely
-
-    ends = np.stack((course, np.roll(course, -1)), axis=1)
-    sides = np.asarray(shapely.linestrings(np.stack((ends.real, ends.imag), axis=2)))
-    tree = shapely.STRtree(sides)
-    places = shapely.points(points.real, points.imag)
-    index, distances = tree.query_nearest(places, return_distance=True, all_matches=False)
-    nearest = np.zeros(len(points))
-    nearest[index[0]] = distances
-    return nearest
 
 
 # -- layers ---------------------------------------------------------------------------------------

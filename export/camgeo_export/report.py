@@ -115,8 +115,7 @@ def render(report: Report) -> bytes:
 
 
 def _hash(text: str) -> str:
-    digest = hashlib.sha256(text.encode()).digest()
-    return f"'sha256-{base64.b64encode(digest).decode()}'"
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
 
 
 def _data(report: Report) -> str:
@@ -248,8 +247,7 @@ def _values(table: Table) -> str:
             f"<tr>{_numbers(f'{value + 0.0:.{DIGITS}g}' for value in row[columns])}</tr>"
             for row in table.values
         ]
-        label = f"Values from {names[0]} to {names[-1]}"
-        blocks.append(_table(label, (first, *names), rows))
+        blocks.append(_table(f"Values from {names[0]} to {names[-1]}", (first, *names), rows))
     return (
         f"<p>A row every {STEP}°; <code>camgeo table</code> has any step.</p><details><summary>"
         f"{counted(len(table.values), 'row')}</summary>{''.join(blocks)}</details>"

@@ -39,8 +39,9 @@ class StlWriter:
             "volume_mm3": solid.volume,
             **product.drawn.printed.facts,
         }
-        file = f"{product.name}{self.format.suffix}"
-        return Written(data, facts, product.drawn.printed.findings(file))
+        return Written(
+            data, facts, product.drawn.printed.findings(f"{product.name}{self.format.suffix}")
+        )
 
     def measure(self, product: Product, data: bytes) -> float:
         """Read the mesh back and measure it against the exact boundaries [mm].

@@ -29,7 +29,8 @@ from camgeo.part.part import written_contour
 from camgeo.reading import CONTOURS, SVG, SVG_ELEMENTS, SVG_PIECES, beyond, check_size, number_of
 from camgeo.scene.formats.format import CUT_SVG
 from camgeo.units import LengthUnit, counted
-from camgeo_export.reading import CUT, deviation, layered, of_the_part
+from camgeo_export.reading import CUT, layered, of_the_part
+from camgeo_export.verify.plane import deviation
 
 WIDEST: Final = 0.5 * math.pi
 """Widest arc [rad]: an arc is given by its ends and its radius, from which the centre of one near
@@ -83,9 +84,11 @@ class CutSvgWriter:
         ]
         for name, contours in layers.items():
             colour = THROUGH if name == CUT else NOT_THROUGH
-            lines.append(f'<g id="{name}" fill="none" stroke="{colour}" stroke-width="{HAIRLINE}">')
-            lines += [f'<path d="{path_of(contour)}"/>' for contour in contours]
-            lines.append("</g>")
+            lines += [
+                f'<g id="{name}" fill="none" stroke="{colour}" stroke-width="{HAIRLINE}">',
+                *(f'<path d="{path_of(contour)}"/>' for contour in contours),
+                "</g>",
+            ]
         arcs = sum(contour.arc_count for contour in curves)
         facts: dict[str, int | float | str] = {
             "boundaries": len(curves), "arcs": arcs, "lines": pieces - arcs,
@@ -116,8 +119,7 @@ def path_of(contour: Contour) -> str:
     pieces = zip(
         contour.ends.tolist(), contour.sweeps.tolist(), contour.radii.tolist(), strict=True
     )
-    first = complex(contour.vertices[0])
-    words = [f"M{_point(first)}"]
+    words = [f"M{_point(complex(contour.vertices[0]))}"]
     for end, sweep, radius in pieces:
         if sweep:
             turn = 0 if sweep > 0.0 else 1  # counter-clockwise is against growing angles here
@@ -202,8 +204,7 @@ def drawing_of(data: bytes, name: str = "the drawing") -> SvgDrawing:
     """The drawing in the file `name`; FileError if it is not an SVG that is read."""
     root = _root(data, name)
     scale = _scale(root, name)
-    note = next((each.text or "" for each in root.iter(f"{NAMESPACE}desc")), "")
-    found = SvgDrawing(scale, note)
+    found = SvgDrawing(scale, next((each.text or "" for each in root.iter(f"{NAMESPACE}desc")), ""))
     pieces = count = 0
     for layer, item in _shown(root, "", name):
         for contour in _contours(item, scale, name):

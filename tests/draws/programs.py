@@ -20,7 +20,8 @@ from random import Random
 from typing import Final
 
 from camgeo.milling.machine import load
-from camgeo_export.interpreter.run import Run, run
+from camgeo_export.interpreter.moves import Run
+from camgeo_export.interpreter.run import run
 from tests.draws.run import Case, parser_of, run_cases
 from tests.judges import grbl, rs274
 from tests.judges.paths import Leg, difference

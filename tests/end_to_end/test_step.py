@@ -12,8 +12,7 @@ import camgeo
 from camgeo.geometry.contour.contour import Contour
 from camgeo.scene.formats.dxf import FORMAT as DXF
 from camgeo.units import MM_PER
-from camgeo_export.part21.solid import Model, Solid, solid_of
-from camgeo_export.part21.text import exchange_of
+from camgeo_export.part21 import Solid, solid_of
 from camgeo_export.step.writer import WRITER
 from camgeo_export.verify.step import bounds_of, volume_of
 from tests.end_to_end.built import SCENES, Built
@@ -26,7 +25,7 @@ def solid(built: Built) -> Solid:
     """The solid, read once for each scene."""
     if built.design.name not in READ:
         data = built.file(".step").read_bytes()
-        READ[built.design.name] = solid_of(Model.of(exchange_of(data)))
+        READ[built.design.name] = solid_of(data)
     return READ[built.design.name]
 
 
@@ -87,7 +86,7 @@ def test_all_features_of_a_part_are_faces_of_one_solid() -> None:
     product = camgeo.Design(base.scene.with_values(features)).disc
     written = WRITER.write(product, 0.01)
     assert WRITER.measure(product, written.data) <= 0.01
-    solid = solid_of(Model.of(exchange_of(written.data)))
+    solid = solid_of(written.data)
     walls = Counter(face.name for face in solid.faces if not face.is_level)
     assert {name: walls[name] for name in walls if name != "outline"} == {
         "bore": 3, "lower hub": 2, "hub": 2, "mark": 4,

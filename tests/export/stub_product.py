@@ -30,11 +30,10 @@ from camgeo.kinematics.mechanism.rollers import TranslatingRoller
 from camgeo.milling import machine
 from camgeo.milling.cut import ContourCut
 from camgeo.milling.milling import GcodeSpec, MillingSpec, Stock, Tool
-from camgeo.milling.moves import ArcFeed, Feed, Move, Operation, Rapid, Toolpath
+from camgeo.milling.moves import ArcFeed, Feed, Move, Operation, Rapid, Toolpath, Zero
 from camgeo.milling.plan import divided
 from camgeo.milling.planned import Sequence
-from camgeo.milling.strategies.walk import centre_feed
-from camgeo.milling.zero import OF_THE_PART, Zero
+from camgeo.milling.walk import centre_feed
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Layer, Part
 from camgeo.part.spec import PartSpec
@@ -174,7 +173,7 @@ class StubProduct(Product):
     gcode: GcodeSpec = field(default_factory=GcodeSpec)
     tool: Tool = TOOL
     thickness: float | None = 8.0
-    zero: Zero = OF_THE_PART
+    zero: Zero = field(default_factory=Zero)
     told: tuple[str, ...] = ()
     whole: None = None
     first: None = None
@@ -299,7 +298,7 @@ class StubProduct(Product):
 
     @property
     def sequence(self) -> Sequence:
-        return Sequence(self.cuts, ())
+        return Sequence(self.cuts, (), is_cut_free=False)
 
     @property
     def programs(self) -> tuple[Product, ...]:

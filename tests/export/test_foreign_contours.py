@@ -31,7 +31,8 @@ from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.reading import PLACED
 from camgeo.units import LengthUnit
 from camgeo_export.contour_csv import READER as CSV
-from camgeo_export.dxf.reader import NEAR, READER, Curve, drawing_of
+from camgeo_export.dxf.reader import NEAR, READER, drawing_of
+from camgeo_export.reading import AnyContour
 from camgeo_export.svg import READER as SVG
 from tests.measuring import Outline
 
@@ -172,7 +173,7 @@ def test_what_is_no_dxf(data: bytes, message: str) -> None:
 # Splines ------------------------------------------------------------------------------------------
 
 
-def read_curves(data: bytes, gap: float = 1e-9) -> tuple[Curve, ...]:
+def read_curves(data: bytes, gap: float = 1e-9) -> tuple[AnyContour, ...]:
     return drawing_of(data, "a.dxf").contours(None, gap)
 
 

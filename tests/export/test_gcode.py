@@ -41,7 +41,8 @@ from camgeo_export.gcode.writer import (
     numbered,
     written,
 )
-from camgeo_export.interpreter.run import Run, run
+from camgeo_export.interpreter.moves import Run
+from camgeo_export.interpreter.run import run
 from camgeo_export.verify.gcode import VERIFIER
 from tests.export.stub_product import SECOND_TOOL, TOOL, StubProduct
 from tests.export.verified import TOLERANCE, faults, read_back
@@ -113,7 +114,7 @@ def test_leads_from_and_to_the_same_point_are_no_part_of_the_loop() -> None:
 
 def speller(tolerance: float = 0.001, decimals: int = 4) -> Speller:
     shares = Budget(tolerance, decimals, 3.0 * 10.0**-decimals, 0.05 * tolerance, 0.0, tolerance)
-    return Speller(Grid(decimals, 1.0), shares, LINUXCNC.arcs, Iso(), LINUXCNC.numbers)
+    return Speller(Grid(decimals, 1.0), shares, LINUXCNC, Iso())
 
 
 def test_an_arc_with_coincident_printed_ends_is_dropped() -> None:
@@ -171,7 +172,7 @@ def test_printed_arcs_meet_their_ends(
 ) -> None:
     step = 10.0 ** -grid[0] * grid[1]
     shares = Budget(1.0, grid[0], 3.0 * step, 1e-6, 0.0, 1.0)
-    words = Speller(Grid(*grid), shares, LINUXCNC.arcs, Iso(), LINUXCNC.numbers)
+    words = Speller(Grid(*grid), shares, LINUXCNC, Iso())
     start = hub + radius * complex(math.cos(begin), math.sin(begin))
     final = begin + (turn if ccw else -turn)
     end = hub + radius * complex(math.cos(final), math.sin(final))

@@ -40,14 +40,14 @@ from camgeo.part.boundaries import ExactBoundary
 from camgeo_export.dxf.writer import WRITER as DXF
 from camgeo_export.gcode.writer import WRITER as GCODE
 from camgeo_export.interpreter.run import run as run_program
-from camgeo_export.reading import TOKEN, farthest
+from camgeo_export.reading import TOKEN
 from camgeo_export.stl import WRITER as STL
 from camgeo_export.threemf.writer import WRITER as THREEMF
 from camgeo_export.verify.body import solid_checks
 from camgeo_export.verify.dxf import VERIFIER as DXF_VERIFIER
 from camgeo_export.verify.gcode import VERIFIER as GCODE_VERIFIER
 from camgeo_export.verify.gcode import simulation_checks, traced
-from camgeo_export.verify.plane import contour_checks, joints_of, shapes_of
+from camgeo_export.verify.plane import contour_checks, farthest, joints_of, shapes_of
 from camgeo_export.verify.step import VERIFIER as STEP_VERIFIER
 from camgeo_export.verify.stl import FACET, PREFIX
 from camgeo_export.verify.stl import VERIFIER as STL_VERIFIER

@@ -29,8 +29,7 @@ from camgeo.design.design import Design
 from camgeo.design.product import Product, title_of
 from camgeo.design.writing import Writer, make_files
 from camgeo.errors import FileError, SceneError
-from camgeo.milling import plan
-from camgeo.milling.strategies import walk
+from camgeo.milling import plan, walk
 from camgeo.numeric.arrays import FloatArray
 from camgeo.part.spec import text_of
 from camgeo.scene.formats.drawing import DrawingSpec
@@ -38,6 +37,7 @@ from camgeo.scene.formats.dxf import ENTITIES, DxfSpec, Entity
 from camgeo.scene.formats.step import StepSpec
 from camgeo.scene.scene import parse_scene
 from camgeo.units import LengthUnit
+from camgeo_export import part21
 from camgeo_export import svg as svg_writer
 from camgeo_export.dxf import reader as dxf_reader
 from camgeo_export.dxf import writer as dxf_writer
@@ -45,9 +45,7 @@ from camgeo_export.dxf.writer import WRITER as DXF
 from camgeo_export.gcode import writer as gcode_writer
 from camgeo_export.gcode.writer import WRITER as GCODE
 from camgeo_export.gcode.writer import ascii_of
-from camgeo_export.part21 import text as step_text
-from camgeo_export.part21.solid import Extrusion, Model, solid_of
-from camgeo_export.part21.text import exchange_of
+from camgeo_export.part21 import Extrusion, exchange_of, solid_of
 from camgeo_export.solid import prism
 from camgeo_export.step import writer as step_writer
 from camgeo_export.step.writer import WRITER as STEP
@@ -139,7 +137,7 @@ def test_walls_of_letters_are_splines_where_step_files_have_splines() -> None:
         for each in ENGRAVED.boundaries
         if text_of(each.name)
     )
-    found = solid_of(Model.of(exchange_of(data)))
+    found = solid_of(data)
     assert sum(isinstance(each.surface, Extrusion) for each in found.faces) >= curved
 
 
@@ -368,12 +366,12 @@ LIMITS: dict[str, tuple[object, str, int, Callable[[], object], str]] = {
                            "5 closed contours"),
     "pieces of an svg": (svg_writer, "SVG_PIECES", 20, lambda: svg_writer.drawing_of(squares(5)),
                          "20 lines and arcs"),
-    "entities of a step": (step_text, "INSTANCES", STEPPED.count(b"\n#"), read_step,
+    "entities of a step": (part21, "INSTANCES", STEPPED.count(b"\n#"), read_step,
                            "more entities"),
-    "marks of a step": (step_text, "PARAMETERS", STEPPED.count(b",") + STEPPED.count(b"("),
+    "marks of a step": (part21, "PARAMETERS", STEPPED.count(b",") + STEPPED.count(b"("),
                         read_step, "commas and brackets"),
-    "header of a step": (step_text, "RECORDS", 3, read_step, "more than 2 records"),
-    "lists of a step": (step_text, "NESTED", 2, read_step, "nested more than 1 deep"),
+    "header of a step": (part21, "RECORDS", 3, read_step, "more than 2 records"),
+    "lists of a step": (part21, "NESTED", 2, read_step, "nested more than 1 deep"),
     "step": (step_writer, "INSTANCES", 20 * 2 * PIECES,
              lambda: STEP.write(DISC, COARSE), "walls of 24 pieces"),
     "stl": (prism, "FACETS", FACETS, lambda: STL.write(DISC, COARSE), f"{FACETS:,} facets"),

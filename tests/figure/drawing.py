@@ -6,7 +6,8 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure as Page
 
 from camgeo.pictures.model import Figure
-from camgeo_export.plots import RC, page
+from camgeo_export.plots import RC
+from camgeo_export.plots import drawn as page
 
 
 def drawn(figure: Figure) -> Page:

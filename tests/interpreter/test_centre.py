@@ -16,9 +16,17 @@ from hypothesis import strategies as st
 
 from camgeo.design.linting import Bench
 from camgeo.milling.machine import load
-from camgeo_export.interpreter.controller import Findings
-from camgeo_export.interpreter.moves import CutterMove, Kind, Parallel, centres, judge, meeting
-from camgeo_export.interpreter.run import Run, run
+from camgeo_export.interpreter.moves import (
+    CutterMove,
+    Findings,
+    Kind,
+    Parallel,
+    Run,
+    centres,
+    judge,
+    meeting,
+)
+from camgeo_export.interpreter.run import run
 from tests.judges import rs274
 from tests.judges.files import random_contour
 from tests.judges.paths import difference

@@ -21,8 +21,9 @@ from camgeo.app.cli.main import main
 from camgeo.design.linting import Bench, LineFinding
 from camgeo.milling.machine import MEANINGS, load
 from camgeo_export.gcode.writer import WRITER
-from camgeo_export.interpreter.controller import COMMON, GROUP_OF, RULES
-from camgeo_export.interpreter.run import Run, run
+from camgeo_export.interpreter.controller import COMMON, GROUP_OF
+from camgeo_export.interpreter.moves import RULES, Run
+from camgeo_export.interpreter.run import run
 from camgeo_export.verify.gcode import VERIFIER
 from tests.answers.documents import RING, UNHELD, document
 from tests.interpreter.programs import GOOD

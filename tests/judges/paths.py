@@ -7,8 +7,7 @@ import math
 from collections import defaultdict
 from dataclasses import dataclass
 
-from camgeo_export.interpreter.moves import CutterMove
-from camgeo_export.interpreter.run import Run
+from camgeo_export.interpreter.moves import CutterMove, Run
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,7 @@ import numpy as np
 import shapely
 
 from camgeo.geometry.contour.contour import Contour
-from camgeo.milling.course import Course
-from camgeo.milling.moves import ArcFeed, Move, Rapid, Stop
+from camgeo.milling.moves import ArcFeed, Course, Move, Rapid, Stop
 from camgeo.milling.plan import Cutting
 from camgeo.milling.track import Track
 from camgeo.numeric.arrays import FloatArray

@@ -18,8 +18,7 @@ from camgeo.milling.cut import AreaCut, ContourCut, Cut, LetterCut, LineCut, Poi
 from camgeo.milling.judged import PART_FINENESS, Side, runs_of, setup_of
 from camgeo.milling.machine import load
 from camgeo.milling.machining_time import times_on
-from camgeo.milling.moves import ArcFeed, Move, Rapid, Stop, Toolpath, arc_sweep
-from camgeo.milling.zero import box, described
+from camgeo.milling.moves import ArcFeed, Move, Rapid, Stop, Toolpath, arc_sweep, described
 from camgeo.pictures.backplot import KINDS, plotted
 from camgeo.scene.scene import parse_scene
 from camgeo_export.verify.gcode import depths
@@ -284,7 +283,7 @@ def document(name: str) -> dict[str, Any]:
     plots = () if areas else plotted(plan, setup.blank, setup.top, 0.05)
     return {
         "zero": [zero.sentence, *spread(zero.place), zero.z],
-        "blank": [described(stock, part, zero), box(stock, part, zero)],
+        "blank": [described(stock, part, zero), zero.box(stock, part)],
         "told": disc.told,
         "findings": [asdict(each) for each in disc.findings(plan, TOLERANCE)],
         "engaged": [

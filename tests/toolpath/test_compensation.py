@@ -15,7 +15,7 @@ from camgeo.milling.cut import ContourCut
 from camgeo.milling.machine import load
 from camgeo.milling.milling import Clamp, Heights, Tool
 from camgeo.milling.moves import ArcFeed, Feed, Operation, Stop
-from camgeo.milling.strategies import STRATEGIES
+from camgeo.milling.strategies import moves_of
 from camgeo.part.boundaries import ExactBoundary
 from tests.part.parts import refused
 
@@ -34,7 +34,7 @@ def operation(mode: str, room: float = 8.0, radius: float = 30.0, **more: Any) -
         centre=disc.offset(TOOL.radius), room=room, cleared=True, compensation=mode,
         **more,
     )  # fmt: skip
-    return Operation(cut, tuple(STRATEGIES["profile"](cut, HEIGHTS, 1e-3, "fast")))
+    return Operation(cut, tuple(moves_of(cut, HEIGHTS, 1e-3, "fast")))
 
 
 def switches(found: Operation) -> list[str]:

@@ -16,11 +16,10 @@ from hypothesis import strategies as st
 
 import camgeo
 from camgeo.geometry.contour.contour import Contour, Pieces, distances
-from camgeo.milling.course import course_of
 from camgeo.milling.cut import AreaCut, ContourCut, Cut, PointCut
 from camgeo.milling.machine import load
 from camgeo.milling.milling import Heights
-from camgeo.milling.moves import ArcFeed, Feed, Move, Operation, Point, Rapid, Toolpath
+from camgeo.milling.moves import ArcFeed, Feed, Move, Operation, Point, Rapid, Toolpath, course_of
 from camgeo.milling.plan import Cutting, crossings, engaged, entries, inside, plan_toolpath
 from camgeo.numeric.arrays import ComplexArray, taken
 from camgeo.part.boundaries import ExactBoundary

@@ -20,12 +20,11 @@ from camgeo.design.design import Design
 from camgeo.design.milled import MilledDisc, compared
 from camgeo.errors import GeometryError, SceneError
 from camgeo.milling.cut import AreaCut, LineCut
-from camgeo.milling.features import Feature
-from camgeo.milling.judged import left_out
+from camgeo.milling.judged import Feature, left_out
 from camgeo.milling.machine import load
 from camgeo.milling.moves import Feed, Stop
 from camgeo.milling.plan import plan_toolpath
-from camgeo.milling.strategies import STRATEGIES
+from camgeo.milling.strategies import moves_of
 from tests.answers.documents import document
 from tests.toolpath.milled import ENGRAVER, HEIGHTS, HUB_TOOLS, HUBBED, named, sequence
 
@@ -230,7 +229,7 @@ def test_a_moat_lies_between_a_boss_and_a_wall() -> None:
     cut = named(sequence(Contact.INNER, *HUB_TOOLS, spec=HUBBED))["rough hub"]
     assert isinstance(cut, AreaCut)
     with pytest.raises(GeometryError, match="around a boss"):
-        STRATEGIES["moat"](replace(cut, walls=cut.walls[::-1]), HEIGHTS, 0.01, "fast")
+        moves_of(replace(cut, strategy="moat", walls=cut.walls[::-1]), HEIGHTS, 0.01, "fast")
 
 
 def test_the_scene_names_the_wrong_key() -> None:

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, distances, least_distance
-from camgeo.milling.strategies.clear import biarcs
+from camgeo.milling.clear import biarcs
 from camgeo.milling.track import (
     CLOSE,
     SMALLEST_SHARE,

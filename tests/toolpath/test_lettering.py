@@ -20,7 +20,7 @@ from camgeo.milling.milling import OperationSpec, Tool
 from camgeo.milling.moves import Feed, Stop
 from camgeo.milling.plan import plan_toolpath
 from camgeo.milling.polygons import polygon
-from camgeo.milling.strategies.marks import CORNERS, OFF, centres, letters, strokes
+from camgeo.milling.strategies import CORNERS, OFF, centres, moves_of, strokes
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.part.spec import Engraving
 from camgeo_export.gcode.writer import WRITER
@@ -184,11 +184,16 @@ def test_moves_go_straight_down_and_around(climb: bool) -> None:
 
 def test_a_path_that_would_cut_an_outline_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     cut = cut_of(MILL, FINE)
-    monkeypatch.setattr("camgeo.milling.strategies.marks.OFF", -0.01)
+    monkeypatch.setattr("camgeo.milling.strategies.OFF", -0.01)
     with pytest.raises(GeometryError, match="too near to an outline"):
-        letters(cut, HEIGHTS, 0.01, "fast")
+        moves_of(cut, HEIGHTS, 0.01, "fast")
     with pytest.raises(TypeError, match="cuts letters"):
-        letters(named(sequence(Contact.INNER))["outline"], HEIGHTS, 0.01, "fast")
+        moves_of(
+            replace(named(sequence(Contact.INNER))["outline"], strategy="letters"),
+            HEIGHTS,
+            0.01,
+            "fast",
+        )
 
 
 def test_a_program_is_measured_verified_and_simulated() -> None:
@@ -208,9 +213,9 @@ def test_a_program_is_measured_verified_and_simulated() -> None:
 
 
 def test_rounds_without_number_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("camgeo.milling.strategies.marks.MOST_TURNS", 3)
+    monkeypatch.setattr("camgeo.milling.strategies.MOST_TURNS", 3)
     with refused("tool.stepover", "more than 3 rounds in a stroke"):
-        letters(replace(cut_of(MILL, FINE), stepover=1e-6), HEIGHTS, 0.01, "fast")
+        moves_of(replace(cut_of(MILL, FINE), stepover=1e-6), HEIGHTS, 0.01, "fast")
 
 
 def test_a_letter_that_is_left_standing_is_a_rest() -> None:

@@ -17,9 +17,9 @@ from hypothesis import strategies as st
 
 from camgeo.cam.cam import Contact
 from camgeo.geometry.contour.contour import POINTS, Contour
+from camgeo.milling.bench import MOST_PASSES, passes
 from camgeo.milling.cut import ContourCut
 from camgeo.milling.machine import load
-from camgeo.milling.making import MOST_PASSES, passes
 from camgeo.milling.milling import Clamp, Heights, Holding, Stock, Tabs, Tool
 from camgeo.milling.moves import ArcFeed, Feed, Operation, Rapid, Toolpath
 from camgeo.milling.planned import LARGEST

@@ -24,7 +24,7 @@ from camgeo.milling.cut import AreaCut, ContourCut, Cut, PointCut, slack_of
 from camgeo.milling.judged import left_out
 from camgeo.milling.milling import OperationSpec, Stock
 from camgeo.milling.moves import ArcFeed
-from camgeo.milling.strategies import STRATEGIES
+from camgeo.milling.strategies import moves_of
 from camgeo.milling.track import Track
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.spec import Counterbore, DShaft, Holes, Hub, Keyway, Mark, PartSpec
@@ -367,7 +367,7 @@ def test_the_chamfer_is_as_wide_as_stated(boundary: str, contact: Contact) -> No
     ring = wall.arcs(1e-4, "fast").contour
     apart = distances(path.vertices, Track.around(ring))
     assert apart == pytest.approx(np.full(len(path), beside), abs=2.1e-4)
-    moves = STRATEGIES[cut.strategy](cut, HEIGHTS, 0.001, "fast")
+    moves = moves_of(cut, HEIGHTS, 0.001, "fast")
     arcs = [
         (abs(complex(*each.end[:2]) - complex(*each.centre)), each.feed)
         for each in moves

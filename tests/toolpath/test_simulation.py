@@ -13,9 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.geometry.contour.contour import Contour
-from camgeo.milling.course import below, course_of
-from camgeo.milling.moves import ArcFeed, Feed, Move, Point, Rapid, Stop
-from camgeo.milling.polygons import NOTHING, parts, polygon, rings
+from camgeo.milling.moves import ArcFeed, Feed, Move, Point, Rapid, Stop, course_of
+from camgeo.milling.polygons import NOTHING, parts, polygon
 from camgeo.milling.simulation import (
     Body,
     Chamfer,
@@ -30,6 +29,7 @@ from camgeo.milling.simulation import (
     swept_below,
     unlifted,
 )
+from camgeo.milling.strategies import rings
 from camgeo_export.verify.gcode import Depth, depths
 
 RADIUS = 3.0
@@ -415,7 +415,7 @@ def test_what_is_new_at_each_height_is_added() -> None:
     heights = [-5.0, -4.0, -3.1, -2.0, -1.3, 0.0, 1.0]
     found = swept_below(course, heights, RADIUS, fineness, {})
     for z, area in zip(heights, found, strict=True):
-        afresh = swept(below(course, z), RADIUS, fineness)
+        afresh = swept(course.below(z), RADIUS, fineness)
         assert area.symmetric_difference(afresh).area < 4.0 * fineness * 4.0 * math.pi * 33.0
     assert found[0].is_empty
     assert found[-1] is found[-2]  # nothing is new there
@@ -476,7 +476,7 @@ def test_below_a_height_is_the_share_that_lies_there(z: float, down: bool, arc: 
         else Feed((half, 0.0, last), FEED)
     )  # fmt: skip
     course = course_of([ramp], (0.0, 0.0, first))
-    found = below(course, z)
+    found = course.below(z)
     share = min(1.0, max(0.0, 0.5 * (z + 2.0)))
     assert math.fsum(found.lengths) == pytest.approx(share * half, abs=1e-9)
     if len(found):

@@ -19,13 +19,14 @@ from camgeo.geometry.outline.path import Path, whole
 from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.kinematics.mechanism.rollers import TranslatingRoller
 from camgeo.milling import plan
-from camgeo.milling.cut import ContourCut, Cut, PointCut
+from camgeo.milling.cut import ContourCut, PointCut
 from camgeo.milling.machine import load
 from camgeo.milling.milling import Heights, Holding, MillingSpec, Stock
-from camgeo.milling.moves import ArcFeed, Feed, Move, Operation, Rapid, Stop
+from camgeo.milling.moves import ArcFeed, Feed, Operation, Rapid, Stop
 from camgeo.milling.plan import plan_toolpath
 from camgeo.milling.planned import sequence_of
 from camgeo.milling.strategies import STRATEGIES
+from camgeo.milling.walk import Walk
 from camgeo.part.assembly import build_part
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Layer, Part
@@ -255,11 +256,11 @@ def test_arcs_are_divided_as_the_machine_wants() -> None:
 def test_a_new_strategy_is_a_function_and_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
     """The plan asks the registry alone; nothing else has to know of it."""
 
-    def drill(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[Move]:
-        above, down = (0.0, 0.0, heights.clearance), (0.0, 0.0, cut.bottom)
-        return [Rapid(above), Feed(down, cut.tool.plunge_feed), Rapid(above)]
+    def drill(walk: Walk, tolerance: float, effort: Effort) -> None:
+        walk.above(0j)
+        walk.down(walk.cut.bottom)
 
-    monkeypatch.setattr(plan, "STRATEGIES", {**STRATEGIES, "drill": drill})
+    monkeypatch.setitem(STRATEGIES, "drill", drill)
     cut = PointCut(
         name="hole", strategy="drill", tool=tool(6.0), top=0.0, depths=(-8.0,), points=(0j,)
     )

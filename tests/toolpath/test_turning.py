@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from camgeo.geometry.contour.contour import Contour
 from camgeo.milling.milling import AXES, NOT, OTHER, Clamp, Stock, mirrored, mirrored_all
-from camgeo.milling.zero import OF_THE_PART, Zero, described
+from camgeo.milling.moves import Zero, described
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Layer, Part
 
@@ -90,7 +90,7 @@ CORNER: Final = Zero("front-left", "blank-top", -37 - 32j, 6.0)
     [
         (
             PLATE,
-            OF_THE_PART,
+            Zero(),
             "plate, 80 x 60 mm, 16 mm high, its upper face at Z 6, its middle at X 3, Y -2",
         ),
         (
@@ -100,10 +100,10 @@ CORNER: Final = Zero("front-left", "blank-top", -37 - 32j, 6.0)
         ),
         (
             Stock(shape="round", diameter=50.0, bore=8.0),
-            OF_THE_PART,
+            Zero(),
             "round, diameter 50 mm, 13 mm high, bore 8 mm, its upper face at Z 5",
         ),
-        (Stock(), OF_THE_PART, "plate of unstated size, 13 mm high, its upper face at Z 5"),
+        (Stock(), Zero(), "plate of unstated size, 13 mm high, its upper face at Z 5"),
     ],
 )
 def test_it_is_described_from_the_zero(stock: Stock, zero: Zero, said: str) -> None:
@@ -112,5 +112,5 @@ def test_it_is_described_from_the_zero(stock: Stock, zero: Zero, said: str) -> N
 
 def test_inches() -> None:
     stock = Stock(shape="round", diameter=50.8)
-    said = described(stock, PART, OF_THE_PART, "inch")
+    said = described(stock, PART, Zero(), "inch")
     assert said == "round, diameter 2 inch, 0.511811 inch high, its upper face at Z 0.19685"

@@ -36,7 +36,7 @@ from camgeo.design.milled import compared
 from camgeo.design.product import Product, programs_of, sides_of
 from camgeo.errors import GeometryError
 from camgeo.milling.compensation import limits_of
-from camgeo.milling.features import Feature
+from camgeo.milling.judged import Feature
 from camgeo.milling.machine import Machine, load
 from camgeo.milling.machining_time import OperationTime, times_on
 from camgeo.milling.milling import (
@@ -51,11 +51,10 @@ from camgeo.milling.milling import (
     Holding,
     Tool,
 )
-from camgeo.milling.moves import Operation, Stop, Toolpath
+from camgeo.milling.moves import Operation, Stop, Toolpath, Zero, described
 from camgeo.milling.plan import Engaged
 from camgeo.milling.planned import SEQUENCE
 from camgeo.milling.simulation import Flaw
-from camgeo.milling.zero import Zero, described
 from camgeo.scene.scene import Scene
 from camgeo.units import MM_PER, LengthUnit, clock, counted, in_unit
 

@@ -521,6 +521,5 @@ async def _reply(
     send: Send, status: int, data: bytes, headers: Iterable[tuple[bytes, bytes]]
 ) -> None:
     length = (b"content-length", str(len(data)).encode())
-    head = {"type": "http.response.start", "status": status, "headers": [*headers, length]}
-    await send(head)
+    await send({"type": "http.response.start", "status": status, "headers": [*headers, length]})
     await send({"type": "http.response.body", "body": data})

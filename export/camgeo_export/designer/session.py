@@ -650,8 +650,7 @@ class Session:
         painting = found.text
         if said.kind == "build":
             self._tell_verdict("build", {"faults": found.data["faults"]}, revision)
-            files = self.files.take(found.data.get("files", ()))
-            painting = body({**found.data, "files": files})
+            painting = body({**found.data, "files": self.files.take(found.data.get("files", ()))})
         page.put(Message(ANSWERS[said.kind], head, painting))
 
     # -- what pages are told -----------------------------------------------------------------------

@@ -60,7 +60,7 @@ from camgeo.scene.formats.format import Format
 from camgeo.units import MM_PER
 from camgeo_export.dxf.reader import Item, drawing_of
 from camgeo_export.dxf.writer import bytes_of, new_document
-from camgeo_export.reading import deviation
+from camgeo_export.verify.plane import deviation
 
 # -- document -------------------------------------------------------------------------------------
 # A sheet as a DXF document: the part at true size, the sheet around it at the inverse scale.
@@ -356,9 +356,8 @@ def svg(pages: Sequence[Strokes]) -> bytes:
     ]
     left = 0.0
     for number, each in enumerate(pages):
-        found.append(f'<g transform="translate({_grains(left)} 0)">' if number else "<g>")
-        found += _svg_page(each, number)
-        found.append("</g>")
+        head = f'<g transform="translate({_grains(left)} 0)">' if number else "<g>"
+        found += [head, *_svg_page(each, number), "</g>"]
         left += each.width + APART
     return "\n".join([*found, "</svg>", ""]).encode()
 
@@ -403,8 +402,7 @@ def _svg_outline(outline: Outline) -> str:
     for word, points in outline:
         found.append(word.lower())
         ways = [point - at for point in points]
-        numbers = "".join(f"{_signed(w.real)}{_signed(-w.imag)}" for w in ways)
-        found.append(numbers.strip())
+        found.append("".join(f"{_signed(w.real)}{_signed(-w.imag)}" for w in ways).strip())
         at = points[-1] if points else at
     return "".join(found)
 
@@ -439,10 +437,12 @@ def _pieces(stroke: Chain) -> Pieces:
 
 def pdf(pages: Sequence[Strokes]) -> bytes:
     """A document with a page for each."""
-    objects: list[bytes] = [b"<< /Type /Catalog /Pages 2 0 R >>"]
     kids = " ".join(f"{4 + 2 * number} 0 R" for number in range(len(pages)))
-    objects.append(f"<< /Type /Pages /Kids [ {kids} ] /Count {len(pages)} >>".encode())
-    objects.append(b"<< /Creator (camgeo) >>")
+    objects = [
+        b"<< /Type /Catalog /Pages 2 0 R >>",
+        f"<< /Type /Pages /Kids [ {kids} ] /Count {len(pages)} >>".encode(),
+        b"<< /Creator (camgeo) >>",
+    ]
     for number, each in enumerate(pages):
         size = f"{each.width / POINT:.4f} {each.height / POINT:.4f}"
         objects.append(
@@ -679,8 +679,7 @@ class _Taken(Backend):
     def draw_line(self, start: Vec2, end: Vec2, properties: BackendProperties) -> None:
         """A line of a dimension."""
         ends = np.array([self._at(start), self._at(end)], np.complex128)
-        line = Chain(ends, np.zeros(2), "DIMENSION")
-        self._found.add(round(100.0 * properties.lineweight), line)
+        self._found.add(round(100.0 * properties.lineweight), Chain(ends, np.zeros(2), "DIMENSION"))
 
     def draw_filled_paths(self, paths: Iterable[BkPath2d], properties: BackendProperties) -> None:
         """Letters, each by itself."""
@@ -774,10 +773,7 @@ class PageWriter:
 
     format: Format[None]
     written: Callable[[Sequence[Strokes]], bytes]
-
-    def pieces(self, product: Product) -> tuple[Product, ...]:
-        """See `with_pair`."""
-        return with_pair(product)
+    pieces = staticmethod(with_pair)
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The whole sheets, at their scale."""
@@ -799,10 +795,7 @@ class DrawingWriter:
 
     format: Format[None]
     companions: tuple[PageWriter, ...]
-
-    def pieces(self, product: Product) -> tuple[Product, ...]:
-        """See `with_pair`."""
-        return with_pair(product)
+    pieces = staticmethod(with_pair)
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The sheet; the edges of the part lie within `tolerance` [mm]."""

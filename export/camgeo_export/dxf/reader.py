@@ -27,9 +27,9 @@ from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.foreign import Outlines, middle_of
 from camgeo.geometry.contour.spline import CUBIC, Arc, CubicSpline, SplineContour, at
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
-from camgeo.reading import CONTOURS, DRAWING, PLACED, beyond, check_text
+from camgeo.reading import CONTOURS, COORDINATE, DRAWING, PLACED, beyond, check_text, number_of
 from camgeo.units import MM_PER, TURN, LengthUnit, counted, place_text
-from camgeo_export.reading import CUT, finite, of_the_part
+from camgeo_export.reading import CUT, AnyContour, of_the_part
 
 # -- entities -------------------------------------------------------------------------------------
 # The contents of a DXF file: tags, and the entities that they make up.
@@ -64,6 +64,18 @@ Progress = Callable[[str], object]
 
 class EntityError(FileError):
     """The error for an entity that cannot be used, whatever the rest of the drawing is."""
+
+
+def finite(text: str, name: str, line: int) -> float:
+    """The number `text` in a line of the file `name`.
+
+    Raises FileError if it is none, not finite, or beyond the limits of `camgeo.reading`.
+    """
+    number = number_of(text)
+    if number is None:
+        what = f"is not a finite number of at most {COORDINATE:g}"
+        raise FileError(f"{name}, line {line}: {text[:40]!r} {what}")
+    return number
 
 
 class Tag(NamedTuple):
@@ -255,7 +267,6 @@ def _tags(data: bytes, name: str, progress: Progress) -> Iterator[tuple[int, int
 
 
 Strand = CubicSpline | Arc
-Curve = Contour | SplineContour
 
 CURVES: Final = ("LINE", "ARC", "CIRCLE", "LWPOLYLINE", "POLYLINE", "SPLINE", "ELLIPSE")
 
@@ -532,7 +543,7 @@ def _followed(
     return CubicSpline(np.concatenate(([0.0], np.repeat(places, 3), places[-1:])), inner)
 
 
-def closed(strands: Sequence[Strand]) -> Curve:
+def closed(strands: Sequence[Strand]) -> AnyContour:
     """The closed contour of strands end to end; the caller has limited the gaps.
 
     Where two ends differ, arcs and lines are moved to splines, and a strand to the next one. A
@@ -636,7 +647,7 @@ class Drawing:
             raise FileError(f"{name}: $INSUNITS is {code}, which is not {unit}")
         return MM_PER_INSUNIT[code]
 
-    def contours(self, layer: str | None, gap: float = 0.0) -> tuple[Curve, ...]:
+    def contours(self, layer: str | None, gap: float = 0.0) -> tuple[AnyContour, ...]:
         """The closed contours [mm] of a drawing in which all must be part of one, as `outlines`.
 
         Raises FileError as that does, and for the first entity that is part of none.
@@ -845,19 +856,19 @@ def _listed(kinds: Counter[str]) -> str:
     return ", ".join(f"{count} {kind}" for kind, count in kinds.most_common())
 
 
-def _contours(loops: Sequence[Loop], *, doubles: bool) -> tuple[list[Curve], list[Left]]:
+def _contours(loops: Sequence[Loop], *, doubles: bool) -> tuple[list[AnyContour], list[Left]]:
     """The contours of closed chains, the largest first, each once unless `doubles` count too, and
     the runs of the others.
     """
     left = []
-    found: list[tuple[Curve, Loop]] = []
+    found: list[tuple[AnyContour, Loop]] = []
     for pieces, runs in loops:
         single = len(pieces) < 2 and isinstance(pieces[0], Arc)
         if single or (contour := closed(pieces)).area == 0.0:
             left.append(Left(runs[0], pieces[0].start, EMPTY))
         else:
             found.append((contour.counter_clockwise(), (pieces, runs)))
-    kept: list[tuple[Curve, complex]] = []
+    kept: list[tuple[AnyContour, complex]] = []
     for contour, (pieces, runs) in sorted(found, key=lambda each: -each[0].area):
         middle = middle_of(contour)
         if not doubles and any(_same(contour, middle, *each) for each in kept):
@@ -867,7 +878,7 @@ def _contours(loops: Sequence[Loop], *, doubles: bool) -> tuple[list[Curve], lis
     return [contour for contour, _ in kept], left
 
 
-def _same(one: Curve, middle: complex, other: Curve, place: complex) -> bool:
+def _same(one: AnyContour, middle: complex, other: AnyContour, place: complex) -> bool:
     """Whether two contours lie on each other, to all appearances."""
     return (
         abs(one.area - other.area) <= ALIKE * one.length**2
@@ -1116,7 +1127,6 @@ def _rings(paths: Mapping[int, ComplexArray]) -> list[Ring]:
     heads = {(path[0], path[1]): (k, True) for k, path in long.items()}
     heads |= {(path[-1], path[-2]): (k, False) for k, path in long.items()}
     lines = [shapely.LineString(np.column_stack((z.real, z.imag))) for z in long.values()]
-    faces = shapely.get_parts(shapely.polygonize(lines))
-    rings = shapely.get_exterior_ring(faces)
+    rings = shapely.get_exterior_ring(shapely.get_parts(shapely.polygonize(lines)))
     borders = (shapely.get_coordinates(ring) @ (1.0, 1.0j) for ring in rings)
     return [[heads[step] for step in pairwise(z.tolist()) if step in heads] for z in borders]

@@ -32,8 +32,9 @@ from camgeo.part.part import WRITTEN_SHARE, Boundary, written_contour
 from camgeo.reading import DRAWING_LINES
 from camgeo.scene.formats.dxf import FORMAT, SINGLE
 from camgeo.units import MM_PER, LengthUnit, counted
-from camgeo_export.dxf.reader import Curve, Drawing, drawing_of
-from camgeo_export.reading import CUT, deviation, layered
+from camgeo_export.dxf.reader import Drawing, drawing_of
+from camgeo_export.reading import CUT, AnyContour, layered
+from camgeo_export.verify.plane import deviation
 
 PITCH = "PITCH_CURVE"
 
@@ -113,7 +114,7 @@ def _limit(pieces: int) -> None:
         )
 
 
-def _cut(boundary: Boundary, product: Product, tolerance: float) -> Curve:
+def _cut(boundary: Boundary, product: Product, tolerance: float) -> AnyContour:
     """A boundary as drawn; a drawing of splines or of single lines and arcs has no bulges, not even
     in the bore.
     """
@@ -122,7 +123,7 @@ def _cut(boundary: Boundary, product: Product, tolerance: float) -> Curve:
     return strands_of(curve) if drawing.entity == SINGLE and isinstance(curve, Contour) else curve
 
 
-def _facts(product: Product, cut: list[Curve]) -> dict[str, int | float | str]:
+def _facts(product: Product, cut: list[AnyContour]) -> dict[str, int | float | str]:
     """How many entities and pieces of each kind the layers of the part hold."""
     splines = [
         spline for curve in cut if isinstance(curve, SplineContour) for spline in curve.splines
@@ -147,7 +148,7 @@ def _pitch(product: Product, tolerance: float, straight: bool) -> Contour:
 
 
 def _draw(
-    space: Modelspace, product: Product, cut: dict[str, list[Curve]], pitch: Contour | None
+    space: Modelspace, product: Product, cut: dict[str, list[AnyContour]], pitch: Contour | None
 ) -> None:
     scale, auxiliary = MM_PER[product.unit], product.options[FORMAT].auxiliary
     for name in cut:
@@ -349,12 +350,14 @@ def new_document(product: Product, tolerance: float) -> Document:
     """
     document = new("R2010", units=INSUNITS[product.unit])
     document.header["$MEASUREMENT"] = UNITS_OF_HEADER[product.unit]
-    properties = document.header.custom_vars
-    properties.append("camgeo", product.version)
-    properties.append("scene", product.scene_hash)
-    properties.append("tolerance mm", repr(tolerance))
-    if title_of(product) != product.name:
-        properties.append("title", title_of(product))
+    properties = {
+        "camgeo": product.version,
+        "scene": product.scene_hash,
+        "tolerance mm": repr(tolerance),
+        **({"title": title_of(product)} if title_of(product) != product.name else {}),
+    }
+    for label, value in properties.items():
+        document.header.custom_vars.append(label, value)
     return document
 
 

@@ -17,18 +17,12 @@ from camgeo.design.product import SECOND as NAME
 from camgeo.design.product import Product, title_of
 from camgeo.design.writing import Written
 from camgeo.errors import Fault, GeometryError, SceneError, ToleranceError
-from camgeo.milling.compensation import KEY as KEY_OF_COMPENSATION
 from camgeo.milling.compensation import Limit, limits_of, mode_of, programmed
 from camgeo.milling.cut import Cut
 from camgeo.milling.machine import (
-    KEY,
     ROUNDING_SHARE,
     ROUNDING_UNITS,
-    ArcLimits,
     Machine,
-    NumberForm,
-    TextForm,
-    filled,
     load,
 )
 from camgeo.milling.machining_time import toolpath_times
@@ -41,10 +35,11 @@ from camgeo.milling.moves import (
     Rapid,
     Stop,
     Toolpath,
+    Zero,
     arc_sweep,
+    described,
     too_long,
 )
-from camgeo.milling.zero import OF_THE_PART, Zero, box, described
 from camgeo.numeric.checked import one_of
 from camgeo.reading import PROGRAM_LINES
 from camgeo.scene.formats.gcode import FORMAT
@@ -90,9 +85,10 @@ class GcodeWriter:
             "budget_rounding_mm": _short(shares.rounding),
             "budget_chords_mm": _short(shares.chord),
             "path_blending_mm": _short(shares.blending),
+            **(
+                {"controller_arcs_mm": _short(shares.interpolation)} if shares.interpolation else {}
+            ),
         }
-        if shares.interpolation > 0.0:
-            facts["controller_arcs_mm"] = _short(shares.interpolation)
         if program.limits:
             facts["compensation"] = ", ".join(
                 f"{each.operation} {each.mode} {each.most:.3f} mm"
@@ -124,7 +120,7 @@ def setup_of(product: Product, spec: GcodeSpec, machine: Machine) -> Setup:
     faults = []
     wanted = {("output.gcode.coolant", spec.coolant), ("output.gcode.work_offset", offset)}
     wanted |= {("tool.coolant", cut.tool.coolant or "off") for cut in product.milled.cuts}
-    wanted |= {(KEY_OF_COMPENSATION, mode_of(cut)) for cut in product.milled.cuts}
+    wanted |= {("output.gcode.compensation", mode_of(cut)) for cut in product.milled.cuts}
     for key, value in sorted(wanted):
         try:
             one_of(key, value, allowed[key.rpartition(".")[2]])
@@ -138,7 +134,7 @@ def setup_of(product: Product, spec: GcodeSpec, machine: Machine) -> Setup:
     before = 0 if milled.first is None else len(milled.first.programs)
     number = spec.program_number + product.position + 2 * (before + (product.program or 0))
     assert milled.spec is not None  # for there are cuts
-    blank = box(milled.spec.stock, milled.part, milled.zero)
+    blank = milled.zero.box(milled.spec.stock, milled.part)
     return Setup(
         product.name, product.unit, words, spec.coolant, spin_up, number, away, milled.zero, blank
     )
@@ -155,22 +151,17 @@ def _check_tools(cuts: list[Cut], machine: Machine) -> None:
         named = " and ".join(map(str, tools))
         message = f"a program cannot change tools there, but tools {named} are needed"
         allowed = "write one for each of them, or use a profile with tool_change.change"
-        raise _error(machine, f"{message}: {allowed}")
+        raise machine.error(f"{message}: {allowed}")
 
 
 def _check_limits(lines: list[str], program: Program, machine: Machine) -> None:
     for line in lines:
         if len(line) > machine.text.line_length:
-            raise _error(machine, f"its text.line_length is too short for the block {line}")
+            raise machine.error(f"its text.line_length is too short for the block {line}")
     grid = program.speller.grid
     largest = grid.mm(program.speller.reach) / grid.mm_per_unit
     if largest > machine.numbers.largest:
-        raise _error(machine, f"its numbers.largest is too small for the coordinate {largest:g}")
-
-
-def _error(machine: Machine, message: str) -> SceneError:
-    """What a profile does not allow."""
-    return SceneError([Fault(KEY, repr(machine.name), message)])
+        raise machine.error(f"its numbers.largest is too small for the coordinate {largest:g}")
 
 
 WRITER = GcodeWriter()
@@ -212,7 +203,7 @@ class Setup:
     spin_up: float
     number: int = 1
     away: float | None = None
-    zero: Zero = OF_THE_PART
+    zero: Zero = field(default_factory=Zero)
     blank: tuple[Point, Point] | None = None
 
     @property
@@ -240,9 +231,7 @@ class Program:
         grid = Grid(self.shares.decimals, MM_PER[self.setup.unit])
         machine = self.machine
         words = Klartext() if machine.dialect == "klartext" else Iso()
-        self.speller = Speller(
-            grid, self.shares, machine.arcs, words, machine.numbers, self.setup.zero
-        )
+        self.speller = Speller(grid, self.shares, machine, words, self.setup.zero)
 
     def start(self, about: Iterable[str]) -> None:
         """The first lines and the comments on the whole program."""
@@ -269,8 +258,7 @@ class Program:
         grid, zero = self.speller.grid, self.setup.zero
         cut = operation.cut
         depths = " ".join(grid.text(grid.steps(depth - zero.z)) for depth in cut.depths)
-        about = (f"operation {cut.name}", f"depths {depths}", said, cut.note)
-        comments = self._commented(about)
+        comments = self._commented((f"operation {cut.name}", f"depths {depths}", said, cut.note))
         self.lines += () if first else comments
         moves = programmed(operation)
         before = moves[1] if not first and len(moves) > 1 else None
@@ -298,8 +286,7 @@ class Program:
             return ""
         if limit.mode == WEAR:
             grid = self.speller.grid
-            radius = grid.text(grid.steps(limit.radius))
-            self._nominal = words.nominal.format(radius=radius)
+            self._nominal = words.nominal.format(radius=grid.text(grid.steps(limit.radius)))
         number = str(limit.tool)
         self.speller.switches = {
             side: getattr(words, side).format(tool=number, nominal=self._nominal).rstrip()
@@ -327,8 +314,7 @@ class Program:
         self.speller.restart()
         self._dry()
         unit = machine.unit.of(self.setup.unit)
-        offset = self.setup.work_offset
-        blocks = filled(machine.program.safe_start, unit=unit, work_offset=offset)
+        blocks = filled(machine.program.safe_start, unit=unit, work_offset=self.setup.work_offset)
         self.lines += [block for block in blocks if block]
         self.lines += self._smoothing()
         if (before is not None and not self._plain_retract) or machine.retract.first:
@@ -456,7 +442,7 @@ class Program:
         return str(round(speed)) if self.machine.spindle.whole_speed else number(speed)
 
     def _commented(self, texts: Iterable[str]) -> list[str]:
-        return commented([text for text in texts if text], self.machine.text)
+        return commented([text for text in texts if text], self.machine)
 
 
 def written(
@@ -477,6 +463,11 @@ def written(
         program.operation(operation, following)
     program.end()
     return program
+
+
+def filled(blocks: Iterable[str], **words: str) -> list[str]:
+    """`blocks` with `words` in place of the names in braces."""
+    return [block.format(**words) for block in blocks]
 
 
 def numbered(lines: Iterable[str], machine: Machine) -> list[str]:
@@ -522,9 +513,8 @@ class Speller:
     ----------
     grid : of the printed numbers.
     budget : of the deviation.
-    limits : of the machine's arcs.
+    machine : with the limits of its arcs and the form of its numbers.
     dialect : of the blocks.
-    numbers : the form of numbers on the machine.
     zero : of the program's coordinates.
     blocks : written since they were last taken.
     arcs, lines : cutting blocks written so far.
@@ -536,10 +526,9 @@ class Speller:
 
     grid: Grid
     budget: Budget
-    limits: ArcLimits
+    machine: Machine
     dialect: Iso
-    numbers: NumberForm
-    zero: Zero = OF_THE_PART
+    zero: Zero = field(default_factory=Zero)
     blocks: list[str] = field(default_factory=list)
     switches: dict[str, str] = field(default_factory=dict)
     arcs: int = 0
@@ -642,8 +631,11 @@ class Speller:
         helix = self._steps(move.end)[2] != self.at[2]
         sagitta = 2.0 * radius * math.sin(0.25 * sweep) ** 2
         chords = not self.budget.arcs or sagitta <= self.budget.chord
-        chords = chords or (helix and not self.limits.helical)
-        if chords or not self.limits.smallest_radius <= radius <= self.limits.largest_radius:
+        chords = chords or (helix and not self.machine.arcs.helical)
+        if (
+            chords
+            or not self.machine.arcs.smallest_radius <= radius <= self.machine.arcs.largest_radius
+        ):
             low, high = self._exact_z, move.end[2]
             for part in _chord_ends(radius, sweep, self.budget.chord):
                 point = centre + arm * cmath.exp(1j * sweep * part) if part < 1.0 else end
@@ -668,17 +660,20 @@ class Speller:
         # Onto the bisector: the radii at both ends then differ by the rounding of I and J only.
         height = ((centre - start) / chord).imag
         offset = chord * complex(0.5, height)
-        if self.limits.centre == "incremental":
+        if self.machine.arcs.centre == "incremental":
             i, j = self.grid.steps(offset.real), self.grid.steps(offset.imag)
             printed = complex(self.grid.mm(i), self.grid.mm(j))
         else:
             i, j = self.grid.steps((start + offset).real), self.grid.steps((start + offset).imag)
             printed = complex(self.grid.mm(i), self.grid.mm(j)) - start
         mismatch = abs(abs(printed) - abs(target - start - printed))
-        allowed = min(self.limits.radius_tolerance, self.budget.rounding)
+        allowed = min(self.machine.arcs.radius_tolerance, self.budget.rounding)
         if mismatch > allowed:
-            text = f"radii of the arc to X{self.grid.text(end[0])} Y{self.grid.text(end[1])} differ"
-            raise ToleranceError(text, allowed, mismatch)
+            raise ToleranceError(
+                f"radii of the arc to X{self.grid.text(end[0])} Y{self.grid.text(end[1])} differ",
+                allowed,
+                mismatch,
+            )
         ends = (("X", end[0]), ("Y", end[1]), *((("Z", end[2]),) if end[2] != z else ()))
         middle = self._texts((("X", i), ("Y", j)))
         self.blocks += self.dialect.arc(self._texts(ends), middle, self._new(feed), ccw=ccw)
@@ -688,13 +683,19 @@ class Speller:
     def _feed_text(self, feed: float) -> str:
         """The feed [mm/min] in program units."""
         inches = self.grid.mm_per_unit != 1.0
-        scale = self.grid.mm_per_unit * (self.numbers.inch_feed if inches else 1.0)
-        text = number(feed / scale, self.numbers.feed_decimals)
+        scale = self.grid.mm_per_unit * (self.machine.numbers.inch_feed if inches else 1.0)
+        text = number(feed / scale, self.machine.numbers.feed_decimals)
         if float(text) <= 0.0:
-            places = self.numbers.feed_decimals
-            message = f"a feed of {feed:.3g} mm/min is 0 in the {places} decimals of the program"
-            raise GeometryError(message, "tool.feed", f"{feed:.3g}")
-        pointed = self.numbers.point == "required" or self.numbers.feed_increment is not None
+            places = self.machine.numbers.feed_decimals
+            raise GeometryError(
+                f"a feed of {feed:.3g} mm/min is 0 in the {places} decimals of the program",
+                "tool.feed",
+                f"{feed:.3g}",
+            )
+        pointed = (
+            self.machine.numbers.point == "required"
+            or self.machine.numbers.feed_increment is not None
+        )
         return f"{text}." if pointed and "." not in text else text
 
     def _new(self, feed: str) -> str:
@@ -866,12 +867,13 @@ def spelled(mm: float, unit: LengthUnit) -> str:
     return text if unit == "mm" else f"{number(mm / MM_PER[unit])} {unit}, {text}"
 
 
-def commented(texts: Iterable[str], form: TextForm) -> list[str]:
+def commented(texts: Iterable[str], machine: Machine) -> list[str]:
     """`texts` as comment lines, wrapped, as the controller can read them: plain ASCII without
     brackets.
 
     Characters that it cannot read are replaced.
     """
+    form = machine.text
     width = form.line_length - len(form.comment_open) - len(form.comment_close)
     if form.line_numbers is not None:
         width -= NUMBER_ROOM

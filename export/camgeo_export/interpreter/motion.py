@@ -13,24 +13,26 @@ from camgeo.numeric.arrays import phase
 from camgeo.reading import PROGRAM, PROGRAM_MOVES, beyond
 from camgeo.units import TURN
 from camgeo_export.interpreter.controller import (
-    ARMS,
     AXES,
     CYCLE,
     CYCLES,
-    GROUPS,
-    RETRACTED,
     UNKNOWN,
     Block,
     BlockReader,
     Controller,
-    Findings,
     State,
 )
-from camgeo_export.interpreter.moves import Compensator, CutterMove, Kind
+from camgeo_export.interpreter.moves import Compensator, CutterMove, Findings, Kind
 
 ARCS: Final = ("clockwise arc", "counter-clockwise arc")
 
 STRAIGHT: Final = frozenset({*AXES, "PR", "PA", "RND"})
+
+ARMS: Final = "IJK"
+"""Words of an arc's centre, by their axes."""
+
+RETRACTED: Final = math.inf
+"""Height of the spindle at its reference, above everything."""
 
 ROUND: Final = STRAIGHT | frozenset({*ARMS, "R"})
 """Words that moves take."""
@@ -72,8 +74,9 @@ class Mover(BlockReader):
     def enter(self, block: Block) -> None:
         """Compensation was switched on."""
         if block.codes.get("motion") in ARCS:
-            what = "compensation begins with an arc"
-            self._report(block, "compensation", what, allowed="a straight move")
+            self._report(
+                block, "compensation", "compensation begins with an arc", allowed="a straight move"
+            )
         self._compensator = Compensator(self._findings)
 
     def skip(self, block: Block) -> None:
@@ -290,8 +293,7 @@ class Mover(BlockReader):
             self._make(block, "rapid", *self._target(block), None)
         gone = axes or list(AXES)
         z = RETRACTED if "Z" in gone else state.z
-        at = UNKNOWN if {"X", "Y"} & set(gone) else state.at
-        self._make(block, "rapid", at, z, None)
+        self._make(block, "rapid", UNKNOWN if {"X", "Y"} & set(gone) else state.at, z, None)
         return STRAIGHT
 
     def _leads_away(self, block: Block, axis: str) -> bool:
@@ -413,7 +415,7 @@ class Mover(BlockReader):
             return ""
         if group == "unit" and not math.isnan(state.scale):
             return ""  # found at the first coordinate
-        words = [word for word, each in controller.meanings.items() if each in GROUPS[group]]
+        words = controller.words_in(group)
         if group == "centres" and len(words) < 2:
             return ""  # there is no choice
         program = controller.machine.program
@@ -430,8 +432,7 @@ class Mover(BlockReader):
             if move.kind != "rapid" or move.start != move.end:
                 self._compensator.take(move, state.side, radius)
         elif state.left_compensation:
-            radius = self._radii.get(move.tool, math.nan) + state.oversize
-            self._compensator.leave(move, radius)
+            self._compensator.leave(move, self._radii.get(move.tool, math.nan) + state.oversize)
             state.left_compensation = 0
 
 
@@ -621,8 +622,7 @@ def by_radius(start: complex, end: complex, radius: float, *, ccw: bool, turns: 
     left = ccw if radius > 0.0 else not ccw
     side = 1j if left else -1j
     centre = 0.5 * (start + end) + side * chord / abs(chord) * height
-    arc = swept(start, end, centre, ccw=ccw, turns=turns)
-    return Arc(centre, arc.sweep, max(half - size, 0.0))
+    return Arc(centre, swept(start, end, centre, ccw=ccw, turns=turns).sweep, max(half - size, 0.0))
 
 
 def tangent(start: complex, end: complex, heading: complex) -> Arc | None:
@@ -632,8 +632,7 @@ def tangent(start: complex, end: complex, heading: complex) -> Arc | None:
     if abs(math.sin(0.5 * turn)) < 1e-9:
         return None
     radius = 0.5 * abs(chord) / math.sin(0.5 * turn)  # positive to the left
-    centre = start + 1j * heading / abs(heading) * radius
-    return Arc(centre, turn, 0.0)
+    return Arc(start + 1j * heading / abs(heading) * radius, turn, 0.0)
 
 
 def rounded(
@@ -771,8 +770,9 @@ class ArcReader(BlockReader):
             return None
         arc = by_radius(start, end, radius, ccw=ccw, turns=self._turns(block))
         if arc.mismatch > self._difference(self._reading.short_radius) + ARC_SLACK:
-            what = f"the radius of the arc is too short by {arc.mismatch:.6g} mm"
-            self._report(block, "arc-radius", what)
+            self._report(
+                block, "arc-radius", f"the radius of the arc is too short by {arc.mismatch:.6g} mm"
+            )
         turn = abs(arc.sweep)
         if abs(turn - math.pi) < AMBIGUOUS or TURN - turn < AMBIGUOUS:
             what = f"an arc of {math.degrees(turn):.1f} degrees stated by its radius is ill defined"
@@ -794,8 +794,7 @@ class ArcReader(BlockReader):
                         return None
                 parts.append(at)
                 continue
-            value = self._coordinate(block, arm)
-            parts.append(value + (0.0 if own else at))
+            parts.append(self._coordinate(block, arm) + (0.0 if own else at))
         return complex(*parts)
 
     def _turns(self, block: Block) -> int:

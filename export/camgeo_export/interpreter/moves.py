@@ -1,30 +1,30 @@
-"""Moves of a milling program that was read, and the closed paths that they form."""
+"""Moves of a milling program that was read, the closed paths that they form, and the rules that it
+breaks.
+"""
 
 from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
+from camgeo.design.linting import LineFinding
 from camgeo.errors import FileError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.spline import Arc
-from camgeo.numeric.arrays import IntArray
+from camgeo.milling.milling import OTHER
+from camgeo.milling.moves import Zero
+from camgeo.numeric.arrays import IntArray, phase
 from camgeo.reading import PATHS, PROGRAM, beyond
-from camgeo.units import counted
-from camgeo_export.interpreter.controller import Findings
+from camgeo.units import TURN, counted
 
 if TYPE_CHECKING:
     from shapely import STRtree
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
-
-from camgeo.numeric.arrays import phase
-from camgeo.units import TURN
 
 Kind = Literal["rapid", "line", "arc"]
 
@@ -140,8 +140,7 @@ def nearly_closed(run: list[CutterMove], gap: float) -> list[Loop]:
     ends = np.array([move.end for move in run])
     along = np.cumsum([0.0, *(move.course.length for move in run)])
     tree = shapely.STRtree(np.asarray(shapely.points(starts.real, starts.imag)))
-    points = np.asarray(shapely.points(ends.real, ends.imag))
-    last, first = _near(tree, points, gap)
+    last, first = _near(tree, np.asarray(shapely.points(ends.real, ends.imag)), gap)
     long = (last >= first) & (along[last + 1] - along[first] >= LEAST_LENGTH * gap)
     if not np.any(long):
         return []
@@ -291,8 +290,7 @@ class Compensator:
         self._begun = 0.0
         if before is None or before.move.end != after.move.start:
             return
-        corner = after.move.start
-        turn = phase(after.heading(corner) / before.heading(corner)) * after.side
+        turn = _turn(before, after)
         rounding = before.move.mismatch + after.move.mismatch
         # A corner that is cut off by no more than numbers are rounded is none.
         if turn <= TANGENT or after.radius * turn * turn / 8.0 <= rounding:
@@ -465,8 +463,7 @@ class Parallel:
         """How far along the move a point of its parallel is, as a share of it."""
         move = self.move
         if move.kind != "arc":
-            way = move.end - move.start
-            return ((centre - move.start) / way).real
+            return ((centre - move.start) / (move.end - move.start)).real
         turned = phase((centre - move.centre) / (move.start - move.centre))
         sign = 1.0 if move.sweep > 0.0 else -1.0
         along = (sign * turned) % TURN
@@ -526,3 +523,173 @@ def _circles(centre: complex, radius: float, other: complex, size: float) -> lis
         return []
     way = cmath.rect(1.0, phase(gap))
     return [centre + way * complex(along, sign * math.sqrt(square)) for sign in (1.0, -1.0)]
+
+
+# -- run ------------------------------------------------------------------------------------------
+# What comes of a program that was run: its moves, and what was found in it.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Run:
+    """A program that was run.
+
+    Attributes
+    ----------
+    mm_per_unit : of the unit of length of its first cut; NaN if it states none.
+    step : last printed decimal [mm].
+    blending : how far the controller may leave the programmed path in a cut [mm]; 0 for the exact
+        path, infinite without a bound.
+    naive_cam : how far it may move points before that [mm].
+    moves, events : in the order of running.
+    comments : those that stand alone in their lines, without brackets; what is said right before
+        a stop is for the operator and left out.
+    findings : by line.
+    complete : whether the program was read to its end, not up to the last finding allowed.
+    central : whether all moves are those of the cutter's centre, also compensated ones.
+    """
+
+    mm_per_unit: float
+    step: float
+    blending: float
+    naive_cam: float
+    moves: tuple[CutterMove, ...]
+    comments: tuple[str, ...]
+    events: tuple[Event, ...]
+    findings: tuple[LineFinding, ...]
+    complete: bool
+    central: bool = False
+
+    def loops(self, gap: float = 0.0) -> list[Loop]:
+        """Closed runs of cuts, see `closed_paths`."""
+        return closed_paths(self.moves, gap)
+
+    @property
+    def compensated(self) -> CutterMove | None:
+        """The first move whose path is not that of the cutter's centre; None if there is none."""
+        if self.central:
+            return None
+        return next((move for move in self.moves if move.compensation), None)
+
+    def in_the_part(self, zero: Zero) -> Run:
+        """The same in the coordinates of the part, in which the program's `zero` is somewhere."""
+        z, part_of, turned = zero.z, zero.part_of, bool(zero.turned)
+        if not (zero.place or z or turned):
+            return self
+        moved = tuple(
+            replace(
+                move,
+                start=part_of(move.start),
+                end=part_of(move.end),
+                centre=part_of(move.centre) if move.kind == "arc" else move.centre,
+                sweep=-move.sweep if turned and move.sweep else move.sweep,
+                z_start=move.z_start + z,
+                z_end=move.z_end + z,
+                compensation=OTHER[move.compensation] if turned else move.compensation,
+            )
+            for move in self.moves
+        )
+        events = tuple(replace(each, at=part_of(each.at), z=each.z + z) for each in self.events)
+        return replace(self, moves=moved, events=events)
+
+    def centred(self, radius: Radius) -> Run:
+        """The same along the cutter's centre, with what `radius` says of compensated moves."""
+        return replace(self, moves=centres(self.moves, radius), central=True)
+
+    def refuse(self, *concerns: str) -> None:
+        """Raise FileError with the first finding that concerns one of these, or anything."""
+        for finding in self.findings:
+            if not concerns or finding.concerns in concerns:
+                raise FileError(str(finding))
+
+
+# -- rules ----------------------------------------------------------------------------------------
+# What the interpreter finds fault with: the names of its rules, and the list of what was found.
+
+
+WORDS, PATH, FORM, SAFETY, FRAME, LIMITS = "words", "path", "form", "safety", "frame", "limits"
+"""What a finding concerns: a block that cannot be run as it stands; a path that is not known; the
+form of a path that is known, mostly of its arcs; a danger while it runs; what a program must say
+before it cuts and when it ends; limits of the controller."""
+
+RULES: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        # A block that the controller cannot run, or that is outside what is read.
+        "unreadable": WORDS,
+        "unknown-word": WORDS,
+        "unsupported": WORDS,
+        "repeated-word": WORDS,
+        "conflict": WORDS,
+        "missing-word": WORDS,
+        "unused-word": WORDS,
+        "number": WORDS,
+        "comment": WORDS,
+        # A path that is not known: its size, its place.
+        "unit": PATH,
+        "no-motion": PATH,
+        "plane": PATH,
+        "no-arc": PATH,
+        "unknown-position": PATH,
+        # The form of the path.
+        "unit-change": FORM,
+        "order": FORM,
+        "decimal-point": FORM,
+        "arc-radius": FORM,
+        "arc-form": FORM,
+        "arc-sweep": FORM,
+        "full-circle": FORM,
+        "helix": FORM,
+        "compensation": FORM,
+        "gouge": FORM,
+        # Dangers.
+        "rapid-in-stock": SAFETY,
+        "rapid-plunge": SAFETY,
+        "rapid-height": SAFETY,
+        "rapid-diagonal": SAFETY,
+        "no-feed": SAFETY,
+        "feed": SAFETY,
+        "no-spindle": SAFETY,
+        "spindle-sense": SAFETY,
+        "no-tool": SAFETY,
+        "tool-length": SAFETY,
+        "coolant": SAFETY,
+        "dwell": SAFETY,
+        "low-stop": SAFETY,
+        # What a program must say.
+        "frame": FRAME,
+        "no-end": FRAME,
+        "after-end": FRAME,
+        "left-on": FRAME,
+        "nothing": FRAME,
+        # Limits of the controller.
+        "line-length": LIMITS,
+        "line-end": LIMITS,
+        "line-number": LIMITS,
+        "characters": LIMITS,
+        "decimals": LIMITS,
+    }
+)
+"""Every rule and what it concerns; docs/lint.md says what each finds."""
+
+
+class Enough(Exception):
+    """As many findings as were asked for: the program is not read further."""
+
+
+class Findings:
+    """What was found in a program, in the order of finding.
+
+    Attributes
+    ----------
+    found : so far.
+    """
+
+    def __init__(self, most: int, fatal: Collection[str] = ()) -> None:
+        self.found: list[LineFinding] = []
+        self._most = most
+        self._fatal = fatal
+
+    def add(self, line: int, rule: str, what: str, value: str = "", allowed: str = "") -> None:
+        """Add a finding; raises Enough if it is one too many, or of a concern that is fatal."""
+        self.found.append(LineFinding(line, rule, RULES[rule], what, value, allowed))
+        if len(self.found) >= self._most or RULES[rule] in self._fatal:
+            raise Enough

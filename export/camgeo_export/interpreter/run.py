@@ -6,14 +6,10 @@ import math
 import re
 from codecs import BOM_UTF8
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass, replace
 from typing import Final
 
-from camgeo.design.linting import Bench, LineFinding, Linted
-from camgeo.errors import FileError
+from camgeo.design.linting import Bench, Linted
 from camgeo.milling.machine import LONGEST_LINE, Machine
-from camgeo.milling.milling import OTHER
-from camgeo.milling.zero import Zero
 from camgeo.reading import PROGRAM, check_text, lines_of
 from camgeo.units import MM_PER
 from camgeo_export.interpreter.controller import (
@@ -22,24 +18,20 @@ from camgeo_export.interpreter.controller import (
     Block,
     BlockReader,
     Controller,
-    Enough,
-    Findings,
-    State,
-    controller_of,
-)
-from camgeo_export.interpreter.decode import (
     Decoder,
     Klartext,
-    without_comments,
+    State,
 )
 from camgeo_export.interpreter.motion import Mover
-from camgeo_export.interpreter.moves import CutterMove, Event, Loop, Radius, centres, closed_paths
+from camgeo_export.interpreter.moves import (
+    Enough,
+    Event,
+    Findings,
+    Run,
+)
 
 MOST: Final = 1_000
 """Findings of one program; after as many it is not read further."""
-
-NOTE: Final = re.compile(r"\(([^()]*)\)|;(.*)")
-"""A comment in brackets, or one up to the end of the line, in whatever dialect."""
 
 OPERATION: Final = "operation "
 """A comment that begins with it names the operation that follows."""
@@ -59,79 +51,6 @@ NAME: Final = re.compile(r"(\S)\s*+\d++\s*+", re.ASCII)
 
 ASSIGNMENT: Final = re.compile(r"(?:N\d++\s*+)?+(?:#|R\d++\s*+=)", re.ASCII)
 """A block that gives a parameter its value, and moves nothing."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Run:
-    """A program that was run.
-
-    Attributes
-    ----------
-    mm_per_unit : of the unit of length of its first cut; NaN if it states none.
-    step : last printed decimal [mm].
-    blending : how far the controller may leave the programmed path in a cut [mm]; 0 for the exact
-        path, infinite without a bound.
-    naive_cam : how far it may move points before that [mm].
-    moves, events : in the order of running.
-    comments : those that stand alone in their lines, without brackets; what is said right before
-        a stop is for the operator and left out.
-    findings : by line.
-    complete : whether the program was read to its end, not up to the last finding allowed.
-    central : whether all moves are those of the cutter's centre, also compensated ones.
-    """
-
-    mm_per_unit: float
-    step: float
-    blending: float
-    naive_cam: float
-    moves: tuple[CutterMove, ...]
-    comments: tuple[str, ...]
-    events: tuple[Event, ...]
-    findings: tuple[LineFinding, ...]
-    complete: bool
-    central: bool = False
-
-    def loops(self, gap: float = 0.0) -> list[Loop]:
-        """Closed runs of cuts, see `closed_paths`."""
-        return closed_paths(self.moves, gap)
-
-    @property
-    def compensated(self) -> CutterMove | None:
-        """The first move whose path is not that of the cutter's centre; None if there is none."""
-        if self.central:
-            return None
-        return next((move for move in self.moves if move.compensation), None)
-
-    def in_the_part(self, zero: Zero) -> Run:
-        """The same in the coordinates of the part, in which the program's `zero` is somewhere."""
-        z, part_of, turned = zero.z, zero.part_of, bool(zero.turned)
-        if not (zero.place or z or turned):
-            return self
-        moved = tuple(
-            replace(
-                move,
-                start=part_of(move.start),
-                end=part_of(move.end),
-                centre=part_of(move.centre) if move.kind == "arc" else move.centre,
-                sweep=-move.sweep if turned and move.sweep else move.sweep,
-                z_start=move.z_start + z,
-                z_end=move.z_end + z,
-                compensation=OTHER[move.compensation] if turned else move.compensation,
-            )
-            for move in self.moves
-        )
-        events = tuple(replace(each, at=part_of(each.at), z=each.z + z) for each in self.events)
-        return replace(self, moves=moved, events=events)
-
-    def centred(self, radius: Radius) -> Run:
-        """The same along the cutter's centre, with what `radius` says of compensated moves."""
-        return replace(self, moves=centres(self.moves, radius), central=True)
-
-    def refuse(self, *concerns: str) -> None:
-        """Raise FileError with the first finding that concerns one of these, or anything."""
-        for finding in self.findings:
-            if not concerns or finding.concerns in concerns:
-                raise FileError(str(finding))
 
 
 def run(
@@ -176,11 +95,6 @@ def _lines_of(data: bytes, machine: Machine) -> Iterator[str]:
     return lines_of(data, newline=CARRIAGE_RETURNS[machine.reading.carriage_return])
 
 
-def notes_of(text: str) -> list[str]:
-    """The comments in a text of any dialect, without brackets."""
-    return [(inside or after).strip() for inside, after in NOTE.findall(text)]
-
-
 KEPT: Final = 20_000
 """Blocks of which the words are kept for later lines with the same text."""
 
@@ -191,7 +105,7 @@ class _Program:
     def __init__(self, machine: Machine, bench: Bench, findings: Findings) -> None:
         self._machine = machine
         self._bench = bench
-        self._controller: Controller = controller_of(machine)
+        self._controller = Controller.of(machine)
         self._findings = findings
         self._state = State()
         if machine.smoothing is None:
@@ -217,9 +131,7 @@ class _Program:
         line = line.replace("\r", "")
         self._first = self._first or (number if line.strip() else 0)
         klartext = self._machine.dialect == "klartext"
-        brackets = self._controller.brackets and not klartext
-        may_end = self._machine.reading.open_comment
-        text, notes = without_comments(number, line, brackets, self._findings, may_end=may_end)
+        text, notes = self._decoder.without_comments(number, line)
         block = text.strip().upper()
         alone = not block or (klartext and block.isdigit())
         for note in notes:
@@ -255,8 +167,9 @@ class _Program:
             other = "klartext"
         else:
             return
-        allowed = f'a machine profile with dialect = "{other}"'
-        self._findings.add(number, "unreadable", what, allowed=allowed)
+        self._findings.add(
+            number, "unreadable", what, allowed=f'a machine profile with dialect = "{other}"'
+        )
         raise Enough
 
     def _block(self, number: int, block: str, klartext: bool) -> None:
@@ -269,8 +182,9 @@ class _Program:
         if named and named[1] in self._machine.reading.number_marks:
             return
         if block.startswith("/"):
-            what = "a block that a switch of the controller skips"
-            self._findings.add(number, "unsupported", what)
+            self._findings.add(
+                number, "unsupported", "a block that a switch of the controller skips"
+            )
             block = block.lstrip("/0123456789 ")
         if (known := self._known.get(block)) is not None:
             self._executor.run(known.at_line(number))
@@ -402,8 +316,9 @@ def check_line(line: int, text: str, machine: Machine, findings: Findings) -> bo
 def check_ends(data: bytes, machine: Machine, findings: Findings) -> None:
     """Find what of a program's bytes the controller takes otherwise than an editor shows."""
     if data.startswith(BOM_UTF8) and not machine.reading.byte_order_mark:
-        what = "the program begins with a byte order mark"
-        findings.add(1, "characters", what, allowed="printable ASCII")
+        findings.add(
+            1, "characters", "the program begins with a byte order mark", allowed="printable ASCII"
+        )
     if machine.reading.carriage_return == "end" or b"\r" not in data:
         return
     before, alone, _ = data.replace(b"\r\n", b"\n").partition(b"\r")
@@ -614,8 +529,9 @@ class Executor(BlockReader):
         """Judge the coolant of the tool that leaves the spindle."""
         state = self._state
         if state.dry and state.used_coolant:
-            what = "a cut without the coolant that the tool has elsewhere"
-            self._findings.add(state.dry, "coolant", what)
+            self._findings.add(
+                state.dry, "coolant", "a cut without the coolant that the tool has elsewhere"
+            )
         state.dry, state.used_coolant = 0, False
 
     def _spindle(self, block: Block, *, off: bool) -> None:
@@ -628,8 +544,9 @@ class Executor(BlockReader):
         elif not self._state.speed > 0.0:
             self._report(block, "no-spindle", f"{block.words['spindle']} without a speed S")
         if spindle == "spindle counter-clockwise":
-            what = "the spindle turns counter-clockwise: cutters cut clockwise"
-            self._report(block, "spindle-sense", what)
+            self._report(
+                block, "spindle-sense", "the spindle turns counter-clockwise: cutters cut clockwise"
+            )
         self._state.modes["spindle"] = spindle
 
     def _coolant(self, block: Block, *, off: bool) -> None:
@@ -646,8 +563,9 @@ class Executor(BlockReader):
         letters, form = self._controller.dwell_letters, self._controller.machine.dwell
         letter = next((each for each in letters if each in block.values), "")
         if not letter:
-            what = f"{block.words['dwell']} without its time"
-            self._report(block, "missing-word", what, allowed=letters)
+            self._report(
+                block, "missing-word", f"{block.words['dwell']} without its time", allowed=letters
+            )
             return
         number = block.values.pop(letter)
         text, seconds = f"{letter}{number.text}", number.value
@@ -655,8 +573,9 @@ class Executor(BlockReader):
             seconds *= 60.0 / (self._state.speed or math.inf)
         elif letter == letters[0] and form.unit != "s":
             if number.has_point and not form.point_seconds:
-                what = "a dwell in whole milliseconds takes no decimal point"
-                self._report(block, "number", what, text)
+                self._report(
+                    block, "number", "a dwell in whole milliseconds takes no decimal point", text
+                )
             seconds /= 1.0 if number.has_point and form.point_seconds else 1000.0
         if seconds != 0.0 and not SHORTEST_DWELL <= seconds <= LONGEST_DWELL:
             what = f"a dwell of {seconds:g} s: {text} counts in {form.unit} here"

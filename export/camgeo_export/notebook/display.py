@@ -175,8 +175,7 @@ def _(value: Check) -> Shown:
     found = [(each.about, each.finding, each.step) for each in advised(value)]
     items = "".join(f"<li>{escape(each.statement)}</li>" for each in value.cures)
     listed = f"<p>Each of these cures the fault that it names:</p><ul>{items}</ul>" if items else ""
-    table = heading(value.scene.name) + findings(found) + listed
-    return Shown(table + _as_text(value))
+    return Shown(heading(value.scene.name) + findings(found) + listed + _as_text(value))
 
 
 def _as_text(value: Answer) -> str:
@@ -255,8 +254,7 @@ def _(value: Written) -> Shown:
     told = [("", finding, "") for each in value.files for finding in each.findings]
     below = findings(told) if told else ""
     folder = {str(path.parent) for path in value.paths}
-    table = rows_of(heads, rows, numbers=False)
-    return Shown(table + paragraph(", ".join(sorted(folder))) + below)
+    return Shown(rows_of(heads, rows, numbers=False) + paragraph(", ".join(sorted(folder))) + below)
 
 
 @shown.register
@@ -308,8 +306,7 @@ def _(value: Compare) -> Shown:
     rows += [[escape(line.name), *map(_compared, line.cells)] for line in value.lines]
     heads = ["", *(each.label for each in value.designs)]
     reasons = dict.fromkeys(one.reason for line in value.lines for one in line.cells if one.reason)
-    told = "".join(map(paragraph, reasons))
-    table = rows_of(heads, rows, numbers=False) + told
+    table = rows_of(heads, rows, numbers=False) + "".join(map(paragraph, reasons))
     return Shown(table, answer.figure(value), "flanks and curves of the designs over each other")
 
 
@@ -431,5 +428,6 @@ def values(table: Table) -> str:
     rows = [[f"{value + 0.0:.{DIGITS}g}" for value in table.values[k].tolist()] for k in shown]
     if len(shown) < count:
         rows.insert(FIRST_ROWS, ["⋮"] * len(table.names))
-    size = f"{counted(count, 'row')}, {counted(len(table.names), 'column')}"
-    return rows_of(table.names, rows, numbers=True) + paragraph(size)
+    return rows_of(table.names, rows, numbers=True) + paragraph(
+        f"{counted(count, 'row')}, {counted(len(table.names), 'column')}"
+    )

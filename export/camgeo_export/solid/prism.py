@@ -130,8 +130,11 @@ def _rings(
         left = tolerance - moved
         share = FIT_SHARE * min(left, share * left / largest)
         if FIT_SHARE * left < LEAST_SHARE * tolerance or share < LEAST_OF_CHAMFERS * tolerance:
-            message = f"the numbers of the format are too coarse for the {boundary.name}"
-            raise ToleranceError(message, tolerance, moved / (1.0 - LEAST_SHARE))
+            raise ToleranceError(
+                f"the numbers of the format are too coarse for the {boundary.name}",
+                tolerance,
+                moved / (1.0 - LEAST_SHARE),
+            )
     kept = np.all([each != np.roll(each, 1) for each in points.values()], axis=0)
     polygons = {name: each[kept] for name, each in points.items()}
     return {name: each[::-1] if boundary.hole else each for name, each in polygons.items()}
@@ -149,8 +152,7 @@ def _polygons(boundary: Boundary, edges: Mapping[str, Bevel], share: float) -> P
     off = {boundary.name: fit.deviation}
     for name, bevel in edges.items():
         # Counter-clockwise, so a hole has its material on the right.
-        by = -bevel.width if boundary.hole else bevel.width
-        outlines[name] = _parallel(exact, by)
+        outlines[name] = _parallel(exact, -bevel.width if boundary.hole else bevel.width)
         off[name] = bevel.edge.deviation(Contour.polygon(outlines[name]))
     return outlines, off
 
@@ -282,19 +284,19 @@ class _Mesh:
         lie over those of the former, by the shorter diagonals.
         """
         lower_next, upper_next = np.roll(lower, -1), np.roll(upper, -1)
+        one, other = lower, upper_next
         if skew:
             points = np.concatenate(self.points)
             rising, falling = (
-                np.linalg.norm(points[one] - points[other], axis=1)
-                for one, other in ((lower, upper_next), (lower_next, upper))
+                np.linalg.norm(points[start] - points[end], axis=1)
+                for start, end in ((lower, upper_next), (lower_next, upper))
             )
             shorter = falling < rising
             one, other = np.where(shorter, lower_next, lower), np.where(shorter, upper, upper_next)
-            self.faces.append(np.column_stack((lower, lower_next, other)))
-            self.faces.append(np.column_stack((one, upper_next, upper)))
-            return
-        self.faces.append(np.column_stack((lower, lower_next, upper_next)))
-        self.faces.append(np.column_stack((lower, upper_next, upper)))
+        self.faces += [
+            np.column_stack((lower, lower_next, other)),
+            np.column_stack((one, upper_next, upper)),
+        ]
 
     def close(self) -> Body:
         """The body; raises ArithmeticError if the triangles do not enclose one, FileError if there
@@ -455,8 +457,7 @@ def _through_hole(face: _Face, at: ComplexArray, seen: ComplexArray) -> list[_Fa
         ]
         if not best or min(map(len, parts)) > min(map(len, best)):
             best = parts
-    others = [face.holes[k] for k in sorted(order[:-1])]
-    return _faces(best, others, at) if best else []
+    return _faces(best, [face.holes[k] for k in sorted(order[:-1])], at) if best else []
 
 
 def _evenly(count: int) -> list[int]:
@@ -540,12 +541,12 @@ def require_apart(part: Part, nearest: Nearest, tolerance: float) -> None:
     for one, other in dict.fromkeys(pairs):
         if (found := nearest(one, other)) is not None:
             apart, place = found
-            message = (
+            raise GeometryError(
                 f"a solid within {tolerance:g} mm does not keep the {one} and the {other} apart:"
                 f" {apart:.3g} mm are left near ({place.real:.5g}, {place.imag:.5g}) mm; take a"
-                " smaller tolerance"
+                " smaller tolerance",
+                key="part",
             )
-            raise GeometryError(message, key="part")
 
 
 def of_polygons(rings: Mapping[str, ComplexArray], tolerance: float) -> Nearest:
@@ -573,8 +574,7 @@ def of_contours(contours: Mapping[str, Contour], tolerance: float) -> Nearest:
     def nearest(one: str, other: str) -> tuple[float, complex] | None:
         if not shapely.dwithin(boxes[one], boxes[other], tolerance):
             return None
-        runs = [Pieces.around([contours[name]]) for name in (one, other)]
-        apart = least_distance(*runs)
+        apart = least_distance(*([Pieces.around([contours[name]]) for name in (one, other)]))
         if apart > tolerance:
             return None
         corners = contours[one].vertices, contours[other].vertices

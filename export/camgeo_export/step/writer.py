@@ -92,8 +92,7 @@ def _facts(part: Part, rings: dict[str, Ring], faces: int) -> dict[str, int | fl
     counts: dict[str, int | float | str] = {"faces": faces, "cylinders": bent}
     counts |= {"cones": cones} if cones else {}
     counts |= {"splines": splines} if splines else {}
-    planes = faces - bent - cones - splines
-    return counts | {"planes": planes, "volume_mm3": math.fsum(volumes)}
+    return counts | {"planes": faces - bent - cones - splines, "volume_mm3": math.fsum(volumes)}
 
 
 def _area(band: Band, strands: tuple[Strand, ...]) -> float:
@@ -110,8 +109,7 @@ def _area(band: Band, strands: tuple[Strand, ...]) -> float:
 
     if (radius := band.wall.corner_radius) is None:
         return (whole + 4.0 * within(0.5) + within(1.0)) / 6.0
-    nodes = nodes_beside(-1.0 - radius / band.width)
-    shares, _, weights = gauss(np.zeros(1), np.ones(1), nodes)
+    shares, _, weights = gauss(np.zeros(1), np.ones(1), nodes_beside(-1.0 - radius / band.width))
     return 0.5 * math.fsum(
         weight * within(share) for weight, share in zip(weights, shares[0], strict=True)
     )
@@ -148,8 +146,11 @@ def ring_of(boundary: Boundary, product: Product, tolerance: float) -> Ring:
         strands = _open(curve)
     apart = max((_off_circle(each) for each in strands if isinstance(each, Arc)), default=0.0)
     if apart > UNCERTAINTY:
-        message = f"arcs of the {boundary.name} are too flat for the numbers of the format"
-        raise ToleranceError(message, UNCERTAINTY, apart)
+        raise ToleranceError(
+            f"arcs of the {boundary.name} are too flat for the numbers of the format",
+            UNCERTAINTY,
+            apart,
+        )
     if boundary.hole:
         strands = tuple(strand.reversed() for strand in strands[::-1])
     return Ring(strands, contour)
@@ -255,8 +256,9 @@ def require_one_body(part: Part, faces: dict[float, list[FlatFace]]) -> None:
             one |= other
             groups |= dict.fromkeys(other, one)
     if len({id(group) for group in groups.values()}) > 1:
-        message = "a STEP file holds one body without closed cavities, which this part is not"
-        raise GeometryError(message, key="part")
+        raise GeometryError(
+            "a STEP file holds one body without closed cavities, which this part is not", key="part"
+        )
 
 
 def courses_of(part: Part) -> list[list[Band]]:
@@ -350,8 +352,7 @@ class Shell:
             edges = [(edge, name in ends) for edge in self.edges[name, level.z]]
             loops.append(self._loop(edges if name in ends else edges[::-1]))
         axes = self.pen.axes(level.z - self.bottom, UP if face.upwards else DOWN)
-        surface = self.pen.file.add("PLANE", "", axes)
-        self._face(level.name, loops, surface, same=True)
+        self._face(level.name, loops, self.pen.file.add("PLANE", "", axes), same=True)
 
     def _loop(self, edges: Iterable[tuple[Ref, bool]]) -> Ref:
         file = self.pen.file
@@ -460,8 +461,7 @@ class Pen:
         """The plane through a point, by its normal in the plane and upwards, and a level way."""
         across, up = normal
         size = math.hypot(abs(across), up)
-        numbers = (across.real / size, across.imag / size, up / size)
-        axis = self.file.add("DIRECTION", "", numbers)
+        axis = self.file.add("DIRECTION", "", (across.real / size, across.imag / size, up / size))
         return self.file.add(
             "PLANE", "", self._placement(through, axis, self._direction(way))
         )  # fmt: skip
@@ -494,8 +494,7 @@ class Pen:
         ]
         below, above = (self.file.add("CIRCLE", "", each, radius) for each in axes)
         surface = self.file.add("CYLINDRICAL_SURFACE", "", axes[0], radius)
-        ahead = strand.sweep > 0.0
-        return (below, above), surface, ahead
+        return (below, above), surface, strand.sweep > 0.0
 
     def _straight(self, line: Arc, lower: Ends, upper: Ends) -> tuple[tuple[Ref, Ref], Ref, bool]:
         along = line.end - line.start
@@ -565,8 +564,11 @@ def parallel(strands: Sequence[Strand], width: float, name: str) -> tuple[Arc, .
     """
     arcs = [strand for strand in strands if isinstance(strand, Arc)]
     if len(arcs) < len(strands):
-        message = "chamfers are along lines and arcs: a parallel of a spline is none"
-        raise GeometryError(message, key="output.step.walls", value='"spline"')
+        raise GeometryError(
+            "chamfers are along lines and arcs: a parallel of a spline is none",
+            key="output.step.walls",
+            value='"spline"',
+        )
     if any(_is_bent(*pair) for pair in zip((arcs[-1], *arcs[:-1]), arcs, strict=True)):
         return _mitred(arcs, width, name)
     places = []
@@ -578,13 +580,17 @@ def parallel(strands: Sequence[Strand], width: float, name: str) -> tuple[Arc, .
     for strand, (start, end) in zip(arcs, pairwise((*places, places[0])), strict=True):
         radius = radius_of(strand) - math.copysign(width, strand.sweep)
         if strand.sweep and not radius > 0.0:
-            message = f"an arc of the {name} has no parallel {width:g} mm within the material"
-            raise GeometryError(message, key="part.chamfers", value=f"{width:g}")
+            raise GeometryError(
+                f"an arc of the {name} has no parallel {width:g} mm within the material",
+                key="part.chamfers",
+                value=f"{width:g}",
+            )
         moved = Arc(start, end, strand.sweep, strand.centre)
         off = max(abs(abs(each - strand.centre) - radius) for each in (start, end))
         if strand.sweep and off > UNCERTAINTY:
-            message = f"arcs of the {name} do not meet at the edge of its chamfer"
-            raise ToleranceError(message, UNCERTAINTY, off)
+            raise ToleranceError(
+                f"arcs of the {name} do not meet at the edge of its chamfer", UNCERTAINTY, off
+            )
         found.append(moved)
     return tuple(found)
 
@@ -594,8 +600,11 @@ def _mitred(arcs: Sequence[Arc], width: float, name: str) -> tuple[Arc, ...]:
     try:
         moved = mitred(contour_of(arcs), -width)
     except GeometryError:
-        message = f"the {name} has no parallel {width:g} mm within the material"
-        raise GeometryError(message, key="part.chamfers", value=f"{width:g}") from None
+        raise GeometryError(
+            f"the {name} has no parallel {width:g} mm within the material",
+            key="part.chamfers",
+            value=f"{width:g}",
+        ) from None
     pieces = zip(moved.vertices.tolist(), moved.ends.tolist(), moved.sweeps.tolist(),
                  moved.centres.tolist(), strict=True)  # fmt: skip
     return tuple(Arc(*piece) for piece in pieces)
@@ -609,8 +618,9 @@ def _is_bent(before: Arc, after: Arc) -> bool:
     if abs(other / abs(other) - one / abs(one)) <= SHARPEST:
         return False
     if before.sweep and after.sweep:
-        message = "two arcs meet in a corner, along which there is no chamfer"
-        raise GeometryError(message, key="part.chamfers")
+        raise GeometryError(
+            "two arcs meet in a corner, along which there is no chamfer", key="part.chamfers"
+        )
     return True
 
 
@@ -711,8 +721,7 @@ def surface_of(pen: Pen, lower: Row, upper: Row, k: int) -> tuple[Ref, bool]:
     first = (longer.start if ahead else longer.end) - one.centre
     base = pen.placement(one.centre, lower.z if grows else upper.z, UP if grows else DOWN, first)
     # About the third axis of its base, with the radius there, which grows along it.
-    surface = pen.file.add("CONICAL_SURFACE", "", base, min(radii) / pen.scale, angle)
-    return surface, one.sweep > 0.0
+    return pen.file.add("CONICAL_SURFACE", "", base, min(radii) / pen.scale, angle), one.sweep > 0.0
 
 
 # -- text -----------------------------------------------------------------------------------------

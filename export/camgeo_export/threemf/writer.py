@@ -92,8 +92,7 @@ class ThreeMfWriter:
 
     def pieces(self, product: Product) -> tuple[Product, ...]:
         """The disc, or the pair that it is one piece with; a plate is that of the main disc."""
-        on_plate = product.position and product.options[FORMAT].plate
-        return () if on_plate else bodies_of(product)
+        return () if (product.position and product.options[FORMAT].plate) else bodies_of(product)
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The bodies [mm] within `tolerance` [mm]."""
@@ -148,13 +147,11 @@ def _model(
     written = [before]
     for solid, between, after in zip(bodies, parts[::2], parts[1::2], strict=True):
         written += [
-            f'<vertex x="{x!r}" y="{y!r}" z="{z!r}" />' for x, y, z in solid.vertices.tolist()
+            *(f'<vertex x="{x!r}" y="{y!r}" z="{z!r}" />' for x, y, z in solid.vertices.tolist()),
+            between,
+            *(f'<triangle v1="{a}" v2="{b}" v3="{c}" />' for a, b, c in solid.triangles.tolist()),
+            after,
         ]
-        written.append(between)
-        written += [
-            f'<triangle v1="{a}" v2="{b}" v3="{c}" />' for a, b, c in solid.triangles.tolist()
-        ]
-        written.append(after)
     return "".join(written).encode()
 
 
@@ -183,8 +180,7 @@ def _frame(product: Product, tolerance: float, items: Sequence[Item]) -> ET.Elem
     if coloured:
         group = ET.SubElement(resources, "basematerials", {"id": MATERIALS})
         for each in coloured:
-            base = {"name": each.name, "displaycolor": each.colour or ""}
-            ET.SubElement(group, "base", base)
+            ET.SubElement(group, "base", {"name": each.name, "displaycolor": each.colour or ""})
     build = ET.Element("build")
     for number, each in enumerate(items):
         own = {"id": str(number + 1 + bool(coloured)), "type": "model", "name": each.name}

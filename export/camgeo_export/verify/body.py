@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import io
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypeVar
 
@@ -21,24 +20,17 @@ from camgeo.part.mass import volume_within
 from camgeo.part.part import Band, Boundary, Part
 from camgeo.reading import COORDINATE
 from camgeo.units import counted
-from camgeo_export.reading import AnyContour, deviation
-from camgeo_export.verify.plane import Shape, contour_checks, matched, shapes_of
+from camgeo_export.reading import AnyContour
+from camgeo_export.verify.plane import (
+    Shape,
+    contour_checks,
+    deviation,
+    matched,
+    shapes_of,
+)
 
 PLACES = ("lower edge", "half way up", "upper edge")
 """Where a chamfer is compared."""
-
-
-def mesh_in(data: bytes, scale: float) -> tuple[FloatArray, IntArray] | Check:
-    """Vertices (n, 3) [mm] and triangles (m, 3) of a 3MF package; a failed check if it has none."""
-    import trimesh  # a build measures its meshes without
-
-    try:
-        with np.errstate(all="ignore"):  # transforms may overflow, which is seen in the vertices
-            mesh = trimesh.load_mesh(io.BytesIO(data), file_type="3mf", process=False)
-        vertices, triangles = np.array(mesh.vertices), np.array(mesh.faces)
-    except Exception as error:  # what trimesh raises for damaged files is not documented
-        return failed("file", f"no mesh: {error}")
-    return vertices * scale, triangles
 
 
 def body_checks(
@@ -104,75 +96,97 @@ def checks_of_body(
     def contours(number: int) -> list[AnyContour]:
         return [polygon(vertices[loop]) for loop in border_loops(triangles[numbers == number])]
 
-    found = volume(vertices, triangles)
-    checks += level_checks(part, extent, ranges, contours, found, tolerance)
-    for number, slope in enumerate(slopes):
-        own = triangles[leaning == number]
-        checks += slope_checks(slope, extent, contours_of(vertices, own), tolerance)
-    return checks
+    surfaces = Surfaces(ranges, contours, _chamfers_of(vertices, triangles, slopes, leaning))
+    return checks + surfaces.checks(part, extent, volume(vertices, triangles), tolerance)
 
 
-def slope_checks(
-    slope: Slope,
-    extent: float,
-    contours: Iterator[Sequence[AnyContour]],
-    tolerance: float,
-    extra: float = 0.0,
-) -> Iterator[Check]:
-    """The edges of chamfers and their sections half way up, against the part; see `level_checks`.
-
-    `contours` are those of lower edges, sections and upper edges; raises FileError.
-    """
-    try:
-        found = list(contours)
-    except FileError as error:
-        yield failed("deviation", str(error), slope.name)
-        return
-    for place, own in enumerate(found):
-        shapes = shapes_of(slope.edges(place), extent, tolerance)
-        where = f"{PLACES[place]} of the {slope.name}"
-        yield from _level_checks(partial(list, own), shapes, tolerance, extra, where, {})
+def _chamfers_of(
+    vertices: FloatArray, triangles: IntArray, slopes: Sequence[Slope], numbers: IntArray
+) -> Callable[[float, float], Iterator[list[Contour]]]:
+    """The contours of a mesh's chamfers, see `Surfaces`; `numbers` (m,) are those of `sloping`."""
+    place = {(each.z0, each.z1): k for k, each in enumerate(slopes)}
+    return lambda low, high: contours_of(vertices, triangles[numbers == place[low, high]])
 
 
-def level_checks(
-    part: Part,
-    extent: float,
-    ranges: FloatArray,
-    contours: Callable[[int], Sequence[AnyContour]],
-    volume: float,
-    tolerance: float,
-    extra: float = 0.0,
-) -> list[Check]:
-    """Flat faces, their boundaries, and the volume, against the part.
+@dataclass(frozen=True, slots=True, eq=False)
+class Surfaces:
+    """The flat faces and the chamfers of a body, heights from that of the lowest face.
 
-    Parameters
+    Attributes
     ----------
-    part : that the body should be.
-    extent : size of the part [mm], for limits.
     ranges : (k, 2) least and greatest height [mm] of the flat faces at each level, ascending.
     contours : gives those that bound the flat faces at a level; raises CamgeoError or KeyError.
-    volume : [mm^3].
-    tolerance : [mm].
+    chamfer : gives those of the lower edges, the sections half way up and the upper edges of the
+        chamfers between two heights [mm]; raises FileError.
     extra : further contributions to the deviation [mm].
     """
-    wanted = part.levels
-    if len(ranges) != len(wanted):
-        note = f"flat faces at {counted(len(ranges), 'height')}, not at {len(wanted)}: "
-        note += ", ".join(level.name for level in wanted)
-        return [failed("height", note)]
-    shapes = shapes_of(part.outlines, extent, tolerance)
-    by_name = {shape.name: shape for shape in shapes}
-    done: dict[tuple[str, bytes], None] = {}
-    checks = []
-    for number, level in enumerate(wanted):
-        exact = level.z - wanted[0].z
-        off = ranges[number] - exact
-        height = exact + float(off[np.argmax(np.abs(off))])
-        checks.append(near("height", height, exact, tolerance, "mm", level.name))
-        own = [by_name[boundary.name] for boundary in level.boundaries]
-        found = partial(contours, number)
-        checks += _level_checks(found, own, tolerance, extra, level.name, done)
-    return checks + _volume(part, by_name, volume, tolerance)
+
+    ranges: FloatArray
+    contours: Callable[[int], Sequence[AnyContour]]
+    chamfer: Callable[[float, float], Iterator[Sequence[AnyContour]]]
+    extra: float = 0.0
+
+    def checks(self, part: Part, extent: float, volume: float, tolerance: float) -> list[Check]:
+        """Flat faces, their boundaries, the volume and the chamfers, against the part.
+
+        Parameters
+        ----------
+        part : that the body should be.
+        extent : size of the part [mm], for limits.
+        volume : [mm^3].
+        tolerance : [mm].
+        """
+        checks = self._flat_checks(part, extent, volume, tolerance)
+        for slope in slopes_of(part):
+            checks += self._slope_checks(slope, extent, tolerance)
+        return checks
+
+    def _slope_checks(self, slope: Slope, extent: float, tolerance: float) -> Iterator[Check]:
+        """The edges of chamfers and their sections half way up, against the part."""
+        try:
+            found = list(self.chamfer(slope.z0, slope.z1))
+        except FileError as error:
+            yield failed("deviation", str(error), slope.name)
+            return
+        for place, own in enumerate(found):
+            shapes = shapes_of(slope.edges(place), extent, tolerance)
+            where = f"{PLACES[place]} of the {slope.name}"
+            yield from _level_checks(partial(list, own), shapes, tolerance, self.extra, where, {})
+
+    def _flat_checks(
+        self, part: Part, extent: float, volume: float, tolerance: float
+    ) -> list[Check]:
+        wanted = part.levels
+        if len(self.ranges) != len(wanted):
+            note = f"flat faces at {counted(len(self.ranges), 'height')}, not at {len(wanted)}: "
+            return [failed("height", note + ", ".join(level.name for level in wanted))]
+        by_name = {shape.name: shape for shape in shapes_of(part.outlines, extent, tolerance)}
+        done: dict[tuple[str, bytes], None] = {}
+        checks = []
+        for number, level in enumerate(wanted):
+            exact = level.z - wanted[0].z
+            off = self.ranges[number] - exact
+            height = exact + float(off[np.argmax(np.abs(off))])
+            checks.append(near("height", height, exact, tolerance, "mm", level.name))
+            own = [by_name[boundary.name] for boundary in level.boundaries]
+            contours = partial(self.contours, number)
+            checks += _level_checks(contours, own, tolerance, self.extra, level.name, done)
+        return checks + _volume(part, by_name, volume, tolerance)
+
+    def deviation(self, part: Part) -> float:
+        """Largest proved deviation [mm] of flat faces and chamfers, in the plane and in height."""
+        wanted, largest = part.levels, 0.0
+        if len(self.ranges) != len(wanted):
+            found = counted(len(self.ranges), "height")
+            raise FileError(f"flat faces at {found}, expected {len(wanted)}")
+        for number, level in enumerate(wanted):
+            off = float(np.abs(self.ranges[number] - (level.z - wanted[0].z)).max())
+            apart = deviation(self.contours(number), level.boundaries) + self.extra
+            largest = max(largest, off, apart)
+        for slope in slopes_of(part):
+            for place, contours in enumerate(self.chamfer(slope.z0, slope.z1)):
+                largest = max(largest, deviation(contours, slope.edges(place)) + self.extra)
+        return largest
 
 
 def _level_checks(
@@ -189,11 +203,7 @@ def _level_checks(
     except (CamgeoError, KeyError) as error:
         return [failed("deviation", f"the boundary of the face cannot be traced: {error}", name)]
     pairs, count = matched(found, shapes)
-    checks = (
-        []
-        if count.ok
-        else [Check("contours", name, count.value, count.expected, ok=False, note=count.note)]
-    )
+    checks = [] if count.ok else [replace(count, of=name)]
     for shape, contour in pairs:
         if contour is not None:
             key = (shape.name, numbers_of(contour))
@@ -517,8 +527,7 @@ def measure(part: Part, vertices: FloatArray, triangles: IntArray) -> float:
     corners = vertices[triangles]
     flat = (corners[:, :, 2] == corners[:, :1, 2]).all(axis=1)
     slopes = slopes_of(part)
-    within = SAME * (1.0 + np.abs(vertices).max())
-    numbers = sloping(vertices, triangles, ~flat, slopes, within)
+    numbers = sloping(vertices, triangles, ~flat, slopes, SAME * (1.0 + np.abs(vertices).max()))
     walls = upright(corners[~flat & (numbers < 0)])
     for check in (*solid_checks(vertices, triangles), walls):
         if not check.ok:
@@ -529,33 +538,5 @@ def measure(part: Part, vertices: FloatArray, triangles: IntArray) -> float:
         level = triangles[flat & (corners[:, 0, 2] == heights[number])]
         return [polygon(vertices[loop]) for loop in border_loops(level)]
 
-    edges = [contours_of(vertices, triangles[numbers == k]) for k in range(len(slopes))]
-    return largest_deviation(part, heights[:, None], contours, edges)
-
-
-def largest_deviation(
-    part: Part,
-    ranges: FloatArray,
-    contours: Callable[[int], Sequence[AnyContour]],
-    chamfers: Iterable[Iterable[Sequence[AnyContour]]],
-    extra: float = 0.0,
-) -> float:
-    """Largest proved deviation [mm] of flat faces and chamfers, in the plane and in height.
-
-    Parameters
-    ----------
-    part : that the body should be.
-    ranges, contours, extra : see `level_checks`; heights from that of the lowest face.
-    chamfers : the contours of each, see `slope_checks`.
-    """
-    wanted = part.levels
-    if len(ranges) != len(wanted):
-        raise FileError(f"flat faces at {counted(len(ranges), 'height')}, expected {len(wanted)}")
-    largest = 0.0
-    for number, level in enumerate(wanted):
-        off = float(np.abs(ranges[number] - (level.z - wanted[0].z)).max())
-        largest = max(largest, off, deviation(contours(number), level.boundaries) + extra)
-    for slope, edges in zip(slopes_of(part), chamfers, strict=True):
-        for place, found in enumerate(edges):
-            largest = max(largest, deviation(found, slope.edges(place)) + extra)
-    return largest
+    chamfers = _chamfers_of(vertices, triangles, slopes, numbers)
+    return Surfaces(heights[:, None], contours, chamfers).deviation(part)

@@ -21,9 +21,9 @@ from camgeo_export.dxf.reader import Drawing, Item, Tag, drawing_of, gaps_up_to
 from camgeo_export.reading import COMPUTED, CUT, AnyContour, text_tokens
 from camgeo_export.verify.plane import (
     Shape,
+    all_checks,
     contour_checks,
     corners_of_contour,
-    matched,
     shapes_of,
 )
 
@@ -78,30 +78,28 @@ class DxfVerifier:
                 off = measure(product, data)
             except CamgeoError as error:
                 return (*checks, failed("contents", str(error)))
-            note = "of edges and dimensions"
-            return (*checks, at_most("deviation", off, tolerance, "mm", note=note))
+            return (
+                *checks,
+                at_most("deviation", off, tolerance, "mm", note="of edges and dimensions"),
+            )
         try:
             gaps = gaps_up_to(tolerance)
             found = drawing.outlines(reading.layer, reading.unit, gaps).about(reading.origin)
         except CamgeoError as error:
             return (*checks, failed("closure", str(error)))
-        note = "largest gap between pieces"
-        checks.append(at_most("closure", found.gap, tolerance, "mm", note=note))
-        checks += [reported("not compared", CUT, note=note) for note in found.notes]
-        items = drawing.on(reading.layer)
-        checks += flat_checks(items, drawing.scale(reading.unit), tolerance)
-        boundaries = product.drawn.part.boundaries
-        shapes = shapes_of(boundaries, product.drawn.base_radius, tolerance)
+        checks += [
+            at_most("closure", found.gap, tolerance, "mm", note="largest gap between pieces"),
+            *(reported("not compared", CUT, note=note) for note in found.notes),
+            *flat_checks(drawing.on(reading.layer), drawing.scale(reading.unit), tolerance),
+        ]
+        shapes = shapes_of(product.drawn.part.boundaries, product.drawn.base_radius, tolerance)
         if found.loose and len(found.contours) < len(shapes):
             checks.append(failed("closure", found.loose))
         outline = found.contours[0]
         axis = "" if isinstance(outline, SplineContour) else found.off_axis(outline)
         if axis:
             checks.append(reported("axis", "elsewhere", note=axis))
-        pairs, count = matched(found.contours, shapes)
-        checks.append(count)
-        for shape, contour in pairs:
-            checks += contour_checks(shape, contour, tolerance, extra=found.gap + found.followed)
+        checks += all_checks(found.contours, shapes, tolerance, found.gap + found.followed)
         if "camgeo" in _properties(data) and product.options[FORMAT].auxiliary:
             checks += [*_auxiliary(product, drawing, tolerance), _centre(drawing, tolerance)]
         return tuple(checks)
@@ -140,8 +138,7 @@ def _auxiliary(product: Product, drawing: Drawing, tolerance: float) -> list[Che
     try:
         (circle,) = drawing.contours("BASE_CIRCLE")
         assert isinstance(circle, Contour)  # it is drawn as a circle
-        exact = Contour.circle(product.drawn.base_radius)
-        value = distance_between(exact, circle)
+        value = distance_between(Contour.circle(product.drawn.base_radius), circle)
         checks.append(at_most("deviation", value, tolerance, "mm", "base circle"))
     except (CamgeoError, ValueError) as error:
         checks.append(failed("deviation", str(error), "base circle"))
@@ -179,8 +176,7 @@ def _pitch(product: Product, tolerance: float) -> Shape:
         points = product.drawn.pitch_contour(0.5 * within).contour.points(0.5 * within)
         return Contour.polygon(points)
 
-    fine = min(tolerance, 1e-3 * product.drawn.base_radius)
-    contour = product.drawn.pitch_contour(fine).contour
+    contour = product.drawn.pitch_contour(min(tolerance, 1e-3 * product.drawn.base_radius)).contour
     corners = corners_of_contour(contour)
     return Shape("pitch curve", deviation, polygon, corners, contour.length, None)
 

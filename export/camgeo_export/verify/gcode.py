@@ -37,23 +37,21 @@ from camgeo.geometry.contour.contour import HALF_TURN, Contour, Pieces, distance
 from camgeo.geometry.contour.spline import SplineContour
 from camgeo.milling.bench import Bench as Workbench
 from camgeo.milling.compensation import mode_of, side_of
-from camgeo.milling.course import Course, course_of
 from camgeo.milling.cut import AreaCut, ContourCut, Cut, LetterCut
 from camgeo.milling.judged import Done, Side, run_with, runs_of, settled, simulated
 from camgeo.milling.machine import Machine, load
 from camgeo.milling.milling import END_MILL, WEAR, MillingSpec, Tool
-from camgeo.milling.moves import ArcFeed, Feed, Move, Point, Rapid
+from camgeo.milling.moves import ArcFeed, Course, Feed, Move, Point, Rapid, course_of
 from camgeo.milling.plan import inside
 from camgeo.milling.simulation import ALLOWED, Flaw, Run, Setup
-from camgeo.milling.track import Track
+from camgeo.milling.track import Track, track_of
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, joined, taken
 from camgeo.reading import PROGRAM, check_text
 from camgeo.scene.formats.gcode import FORMAT
 from camgeo.units import MM_PER, counted
-from camgeo_export.interpreter.controller import Enough, Findings
-from camgeo_export.interpreter.moves import CutterMove, Loop, Radius, judge
-from camgeo_export.interpreter.run import Run as Program
-from camgeo_export.interpreter.run import notes_of, run
+from camgeo_export.interpreter.moves import CutterMove, Enough, Findings, Loop, Radius, judge
+from camgeo_export.interpreter.moves import Run as Program
+from camgeo_export.interpreter.run import run
 from camgeo_export.reading import COMPUTED, text_tokens
 from camgeo_export.verify.plane import Shape, contour_checks, shapes_of
 
@@ -92,11 +90,11 @@ class GcodeVerifier:
             return (failed("program", "it is for a second side, which the scene does not have"),)
         programs = programs_of(side)
         if len(programs) > 1 and not 1 <= said.program <= len(programs):
-            note = f"it does not say which one of {len(programs)} programs it is"
-            return (failed("program", note),)
+            return (
+                failed("program", f"it does not say which one of {len(programs)} programs it is"),
+            )
         product = programs[said.program - 1 if len(programs) > 1 else 0]
-        spec = product.milled.gcode
-        machine = load(spec.machine)
+        machine = load(product.milled.gcode.machine)
         limits = machine.arcs
         bench = bench_of(product, machine) if said.version else Bench()
         try:
@@ -106,11 +104,12 @@ class GcodeVerifier:
         except FileError as error:
             hint = "" if said.version else f"; it is read as a program for {machine.name}"
             return (failed("program", f"{error}{hint}"),)
-        unit = NAMES.get(program.mm_per_unit, "unknown")
-        checks = [unit_check(unit, reading)]
-        checks += [_without(program, name, *concerns) for name, concerns in CONCERNS.items()]
         compensated = (*_compensation(product, program, machine),)
-        checks += compensated
+        checks = [
+            unit_check(NAMES.get(program.mm_per_unit, "unknown"), reading),
+            *(_without(program, name, *concerns) for name, concerns in CONCERNS.items()),
+            *compensated,
+        ]
         rest = 0.0
         if all(check.ok for check in compensated):
             program, rest = centred(product.milled.cuts, program, machine)
@@ -158,8 +157,10 @@ def _compensation(product: Product, program: Program, machine: Machine) -> Itera
     move, cuts = program.compensated, product.milled.cuts
     if not stated(program.comments).version:
         if move is not None:
-            note = f"line {move.line}: the control keeps the cutter off the path by what it knows"
-            yield failed("compensation", note)
+            yield failed(
+                "compensation",
+                f"line {move.line}: the control keeps the cutter off the path by what it knows",
+            )
     elif fault := fault_of(cuts, program, machine, stated(program.comments)):
         yield failed("compensation", fault)
     elif move is not None:
@@ -352,8 +353,7 @@ def traced(product: Product, program: Program, cuts: Iterable[Cut]) -> tuple[Tra
         obstacles = always if cut is None else cut.obstacles  # those that neither come nor go
         title = name or f"tool {number}"
         for start, chain, lines in _chains(moves, above):
-            run = run_with(known, title, chain, obstacles, start)
-            found.append(Traced(run, known, lines))
+            found.append(Traced(run_with(known, title, chain, obstacles, start), known, lines))
     return tuple(found)
 
 
@@ -440,8 +440,7 @@ def work_findings(product: Product, program: Program) -> tuple[LineFinding, ...]
         return ()
     # What is wrong is told once for each name.
     runs = tuple(replace(each.run, name=f"{k} {each.run.name}") for k, each in enumerate(found))
-    level = program.step if math.isfinite(program.step) else 0.0
-    done = _done(product, cuts, runs, level)
+    done = _done(product, cuts, runs, program.step if math.isfinite(program.step) else 0.0)
     bench = Workbench(product.milled.part, _spec(product))
     told = []
     for side, flaws in zip(done, settled(done), strict=True):
@@ -450,8 +449,9 @@ def work_findings(product: Product, program: Program) -> tuple[LineFinding, ...]
             if own and not seen.watched:
                 told.append(_finding(flaw, seen, found, bench))
             elif not seen.watched:  # as it is planned, or what is left after both sides
-                what = f"of the other side, {seen.sentence}"
-                told.append(LineFinding(0, RULES[seen.name], WORK, what))
+                told.append(
+                    LineFinding(0, RULES[seen.name], WORK, f"of the other side, {seen.sentence}")
+                )
         told += _too_deep(side.setup, found) if own else ()
     return tuple(sorted(told, key=lambda each: each.line or math.inf))
 
@@ -462,8 +462,7 @@ def _done(
     """Both sides of the job, or the only one; also where nothing can be planned of it."""
     milled = product.milled
     try:
-        tolerance = product.scene.output.tolerance
-        return job(milled, cuts, runs, tolerance, level=level, allowed=ALLOWED)
+        return job(milled, cuts, runs, product.scene.output.tolerance, level=level, allowed=ALLOWED)
     except SceneError:
         side = Side(milled.part, _spec(product), cuts, runs)
         return simulated([side], allowed=ALLOWED, level=level, of=1)
@@ -532,8 +531,9 @@ def _too_deep(setup: Setup, found: Sequence[Traced]) -> Iterator[LineFinding]:
     told: set[tuple[int, str]] = set()
     for depth in depths(setup, [each.run for each in found]):
         each = found[depth.run]
-        for rule, value, limit, what in _limits(each.tool, depth):
-            if value > limit + DEEPER and (depth.run, rule) not in told:
+        limits = _limits(each.tool, depth) if each.tool.kind == END_MILL else ()
+        for rule, value, limit, what in limits:
+            if limit is not None and value > limit + DEEPER and (depth.run, rule) not in told:
                 told.add((depth.run, rule))
                 x, y, _ = depth.place
                 text = f"{each.run.name}: {what} at X {x:.4g}, Y {y:.4g} mm"
@@ -541,21 +541,13 @@ def _too_deep(setup: Setup, found: Sequence[Traced]) -> Iterator[LineFinding]:
                 yield LineFinding(line, rule, WORK, text, f"{value:.4g} mm", f"{limit:g} mm")
 
 
-def _limits(tool: Tool, depth: Depth) -> Iterator[tuple[str, float, float, str]]:
-    """Rule, depth, limit and words for what a tool must not do."""
-    if tool.kind != END_MILL:
-        return
-    if tool.stepdown is not None:
-        yield "slot-depth", depth.ahead, tool.stepdown, "a slot deeper than the tool's stepdown"
-    if tool.flute_length is not None:
-        yield "flute-length", depth.beside, tool.flute_length, "deeper than the cutting edges are"
-    if tool.stick_out is not None:
-        yield (
-            "holder",
-            depth.beside,
-            tool.stick_out,
-            "deeper than the tool sticks out of its holder",
-        )
+def _limits(tool: Tool, depth: Depth) -> tuple[tuple[str, float, float | None, str], ...]:
+    """Rule, depth, limit if any and words for what an end mill must not do."""
+    return (
+        ("slot-depth", depth.ahead, tool.stepdown, "a slot deeper than the tool's stepdown"),
+        ("flute-length", depth.beside, tool.flute_length, "deeper than the cutting edges are"),
+        ("holder", depth.beside, tool.stick_out, "deeper than the tool sticks out of its holder"),
+    )
 
 
 # -- reach ----------------------------------------------------------------------------------------
@@ -647,8 +639,7 @@ def _of_pieces(
     looked = (places[:, None] + rims[:, None] * SIDES).ravel()
     order = np.repeat(numbers, len(SIDES))
     tops = standing(looked)
-    near = _near(whole, looked, radii)
-    cleared = _cleared(whole, near, looked, order, radii)
+    cleared = _cleared(whole, _near(whole, looked, radii), looked, order, radii)
     found = np.minimum(tops, cleared).reshape(-1, len(SIDES)) - tips[:, None]
     for k, piece in enumerate(numbers.tolist()):
         at = (float(places[k].real), float(places[k].imag), float(tips[k]))
@@ -692,8 +683,7 @@ def measure(product: Product, data: bytes) -> float:
 
     Raises FileError if the program is incomplete, unsafe or in the wrong unit.
     """
-    spec = product.milled.gcode
-    machine = load(spec.machine)
+    machine = load(product.milled.gcode.machine)
     program = run(data, machine, bench_of(product, machine), most=1)
     program.refuse("words", "path")
     program = program.in_the_part(product.milled.zero)
@@ -742,11 +732,10 @@ def bench_of(product: Product, machine: Machine) -> Bench:
     heights, milling = product.milled.gcode.heights, product.milled.spec
     z = product.milled.zero.z
     step = 10.0 ** -machine.numbers.decimals.of(product.unit) * MM_PER[product.unit]
-    names = tuple(cut.name for cut in product.milled.cuts)
     return Bench(
         stock_top=(0.0 if milling is None else milling.stock.top) - z,
         clearance=heights.retract - z - 0.5 * step,
-        operations=names,
+        operations=tuple(cut.name for cut in product.milled.cuts),
     )
 
 
@@ -785,19 +774,13 @@ def too_near(cut: AreaCut | LetterCut, moves: Sequence[CutterMove]) -> float:
     the allowance; 0 if none does.
     """
     groups = groupby(moves, lambda move: move.kind != "rapid" and move.start != move.end)
-    tracks = [_track(list(group)) for is_cut, group in groups if is_cut]
+    tracks = [track_of([move.course for move in group]) for is_cut, group in groups if is_cut]
     least = [np.inf]
     for wall in cut.walls:
         fit = wall.arcs(FINE, "fast")
         around = Track.around(fit.contour)
         least += [least_distance(track, around) + fit.deviation for track in tracks]
     return float(max(0.0, cut.tool.radius + cut.allowance - min(least)))
-
-
-def _track(moves: Sequence[CutterMove]) -> Track:
-    vertices = np.array([moves[0].start, *(move.end for move in moves)])
-    sweeps = np.array([move.sweep for move in moves])
-    return Track(vertices, sweeps, np.array([move.centre for move in moves]))
 
 
 # -- compensated ----------------------------------------------------------------------------------
@@ -893,6 +876,9 @@ def _beyond(cut: Cut, moves: Sequence[CutterMove], machine: Machine, most: float
 # What the comments of a program state.
 
 
+NOTE: Final = re.compile(r"\(([^()]*)\)|;(.*)")
+"""A comment in brackets, or one up to the end of the line, in whatever dialect."""
+
 NUMBER = r"([-+.\de]+)"
 
 TOLERANCE = re.compile(rf"\btolerance (?:{NUMBER} inch, )?{NUMBER} mm", re.IGNORECASE)
@@ -933,6 +919,11 @@ class Stated:
     program: int = 0
     offsets: tuple[float, ...] = ()
     second: bool = False
+
+
+def notes_of(text: str) -> list[str]:
+    """The comments in a text of any dialect, without brackets."""
+    return [(inside or after).strip() for inside, after in NOTE.findall(text)]
 
 
 def stated(notes: Iterable[str]) -> Stated:

@@ -27,22 +27,18 @@ from camgeo.numeric.arrays import FloatArray, phase
 from camgeo.numeric.quadrature import gauss, nodes_beside
 from camgeo.units import MM_PER, TURN, counted
 from camgeo_export.dxf.reader import closed
-from camgeo_export.part21.solid import (
+from camgeo_export.part21 import (
     Face,
-    Model,
     Solid,
     Use,
+    header_of,
     solid_of,
 )
-from camgeo_export.part21.text import Exchange, Record, exchange_of
 from camgeo_export.reading import OF_ARCS, AnyContour, text_tokens
 from camgeo_export.verify.body import (
-    largest_deviation,
-    level_checks,
+    Surfaces,
     levels_of,
     no_body,
-    slope_checks,
-    slopes_of,
 )
 
 OURS, SCENE, TOLERANCE = "camgeo ", "scene ", "tolerance "
@@ -62,7 +58,7 @@ class StepVerifier:
     def origin(self, data: bytes) -> Origin:
         """From the description in the header."""
         try:
-            values = header_of(exchange_of(data, whole=False), "FILE_DESCRIPTION").values
+            values = header_of(data, "FILE_DESCRIPTION").values
         except FileError as error:
             return Origin(damage=str(error))
         lines = values[0] if values and isinstance(values[0], tuple) else ()
@@ -79,7 +75,7 @@ class StepVerifier:
     ) -> tuple[Check, ...]:
         """Unit, the shell, and the solid against the part."""
         try:
-            solid = solid_of(Model.of(exchange_of(data)))
+            solid = solid_of(data)
         except FileError as error:
             return (failed("file", str(error)),)
         part = product.drawn.part
@@ -88,8 +84,7 @@ class StepVerifier:
             part.require_heights()
         except GeometryError as error:
             return (*checks, no_body(error))
-        stated = solid.uncertainty
-        shell = shell_checks(solid, min(stated or tolerance, tolerance))
+        shell = shell_checks(solid, min(solid.uncertainty or tolerance, tolerance))
         checks += shell
         if not all(check.ok for check in shell if check.name in TOPOLOGY):
             return tuple(checks)
@@ -100,21 +95,13 @@ class StepVerifier:
             found = volume_of(bounds, solid.faces)
         except FileError as error:
             return (*checks, failed("body", str(error)))
-        off = gap(solid)
-        extent, own = product.drawn.base_radius, contours.__getitem__
-        checks += level_checks(part, extent, ranges - base, own, found, tolerance, off)
-        for slope in slopes_of(part):
-            there = slope_contours(solid, slope.z0 + base, slope.z1 + base, tolerance)
-            checks += slope_checks(slope, extent, there, tolerance, off)
-        return tuple(checks)
-
-
-def header_of(exchange: Exchange, kind: str) -> Record:
-    """A record of the header; FileError unless there is one."""
-    found = [record for record in exchange.header if record.kind == kind]
-    if len(found) != 1:
-        raise FileError(f"the header has {kind} {len(found)} times, expected once")
-    return found[0]
+        surfaces = Surfaces(
+            ranges - base,
+            contours.__getitem__,
+            lambda low, high: slope_contours(solid, low + base, high + base, tolerance),
+            gap(solid),
+        )
+        return (*checks, *surfaces.checks(part, product.drawn.base_radius, found, tolerance))
 
 
 VERIFIER = StepVerifier()
@@ -137,8 +124,7 @@ def shell_checks(solid: Solid, within: float) -> list[Check]:
     checks = [_closed(solid), _oriented(solid)]
     if not all(check.ok for check in checks):
         return checks
-    checks.append(_uncertainty(solid, within))
-    checks.append(_walls(solid, within))
+    checks += [_uncertainty(solid, within), _walls(solid, within)]
     if all(check.ok for check in checks):
         checks.append(_outwards(solid))
     return checks
@@ -226,8 +212,7 @@ def _oriented(solid: Solid) -> Check:
         turns[use.edge.number] += 1 if use.forward else -1
     twice = [edge for edge, turn in turns.items() if turn]
     note = f"edge #{twice[0]} is used twice in the same direction" if twice else ""
-    number = float(len(twice))
-    return Check("oriented", "", number, None, 0.0, "edges run twice", not twice, note)
+    return Check("oriented", "", float(len(twice)), None, 0.0, "edges run twice", not twice, note)
 
 
 def _uncertainty(solid: Solid, within: float) -> Check:
@@ -283,8 +268,7 @@ def _wall_fault(face: Face, within: float) -> str:
 
 def _outwards(solid: Solid) -> Check:
     """The volume is positive, and the same by flat faces and by walls."""
-    bounds = bounds_of(solid)
-    by_levels = volume_of(bounds, solid.faces)
+    by_levels = volume_of(bounds_of(solid), solid.faces)
     by_walls = math.fsum(_volume_of_wall(face) for face in solid.faces if not face.is_level)
     if not by_levels > 0.0:
         return failed("outwards", "the shell is turned inside out")
@@ -499,12 +483,17 @@ def measure(product: Product, data: bytes) -> float:
         part.require_heights()
     except GeometryError as error:
         raise FileError(f"no solid to compare this with: {error.message}") from None
-    solid = solid_of(Model.of(exchange_of(data)))
+    solid = solid_of(data)
     if solid.unit != MM_PER[product.unit]:
         raise FileError(f"the solid is in {solid.unit_name}, not in {product.unit}")
     for check in shell_checks(solid, UNCERTAINTY):
         if not check.ok:
             raise FileError(f"the solid fails the check '{check.name}': {check.note}")
     ranges, contours = levels(bounds_of(solid), UNCERTAINTY)
-    chamfers = (slope_contours(solid, each.z0, each.z1, UNCERTAINTY) for each in slopes_of(part))
-    return largest_deviation(part, ranges, contours.__getitem__, chamfers, gap(solid))
+    surfaces = Surfaces(
+        ranges,
+        contours.__getitem__,
+        lambda low, high: slope_contours(solid, low, high, UNCERTAINTY),
+        gap(solid),
+    )
+    return surfaces.deviation(part)

@@ -222,8 +222,9 @@ def _normals(normals: FloatArray, corners: FloatArray, ours: bool) -> Check:
             first = int(np.argmax(which))
             place = point_text(corners[first].mean(axis=0))
             many = counted(int(np.count_nonzero(which)), "facet")
-            text = f"that of facet {first + 1}, near {place}, {what}; wrong at {many}"
-            return failed("normals", text)
+            return failed(
+                "normals", f"that of facet {first + 1}, near {place}, {what}; wrong at {many}"
+            )
     zeros = counted(int(np.count_nonzero(empty)), "facet")
     note = f"0 at {zeros}, to be computed by the reader" if empty.any() else ""
     return Check("normals", "", float(len(normals)), ok=True, note=note)

@@ -10,7 +10,7 @@ from camgeo.errors import CamgeoError, FileError
 from camgeo.scene.formats.format import CUT_SVG
 from camgeo_export.reading import OF_ARCS, text_tokens
 from camgeo_export.svg import check_xml, drawing_of
-from camgeo_export.verify.plane import contour_checks, matched, shapes_of
+from camgeo_export.verify.plane import all_checks, shapes_of
 
 NOTE = re.compile(
     rb"<desc>camgeo ([^;<]{1,100}); scene ([0-9a-f]{1,64}); tolerance ([-+.0-9e]{1,40}) mm</desc>"
@@ -49,14 +49,9 @@ class CutSvgVerifier:
             drawing = drawing_of(data, reading.name)
         except CamgeoError as error:
             return (failed("file", str(error)),)
-        checks = [reported("unit", drawing.scale, "mm", note="of one unit of the drawing")]
-        boundaries = product.drawn.part.boundaries
-        shapes = shapes_of(boundaries, product.drawn.base_radius, tolerance)
-        pairs, count = matched(drawing.contours, shapes)
-        checks.append(count)
-        for shape, contour in pairs:
-            checks += contour_checks(shape, contour, tolerance)
-        return tuple(checks)
+        unit = reported("unit", drawing.scale, "mm", note="of one unit of the drawing")
+        shapes = shapes_of(product.drawn.part.boundaries, product.drawn.base_radius, tolerance)
+        return (unit, *all_checks(drawing.contours, shapes, tolerance))
 
 
 VERIFIER = CutSvgVerifier()

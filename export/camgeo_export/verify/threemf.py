@@ -728,8 +728,7 @@ def _check_type(types: Mapping[tuple[str, str], str], part: str, allowed: Collec
     """That the content type of a part is one of those that its kind may have, if there are any."""
     extension = posixpath.splitext(part.lower())[1].removeprefix(".")
     extension = extension or posixpath.basename(part).removeprefix(".")
-    by_extension = types.get(("Default", extension), "")
-    found = types.get(("Override", f"/{part.lower()}"), by_extension)
+    found = types.get(("Override", f"/{part.lower()}"), types.get(("Default", extension), ""))
     if allowed and found not in allowed:
         what = f"the type of {part} is {found or 'not stated'}"
         raise FileError(f"{CONTENT_TYPES_PATH}: {what}, not {' or '.join(allowed)}")

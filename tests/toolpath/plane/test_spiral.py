@@ -10,7 +10,7 @@ import pytest
 
 from camgeo.geometry.contour.contour import Contour, distances
 from camgeo.geometry.outline.path import whole
-from camgeo.milling.strategies.clear import Morph, Star, biarcs, engagements, fitted, paced
+from camgeo.milling.clear import Morph, Star, biarcs, engagements, fitted, paced
 from camgeo.milling.track import Track, chained
 from camgeo.numeric.arrays import BoolArray, ComplexArray
 from camgeo.part.boundaries import CurveBoundary

@@ -17,12 +17,12 @@ from camgeo.errors import FileError, GeometryError
 from camgeo.geometry.contour.contour import Contour, distances
 from camgeo.geometry.outline.path import whole
 from camgeo.geometry.pitch_curve import WorkingCurve
+from camgeo.milling.clear import HELIX
 from camgeo.milling.cut import AreaCut, ContourCut, Cut, PointCut
 from camgeo.milling.moves import ArcFeed, Feed, Rapid
-from camgeo.milling.strategies.clear import HELIX
-from camgeo.milling.strategies.trochoid import NARROWEST, ahead, engaged
-from camgeo.milling.strategies.walk import centre_feed
+from camgeo.milling.strategies import NARROWEST, ahead, engaged
 from camgeo.milling.track import Track, chained
+from camgeo.milling.walk import centre_feed
 from camgeo.numeric.arrays import FloatArray
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary
@@ -297,7 +297,7 @@ def test_what_cannot_be_cleared(changes: dict[str, Any], message: str, key: str)
 def test_moves_end_where_no_program_can_be_read(monkeypatch: pytest.MonkeyPatch) -> None:
     """Those of one cut alone, before the others are made."""
     count = len(made(GROOVE))
-    monkeypatch.setattr("camgeo.milling.strategies.walk.PROGRAM_LINES", count // 2)
+    monkeypatch.setattr("camgeo.milling.walk.PROGRAM_LINES", count // 2)
     with pytest.raises(FileError, match="the limit for a program that is read"):
         made(GROOVE)
 

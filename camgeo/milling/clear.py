@@ -14,28 +14,27 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, Effort, least_distance
-from camgeo.milling.cut import AreaCut, Cut
-from camgeo.milling.milling import Heights
-from camgeo.milling.moves import Move
-from camgeo.milling.strategies.around import descend, descent
-from camgeo.milling.strategies.walk import (
+from camgeo.milling.cut import AreaCut
+from camgeo.milling.track import FLAT, Beside, Track, begun, chained, flattest, lead_at, started
+from camgeo.milling.walk import (
     SAME,
     SPENT,
     Walk,
     along,
     coarse,
     cut_of_kind,
+    descend,
+    descent,
     limit_of,
     require_clear,
 )
-from camgeo.milling.track import FLAT, Beside, Track, begun, chained, flattest, lead_at, started
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, ascending, phase
 from camgeo.numeric.extremes import Extremes, piecewise_extremes
 from camgeo.part.part import Boundary
 from camgeo.units import TURN
 
 
-def clear(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[Move]:  # noqa: ARG001  all strategies are called alike
+def clear(walk: Walk, tolerance: float, effort: Effort) -> None:  # noqa: ARG001  all strategies are called alike
     """The moves that clear an area; its paths are fitted fast, and coarsely within the allowance.
 
     Raises
@@ -43,20 +42,23 @@ def clear(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[
     GeometryError
         If the cutter is too large for the area, or no strategy clears an area with such walls.
     """
-    cut = cut_of_kind(cut, AreaCut, "clears an area")
+    cut = cut_of_kind(walk.cut, AreaCut, "clears an area")
     holes = [wall for wall in cut.walls if wall.hole]
     solids = [wall for wall in cut.walls if not wall.hole]
     match solids, holes:
         case [], []:
-            return face(cut, heights, tolerance)
+            face(walk, cut, tolerance)
         case [solid], []:
-            return outside(cut, solid, heights, tolerance)
+            outside(walk, cut, solid, tolerance)
         case [], [hole]:
-            return inside(cut, hole, heights, tolerance)
+            inside(walk, cut, hole, tolerance)
         case [solid], [hole]:
-            return ring(cut, solid, hole, heights, tolerance)
-    names = ", ".join(wall.name for wall in cut.walls)
-    raise GeometryError("an area has at most one wall around it and one within it", "part", names)
+            ring(walk, cut, solid, hole, tolerance)
+        case _:
+            names = ", ".join(wall.name for wall in cut.walls)
+            raise GeometryError(
+                "an area has at most one wall around it and one within it", "part", names
+            )
 
 
 # -- face -----------------------------------------------------------------------------------------
@@ -71,7 +73,7 @@ INNERMOST = 0.9
 """Radius of the last round as a share of that within which the cutter is flat."""
 
 
-def face(cut: AreaCut, heights: Heights, tolerance: float) -> list[Move]:
+def face(walk: Walk, cut: AreaCut, tolerance: float) -> None:
     """At each depth: down in the air beside the blank, and round it inward to its middle.
 
     Between depths the cutter runs out again over what it has cleared.
@@ -100,13 +102,10 @@ def face(cut: AreaCut, heights: Heights, tolerance: float) -> list[Move]:
     turned = fitted(morph, fine)
     circle = Track.arc(turned.end, middle, morph.sense * 2.0 * np.pi)
     level = chained((_entry(morph, turned, radius), turned, circle))
-    walk = Walk(cut, heights)
     for z in cut.depths:
         walk.over(level.start)
         walk.down(z)
         walk.follow(level)
-    walk.up()
-    return walk.moves
 
 
 # -- inside ---------------------------------------------------------------------------------------
@@ -125,7 +124,7 @@ INSIDE_ROOM = 0.5
 """Of the way off the wall, as a share of the cutter's radius."""
 
 
-def inside(cut: AreaCut, wall: Boundary, heights: Heights, tolerance: float) -> list[Move]:
+def inside(walk: Walk, cut: AreaCut, wall: Boundary, tolerance: float) -> None:
     """A helix down to each depth in turn, from the middle or round a hole that is there, and from
     it a spiral out to the wall and a full round along it; a narrow round hole by the helix alone.
 
@@ -139,7 +138,6 @@ def inside(cut: AreaCut, wall: Boundary, heights: Heights, tolerance: float) -> 
     flat = max(cut.tool.radius - cut.tool.corner_radius, 0.25 * cut.tool.radius)
     star = star_of(path, wall.name)
     least = star.distances().lowest.value
-    walk = Walk(cut, heights)
     turned = 2.0 * math.pi if cut.climb else -2.0 * math.pi
     if _is_circle(path) and least <= WHOLE * flat:
         whole = Track.around(path if cut.climb else path.reversed())
@@ -148,13 +146,14 @@ def inside(cut: AreaCut, wall: Boundary, heights: Heights, tolerance: float) -> 
             descend(walk, whole, above, z)
         walk.follow(whole)
         walk.follow(Track.line(whole.start, 0j))
-        walk.up()
-        return walk.moves
+        return
     hole = _hole(cut, fine)
     middle = min(HELIX * flat, 0.5 * least) if hole is None else min(hole, 0.9 * least)
     finish = flattest_direction(path)
-    morph = spiral(cut, _circle(middle), star, finish, fine, outward=True)
-    outward = fitted(morph, fine)
+    outward = fitted(
+        spiral(cut, star_of(Contour.circle(middle), "helix"), star, finish, fine, outward=True),
+        fine,
+    )
     helix = Track.arc(outward.start, 0j, turned)
     last = begun(path, star.along(finish))
     last = last if cut.climb else last.reversed()
@@ -179,14 +178,6 @@ def inside(cut: AreaCut, wall: Boundary, heights: Heights, tolerance: float) -> 
             walk.down(z)
         walk.follow(level)
     walk.follow(Track.line(walk.place, 0.5 * walk.place))
-    walk.up()
-    return walk.moves
-
-
-def _circle(radius: float) -> Star:
-    found = Star.of(Contour.circle(radius))
-    assert found is not None  # as of every circle about the pole
-    return found
 
 
 def _is_circle(path: Contour) -> bool:
@@ -212,7 +203,7 @@ def _hole(cut: AreaCut, fine: float) -> float | None:
 # Clearing around a round boss in full material: a slot along it, widened outward by a spiral.
 
 
-def moat(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[Move]:  # noqa: ARG001  all strategies are called alike
+def moat(walk: Walk, tolerance: float, effort: Effort) -> None:  # noqa: ARG001  all strategies are called alike
     """To each depth in turn by a helix along the boss, from there a spiral out to the wall around
     it, and a full round along that.
 
@@ -221,6 +212,7 @@ def moat(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[M
     GeometryError
         If the cutter is too large for the area, or that is none around a boss.
     """
+    cut = walk.cut
     if not isinstance(cut, AreaCut) or [wall.hole for wall in cut.walls] != [False, True]:
         raise GeometryError("is cleared around a boss, within a wall", "toolpath", cut.name)
     boss, edge = cut.walls
@@ -237,15 +229,12 @@ def moat(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[M
         require_clear(level, wall, cut, fine)
     # The cutter may pass where it has been, but not over the boss.
     kept = Track.around(Contour.circle(float(np.min(np.abs(inner.vertices))) - fine))
-    walk = Walk(cut, heights)
     for number, (above, z) in enumerate(pairwise((cut.top, *cut.depths))):
         if number:
             walk.over(helix.start, kept)
             walk.down(above)
         descend(walk, helix, above, z)
         walk.follow(level)
-    walk.up()
-    return walk.moves
 
 
 # -- outside --------------------------------------------------------------------------------------
@@ -259,7 +248,7 @@ MOST_TRIALS, MORE = 20, 0.02
 """Of a depth's spiral, and by which share its turns grow each time."""
 
 
-def outside(cut: AreaCut, wall: Boundary, heights: Heights, tolerance: float) -> list[Move]:
+def outside(walk: Walk, cut: AreaCut, wall: Boundary, tolerance: float) -> None:
     """At each depth: from where the cutter first touches the blank once around it after the other,
     ever nearer to the wall, and a full round along it.
 
@@ -277,7 +266,6 @@ def outside(cut: AreaCut, wall: Boundary, heights: Heights, tolerance: float) ->
     path = along(wall, cut, fine)
     edge = _edge(cut, cut.stock.arcs(fine, "fast").contour, path)
     begin, end = star_of(edge, "blank"), star_of(path, wall.name)
-    walk = Walk(cut, heights)
     morph = spiral(cut, begin, end, flattest_direction(path), fine, outward=False)
     for number, z in enumerate(cut.depths):
         if number:
@@ -287,8 +275,6 @@ def outside(cut: AreaCut, wall: Boundary, heights: Heights, tolerance: float) ->
         walk.over(track.start, Track.around(path))
         walk.down(z)
         walk.follow(track)
-    walk.up()
-    return walk.moves
 
 
 def spirals(cut: AreaCut, wall: Boundary, tolerance: float) -> bool:
@@ -448,9 +434,7 @@ def _edge(cut: AreaCut, blank: Contour, path: Contour) -> Contour:
 # Clearing of a groove: a slot along its middle, widened on both sides towards the walls.
 
 
-def ring(
-    cut: AreaCut, solid: Boundary, hole: Boundary, heights: Heights, tolerance: float
-) -> list[Move]:
+def ring(walk: Walk, cut: AreaCut, solid: Boundary, hole: Boundary, tolerance: float) -> None:
     """Between a wall around it, `hole`, and one within it, `solid`, which are parallel.
 
     To each depth in turn along the middle, and from there rounds nearer to the outer wall, then
@@ -473,8 +457,11 @@ def ring(
             value=f"{cut.tool.diameter:g}",
         )
     if 0.5 * play > MOST_TURNS * cut.stepover:
-        message = f"makes more than {MOST_TURNS} rounds on each side of the groove's middle"
-        raise GeometryError(message, "tool.stepover", f"{cut.stepover:g}")
+        raise GeometryError(
+            f"makes more than {MOST_TURNS} rounds on each side of the groove's middle",
+            "tool.stepover",
+            f"{cut.stepover:g}",
+        )
     count = math.ceil(0.5 * play / cut.stepover)
     offs = [0.5 * play * (count - k) / count for k in range(1, count + 1)] if count else []
     middle = _begun(along(hole, cut, fine, 0.5 * play), climb=cut.climb)
@@ -486,7 +473,6 @@ def ring(
     for track in (middle, *sides[0], *sides[1]):
         for wall in (hole, solid):
             require_clear(track, wall, cut, fine)
-    walk = Walk(cut, heights)
     walk.above(point)
     walk.down(cut.top)
     for above, z in pairwise((cut.top, *cut.depths)):
@@ -498,8 +484,6 @@ def ring(
                 walk.follow(Track.line(walk.place, track.start))
                 walk.follow(track)
             walk.follow(Track.line(walk.place, point))
-    walk.up()
-    return walk.moves
 
 
 def _begun(path: Contour, *, climb: bool) -> Track:
@@ -683,8 +667,11 @@ def paced(
     travel = float(np.max(np.abs(a.at(rays)[0] - b.at(rays)[0])))
     fewest = max(travel / step, 1e-3)
     if fewest > MOST_TURNS:
-        message = f"makes more than {MOST_TURNS} turns of the roughing spiral"
-        raise GeometryError(message, key="tool.stepover", value=f"{step:g}")
+        raise GeometryError(
+            f"makes more than {MOST_TURNS} turns of the roughing spiral",
+            key="tool.stepover",
+            value=f"{step:g}",
+        )
 
     # Without slowing, 1 / rate is the number of turns less half of those in which it eases.
     plain = Morph(a, b, sense, side, finish, fewest + 0.5 * min(EASE, fewest))
@@ -696,8 +683,11 @@ def paced(
 
     best = _shortest(plain, MOST_TURNS, holds)
     if best is None:
-        message = f"is too small: no roughing spiral of {MOST_TURNS} turns keeps to it"
-        raise GeometryError(message, "tool.engagement", f"{math.degrees(limit):g}")
+        raise GeometryError(
+            f"is too small: no roughing spiral of {MOST_TURNS} turns keeps to it",
+            "tool.engagement",
+            f"{math.degrees(limit):g}",
+        )
     for slowing in SLOWINGS:
         shorter = replace(best, turns=best.turns - WORTH, slowing=slowing)
         if shorter.turns > plain.turns and holds(shorter):
@@ -781,8 +771,7 @@ def biarcs(points: ComplexArray, tangents: ComplexArray) -> Track:
     middle = 0.5 * (start + end + length * (tangents[:-1] - tangents[1:]))
     across = (chord - length * both) / (2.0 * length)
     vertices = np.append(np.column_stack((start, middle)).ravel(), points[-1])
-    first = np.column_stack((tangents[:-1], across)).ravel()
-    return tangential(vertices, first)
+    return tangential(vertices, np.column_stack((tangents[:-1], across)).ravel())
 
 
 def tangential(vertices: ComplexArray, tangents: ComplexArray) -> Track:

@@ -12,7 +12,7 @@ import numpy as np
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.geometry.contour.contour import Contour, least_distance
 from camgeo.milling.cut import AreaCut, Cut, slack_of
-from camgeo.milling.milling import Heights
+from camgeo.milling.milling import Heights, ToolError
 from camgeo.milling.moves import ArcFeed, Feed, Move, Rapid, too_long
 from camgeo.milling.track import Track
 from camgeo.part.part import Boundary
@@ -275,3 +275,52 @@ def require_clear(track: Track, wall: Boundary, cut: AreaCut, tolerance: float) 
     if apart < cut.tool.radius + cut.allowance - EQUAL:
         short = cut.tool.radius + cut.allowance - apart
         raise GeometryError(f"{cut.name} comes {short:.3g} mm too near to the wall", "toolpath")
+
+
+# -- descent ---------------------------------------------------------------------------------------
+# Down along a closed track, no steeper than the tool may run.
+
+
+MOST_ROUNDS = 1000
+"""Of one descent along a path: more is a ramp far too flat for it."""
+
+RAMP = math.radians(3.0)
+"""Descent into material where the tool states none; its Z feed is limited all the same."""
+
+
+def ramp_of(cut: Cut) -> float:
+    """Steepest descent of the cut's tool into material [rad]."""
+    return RAMP if cut.tool.ramp_angle is None else cut.tool.ramp_angle
+
+
+def descent(cut: Cut, top: float, bottom: float, length: float) -> list[float]:
+    """Z [mm] at the end of each round of `length` [mm] from `top` to `bottom`, evenly.
+
+    No round is steeper than the tool may run.
+
+    Raises
+    ------
+    GeometryError
+        If these are more than `MOST_ROUNDS`.
+    """
+    rounds = math.ceil((top - bottom - SAME) / (length * math.tan(ramp_of(cut))))
+    if rounds > MOST_ROUNDS:
+        least = math.degrees(math.atan((top - bottom) / (MOST_ROUNDS * length)))
+        raise ToolError(
+            f"the descent of {cut.name} takes more than {MOST_ROUNDS} rounds of {length:.3g} mm:"
+            f" the ramp of {math.degrees(ramp_of(cut)):g} degrees is too flat for it; at least"
+            f" {least:.3g} are needed",
+            cut.tool,
+            "ramp_angle",
+        )
+    step = (bottom - top) / max(rounds, 1)
+    return [*(top + step * k for k in range(1, rounds)), bottom][:rounds]
+
+
+def descend(walk: Walk, round_: Track, top: float, bottom: float) -> None:
+    """Down along a closed track from `top` to `bottom` [mm], first from above."""
+    if not walk.moves:
+        walk.above(round_.start)
+        walk.down(top)
+    for z in descent(walk.cut, top, bottom, round_.length):
+        walk.follow(round_, z)
