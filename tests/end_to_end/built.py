@@ -92,10 +92,15 @@ class Built:
         document: dict[str, Any] = json.loads((self.folder / "certificate.json").read_text())
         return document
 
+    def record(self, suffix: str) -> dict[str, Any]:
+        """What the certificate states of a file."""
+        name = self.file(suffix).name
+        found: dict[str, Any] = next(r for r in self.certificate["files"] if r["file"] == name)
+        return found
+
     def deviation(self, suffix: str) -> float:
         """Deviation of a file in the certificate [mm]."""
-        files = {record["file"]: record for record in self.certificate["files"]}
-        return float(files[self.file(suffix).name]["deviation_mm"])
+        return float(self.record(suffix)["deviation_mm"])
 
     @cached_property
     def _kept(self) -> dict[str, Kept]:

@@ -7,7 +7,6 @@ import pytest
 from ezdxf.entities.lwpolyline import LWPolyline
 
 from tests.end_to_end.built import CHORDS, Built, paired
-from tests.end_to_end.exact import half_width
 from tests.end_to_end.features import DENSE, Exact
 from tests.measuring import DensePath, Outline
 
@@ -63,23 +62,6 @@ def _part(built: Built) -> list[tuple[Outline, Exact]]:
     return found
 
 
-def test_document(built: Built) -> None:
-    document = built.drawing
-    assert not document.audit().errors
-    insunits, measurement, _ = UNITS[built.design.scene.unit]
-    assert document.dxfversion == "AC1024"  # R2010
-    assert document.header["$INSUNITS"] == insunits
-    assert document.header["$MEASUREMENT"] == measurement
-    kinds = {(entity.dxf.layer, entity.dxftype()) for entity in document.modelspace()}
-    # Nothing else, and no text anywhere.
-    drawn = {("BASE_CIRCLE", "CIRCLE"), ("CENTRE", "LINE")}
-    drawn |= {(layer, "LWPOLYLINE") for layer in _layers(built)}
-    # The contact of a flat face runs on the outline itself: there is no pitch curve to be drawn.
-    assert kinds == drawn | (
-        set() if not built.design.cam.follower.rolls else {("PITCH_CURVE", "LWPOLYLINE")}
-    )
-
-
 def test_cut_layer(built: Built) -> None:
     worst = 0.0
     for outline, exact in _part(built):
@@ -108,21 +90,6 @@ def test_each_corner_is_a_vertex_once(built: Built) -> None:
             assert len(sharp) == len(exact.corners)
 
 
-def test_where_the_roller_turns_the_flank_is_its_arc(built: Built) -> None:
-    """About the roller's centre at a jump of the velocity, of the roller's radius."""
-    outlines = [outline for outline, _ in _part(built)]
-    for flank in built.flanks:
-        for hinge, arm, sweep in flank.turns:
-            if hinge in flank.corners:
-                continue
-            assert abs(arm) == pytest.approx(half_width(built.design), abs=ROUNDING)
-            turned = 0.0
-            for outline in outlines:
-                about = (outline.sweeps != 0.0) & (np.abs(outline.centres - hinge) < ROUNDING)
-                turned += float(np.sum(np.abs(outline.sweeps[about])))
-            assert turned == pytest.approx(abs(sweep), abs=ROUNDING)
-
-
 def test_pitch_curve_and_base_circle(built: Built) -> None:
     if built.design.cam.follower.rolls:
         (pitch,) = _outlines(built, "PITCH_CURVE")
@@ -134,14 +101,3 @@ def test_pitch_curve_and_base_circle(built: Built) -> None:
     assert circle.dxf.radius * scale == pytest.approx(
         built.design.cam.follower.base_radius, rel=1e-15
     )
-
-
-def test_a_moved_vertex_would_show(built: Built) -> None:
-    """The measure itself: a vertex moved by ten tolerances is found."""
-    outline = _outlines(built, "CUT")[0]
-    exact = max(built.boundaries, key=lambda exact: exact.area)
-    starts = outline.starts.copy()
-    starts[1] += 10.0 * built.tolerance * starts[1] / abs(starts[1])
-    moved = Outline.through(starts, outline.sweeps)
-    found = float(np.max(exact.path.distances(moved.dense(POINTS))))
-    assert found > 5.0 * built.tolerance

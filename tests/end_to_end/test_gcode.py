@@ -24,9 +24,6 @@ GAP = 1e-12
 STEP = {"mm": 1e-4, "inch": 2.54e-4}
 """The last decimal of a program [mm]."""
 
-ARC_ERROR = 0.002
-"""Strictest check of radii that was seen in a controller [mm]."""
-
 
 @pytest.fixture(scope="module")
 def program(built: Built) -> Program:
@@ -103,41 +100,6 @@ def _rounds(operation: str, moves: list[Move]) -> list[list[Move]]:
     return found
 
 
-def test_frame(built: Built, program: Program) -> None:
-    unit = {"mm": "G21", "inch": "G20"}[built.design.scene.unit]
-    for word in ("G17", unit, "G40", "G49", "G54", "G80", "G90", "G94", "G91.1", "M6", "G43"):
-        assert word in program.words
-    assert program.words[-2:] == ["M5", "M2"]
-    assert all(len(line) <= 78 for line in built.file(".ngc").read_text().splitlines())
-    moves = [move for moves in program.operations.values() for move in moves]
-    for move in moves:
-        if move.code == 0:  # traverses at the safe height or straight up and down, never into it
-            assert move.start == move.end or np.isnan(move.start) or move.z_end == move.z_start
-            lowest = min(move.z_start, move.z_end)
-            assert (
-                np.isnan(lowest)
-                or move.start == move.end
-                or (lowest == pytest.approx(built.gcode.clearance_height))
-            )
-            assert move.z_end == pytest.approx(built.gcode.clearance_height)
-        else:
-            assert move.feed > 0.0
-            assert move.spindle
-        drop = move.z_start - move.z_end
-        if move.code > 0 and move.start == move.end and move.code == 1:
-            assert move.feed == pytest.approx(_tool(built).plunge_feed)  # straight down
-        elif move.code > 0:
-            # Slower where the wall lies around the arc, and on the way down.
-            assert move.feed <= _tool(built).feed * (1.0 + 1e-6)
-            way = abs(move.sweep) * abs(move.start - move.centre)
-            way = abs(move.end - move.start) if move.code == 1 else way
-            assert move.feed * drop <= _tool(built).plunge_feed * math.hypot(way, drop) * 1.01
-        if move.code > 1:
-            radii = abs(move.start - move.centre), abs(move.end - move.centre)
-            assert abs(radii[0] - radii[1]) <= ARC_ERROR
-            assert abs(move.sweep) <= np.pi * (1.0 + 1e-6)
-
-
 def test_paths_lie_on_the_exact_offsets(built: Built, program: Program) -> None:
     exact = _exact_paths(built, program)
     finished = {name for name in exact if not _is_rough(name)}
@@ -177,24 +139,6 @@ def test_paths_lie_on_the_exact_offsets(built: Built, program: Program) -> None:
     assert built.deviation(".ngc") >= worst - CHORDS
 
 
-def test_the_cutter_rolls_round_corners(built: Built, program: Program) -> None:
-    """Once a pass, about the corner itself, and about the roller's centre where it turned."""
-    step = STEP[built.design.scene.unit]
-    for name in set(program.operations) - {"", "bore", "rough bore"}:
-        path = _flank_path(built, name.removeprefix("rough "), _away(built, name))
-        for moves in (each for cut in program.passes(name) for each in _rounds(name, cut)):
-            arcs = [move for move in moves if move.code > 1]
-            for hinge, arm, sweep in path.turns:
-                # Ends rounded by half a diagonal of the last decimal tilt the chord of a short
-                # arc, and its centre swings by as much.
-                reach = step * (1.0 + 2.0 / abs(sweep))
-                about = [move for move in arcs if abs(move.centre - hinge) <= reach]
-                turned = [abs(move.sweep) for move in about]
-                assert sum(turned) == pytest.approx(abs(sweep), abs=4.0 * step / abs(arm))
-                radii = [abs(move.start - move.centre) for move in about]
-                assert radii == pytest.approx([abs(arm)] * len(about), abs=2.0 * step)
-
-
 def test_cutter_never_enters_the_part(built: Built, program: Program) -> None:
     """Leads and plunges included: all of the path keeps the tool's radius from the material."""
     tool = _tool(built).radius
@@ -217,22 +161,3 @@ def test_cutter_never_enters_the_part(built: Built, program: Program) -> None:
             region = polygon(exact.points)
             within = shapely.contains_xy(region, points.real, points.imag)
             assert np.all(within == inside)
-
-
-def test_leads_are_tangential(built: Built, program: Program) -> None:
-    for name in (each for each in set(program.operations) - {""} if not _is_rough(each)):
-        for moves in program.passes(name):
-            first, second, last = moves[0], moves[1], moves[-1]
-            assert last.start == second.start
-            for lead, there in ((first, first.end), (last, last.start)):
-                neighbour = second if lead is first else moves[-2]
-                arm = (there - lead.centre) * np.sign(lead.sweep)
-                other = (there - neighbour.centre) * np.sign(neighbour.sweep)
-                if neighbour.code == 1:
-                    other = -1j * (neighbour.end - neighbour.start)
-                turn = abs(np.angle(arm / other))
-                # Centres are rounded to half a diagonal of the last decimal, 0.7e-5 in, and end
-                # points too; the smaller arm turns by twice that over its length, and the chord of
-                # a short lead by the rounding of its ends over its own.
-                step, chord = STEP[built.design.scene.unit], abs(lead.end - lead.start)
-                assert turn <= 3.0 * step / min(abs(arm), abs(other)) + 1.5 * step / chord
