@@ -41,3 +41,9 @@ def test_the_files_are_verified(built: Path, capsys: pytest.CaptureFixture[str])
     solids = [str(built.with_name(f"conjugate_pair-pair.{end}")) for end in ("stl", "step")]
     assert main(["verify", *solids]) == 0
     assert capsys.readouterr().out.count(": pass") == 2
+
+
+def test_a_build_tells_the_angle(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["build", str(PAIR), "-o", str(tmp_path), "--only", "csv"]) == 0
+    shown = capsys.readouterr().out
+    assert "both discs in one piece: the return disc at 0 deg to the main disc, below it" in shown
