@@ -194,6 +194,31 @@ motion = [{ law = "polynomial-345", span = 180, to = 8 },
 SOLID = "part = { thickness = 12, bore = 20 }\neffects.balance = { density = 7850 }\n"
 
 
+def test_the_part_of_a_disc_is_weighed_and_compared_with_its_limits() -> None:
+    found = check(camgeo.loads(f"{DISC}limits = {{ diameter = 95.9, mass = 0.6 }}\n{SOLID}"))
+    part = found.parts["disc"]
+    assert part.body is not None
+    assert part.body.inertia is not None
+    assert [each.name for each in part.findings if each.severity == "broken"] == [
+        "largest-diameter"
+    ]
+    assert found.exit_code == 1
+    reported = document(found)["parts"]["disc"]
+    assert reported["diameter_mm"] == part.diameter == pytest.approx(96.0, rel=1e-15)
+    assert (
+        reported["body"]
+        | {
+            "centre_mm": part.body.solid.centre.tolist(),
+            "density_kg_per_m3": pytest.approx(7850.0),
+            "mass_kg": part.body.mass,
+            "axial_inertia_kg_mm2": part.body.axial_inertia,
+            "inertia_kg_mm2": part.body.inertia.tolist(),
+        }
+        == reported["body"]
+    )
+    assert "largest diameter 96 mm at cam angle 180 deg" in text(found)
+
+
 def test_a_limit_of_the_mass_needs_thickness_and_density() -> None:
     with pytest.raises(SceneError) as error:
         camgeo.loads(DISC + "limits.mass = 2\n")

@@ -86,6 +86,7 @@ KEPT: Final = {
     "laws": """
     laws
     laws --task all --json
+    laws --task all --law cycloidal modified-sine
     laws --places
     laws --task R-U --inflection 0.4
     laws --task U-U --curved 0.5

@@ -102,6 +102,17 @@ def cut_between_lines(data: bytes) -> bytes:
     return data[: data.rindex(b"\n", 0, len(data) * 7 // 10) + 1]
 
 
+def swapped(kind: str) -> Damage:
+    """The last entity of a kind of a STEP file that ends in a truth value has the other one."""
+
+    def change(data: bytes) -> bytes:
+        *_, last = re.finditer(rf"={kind}\(.*\.([TF])\.\);".encode(), data)
+        other = b"F" if last.group(1) == b"T" else b"T"
+        return data[: last.start(1)] + other + data[last.end(1) :]
+
+    return change
+
+
 def thicker(data: bytes) -> bytes:
     """An STL whose upper face is higher."""
     facets = np.frombuffer(data[PREFIX:], dtype=FACET).copy()
@@ -134,6 +145,9 @@ DAMAGES: dict[str, tuple[str, Damage, set[str]]] = {
     "stl: thicker": (".stl", thicker, {"height"}),
     "stl: cut short": (".stl", cut_short, {"file"}),
     "3mf: cut short": (".3mf", cut_short, {"file"}),
+    "step: a sense swapped": (".step", swapped("ADVANCED_FACE"), {"walls"}),
+    "step: an edge turned": (".step", swapped("EDGE_CURVE"), {"uncertainty"}),
+    "step: an edge of a loop turned": (".step", swapped("ORIENTED_EDGE"), {"closed"}),
     "step: another unit": (".step", replaced(b".MILLI.", b".CENTI."), {"deviation"}),
     "step: no such entity": (".step", replaced(b"_LOOP('',(#", b"_LOOP('',(#9"), {"file"}),
     "step: another name": (".step", replaced(b"'outline'", b"'rim'"), set()),

@@ -331,13 +331,13 @@ CALLS = """
     inspect scenes/inch.toml {}/points.csv --tolerance 0.02 -o {}/inspect.svg
     compare scenes/inch.toml scenes/tappet.toml --ask diameter,peak:a -o {}/compare.svg
     tolerance tolerance/lever.toml --count 128 -o {}/tolerance.svg
-    sweep scenes/inch.toml --vary follower.base_radius=1:2:3 --vary cam.speed=60,90 \
+    sweep scenes/inch.toml --vary follower.base_radius=-1,1,2 --vary cam.speed=60,90 \
         --ask transmission-angle,verdict --picture {}/map.svg
-    sweep scenes/inch.toml --vary follower.base_radius=1:2:3 --ask peak:a,diameter \
+    sweep scenes/inch.toml --vary follower.base_radius=2,1,1.5 --ask peak:a,diameter \
         --picture {}/curves.svg
     sweep scenes/inch.toml --vary follower.base_radius=1:2 --samples 4 --ask diameter,max:mu \
         --least diameter --largest max:mu --picture {}/front.svg
-    sweep scenes/inch.toml --vary follower.base_radius=1:2:2 --vary follower.roller_radius=0.2,0.3 \
+    sweep scenes/inch.toml --vary follower.base_radius=-1,1,2 --vary follower.roller_radius=0.2,0.3 \
         --vary motion.1.law=modified-sine,polynomial-345 --ask diameter --picture {}/axes.svg
     optimise scenes/inch.toml --vary follower.base_radius=1:3 --least diameter \
         --largest transmission-angle --evaluations 9 -o {}/optimise.svg
