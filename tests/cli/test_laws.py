@@ -12,7 +12,7 @@ import pytest
 
 from camgeo.app.cli.main import main
 from camgeo.errors import GeometryError
-from camgeo.kinematics.laws.comparison import QUANTITIES, Entry, Running, compare
+from camgeo.kinematics.laws.comparison import QUANTITIES, Running, compare
 from camgeo.kinematics.laws.law import Characteristic
 from camgeo.kinematics.motion import TASKS
 from camgeo.pictures.laws import SAMPLES, figure
@@ -38,11 +38,6 @@ def row(out: str, name: str) -> list[str]:
     return next(line for line in out.splitlines() if line.startswith(name + " ")).split()
 
 
-def entry(task: str, name: str, **given: float) -> Entry:
-    (found,) = compare(task, given, [name])
-    return found
-
-
 # What is compared ---------------------------------------------------------------------------------
 
 
@@ -57,21 +52,6 @@ def test_no_number_is_infinite_or_nan(task: str, capsys: Capture) -> None:
             missing = record["values"][quantity] is None
             assert missing == (record["physical"][quantity] is None)
             assert not missing or record["shock_places"] or record["jerk_places"]
-
-
-@pytest.mark.parametrize("name", ["modified-sine", "polynomial-5", "polynomial-7"])
-@pytest.mark.parametrize("v0", [-0.5, 0.5, 6.0])
-@pytest.mark.parametrize("v1", [-0.5, 0.5, 6.0])
-def test_overshoot_and_running_back_as_sampled(name: str, v0: float, v1: float) -> None:
-    """Leaving with a negative velocity, and fast ends that take the move past its goal."""
-    found = entry("G-G", name, v0=v0, v1=v1)
-    assert found.law is not None
-    f, f1, *_ = found.law(np.linspace(0.0, 1.0, 10_001))
-    assert found.runs_back == bool(f1.min() < 0.0)
-    # Rounding of f: some units in the last place of 1.
-    assert found.overshoots == bool(f.min() < -1e-14 or f.max() > 1.0 + 1e-14)
-    if min(v0, v1) < 0.0:
-        assert found.overshoots
 
 
 # The table ----------------------------------------------------------------------------------------

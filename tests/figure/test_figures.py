@@ -337,7 +337,7 @@ CALLS = """
         --picture {}/curves.svg
     sweep scenes/inch.toml --vary follower.base_radius=1:2 --samples 4 --ask diameter,max:mu \
         --least diameter --largest max:mu --picture {}/front.svg
-    sweep scenes/inch.toml --vary follower.base_radius=-1,1,2 --vary follower.roller_radius=0.2,0.3 \
+    sweep scenes/inch.toml --vary follower.base_radius=0,1,2 --vary follower.roller_radius=0.2,0.3 \
         --vary motion.1.law=modified-sine,polynomial-345 --ask diameter --picture {}/axes.svg
     optimise scenes/inch.toml --vary follower.base_radius=1:3 --least diameter \
         --largest transmission-angle --evaluations 9 -o {}/optimise.svg
