@@ -15,9 +15,7 @@ from ezdxf.document import Drawing
 from ezdxf.filemanagement import readfile
 
 from camgeo.design.design import Design
-from camgeo.milling.milling import GcodeSpec
 from camgeo.part.spec import PartSpec
-from camgeo.scene.formats import gcode
 from tests.end_to_end.exact import Flank, Kept, half_width
 from tests.end_to_end.features import DENSE, Exact, Span, spans
 from tests.end_to_end.trimmed import kept_of, pitch_of
@@ -67,10 +65,6 @@ class Built:
     def thickness(self) -> float:
         assert self.spec.thickness is not None
         return self.spec.thickness
-
-    @property
-    def gcode(self) -> GcodeSpec:
-        return self.design.disc.options[gcode.FORMAT]
 
     @cached_property
     def drawing(self) -> Drawing:

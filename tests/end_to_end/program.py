@@ -25,8 +25,6 @@ class Move:
     z_start: float
     z_end: float
     centre: complex
-    feed: float
-    spindle: bool
 
     @property
     def sweep(self) -> float:
@@ -44,7 +42,6 @@ class Program:
 
     scale: float = 0.0
     blending: float = 0.0
-    words: list[str] = field(default_factory=list)
     operations: dict[str, list[Move]] = field(default_factory=dict)
 
     def passes(self, operation: str) -> list[list[Move]]:
@@ -62,7 +59,7 @@ def run(path: Path) -> Program:
     """Run the program; positions are known from the first words of each axis on."""
     program = Program()
     at = {"X": np.nan, "Y": np.nan, "Z": np.nan}
-    code, feed, spindle, operation = 0, 0.0, False, ""
+    code, operation = 0, ""
     for line in path.read_text("ascii").splitlines():
         if line.startswith("("):
             if line.startswith("(operation "):
@@ -70,15 +67,12 @@ def run(path: Path) -> Program:
             continue
         words = WORD.findall(line)
         assert " ".join(letter + number for letter, number in words) == line
-        program.words += [letter + number for letter, number in words if letter in "GMT"]
         values = {letter: float(number) for letter, number in words}
         for letter, number in words:
             if letter == "G" and float(number) in SCALE:
                 program.scale = SCALE[int(number)]
             if letter == "G" and float(number) in (0, 1, 2, 3):
                 code = int(number)
-        spindle = values.get("M") == 3 or (spindle and values.get("M") != 5)
-        feed = values.get("F", feed / (program.scale or 1.0)) * (program.scale or 1.0)
         if "G64" in line:
             program.blending = (values["P"] + values["Q"]) * program.scale
         if not values.keys() & {"X", "Y", "Z"}:
@@ -95,8 +89,6 @@ def run(path: Path) -> Program:
                 before["Z"],
                 at["Z"],
                 centre if code > 1 else 0j,
-                feed,
-                spindle,
             )
         )
     return program

@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 from ezdxf.entities.lwpolyline import LWPolyline
 
+from camgeo.units import MM_PER
 from tests.end_to_end.built import CHORDS, Built, paired
 from tests.end_to_end.features import DENSE, Exact
 from tests.measuring import DensePath, Outline
-
-UNITS = {"mm": (4, 1, 1.0), "inch": (1, 0, 25.4)}
-"""$INSUNITS, $MEASUREMENT and millimetres of a unit."""
 
 POINTS = 10_000
 
@@ -25,7 +23,7 @@ ROUNDING = 1e-9
 
 def _outlines(built: Built, layer: str) -> list[Outline]:
     """Closed polylines of `layer` in mm, largest first."""
-    scale = UNITS[built.design.scene.unit][2]
+    scale = MM_PER[built.design.scene.unit]
     found = []
     for entity in built.drawing.modelspace().query(f'*[layer=="{layer}"]'):
         assert isinstance(entity, LWPolyline)
@@ -47,7 +45,7 @@ def _turns(outline: Outline) -> np.ndarray:
 
 def _layers(built: Built) -> dict[str, list[Exact]]:
     """The layers of the part, of what is cut through, sunk or raised, with what is on each."""
-    scale = UNITS[built.design.scene.unit][2]
+    scale = MM_PER[built.design.scene.unit]
     found: dict[str, list[Exact]] = {}
     for span in built.spans:
         found.setdefault(span.layer.format(span.away / scale), []).append(span.exact)
@@ -96,7 +94,7 @@ def test_pitch_curve_and_base_circle(built: Built) -> None:
         points = built.pitch.dense(DENSE)
         assert np.max(pitch.distances(points[::3])) <= built.tolerance
         assert np.max(DensePath(points).distances(pitch.dense(POINTS))) <= built.tolerance + CHORDS
-    scale = UNITS[built.design.scene.unit][2]
+    scale = MM_PER[built.design.scene.unit]
     (circle,) = built.drawing.modelspace().query("CIRCLE")
     assert circle.dxf.radius * scale == pytest.approx(
         built.design.cam.follower.base_radius, rel=1e-15

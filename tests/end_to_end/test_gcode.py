@@ -11,7 +11,7 @@ import shapely
 from camgeo.milling.cut import ContourCut
 from camgeo.milling.milling import Tool
 from tests.end_to_end.built import CHORDS, Built
-from tests.end_to_end.exact import TURN, Flank
+from tests.end_to_end.exact import TURN
 from tests.end_to_end.features import DENSE
 from tests.end_to_end.program import Move, Program, outline, run
 from tests.measuring import DensePath, polygon
@@ -20,9 +20,6 @@ POINTS = 10_000
 
 GAP = 1e-12
 """Printed end points are the same numbers; a closed loop closes exactly [mm]."""
-
-STEP = {"mm": 1e-4, "inch": 2.54e-4}
-"""The last decimal of a program [mm]."""
 
 
 @pytest.fixture(scope="module")
@@ -60,16 +57,10 @@ def _exact_paths(built: Built, program: Program) -> dict[str, np.ndarray]:
             assert built.spec.bore is not None
             radius = built.spec.bore / 2.0 - away
             found[name] = radius * np.exp(1j * np.linspace(0.0, TURN, DENSE, endpoint=False))
-        else:
-            found[name] = _flank_path(built, wall, away).dense(DENSE)
+            continue
+        inner = wall == "inner flank" or (wall == "outline" and built.design.cam.contact == "inner")
+        found[name] = built.flank(*(("inner", away) if inner else ("outer", -away))).dense(DENSE)
     return found
-
-
-def _flank_path(built: Built, wall: str, away: float) -> Flank:
-    """The path of a cutter's centre along a flank."""
-    if wall == "inner flank" or (wall == "outline" and built.design.cam.contact == "inner"):
-        return built.flank("inner", away)
-    return built.flank("outer", -away)
 
 
 def _depth(built: Built, operation: str) -> float:
