@@ -18,7 +18,7 @@ from camgeo.design.design import Design
 from camgeo.errors import SceneError
 from camgeo.scene.scene import Scene
 from tests.end_to_end.independent import ACCURACY, Model
-from tests.end_to_end.random_mechanisms import Drawn, Values, drawn
+from tests.end_to_end.random_mechanisms import Values, drawn
 from tests.findings import known
 
 COUNT: Final = int(os.environ.get("CAMGEO_RANDOM_SCENES", "10"))
@@ -34,9 +34,9 @@ def findings_of(values: Values) -> tuple[Finding, ...]:
     return Design(Scene(values)).findings
 
 
-def contradicted(found: tuple[Finding, ...], scene: Drawn) -> list[str]:
+def contradicted(found: tuple[Finding, ...], values: Values) -> list[str]:
     """What the findings of a scene say against the model."""
-    model = Model(scene.values)
+    model = Model(values)
     by_name = {finding.name: finding for finding in found}
     none = [finding for finding in found if finding.severity in NO_OUTLINE]
     wrong = []
@@ -104,32 +104,32 @@ def _of_flanks(model: Model, by_name: By, none: list[Finding]) -> list[str]:
 
 @pytest.mark.parametrize("number", range(0, STRIDE * COUNT, STRIDE))
 def test_no_verdict_is_contradicted(number: int) -> None:
-    scene = drawn(number)
+    values = drawn(number)
     try:
-        wrong = contradicted(findings_of(scene.values), scene)
+        wrong = contradicted(findings_of(values), values)
     except SceneError as error:
-        closes = Model(scene.values).spare > 1e-3
+        closes = Model(values).spare > 1e-3
         wrong = [str(error)] if closes and "does not close" in str(error) else []
     assert wrong == []
 
 
 def test_a_wrong_angle_and_an_undercut_that_is_not_seen_are_contradicted() -> None:
-    scene = drawn(122)
-    found = findings_of(scene.values)
-    assert not contradicted(found, scene)
+    values = drawn(122)
+    found = findings_of(values)
+    assert not contradicted(found, values)
     for key, complaint in (("arm", "transmission angle"), ("roller_radius", "roller reaches")):
         factor = {"arm": 0.95, "roller_radius": 4.5}[key]
-        follower = scene.values["follower"]
-        other = {**scene.values, "follower": {**follower, key: factor * follower[key]}}
-        wrong = contradicted(found, Drawn(other, None))
+        follower = values["follower"]
+        other = {**values, "follower": {**follower, key: factor * follower[key]}}
+        wrong = contradicted(found, other)
         assert any(complaint in each for each in wrong)
 
 
 def test_a_passed_dead_centre_that_is_not_seen_is_contradicted() -> None:
-    scene = drawn(1)
-    assert Model(scene.values).leverage < 0.0
-    found = findings_of(scene.values)
+    values = drawn(1)
+    assert Model(values).leverage < 0.0
+    found = findings_of(values)
     seen = tuple(each for each in found if each.name != "linkage-transmission-angle")
     assert len(seen) < len(found)
-    assert not contradicted(found, scene)
-    assert any("dead centre" in each for each in contradicted(seen, scene))
+    assert not contradicted(found, values)
+    assert any("dead centre" in each for each in contradicted(seen, values))
