@@ -25,6 +25,7 @@ KEPT: Final = {
     check refused/global_undercut.toml
     check milling/moved_clamps.toml
     check milling/moved_clamps.toml --json
+    check found/dead_centre.toml --json
     """,
     "explain": """
     explain scenes/conjugate_lever.toml

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import functools
 import pathlib
+from typing import Any
 
+from camgeo.app.designing.children import Job
 from camgeo.design.design import Design
 from camgeo.scene.scene import load_scene
 from camgeo.scene.toml import TEMPLATES
@@ -41,3 +43,8 @@ CHOSEN = [file for file in FILES if LONG or name_of(file) in KINDS]
 def design(file: pathlib.Path) -> Design:
     """The design of a file, made once."""
     return Design(load_scene(file))
+
+
+def job(kind: str, file: pathlib.Path, **arguments: Any) -> Job:
+    """A job on the scene of a file."""
+    return Job(kind, file.read_text("utf-8"), str(file), str(file.parent), arguments)

@@ -182,7 +182,8 @@ def sources(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folders = {}
     for name, formats in (("setzhub", FORMATS), ("vorschub", ("dxf",))):
         folders[name] = tmp_path_factory.mktemp(name)
-        path = shutil.copy(FOLDER / f"{name}.toml", folders[name] / "scene.toml")
+        path = folders[name] / "scene.toml"
+        shutil.copy(FOLDER / f"{name}.toml", path)
         words = ["build", str(path), "-o", str(path.parent), "--only", ",".join(formats)]
         assert main([*words, "--tolerance", repr(TOLERANCE)]) == 0
     return folders
