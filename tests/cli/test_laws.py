@@ -26,18 +26,6 @@ def records(call: list[str], capsys: Capture) -> dict[str, dict[str, Any]]:
     return {record["law"]: record for record in json.loads(capsys.readouterr().out)["laws"]}
 
 
-def printed(call: list[str], capsys: Capture) -> str:
-    assert main(["laws", *call]) == 0
-    captured = capsys.readouterr()
-    assert captured.err == ""
-    return captured.out
-
-
-def row(out: str, name: str) -> list[str]:
-    """The cells of a law in the first table."""
-    return next(line for line in out.splitlines() if line.startswith(name + " ")).split()
-
-
 # What is compared ---------------------------------------------------------------------------------
 
 
@@ -54,7 +42,17 @@ def test_no_number_is_infinite_or_nan(task: str, capsys: Capture) -> None:
             assert not missing or record["shock_places"] or record["jerk_places"]
 
 
-# The table ----------------------------------------------------------------------------------------
+@pytest.mark.parametrize("name", ["modified-sine", "polynomial-5", "polynomial-7"])
+@pytest.mark.parametrize("v0", [-0.5, 0.5, 6.0])
+@pytest.mark.parametrize("v1", [-0.5, 0.5, 6.0])
+def test_overshoot_and_running_back_as_sampled(name: str, v0: float, v1: float) -> None:
+    """Leaving with a negative velocity, and fast ends that take the move past its goal."""
+    (found,) = compare("G-G", {"v0": v0, "v1": v1}, [name])
+    assert found.law is not None
+    f, f1, *_ = found.law(np.linspace(0.0, 1.0, 10_001))
+    # Rounding of f: some units in the last place of 1.
+    outside = bool(f.min() < -1e-14 or f.max() > 1.0 + 1e-14)
+    assert (found.overshoots, found.runs_back) == (outside, bool(f1.min() < 0.0))
 
 
 # Physical values ----------------------------------------------------------------------------------

@@ -27,9 +27,6 @@ def name_of(file: pathlib.Path) -> str:
     return f"{file.parent.name}-{file.stem}"
 
 
-NAMES = [name_of(path) for path in FILES]
-
-
 KINDS = frozenset(
     ["scenes-inch", "scenes-groove", "scenes-conjugate_lever", "scenes-crank_slider",
      "scenes-flat_rocker", "scenes-points", "scenes-measured", "scenes-hub_and_holes",
