@@ -88,6 +88,3 @@ def test_every_law_is_drawn_from_its_start_to_its_end(task: str) -> None:
 
 def lines_in(panel: Panel) -> list[Line]:
     return [mark for mark in panel.marks if isinstance(mark, Line)]
-
-
-# Wrong calls --------------------------------------------------------------------------------------

@@ -91,6 +91,7 @@ WRONG = {
     f"replay {PLATE} -o a.txt": "must end in one of",
     f"replay {PLATE} outline.step": "the name must end in one of .csv, .dxf",
     f"replay {PLATE} none.csv": "cannot be read",
+    f"replay {PLATE} found/drawings/shaft2.dxf --unit inch": "which is not inch",
     f"replay {PLATE} a.dxf b.dxf": "one file at most, because the scene has one disc",
     "replay scenes/conjugate_lever.toml a.dxf b.dxf c.dxf": "two files at most, one of each disc",
     f"size {PLATE} --transmission-angle 0": "transmission_angle = 0: must be above 0",
