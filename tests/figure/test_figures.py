@@ -324,7 +324,9 @@ CALLS = """
     plot refused/global_undercut.toml cam -o {}/undercut.svg
     plot scenes/inch.toml cams -o {}/none.svg
     size scenes/tappet.toml -o {}/size.svg
+    size scenes/inch.toml -o {}/size-roller.svg
     laws --task U-U --curved 0.5 -o {}/laws.svg
+    laws --task U-U --a0 6 --a1 -5 -o {}/laws-left-out.svg
     slotted-lever --frame 50 --crank 80 --speed 90 -o {}/slotted-lever.svg
     replay scenes/cut_lobe.toml --step 5 -o {}/replay.svg
     probe scenes/inch.toml --step 10 -o {}/points.csv
