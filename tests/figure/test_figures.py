@@ -319,6 +319,7 @@ def test_a_plot_of_another_distribution(monkeypatch: pytest.MonkeyPatch) -> None
 CALLS = """
     plot milling/moved_clamps.toml backplot -o {}/backplot.svg
     plot scenes/groove.toml cam mechanism -o {}/groove.svg
+    plot scenes/trimmed_ring.toml cam -o {}/ring.svg
     plot effects/yoke.toml mechanism -o {}/yoke.svg
     plot scenes/points.toml motion -o {}/points.svg
     plot refused/global_undercut.toml cam -o {}/undercut.svg
