@@ -74,7 +74,7 @@ def test_tests_go_with_their_module(request: pytest.FixtureRequest) -> None:
 
 def test_tests_of_a_scene_that_is_built_go_together() -> None:
     assert "setzhub" in DEALT
-    for test in ("test_dxf.py::test_document[setzhub]", "test_targets.py::test_a[setzhub-arcs]",
+    for test in ("test_dxf.py::test_cut_layer[setzhub]", "test_solids.py::test_a[setzhub-stl]",
                  "test_conjugate.py::test_a[csv-setzhub]"):  # fmt: skip
         assert group_of(f"tests/end_to_end/{test}") == "scene setzhub"
     assert group_of("tests/end_to_end/test_verify.py::test_a[alone-dxf: scaled]") == (

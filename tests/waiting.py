@@ -11,6 +11,7 @@ import subprocess
 import threading
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Final, TypeVar
 
 PATIENCE: Final = 600.0
@@ -65,3 +66,12 @@ def ended(process: subprocess.Popen[str] | subprocess.Popen[bytes]) -> int:
         process.kill()
         process.wait()
         raise AssertionError(f"process {process.pid}: does not end") from None
+
+
+def alive(process: int) -> bool:
+    """Whether a process runs, as far as /proc tells; one that waits for its parent has ended."""
+    try:
+        state = Path(f"/proc/{process}/stat").read_text("ascii").rpartition(")")[2].split()[0]
+    except OSError:
+        return False
+    return state != "Z"

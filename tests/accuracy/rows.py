@@ -3,9 +3,18 @@
 from __future__ import annotations
 
 from camgeo.geometry.contour.contour import Effort, Form
-from camgeo.studies.accuracy.contours import ContourRow, Count, FileCost
+from camgeo.studies.accuracy.contours import ContourRow, Count, EffectRow, FileCost
 
-DECIMALS = 4
+EFFECTS = (
+    EffectRow("vibration", 1e-2, 0.0123, 3.2e-3, 4.44e-4, figure="vibration deflection"),
+    EffectRow("vibration", 1e-4, 0.5, 1.2e-5, None),
+    EffectRow("balance", 1e-2, fault="there is no disc"),
+)
+
+ROUNDED = (
+    EffectRow("drive-torque", 1e-2, 0.0222, 3.3e-15, 0.0, rounded=True),
+    EffectRow("lift-off", 1e-2, 0.5, None, 0.0, rounded=True),
+)
 
 
 def count(pieces: int, tolerance: float = 1e-3) -> Count:

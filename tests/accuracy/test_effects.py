@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable
 from copy import copy
@@ -14,13 +13,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.app.cli.main import parser
 from camgeo.check.finding import Finding
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.effect import Bound, Column, Effect, Request, Result
 from camgeo.dynamics.effects.graph import Effects
 from camgeo.errors import EffectError, GeometryError
 from camgeo.pictures.accuracy import figure
+from camgeo.pictures.model import Figure
 from camgeo.studies.accuracy import survey as surveys
 from camgeo.studies.accuracy.contours import EffectRow
 from camgeo.studies.accuracy.survey import (
@@ -31,13 +30,11 @@ from camgeo.studies.accuracy.survey import (
     effect_rows,
     figures_of,
 )
-from camgeo_export.plots import render
 from tests import kept
+from tests.accuracy.rows import EFFECTS
 from tests.effects.fakes import fake
-from tests.effects.scenes import SCENES, design
+from tests.effects.scenes import design
 from tests.findings import known
-
-Capture = pytest.CaptureFixture[str]
 
 BENT = 3.0
 """Error of the effects made up here, in tolerances of their largest magnitude."""
@@ -280,42 +277,6 @@ def test_all_findings_and_columns_are_figures() -> None:
 # In the survey ------------------------------------------------------------------------------------
 
 
-ROWS = (
-    EffectRow("vibration", 1e-2, 0.0123, 3.2e-3, 4.44e-4, figure="vibration deflection"),
-    EffectRow("vibration", 1e-4, 0.5, 1.2e-5, None),
-    EffectRow("balance", 1e-2, fault="there is no disc"),
-)
-
-ROUNDED = (
-    EffectRow("drive-torque", 1e-2, 0.0222, 3.3e-15, 0.0, rounded=True),
-    EffectRow("lift-off", 1e-2, 0.5, None, 0.0, rounded=True),
-)
-
-
-def survey_of(effects: tuple[EffectRow, ...], rounded: tuple[EffectRow, ...] = ()) -> Survey:
-    return Survey((), (), (), None, effects, rounded)
-
-
-Found = list[tuple[EffectRow, ...]]
-
-
-@pytest.fixture
-def found(monkeypatch: pytest.MonkeyPatch) -> Found:
-    """Rows that the survey finds, in a test in which it measures nothing."""
-    rows: Found = [ROWS, ROUNDED]
-    monkeypatch.setattr(surveys, "survey", lambda *_, **__: survey_of(*rows[-2:]))
-    return rows
-
-
-def call(*words: str) -> int:
-    arguments = parser(("accuracy",)).parse_args(["accuracy", *words])
-    code: int = arguments.run(arguments)
-    return code
-
-
-SETZHUB = str(SCENES / "setzhub.toml")
-
-
 def test_the_survey_has_them(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("contour_rows", "solid_rows", "table_rows"):
         monkeypatch.setattr(surveys, name, lambda *_, **__: ())
@@ -328,91 +289,26 @@ def test_the_survey_has_them(made: Made, monkeypatch: pytest.MonkeyPatch) -> Non
     assert surveys.survey(made.named(), (1e-3,), (Decimal(5),)).effects == ()
 
 
-def test_the_table(found: Found, capsys: Capture) -> None:
-    assert call(SETZHUB, "--all") == 0
-    captured = capsys.readouterr()
-    *_, rows, sentences, _ = captured.out.split("\n\n")
-    head, first, second, third = rows.splitlines()
-    assert head.split() == [
-        "effect", "tolerance", "computed", "spread", "estimate", "off", "figure",
-    ]  # fmt: skip
-    assert first.split() == [
-        "vibration", "0.01", "0.012", "1.00", "0.0032", "0.00044", "vibration", "deflection",
-    ]  # fmt: skip
-    assert second.split() == ["vibration", "0.0001", "0.5", "1.00", "1.2e-05", "-", "-"]
-    assert third.split() == ["balance", "0.01", *["-"] * 5, "there", "is", "no", "disc"]
-    assert sentences.splitlines() == [
-        "drive-torque: rounding at any tolerance (estimate 3.3e-15, off 0), computed in 0.022 s",
-        "lift-off: rounding at any tolerance (it is exact, off 0), computed in 0.5 s",
-    ]
-    assert captured.out.splitlines()[-1].startswith("advice: ")
-    assert (
-        "\neffects: tolerance, estimate and off are shares of the scale of a figure" in captured.out
-    )
-
-
-def test_json_has_the_same(found: Found, capsys: Capture) -> None:
-    assert call(SETZHUB, "--json") == 0
-    document: dict[str, Any] = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
-    assert document["effects"] == [
-        {
-            "effect": "vibration", "tolerance": 0.01, "spread": 1.0, "seconds": 0.0123,
-            "error": 3.2e-3,
-            "difference": 4.44e-4, "figure": "vibration deflection", "fault": "",
-        },
-        {
-            "effect": "vibration", "tolerance": 1e-4, "spread": 1.0, "seconds": 0.5,
-            "error": 1.2e-5,
-            "difference": None, "figure": "", "fault": "",
-        },
-        {
-            "effect": "balance", "tolerance": 0.01, "spread": 1.0, "seconds": None, "error": None,
-            "difference": None, "figure": "", "fault": "there is no disc",
-        },
-    ]  # fmt: skip
-    assert document["effects_at_rounding"] == [
-        {
-            "effect": "drive-torque",
-            "spread": 1.0,
-            "seconds": 0.0222,
-            "error": 3.3e-15,
-            "difference": 0.0,
-        },
-        {"effect": "lift-off", "spread": 1.0, "seconds": 0.5, "error": None, "difference": 0.0},
-    ]
-
-
-def test_without_effects_nothing_is_said_of_them(found: Found, capsys: Capture) -> None:
-    found += [(), ()]
-    call(SETZHUB, "--all")
-    assert "effect" not in capsys.readouterr().out
-    call(SETZHUB, "--json")
-    assert json.loads(capsys.readouterr().out)["effects"] == []
-
-
 # The picture --------------------------------------------------------------------------------------
 
 
-def drawn(rows: tuple[EffectRow, ...], *, computing: bool = True) -> str:
-    """Every mark of the figure."""
-    return kept.marks(figure(survey_of(rows), title="made up", computing=computing))
+def pictured(rows: tuple[EffectRow, ...], *, computing: bool = True) -> Figure:
+    survey = Survey((), (), (), None, rows)
+    return figure(survey, title="made up", computing=computing)
 
 
-def test_the_picture_has_a_panel_more() -> None:
-    without, found = (figure(survey_of(rows), title="made up") for rows in ((), ROWS))
+def test_the_picture_has_a_panel_more_if_there_are_seconds() -> None:
+    without, found = pictured(()), pictured(EFFECTS)
     assert len(found.panels) == len(without.panels) + 1
     assert found.size[1] > without.size[1] + 2.5
-    slower = (replace(ROWS[0], seconds=0.3), *ROWS[1:])
-    assert drawn(slower) != drawn(ROWS)
-
-
-def test_without_seconds_there_is_no_panel() -> None:
-    assert drawn(ROWS[2:]) == drawn(())
-    assert drawn(ROWS, computing=False) == drawn((), computing=False)
-
-
-def test_a_single_row_is_drawn() -> None:
-    assert render(figure(survey_of(ROWS[:1]), title=""), ".png").startswith(b"\x89PNG")
+    slower = (replace(EFFECTS[0], seconds=0.3), *EFFECTS[1:])
+    assert kept.marks(pictured(slower)) != kept.marks(found)
+    for figures in (
+        (pictured(EFFECTS[2:]), without),
+        (pictured(EFFECTS, computing=False), pictured((), computing=False)),
+    ):
+        one, other = map(kept.marks, figures)
+        assert one == other
 
 
 def test_tolerances_of_a_scene_are_left_alone(made: Made, tmp_path: Path) -> None:

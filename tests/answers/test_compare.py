@@ -6,7 +6,7 @@ import pytest
 
 from camgeo.app.answers.answer import figure, text
 from camgeo.app.answers.check import check
-from camgeo.app.answers.compare import Compare, compare
+from camgeo.app.answers.compare import Compare, compare, labels_of
 from camgeo.design.design import Design
 from camgeo.errors import UnknownNameError
 from camgeo.scene.scene import load_scene
@@ -68,3 +68,8 @@ def test_a_scene_without_follower_is_compared_too() -> None:
     answer = compare([("a", Design(bare)), ("b", Design(SETZHUB))])
     document(answer)
     assert len(figure(answer).panels) == 4
+
+
+def test_labels_tell_designs_apart() -> None:
+    assert labels_of(["a/x.toml", "b/y.toml"]) == ["x", "y"]
+    assert labels_of(["a/x.toml", "b/x.toml"]) == ["a/x.toml", "b/x.toml"]

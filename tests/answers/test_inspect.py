@@ -150,17 +150,3 @@ def test_the_name_of_a_file_tells_flank_and_disc(tmp_path: Path) -> None:
             found = inspect(design, path)
             assert (found.disc.name, found.flank) == (flank.disc.name, flank.flank)
             assert found.deviations.profile < 1e-12
-
-
-def test_points_of_probe_come_back_in_inches_and_as_centres(tmp_path: Path) -> None:
-    inch = Design(load_scene(FOLDER / "inch.toml"))
-    path = tmp_path / "p.csv"
-    path.write_text(table(probe(inch, ball=1.5)).csv())
-    found = inspect(inch, path)
-    assert found.deviations.profile < 1e-12
-    assert table(found).names[1] == "x [inch]"
-    columns = table(probe(inch, ball=1.5)).columns
-    rows = np.column_stack((columns["ball x [inch]"], columns["ball y [inch]"]))
-    path.write_text("".join(f"{x!r};{y!r}\n".replace(".", ",") for x, y in rows.tolist()))
-    assert inspect(inch, path, ball=1.5).deviations.profile < 1e-12
-    assert inspect(inch, path, ball=1.5, unit="mm").deviations.profile > 1.0

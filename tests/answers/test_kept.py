@@ -25,6 +25,7 @@ KEPT: Final = {
     check refused/global_undercut.toml
     check milling/moved_clamps.toml
     check milling/moved_clamps.toml --json
+    check found/dead_centre.toml --json
     """,
     "explain": """
     explain scenes/conjugate_lever.toml
@@ -86,6 +87,7 @@ KEPT: Final = {
     "laws": """
     laws
     laws --task all --json
+    laws --task all --law cycloidal modified-sine
     laws --places
     laws --task R-U --inflection 0.4
     laws --task U-U --curved 0.5

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import camgeo
-from camgeo.app.answers.inspect import inspect
 from camgeo.app.answers.replay import ARCS, FollowerReplay, Reading, replay
 from camgeo.app.cli.main import main
 from camgeo.design.design import Design
@@ -139,19 +138,3 @@ def test_splines_where_the_roller_does_not_fit_are_followed_by_arcs(tmp_path: Pa
     lowest = math.sqrt(centre**2 - 12.0**2) - math.sqrt(50.0**2 - 12.0**2)
     lift = disc.replay.lift.at(np.radians(np.arange(0.0, 360.0, 0.01)))
     assert lift.min() == pytest.approx(lowest, abs=2e-3)
-
-
-@pytest.mark.parametrize("separator", [";", " ", "\t"])
-def test_a_table_of_measured_points_is_a_contour_too(separator: str, tmp_path: Path) -> None:
-    """`inspect` and `replay` read one file; it has the points of the exact flank."""
-    design = camgeo.load(PLATE)
-    flank = design.cam.disc.outline(Flank.INNER).path.stretches[0].curve
-    points = flank.point(np.linspace(0.0, 2.0 * np.pi, 1440, endpoint=False)) / 25.4
-    file = tmp_path / "measured.csv"
-    rows = [
-        f"{z.real!r}{separator}{z.imag!r}{separator}0,0".replace(".", ",") for z in points.tolist()
-    ]
-    file.write_text("\n".join([separator.join(("X [in]", "Y [in]", "Z [in]")), *rows]))
-    assert abs(inspect(design, file).deviations.profile) <= 1e-9
-    (disc,) = replay(design, [file], step=Decimal(1)).discs
-    assert abs(disc.lift_error.value) <= 1e-2

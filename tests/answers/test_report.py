@@ -92,22 +92,6 @@ def test_a_sentence_names_the_first_curves_and_how_many_more() -> None:
     assert told.endswith("; 2 more in the table.")
 
 
-def test_every_position_is_that_of_the_mechanism() -> None:
-    found = of("scenes/four_bar")
-    turn = found.animation
-    assert turn is not None
-    pictured = Design(found.scene).disc.pictured
-    count = len(turn.places)
-    for k in (0, count // 3, count - 1):
-        sketch = pictured.mechanism_sketch(TURN * k / count)
-        points = turn.places[k] @ np.array([1.0, 1.0j])
-        first = [point for link in sketch.links for point in link]
-        assert points[: len(first)] == pytest.approx(first)
-        rollers = [centre for centre, _ in sketch.rollers]
-        assert points[len(first) : len(first) + len(rollers)] == pytest.approx(rollers)
-        assert points[-len(sketch.joints) :] == pytest.approx(list(sketch.joints))
-
-
 def test_a_cure_that_works_is_the_next_step_for_undercut() -> None:
     found = of("refused/undercut_tappet")
     assert any(cure.works for cure in found.check.cures)

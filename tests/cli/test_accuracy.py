@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from decimal import Decimal
 from pathlib import Path
@@ -19,7 +20,7 @@ from camgeo.studies.accuracy.survey import BillRow, Survey
 from camgeo.units import RPM
 from camgeo_export.plots import render
 from tests import kept
-from tests.accuracy.rows import file, missing, row
+from tests.accuracy.rows import EFFECTS, ROUNDED, file, missing, row
 from tests.answers.documents import validator
 from tests.cli.calling import SCENES, Called, called, changed
 
@@ -73,67 +74,36 @@ def call(*words: object) -> Called:
     return called("accuracy", *words)
 
 
-def test_the_tables(found: list[dict[str, Any]]) -> None:
-    said = call(SETZHUB, "--ripple", "--all")
-    assert (said.code, said.err) == (0, "")
-    blocks = said.out.split("\n\n")
-    head, *rows = blocks[1].splitlines()
-    assert head.split("  ")[0] == "contour"
-    assert len(rows) == 7
-    assert rows[2].split() == [
-        "arcs", "fewest", "0.01", "1,200", "1.111", "0.0098", "23,456", "500", "0.01", "0.005",
-        "0.1", "0.05", "1.00", "47.9", "-", "22.1", "%",
-    ]  # fmt: skip
-    assert rows[-1].split() == [
-        "spline",
-        "fewest",
-        "0.0001",
-        *["-"] * 13,
-        "cannot",
-        "be",
-        "reached",
-    ]
-    assert blocks[2].splitlines()[1].split()[:5] == ["stl", "0.01", "904", "0.0001", "45,284"]
-    assert blocks[2].splitlines()[2].endswith("-  the numbers are too coarse")
-    assert blocks[3].splitlines()[1].split() == [
-        "0.5", "720", "249,114", "0.013", "1.00", "0.0017",
-    ]  # fmt: skip
-    assert blocks[3].splitlines()[0].endswith("error [mm]")
-    last = said.out.splitlines()[-1]
-    assert last.startswith("advice: arcs (fewest) within 0.001 mm: 2,400 pieces, ")
+def test_what_is_said_is_as_kept(
+    found: list[dict[str, Any]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Tables and documents, with effects and benefits; seconds and ripple are of `made_up`."""
+    whole = replace(made_up(), effects=EFFECTS, rounded=ROUNDED)
+    fault = replace(at_speed()[2], fault="cannot be reached", acceleration=None, lift_off=math.inf)
+    heard = replace(at_speed()[0], octaves=(20.0, 30.0, 10.0), octave_error=1e-9, strongest=3)
+    rows = (heard, at_speed()[1], fault, replace(at_speed()[1], form="spline"))
+    monkeypatch.setattr("camgeo.app.answers.accuracy.benefit_rows", lambda *_, **__: rows)
 
+    def parts() -> Iterator[tuple[str, str]]:
+        for survey, words in (
+            (made_up(), ("--ripple",)),
+            (made_up(), ("--json",)),
+            (whole, ("--ripple", "--all")),
+            (whole, ("--speed", "600", "--all")),
+            (whole, ("--speed", "600", "--json")),
+        ):
+            monkeypatch.setattr(surveys, "survey", lambda *_, survey=survey, **__: survey)
+            said = call(SETZHUB, *words)
+            assert (said.code, said.err) == (0, "")
+            if "--json" in words:
+                validator("camgeo.app.answers.accuracy").validate(said.document)
+            text = kept.document(said.document) if "--json" in words else said.out
+            yield f"{len(survey.effects)} effects: {' '.join(words)}", text
 
-def test_the_rows_that_a_designer_reads(found: list[dict[str, Any]]) -> None:
-    """Of the scene's own form and fit, and the step in words; seconds and ripple of `made_up`."""
-    title, rows, notes = call(SETZHUB, "--ripple").out.split("\n\n")
-    assert found[-1]["complete"] is False
-    assert title == "setzhub: what accuracy costs, in mm, bytes and seconds"
-    head, *cells = rows.splitlines()
-    heads = ["tolerance", "pieces", "bytes", "seconds", "spread", "machining"]
-    assert head.split() == [*heads, "acceleration", "off"]
-    assert [each.split() for each in cells] == [
-        ["0.01", "1,200", "23,456", "0.15", "1.00", "47.9", "22.1", "%"],
-        ["0.001", "2,400", "23,456", "0.15", "1.00", "47.9", "10.5", "%"],
-    ]
-    assert notes.splitlines()[-2] == (
-        "from 0.01 mm to 0.001 mm costs 1,200 pieces, no time and 0 kB, machining the same, and"
-        " buys 12 % of the acceleration"
-    )
-    assert notes.splitlines()[-1].startswith("advice: arcs (fewest) within 0.001 mm")
-
-
-def test_json_has_the_same(found: list[dict[str, Any]]) -> None:
-    document = call(SETZHUB, "--json").document
-    validator("camgeo.app.answers.accuracy").validate(document)
-    arcs, last = document["contours"][2], document["contours"][-1]
-    assert (arcs["count"]["pieces"], arcs["decimals"]) == (1200, 4)
-    assert (last["count"], last["fault"]) == (None, "cannot be reached")
-    assert document["solids"][1]["file"] is None
-    assert document["knee"] == {
-        "contour": "arcs", "fit": "fewest", "tolerance_mm": 0.001, "end": "range",
-    }  # fmt: skip
-    assert document["advice"].startswith("arcs (fewest) within 0.001 mm")
-    assert found[-1]["complete"] is True
+    call(SETZHUB)
+    call(SETZHUB, "--all")
+    assert [asked["complete"] for asked in found] == [False, True]
+    kept.compare("cli/accuracy.txt", parts())
 
 
 @pytest.mark.usefixtures("found")
@@ -231,31 +201,6 @@ def test_the_knee_is_marked_with_its_reason() -> None:
             assert rule.at == tolerance
         (reason,) = (mark.text for mark in panels[0].marks if isinstance(mark, Text))
         assert reason.replace("\n", " ").startswith(begin)
-
-
-@pytest.mark.usefixtures("found")
-def test_what_is_bought_is_in_text_and_json(monkeypatch: pytest.MonkeyPatch) -> None:
-    fault = replace(at_speed()[2], fault="cannot be reached", acceleration=None, lift_off=math.inf)
-    heard = replace(at_speed()[0], octaves=(20.0, 30.0, 10.0), octave_error=1e-9, strongest=3)
-    splines = replace(at_speed()[1], form="spline")
-    rows = (heard, at_speed()[1], fault, splines)
-    monkeypatch.setattr("camgeo.app.answers.accuracy.benefit_rows", lambda *_, **__: rows)
-    lines = call(SETZHUB, "--speed", "600", "--all").out.splitlines()
-    start = next(number for number, line in enumerate(lines) if line.startswith("written  "))
-    cells = ["arcs", "0.01", "50", "50", "%", "16", "1", "716", "2-3", "30"]
-    assert lines[start + 1].split() == cells
-    assert lines[start + 3].endswith("cannot be reached")
-    assert lines[-2].startswith("at 600 rev/min: arcs within 0.001 mm")
-    assert lines[-1].startswith("at 600 rev/min: spline within 0.001 mm")
-    document = call(SETZHUB, "--speed", "600", "--json").document
-    first, _, last, _ = document["benefits"]
-    assert (first["octaves"], first["strongest_harmonic"]) == ([20.0, 30.0, 10.0], 3)
-    assert first["speed_rpm"] == pytest.approx(600.0)
-    assert (first["acceleration"], first["ripple"], first["force_N"]) == (50.0, 0.5, 16.0)
-    assert first["lift_off_rpm"] == pytest.approx(75.0 / RPM)
-    assert (last["acceleration"], last["lift_off_rpm"]) == (None, None)
-    assert last["fault"] == "cannot be reached"
-    assert [each[16:27] for each in document["enough"]] == ["arcs within", "spline with"]
 
 
 def test_without_computing_no_second_of_this_machine_is_drawn() -> None:

@@ -17,7 +17,7 @@ from camgeo.app.cli.command import CLEARED, Progress, clear
 from camgeo.app.cli.main import COMMANDS
 from camgeo.design import writing
 from camgeo.scene.toml import TEMPLATE_KINDS
-from tests.cli.calling import SCENES, called, changed
+from tests.cli.calling import SCENES, called
 from tests.waiting import until
 
 SETZHUB = SCENES / "setzhub.toml"
@@ -63,33 +63,6 @@ def test_version_and_module() -> None:
         [sys.executable, "-m", "camgeo", "--version"], capture_output=True, text=True, check=True
     )
     assert run.stdout == f"camgeo {camgeo.__version__}\n"
-
-
-def test_check_of_a_broken_limit_is_1(tmp_path: Path) -> None:
-    strict = ("transmission_angle = 41", "transmission_angle = 45")
-    scene = changed(SETZHUB, tmp_path / "strict.toml", strict)
-    found = called("check", scene)
-    assert found.code == 1
-    (line,) = [line for line in found.out.splitlines() if "BROKEN" in line]
-    # 41.2 degrees is the least transmission angle of the thesis's own cam.
-    assert all(each in line for each in ("transmission-angle", "41.2", "45"))
-    # A broken limit is reported, but the files are the designer's decision.
-    built = called("build", scene, "-o", tmp_path / "out", "--only", "csv")
-    assert built.code == 1
-    assert "BROKEN" in built.err
-    assert (tmp_path / "out" / "setzhub.csv").exists()
-
-
-def test_build_reports_what_it_wrote(tmp_path: Path) -> None:
-    call = ("build", SETZHUB, "-o", tmp_path, "--only", "dxf,csv", "--tolerance")
-    found = called(*call, "0.01")
-    assert (found.code, found.err) == (0, "")  # not a terminal: no progress
-    # The same again needs no force, another tolerance does.
-    assert called(*call, "0.01").code == 0
-    other = called(*call, "0.02")
-    assert other.code == 2
-    assert "--force" in other.err
-    assert called(*call, "0.02", "--force").code == 0
 
 
 WHOLE: Final = frozenset((TEMPLATE_KINDS[0], "groove", "conjugate-lever", "milled"))

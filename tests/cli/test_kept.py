@@ -23,6 +23,8 @@ WRITTEN = """
     probe scenes/groove.toml --step 30 --ball 1 --tolerance 0.1 -o {}/probe.csv --lift {}/lift.csv
     inspect scenes/groove.toml {}/probe-outer.csv --ball 1 -o {}/inspect.csv
     inspect scenes/groove.toml {}/probe-inner.csv --flank inner --align rotation --json
+    probe scenes/inch.toml --step 5 --ball 1.5 -o {}/probe-inch.csv
+    inspect scenes/inch.toml {}/probe-inch.csv --ball 1.5 -o {}/inspect-inch.csv
     sweep scenes/inch.toml --vary follower.base_radius=1:2:3 --ask diameter,verdict \
         -o {}/sweep.csv -o {}/sweep.json
     sweep scenes/inch.toml --vary follower.base_radius=1:2:3 --ask diameter,verdict -o {}/sweep.csv

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
 import re
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 import camgeo
@@ -52,19 +50,6 @@ def test_both_flanks_of_a_groove(drawings: Path, side: str) -> None:
     assert abs(record["lift_error"]["value"]) < 2e-3
     # It is drawn by straight pieces, so it rattles.
     assert record["ripple"]["value"] > 1.0
-
-
-def test_points_from_a_table(tmp_path: Path) -> None:
-    phi = np.linspace(0.0, 2.0 * math.pi, 720, endpoint=False)
-    rows = camgeo.load(PLATE).disc.pictured.curve("inner", phi).tolist()
-    file = tmp_path / "points.csv"
-    file.write_text("x,y\n" + "".join(f"{x!r},{y!r}\n" for x, y in rows))
-    record = document(PLATE, file)
-    # The chord's sagitta, 60 mm (pi/720)^2/2 = 0.6 um, and no tolerance would cure the ripple.
-    assert abs(record["lift_error"]["value"]) < 2e-3
-    assert record["ripple"]["value"] > 5.0
-    inch = document(PLATE, file, "--unit", "inch", "--step", "5")
-    assert inch["lift_error"]["value"] > 1000.0
 
 
 @pytest.mark.parametrize(

@@ -9,14 +9,12 @@ import re
 import shutil
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import camgeo
 from camgeo.app.answers.verify import verify
 from camgeo.reading import VERIFIED
 from camgeo_export.verify.dxf import VERIFIER
-from camgeo_export.verify.stl import FACET, PREFIX
 from tests.cli.calling import SCENES, Called, called
 
 SCENE = SCENES / "vorschub.toml"
@@ -314,18 +312,3 @@ def test_an_error_of_ours_takes_away_no_verdict(
     assert code == 70
     assert "internal error (ZeroDivisionError: by zero); please report" in found["vorschub.dxf"]
     assert found["vorschub.stl"] == ""
-
-
-@pytest.mark.parametrize("value", [np.nan, np.inf, -1.0])
-@pytest.mark.parametrize("whose", ["ours", "foreign"])
-def test_wrong_normals_fail_without_a_certificate(value: float, whose: str, bare: Path) -> None:
-    path = bare / "vorschub.stl"
-    data = path.read_bytes()
-    facets = np.frombuffer(data, FACET, offset=PREFIX).copy()
-    facets["normal"][7] = -facets["normal"][7] if value == -1.0 else value
-    head = data[:PREFIX] if whose == "ours" else b"cad".ljust(80) + data[80:PREFIX]
-    path.write_bytes(head + facets.tobytes())
-    code, found = verdicts(bare)
-    assert code == 1
-    assert "that of facet 8" in found["vorschub.stl"]
-    assert found["vorschub.dxf"] == ""

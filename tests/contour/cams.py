@@ -27,7 +27,7 @@ SCENES = Path(__file__).parents[2] / "fixtures" / "scenes"
 
 FLANKS = [("setzhub", -1), ("schnitt", -1), ("plate_translating", -1), ("ring", 1)]
 """Guides and rockers, with a linkage and without, on both sides of the roller; the curves of all
-scenes are fitted by `tests.end_to_end.test_targets`."""
+scenes are fitted by `tests.end_to_end.test_tolerances`."""
 
 if LONG:
     FLANKS += [("vorschub", -1), ("querhub", -1), ("groove", 1)]

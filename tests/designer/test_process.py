@@ -10,7 +10,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Generator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -20,7 +20,7 @@ from websockets import Origin
 from websockets.sync.client import connect
 
 from tests.designer.served import Client
-from tests.waiting import PATIENCE, ended, until
+from tests.waiting import PATIENCE, alive, ended, until
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="signals, and /proc, of Linux")
 
@@ -77,16 +77,7 @@ def running(folder: Path, *words: str) -> Generator[Running]:
 
 def require_ended(numbers: list[int]) -> None:
     """Processes that end by themselves."""
-
-    def none_is_left() -> bool:
-        for number in numbers:
-            with suppress(OSError):
-                state = Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0]
-                if state != "Z":
-                    return False
-        return True
-
-    until("the end of the processes of a designer", none_is_left)
+    until("the end of the processes of a designer", lambda: not any(map(alive, numbers)))
 
 
 @pytest.fixture

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import functools
 import pathlib
+from typing import Any
 
+from camgeo.app.designing.children import Job
 from camgeo.design.design import Design
 from camgeo.scene.scene import load_scene
 from camgeo.scene.toml import TEMPLATES
@@ -25,9 +27,6 @@ def name_of(file: pathlib.Path) -> str:
     return f"{file.parent.name}-{file.stem}"
 
 
-NAMES = [name_of(path) for path in FILES]
-
-
 KINDS = frozenset(
     ["scenes-inch", "scenes-groove", "scenes-conjugate_lever", "scenes-crank_slider",
      "scenes-flat_rocker", "scenes-points", "scenes-measured", "scenes-hub_and_holes",
@@ -41,3 +40,8 @@ CHOSEN = [file for file in FILES if LONG or name_of(file) in KINDS]
 def design(file: pathlib.Path) -> Design:
     """The design of a file, made once."""
     return Design(load_scene(file))
+
+
+def job(kind: str, file: pathlib.Path, **arguments: Any) -> Job:
+    """A job on the scene of a file."""
+    return Job(kind, file.read_text("utf-8"), str(file), str(file.parent), arguments)

@@ -19,7 +19,7 @@ from camgeo.app.designing import children as frames
 from camgeo.app.designing.children import QUICK, BrokenFrame, Children, Job, JobError, Refused
 from camgeo.scene.toml import template
 from tests.long_form import examples
-from tests.waiting import PATIENCE, joined, until
+from tests.waiting import PATIENCE, alive, joined, until
 
 ROOT = Path(__file__).parents[2]
 
@@ -171,7 +171,7 @@ PARENT = """
 import os, threading
 from camgeo.app.designing.children import Children
 from camgeo.app.designing.children import Job
-from tests.waiting import PATIENCE
+from tests.waiting import PATIENCE, alive
 found = Children(work="tests.designing.bombs")
 idle = found.submit(Job("fine"), PATIENCE).data["process"]
 busy = found.submit(Job("build"), PATIENCE).data["process"]
@@ -179,14 +179,6 @@ endless = Job("build", arguments={"as": "endless"})
 threading.Thread(target=found.submit, args=(endless, PATIENCE)).start()
 print(idle, busy, found._spare.process.pid, flush=True)
 """
-
-
-def lives(process: int) -> bool:
-    try:
-        state = Path(f"/proc/{process}/stat").read_text("ascii").rpartition(")")[2].split()[0]
-    except OSError:
-        return False
-    return state != "Z"
 
 
 @pytest.mark.skipif(not PROC.exists(), reason="processes are watched where /proc lists them")
@@ -197,9 +189,9 @@ def test_children_end_with_a_parent_that_is_killed() -> None:
         assert parent.stdout is not None
         found = [int(each) for each in parent.stdout.readline().split()]
         assert len(found) == 3
-        assert all(map(lives, found))
+        assert all(map(alive, found))
         os.kill(parent.pid, signal.SIGKILL)
-    until("the end of the processes", lambda: not any(map(lives, found)))
+    until("the end of the processes", lambda: not any(map(alive, found)))
 
 
 @pytest.mark.parametrize(

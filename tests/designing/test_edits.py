@@ -46,13 +46,6 @@ def test_a_number_is_edited_and_set_back(file: pathlib.Path) -> None:
             assert there.scene.to_toml() == there.text
 
 
-def test_a_key_is_changed_in_the_text() -> None:
-    found = changed(TEXT, "", None, {"edits": {"follower.roller_radius": 8}})
-    assert found.text == TEXT.replace("roller_radius = 7.0", "roller_radius = 8")
-    assert found.label == "roller radius 8 mm"
-    assert found.scene is None
-
-
 @pytest.mark.parametrize(
     ("edits", "label"),
     [
@@ -90,15 +83,6 @@ def test_the_next_segment_gives_what_a_span_takes() -> None:
     assert [both.text.count(each) for each in ("span = 90", "span = 80", "dwell = 20")] == [1] * 3
     broken = TEXT.replace("dwell = 20", "dwell = 21")
     assert changed(broken, "", None, {"edits": {"motion[3].dwell": 20}}).text == TEXT
-
-
-def test_a_handle_is_dragged() -> None:
-    arguments = {"handle": "joint 3", "to": [187.3, 57.1], "step": 0.5}
-    found = changed(TEXT, str(SETZHUB), None, arguments, design(SETZHUB))
-    assert found.label == "segment 2 span 77.5°, segment 2 to 57 mm"
-    assert found == changed(TEXT, str(SETZHUB), None, arguments)
-    assert found.scene is not None
-    assert comments(found.text) == comments(TEXT)
 
 
 def test_a_handle_that_cannot_be_there_stays() -> None:

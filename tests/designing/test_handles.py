@@ -15,7 +15,7 @@ from camgeo.app.designing.handles import Handle, dragged, handles
 from camgeo.design.design import Design
 from camgeo.errors import CamgeoError, SceneError, UnknownNameError
 from camgeo.pictures import motion
-from tests.designing.scenes import CHOSEN, FILES, NAMES, design, name_of
+from tests.designing.scenes import CHOSEN, FILES, design, name_of
 
 SETZHUB = design(FILES[[file.stem for file in FILES].index("setzhub")])
 
@@ -90,15 +90,6 @@ def _numbers(value: Any) -> list[float]:
     return [float(each) for each in value] if isinstance(value, list) else [float(value)]
 
 
-def test_a_joint_takes_from_its_neighbours_what_it_gives() -> None:
-    _, edits = dragged(SETZHUB, "joint 3", [187.3, 57.1], 0.5)
-    assert edits == {"motion[2].span": 77.5, "motion[3].dwell": 22.5, "motion[2].to": 57.0}
-    plan = SETZHUB.scene.with_values(edits).plan
-    assert sum(segment.span for segment in plan.segments) == 360
-    _, edits = dragged(SETZHUB, "joint 3", [500, 58.5], 0.5)
-    assert edits == {"motion[2].span": 99.5, "motion[3].dwell": 0.5}
-
-
 def test_values_snap_to_round_steps() -> None:
     _, edits = dragged(SETZHUB, "roller centre", [-30.0, 40.0], 0.3)
     assert {key: float(value) for key, value in edits.items()} == {
@@ -123,15 +114,6 @@ def test_a_handle_stays_on_its_side(shift: complex) -> None:
     with pytest.raises(SceneError) as caught:
         dragged(SETZHUB, "roller centre", [to.real, to.imag])
     assert caught.value.faults[0].key == "follower.arm_side"
-
-
-def test_a_yoke_moves_with_the_base_circle() -> None:
-    own = design(FILES[NAMES.index("scenes-constant_breadth")])
-    for name in ("base circle", "face"):
-        at = handle(own, name).at
-        to = [1.25 * each for each in at]
-        edits = dragged(own, name, to, 0.5)[1]
-        assert edits == {"follower.base_radius": 35, "follower.yoke.breadth": 80}
 
 
 def test_handles_of_the_plan_are_in_its_panel() -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +16,7 @@ from camgeo.design.design import Design
 from camgeo.scene.scene import load_scene
 from camgeo.scene.toml import template
 from tests.answers.documents import FIXTURES, SCENES
-from tests.designing.scenes import SETZHUB
+from tests.designing.scenes import SETZHUB, job
 from tests.long_form import LONG
 
 REFUSED = FIXTURES / "refused"
@@ -26,13 +25,9 @@ JUDGED = [path for path in SCENES if LONG or path.stem in KINDS]
 """Scenes with all kinds of findings; all of them in the long form."""
 
 
-def job(path: Path, **arguments: Any) -> Job:
-    return Job("findings", path.read_text("utf-8"), str(path), str(path.parent), arguments)
-
-
 @pytest.mark.parametrize("path", JUDGED, ids=lambda path: path.stem)
 def test_findings_are_those_of_a_check(path: Path) -> None:
-    recent, asked = Recent(), job(path, machining=False)
+    recent, asked = Recent(), job("findings", path, machining=False)
     found = run(asked, recent)
     assert json.loads(json.dumps(found, allow_nan=False)) == found
     checked = check(recent.design(asked), machining=False)
@@ -62,8 +57,8 @@ def test_effects_have_diagrams_once_they_are_on() -> None:
 
 
 def test_programs_are_judged_unless_they_are_left_out() -> None:
-    about = [each["about"] for each in run(job(SETZHUB))["findings"]]
-    less = run(job(SETZHUB, machining=False))["findings"]
+    about = [each["about"] for each in run(job("findings", SETZHUB))["findings"]]
+    less = run(job("findings", SETZHUB, machining=False))["findings"]
     assert any(each.startswith("program") for each in about)
     assert [each["about"] for each in less] == [
         each for each in about if not each.startswith("program")
@@ -73,7 +68,7 @@ def test_programs_are_judged_unless_they_are_left_out() -> None:
 @pytest.mark.parametrize("name", ["global_undercut", "return_undercut", "undercut_tappet"])
 def test_undercut_is_shown_where_it_is(name: str) -> None:
     path = REFUSED / f"{name}.toml"
-    places = run(job(path, machining=False))["places"]
+    places = run(job("findings", path, machining=False))["places"]
     undercut = [each for each in places if each["kind"] == "undercut"]
     assert undercut
     design = Design(load_scene(path))

@@ -17,7 +17,7 @@ from camgeo.app.designing.handles import handles
 from camgeo.app.designing.work import run
 from camgeo.errors import CamgeoError
 from tests import kept
-from tests.designing.scenes import FIXTURES, design
+from tests.designing.scenes import FIXTURES, design, job
 
 SCENES: Final = ("scenes/inch", "scenes/setzhub", "scenes/points", "effects/yoke")
 
@@ -30,10 +30,7 @@ def file_of(name: str) -> Path:
     return FIXTURES / f"{name}.toml"
 
 
-def asked(kind: str, name: str, **arguments: Any) -> Job:
-    """A job on a scene of fixtures."""
-    path = file_of(name)
-    return Job(kind, path.read_text("utf-8"), str(path), str(path.parent), arguments)
+INCH: Final = file_of("scenes/inch")
 
 
 def short(data: Any) -> Any:
@@ -107,7 +104,7 @@ def changes(name: str) -> Iterator[tuple[str, str]]:
 def test_forms_plans_and_handles_are_as_kept() -> None:
     def parts() -> Iterator[tuple[str, str]]:
         for name in SCENES:
-            found = run(asked("curves", name))
+            found = run(job("curves", file_of(name)))
             yield f"{name}: form", "\n".join(rows(found["form"]))
             plan = [
                 [each[key] for key in ("index", "kind", "from", "to", "start", "end", "law")]
@@ -130,12 +127,15 @@ def test_changes_are_as_kept() -> None:
 def test_findings_and_offers_are_as_kept() -> None:
     def parts() -> Iterator[tuple[str, str]]:
         for name in ("refused/global_undercut", "effects/conjugate_lever"):
-            found = run(asked("findings", name, machining=False))
+            found = run(job("findings", file_of(name), machining=False))
             yield f"findings of {name}", kept.document(short(found))
-        yield "laws of inch", kept.document(short(run(asked("laws", "scenes/inch", segment=0))))
-        yield "size of inch", kept.document(short(run(asked("size", "scenes/inch"))))
+        yield (
+            "laws of inch",
+            kept.document(short(run(job("laws", INCH, segment=0)))),
+        )
+        yield "size of inch", kept.document(short(run(job("size", INCH))))
         yield "effects", kept.document(run(Job("effects")))
-        bare = asked("curves", "scenes/inch").text.replace("roller_radius", "roler_radius")
+        bare = job("curves", INCH).text.replace("roller_radius", "roler_radius")
         yield "a scene with a fault", kept.document(run(Job("curves", bare))["faults"])
         yield "no TOML", kept.document(run(Job("curves", "camgeo = ")))
 

@@ -16,21 +16,16 @@ from camgeo.design.design import Design
 from camgeo.dynamics.effects.registry import effect_names
 from camgeo.scene.scene import load_scene, parse_scene
 from camgeo.scene.toml import TEMPLATE_KINDS, template
-from tests.designing.scenes import FIXTURES, TEXT
+from tests.designing.scenes import FIXTURES, SETZHUB, TEXT, job
 
 SCENES = FIXTURES / "scenes"
 ROLLER = template("translating-roller")
 
 
-def job(kind: str, name: str, **arguments: Any) -> Job:
-    path = SCENES / f"{name}.toml"
-    return Job(kind, path.read_text("utf-8"), str(path), "", arguments)
-
-
 @pytest.mark.parametrize("name", ["setzhub", "conjugate_lever"])
 def test_files_are_those_of_the_command_line(name: str, tmp_path: Path) -> None:
     formats = ["dxf", "csv", "stl"]
-    found = run(job("build", name, formats=formats))
+    found = run(job("build", SCENES / f"{name}.toml", formats=formats))
     Design(load_scene(SCENES / f"{name}.toml")).write(tmp_path, formats)
     made = {each["name"]: base64.b64decode(each["bytes"]) for each in found["files"]}
     assert made == {path.name: path.read_bytes() for path in tmp_path.iterdir()}
@@ -48,7 +43,7 @@ def test_a_cam_without_outline_has_no_files_but_findings() -> None:
 
 def test_solids_are_triangles_within_the_disc() -> None:
     path = SCENES / "setzhub.toml"
-    (found,) = run(job("solid", "setzhub"))["solids"]
+    (found,) = run(job("solid", SETZHUB))["solids"]
     places = np.frombuffer(base64.b64decode(found["places"]), "<f4").reshape(-1, 3, 3)
     scene = load_scene(path)
     assert scene.follower is not None
@@ -59,7 +54,7 @@ def test_solids_are_triangles_within_the_disc() -> None:
 
 
 def test_the_smallest_cam_keeps_its_requirement() -> None:
-    found = run(job("size", "setzhub"))
+    found = run(job("size", SETZHUB))
     assert found["sentence"].startswith("The smallest base radius is ")
     smaller = parse_scene(TEXT).with_values(found["edits"])
     assert smaller.follower is not None
@@ -72,7 +67,7 @@ def test_the_smallest_cam_keeps_its_requirement() -> None:
 
 
 def test_what_is_required_of_the_smallest_cam_can_be_stated() -> None:
-    one, other = (run(job("size", "setzhub", transmission_angle=each)) for each in (42, 50.5))
+    one, other = (run(job("size", SETZHUB, transmission_angle=each)) for each in (42, 50.5))
     radii = [each["sizes"][-1]["base_radius"] for each in (one, other)]
     assert radii[0] < radii[1]
 
@@ -155,7 +150,7 @@ def test_laws_are_offered_for_a_segment_whose_law_is_wrong() -> None:
 
 def test_a_dwell_has_no_law() -> None:
     with pytest.raises(JobError, match="dwell"):
-        run(job("laws", "setzhub", segment=0))
+        run(job("laws", SETZHUB, segment=0))
 
 
 def test_all_templates_and_effects_are_offered() -> None:

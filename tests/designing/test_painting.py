@@ -12,17 +12,10 @@ import pytest
 from camgeo.app.designing.children import Job, JobError
 from camgeo.app.designing.work import Recent, run
 from tests.answers.documents import FIXTURES
-from tests.designing.scenes import CHOSEN, SETZHUB, TEXT, name_of
+from tests.designing.scenes import CHOSEN, SETZHUB, TEXT, job, name_of
 
 MOST = 150_000
 """Bytes of the pictures of a common cam."""
-
-
-def job(path: Path, kind: str = "curves", **changes: str) -> Job:
-    text = path.read_text("utf-8")
-    for before, after in changes.items():
-        text = text.replace(before, after)
-    return Job(kind, text, str(path), str(path.parent))
 
 
 def written(found: dict[str, Any]) -> str:
@@ -31,7 +24,7 @@ def written(found: dict[str, Any]) -> str:
 
 @pytest.mark.parametrize("path", CHOSEN, ids=name_of)
 def test_every_scene_is_painted(path: Path) -> None:
-    found = run(job(path))
+    found = run(job("curves", path))
     text = written(found)
     assert json.loads(text) == found
     assert found["faults"] == []
@@ -41,7 +34,7 @@ def test_every_scene_is_painted(path: Path) -> None:
 
 
 def test_the_pictures_of_a_common_cam_are_small() -> None:
-    found = run(job(SETZHUB))
+    found = run(job("curves", SETZHUB))
     pictures = {key: value for key, value in found.items() if key != "form"}
     assert len(json.dumps(pictures, separators=(",", ":"))) <= MOST
 
@@ -81,7 +74,7 @@ CHANGES: list[dict[str, Any]] = [
 
 def test_changes_one_after_another_are_painted_as_their_texts() -> None:
     recent = Recent()
-    now = job(SETZHUB)
+    now = job("curves", SETZHUB)
     for arguments in CHANGES:
         found = run(replace(now, kind="change", arguments=arguments), recent)
         now = replace(now, text=found.pop("text"))
@@ -91,7 +84,7 @@ def test_changes_one_after_another_are_painted_as_their_texts() -> None:
 
 def test_what_moves_in_a_drag_is_as_in_the_whole() -> None:
     recent = Recent()
-    now = job(SETZHUB)
+    now = job("curves", SETZHUB)
     shown = run(now, recent)
     drags: list[dict[str, Any]] = [
         {"handle": "joint 3", "to": [180, 50], "step": 0.5},
@@ -155,7 +148,7 @@ def test_a_file_that_a_scene_names_is_read_again(tmp_path: Path) -> None:
     for name in ("measured.toml", "measured.csv"):
         (tmp_path / name).write_bytes((FIXTURES / "scenes" / name).read_bytes())
     recent = Recent()
-    asked = job(tmp_path / "measured.toml")
+    asked = job("curves", tmp_path / "measured.toml")
     before = run(asked, recent)
     assert run(asked, recent) == before
     data = (tmp_path / "measured.csv").read_text("utf-8")
@@ -166,8 +159,8 @@ def test_a_file_that_a_scene_names_is_read_again(tmp_path: Path) -> None:
 
 
 def test_a_job_comes_out_as_it_went_in() -> None:
-    job = Job("change", 'name = "ü\ud800</script>"', "a.toml", "/tmp", {"edits": {"cam.speed": 3}})
-    assert Job.from_json(job.to_json()) == job
+    sent = Job("change", 'name = "ü\ud800</script>"', "a.toml", "/tmp", {"edits": {"cam.speed": 3}})
+    assert Job.from_json(sent.to_json()) == sent
 
 
 @pytest.mark.parametrize(

@@ -15,9 +15,7 @@ from ezdxf.document import Drawing
 from ezdxf.filemanagement import readfile
 
 from camgeo.design.design import Design
-from camgeo.milling.milling import GcodeSpec
 from camgeo.part.spec import PartSpec
-from camgeo.scene.formats import gcode
 from tests.end_to_end.exact import Flank, Kept, half_width
 from tests.end_to_end.features import DENSE, Exact, Span, spans
 from tests.end_to_end.trimmed import kept_of, pitch_of
@@ -68,10 +66,6 @@ class Built:
         assert self.spec.thickness is not None
         return self.spec.thickness
 
-    @property
-    def gcode(self) -> GcodeSpec:
-        return self.design.disc.options[gcode.FORMAT]
-
     @cached_property
     def drawing(self) -> Drawing:
         """The DXF, read once by ezdxf."""
@@ -92,10 +86,15 @@ class Built:
         document: dict[str, Any] = json.loads((self.folder / "certificate.json").read_text())
         return document
 
+    def record(self, suffix: str) -> dict[str, Any]:
+        """What the certificate states of a file."""
+        name = self.file(suffix).name
+        found: dict[str, Any] = next(r for r in self.certificate["files"] if r["file"] == name)
+        return found
+
     def deviation(self, suffix: str) -> float:
         """Deviation of a file in the certificate [mm]."""
-        files = {record["file"]: record for record in self.certificate["files"]}
-        return float(files[self.file(suffix).name]["deviation_mm"])
+        return float(self.record(suffix)["deviation_mm"])
 
     @cached_property
     def _kept(self) -> dict[str, Kept]:

@@ -24,8 +24,6 @@ class Move:
     z_start: float
     z_end: float
     centre: complex
-    feed: float
-    spindle: bool
     tool: int
 
     @property
@@ -44,7 +42,6 @@ class Program:
 
     scale: float = 0.0
     blending: float = 0.0
-    words: list[str] = field(default_factory=list)
     operations: dict[str, list[Move]] = field(default_factory=dict)
 
     def passes(self, operation: str) -> list[list[Move]]:
@@ -62,7 +59,7 @@ def run(text: str) -> Program:
     """Run the program; positions are known from the first words of each axis on."""
     program = Program()
     at = {"X": np.nan, "Y": np.nan, "Z": np.nan}
-    code, feed, spindle, operation, tool = 0, 0.0, False, "", 0
+    code, operation, tool = 0, "", 0
     for line in text.splitlines():
         if line.startswith("("):
             if line.startswith("(operation "):
@@ -70,7 +67,6 @@ def run(text: str) -> Program:
             continue
         words = WORD.findall(line)
         assert " ".join(letter + number for letter, number in words) == line
-        program.words += [letter + number for letter, number in words if letter in "GMT"]
         values = {letter: float(number) for letter, number in words}
         for letter, number in words:
             if letter == "G" and float(number) in SCALE:
@@ -78,8 +74,6 @@ def run(text: str) -> Program:
             if letter == "G" and float(number) in (0, 1, 2, 3):
                 code = int(number)
         tool = int(values.get("T", tool))
-        spindle = values.get("M") == 3 or (spindle and values.get("M") != 5)
-        feed = values.get("F", feed / (program.scale or 1.0)) * (program.scale or 1.0)
         if "G64" in line:
             program.blending = (values["P"] + values["Q"]) * program.scale
         if not values.keys() & {"X", "Y", "Z"}:
@@ -96,8 +90,6 @@ def run(text: str) -> Program:
                 before["Z"],
                 at["Z"],
                 centre if code > 1 else 0j,
-                feed,
-                spindle,
                 tool,
             )
         )

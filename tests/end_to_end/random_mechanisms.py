@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from random import Random
 from typing import Any, Final
 
@@ -31,21 +30,7 @@ KINDS: Final = tuple(
 NEAR: Final = ("dead-centre", "cusp", "joint")
 
 
-@dataclass(frozen=True)
-class Drawn:
-    """A scene and how it was made.
-
-    Attributes
-    ----------
-    values : of the scene.
-    near : what it is near, or None.
-    """
-
-    values: Values
-    near: str | None
-
-
-def drawn(number: int) -> Drawn:
+def drawn(number: int) -> Values:
     """The scene of a number; every second one is near something critical."""
     rng = Random(number)
     follower, linkage = KINDS[number % len(KINDS)]
@@ -55,7 +40,7 @@ def drawn(number: int) -> Drawn:
     while True:
         values = _values(rng, number, follower, linkage, near)
         if near is None or _moved_near(rng, values, near):
-            return Drawn(values, near)
+            return values
 
 
 def _values(

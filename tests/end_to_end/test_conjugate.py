@@ -106,35 +106,6 @@ def test_the_written_contours_close_within_what_the_check_says(
     assert 0.5 * bound < max(play, -squeeze) <= bound
 
 
-def test_the_real_outlines_close_exactly(built: Path, capsys: Capture) -> None:
-    capsys.readouterr()
-    assert main(["replay", str(built), "--json"]) == 0
-    reported = json.loads(capsys.readouterr().out)
-    assert reported["closing"]["largest_play"]["travel_mm"] == 0.0
-    assert reported["closing"]["smallest_play"]["travel_mm"] == 0.0
-
-
-def test_one_certificate_covers_both_discs(built: Path) -> None:
-    certificate = json.loads(built.with_name("certificate.json").read_text())
-    ends = (".dxf", ".ngc", ".stl", ".3mf", ".csv")
-    stems = (built.stem, f"{built.stem}-return")
-    files = {record["file"] for record in certificate["files"]}
-    assert files == {f"{stem}{end}" for stem in stems for end in ends}
-    names = {finding["name"] for finding in certificate["findings"]}
-    assert {"form-closure", "closing-error", "transmission-angle"} <= names
-    assert "return: transmission-angle" in names
-
-
-def test_both_discs_are_verified(built: Path, tmp_path: Path, capsys: Capture) -> None:
-    shutil.copytree(built.parent, tmp_path, dirs_exist_ok=True)
-    capsys.readouterr()
-    assert main(["verify", str(tmp_path), "--json"]) == 0
-    records = {each["file"]: each for each in json.loads(capsys.readouterr().out)["files"]}
-    for end in (".dxf", ".ngc", ".stl", ".3mf"):
-        assert records[f"{built.stem}{end}"]["scene"]["name"] == built.stem
-        assert records[f"{built.stem}-return{end}"]["scene"]["name"] == f"{built.stem}-return"
-
-
 @pytest.mark.parametrize("end", [".dxf", ".ngc", ".stl", ".3mf"])
 def test_a_main_disc_in_place_of_the_return_disc_fails(
     built: Path, end: str, tmp_path: Path, capsys: Capture
@@ -145,58 +116,6 @@ def test_a_main_disc_in_place_of_the_return_disc_fails(
     assert main(["verify", str(tmp_path), "--json", "--scene", str(built)]) == 1
     (record,) = json.loads(capsys.readouterr().out)["files"]
     assert "deviation" in {each["name"] for each in record["checks"] if each["ok"] is False}
-
-
-def test_a_drawing_of_the_return_disc_alone_is_replayed_on_it(built: Path, capsys: Capture) -> None:
-    file = str(built.with_name(f"{built.stem}-return.dxf"))
-    capsys.readouterr()
-    assert main(["replay", str(built), file, "--json"]) == 0
-    reported = json.loads(capsys.readouterr().out)
-    assert "closing" not in reported
-    (disc,) = reported["discs"]
-    assert disc["name"] == f"{built.stem}-return"
-    unit = {"mm": 1.0, "deg": math.radians(70.0)}[disc["unit"]]
-    assert abs(disc["lift_error"]["value"]) * unit < 2e-3
-
-
-def test_the_table_of_a_replay_has_the_play(built: Path, tmp_path: Path) -> None:
-    table = tmp_path / "replay.csv"
-    files = [str(built.with_name(f"{built.stem}{end}.dxf")) for end in ("", "-return")]
-    assert main(["replay", str(built), *files, "--step", "1", "-o", str(table)]) == 0
-    head, *rows = table.read_text().splitlines()
-    assert head.split(",")[-1].startswith("play [")
-    assert len(rows) == 360
-
-
-def test_too_many_contours_are_refused(built: Path, capsys: Capture) -> None:
-    plate = str(FOLDER / "plate_translating.toml")
-    for scene, files, message in ((str(built), 3, "one of each disc"), (plate, 2, "has one disc")):
-        assert main(["replay", scene, *["a.dxf"] * files]) == 2
-        assert message in capsys.readouterr().err
-
-
-def test_check_reports_on_both_discs(built: Path, capsys: Capture) -> None:
-    capsys.readouterr()
-    assert main(["check", str(built), "--json"]) == 0
-    reported = json.loads(capsys.readouterr().out)
-    assert list(reported["discs"]) == [built.stem, f"{built.stem}-return"]
-    area = reported["discs"][f"{built.stem}-return"]["inner"]["area_mm2"]
-    outline = drawn(built.with_name(f"{built.stem}-return.dxf"))
-    # The tolerance along an outline of less than 500 mm.
-    assert area == pytest.approx(abs(outline.area), abs=0.5)
-
-
-@pytest.mark.parametrize("words", [["table"], ["size"]])
-def test_commands_of_one_disc_say_so(built: Path, words: list[str], capsys: Capture) -> None:
-    capsys.readouterr()
-    assert main([*words, str(built)]) == 0
-    assert f"the return disc, {built.stem}-return, is not covered" in capsys.readouterr().err
-
-
-def test_the_picture_of_the_cam_shows_both_discs(built: Path, tmp_path: Path) -> None:
-    target = tmp_path / "both.svg"
-    assert main(["plot", str(built), "cam", "-o", str(target)]) == 0
-    assert "return disc and its roller" in target.read_text()
 
 
 def test_a_return_disc_that_undercuts_is_refused_with_the_main_disc(tmp_path: Path) -> None:

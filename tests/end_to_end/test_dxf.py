@@ -6,13 +6,10 @@ import numpy as np
 import pytest
 from ezdxf.entities.lwpolyline import LWPolyline
 
+from camgeo.units import MM_PER
 from tests.end_to_end.built import CHORDS, Built, paired
-from tests.end_to_end.exact import half_width
 from tests.end_to_end.features import DENSE, Exact
 from tests.measuring import DensePath, Outline
-
-UNITS = {"mm": (4, 1, 1.0), "inch": (1, 0, 25.4)}
-"""$INSUNITS, $MEASUREMENT and millimetres of a unit."""
 
 POINTS = 10_000
 
@@ -26,7 +23,7 @@ ROUNDING = 1e-9
 
 def _outlines(built: Built, layer: str) -> list[Outline]:
     """Closed polylines of `layer` in mm, largest first."""
-    scale = UNITS[built.design.scene.unit][2]
+    scale = MM_PER[built.design.scene.unit]
     found = []
     for entity in built.drawing.modelspace().query(f'*[layer=="{layer}"]'):
         assert isinstance(entity, LWPolyline)
@@ -48,7 +45,7 @@ def _turns(outline: Outline) -> np.ndarray:
 
 def _layers(built: Built) -> dict[str, list[Exact]]:
     """The layers of the part, of what is cut through, sunk or raised, with what is on each."""
-    scale = UNITS[built.design.scene.unit][2]
+    scale = MM_PER[built.design.scene.unit]
     found: dict[str, list[Exact]] = {}
     for span in built.spans:
         found.setdefault(span.layer.format(span.away / scale), []).append(span.exact)
@@ -61,23 +58,6 @@ def _part(built: Built) -> list[tuple[Outline, Exact]]:
     for layer, wanted in _layers(built).items():
         found += paired(_outlines(built, layer), wanted)
     return found
-
-
-def test_document(built: Built) -> None:
-    document = built.drawing
-    assert not document.audit().errors
-    insunits, measurement, _ = UNITS[built.design.scene.unit]
-    assert document.dxfversion == "AC1024"  # R2010
-    assert document.header["$INSUNITS"] == insunits
-    assert document.header["$MEASUREMENT"] == measurement
-    kinds = {(entity.dxf.layer, entity.dxftype()) for entity in document.modelspace()}
-    # Nothing else, and no text anywhere.
-    drawn = {("BASE_CIRCLE", "CIRCLE"), ("CENTRE", "LINE")}
-    drawn |= {(layer, "LWPOLYLINE") for layer in _layers(built)}
-    # The contact of a flat face runs on the outline itself: there is no pitch curve to be drawn.
-    assert kinds == drawn | (
-        set() if not built.design.cam.follower.rolls else {("PITCH_CURVE", "LWPOLYLINE")}
-    )
 
 
 def test_cut_layer(built: Built) -> None:
@@ -108,40 +88,14 @@ def test_each_corner_is_a_vertex_once(built: Built) -> None:
             assert len(sharp) == len(exact.corners)
 
 
-def test_where_the_roller_turns_the_flank_is_its_arc(built: Built) -> None:
-    """About the roller's centre at a jump of the velocity, of the roller's radius."""
-    outlines = [outline for outline, _ in _part(built)]
-    for flank in built.flanks:
-        for hinge, arm, sweep in flank.turns:
-            if hinge in flank.corners:
-                continue
-            assert abs(arm) == pytest.approx(half_width(built.design), abs=ROUNDING)
-            turned = 0.0
-            for outline in outlines:
-                about = (outline.sweeps != 0.0) & (np.abs(outline.centres - hinge) < ROUNDING)
-                turned += float(np.sum(np.abs(outline.sweeps[about])))
-            assert turned == pytest.approx(abs(sweep), abs=ROUNDING)
-
-
 def test_pitch_curve_and_base_circle(built: Built) -> None:
     if built.design.cam.follower.rolls:
         (pitch,) = _outlines(built, "PITCH_CURVE")
         points = built.pitch.dense(DENSE)
         assert np.max(pitch.distances(points[::3])) <= built.tolerance
         assert np.max(DensePath(points).distances(pitch.dense(POINTS))) <= built.tolerance + CHORDS
-    scale = UNITS[built.design.scene.unit][2]
+    scale = MM_PER[built.design.scene.unit]
     (circle,) = built.drawing.modelspace().query("CIRCLE")
     assert circle.dxf.radius * scale == pytest.approx(
         built.design.cam.follower.base_radius, rel=1e-15
     )
-
-
-def test_a_moved_vertex_would_show(built: Built) -> None:
-    """The measure itself: a vertex moved by ten tolerances is found."""
-    outline = _outlines(built, "CUT")[0]
-    exact = max(built.boundaries, key=lambda exact: exact.area)
-    starts = outline.starts.copy()
-    starts[1] += 10.0 * built.tolerance * starts[1] / abs(starts[1])
-    moved = Outline.through(starts, outline.sweeps)
-    found = float(np.max(exact.path.distances(moved.dense(POINTS))))
-    assert found > 5.0 * built.tolerance

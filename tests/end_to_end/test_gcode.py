@@ -11,7 +11,7 @@ import shapely
 from camgeo.milling.cut import ContourCut
 from camgeo.milling.milling import Tool
 from tests.end_to_end.built import CHORDS, Built
-from tests.end_to_end.exact import TURN, Flank
+from tests.end_to_end.exact import TURN
 from tests.end_to_end.features import DENSE
 from tests.end_to_end.program import Move, Program, outline, run
 from tests.measuring import DensePath, polygon
@@ -20,12 +20,6 @@ POINTS = 10_000
 
 GAP = 1e-12
 """Printed end points are the same numbers; a closed loop closes exactly [mm]."""
-
-STEP = {"mm": 1e-4, "inch": 2.54e-4}
-"""The last decimal of a program [mm]."""
-
-ARC_ERROR = 0.002
-"""Strictest check of radii that was seen in a controller [mm]."""
 
 
 @pytest.fixture(scope="module")
@@ -63,16 +57,10 @@ def _exact_paths(built: Built, program: Program) -> dict[str, np.ndarray]:
             assert built.spec.bore is not None
             radius = built.spec.bore / 2.0 - away
             found[name] = radius * np.exp(1j * np.linspace(0.0, TURN, DENSE, endpoint=False))
-        else:
-            found[name] = _flank_path(built, wall, away).dense(DENSE)
+            continue
+        inner = wall == "inner flank" or (wall == "outline" and built.design.cam.contact == "inner")
+        found[name] = built.flank(*(("inner", away) if inner else ("outer", -away))).dense(DENSE)
     return found
-
-
-def _flank_path(built: Built, wall: str, away: float) -> Flank:
-    """The path of a cutter's centre along a flank."""
-    if wall == "inner flank" or (wall == "outline" and built.design.cam.contact == "inner"):
-        return built.flank("inner", away)
-    return built.flank("outer", -away)
 
 
 def _depth(built: Built, operation: str) -> float:
@@ -101,41 +89,6 @@ def _rounds(operation: str, moves: list[Move]) -> list[list[Move]]:
             found.append([])
         found[-1].append(move)
     return found
-
-
-def test_frame(built: Built, program: Program) -> None:
-    unit = {"mm": "G21", "inch": "G20"}[built.design.scene.unit]
-    for word in ("G17", unit, "G40", "G49", "G54", "G80", "G90", "G94", "G91.1", "M6", "G43"):
-        assert word in program.words
-    assert program.words[-2:] == ["M5", "M2"]
-    assert all(len(line) <= 78 for line in built.file(".ngc").read_text().splitlines())
-    moves = [move for moves in program.operations.values() for move in moves]
-    for move in moves:
-        if move.code == 0:  # traverses at the safe height or straight up and down, never into it
-            assert move.start == move.end or np.isnan(move.start) or move.z_end == move.z_start
-            lowest = min(move.z_start, move.z_end)
-            assert (
-                np.isnan(lowest)
-                or move.start == move.end
-                or (lowest == pytest.approx(built.gcode.clearance_height))
-            )
-            assert move.z_end == pytest.approx(built.gcode.clearance_height)
-        else:
-            assert move.feed > 0.0
-            assert move.spindle
-        drop = move.z_start - move.z_end
-        if move.code > 0 and move.start == move.end and move.code == 1:
-            assert move.feed == pytest.approx(_tool(built).plunge_feed)  # straight down
-        elif move.code > 0:
-            # Slower where the wall lies around the arc, and on the way down.
-            assert move.feed <= _tool(built).feed * (1.0 + 1e-6)
-            way = abs(move.sweep) * abs(move.start - move.centre)
-            way = abs(move.end - move.start) if move.code == 1 else way
-            assert move.feed * drop <= _tool(built).plunge_feed * math.hypot(way, drop) * 1.01
-        if move.code > 1:
-            radii = abs(move.start - move.centre), abs(move.end - move.centre)
-            assert abs(radii[0] - radii[1]) <= ARC_ERROR
-            assert abs(move.sweep) <= np.pi * (1.0 + 1e-6)
 
 
 def test_paths_lie_on_the_exact_offsets(built: Built, program: Program) -> None:
@@ -177,24 +130,6 @@ def test_paths_lie_on_the_exact_offsets(built: Built, program: Program) -> None:
     assert built.deviation(".ngc") >= worst - CHORDS
 
 
-def test_the_cutter_rolls_round_corners(built: Built, program: Program) -> None:
-    """Once a pass, about the corner itself, and about the roller's centre where it turned."""
-    step = STEP[built.design.scene.unit]
-    for name in set(program.operations) - {"", "bore", "rough bore"}:
-        path = _flank_path(built, name.removeprefix("rough "), _away(built, name))
-        for moves in (each for cut in program.passes(name) for each in _rounds(name, cut)):
-            arcs = [move for move in moves if move.code > 1]
-            for hinge, arm, sweep in path.turns:
-                # Ends rounded by half a diagonal of the last decimal tilt the chord of a short
-                # arc, and its centre swings by as much.
-                reach = step * (1.0 + 2.0 / abs(sweep))
-                about = [move for move in arcs if abs(move.centre - hinge) <= reach]
-                turned = [abs(move.sweep) for move in about]
-                assert sum(turned) == pytest.approx(abs(sweep), abs=4.0 * step / abs(arm))
-                radii = [abs(move.start - move.centre) for move in about]
-                assert radii == pytest.approx([abs(arm)] * len(about), abs=2.0 * step)
-
-
 def test_cutter_never_enters_the_part(built: Built, program: Program) -> None:
     """Leads and plunges included: all of the path keeps the tool's radius from the material."""
     tool = _tool(built).radius
@@ -217,22 +152,3 @@ def test_cutter_never_enters_the_part(built: Built, program: Program) -> None:
             region = polygon(exact.points)
             within = shapely.contains_xy(region, points.real, points.imag)
             assert np.all(within == inside)
-
-
-def test_leads_are_tangential(built: Built, program: Program) -> None:
-    for name in (each for each in set(program.operations) - {""} if not _is_rough(each)):
-        for moves in program.passes(name):
-            first, second, last = moves[0], moves[1], moves[-1]
-            assert last.start == second.start
-            for lead, there in ((first, first.end), (last, last.start)):
-                neighbour = second if lead is first else moves[-2]
-                arm = (there - lead.centre) * np.sign(lead.sweep)
-                other = (there - neighbour.centre) * np.sign(neighbour.sweep)
-                if neighbour.code == 1:
-                    other = -1j * (neighbour.end - neighbour.start)
-                turn = abs(np.angle(arm / other))
-                # Centres are rounded to half a diagonal of the last decimal, 0.7e-5 in, and end
-                # points too; the smaller arm turns by twice that over its length, and the chord of
-                # a short lead by the rounding of its ends over its own.
-                step, chord = STEP[built.design.scene.unit], abs(lead.end - lead.start)
-                assert turn <= 3.0 * step / min(abs(arm), abs(other)) + 1.5 * step / chord

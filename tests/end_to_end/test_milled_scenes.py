@@ -9,9 +9,7 @@ from __future__ import annotations
 
 import io
 import json
-import re
 import shutil
-from collections.abc import Callable
 from contextlib import redirect_stdout
 from functools import cache
 from pathlib import Path
@@ -30,8 +28,6 @@ from camgeo.scene.scene import parse_scene
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import run
 from camgeo_export.verify.gcode import bench_of
-from tests.judges import grbl, rs274
-from tests.judges.paths import difference
 from tests.long_form import LONG
 
 FOLDER: Final = Path(__file__).parents[2] / "fixtures" / "milling"
@@ -40,12 +36,6 @@ SCENES: Final = sorted(FOLDER.glob("*.toml"))
 
 COARSE: Final = 0.05
 """Tolerance [mm] of programs for other controllers than the scene's."""
-
-WEAR: Final = 0.05
-"""Of a cutter that the control compensates for [mm]."""
-
-NEAR: Final = 1e-4
-"""How far another interpreter's path may be from ours [mm]."""
 
 
 @pytest.fixture(scope="module", params=SCENES, ids=lambda path: path.stem)
@@ -127,26 +117,3 @@ def test_nothing_is_found_on_any_controller(path: Path, machine: str, folder: Pa
         assert run(data, profile, bench_of(product, profile)).findings == ()
         if LONG or not profile.tool_change.change:  # then of several programs, each by itself
             assert WRITER.measure(product, data) <= COARSE
-
-
-Runs = Callable[[str], tuple[list[Any], Any]]
-
-JUDGES: Final[dict[str, tuple[str, Runs]]] = {
-    "linuxcnc": (rs274.absent(), rs274.run),
-    "grbl": (grbl.PARSER.absent(), grbl.run),
-}
-"""Why a judge is absent, and what runs a program."""
-
-
-@pytest.mark.parametrize("machine", JUDGES)
-def test_others_run_the_same_path(scene: Path, machine: str, folder: Path) -> None:
-    absent, runs = JUDGES[machine]
-    if absent:
-        pytest.skip(absent)
-    for _, data in programs_for(folder, scene, machine):
-        # The diameter of an offset in place of its number in a table.
-        text = re.sub(r"G41 D\d+", f"G41.1 D{2.0 * WEAR}", data.decode())
-        legs, complaints = runs(text)
-        assert not complaints
-        found = run(text, machines.load(machine)).centred(lambda _: WEAR)
-        assert difference(found, legs) <= NEAR

@@ -8,10 +8,7 @@ from pathlib import Path
 
 import pytest
 
-import camgeo
 from camgeo.app.cli.main import main
-from camgeo.pictures.sheet.sheet import drawn_of
-from camgeo.pictures.sheet.texts import notes_of
 
 PAIR = Path(__file__).parents[2] / "fixtures" / "pairs" / "conjugate_pair.toml"
 
@@ -50,24 +47,3 @@ def test_a_build_tells_the_angle(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert main(["build", str(PAIR), "-o", str(tmp_path), "--only", "csv"]) == 0
     shown = capsys.readouterr().out
     assert "both discs in one piece: the return disc at 0 deg to the main disc, below it" in shown
-
-
-@pytest.mark.parametrize("language", ["en", "de"])
-def test_sheets_of_both_discs_tell_the_angle(language: str) -> None:
-    scene = camgeo.load(PAIR).scene.with_values({"drawing.language": language})
-    said = {
-        "en": "return disc at 0° to that of the main disc, gap 9, spacer %%c54, main disc above",
-        "de": "Gegenscheibe unter 0° zur Null der Hauptscheibe, Abstand 9, Zwischenbund %%c54",
-    }
-    for pair, count in ((scene.values["part"]["pair"], 1), (None, 0)):
-        design = camgeo.Design(scene.with_values({"part.pair": pair}))
-        for disc in design.discs:
-            notes = notes_of(
-                disc,
-                design.scene.drawing,
-                0.01,
-                lambda value: f"{value:g}",
-                apart=False,
-                drawn=drawn_of(disc, 0.01),
-            )
-            assert sum(said[language] in note for note in notes) == count

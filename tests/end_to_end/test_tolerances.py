@@ -1,9 +1,9 @@
 """Fixture scenes at four tolerances: written, measured as read back, and verified.
 
 Each scene is written in one form at one end of the tolerances: a drawing of arcs, a
-program and one of its solids, or a drawing of chords or splines. `test_targets` fits the curves of
-every scene at all tolerances, `test_solids` proves that both solids are one body, and `test_verify`
-verifies all files of all scenes at their own tolerance. The long form writes and verifies every
+program and one of its solids, or a drawing of chords or splines. `tests/contour` fits curves at all
+tolerances, `test_solids` proves that both solids are one body, and `test_verify` verifies all files
+of all scenes at their own tolerance. The long form writes and verifies every
 scene in all forms at both ends, and between them.
 """
 

@@ -21,21 +21,17 @@ from camgeo.check.sizing.task import Task, task_of
 from camgeo.design.design import Design
 from camgeo.design.product import Product
 from camgeo.dynamics.effects.effect import Column
-from camgeo.errors import SceneError
 from camgeo.kinematics.mechanism.slotted_lever import DrivenLever, SlottedLever
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.pictures import effects
-from camgeo.pictures.backplot import CLAMP
-from camgeo.pictures.backplot import figure as program_figure
 from camgeo.pictures.effects import spectrum_figure
-from camgeo.pictures.model import LIMIT, Area, Circle, Field, Line, Panel, Rule, Text
+from camgeo.pictures.model import LIMIT, Circle, Field, Line, Panel, Rule, Text
 from camgeo.pictures.motion import RATIO, RATIO_STYLE, curvature
 from camgeo.pictures.plots import SPECTRUM, of_design
 from camgeo.pictures.size import figure as size_figure
-from camgeo.pictures.size import seen, window
 from camgeo.pictures.slotted_lever import PANELS, crank_angles
 from camgeo.pictures.slotted_lever import figure as lever_figure
-from camgeo.scene.scene import load_scene, parse_scene
+from camgeo.scene.scene import parse_scene
 from camgeo.units import MM_PER, RPM, TURN
 from camgeo_export.plots import render
 from tests.answers.documents import FIXTURES
@@ -77,23 +73,6 @@ def test_the_limit_of_the_ratio_of_radii_is_in_the_picture(name: str, sides: set
         worst = np.nanmax(sign * curve.points[:, 1])
         # Of the drawn points, a quarter of a degree apart, the worst one is near the exact place.
         assert max(worst, 0.0) * roller == pytest.approx(item.value, rel=1e-3, abs=1e-12)
-
-
-SCENE = Path(__file__).parents[2] / "fixtures" / "milling" / "moved_clamps.toml"
-
-
-def test_clamps_stand_where_they_are_during_each_operation() -> None:
-    found = program_figure(camgeo.load(SCENE).disc)
-    places = []
-    for panel in found.panels:
-        areas = [mark for mark in panel.marks if isinstance(mark, Area) and mark.style == CLAMP]
-        boxes = [(np.min(area.rings[0], axis=0), np.max(area.rings[0], axis=0)) for area in areas]
-        places.append({tuple(np.round(0.5 * (low + high), 9).tolist()) for low, high in boxes})
-    edges = {(-62.0, 0.0), (62.0, 0.0)}
-    first, strap = {*edges, (0.0, -40.0)}, {*edges, (0.0, 0.0)}
-    assert places == [first, first, strap, strap]
-    assert found.legend is not None
-    assert "clamp or screw" in [entry.label for entry in found.legend.entries]
 
 
 LEVERS = {
@@ -144,15 +123,6 @@ def test_a_dot_lies_on_the_curve_at_every_extreme(name: str) -> None:
             # Nothing drawn goes beyond it, and the curve reaches it.
             reached = curve[:, 1].max() if extreme.largest else curve[:, 1].min()
             assert reached == pytest.approx(value, rel=1e-6)
-
-
-def test_the_values_of_the_exercise_label_the_dots() -> None:
-    _, panels = drawn(driven_by("exercise"))
-    assert [[text.get_text() for text in axes.texts] for axes in panels] == [
-        ["−30° at 60°", "30° at 300°"],
-        ["−9.4248 rad/s at 0°", "3.1416 rad/s at 180°"],
-        ["119.88 rad/s² at 22.9°", "−119.88 rad/s² at 337.1°"],
-    ]
 
 
 def test_the_time_stands_above_the_crank_angle() -> None:
@@ -216,33 +186,6 @@ def assert_inside(panel: Panel, x: float, y: float, radius: float = 0.0) -> None
     assert x + radius < right
     assert low < y - radius
     assert y + radius < high
-
-
-@pytest.mark.parametrize("name", ["plate_translating", "setzhub", "schnitt"])
-def test_everything_is_marked_inside_the_picture(name: str) -> None:
-    task, sizing = sized(name)
-    assert sizing.answer is not None
-    assert sizing.flocke is not None
-    columns, rows = window([(task, sizing)])
-    assert np.ptp(columns) == pytest.approx(np.ptp(rows))
-    panel = panel_of(task, sizing)
-    marked = lines_of(panel)
-    places = {
-        "present design": task.present,
-        "Flocke": sizing.flocke.place,
-        "smallest": sizing.answer.place,
-    }
-    for label, place in places.items():
-        ((x, y),) = marked[label].points
-        expected = seen(task, np.array([place.real]), np.array([place.imag]))
-        assert (x, y) == (expected[0][0], expected[1][0])
-        assert_inside(panel, x, y)
-    assert panel.legend is not None
-    texts = [entry.label for entry in panel.legend.entries]
-    assert any("Flocke" in text and "μ" in text for text in texts)
-    assert any("exact" in text and "μ" in text for text in texts)
-    assert any("r$_K$" in text for text in texts) == (name == "schnitt")
-    assert any(isinstance(mark, Field) for mark in panel.marks) == (name == "schnitt")
 
 
 @pytest.mark.parametrize("name", ["plate_translating", "setzhub", "schnitt"])
@@ -311,11 +254,6 @@ def test_the_train_of_the_scene_is_marked_at_the_natural_periods_of_each_move() 
     frequency = design.scene.effects["vibration"]["natural_frequency"] / (2.0 * np.pi)
     assert rule.at == pytest.approx(110.0 / 360.0 / (240.0 / 60.0) * frequency, rel=1e-9)
     assert f"{frequency:.4g} Hz" in rule.label
-
-
-def test_a_scene_without_the_effect_has_no_such_picture() -> None:
-    with pytest.raises(SceneError, match="shock-spectrum"):
-        of_design(Design(load_scene(FIXTURES / "effects" / "lever.toml")), [SPECTRUM])
 
 
 def test_a_motion_without_a_move_from_rest_to_rest_says_so() -> None:

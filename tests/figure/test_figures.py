@@ -318,25 +318,28 @@ def test_a_plot_of_another_distribution(monkeypatch: pytest.MonkeyPatch) -> None
 CALLS = """
     plot milling/moved_clamps.toml backplot -o {}/backplot.svg
     plot scenes/groove.toml cam mechanism -o {}/groove.svg
+    plot scenes/trimmed_ring.toml cam -o {}/ring.svg
     plot effects/yoke.toml mechanism -o {}/yoke.svg
     plot scenes/points.toml motion -o {}/points.svg
     plot refused/global_undercut.toml cam -o {}/undercut.svg
     plot scenes/inch.toml cams -o {}/none.svg
     size scenes/tappet.toml -o {}/size.svg
+    size scenes/inch.toml -o {}/size-roller.svg
     laws --task U-U --curved 0.5 -o {}/laws.svg
+    laws --task U-U --a0 6 --a1 -5 -o {}/laws-left-out.svg
     slotted-lever --frame 50 --crank 80 --speed 90 -o {}/slotted-lever.svg
     replay scenes/cut_lobe.toml --step 5 -o {}/replay.svg
     probe scenes/inch.toml --step 10 -o {}/points.csv
     inspect scenes/inch.toml {}/points.csv --tolerance 0.02 -o {}/inspect.svg
     compare scenes/inch.toml scenes/tappet.toml --ask diameter,peak:a -o {}/compare.svg
     tolerance tolerance/lever.toml --count 128 -o {}/tolerance.svg
-    sweep scenes/inch.toml --vary follower.base_radius=1:2:3 --vary cam.speed=60,90 \
+    sweep scenes/inch.toml --vary follower.base_radius=-1,1,2 --vary cam.speed=60,90 \
         --ask transmission-angle,verdict --picture {}/map.svg
-    sweep scenes/inch.toml --vary follower.base_radius=1:2:3 --ask peak:a,diameter \
+    sweep scenes/inch.toml --vary follower.base_radius=2,1,1.5 --ask peak:a,diameter \
         --picture {}/curves.svg
     sweep scenes/inch.toml --vary follower.base_radius=1:2 --samples 4 --ask diameter,max:mu \
         --least diameter --largest max:mu --picture {}/front.svg
-    sweep scenes/inch.toml --vary follower.base_radius=1:2:2 --vary follower.roller_radius=0.2,0.3 \
+    sweep scenes/inch.toml --vary follower.base_radius=0,1,2 --vary follower.roller_radius=0.2,0.3 \
         --vary motion.1.law=modified-sine,polynomial-345 --ask diameter --picture {}/axes.svg
     optimise scenes/inch.toml --vary follower.base_radius=1:3 --least diameter \
         --largest transmission-angle --evaluations 9 -o {}/optimise.svg

@@ -192,40 +192,6 @@ def test_none_of_a_tail_is_farther_from_the_pitch_curve_than_the_roller(scene: s
 
 
 @pytest.mark.parametrize("scene", TRIMMED)
-@pytest.mark.parametrize("limit", ["trim", "refuse"])
-def test_what_is_small_is_enlarged_where_nothing_else_is(scene: str, limit: str) -> None:
-    design = edited(scene, **{"limits.undercut": limit})
-    axes = drawn(design.disc)
-    small = inset(axes)
-    if scene == "cut_lobe":
-        assert small is None  # the lobe is larger than the disc
-        return
-    assert small is not None
-    largest = max(design.disc.pictured.cut_off, key=lambda each: float(np.ptp(each.course.real)))
-    x, y = small.get_xlim(), small.get_ylim()
-    assert x[0] < largest.course.real.min() < largest.course.real.max() < x[1]
-    assert y[0] < largest.course.imag.min() < largest.course.imag.max() < y[1]
-    # An edge of the disc, or a flank, passes through the corner.
-    edges = [line for line in small.lines if line.get_color() != cam.CUT]
-    points = np.concatenate([np.asarray(line.get_xydata()) for line in edges])
-    gaps = np.abs(points[:, 0] + 1j * points[:, 1] - largest.corner)
-    assert np.nanmin(gaps) < 1e-3 * (x[1] - x[0])
-    # No line of the picture runs below the inset.
-    box = small.get_window_extent()
-    for line in axes.lines:
-        there = axes.transData.transform(np.asarray(line.get_xydata()))
-        assert not np.any(
-            (there[:, 0] > box.x0)
-            & (there[:, 0] < box.x1)
-            & (there[:, 1] > box.y0)
-            & (there[:, 1] < box.y1)
-        )
-    frame = axes.get_window_extent()
-    assert frame.x0 <= box.x0 < box.x1 <= frame.x1
-    assert frame.y0 <= box.y0 < box.y1 <= frame.y1
-
-
-@pytest.mark.parametrize("scene", TRIMMED)
 def test_a_refused_cam_shows_what_would_be_cut_off(scene: str) -> None:
     design = edited(scene, **{"limits.undercut": "refuse"})
     axes = drawn(design.disc)

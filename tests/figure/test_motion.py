@@ -147,40 +147,6 @@ def test_no_finite_value_is_the_extreme_where_one_is_infinite() -> None:
         assert list(panel(figure, label).get_yticks()) == [0.0], "a scale of nothing"
 
 
-def test_extremes_are_reported() -> None:
-    """The fastest is the straight line up, the fastest down the middle of the parabola."""
-    (reported,) = texts(panel(drawn(planned()), "s′"))
-    fastest = 10.0 / math.radians(90)
-    slowest = -2.0 * 6.0 / math.radians(60)
-    assert reported == f"max {fastest:.4g} at 60.0°,  min −{-slowest:.4g} at 210.0°"
-
-
-def test_a_second_scale_shows_values_over_time() -> None:
-    speed = 20.0
-    assert not [axes for axes in drawn(planned()).axes if axes.get_ylabel().startswith("v ")]
-    figure = drawn(planned(speed))
-    for order, (left, right, power) in enumerate(
-        [("s′", "v [mm/s]", 0), ("s″", "a [10³ mm/s²]", 3), ("s‴", "jerk [10³ mm/s³]", 3)], start=1
-    ):
-        first, second = panel(figure, left), panel(figure, right)
-        assert second.get_ylim() == pytest.approx(
-            [limit * speed**order / 10**power for limit in first.get_ylim()]
-        )
-
-
-def test_behind_a_linkage_both_ends_have_a_diagram() -> None:
-    """The lever's angle, and what its follower makes of it, each with its own derivatives."""
-    design = camgeo.load(next(path for path in SCENES if path.stem == "four_bar"))
-    figure, drive = drawn(design.disc), design.drive
-    phi = np.radians(np.linspace(1.0, 359.0, 7))
-    for symbol, jet in (("χ", drive.plan.jet(phi)), ("ψ", drive.motion.jet(phi))):
-        for order, mark in enumerate(("", "′", "″", "‴")):
-            curve = max(panel_curves(figure, f"{symbol}{mark} ["), key=len)
-            values = np.interp(np.degrees(phi), curve[:, 0], curve[:, 1])
-            # Chords of a quarter of a degree.
-            assert values == pytest.approx(np.degrees(jet[order]), abs=1e-3 * np.abs(curve).max())
-
-
 by_scene = pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
 
 
@@ -241,15 +207,3 @@ def test_what_has_room_stays(places: list[float], share: float) -> None:
         moved = spread(apart, share * float(np.diff(apart).min()) * 0.999, 0.0, 360.0)
         # Positions are taken minus and plus number times gap: some units in the last place of 360.
         assert np.allclose(moved, apart, rtol=0.0, atol=1e-9)
-
-
-def test_a_motion_by_data_is_drawn_as_it_is_asked_for() -> None:
-    design = camgeo.load(next(path for path in SCENES if path.stem == "points"))
-    (segment,) = [s for s in plan_sketch(design.drive.plan).segments if s.course is not None]
-    assert segment.label == "data"
-    assert segment.course is not None
-    inside = segment.course[1:-1]
-    assert np.array_equal(design.drive.plan.jet(inside[:, 0])[0], inside[:, 1])
-    (plan,) = [axes for axes in drawn(design.disc).axes if axes.get_ylabel() == "s [mm]"][:1]
-    curve = max((np.column_stack(line.get_data()) for line in plan.lines), key=len)
-    assert curve == pytest.approx(segment.course * [math.degrees(1.0), 1.0])

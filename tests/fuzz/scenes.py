@@ -137,7 +137,7 @@ def _drawn(rng: Random) -> tuple[dict[str, Any], Path, str]:
         return tomllib.loads(template(kind)), FIXTURES, kind
     if chance < 0.78:
         number = rng.randrange(10**6)
-        return copy.deepcopy(drawn(number).values), FIXTURES, f"random mechanism {number}"
+        return drawn(number), FIXTURES, f"random mechanism {number}"
     return made_up(rng), FIXTURES, "made up"
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import camgeo
@@ -15,10 +14,8 @@ from camgeo.dynamics.effects.registry import ONE_DISC
 from camgeo.errors import SceneError
 from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.scene.scene import parse_scene
-from camgeo.units import TURN
 from tests.effects.scenes import only_for
-from tests.findings import effect_findings, known
-from tests.pairs import lever_of
+from tests.findings import known
 from tests.scene.scenes import FIXTURES, refusal_of, spoilt
 
 LEVER = (FIXTURES / "conjugate_lever.toml").read_text()
@@ -123,35 +120,6 @@ def test_lengths_are_in_the_unit_of_the_scene() -> None:
     assert scene.limits.closing_error == pytest.approx(25.4)
 
 
-def test_behind_a_linkage_both_rollers_move_with_the_crank() -> None:
-    """The lever is placed by the slider-crank's angle, its rollers by independent formulas."""
-    text = SETZHUB.replace("[linkage]", "[follower.return]\narm_angle = -95\narm = 60\n\n[linkage]")
-    design = Design(parse_scene(text))
-    follower, (_, other) = design.cam.follower, design.discs
-    assert isinstance(follower, OscillatingRoller)
-    body = lever_of(follower, math.radians(-95.0), 60.0)
-    phi = np.linspace(0.0, TURN, 100)
-    turn = np.exp(-1j * design.cam.rotation * phi)
-    main, back = body.rollers(design.drive.motion.jet(phi)[0])
-    # Rounding of a triangle of some 100 mm whose angles are 20 degrees at least.
-    assert np.max(np.abs(design.cam.disc.pitch_curve.point(phi) - main * turn)) < 1e-12 * 100.0
-    assert np.max(np.abs(other.cam.disc.pitch_curve.point(phi) - back * turn)) < 1e-12 * 100.0
-
-
-def test_the_drive_torque_of_a_pair_is_that_of_the_motion() -> None:
-    """Virtual work knows no disc: the same as with one, and nothing about a lost contact."""
-    effects = "\n[effects.inertia]\nmoment_of_inertia = 0.05\n[effects.drive-torque]\n"
-    pair = Design(parse_scene(LEVER + effects))
-    table = LEVER[LEVER.index("[follower.return]") : LEVER.index("[[motion]]")]
-    alone = Design(parse_scene(LEVER.replace(table, "") + effects))
-    phi = np.linspace(0.0, TURN, 721)
-    for one, two in zip(pair.disc.columns(), alone.disc.columns(), strict=True):
-        assert one.name == two.name
-        assert np.array_equal(one.values(phi, "right"), two.values(phi, "right"))
-    assert "contact-lost" in {each.name for each in effect_findings(alone)}
-    assert "contact-lost" not in {each.name for each in effect_findings(pair)}
-
-
 def test_the_return_disc_is_a_design_of_its_own() -> None:
     effects = "\n[effects.inertia]\nmoment_of_inertia = 0.05\n"
     design = Design(parse_scene(LEVER + effects))
@@ -204,28 +172,6 @@ def on_rollers(yoke: str = "[follower.yoke]\n", offset: str = "") -> str:
     head, _, rest = PLATE.partition("[[motion]]")
     tail = rest[rest.index("[part]") :]
     return head.replace("offset = 12\n", offset) + yoke + EVEN + tail
-
-
-def test_the_written_contour_has_the_breadth_in_every_direction() -> None:
-    design = Design(parse_scene(TEXT))
-    points = design.disc.drawn.part.boundaries[0].arcs(1e-3).contour.points(1e-5)
-    ways = np.exp(1j * np.linspace(0.0, math.pi, 181))
-    heights = (points[:, None] * np.conj(ways)).real
-    widths = np.max(heights, axis=0) - np.min(heights, axis=0)
-    # Each side within the tolerance and the chords of its points.
-    assert np.max(np.abs(widths - 66.0)) <= 2.0 * (1e-3 + 1e-5)
-
-
-def test_rollers_of_a_yoke_are_as_far_apart_on_the_pitch_curve() -> None:
-    design = Design(parse_scene(on_rollers()))
-    phi = np.linspace(0.0, math.pi, 37)
-    points = [
-        x + 1j * y
-        for x, y in (design.disc.pictured.curve("pitch", angle).T for angle in (phi, phi + math.pi))
-    ]
-    assert np.abs(points[0] - points[1]) == pytest.approx(design.cam.yoke_breadth, rel=1e-14)
-    assert design.cam.yoke_breadth == pytest.approx(120.0)
-    assert closing(on_rollers()).severity == "ok"
 
 
 def test_a_wrong_breadth_is_reported_with_its_error() -> None:

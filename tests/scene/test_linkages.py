@@ -18,7 +18,7 @@ from camgeo.kinematics.mechanism.linkages import FourBar, SliderDrivenCrank
 from camgeo.scene.formats.format import find_format
 from camgeo.scene.scene import parse_scene
 from camgeo.scene.toml import template
-from tests.findings import effect_findings, known
+from tests.findings import effect_findings
 from tests.scene.scenes import LINKED, refusal_by, refusal_of, spoilt
 
 FIXTURES = Path(__file__).parents[2] / "fixtures" / "scenes"
@@ -143,75 +143,6 @@ def test_a_direction_that_contradicts_the_four_bar_is_reported() -> None:
 def _moves_outward(design: Design) -> bool:
     at = design.disc.pictured.curve("pitch", np.radians([0.0, 200.0]))
     return bool(np.linalg.norm(at[1]) > np.linalg.norm(at[0]))
-
-
-@pytest.mark.parametrize(("text", "angle"), [(FOUR_BAR, "chi"), (SLIDER_DRIVEN, "theta")])
-def test_the_table_has_both_motions(text: str, angle: str) -> None:
-    made = loaded(text)
-    table = made.tabulated.table()
-    columns = dict(zip(table.names, table.values.T, strict=True))
-    assert len(columns) == len(table.names)
-    phi = np.radians(columns["phi [deg]"])
-    assert columns[f"{angle} [deg]"] == pytest.approx(np.degrees(made.drive.plan.jet(phi)[0]))
-    own = "psi' [1]" if made.cam.lift_unit == "rad" else "s' [mm/rad]"
-    assert columns[own] == pytest.approx(made.drive.motion.jet(phi)[1])
-    speed = known(made.scene.speed)
-    assert columns[f"omega_{angle} [deg/s]"] == pytest.approx(
-        np.degrees(made.drive.plan.jet(phi)[1]) * speed
-    )
-
-
-AT_ROCKER = """
-[effects.kinematics]
-[effects.inertia]
-moment_of_inertia = 0.01
-roller_mass = 0.1
-[effects.spring]
-kind = "torsion"
-torsional_stiffness = 20
-preload_torque = 20
-[effects.contact-force]
-[effects.drive-torque]
-[effects.vibration]
-natural_frequency = 90
-damping = 0.05
-"""
-
-AT_SLIDER = """
-[effects.kinematics]
-[effects.inertia]
-mass = 1
-roller_mass = 0.1
-[effects.spring]
-stiffness = 5
-preload = 300
-[effects.friction]
-guide = 0.1
-[effects.contact-force]
-[effects.drive-torque]
-[effects.vibration]
-natural_frequency = 90
-damping = 0.05
-"""
-
-
-@pytest.mark.parametrize(
-    ("text", "tables", "prefix"),
-    [(FOUR_BAR, AT_ROCKER, "rocker"), (SLIDER_DRIVEN, AT_SLIDER, "follower")],
-)
-def test_effects_at_the_follower_itself_work(text: str, tables: str, prefix: str) -> None:
-    made = loaded(text, ("[part]", f"{tables}[part]"))
-    assert {each.severity for each in effect_findings(made)} <= {"ok", "warning"}
-    names = {column.name: column for column in made.disc.columns()}
-    phi = np.radians(np.arange(0.5, 360.0, 7.0))
-    own = names[f"{prefix} velocity"].values(phi, "right")
-    speed = known(made.scene.speed)
-    scale = math.degrees(1.0) if made.cam.lift_unit == "rad" else 1.0
-    assert own == pytest.approx(scale * speed * made.drive.motion.jet(phi)[1], abs=1e-9)
-    # Kinetic energy of what moves with the follower: its own, whatever the linkage.
-    inertia = made.effect("inertia")
-    mass = 1e3 * 0.01 + 1e-4 * 80.0**2 if made.cam.lift_unit == "rad" else 1.1e-3
-    assert inertia.to_follower(phi, "right") == pytest.approx(np.full(len(phi), mass))
 
 
 def test_data_of_another_linkage_are_refused_from_outside_too() -> None:

@@ -292,26 +292,6 @@ def test_texts_that_stand_where_they_would_first_are_found(
     assert any(layer in ("DIMENSION", "SYMBOL") for _, layer in found)
 
 
-def test_holes_in_the_plane_have_centre_lines_in_the_section() -> None:
-    """Of four holes at 0, 90, 180 and 270 degrees two are cut; the disc is 10 thick."""
-    (sheet,) = sheets_of(part("hub and bolts", 0, sheet="A3"), TOLERANCE)
-    found = [mark for mark in sheet.views[1].marks
-             if isinstance(mark, Chain) and mark.layer == "CENTRE"]  # fmt: skip
-    for level in (-25.0, 25.0):
-        ends = np.concatenate([m.vertices for m in found if abs(m.vertices[0].imag - level) < 1e-9])
-        assert (ends.real.min(), ends.real.max()) == pytest.approx((10.0, 24.0))
-
-
-@pytest.mark.parametrize(("name", "number"), [("setzhub", ""), ("groove", "2x")])
-def test_the_tolerance_holds_all_around_each_flank(name: str, number: str) -> None:
-    (sheet,) = sheets(name)
-    marks = sheet.views[0].marks
-    rounds = [each for each in marks if isinstance(each, Round) and each.layer == "SYMBOL"]
-    assert [each.radius * sheet.scale for each in rounds] == pytest.approx([1.5])
-    texts = [each.text for each in marks if isinstance(each, Label)]
-    assert [each for each in texts if each.endswith("x")] == [number] * bool(number)
-
-
 def test_surfaces_that_differ_are_announced_in_brackets() -> None:
     for flank, there in (("Ra 0.8", True), (None, False)):
         (sheet,) = sheets_of(part("plain", 0, flank_surface=flank), TOLERANCE)

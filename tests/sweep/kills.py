@@ -33,7 +33,7 @@ from tests.findings import known
 from tests.seeds import add_seed, moment
 from tests.sweep.driver import ASK, in_chunk, killed_family
 from tests.sweep.processes import ROOT, WORKERS, Processes
-from tests.waiting import until
+from tests.waiting import alive, until
 
 Victim = Literal["worker", "driver"]
 
@@ -150,15 +150,7 @@ def _one_of(computing: Callable[[], list[int]], own: list[int], chosen: random.R
 
 def _require_ended(helpers: set[int]) -> None:
     """Processes of a pool end with their driver."""
-    until("the end of the workers of a driver", lambda: not any(map(_alive, helpers)))
-
-
-def _alive(pid: int) -> bool:
-    try:
-        status = Path(f"/proc/{pid}/status").read_text()
-    except OSError:
-        return False
-    return "State:\tZ" not in status
+    until("the end of the workers of a driver", lambda: not any(map(alive, helpers)))
 
 
 def _kill(pid: int) -> None:

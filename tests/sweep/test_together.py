@@ -22,7 +22,6 @@ from camgeo.geometry.together import alike, several
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.kinematics.mechanism.follower import RelativeJet
 from camgeo.kinematics.plan import MotionPlan
-from camgeo.lazy import Ledger
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.scene import Scene, load_scene
 from camgeo.scene.values import Value
@@ -184,20 +183,6 @@ def test_designs_that_are_not_alike() -> None:
     numbers = {"follower.arm": 61.3, "linkage.coupler": 123}
     same = linked.with_values({**numbers, "limits.transmission_angle": 40})
     assert alike_designs(Design(same)) == alike_designs(Design(linked))
-
-
-def test_many_compute_what_is_asked_and_nothing_else() -> None:
-    found = family("follower.base_radius=45:60:5")
-    for ask, names in {
-        "transmission-angle": {"motion", "pitch_curve"},
-        "peak:a": {"time_course", "motion", "smooth_angles"},
-        "min:mu": {"time_course", "motion", "smooth_angles", "pitch_curve"},
-        "largest-acceleration": {"time_course"},
-    }.items():
-        ledger = Ledger()
-        work = Work.of(found, asked_of(Design(found.scene), [ask]))
-        work.rows([*found.points()], ledger)
-        assert {run.name for run in ledger.runs} <= names
 
 
 def test_zeros_of_both_signs_are_different_numbers() -> None:
