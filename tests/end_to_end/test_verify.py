@@ -47,7 +47,7 @@ def scaled(factor: float, *codes: str) -> Damage:
 
     def change(data: bytes) -> bytes:
         lines = data.decode().split("\n")
-        for place in places(tuple(lines), codes):
+        for place in places(lines, codes):
             lines[place] = repr(factor * float(lines[place]))
         return "\n".join(lines).encode()
 
@@ -59,7 +59,7 @@ def shifted(by: float) -> Damage:
 
     def change(data: bytes) -> bytes:
         lines = data.decode().split("\n")
-        place = places(tuple(lines), ("20",))[8]
+        place = places(lines, ("20",))[8]
         lines[place] = repr(float(lines[place]) + by)
         return "\n".join(lines).encode()
 

@@ -17,8 +17,8 @@ from camgeo.errors import FileError
 from camgeo.milling.machine import load
 from camgeo.scene.scene import parse_scene
 from camgeo_export.gcode.writer import WRITER
-from camgeo_export.interpreter.moves import Event
-from camgeo_export.interpreter.run import LINTER, Run, run
+from camgeo_export.interpreter.moves import Event, Run
+from camgeo_export.interpreter.run import LINTER, run
 from camgeo_export.verify.gcode import VERIFIER, bench_of
 
 # Good programs ------------------------------------------------------------------------------------

@@ -20,8 +20,8 @@ from hypothesis import strategies as st
 from camgeo.errors import FileError
 from camgeo.milling.machine import load, names
 from camgeo.numeric.arrays import phase
-from camgeo_export.interpreter.moves import RULES, CutterMove
-from camgeo_export.interpreter.run import Run, run
+from camgeo_export.interpreter.moves import RULES, CutterMove, Run
+from camgeo_export.interpreter.run import run
 from tests.interpreter.programs import GOOD
 from tests.long_form import examples
 

@@ -28,8 +28,8 @@ from camgeo.milling.milling import CORNERS, HEIGHTS, GcodeSpec
 from camgeo.scene.scene import parse_scene
 from camgeo.units import LengthUnit
 from camgeo_export.gcode.writer import WRITER
-from camgeo_export.interpreter.moves import CutterMove
-from camgeo_export.interpreter.run import Run, run
+from camgeo_export.interpreter.moves import CutterMove, Run
+from camgeo_export.interpreter.run import run
 from camgeo_export.verify.gcode import VERIFIER, bench_of
 from tests.export.stub_product import TOOL, StubProduct
 from tests.interpreter.programs import (
