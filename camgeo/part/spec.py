@@ -591,7 +591,7 @@ class Chamfers:
 # Keyways of hubs by DIN 6885-1, parallel keys of the deep form: from the diameter of the bore.
 #
 # Rows on which sources do not agree are left out: that of shafts above 440 mm, where the depth in
-# the hub is 19.4 or 19.5 mm. `tests/part/test_spec.py` names the sources.
+# the hub is 19.4 or 19.5 mm. `tests/part/test_part.py` names the sources.
 
 
 class Row(NamedTuple):

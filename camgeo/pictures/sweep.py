@@ -535,6 +535,10 @@ def of_designs(designs: Sequence[tuple[str, Design]]) -> Figure:
     return Figure(size, tuple(panels), legend=legend)
 
 
+figure = of_designs
+"""Its name in `camgeo.pictures.compare`, which docs/sweep.md named."""
+
+
 def _spelled(heading: str) -> str:
     """The heading of a column as the label of an axis."""
     for words, letters in SPELLED.items():

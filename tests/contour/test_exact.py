@@ -1,7 +1,7 @@
 """Outlines that are exactly lines and arcs: their chords, their parallels, and the distance of two
 contours, which is a sharp bound of Hausdorff's: compared with dense sampling and closed forms.
 
-That parallels are those of shapely is in tests/printing/test_compensation.py."""
+That parallels are those of shapely is in tests/printing/test_printing.py."""
 
 from __future__ import annotations
 

@@ -512,7 +512,7 @@ def test_virtual_work_gives_the_leverage(curve: PitchCurve) -> None:
 @attack
 @given(curve=flat_curves(tuple(LAWS)), count=st.integers(1, 30))
 def test_bounds_do_all_that_is_asked_of_them(curve: PitchCurve, count: int) -> None:
-    """Of Z' and Z'' all over each cell; the third as `camgeo.kinematics.mechanism.face` says."""
+    """Of Z' and Z'' all over each cell; the third as `camgeo.kinematics.mechanism.flat` says."""
     low, high = cells(curve.borders, count)
     middle, (first, second, third) = curve.jet_and_bounds(low, high)
     half = 0.5 * (high - low)

@@ -395,7 +395,7 @@ def test_what_vanishes_is_refused(name: str, by: float) -> None:
 TABLE = {
     "bore_clearance": 0.2,
     "key_clearance": 0.1,
-    "elephant_foot": {"inset": 0.3, "height": 0.6, "steps": 3.0},
+    "elephant_foot": {"inset": 0.3, "height": 0.6, "steps": 3},
     "shrinkage": {"xy": 0.5, "z": -1.0},
 }
 
