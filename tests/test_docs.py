@@ -129,14 +129,14 @@ def test_the_python_lines_of_the_readme_run(
 def test_the_scene_lines_of_the_readme_are_a_valid_scene() -> None:
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     heart = readme.split("```toml\n")[1].split("```")[0]
-    scene = parse_scene('camgeo = 1\nname = "readme"\n[cam]\nrotation = "ccw"\n' + heart)
+    scene = parse_scene(heart)
     assert scene.follower is not None
     assert scene.follower.base_radius == 50.0
 
 
 def test_the_readme_is_short_and_links_pages_that_exist() -> None:
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    assert readme.count("\n") <= 150
+    assert readme.count("\n") <= 120
     linked = re.findall(r"\]\(([^)#]+)\)", readme)
     assert linked
     assert [name for name in linked if not (ROOT / name).is_file()] == []
@@ -161,7 +161,7 @@ def test_the_commands_of_the_readme_are_commands() -> None:
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     listed = readme.split("```sh\ncamgeo new")[1].split("```")[0]
     shown = re.findall(r"^camgeo ([a-z-]+) ([^#\n]*)", listed, flags=re.MULTILINE)
-    assert len(shown) > 10
+    assert len(shown) >= 4
     for command, words in shown:
         parser([command]).parse_args([command, *words.split()])
 
