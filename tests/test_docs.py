@@ -144,6 +144,26 @@ def test_the_readme_is_short_and_links_pages_that_exist() -> None:
     assert pages - set(linked) == set()
 
 
+def test_contributing_names_modules_that_are_there() -> None:
+    """By their paths, or dotted, with or without camgeo in front and a name behind."""
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    there = [
+        f"/{path.relative_to(ROOT).with_suffix('').as_posix().removesuffix('/__init__')}"
+        for path in ROOT.glob("[a-z]*/**/*.py")
+    ]
+    paths = [name.removesuffix(".py") for name in re.findall(r"`([\w./]+\.py)`", text)]
+    dotted = re.findall(r"`((?:camgeo\.\w+|check|mechanism|numeric)\.[\w.]+)`", text)
+    named = [*paths, *(name.replace(".", "/") for name in dotted)]
+    lost = [
+        name
+        for name in named
+        if "NAME" not in name
+        and not any(each.endswith((f"/{name}", f"/{name.rpartition('/')[0]}")) for each in there)
+    ]
+    assert len(named) > 20
+    assert lost == []
+
+
 def test_every_figure_names_its_machine_and_a_command_that_is_there() -> None:
     page = (ROOT / "docs" / "figures.md").read_text(encoding="utf-8")
     head, *sections = page.split("\n## ")
