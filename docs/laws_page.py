@@ -415,7 +415,7 @@ def drawn(family: str) -> tuple[tuple[str, Parameters], ...]:
         return DRAWN[family]
     first = {task: (task, given) for task, given in reversed(examples(family))}
     shown = tuple(reversed(first.values()))
-    if shown[0][0] == "R-R" and len(shown) == 1 and family != "straight-line":
+    if len(shown) == 1 and "inflection" in FAMILIES[family].parameters.get("R-R", ()):
         return (*shown, ("R-R", {"inflection": 0.35}))
     return shown
 
