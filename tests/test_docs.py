@@ -147,19 +147,26 @@ def test_the_readme_is_short_and_links_pages_that_exist() -> None:
 def test_contributing_names_modules_that_are_there() -> None:
     """By their paths, or dotted, with or without camgeo in front and a name behind."""
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-    there = [
-        f"/{path.relative_to(ROOT).with_suffix('').as_posix().removesuffix('/__init__')}"
+    there = {
+        f"/{path.relative_to(ROOT).with_suffix('').as_posix().removesuffix('/__init__')}": path
         for path in ROOT.glob("[a-z]*/**/*.py")
+    }
+    paths = [
+        name.removesuffix(".py").removesuffix("/__init__")
+        for name in re.findall(r"`([\w./]+\.py)`", text)
     ]
-    paths = [name.removesuffix(".py") for name in re.findall(r"`([\w./]+\.py)`", text)]
     dotted = re.findall(r"`((?:camgeo\.\w+|check|mechanism|numeric)\.[\w.]+)`", text)
     named = [*paths, *(name.replace(".", "/") for name in dotted)]
-    lost = [
-        name
-        for name in named
-        if "NAME" not in name
-        and not any(each.endswith((f"/{name}", f"/{name.rpartition('/')[0]}")) for each in there)
-    ]
+    lost = []
+    for name in named:
+        module, _, own = name.rpartition("/")
+        inside = (path for each, path in there.items() if module and each.endswith(f"/{module}"))
+        if not (
+            "NAME" in name
+            or any(each.endswith(f"/{name}") for each in there)
+            or any(re.search(rf"\b{own}\b", path.read_text("utf-8")) for path in inside)
+        ):
+            lost.append(name)
     assert len(named) > 20
     assert lost == []
 
