@@ -29,7 +29,7 @@ from camgeo.check.disc import transmission_angle_limit
 from camgeo.check.finding import Finding
 from camgeo.check.judge import motion_findings
 from camgeo.check.sizing.face import FaceTask
-from camgeo.check.sizing.rounding import Made, exponent_of, made_of, rated, sized
+from camgeo.check.sizing.rounding import Made, exponent_of, rated, sized
 from camgeo.check.sizing.smallest import ARM_SIDES, Active, Rating, Sizing
 from camgeo.check.sizing.task import Placing, Task
 from camgeo.design.design import Design
@@ -210,7 +210,7 @@ def size(
     found = sized(cam, angle, ratio, radius_of_curvature, arms, MM_PER[unit])
     present = getattr(design.scene.follower, "arm", None)
     sides = tuple(
-        Side(task, sizing, unit, made_of(task, sizing, ratio, present, MM_PER[unit]))
+        Side(task, sizing, unit, Made.of(task, sizing, ratio, present, MM_PER[unit]))
         for task, sizing in found
     )
     answer = CamSize(design.scene, sides, rated(cam))
