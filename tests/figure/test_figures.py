@@ -60,7 +60,7 @@ from camgeo.pictures.model import (
     log_limits,
     over,
 )
-from camgeo.studies.inspection import Deviations, Gap, lift_errors
+from camgeo.studies.inspection import Deviations, Gap, LiftErrors
 from camgeo_export.plots import draw, render
 from tests import kept
 from tests.cli.test_accuracy import made_up
@@ -98,7 +98,7 @@ def of_inspection() -> Figure:
     found = Deviations(places, 0.004 * np.sin(places.phi), Gap(0.3, 6.0))
     return deviations.inspection_figure(
         found,
-        lift_errors(flank, found),
+        LiftErrors.of(flank, found),
         title="measured",
         unit=("mm", 1.0),
         lift_unit=("mm", 1.0),

@@ -24,7 +24,7 @@ from camgeo.app.answers.size import size as size_of
 from camgeo.app.designing.children import Job, JobError
 from camgeo.app.designing.edits import changed
 from camgeo.app.designing.faults import faults_as_data
-from camgeo.app.designing.form import form, plan
+from camgeo.app.designing.form import Fields
 from camgeo.app.designing.handles import handles
 from camgeo.check.cures.remedies import Cure
 from camgeo.check.finding import RETURN, Finding
@@ -294,8 +294,8 @@ def _stated(found: Document, recent: Recent) -> dict[str, Any]:
     fields = repr({key: value for key, value in found.exact.items() if key != "motion"})
     named = found.at(("effects",))
     return {
-        "form": recent.kept("form", (fields,), lambda: form(found)),
-        "plan": plan(found),
+        "form": recent.kept("form", (fields,), lambda: Fields(found).form()),
+        "plan": Fields(found).plan(),
         "effects": sorted(named) if isinstance(named, dict) else [],
     }
 
