@@ -13,11 +13,11 @@ from camgeo.kinematics.mechanism.follower import Follower
 from camgeo.kinematics.mechanism.linkage import (
     BACK,
     OUT,
-    POSITIONS,
     Linkage,
     LinkedMotion,
     clear_range,
     kept_between,
+    position_text,
 )
 from camgeo.numeric.kept import kept_with_owner
 from camgeo.units import cam_angle
@@ -156,13 +156,6 @@ def _smallest(motion: LinkedMotion, way: int) -> tuple[float, float]:
         return 0.0, min(stuck, key=runs.first_angle)
     least = int(np.argmin(sines))
     return float(sines[least]), positions[least]
-
-
-def position_text(linkage: Linkage, position: float) -> str:
-    """A position of the demanded motion [mm or rad], in words."""
-    if linkage.unit == "mm":
-        return f"stroke {position:.6g} mm"
-    return f"{POSITIONS[linkage.member]} {math.degrees(position):.6g} deg"
 
 
 def _place(motion: LinkedMotion, position: float) -> tuple[str, float]:

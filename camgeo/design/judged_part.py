@@ -14,7 +14,7 @@ from camgeo.design.product import bodies_of
 from camgeo.errors import CamgeoError, GeometryError, ToleranceError
 from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import Extreme, piecewise_highest
-from camgeo.part.mass import SHARE, Solid, Web, largest_diameter, section_area, surely_thick
+from camgeo.part.mass import SHARE, Solid, Web, largest_diameter, section_area
 from camgeo.part.materials import KG_M3
 from camgeo.part.spec import MAIN, Pair, PartSpec
 from camgeo.units import TURN, at_cam_angles, listed
@@ -168,7 +168,7 @@ def _poor(disc: Product, *, warned: bool) -> tuple[Finding, ...]:
         found.append(_diameter(part, limits.diameter))
     if limits.mass is not None:
         found += _mass(_body(disc, part), limits.mass)
-    if (warned or limits.wall is not None) and not surely_thick(part, limits.wall):
+    if (warned or limits.wall is not None) and not Web.surely_thick(part, limits.wall):
         found += _smallest_wall(part, limits.wall)
     printing = disc.scene.printing
     if printing is not None and (printing.nozzle is not None or not warned):

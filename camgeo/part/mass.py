@@ -244,15 +244,16 @@ class Web:
         first, beside = (found[each][2] if each in found else None for each in (_thickness, _share))
         return first, beside if beside is not None and beside.usual else None
 
-
-def surely_thick(part: Part, limit: float | None = None) -> bool:
-    """Whether circles about the boundaries suffice to show that no web is thinner than the `limit`
-    [mm], or where that is None than its usual thickness; raises like `Web.thinnest_of_each`.
-    """
-    return all(
-        _least(one, hole) >= (_usual(one, hole) if limit is None else limit)
-        for one, hole in _pairs(part)
-    )
+    @staticmethod
+    def surely_thick(part: Part, limit: float | None = None) -> bool:
+        """Whether circles about the boundaries suffice to show that no web is thinner than the
+        `limit` [mm], or where that is None than its usual thickness; raises like
+        `thinnest_of_each`.
+        """
+        return all(
+            _least(one, hole) >= (_usual(one, hole) if limit is None else limit)
+            for one, hole in _pairs(part)
+        )
 
 
 def _thickness(thickness: float, _: float) -> float:

@@ -14,7 +14,6 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from camgeo.check.machine import position_text
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import make_law
 from camgeo.kinematics.mechanism.linkage import (
@@ -29,6 +28,7 @@ from camgeo.kinematics.mechanism.linkage import (
     locked_at,
     monotone_runs,
     openings,
+    position_text,
     why_open,
 )
 from camgeo.kinematics.mechanism.linkages import FourBar, SliderCrank, SliderDrivenCrank

@@ -33,7 +33,6 @@ from camgeo.part.mass import (
     disc_moments,
     largest_diameter,
     section_area,
-    surely_thick,
 )
 from camgeo.part.materials import MATERIALS, find_material
 from camgeo.part.part import Edge, Layer, Part, Wall, edges_of
@@ -815,7 +814,7 @@ def test_walls_of_circles(
     assert least is not None
     assert least.thickness == found.thickness
     # A groove's outer flank is a hole around the bore, so circles about both meet.
-    assert surely_thick(part) == (thickness > usual and spec.rim is None)
+    assert Web.surely_thick(part) == (thickness > usual and spec.rim is None)
     assert names in (None, (found.one, found.other))
     assert found.thickness == pytest.approx(thickness, abs=0.01)
     assert found.usual == pytest.approx(usual)
@@ -887,12 +886,12 @@ def test_no_wall_of_a_random_part_is_thinner(
     assert (found is None) == (not walls)
     if found is None:
         return
-    assert not surely_thick(part, 1.0) or found.thickness >= 1.0
+    assert not Web.surely_thick(part, 1.0) or found.thickness >= 1.0
     assert found.thickness == pytest.approx(min(wall for wall, _ in walls), abs=0.05)
     assert (beside is None) == (not any(usual for _, usual in walls))
     if beside is None:
         return
-    assert not surely_thick(part) or beside.thickness >= beside.usual
+    assert not Web.surely_thick(part) or beside.thickness >= beside.usual
     off = 0.05  # of the polygons
     relative = beside.thickness / beside.usual
     assert relative <= min((wall + off) / usual for wall, usual in walls if usual)

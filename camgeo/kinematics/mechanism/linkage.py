@@ -323,6 +323,13 @@ def locked_at(linkage: Linkage, demanded: Motion) -> tuple[float, float] | None:
     return min(((runs.first_angle(each), each) for each in found), default=None)
 
 
+def position_text(linkage: Linkage, position: float) -> str:
+    """A position of the demanded motion [mm or rad], in words."""
+    if linkage.unit == "mm":
+        return f"stroke {position:.6g} mm"
+    return f"{POSITIONS[linkage.member]} {math.degrees(position):.6g} deg"
+
+
 # -- linked motion --------------------------------------------------------------------------------
 # A linkage ahead of the follower: a motion derived from another by the chain rule.
 
