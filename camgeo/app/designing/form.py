@@ -258,7 +258,7 @@ LONGEST: Final = 400
 
 
 class Fields:
-    """The fields of one scene, right or wrong.
+    """The fields of one scene, right or wrong: each by itself, as a form, and by segment of a plan.
 
     Attributes
     ----------

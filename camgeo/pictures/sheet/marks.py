@@ -465,22 +465,6 @@ def settled(
     return [*fixed, *(mark for marks in places for mark in marks)]
 
 
-def cleared(marks: Iterable[Mark], ink: Ink, scale: float) -> Iterator[Mark]:
-    """The marks, with straight lines of `AXES` interrupted, and short chains of them left out,
-    where they would go through a text or a frame of the `ink`.
-    """
-    rooms = (ink.texts.around(CLEAR), ink.frames)
-    for mark in marks:
-        if not (isinstance(mark, Chain) and mark.layer in AXES):
-            yield mark
-            continue
-        lines = chords(scale * mark.vertices, mark.sweeps, closed=mark.closed)
-        if len(mark.vertices) == 2 and not mark.sweeps[0]:
-            yield from _interrupted(mark, rooms, lines)
-        elif not any(np.any(each.cut(lines)) for each in rooms):
-            yield mark
-
-
 def _interrupted(mark: Chain, rooms: Sequence[Boxes], lines: ComplexArray) -> Iterator[Mark]:
     start, end = (complex(each) for each in mark.vertices)
     spans = []
@@ -699,6 +683,21 @@ class Ink:
                                  self.axes.ravel()])  # fmt: skip
         low = complex(points.real.min(), points.imag.min())
         return low, complex(points.real.max(), points.imag.max())
+
+    def cleared(self, marks: Iterable[Mark], scale: float) -> Iterator[Mark]:
+        """The marks, with straight lines of `AXES` interrupted, and short chains of them left out,
+        where they would go through a text or a frame of these.
+        """
+        rooms = (self.texts.around(CLEAR), self.frames)
+        for mark in marks:
+            if not (isinstance(mark, Chain) and mark.layer in AXES):
+                yield mark
+                continue
+            lines = chords(scale * mark.vertices, mark.sweeps, closed=mark.closed)
+            if len(mark.vertices) == 2 and not mark.sweeps[0]:
+                yield from _interrupted(mark, rooms, lines)
+            elif not any(np.any(each.cut(lines)) for each in rooms):
+                yield mark
 
 
 def together(inks: Iterable[Ink]) -> Ink:

@@ -28,7 +28,6 @@ from camgeo.pictures.sheet.marks import (
     Round,
     Sheet,
     View,
-    cleared,
     ink_of,
     line,
     moved,
@@ -296,7 +295,7 @@ def front_view(drawn: Drawn, scale: float, product: Product, spec: DrawingSpec) 
 
 def _cleared(marks: list[Mark], scale: float, unit: LengthUnit) -> list[Mark]:
     """The marks of a view with thin lines kept off its texts and frames."""
-    return list(cleared(in_dashes(marks, scale), ink_of(marks, scale, unit), scale))
+    return list(ink_of(marks, scale, unit).cleared(in_dashes(marks, scale), scale))
 
 
 def _cross(low: complex, high: complex, scale: float) -> list[Mark]:
