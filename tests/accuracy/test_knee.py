@@ -132,11 +132,11 @@ def test_seconds_of_a_machine_count_only_if_asked_for() -> None:
 def test_a_step_in_words() -> None:
     """Of the last one up to the knee, or of the first one beyond it."""
     rows = costing((10, 10_000, 0.06), (20, 19_400, 0.0724), (200, 10**6, 9.0))
-    knee = knee_of(rows)
+    knee = known(knee_of(rows))
     assert knee.step_sentence == "from 0.1 mm to 0.01 mm costs 10 pieces, 12 ms and 9.4 kB"
-    first = knee_of([rows[0], rows[2]])
+    first = known(knee_of([rows[0], rows[2]]))
     assert first.step_sentence == "from 0.1 mm to 0.001 mm costs 190 pieces, 8.9 s and 990 kB"
-    slower = knee_of(milled((1e-2, 50, 4), (1e-3, 70, 4)))
+    slower = known(knee_of(milled((1e-2, 50, 4), (1e-3, 70, 4))))
     assert slower.step_sentence == (
         "from 0.01 mm to 0.001 mm costs 1 piece, no time and 0 kB, machining 20.0 s longer"
     )
