@@ -30,8 +30,8 @@ import numpy as np
 
 import camgeo
 from camgeo.check.disc import transmission_angle_limit
-from camgeo.check.sizing.smallest import row_limits, size, smallest_place
-from camgeo.check.sizing.task import Task, task_of
+from camgeo.check.sizing.smallest import Sizing, row_limits, smallest_place
+from camgeo.check.sizing.task import Task
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import BoolArray, FloatArray
 
@@ -58,12 +58,12 @@ def main() -> None:
 def measure(name: str, rounds: int, angles: int) -> None:
     """Print the row of a scene."""
     design = camgeo.load(SCENES / f"{name}.toml")
-    task, limits = task_of(design.cam), design.scene.limits
+    task, limits = Task.of(design.cam), design.scene.limits
     angle, ratio = transmission_angle_limit(task.cam, limits), limits.radius_ratio
     tangent = math.tan(angle)
     alone = best(lambda: smallest_place(task, tangent), rounds)
-    both = best(lambda: size(task, angle, ratio), rounds)
-    found = size(task, angle, ratio).answer
+    both = best(lambda: Sizing.of(task, angle, ratio), rounds)
+    found = Sizing.of(task, angle, ratio).answer
     if found is None:
         print(f"{name:20}infeasible")
         return

@@ -12,9 +12,10 @@ from pathlib import Path
 from typing import Final
 
 import camgeo
+from camgeo.app.answers.accuracy import harmonics
 from camgeo.design.design import Design
 from camgeo.scene.formats.dxf import FORMAT
-from camgeo.studies.accuracy.benefit import BenefitRow, benefit_rows, harmonics
+from camgeo.studies.accuracy.benefit import BenefitRow, benefit_rows
 from camgeo.studies.accuracy.survey import STAGES, BillRow, bill_rows
 from camgeo.units import RPM
 

@@ -295,8 +295,8 @@ CLOSED: dict[str, dict[str, str]] = {
     "camgeo/pictures/sheet/texts.py": {
         "np.linspace(0.0, TURN, SAMPLES)": PICTURE,
     },
-    "camgeo/pictures/sheet/sheet.py": {
-        "np.arange(PLACES + 1)": PICTURE,
+    "camgeo/pictures/sheet/section.py": {
+        "np.arange(ALONG + 1)": PICTURE,
     },
     "camgeo/studies/tolerancing/linear.py": {
         "np.linspace(0.0, TURN, ANGLES + 1)": (

@@ -14,16 +14,7 @@ from camgeo.design.product import bodies_of
 from camgeo.errors import CamgeoError, GeometryError, ToleranceError
 from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import Extreme, piecewise_highest
-from camgeo.part.mass import (
-    SHARE,
-    Solid,
-    Web,
-    largest_diameter,
-    section_area,
-    solid,
-    surely_thick,
-    thinnest_of_each,
-)
+from camgeo.part.mass import SHARE, Solid, Web, largest_diameter, section_area
 from camgeo.part.materials import KG_M3
 from camgeo.part.spec import MAIN, Pair, PartSpec
 from camgeo.units import TURN, at_cam_angles, listed
@@ -108,20 +99,22 @@ class PartFound:
     body: Body | None
     findings: tuple[Finding, ...]
 
-
-def part_of(disc: Product) -> PartFound:
-    """The part of a disc that exists."""
-    try:
-        part = disc.drawn.part
-    except (GeometryError, ToleranceError) as error:
-        return PartFound(None, (), None, (_impossible(disc, error),))
-    body = _body(disc, part)
-    layers = tuple(Slice(each.name, each.z0, each.z1, section_area(each)) for each in part.layers)
-    return PartFound(largest_diameter(part)[0], layers, body, _findings(disc, part, body))
+    @staticmethod
+    def of(disc: Product) -> PartFound:
+        """The part of a disc that exists."""
+        try:
+            part = disc.drawn.part
+        except (GeometryError, ToleranceError) as error:
+            return PartFound(None, (), None, (_impossible(disc, error),))
+        body = _body(disc, part)
+        layers = tuple(
+            Slice(each.name, each.z0, each.z1, section_area(each)) for each in part.layers
+        )
+        return PartFound(largest_diameter(part)[0], layers, body, _findings(disc, part, body))
 
 
 def findings_on(disc: Product) -> tuple[Finding, ...]:
-    """The findings of `part_of`; of a scene that states nothing of a part, none."""
+    """The findings of `PartFound.of`; of a scene that states nothing of a part, none."""
     if not _stated(disc.scene):
         return ()
     try:
@@ -175,7 +168,7 @@ def _poor(disc: Product, *, warned: bool) -> tuple[Finding, ...]:
         found.append(_diameter(part, limits.diameter))
     if limits.mass is not None:
         found += _mass(_body(disc, part), limits.mass)
-    if (warned or limits.wall is not None) and not surely_thick(part, limits.wall):
+    if (warned or limits.wall is not None) and not Web.surely_thick(part, limits.wall):
         found += _smallest_wall(part, limits.wall)
     printing = disc.scene.printing
     if printing is not None and (printing.nozzle is not None or not warned):
@@ -194,7 +187,7 @@ def _diameter(part: Part, limit: float | None) -> Finding:
 def _body(disc: Product, part: Part) -> Body | None:
     """The part as a body; None if the scene does not state all heights."""
     try:
-        return Body(solid(part), _density(disc.scene))
+        return Body(Solid.of(part), _density(disc.scene))
     except GeometryError:
         return None
 
@@ -212,7 +205,7 @@ def _mass_of_both(disc: Product, body: Body | None) -> Iterator[Finding]:
     if not apart or body is None or body.density is None:
         return
     try:
-        solids = [body.solid, *(solid(other.drawn.part) for other in disc.others)]
+        solids = [body.solid, *(Solid.of(other.drawn.part) for other in disc.others)]
     except (GeometryError, ToleranceError):  # which the other disc reports
         return
     weight = KG * body.density
@@ -229,7 +222,7 @@ def _smallest_wall(part: Part, limit: float | None) -> Iterator[Finding]:
     """The thinnest wall between two boundaries; without a limit also that which is thinnest beside
     its hole, a warning if it is thinner than usual.
     """
-    web, beside = thinnest_of_each(part, limit)
+    web, beside = Web.thinnest_of_each(part, limit)
     if web is None:
         return
     statement = f"smallest wall {web.thickness:.6g} mm, {_place(web)}"

@@ -59,41 +59,41 @@ class Solid(CheckedFields):
     share: float
     centre_error: float
 
-
-def solid(part: Part, tolerance: float = TOLERANCE) -> Solid:
-    """The part as a body; raises GeometryError like `Part.require_heights`."""
-    part.require_heights()
-    volume, first, second, axial = [], [], [], []
-    volume_errors, first_errors, axial_errors = [], [], []
-    for each in _slices(part):
-        sign = -1.0 if each.section.hole else 1.0
-        plane = each.section.moments(tolerance).scaled(sign)
-        plane2 = each.section.second_moments(tolerance).scaled(sign)
-        height, z1, z2 = each.height, each.first, each.second
-        x, y = plane.first.real, plane.first.imag
-        xx, yy = (0.5 * (plane2.polar + turn * plane2.square.real) for turn in (1.0, -1.0))
-        xy = 0.5 * plane2.square.imag
-        volume.append(plane.area * height)
-        first.append((x * height, y * height, plane.area * z1))
-        second.append((xx * height, yy * height, plane.area * z2, xy * height, x * z1, y * z1))
-        axial.append(plane2.polar * height)
-        volume_errors.append(plane.area_error * height)
-        first_errors.append(plane.first_error * height)
-        axial_errors.append(plane2.polar_error * height)
-    whole = math.fsum(volume)
-    centre = np.array([math.fsum(column) for column in zip(*first, strict=True)]) / whole
-    xx, yy, zz, xy, xz, yz = (math.fsum(column) for column in zip(*second, strict=True))
-    about = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    about -= whole * np.outer(centre, centre)
-    turning, unsure = math.fsum(axial), math.fsum(volume_errors) / whole
-    return Solid(
-        volume=whole,
-        centre=centre,
-        inertia=np.trace(about) * np.eye(3) - about,
-        axial=turning,
-        share=max(unsure, math.fsum(axial_errors) / turning),
-        centre_error=math.fsum(first_errors) / whole + unsure * float(np.hypot(*centre[:2])),
-    )
+    @staticmethod
+    def of(part: Part, tolerance: float = TOLERANCE) -> Solid:
+        """The part as a body; raises GeometryError like `Part.require_heights`."""
+        part.require_heights()
+        volume, first, second, axial = [], [], [], []
+        volume_errors, first_errors, axial_errors = [], [], []
+        for each in _slices(part):
+            sign = -1.0 if each.section.hole else 1.0
+            plane = each.section.moments(tolerance).scaled(sign)
+            plane2 = each.section.second_moments(tolerance).scaled(sign)
+            height, z1, z2 = each.height, each.first, each.second
+            x, y = plane.first.real, plane.first.imag
+            xx, yy = (0.5 * (plane2.polar + turn * plane2.square.real) for turn in (1.0, -1.0))
+            xy = 0.5 * plane2.square.imag
+            volume.append(plane.area * height)
+            first.append((x * height, y * height, plane.area * z1))
+            second.append((xx * height, yy * height, plane.area * z2, xy * height, x * z1, y * z1))
+            axial.append(plane2.polar * height)
+            volume_errors.append(plane.area_error * height)
+            first_errors.append(plane.first_error * height)
+            axial_errors.append(plane2.polar_error * height)
+        whole = math.fsum(volume)
+        centre = np.array([math.fsum(column) for column in zip(*first, strict=True)]) / whole
+        xx, yy, zz, xy, xz, yz = (math.fsum(column) for column in zip(*second, strict=True))
+        about = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        about -= whole * np.outer(centre, centre)
+        turning, unsure = math.fsum(axial), math.fsum(volume_errors) / whole
+        return Solid(
+            volume=whole,
+            centre=centre,
+            inertia=np.trace(about) * np.eye(3) - about,
+            axial=turning,
+            share=max(unsure, math.fsum(axial_errors) / turning),
+            centre_error=math.fsum(first_errors) / whole + unsure * float(np.hypot(*centre[:2])),
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -216,41 +216,44 @@ class Web:
     usual: float
     place: complex
 
+    @staticmethod
+    def thinnest_of_each(part: Part, limit: float | None = None) -> tuple[Web | None, Web | None]:
+        """The web of the smallest thickness, as exact as its comparison with a `limit` [mm] takes,
+        or without one with its usual thickness, None if the part has no holes; and without a limit
+        the web that is thinnest as a share of its usual thickness, None if no web has one.
 
-def thinnest_of_each(part: Part, limit: float | None = None) -> tuple[Web | None, Web | None]:
-    """The web of the smallest thickness, as exact as its comparison with a `limit` [mm] takes, or
-    without one with its usual thickness, None if the part has no holes; and without a limit the web
-    that is thinnest as a share of its usual thickness, None if no web has one.
+        Raises
+        ------
+        UndercutError, ToleranceError
+            If a boundary has no contour.
+        """
+        sizes = (_thickness, _share) if limit is None else (_thickness,)
+        found: dict[Size, tuple[float, float, Web]] = {}
+        for one, hole in _pairs(part):
+            usual, least = _usual(one, hole), _least(one, hole)
+            beaten = [
+                each for each in sizes if each in found and each(least, usual) > found[each][0]
+            ]
+            if len(beaten) == len(sizes) or not _material_between(one, hole):
+                continue
+            web = _web(one, hole, usual, usual if limit is None else limit)
+            for each in sizes:
+                new = each(web.thickness, usual), web.thickness, web
+                if each not in found or new[:2] < found[each][:2]:
+                    found[each] = new
+        first, beside = (found[each][2] if each in found else None for each in (_thickness, _share))
+        return first, beside if beside is not None and beside.usual else None
 
-    Raises
-    ------
-    UndercutError, ToleranceError
-        If a boundary has no contour.
-    """
-    sizes = (_thickness, _share) if limit is None else (_thickness,)
-    found: dict[Size, tuple[float, float, Web]] = {}
-    for one, hole in _pairs(part):
-        usual, least = _usual(one, hole), _least(one, hole)
-        beaten = [each for each in sizes if each in found and each(least, usual) > found[each][0]]
-        if len(beaten) == len(sizes) or not _material_between(one, hole):
-            continue
-        web = _web(one, hole, usual, usual if limit is None else limit)
-        for each in sizes:
-            new = each(web.thickness, usual), web.thickness, web
-            if each not in found or new[:2] < found[each][:2]:
-                found[each] = new
-    first, beside = (found[each][2] if each in found else None for each in (_thickness, _share))
-    return first, beside if beside is not None and beside.usual else None
-
-
-def surely_thick(part: Part, limit: float | None = None) -> bool:
-    """Whether circles about the boundaries suffice to show that no web is thinner than the `limit`
-    [mm], or where that is None than its usual thickness; raises like `thinnest_of_each`.
-    """
-    return all(
-        _least(one, hole) >= (_usual(one, hole) if limit is None else limit)
-        for one, hole in _pairs(part)
-    )
+    @staticmethod
+    def surely_thick(part: Part, limit: float | None = None) -> bool:
+        """Whether circles about the boundaries suffice to show that no web is thinner than the
+        `limit` [mm], or where that is None than its usual thickness; raises like
+        `thinnest_of_each`.
+        """
+        return all(
+            _least(one, hole) >= (_usual(one, hole) if limit is None else limit)
+            for one, hole in _pairs(part)
+        )
 
 
 def _thickness(thickness: float, _: float) -> float:

@@ -14,7 +14,7 @@ from camgeo.geometry.outline.path import Stretch
 from camgeo.geometry.pieces import curvature_extremes
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.boundaries import CurveBoundary
-from camgeo.part.mass import thinnest_of_each
+from camgeo.part.mass import Web
 from camgeo.part.part import Boundary, Part, edges_of
 from camgeo.units import TURN, at_cam_angles
 
@@ -58,7 +58,7 @@ def findings_of(part: Part, nozzle: float) -> Iterator[Finding]:
 
 def _wall(part: Part, nozzle: float) -> Iterator[Finding]:
     """The thinnest wall: not printed below a width of the nozzle, of a single line below two."""
-    web, _ = thinnest_of_each(part, PERIMETERS * nozzle)
+    web, _ = Web.thinnest_of_each(part, PERIMETERS * nozzle)
     if web is None:
         return
     least = PERIMETERS * nozzle

@@ -163,29 +163,29 @@ class Deviations:
         outside = (1.0 - CONFIDENCE) / (2.0 * len(self.values))
         return -NormalDist().inv_cdf(outside) * self.scatter
 
+    @staticmethod
+    def of(flank: ExactFlank, feet: Feet, values: FloatArray) -> Deviations:
+        """The deviations `values` (n,) [mm] at `feet` (n,), ordered.
 
-def deviations_of(flank: ExactFlank, feet: Feet, values: FloatArray) -> Deviations:
-    """The deviations `values` (n,) [mm] at `feet` (n,), ordered.
-
-    Raises GeometryError if fewer than `FEWEST` places have been measured.
-    """
-    order = np.argsort(feet.places.course, kind="stable")
-    course, values = feet.places.course[order], values[order]
-    first = np.concatenate(([True], np.diff(course) > ONE))
-    starts = np.flatnonzero(first)
-    if len(starts) < FEWEST_DEVIATIONS:
-        raise GeometryError(
-            f"points at {FEWEST_DEVIATIONS} places of the flank or more are needed, and there are"
-            f" {len(starts)}"
-        )
-    counts = np.diff(np.append(starts, len(course)))
-    means = np.add.reduceat(values, starts) / counts
-    course = course[starts]
-    places = flank.at(course)
-    widths = np.diff(np.append(course, course[0] + flank.total))
-    widest = int(np.argmax(widths))
-    gap = Gap(float(widths[widest]), float(places.phi[widest]))
-    return Deviations(places, means, gap)
+        Raises GeometryError if fewer than `FEWEST` places have been measured.
+        """
+        order = np.argsort(feet.places.course, kind="stable")
+        course, values = feet.places.course[order], values[order]
+        first = np.concatenate(([True], np.diff(course) > ONE))
+        starts = np.flatnonzero(first)
+        if len(starts) < FEWEST_DEVIATIONS:
+            raise GeometryError(
+                f"points at {FEWEST_DEVIATIONS} places of the flank or more are needed, and there"
+                f" are {len(starts)}"
+            )
+        counts = np.diff(np.append(starts, len(course)))
+        means = np.add.reduceat(values, starts) / counts
+        course = course[starts]
+        places = flank.at(course)
+        widths = np.diff(np.append(course, course[0] + flank.total))
+        widest = int(np.argmax(widths))
+        gap = Gap(float(widths[widest]), float(places.phi[widest]))
+        return Deviations(places, means, gap)
 
 
 # -- pressed --------------------------------------------------------------------------------------
@@ -223,6 +223,30 @@ class LiftErrors:
     errors: FloatArray
     extremes: Extremes
 
+    @staticmethod
+    def of(flank: ExactFlank, deviations: Deviations, *, clearance: float = 0.0) -> LiftErrors:
+        """Press the follower against the measured disc and against the exact one.
+
+        `clearance` [mm] is the groove's, see `replay_outline`.
+
+        Raises
+        ------
+        GeometryError
+            If the follower does not find its way round the measured disc.
+        """
+        pitch = flank.curve.pitch
+        exact = replay_outline(pitch, flank.path, step=STEP, clearance=clearance).lift
+        contour = measured_contour(flank, deviations)
+        actual = replay_contour(pitch, contour, flank.side, step=STEP).lift
+        grid = np.arange(SAMPLES) * (TURN / SAMPLES)
+        phi = np.unique(np.concatenate((grid, deviations.places.phi)))
+
+        def error(phi: FloatArray, side: Side = "right") -> FloatArray:
+            return actual.at(phi, side) - exact.at(phi, side)
+
+        found = piecewise_extremes(error, edges_between(actual, exact))
+        return LiftErrors(phi, error(phi), found)
+
 
 def measured_contour(flank: ExactFlank, deviations: Deviations) -> Contour:
     """The disc, or the hole, as measured: closed, counter-clockwise."""
@@ -245,30 +269,6 @@ def measured_contour(flank: ExactFlank, deviations: Deviations) -> Contour:
     if not flank.path.is_whole:
         corner[-1] = True
     return Contour.through(vertices, np.where(corner, 0.0, turns)).counter_clockwise()
-
-
-def lift_errors(flank: ExactFlank, deviations: Deviations, *, clearance: float = 0.0) -> LiftErrors:
-    """Press the follower against the measured disc and against the exact one.
-
-    `clearance` [mm] is the groove's, see `replay_outline`.
-
-    Raises
-    ------
-    GeometryError
-        If the follower does not find its way round the measured disc.
-    """
-    pitch = flank.curve.pitch
-    exact = replay_outline(pitch, flank.path, step=STEP, clearance=clearance).lift
-    contour = measured_contour(flank, deviations)
-    actual = replay_contour(pitch, contour, flank.side, step=STEP).lift
-    grid = np.arange(SAMPLES) * (TURN / SAMPLES)
-    phi = np.unique(np.concatenate((grid, deviations.places.phi)))
-
-    def error(phi: FloatArray, side: Side = "right") -> FloatArray:
-        return actual.at(phi, side) - exact.at(phi, side)
-
-    found = piecewise_extremes(error, edges_between(actual, exact))
-    return LiftErrors(phi, error(phi), found)
 
 
 # -- alignment ------------------------------------------------------------------------------------
@@ -390,46 +390,46 @@ class Alignment:
     sway: tuple[float, float] = (0.0, 0.0)
     other_turn: float | None = None
 
+    @staticmethod
+    def of(
+        flank: ExactFlank,
+        points: ComplexArray,
+        align: Align,
+        ball: float = 0.0,
+        *,
+        robust: bool = False,
+    ) -> Alignment:
+        """Lay measured `points` (n,) [mm] on the flank.
 
-def aligned(
-    flank: ExactFlank,
-    points: ComplexArray,
-    align: Align,
-    ball: float = 0.0,
-    *,
-    robust: bool = False,
-) -> Alignment:
-    """Lay measured `points` (n,) [mm] on the flank.
+        Parameters
+        ----------
+        ball : radius [mm] of the ball whose centres the points are; 0 for points of the flank.
+        robust : whether a fit passes over local errors of form, see
+        `camgeo.studies.inspection`.
 
-    Parameters
-    ----------
-    ball : radius [mm] of the ball whose centres the points are; 0 for points of the flank.
-    robust : whether a fit passes over local errors of form, see
-    `camgeo.studies.inspection`.
-
-    Raises
-    ------
-    GeometryError
-        If there are too few points for a fit, it does not settle, or the points do not show the
-        shift.
-    """
-    if align is Align.DATUM:
-        return _result(flank, points, align, Frame(), ball)
-    if len(points) < FEWEST_POINTS:
-        raise GeometryError(
-            f"a fit needs {FEWEST_POINTS} points or more, and there are {len(points)};"
-            " align by datum"
+        Raises
+        ------
+        GeometryError
+            If there are too few points for a fit, it does not settle, or the points do not show the
+            shift.
+        """
+        if align is Align.DATUM:
+            return _result(flank, points, align, Frame(), ball)
+        if len(points) < FEWEST_POINTS:
+            raise GeometryError(
+                f"a fit needs {FEWEST_POINTS} points or more, and there are {len(points)};"
+                " align by datum"
+            )
+        frame, other = _best(flank, points, align, ball)
+        frame = _fit(flank, points, align, frame, ball)
+        if robust:
+            frame = _fit(flank, points, align, frame, ball, ROBUST, PATIENT, robust=True)
+        found = _result(flank, points, align, frame, ball)
+        shift, turn, sway = _uncertainties(found, flank.size, robust=robust)
+        other = None if math.isinf(turn) else other
+        return replace(
+            found, shift_uncertainty=shift, turn_uncertainty=turn, sway=sway, other_turn=other
         )
-    frame, other = _best(flank, points, align, ball)
-    frame = _fit(flank, points, align, frame, ball)
-    if robust:
-        frame = _fit(flank, points, align, frame, ball, ROBUST, PATIENT, robust=True)
-    found = _result(flank, points, align, frame, ball)
-    shift, turn, sway = _uncertainties(found, flank.size, robust=robust)
-    other = None if math.isinf(turn) else other
-    return replace(
-        found, shift_uncertainty=shift, turn_uncertainty=turn, sway=sway, other_turn=other
-    )
 
 
 def _result(
@@ -728,7 +728,7 @@ def other_axes(
     tried = []
     for mirrored in (False, True):
         try:
-            found = aligned(flank, some.conj() if mirrored else some, Align.FREE, ball)
+            found = Alignment.of(flank, some.conj() if mirrored else some, Align.FREE, ball)
         except GeometryError:
             continue
         left = float(np.sqrt(np.mean(found.deviations**2)))

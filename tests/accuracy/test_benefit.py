@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 
 import camgeo
+from camgeo.app.answers.accuracy import harmonics
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.results import CONTACT_FORCE
 from camgeo.geometry.contour.contour import Form
 from camgeo.numeric.arrays import SIDES
 from camgeo.studies.accuracy import benefit
-from camgeo.studies.accuracy.benefit import BenefitRow, benefit_rows, exact_motion, harmonics
+from camgeo.studies.accuracy.benefit import BenefitRow, benefit_rows, exact_motion
 from camgeo.units import RPM
 from tests.answers.documents import FIXTURES
 from tests.effects.scenes import design

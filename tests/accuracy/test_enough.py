@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from camgeo.studies.accuracy.benefit import SHARE, BenefitRow, enough, of_each_form, words
+from camgeo.app.answers.accuracy import of_each_form
+from camgeo.studies.accuracy.benefit import SHARE, BenefitRow, enough, words
 from tests.findings import known
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from camgeo.studies.accuracy.benefit import SLACK, BenefitRow, End, advice, knee_of, step_sentence
+from camgeo.studies.accuracy.benefit import SLACK, BenefitRow, End, advice, knee_of
 from camgeo.studies.accuracy.contours import ContourRow
 from tests.accuracy.rows import file, missing, row
 from tests.findings import known
@@ -85,7 +85,7 @@ def test_a_ripple_that_falls_no_more_is_an_end_and_cost_is_none_then() -> None:
     assert (knee.row.tolerance, knee.end) == (1e-3, "ripple")
     assert knee.bought == pytest.approx(0.1)
     assert "ripple 10 %" in advice(knee)
-    assert step_sentence(knee).endswith("machining the same, and buys 10 % of the acceleration")
+    assert knee.step_sentence.endswith("machining the same, and buys 10 % of the acceleration")
 
 
 def benefits(*off: float) -> list[BenefitRow]:
@@ -132,15 +132,15 @@ def test_seconds_of_a_machine_count_only_if_asked_for() -> None:
 def test_a_step_in_words() -> None:
     """Of the last one up to the knee, or of the first one beyond it."""
     rows = costing((10, 10_000, 0.06), (20, 19_400, 0.0724), (200, 10**6, 9.0))
-    knee = knee_of(rows)
-    assert step_sentence(knee) == "from 0.1 mm to 0.01 mm costs 10 pieces, 12 ms and 9.4 kB"
-    first = knee_of([rows[0], rows[2]])
-    assert step_sentence(first) == "from 0.1 mm to 0.001 mm costs 190 pieces, 8.9 s and 990 kB"
-    slower = knee_of(milled((1e-2, 50, 4), (1e-3, 70, 4)))
-    assert step_sentence(slower) == (
+    knee = known(knee_of(rows))
+    assert knee.step_sentence == "from 0.1 mm to 0.01 mm costs 10 pieces, 12 ms and 9.4 kB"
+    first = known(knee_of([rows[0], rows[2]]))
+    assert first.step_sentence == "from 0.1 mm to 0.001 mm costs 190 pieces, 8.9 s and 990 kB"
+    slower = known(knee_of(milled((1e-2, 50, 4), (1e-3, 70, 4))))
+    assert slower.step_sentence == (
         "from 0.01 mm to 0.001 mm costs 1 piece, no time and 0 kB, machining 20.0 s longer"
     )
-    assert step_sentence(knee_of(rows[:1])) == step_sentence(None) == ""
+    assert known(knee_of(rows[:1])).step_sentence == ""
 
 
 def test_nothing_that_can_be_reached() -> None:

@@ -19,7 +19,7 @@ import camgeo
 from camgeo.app.answers.size import Side
 from camgeo.check.disc import disc_findings, transmission_angle_extremes, transmission_angle_limit
 from camgeo.check.sizing import smallest
-from camgeo.check.sizing.face import face_task_of, size_for_face
+from camgeo.check.sizing.face import FaceTask
 from camgeo.check.sizing.rounding import (
     exponent_of,
     size_with_arm,
@@ -30,20 +30,20 @@ from camgeo.check.sizing.rounding import (
 from camgeo.check.sizing.smallest import (
     GAP,
     Conditions,
+    Rating,
+    Sizing,
     active_conditions,
     conditions,
     excluded,
     flocke,
     nearest_cells,
     nearest_point,
-    rate,
     ratio_map,
     row_limits,
     samples_of,
-    size,
     within,
 )
-from camgeo.check.sizing.task import TOUCHING, Task, covered, pairs_of, task_of
+from camgeo.check.sizing.task import TOUCHING, Task, covered, pairs_of
 from camgeo.errors import GeometryError
 from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
@@ -69,7 +69,7 @@ def required(name: str) -> tuple[Task, float, float]:
     design = camgeo.load(SCENES / f"{name}.toml")
     limits = design.scene.limits
     angle = transmission_angle_limit(design.cam, limits)
-    return task_of(design.cam), angle, limits.radius_ratio
+    return Task.of(design.cam), angle, limits.radius_ratio
 
 
 def agrees(task: Task) -> None:
@@ -114,7 +114,7 @@ def test_every_arrangement_has_the_terms_of_its_pitch_curve(
             Dwell(Decimal(100)),
         )
     )
-    agrees(task_of(cam_of(plan, follower, rotation)))
+    agrees(Task.of(cam_of(plan, follower, rotation)))
 
 
 def test_row_ends_are_at_the_limit() -> None:
@@ -164,7 +164,7 @@ def test_nearest_point_of_half_planes() -> None:
 def asked(name: str) -> tuple[Task, Conditions, float]:
     """Conditions of a scene at the first cam angles, and the answer's base radius [mm]."""
     task, angle, ratio = required(name)
-    answer = known(size(task, angle, ratio).answer)
+    answer = known(Sizing.of(task, angle, ratio).answer)
     return task, conditions(task, math.tan(angle), ratio, samples_of(task)), answer.base_radius
 
 
@@ -215,7 +215,7 @@ LOCAL = complex(-5.57106515722, -14.69360434080)
 
 
 def lobe() -> Task:
-    return task_of(camgeo.load(FOUND).cam)
+    return Task.of(camgeo.load(FOUND).cam)
 
 
 @pytest.mark.parametrize("name", [*EASY, *BENT])
@@ -272,7 +272,7 @@ def test_the_smallest_cam_is_not_cut_off() -> None:
     task, limits = lobe(), camgeo.load(FOUND).scene.limits
     lost = {each.name: each for each in disc_findings(task.cam_at(LOCAL), limits)}
     assert lost["lost-stroke-inner"].value == pytest.approx(116.9, abs=0.1)
-    found = size(task, ANGLE, RATIO)
+    found = Sizing.of(task, ANGLE, RATIO)
     assert found.answer is not None
     # The motion is its own mirror image, so the axis lies below the guide.
     assert found.answer.place.real == pytest.approx(0.0, abs=0.01)
@@ -297,7 +297,7 @@ def test_the_smallest_cam_is_not_cut_off() -> None:
 @pytest.mark.parametrize("name", [*EASY, *BENT])
 def test_the_answer_keeps_its_requirement_and_no_smaller_one_does(name: str) -> None:
     task, angle, ratio = required(name)
-    found = size(task, angle, ratio)
+    found = Sizing.of(task, angle, ratio)
     assert found.answer is not None
     best = found.answer.place
     assert found.answer.transmission_angle.value >= angle - 1e-9
@@ -315,7 +315,7 @@ def test_the_answer_keeps_its_requirement_and_no_smaller_one_does(name: str) -> 
             if not -math.pi < theta < 0.0:
                 continue
             place = start + radius * (1.0 - shrink) * np.exp(1j * theta)
-            rating = rate(task, complex(place))
+            rating = Rating.of(task, complex(place))
             assert (
                 rating is None
                 or rating.transmission_angle.value < angle
@@ -330,8 +330,8 @@ def test_a_roller_that_comes_to_the_axis_decides(law: str, roller: float, rotati
     the transmission angle elsewhere, keeps the cam from being smaller."""
     half, angle = Decimal(180), math.radians(20.0)
     plan = MotionPlan((Move(half, 20.0, LAWS[law]), Move(half, 0.0, LAWS[law])))
-    task = task_of(cam_of(plan, TranslatingRoller(100.0, roller, direction=-1), rotation))
-    found = size(task, angle, 1.0)
+    task = Task.of(cam_of(plan, TranslatingRoller(100.0, roller, direction=-1), rotation))
+    found = Sizing.of(task, angle, 1.0)
     assert found.answer is not None
     dense = np.linspace(0.0, TURN, 721)
 
@@ -360,11 +360,11 @@ def test_an_angle_that_no_place_keeps() -> None:
     task, _, ratio = required("setzhub")
     lift = task.motion.jet(np.radians([200.0]))[0]
     bound = 0.5 * math.pi - 0.5 * abs(float(lift[0]))
-    found = size(task, bound + 1e-3, ratio)
+    found = Sizing.of(task, bound + 1e-3, ratio)
     assert found.answer is None
     assert found.for_angle is None
     assert found.nearest_angle == pytest.approx(bound, abs=1e-5)
-    nearest = size(task, known(found.nearest_angle) - 1e-3, 1.0)
+    nearest = Sizing.of(task, known(found.nearest_angle) - 1e-3, 1.0)
     assert nearest.for_angle is not None
 
 
@@ -373,12 +373,12 @@ def test_however_large_the_roller_a_large_cam_takes_it() -> None:
     for name in ("vorschub", "groove"):
         task, angle, _ = required(name)
         roller = task.follower.roller_radius
-        found = size(task, angle, 1e-3)
+        found = Sizing.of(task, angle, 1e-3)
         assert found.answer is not None
         assert found.answer.radius_ratio.value <= 1e-3 * (1.0 + 1e-9)
         assert found.answer.base_radius == pytest.approx(roller / 1e-3, rel=0.1)
-    huge = task_of(task.cam.sized(roller_radius=500.0))
-    answer = known(size(huge, angle, 0.7).answer)
+    huge = Task.of(task.cam.sized(roller_radius=500.0))
+    answer = known(Sizing.of(huge, angle, 0.7).answer)
     assert {each.name for each in active_conditions(huge, answer, angle, 0.7)} == {
         "transmission-angle",
         "radius-ratio",
@@ -390,7 +390,7 @@ def test_a_ratio_that_no_place_keeps(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(smallest, "REACH", 1.5)
     monkeypatch.setattr(smallest, "ROOM", 0.0)
     task, angle, _ = required("vorschub")
-    found = size(task, angle, 1e-3)
+    found = Sizing.of(task, angle, 1e-3)
     assert found.answer is None
     assert found.none_below == math.inf
     assert found.reach == pytest.approx(1.5 * known(found.for_angle).base_radius)
@@ -420,10 +420,8 @@ def test_a_ratio_that_no_place_keeps(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_wrong_requirement_is_refused(
     for_face: bool, angle: float, other: float, key: str
 ) -> None:
-    roller, face = required("setzhub")[0], face_task_of(camgeo.load(SCENES / "tappet.toml").cam)
-    search: Callable[..., object] = (
-        partial(size_for_face, face) if for_face else partial(size, roller)
-    )
+    roller, face = required("setzhub")[0], FaceTask.of(camgeo.load(SCENES / "tappet.toml").cam)
+    search: Callable[..., object] = face.size if for_face else partial(Sizing.of, roller)
     with pytest.raises(GeometryError) as caught:
         search(angle, other)
     assert caught.value.key == key
@@ -431,8 +429,8 @@ def test_a_wrong_requirement_is_refused(
 
 def test_for_the_angle_alone_all_scales_and_the_shortest_arm_is_best() -> None:
     task, angle, _ = required("setzhub")
-    small = task_of(task.cam.sized(roller_radius=1e-3))
-    found = [size(with_arm(small, arm), angle, 1.0).answer for arm in (30.0, 60.0)]
+    small = Task.of(task.cam.sized(roller_radius=1e-3))
+    found = [Sizing.of(with_arm(small, arm), angle, 1.0).answer for arm in (30.0, 60.0)]
     assert found[0] is not None
     assert found[1] is not None
     assert found[1].place == pytest.approx(2.0 * found[0].place, rel=1e-11)
@@ -445,7 +443,7 @@ def test_for_the_angle_alone_all_scales_and_the_shortest_arm_is_best() -> None:
 @pytest.mark.parametrize("contact", ["inner", "outer"])
 def test_no_other_arm_of_the_range_is_better(contact: str) -> None:
     task, angle, ratio = required("schnitt")
-    task = task_of(replace(task.cam, contact=contact))  # type: ignore[arg-type]  # the name of a contact
+    task = Task.of(replace(task.cam, contact=contact))  # type: ignore[arg-type]  # the name of a contact
     low, high = 12.0, 60.0
     sized, sizing = size_with_arm(task, angle, ratio, low, high)
     assert isinstance(sized.follower, OscillatingRoller)
@@ -455,7 +453,7 @@ def test_no_other_arm_of_the_range_is_better(contact: str) -> None:
     assert sizing.answer.radius_ratio.value <= ratio + 1e-9
     for arm in (low, 40.0, *(sized.follower.arm * np.array([0.97, 1.03]))):
         if low <= arm <= high:
-            other = known(size(with_arm(task, float(arm)), angle, ratio).answer)
+            other = known(Sizing.of(with_arm(task, float(arm)), angle, ratio).answer)
             # The best arm inside the range is found to 1e-3 of itself.
             assert other.base_radius >= sizing.answer.base_radius * (1.0 - 1e-3)
 

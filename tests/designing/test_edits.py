@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgeo.app.answers.size import edits_with, size
+from camgeo.app.answers.size import size
 from camgeo.app.designing.edits import changed
 from camgeo.errors import CamgeoError, SceneError
 from camgeo.scene.scene import parse_scene
@@ -111,9 +111,8 @@ def test_a_cure_is_applied() -> None:
 def test_sizes_are_applied(name: str) -> None:
     file = FIXTURES / f"{name}.toml"
     own = design(file)
-    made = size(own).best.made
-    assert made is not None
-    sized = edits_with(own.scene, made)
+    sized = size(own).edits
+    assert sized
     found = changed(file.read_text("utf-8"), str(file), None, {"sized": sized})
     assert found.label.startswith("sized: ")
     assert parse_scene(found.text, folder=file.parent) == own.scene.with_values(sized)

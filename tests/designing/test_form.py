@@ -9,21 +9,23 @@ from typing import Any
 
 import pytest
 
-from camgeo.app.designing.form import form
+from camgeo.app.designing.form import Fields
 from camgeo.scene.keys import path_of
 from camgeo.scene.values import document, document_of
 from tests.designing.scenes import CHOSEN, name_of
 
 
 def fields(data: bytes) -> dict[str, Any]:
-    return {each["key"]: each for section in form(document(data)) for each in section["fields"]}
+    return {
+        each["key"]: each for section in Fields(document(data)).form() for each in section["fields"]
+    }
 
 
 @pytest.mark.parametrize("file", CHOSEN, ids=name_of)
 def test_every_value_of_a_scene_has_its_field(file: pathlib.Path) -> None:
     data = file.read_bytes()
     found = fields(data)
-    text = json.dumps(form(document(data)), allow_nan=False)
+    text = json.dumps(Fields(document(data)).form(), allow_nan=False)
     assert len(text) < 120_000
     stated = {key for key, each in found.items() if each["stated"]}
     for path in leaves(document(data).exact):
@@ -63,4 +65,4 @@ def leaves(node: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     ],
 )  # fmt: skip
 def test_any_values_have_a_form(values: dict[str, Any]) -> None:
-    assert len(json.dumps(form(document_of(values)), allow_nan=False)) < 120_000
+    assert len(json.dumps(Fields(document_of(values)).form(), allow_nan=False)) < 120_000

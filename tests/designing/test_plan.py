@@ -8,14 +8,14 @@ from typing import Any
 
 import pytest
 
-from camgeo.app.designing.form import plan
+from camgeo.app.designing.form import Fields
 from camgeo.scene.values import document, document_of
 from tests.designing.scenes import CHOSEN, design, name_of
 
 
 @pytest.mark.parametrize("file", CHOSEN, ids=name_of)
 def test_rows_are_the_segments(file: pathlib.Path) -> None:
-    found = plan(document(file.read_bytes()))
+    found = Fields(document(file.read_bytes())).plan()
     own = design(file).drive.plan
     assert [each["from"] for each in found] == [float(angle) for angle in own.joints_deg[:-1]]
     assert found[-1]["to"] == 360.0
@@ -26,7 +26,7 @@ def test_rows_are_the_segments(file: pathlib.Path) -> None:
 def test_a_row_has_the_parameters_that_its_law_takes() -> None:
     def keys(law: Any, **more: Any) -> set[str]:
         move = {"law": law, "span": 360, "to": 0, **more}
-        (row,) = plan(document_of({"motion": [move]}))
+        (row,) = Fields(document_of({"motion": [move]})).plan()
         return {each["title"] for each in row["fields"]} - {
             "law",
             "span",
@@ -46,7 +46,7 @@ def test_a_row_has_the_parameters_that_its_law_takes() -> None:
 
 
 def test_a_default_may_depend_on_the_law() -> None:
-    (row,) = plan(document_of({"motion": [{"law": "scca", "span": 360, "to": 0}]}))
+    (row,) = Fields(document_of({"motion": [{"law": "scca", "span": 360, "to": 0}]})).plan()
     assert {each["title"]: each.get("default") for each in row["fields"]}["sine"] == 0.25
 
 
@@ -59,6 +59,6 @@ def test_a_default_may_depend_on_the_law() -> None:
     ],
 )  # fmt: skip
 def test_any_motion_has_rows(motion: Any) -> None:
-    data = plan(document_of({"motion": motion}))
+    data = Fields(document_of({"motion": motion})).plan()
     json.dumps(data, allow_nan=False)
     assert len(data) <= 400

@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.app.designing.edits import rounded
-from camgeo.app.designing.form import snapped, step_near
+from camgeo.app.designing.form import step_near
+from camgeo.app.designing.handles import snapped
 
 VALUES = st.floats(-1e9, 1e9)
 STEPS = st.floats(1e-9, 1e6)

@@ -27,7 +27,7 @@ from camgeo.geometry.contour.spline import CubicSpline, SplineContour
 from camgeo.numeric.arrays import FloatArray
 from camgeo.part.assembly import bore_boundary
 from camgeo.part.boundaries import ExactBoundary
-from camgeo.part.mass import solid
+from camgeo.part.mass import Solid
 from camgeo.part.part import Bevel, Layer, Part
 from camgeo.part.spec import (
     Chamfer,
@@ -742,7 +742,7 @@ def test_each_file_is_the_whole_part(name: str) -> None:
 
 def check_body(file: Exchange, part: Part, facts: dict[str, object]) -> None:
     """Closed, in one piece, of the volume, centre and inertia of the part, and as it is counted."""
-    mesh, volume = file.mesh, solid(part).volume
+    mesh, volume = file.mesh, Solid.of(part).volume
     assert mesh.is_volume
     require_moments(mesh, part, CHORDS * volume)
     assert facts["volume_mm3"] == pytest.approx(volume, rel=CHORDS)

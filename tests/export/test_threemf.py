@@ -28,7 +28,7 @@ from camgeo.design.product import Product
 from camgeo.design.verify import Reading
 from camgeo.design.writing import Writer, make_files
 from camgeo.errors import FileError
-from camgeo.part.mass import solid
+from camgeo.part.mass import Solid
 from camgeo.part.part import Part
 from camgeo_export.dxf.writer import WRITER as DXF
 from camgeo_export.step.writer import WRITER as STEP
@@ -369,7 +369,7 @@ def test_one_file_has_all() -> None:
     checks = checked(VERIFIER, discs[0], written)
     for piece in plate_of(discs[0]):
         volume = checks["volume", piece.name]
-        assert volume.expected == pytest.approx(solid(piece.part).volume, rel=1e-9)
+        assert volume.expected == pytest.approx(Solid.of(piece.part).volume, rel=1e-9)
 
 
 def _swapped(text: str, one: str, other: str) -> str:
@@ -461,8 +461,8 @@ def test_a_compensated_body_is_what_it_should_be(writer: Writer) -> None:
     """Of the volume of the exact compensated part, and verified as such."""
     disc = compensated(*WHOLE)
     written = read_back(writer, disc)
-    exact = solid(disc.drawn.printed.target).volume
-    assert exact != pytest.approx(solid(disc.drawn.part).volume, rel=1e-3)
+    exact = Solid.of(disc.drawn.printed.target).volume
+    assert exact != pytest.approx(Solid.of(disc.drawn.part).volume, rel=1e-3)
     assert written.facts["volume_mm3"] == pytest.approx(exact, rel=1e-3)
     assert written.facts["bore_clearance_mm"] == 0.2
     assert "switch off the slicer's own" in str(written.facts["compensation"])

@@ -12,7 +12,7 @@ from camgeo.app.answers.verify import first_difference
 from camgeo.design.product import Product
 from camgeo.design.verify import Check, Reading, Verifier, failed
 from camgeo.design.writing import Writer, Written, find_writer
-from camgeo.part.mass import solid
+from camgeo.part.mass import Solid
 from camgeo.part.part import Part
 from camgeo_export.verify.dxf import VERIFIER as DXF
 from camgeo_export.verify.gcode import VERIFIER as GCODE
@@ -92,7 +92,7 @@ def read_back(
 
 def require_moments(mesh: trimesh.Trimesh, part: Part, room: float) -> None:
     """That a mesh is one piece of the part's volume, centre and inertia but for `room` [mm^3]."""
-    exact = solid(part)
+    exact = Solid.of(part)
     assert mesh.body_count == 1
     assert mesh.volume == pytest.approx(exact.volume, abs=room)
     size = float(np.max(np.abs(mesh.vertices)))

@@ -22,8 +22,8 @@ import camgeo
 from camgeo import pictures
 from camgeo.app.cli.command import RENDERERS
 from camgeo.cam.cam import Disc
-from camgeo.check.sizing.smallest import size as sized
-from camgeo.check.sizing.task import task_of
+from camgeo.check.sizing.smallest import Sizing
+from camgeo.check.sizing.task import Task
 from camgeo.geometry.outline.exact_flank import ExactFlank
 from camgeo.geometry.outline.path import Flank
 from camgeo.geometry.outline.replay import replay_outline
@@ -60,7 +60,7 @@ from camgeo.pictures.model import (
     log_limits,
     over,
 )
-from camgeo.studies.inspection import Deviations, Gap, lift_errors
+from camgeo.studies.inspection import Deviations, Gap, LiftErrors
 from camgeo_export.plots import draw, render
 from tests import kept
 from tests.cli.test_accuracy import made_up
@@ -73,8 +73,8 @@ FIXTURES = Path(__file__).parents[2] / "fixtures"
 
 def of_size() -> Figure:
     design = camgeo.load(FIXTURES / "scenes" / "schnitt.toml")
-    task = task_of(design.cam)
-    return size.figure(design.name, [(task, sized(task, np.radians(45.0), 0.5))])
+    task = Task.of(design.cam)
+    return size.figure(design.name, [(task, Sizing.of(task, np.radians(45.0), 0.5))])
 
 
 def of_disc(name: str) -> Disc:
@@ -98,7 +98,7 @@ def of_inspection() -> Figure:
     found = Deviations(places, 0.004 * np.sin(places.phi), Gap(0.3, 6.0))
     return deviations.inspection_figure(
         found,
-        lift_errors(flank, found),
+        LiftErrors.of(flank, found),
         title="measured",
         unit=("mm", 1.0),
         lift_unit=("mm", 1.0),

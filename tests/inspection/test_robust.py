@@ -10,12 +10,12 @@ from camgeo.studies.inspection import (
     PATIENT,
     ROBUST,
     Align,
+    Alignment,
+    Deviations,
     Frame,
     _fit,
     _result,
     _uncertainties,
-    aligned,
-    deviations_of,
     standard_error,
     weights,
 )
@@ -30,12 +30,12 @@ def test_five_micrometres_come_back_from_any_frame(name: str, side: Flank) -> No
     flank = flank_of(name, side)
     places = every(flank, 240)
     points = measured(places, bump(places.phi), SHIFT, TURN)
-    found = aligned(flank, points, Align.FREE, robust=True)
-    high = deviations_of(flank, found.feet, found.deviations).extremes.highest
+    found = Alignment.of(flank, points, Align.FREE, robust=True)
+    high = Deviations.of(flank, found.feet, found.deviations).extremes.highest
     assert high.value == pytest.approx(BUMP, abs=1e-4)
     assert abs(high.place - AT) < np.radians(1.5)
     assert abs(found.frame.shift - SHIFT) < 1e-5
-    squares = aligned(flank, points, Align.FREE)
+    squares = Alignment.of(flank, points, Align.FREE)
     assert np.max(squares.deviations) < 0.96 * BUMP
 
 

@@ -27,7 +27,7 @@ from camgeo.geometry.outline.path import total
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.boundaries import Letter, LetterBoundary, lettered
 from camgeo.part.glyphs import CAPITAL, FILE, glyph, kerning, require_glyphs
-from camgeo.part.mass import solid, thinnest_of_each
+from camgeo.part.mass import Solid, Web
 from camgeo.part.part import Part
 from camgeo.part.spec import SENSES, Engraving, Holes, Hub, Mark, PartSpec, engravings_of, text_of
 from tests.part.parts import DISC, made, refused
@@ -340,12 +340,12 @@ def test_what_is_cut_away_is_the_letters() -> None:
         for each in part.boundaries
         if text_of(each.name)
     )
-    assert solid(plain).volume - solid(part).volume == pytest.approx(0.5 * area, rel=1e-5)
+    assert Solid.of(plain).volume - Solid.of(part).volume == pytest.approx(0.5 * area, rel=1e-5)
 
 
 def test_letters_are_no_walls() -> None:
     found, plain = (
-        thinnest_of_each(made(Contact.INNER, spec))[0]
+        Web.thinnest_of_each(made(Contact.INNER, spec))[0]
         for spec in (replace(DISC, engraving=(TEXT,)), DISC)
     )
     assert found == plain

@@ -28,12 +28,11 @@ from camgeo.part.boundaries import CurveBoundary, ExactBoundary, largest_radius,
 from camgeo.part.mass import (
     SHARE,
     TOLERANCES,
+    Solid,
+    Web,
     disc_moments,
     largest_diameter,
     section_area,
-    solid,
-    surely_thick,
-    thinnest_of_each,
 )
 from camgeo.part.materials import MATERIALS, find_material
 from camgeo.part.part import Edge, Layer, Part, Wall, edges_of
@@ -648,7 +647,7 @@ SCENES = ("plate_translating", "groove", "ring", "cut_lobe", "conjugate_lever", 
 def test_an_eccentric_disc_is_a_cylinder(eccentricity: float, rotation: int) -> None:
     """J = m r^2/2 about its own axis, m (3 r^2 + h^2)/12 across it; Steiner about the cam axis."""
     path = eccentric(eccentricity, 40.0, rotation, guide=0.7)
-    found = solid(Part((Layer(-9.0, 0.0, (CurveBoundary("outline", hole=False, path=path),)),)))
+    found = Solid.of(Part((Layer(-9.0, 0.0, (CurveBoundary("outline", hole=False, path=path),)),)))
     volume = math.pi * 40.0**2 * 9.0
     across = volume * (3.0 * 40.0**2 + 9.0**2) / 12.0
     assert found.volume == pytest.approx(volume, rel=1e-12)
@@ -685,7 +684,7 @@ def test_a_stepped_ring_with_a_pocket_off_the_axis() -> None:
         across = own * (3.0 * radius**2 + (high - low) ** 2) / 12.0
         volume, first = volume + own, first + own * place
         about += np.diag([across, across, 0.5 * own * radius**2]) + shifted(own, place)
-    found = solid(part)
+    found = Solid.of(part)
     assert found.volume == pytest.approx(volume, rel=1e-14)
     assert np.allclose(found.centre, first / volume, rtol=0.0, atol=1e-13)
     about -= shifted(volume, first / volume)
@@ -752,7 +751,7 @@ def test_the_body_of_the_writers_has_the_same_mass_properties(scene: str) -> Non
 
     tolerance = 2e-3
     for part in discs(scene):
-        found = solid(part)
+        found = Solid.of(part)
         made = body(part, tolerance, lambda x: x)
         mesh = trimesh.Trimesh(made.vertices, made.triangles, process=False)
         walls = part.thickness * sum(each.polyline(0.1).contour.length for each in part.boundaries)
@@ -789,7 +788,7 @@ def test_the_farthest_point_of_an_arc(
 def test_a_part_without_heights_has_no_body() -> None:
     part = Part((Layer(0.0, 0.0, (circle("outline", 40.0),)),))
     with pytest.raises(GeometryError, match="thickness"):
-        solid(part)
+        Solid.of(part)
 
 
 CIRCLE = math.pi / 2.0
@@ -810,12 +809,12 @@ def test_walls_of_circles(
     spec: PartSpec, names: tuple[str, str] | None, thickness: float, usual: float
 ) -> None:
     part = made(Contact.INNER if spec.rim is None else Contact.GROOVE, spec)
-    least, found = thinnest_of_each(part)
+    least, found = Web.thinnest_of_each(part)
     assert found is not None
     assert least is not None
     assert least.thickness == found.thickness
     # A groove's outer flank is a hole around the bore, so circles about both meet.
-    assert surely_thick(part) == (thickness > usual and spec.rim is None)
+    assert Web.surely_thick(part) == (thickness > usual and spec.rim is None)
     assert names in (None, (found.one, found.other))
     assert found.thickness == pytest.approx(thickness, abs=0.01)
     assert found.usual == pytest.approx(usual)
@@ -826,7 +825,7 @@ def test_a_keyway_towards_the_dwell() -> None:
     spec = PartSpec(bore=50.0, keyway=Keyway(8.0, 3.0, CIRCLE))
     wall = 32.0 - math.hypot(28.0, 4.0)
     for limit in (wall - 1e-5, wall + 1e-5):
-        found = thinnest_of_each(made(Contact.INNER, spec), limit)[0]
+        found = Web.thinnest_of_each(made(Contact.INNER, spec), limit)[0]
         assert found is not None
         assert (found.thickness < limit) == (wall < limit)
         assert found.thickness == pytest.approx(wall, abs=1e-6)
@@ -843,7 +842,7 @@ def test_an_exact_wall_takes_no_fine_contours(monkeypatch: pytest.MonkeyPatch) -
         return beside(self, tolerance)
 
     monkeypatch.setattr(CurveBoundary, "beside", counted)
-    found = thinnest_of_each(made(Contact.INNER, PartSpec(bore=60.0)))[0]
+    found = Web.thinnest_of_each(made(Contact.INNER, PartSpec(bore=60.0)))[0]
     assert found is not None
     assert found.thickness == pytest.approx(2.0, abs=1e-12)
     assert abs(found.place) == pytest.approx(30.0)
@@ -854,22 +853,22 @@ def test_the_thinnest_wall_is_not_always_thin_beside_its_hole() -> None:
     """A wall of 3 mm beside a bore of 20 mm is more than usual, one of 2 mm beside 8 mm too."""
     spec = PartSpec(bore=20.0, hub=Hub(25.0, 5.0), lightening_holes=Holes(1, 52.4, 8.0, CIRCLE))
     part = made(Contact.INNER, spec)
-    least, relative = thinnest_of_each(part)
+    least, relative = Web.thinnest_of_each(part)
     assert relative is not None
     assert least is not None
     assert (relative.one, relative.thickness) == ("hub", 2.5)
-    assert thinnest_of_each(part, 1.0)[0] == least
+    assert Web.thinnest_of_each(part, 1.0)[0] == least
     assert least.other == "lightening hole 1"
     assert least.thickness == pytest.approx(1.8, abs=0.01)
 
 
 def test_beside_a_flank_alone_nothing_is_usual() -> None:
-    found = thinnest_of_each(made(Contact.OUTER, PartSpec(rim=140.0)))[0]
+    found = Web.thinnest_of_each(made(Contact.OUTER, PartSpec(rim=140.0)))[0]
     assert found is not None
     assert (found.one, found.other, found.usual) == ("rim", "outline", 0.0)
     assert found.thickness == pytest.approx(7.0, abs=0.01)
-    assert thinnest_of_each(made(Contact.OUTER, PartSpec(rim=140.0)))[1] is None
-    assert thinnest_of_each(made(Contact.INNER, PartSpec()))[0] is None
+    assert Web.thinnest_of_each(made(Contact.OUTER, PartSpec(rim=140.0)))[1] is None
+    assert Web.thinnest_of_each(made(Contact.INNER, PartSpec()))[0] is None
 
 
 @given(st.sampled_from(list(FLANKS)), specs(), st.booleans())
@@ -882,17 +881,17 @@ def test_no_wall_of_a_random_part_is_thinner(
     assume(part is not None)
     assert part is not None
     limit = 1.0 if limited else None
-    found, beside = thinnest_of_each(part, limit)[0], thinnest_of_each(part)[1]
+    found, beside = Web.thinnest_of_each(part, limit)[0], Web.thinnest_of_each(part)[1]
     walls = list(_walls(part))
     assert (found is None) == (not walls)
     if found is None:
         return
-    assert not surely_thick(part, 1.0) or found.thickness >= 1.0
+    assert not Web.surely_thick(part, 1.0) or found.thickness >= 1.0
     assert found.thickness == pytest.approx(min(wall for wall, _ in walls), abs=0.05)
     assert (beside is None) == (not any(usual for _, usual in walls))
     if beside is None:
         return
-    assert not surely_thick(part) or beside.thickness >= beside.usual
+    assert not Web.surely_thick(part) or beside.thickness >= beside.usual
     off = 0.05  # of the polygons
     relative = beside.thickness / beside.usual
     assert relative <= min((wall + off) / usual for wall, usual in walls if usual)

@@ -38,7 +38,7 @@ from camgeo.part.compensation import (
     scaled_splines,
     with_clearance,
 )
-from camgeo.part.mass import solid
+from camgeo.part.mass import Solid
 from camgeo.part.nozzle import RADIUS, STROKE, WALL, findings_of, sunk
 from camgeo.part.part import Boundary, Layer, Part
 from camgeo.part.spec import (
@@ -178,7 +178,7 @@ def test_scaling_multiplies_volume_and_moments(
     shrinkage = Shrinkage(xy, z)
     found = compensated(part, PrintSpec(shrinkage=shrinkage))
     a, b = shrinkage.scale_xy, shrinkage.scale_z
-    before, after = solid(part), solid(found)
+    before, after = Solid.of(part), Solid.of(found)
     assert (after.volume, after.axial) == pytest.approx(
         (before.volume * a**2 * b, before.axial * a**4 * b), rel=1e-9
     )
@@ -212,7 +212,7 @@ def test_chamfers_are_scaled_with_the_part() -> None:
     spec = PrintSpec(shrinkage=Shrinkage(xy=2.0, z=1.0))
     stretched, xy, z = compensated(part, spec), spec.scale_xy, spec.scale_z
     assert stretched.thickness == pytest.approx(10.0 * z)
-    assert solid(stretched).volume == pytest.approx(xy**2 * z * solid(part).volume, rel=1e-12)
+    assert Solid.of(stretched).volume == pytest.approx(xy**2 * z * Solid.of(part).volume, rel=1e-12)
     footed = compensated(part, PrintSpec(elephant_foot=Foot(0.3, 0.2)))
     assert footed.bevels == part.bevels
 
@@ -459,7 +459,7 @@ KEYED_DISC = PartSpec(thickness=10.0, bore=20.0, rim=140.0, keyway=Keyway(6.0, 2
 def test_a_roller(bore: float | None, clearance: float) -> None:
     part = roller_part(8.0, 5.0, bore, PrintSpec(bore_clearance=clearance) if clearance else None)
     hole = 0.0 if bore is None else 0.5 * (bore + clearance)
-    assert solid(part).volume == pytest.approx(math.pi * (64.0 - hole**2) * 5.0, rel=1e-12)
+    assert Solid.of(part).volume == pytest.approx(math.pi * (64.0 - hole**2) * 5.0, rel=1e-12)
     assert part.outermost.farthest()[0] == 8.0
 
 

@@ -17,14 +17,7 @@ import pytest
 import camgeo
 from camgeo.check.finding import BROKEN, Finding
 from camgeo.design.drawn import COMPENSATED
-from camgeo.design.judged_part import (
-    PartFound,
-    broken_in,
-    findings_on,
-    part_of,
-    poor_in,
-    relation_of,
-)
+from camgeo.design.judged_part import PartFound, broken_in, findings_on, poor_in, relation_of
 from camgeo.design.machining import machining_of, machining_time
 from camgeo.design.milled import MilledDisc
 from camgeo.design.plate import STEP, plate_of
@@ -32,7 +25,7 @@ from camgeo.design.product import Product, bodies_of, disc_of, title_of, with_pa
 from camgeo.errors import UnsafeError
 from camgeo.milling import plan
 from camgeo.numeric.arrays import FloatArray
-from camgeo.part.mass import solid, thinnest_of_each
+from camgeo.part.mass import Solid, Web
 from camgeo.studies.sweep.rows import asked_of, read
 from tests.contour.cams import SCENES
 from tests.findings import known
@@ -63,9 +56,9 @@ def by_name(found: tuple[Finding, ...]) -> dict[str, Finding]:
 )
 def test_the_part_is_weighed_in_the_units_of_the_scene(scene: str) -> None:
     disc = design(scene, DENSE).disc
-    found = part_of(disc)
+    found = PartFound.of(disc)
     assert found.body is not None
-    exact = solid(disc.drawn.part)
+    exact = Solid.of(disc.drawn.part)
     weight = 7850e-9  # kg/mm^3
     assert (found.body.stated_density, found.body.mass) == pytest.approx(
         (7850.0, weight * exact.volume), rel=1e-12
@@ -73,7 +66,7 @@ def test_the_part_is_weighed_in_the_units_of_the_scene(scene: str) -> None:
     assert found.body.axial_inertia == pytest.approx(weight * exact.axial, rel=1e-12)
     assert np.allclose(known(found.body.inertia), weight * exact.inertia, rtol=1e-12, atol=0.0)
     volume = math.fsum(each.area * (each.z1 - each.z0) for each in found.layers)
-    assert volume == pytest.approx(solid(disc.drawn.part.sharp).volume, rel=1e-9)
+    assert volume == pytest.approx(Solid.of(disc.drawn.part.sharp).volume, rel=1e-9)
     assert [each.name for each in found.layers] == [each.name for each in disc.drawn.part.layers]
     alike(disc, found)
     told = by_name(found.findings)
@@ -87,11 +80,11 @@ def test_the_part_is_weighed_in_the_units_of_the_scene(scene: str) -> None:
     assert (both is not None) == (scene == "conjugate_carriage")
     assert not any(both in findings_on(other) for other in disc.others)
     if both is not None:
-        mine, other = (solid(each.drawn.part) for each in (disc, disc.others[0]))
+        mine, other = (Solid.of(each.drawn.part) for each in (disc, disc.others[0]))
         assert both.value == pytest.approx(weight * (mine.volume + other.volume), rel=1e-12)
         inertia = weight * (mine.axial + other.axial)
         assert f"moment of inertia about the cam axis {inertia:.6g} kg mm^2" in both.sentence
-    bare = part_of(design(scene).disc).body
+    bare = PartFound.of(design(scene).disc).body
     if bare is not None and bare.density is None:
         nothing = (bare.mass, bare.axial_inertia, bare.inertia, bare.stated_density)
         assert nothing == (None,) * 4
@@ -125,14 +118,14 @@ def test_limits_of_a_part_hold_at_the_value_and_break_beyond_it(
         assert found.severity == severity
         assert found.limit == pytest.approx(share * value, rel=1e-12)
         assert found.value == pytest.approx(value, rel=1e-9)
-        alike(disc, part_of(disc))
+        alike(disc, PartFound.of(disc))
 
 
 def test_a_wall_without_a_limit_is_compared_with_what_is_usual() -> None:
     """A tenth of the diameter of the hole; at it a wall is not thin."""
     thin: dict[str, Any] = {"part.bore": 60}
     disc = design("plate_translating", {**thin, "part.keyway": None}).disc
-    _, web = thinnest_of_each(disc.drawn.part)
+    _, web = Web.thinnest_of_each(disc.drawn.part)
     assert web is not None
     assert web.usual == pytest.approx(6.0, rel=1e-12)
     told = by_name(findings_on(disc))
@@ -144,7 +137,7 @@ def test_a_wall_without_a_limit_is_compared_with_what_is_usual() -> None:
     assert (found.severity == "warning") == (web.thickness < 6.0)
     verdict = "below" if web.thickness < 6.0 else "at least"
     assert f"of the diameter of the hole, {verdict} 10%, 6 mm" in found.sentence
-    alike(disc, part_of(disc))
+    alike(disc, PartFound.of(disc))
 
 
 def test_the_smallest_wall_is_the_smallest_distance() -> None:
@@ -169,12 +162,12 @@ def test_what_no_file_has_is_told() -> None:
     assert "4 mm in diameter, 3 mm above the face of the disc in the direction 90 deg" in (
         found.sentence
     )
-    alike(disc, part_of(disc))
+    alike(disc, PartFound.of(disc))
 
 
 def test_a_part_that_is_impossible_is_told_as_such() -> None:
     disc = design("plate_translating", {"part.bore": 200, "part.keyway": None}).disc
-    found = part_of(disc)
+    found = PartFound.of(disc)
     assert (found.diameter, found.layers, found.body) == (None, (), None)
     assert [(each.name, each.severity) for each in found.findings] == [("part", "invalid")]
     assert findings_on(disc) == found.findings
@@ -369,8 +362,8 @@ def test_the_pair_is_a_piece_of_its_own() -> None:
     assert (
         "the return disc at 0 deg to the main disc, below it, with a gap of 9 mm" in told.sentence
     )
-    whole = known(part_of(pair).body)
-    parts = [part_of(each).body for each in (main, other)]
+    whole = known(PartFound.of(pair).body)
+    parts = [PartFound.of(each).body for each in (main, other)]
     assert whole.solid.volume > sum(each.solid.volume for each in parts if each is not None)
     two = design("pair", {"part.pair": None})
     assert [bodies_of(each) for each in two.discs] == [(each,) for each in two.discs]

@@ -31,12 +31,10 @@ from camgeo.pictures.sheet.section import (
     corners_of,
     edges_above,
     section,
-    shape_of,
 )
 from camgeo.pictures.sheet.sheet import (
     DASH_DOT,
     DASH_DOTS,
-    chains_of,
     dashed,
     dashed_stretch,
     in_dashes,
@@ -46,7 +44,7 @@ from tests.part.parts import FLANKS, circle, made_or_refused, specs
 
 
 def cut(*layers: Layer) -> list[Mark]:
-    return section(shape_of(Part(layers), 0.01, "fast"))
+    return section(Shape.of(Part(layers), 0.01, "fast"))
 
 
 def area(marks: list[Mark]) -> float:
@@ -131,7 +129,7 @@ def test_random_parts_are_cut_as_their_polygons_are(contact: Contact, spec: Part
     part = made_or_refused(contact, spec)
     assume(part is not None)
     assert part is not None
-    shape = shape_of(part, 0.01, "fast")
+    shape = Shape.of(part, 0.01, "fast")
     expected = 0.0
     for layer in part.layers:
         inside: BaseGeometry = Polygon()
@@ -154,7 +152,7 @@ PART = part_with(
 
 
 def drawn() -> tuple[Shape, list[Mark]]:
-    shape = shape_of(PART, 0.01, "fast")
+    shape = Shape.of(PART, 0.01, "fast")
     return shape, bevelled(section(shape), shape)
 
 
@@ -187,7 +185,7 @@ def test_mitres_join_the_corners_of_a_keyway() -> None:
     wall = bore_boundary(20.0, Keyway(6.0, 2.8))
     part = Part((Layer(-10.0, 0.0, (OUTLINE, wall)),))
     part = part_with(part, Chamfers(bore=Chamfer(2.0, "upper")), 0.01)
-    chains = list(edges_above(shape_of(part, 1e-3, "fast"), 1e-3, "fast"))
+    chains = list(edges_above(Shape.of(part, 1e-3, "fast"), 1e-3, "fast"))
     mitres = [each.vertices for each in chains if not each.closed]
     ends = {(complex(each[0]), complex(each[-1])) for each in mitres}
     edge = wall.inset(2.0, "edge").exact
@@ -289,10 +287,10 @@ def middles_of(chain: Chain) -> list[complex]:
 def test_the_lower_outline_is_dashed_where_the_upper_disc_lies_over_it(
     upper: str, above: str, below: str
 ) -> None:
-    shape = shape_of(pair_with(upper).drawn.part, TOLERANCE, "fast")
+    shape = Shape.of(pair_with(upper).drawn.part, TOLERANCE, "fast")
     over, under = (edge_of(shape, name) for name in (above, below))
-    assert [each.layer for each in chains_of(shape, over)] == ["OUTLINE"]
-    chains = chains_of(shape, under)
+    assert [each.layer for each in shape.chains_of(over)] == ["OUTLINE"]
+    chains = shape.chains_of(under)
     layers = [each.layer for each in chains]
     assert set(layers) == {"OUTLINE", "HIDDEN"}
     assert all(one != other for one, other in zip(layers, [*layers[1:], layers[0]], strict=True))
@@ -315,8 +313,8 @@ def test_the_lower_outline_is_dashed_where_the_upper_disc_lies_over_it(
 
 
 def test_hub_and_spacer_are_hidden_as_a_whole() -> None:
-    shape = shape_of(pair_with().drawn.part, TOLERANCE, "fast")
+    shape = Shape.of(pair_with().drawn.part, TOLERANCE, "fast")
     for name in ("spacer", "lower hub"):
-        (chain,) = chains_of(shape, edge_of(shape, name))
+        (chain,) = shape.chains_of(edge_of(shape, name))
         assert chain.closed
         assert chain.layer == "HIDDEN"

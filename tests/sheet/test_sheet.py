@@ -41,7 +41,6 @@ from camgeo.pictures.sheet.marks import (
     View,
     across,
     boxes,
-    cleared,
     dots,
     findings_of,
     line,
@@ -403,12 +402,12 @@ BOX = boxes([(10 + 0j, 1.0 + 0j, 6.0, 2.0)])
 
 
 def test_lines_are_interrupted_at_texts_and_nothing_else_is() -> None:
-    found = list(cleared([line(0j, 20 + 0j, "CENTRE")], Ink(frames=BOX), 1.0))
+    found = list(Ink(frames=BOX).cleared([line(0j, 20 + 0j, "CENTRE")], 1.0))
     ends = [[complex(end) for end in each.vertices] for each in found if isinstance(each, Chain)]
     assert ends == [[0j, pytest.approx(7)], [pytest.approx(13), 20 + 0j]]
     away = line(5j, 20 + 5j, "CENTRE")
     outline = line(0j, 20 + 0j, "OUTLINE")
-    assert list(cleared([away, outline], Ink(frames=BOX), 1.0)) == [away, outline]
+    assert list(Ink(frames=BOX).cleared([away, outline], 1.0)) == [away, outline]
 
 
 @given(

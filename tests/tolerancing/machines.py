@@ -11,7 +11,7 @@ from camgeo.design.design import Design
 from camgeo.geometry.outline.path import Flank
 from camgeo.scene.scene import Scene, load_scene
 from camgeo.studies.tolerancing.linear import Linear, replayed
-from camgeo.studies.tolerancing.stated import Deviations, Machine, Sensitivities, Unit, stated_of
+from camgeo.studies.tolerancing.stated import Deviations, Machine, Sensitivities, Stated, Unit
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
 
@@ -70,7 +70,7 @@ def turned(place: complex, nominal: Sensitivities) -> np.ndarray[Any, Any]:
 
 def linear_of(scene: Scene) -> Linear:
     """Its linear analysis."""
-    return Linear(stated_of(Design(scene)))
+    return Linear(Stated.of(Design(scene)))
 
 
 def lifter(

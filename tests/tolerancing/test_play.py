@@ -20,7 +20,7 @@ from camgeo.design.design import Design
 from camgeo.kinematics.mechanism.follower import Follower
 from camgeo.scene.scene import Scene, load_scene
 from camgeo.studies.tolerancing.linear import Play, deviations_of
-from camgeo.studies.tolerancing.stated import Deviations, dimensions_of, machines_of, stated_of
+from camgeo.studies.tolerancing.stated import Deviations, Stated, dimensions_of, machines_of
 from tests.findings import known
 from tests.tolerancing.machines import FIXTURES, LEVER
 
@@ -56,7 +56,7 @@ def toleranced(scene: Scene, **table: object) -> Scene:
 
 
 def play_of(scene: Scene, angles: Array = ANGLES) -> Play:
-    return Play(stated_of(Design(scene)), angles)
+    return Play(Stated.of(Design(scene)), angles)
 
 
 # By distances -------------------------------------------------------------------------------------

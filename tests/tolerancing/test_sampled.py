@@ -9,7 +9,7 @@ import pytest
 
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.scene.scene import load_scene
-from camgeo.studies.tolerancing.linear import ANGLES, deviations_of, replayed, sampled
+from camgeo.studies.tolerancing.linear import ANGLES, Sampled, deviations_of, replayed
 from camgeo.studies.tolerancing.stated import SHAPES, Deviations, Distribution, Shape, Source
 from tests.tolerancing.machines import FIXTURES, LEVER, lifter, linear_of
 
@@ -47,7 +47,7 @@ def test_what_is_not_linear_falls_with_the_square(name: str) -> None:
 def test_small_tolerances_have_the_linear_mean_and_spread() -> None:
     """At all cam angles within two standard errors of as many independent machines."""
     linear, count = linear_of(load_scene(LEVER)), 256
-    found = sampled(linear, count, seed=3)
+    found = Sampled.of(linear, count, seed=3)
     apart = np.mean(found.errors, axis=0) - linear.mean
     assert np.max(np.abs(apart) / linear.sigma) <= 2.0 / math.sqrt(count)
     ratio = np.std(found.errors, axis=0) / linear.sigma
@@ -59,7 +59,7 @@ def test_the_yield_of_one_dimension(shape: Shape) -> None:
     """The face is off by minus the deviation of its radius: the share within a limit is known."""
     limit, plus_minus = 0.02, 0.03
     dimension = {"key": "follower.base_radius", "plus_minus": plus_minus, "distribution": shape}
-    found = sampled(lifter(dimension, limit=limit), 1024)
+    found = Sampled.of(lifter(dimension, limit=limit), 1024)
     share = limit / plus_minus
     known = {
         "normal": math.erf(3.0 * share / math.sqrt(2.0)),

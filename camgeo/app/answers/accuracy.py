@@ -24,14 +24,7 @@ from camgeo.pictures.model import Figure
 from camgeo.scene.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.scene.scene import Scene
 from camgeo.studies.accuracy import survey as surveys
-from camgeo.studies.accuracy.benefit import (
-    BenefitRow,
-    advice,
-    benefit_rows,
-    harmonics,
-    of_each_form,
-    step_sentence,
-)
+from camgeo.studies.accuracy.benefit import BenefitRow, advice, benefit_rows, enough, words
 from camgeo.studies.accuracy.contours import (
     FORMS,
     ContourRow,
@@ -49,6 +42,14 @@ from camgeo.studies.accuracy.survey import (
     own_rows,
 )
 from camgeo.units import MM_PER, RPM, LengthUnit
+
+
+def of_each_form(rows: Sequence[BenefitRow]) -> tuple[str, ...]:
+    """What is enough of each form, of `rows` of one speed, and why; forms without values are left
+    out.
+    """
+    each = [enough([row for row in rows if row.form == form]) for form in FORMS]
+    return tuple(words(found) for found in each if found is not None) or (words(None),)
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +81,7 @@ class Accuracy(Answer):
     @property
     def step(self) -> str:
         """What the last step of accuracy up to there costs and buys, in words."""
-        return step_sentence(self.survey.knee)
+        return "" if self.survey.knee is None else self.survey.knee.step_sentence
 
     @property
     def own(self) -> tuple[ContourRow, ...]:
@@ -654,6 +655,12 @@ def _benefits(answer: Accuracy) -> list[str]:
     """Heads of the table of benefits."""
     heads = ["written", "tolerance", f"acceleration [{answer.unit}/s^2]", "ripple"]
     return [*heads, "force [N]", "least [N]", "lifts off", "octave", f"in it [{answer.unit}/s^2]"]
+
+
+def harmonics(octave: int) -> str:
+    """Those of an octave, from 0, in words: "1", "2-3", "4-7" and so on."""
+    first = 2**octave
+    return f"{first}-{2 * first - 1}" if octave else "1"
 
 
 def _benefit_cells(row: dict[str, Any], length: LengthUnit) -> tuple[list[str], str]:

@@ -21,7 +21,7 @@ from camgeo.app.answers.answer import (
 )
 from camgeo.app.cli.command import SCENE_FILE, opened, show
 from camgeo.check.finding import FINDINGS, RETURN, Finding, forbidding
-from camgeo.design.judged_part import Body, PartFound, part_of
+from camgeo.design.judged_part import Body, PartFound
 from camgeo.design.product import with_pair
 from camgeo.errors import GeometryError
 from camgeo.kinematics.plan import Joint, joints
@@ -172,7 +172,7 @@ def _lacking(scene: Scene) -> Iterator[Finding]:
 
 def _parts(design: Design) -> dict[str, PartFound]:
     with design.ledger.entry(OF_PART):
-        return {disc.name: part_of(disc) for disc in with_pair(design.discs)}
+        return {disc.name: PartFound.of(disc) for disc in with_pair(design.discs)}
 
 
 def _machining(design: Design) -> Machining:

@@ -57,10 +57,7 @@ from camgeo.studies.inspection import (
     Alignment,
     Deviations,
     LiftErrors,
-    aligned,
-    deviations_of,
     false_share,
-    lift_errors,
     off_radius,
     other_axes,
     places_of,
@@ -240,8 +237,8 @@ def of_points(
     """Compare `measured` points of a flank with it; `name` is that of their file."""
     cam = disc.cam
     exact = ExactFlank(cam.disc.outline(side).path, side)
-    alignment = aligned(exact, measured.points, align, ball, robust=robust)
-    deviations = deviations_of(exact, alignment.feet, alignment.deviations)
+    alignment = Alignment.of(exact, measured.points, align, ball, robust=robust)
+    deviations = Deviations.of(exact, alignment.feet, alignment.deviations)
     findings = [
         _profile(deviations, tolerance),
         _coverage(deviations),
@@ -288,7 +285,7 @@ def _measured(design: Design, stem: str, flank: str | None) -> tuple[Product, Fl
 def _effect(disc: Product, exact: ExactFlank, deviations: Deviations) -> LiftEffect:
     """The effect on the follower, in the unit of the scene."""
     cam = disc.cam
-    errors = lift_errors(exact, deviations, clearance=cam.clearance)
+    errors = LiftErrors.of(exact, deviations, clearance=cam.clearance)
     unit, factor = unit_of(disc.scene.unit, is_angle=cam.lift_unit == "rad")
     low, high = (scaled(each, factor) for each in (errors.extremes.lowest, errors.extremes.highest))
     worst = high if high.value >= -low.value else low

@@ -29,7 +29,7 @@ from camgeo.check.disc import transmission_angle_limit
 from camgeo.check.finding import Finding
 from camgeo.check.judge import motion_findings
 from camgeo.check.sizing.face import FaceTask
-from camgeo.check.sizing.rounding import Made, exponent_of, made_of, rated, sized
+from camgeo.check.sizing.rounding import Made, exponent_of, rated, sized
 from camgeo.check.sizing.smallest import ARM_SIDES, Active, Rating, Sizing
 from camgeo.check.sizing.task import Placing, Task
 from camgeo.design.design import Design
@@ -178,6 +178,37 @@ class CamSize(Answer):
         """1 if nothing meets the requirement, or nothing that can be written down."""
         return FINE if self.best.made is not None else BROKEN
 
+    @property
+    def edits(self) -> dict[str, Any]:
+        """The values, by key, that the scene has with the rounded sizes; none if there are none.
+
+        A rocker on the other side of its arm is moved the other way by the same linkage. A yoke is
+        widened or narrowed by as much as both of its sides move. A return disc on a carriage
+        stays as it is, because its roller does; a return arm stays on its side of the main arm.
+        """
+        scene, made = self.scene, self.best.made
+        if made is None:
+            return {}
+        edits: dict[str, Any] = {f"follower.{key}": each for key, each in made.lengths.items()}
+        before = scene.follower
+        assert before is not None  # it was sized
+        side, was = (getattr(each, "arm_side", None) for each in (made.cam.follower, before))
+        if side is not None and side != was:
+            edits["follower.arm_side"] = ARM_SIDES[side]
+            if scene.linkage is not None and scene.stated.has("follower", "direction"):
+                edits["follower.direction"] = OTHER_WAY[scene.stated.get("follower", "direction")]
+            turned = scene.stated.exact("follower", "return", "arm_angle")
+            if turned is not None:
+                edits["follower.return.arm_angle"] = -float(turned)
+        breadth = scene.stated.exact("follower", "yoke", "breadth")
+        if breadth is not None:
+            old = scene.stated.exact("follower", "base_radius") or Decimal(0)
+            wider = 2 * (Decimal(repr(made.lengths["base_radius"])) - old)
+            edits["follower.yoke.breadth"] = float(breadth + wider)
+        if scene.stated.has("follower", "return", "spacing"):
+            edits |= _return_roller(scene, made.cam)
+        return edits
+
 
 def size(
     design: Design,
@@ -210,18 +241,17 @@ def size(
     found = sized(cam, angle, ratio, radius_of_curvature, arms, MM_PER[unit])
     present = getattr(design.scene.follower, "arm", None)
     sides = tuple(
-        Side(task, sizing, unit, made_of(task, sizing, ratio, present, MM_PER[unit]))
+        Side(task, sizing, unit, Made.of(task, sizing, ratio, present, MM_PER[unit]))
         for task, sizing in found
     )
     answer = CamSize(design.scene, sides, rated(cam))
-    made = answer.best.made
-    return answer if made is None else replace(answer, remarks=_remarks(design.scene, made))
+    return replace(answer, remarks=_remarks(answer)) if answer.edits else answer
 
 
-def _remarks(scene: Scene, made: Made) -> tuple[Finding, ...]:
+def _remarks(answer: CamSize) -> tuple[Finding, ...]:
     """What the checks find wrong in the scene with these sizes, besides its motion."""
     try:
-        design = Design(scene.with_values(edits_with(scene, made)))
+        design = Design(answer.scene.with_values(answer.edits))
     except SceneError:  # which is reported where it is written
         return ()
     others = motion_findings(design.drive)
@@ -238,10 +268,9 @@ def sized_scene(found: CamSize) -> Scene:
     SceneError
         If the scene would not be valid with them.
     """
-    made = found.best.made
-    if made is None:
+    if not found.edits:
         raise GeometryError("the requirement can only just be met: no scene surely keeps it")
-    return found.scene.with_values(edits_with(found.scene, made))
+    return found.scene.with_values(found.edits)
 
 
 # -- document -------------------------------------------------------------------------------------
@@ -608,34 +637,6 @@ def _of_flocke(sizing: Sizing) -> Iterator[str]:
 
 
 OTHER_WAY: Final = {"outward": "inward", "inward": "outward"}
-
-
-def edits_with(scene: Scene, made: Made) -> dict[str, Any]:
-    """The values, by key, that the scene has with the sizes of `made`, which are in its unit.
-
-    A rocker on the other side of its arm is moved the other way by the same linkage. A yoke is
-    widened or narrowed by as much as both of its sides move. A return disc on a carriage
-    stays as it is, because its roller does; a return arm stays on its side of the main arm.
-    """
-    edits: dict[str, Any] = {f"follower.{key}": each for key, each in made.lengths.items()}
-    before = scene.follower
-    assert before is not None  # it was sized
-    side, was = (getattr(each, "arm_side", None) for each in (made.cam.follower, before))
-    if side is not None and side != was:
-        edits["follower.arm_side"] = ARM_SIDES[side]
-        if scene.linkage is not None and scene.stated.has("follower", "direction"):
-            edits["follower.direction"] = OTHER_WAY[scene.stated.get("follower", "direction")]
-        turned = scene.stated.exact("follower", "return", "arm_angle")
-        if turned is not None:
-            edits["follower.return.arm_angle"] = -float(turned)
-    breadth = scene.stated.exact("follower", "yoke", "breadth")
-    if breadth is not None:
-        old = scene.stated.exact("follower", "base_radius") or Decimal(0)
-        wider = 2 * (Decimal(repr(made.lengths["base_radius"])) - old)
-        edits["follower.yoke.breadth"] = float(breadth + wider)
-    if scene.stated.has("follower", "return", "spacing"):
-        edits |= _return_roller(scene, made.cam)
-    return edits
 
 
 def _return_roller(scene: Scene, cam: Cam) -> dict[str, float]:

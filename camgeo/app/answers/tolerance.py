@@ -43,9 +43,8 @@ from camgeo.studies.tolerancing.linear import (
     Play,
     Sampled,
     contact_forces,
-    sampled,
 )
-from camgeo.studies.tolerancing.stated import SIGMAS, stated_of
+from camgeo.studies.tolerancing.stated import SIGMAS, Stated
 from camgeo.units import at_cam_angles, cam_angle, counted, small
 
 
@@ -294,7 +293,7 @@ def tolerance(design: Design, *, count: int = COUNT, seed: int = 0) -> Tolerance
         If its kind of machine, or its flank, cannot be analysed; if there are too few or too many
         machines, or one has no contact near the nominal one.
     """
-    linear = Linear(stated_of(design))
+    linear = Linear(Stated.of(design))
     contributions = linear.contributions
     found = None
     between = None if linear.stated.second is None else Play(linear.stated)
@@ -302,7 +301,7 @@ def tolerance(design: Design, *, count: int = COUNT, seed: int = 0) -> Tolerance
         contact = None
         if between is None:
             contact = contact_forces(design, linear.stated.machine.flank, linear.angles)
-        found = sampled(linear, count, seed, contact, between)
+        found = Sampled.of(linear, count, seed, contact, between)
     return ToleranceAnalysis(design.scene, linear, contributions, found, between)
 
 

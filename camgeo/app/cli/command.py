@@ -90,10 +90,6 @@ class ArgumentGroup:
         self.arguments, self.title, self.text, self.required = arguments, title, text, required
 
 
-Arguments = tuple[Argument | ArgumentGroup, ...]
-"""Those of a command, in the order of its help."""
-
-
 SCENE_FILE: Final = Argument("scene", metavar="SCENE", help="scene file (TOML)")
 """Names the scene, see `opened`."""
 

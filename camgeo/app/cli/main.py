@@ -21,7 +21,7 @@ from camgeo._version import __version__
 from camgeo.app.answers.answer import CRASHED, STOPPED, WRONG, text
 from camgeo.app.cli.command import (
     Argument,
-    Arguments,
+    ArgumentGroup,
     CallError,
     Progress,
     StreamError,
@@ -160,6 +160,10 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         super().error(printable(message))
+
+
+Arguments = tuple[Argument | ArgumentGroup, ...]
+"""Those of a command, in the order of its help."""
 
 
 def add_arguments(parser: argparse._ActionsContainer, arguments: Arguments) -> None:

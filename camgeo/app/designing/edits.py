@@ -173,7 +173,7 @@ def _cured(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
 
 
 def _sized(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
-    """`sized`: values by key, as of `camgeo.app.answers.size.edits_with`."""
+    """`sized`: values by key, as of `camgeo.app.answers.size.CamSize.edits`."""
     edits = _edits(arguments["sized"])
     return edited(given.tree, edits), f"sized: {label_of(edits, _units(given.tree, edits))}"
 

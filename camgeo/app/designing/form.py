@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from decimal import ROUND_HALF_EVEN, Decimal, localcontext
+from decimal import Decimal, localcontext
 from itertools import accumulate
 from typing import Any, Final, Literal, TypeGuard
 
@@ -21,7 +21,7 @@ from camgeo.scene.values import Document, Tree, ValidValues, document_of_tree
 from camgeo.units import in_unit
 
 # -- segments --------------------------------------------------------------------------------------
-# Spans of a motion's segments, whose sum is exact and stays whole, and values that are dragged.
+# Spans of a motion's segments, whose sum is exact and stays whole.
 
 
 Segment = Mapping[str, Any]
@@ -87,18 +87,12 @@ def span_beside(first: Segment, second: Segment, span: Decimal) -> Decimal:
     return other
 
 
-# -- snapping -------------------------------------------------------------------------------------
-# Dragged values: rounded to decimal steps, and left alone where they hardly change.
+# -- numbers --------------------------------------------------------------------------------------
+# Numbers of a scene: which there can be, decimal steps, and how they are written.
 
-
-FINEST: Final = 1e-6
-"""Step if none is stated [unit of the scene, degrees]."""
 
 STEPS: Final = (1e-9, 1e6)
 """Least and greatest step."""
-
-DIGITS: Final = 60
-"""Digits with which a value is rounded: more than the largest number has in the least steps."""
 
 LARGEST: Final = 10**12
 """Magnitude of the numbers of a scene."""
@@ -116,21 +110,6 @@ def step_near(step: float) -> Decimal:
     exponent = math.floor(math.log10(step * (1.0 + 1e-12)))
     digits = step / 10.0**exponent * (1.0 + 1e-12)
     return Decimal(max(each for each in (1, 2, 5) if each <= digits)).scaleb(exponent)
-
-
-def snapped(value: float, step: float, before: Any = None) -> Any:
-    """`value` rounded to a step of at most `step`, as a number of a scene.
-
-    It is `before`, the number that was there, if that is within half a step of it. A whole number
-    is an integer unless `before` was written as a decimal number.
-    """
-    by = step_near(step)
-    if before is not None and abs(value - float(before)) <= 0.5 * float(by):
-        return before
-    with localcontext() as context:
-        context.prec = DIGITS
-        steps = (Decimal(value) / by).quantize(Decimal(1), ROUND_HALF_EVEN)
-        return styled(steps * by, before)
 
 
 def styled(value: Decimal, before: Any) -> Any:
@@ -160,23 +139,6 @@ KINDS: Final[Mapping[str, Mapping[str, FollowerKind | LinkageKind]]] = {
     "linkage": LINKAGES,
 }
 """Tables whose kind can be changed, with their kinds."""
-
-
-def form(document: Document) -> list[Data]:
-    """The tables of a scene: those that it has and those that it could have.
-
-    Of each its `key`, `title` and `description`, as of a field, the key empty for the scene itself;
-    `stated`, whether the scene has it; its `kind` if there are several, else None; `kinds`, those
-    that there are, each with a sentence, None if the kind cannot be changed; and its `fields`.
-    """
-    fields = Fields(document)
-    root = fields.composed.root
-    own = [
-        found
-        for key, node in root["properties"].items()
-        if key not in APART and (found := fields.field((key,), node)) is not None
-    ]
-    return [_section("", "scene", "", own), *_inner(fields, (), root)]
 
 
 def _section(
@@ -296,7 +258,7 @@ LONGEST: Final = 400
 
 
 class Fields:
-    """The fields of one scene, right or wrong.
+    """The fields of one scene, right or wrong: each by itself, as a form, and by segment of a plan.
 
     Attributes
     ----------
@@ -388,6 +350,65 @@ class Fields:
             found = self.field((*path, key), each)
             if found is not None:
                 yield found
+
+    def form(self) -> list[Data]:
+        """The tables of the scene: those that it has and those that it could have.
+
+        Of each its `key`, `title` and `description`, as of a field, the key empty for the scene
+        itself; `stated`, whether the scene has it; its `kind` if there are several, else None;
+        `kinds`, those that there are, each with a sentence, None if the kind cannot be changed; and
+        its `fields`.
+        """
+        root = self.composed.root
+        own = [
+            found
+            for key, node in root["properties"].items()
+            if key not in APART and (found := self.field((key,), node)) is not None
+        ]
+        return [_section("", "scene", "", own), *_inner(self, (), root)]
+
+    def plan(self) -> list[Data]:
+        """The segments of the scene; none if its motion is no list.
+
+        Of each its `index`, from 0; its `kind`, "dwell", "move", "points" or "table"; the cam
+        angles [degrees] `from` and `to`, None after a segment whose span is not valid; the
+        positions `start` and `end` [unit of the plan], None if a file decides; its `law`, None of a
+        dwell; and its `fields`, as of a form.
+        """
+        motion = self.document.at(("motion",))
+        if not isinstance(motion, list):
+            return []
+        node = self.node(("motion",)).get("items", {})
+        spans = []
+        for each in motion[:MOST_SEGMENTS]:
+            span = span_of(each)
+            if span is None:
+                break
+            spans.append(span)
+        angles = [float(each) for each in joints(spans)]
+        rows = []
+        position: float | None = 0.0
+        for index, segment in enumerate(motion[:MOST_SEGMENTS]):
+            table = segment if isinstance(segment, dict) else {}
+            law = table.get("law")
+            rests = "dwell" in table
+            start = position
+            if not rests:
+                to = plain(table.get("to"))
+                position = to if isinstance(to, int | float) else None
+            rows.append(
+                {
+                    "index": index,
+                    "kind": "dwell" if rests else law if law in DATA else "move",
+                    "from": angles[index] if index < len(angles) else None,
+                    "to": angles[index + 1] if index + 1 < len(angles) else None,
+                    "start": start,
+                    "end": position,
+                    "law": law if isinstance(law, str) and not rests else None,
+                    "fields": list(_fitting(self.of_table(("motion", index), node), law)),
+                }
+            )
+        return rows
 
     def _default(self, path: KeyPath, node: Node) -> Any:
         if "x-default-by-law" in node:
@@ -536,48 +557,3 @@ def _fitting(fields: Iterable[Data], law: Any) -> Iterator[Data]:
         idle = (key in (*SHAPES, JERK) and key not in taken) or (key == OPTIMISE and law != AUTO)
         if each["stated"] or not idle:
             yield each
-
-
-def plan(document: Document) -> list[Data]:
-    """The segments of a scene; none if its motion is no list.
-
-    Of each its `index`, from 0; its `kind`, "dwell", "move", "points" or "table"; the cam angles
-    [degrees] `from` and `to`, None after a segment whose span is not valid; the positions `start`
-    and `end` [unit of the plan], None if a file decides; its `law`, None of a dwell; and its
-    `fields`, as of a form.
-    """
-    motion = document.at(("motion",))
-    if not isinstance(motion, list):
-        return []
-    fields = Fields(document)
-    node = fields.node(("motion",)).get("items", {})
-    spans = []
-    for each in motion[:MOST_SEGMENTS]:
-        span = span_of(each)
-        if span is None:
-            break
-        spans.append(span)
-    angles = [float(each) for each in joints(spans)]
-    rows = []
-    position: float | None = 0.0
-    for index, segment in enumerate(motion[:MOST_SEGMENTS]):
-        table = segment if isinstance(segment, dict) else {}
-        law = table.get("law")
-        rests = "dwell" in table
-        start = position
-        if not rests:
-            to = plain(table.get("to"))
-            position = to if isinstance(to, int | float) else None
-        rows.append(
-            {
-                "index": index,
-                "kind": "dwell" if rests else law if law in DATA else "move",
-                "from": angles[index] if index < len(angles) else None,
-                "to": angles[index + 1] if index + 1 < len(angles) else None,
-                "start": start,
-                "end": position,
-                "law": law if isinstance(law, str) and not rests else None,
-                "fields": list(_fitting(fields.of_table(("motion", index), node), law)),
-            }
-        )
-    return rows

@@ -9,18 +9,16 @@ import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from decimal import Decimal, localcontext
+from decimal import ROUND_HALF_EVEN, Decimal, localcontext
 from functools import singledispatch
 from typing import Any, Final, Literal
 
 import numpy as np
 
 from camgeo.app.designing.form import (
-    FINEST,
     is_fixed,
     joints,
     least_span,
-    snapped,
     span_beside,
     span_key,
     span_of,
@@ -105,6 +103,10 @@ def handles(design: Design) -> Iterator[Handle]:
     yield from _of_plan(design)
     for each in _grips(design):
         yield _of_grip(design.scene, each)
+
+
+FINEST: Final = 1e-6
+"""Step if none is stated [unit of the scene, degrees]."""
 
 
 def dragged(design: Design, name: str, to: Any, step: Any = None) -> tuple[Handle, Edits]:
@@ -199,6 +201,25 @@ def _before(scene: Scene, key: str, now: Size) -> Any:
     """The value that the scene states at `key`, or else the one that it has by default."""
     stated = value_at(scene.stated.scene.exact, path_of(key) or ())
     return _numbers(scene, now) if stated is None else stated
+
+
+DIGITS: Final = 60
+"""Digits with which a value is rounded: more than the largest number has in the least steps."""
+
+
+def snapped(value: float, step: float, before: Any = None) -> Any:
+    """`value` rounded to a step of at most `step`, as a number of a scene.
+
+    It is `before`, the number that was there, if that is within half a step of it. A whole number
+    is an integer unless `before` was written as a decimal number.
+    """
+    by = step_near(step)
+    if before is not None and abs(value - float(before)) <= 0.5 * float(by):
+        return before
+    with localcontext() as context:
+        context.prec = DIGITS
+        steps = (Decimal(value) / by).quantize(Decimal(1), ROUND_HALF_EVEN)
+        return styled(steps * by, before)
 
 
 def _settled(scene: Scene, size: Size, step: float, before: Any) -> Any:

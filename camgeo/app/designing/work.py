@@ -19,12 +19,12 @@ from camgeo.app.answers.answer import MARKS, in_a_line, text, verdict_on
 from camgeo.app.answers.build import poor_findings
 from camgeo.app.answers.check import Check, check
 from camgeo.app.answers.report import Advised, advised, coarse_solids, triangles
-from camgeo.app.answers.size import CamSize, edits_with
+from camgeo.app.answers.size import CamSize
 from camgeo.app.answers.size import size as size_of
 from camgeo.app.designing.children import Job, JobError
 from camgeo.app.designing.edits import changed
 from camgeo.app.designing.faults import faults_as_data
-from camgeo.app.designing.form import form, plan
+from camgeo.app.designing.form import Fields
 from camgeo.app.designing.handles import handles
 from camgeo.check.cures.remedies import Cure
 from camgeo.check.finding import RETURN, Finding
@@ -294,8 +294,8 @@ def _stated(found: Document, recent: Recent) -> dict[str, Any]:
     fields = repr({key: value for key, value in found.exact.items() if key != "motion"})
     named = found.at(("effects",))
     return {
-        "form": recent.kept("form", (fields,), lambda: form(found)),
-        "plan": plan(found),
+        "form": recent.kept("form", (fields,), lambda: Fields(found).form()),
+        "plan": Fields(found).plan(),
         "effects": sorted(named) if isinstance(named, dict) else [],
     }
 
@@ -478,22 +478,20 @@ def size(job: Job, recent: Recent) -> dict[str, Any]:
         radius_of_curvature=unit * (given.number("radius_of_curvature") or 0.0),
         arms=None if arms is None else (unit * arms[0], unit * arms[1]),
     )
-    made = found.best.made
     sizes = [
         _rating(name, each, unit)
         for name, each in (("present design", found.present), ("smallest", found.best.written))
         if each is not None
     ]
-    edits = {} if made is None else edits_with(found.scene, made)
     return {
         "sizes": sizes,
-        "sentence": _sentence(found, edits),
+        "sentence": _sentence(found),
         "text": text(found),
-        "edits": edits,
+        "edits": found.edits,
     }
 
 
-def _sentence(found: CamSize, edits: Mapping[str, Any]) -> str:
+def _sentence(found: CamSize) -> str:
     """The smallest base radius, and what else changes with it."""
     if found.best.written is None:
         only_just = "The requirement can only just be met: no scene surely keeps it."
@@ -503,7 +501,9 @@ def _sentence(found: CamSize, edits: Mapping[str, Any]) -> str:
     sentence = f"The smallest base radius is {now:.6g} {found.scene.unit}"
     if found.present is not None:
         sentence += f" instead of {found.present.base_radius / unit:.6g} {found.scene.unit}"
-    others = [f"{key} = {json.dumps(edits[key])}" for key in edits if key != BASE_RADIUS]
+    others = [
+        f"{key} = {json.dumps(each)}" for key, each in found.edits.items() if key != BASE_RADIUS
+    ]
     return f"{sentence}, with {listed(others)}." if others else f"{sentence}."
 
 

@@ -81,7 +81,7 @@ class Asked:
 
 
 class FaceTask(Placing):
-    """A cam with a flat face, whose axis is to be placed beside it, see `face_task_of`.
+    """A cam with a flat face, whose axis is to be placed beside it, see `FaceTask.of`.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ class FaceTask(Placing):
 
     def asked(self, angle: float, radius: float) -> Asked:
         """What is required: a transmission angle [rad] and a radius of curvature [mm], see
-        `size_for_face`; a cam with a cusp, or one that touches its axis, is excluded.
+        `size`; a cam with a cusp, or one that touches its axis, is excluded.
         """
         least = 2.0 * SMALLEST * (self.follower.base_radius + abs(self.present))
         return Asked(math.tan(angle), max(radius, least), least)
@@ -141,6 +141,65 @@ class FaceTask(Placing):
             return np.asarray(at.contact[1])
 
         return extremes(curve, value, slopes)
+
+    @staticmethod
+    def of(cam: Cam) -> FaceTask:
+        """The task of placing the axis of `cam`, which has a flat face."""
+        return FACE_TASKS[type(cam.follower)](cam)
+
+    def rating_at(self, place: complex) -> Rating | None:
+        """What the cam axis at `place` results in; None if there is no such mechanism, or its face
+        turns back in the cam.
+        """
+        try:
+            curve = self.pitch_curve_at(place)
+            if smallest_turn(curve)[0] <= 0.0:
+                return None
+            angle = transmission_angle_extremes(curve).smallest()
+            contact = contact_extremes(curve)
+        except GeometryError:
+            return None
+        bend = smallest_radius(curve)
+        ends = Extreme(*contact.smallest()), Extreme(*contact.largest())
+        none = Extreme(0.0, 0.0)
+        return Rating(place, curve.follower, Extreme(*angle), none, Extreme(*bend), ends)
+
+    def size(self, angle: float, radius: float) -> Sizing:
+        """The smallest base circle for a flat face.
+
+        Parameters
+        ----------
+        angle : smallest transmission angle mu [rad], in (0, pi/2).
+        radius : smallest radius of curvature of the outline [mm], 0 for any convex one.
+
+        Raises
+        ------
+        GeometryError
+            If one of them is out of range, or the follower does not move.
+        """
+        require_angle(angle)
+        if not 0.0 <= radius < math.inf:
+            key = "radius_of_curvature"
+            raise GeometryError("must be a length, 0 or more", key=key, value=f"{radius:g}")
+        low, high = lift_range(self.motion)
+        if low == high:
+            raise GeometryError(
+                "there is nothing to size: the follower does not move", key="motion"
+            )
+        asked = self.asked(angle, radius)
+        hopeless = _hopeless(self)
+        place, active = (None, ()) if hopeless else smallest_for_face(self, asked)
+        answer = None if place is None else self.rating_at(place)
+        none_below = math.inf if answer is None else answer.base_radius
+        return Sizing(
+            angle,
+            ratio=1.0,
+            answer=answer,
+            active=active,
+            none_below=none_below,
+            radius=radius,
+            hopeless=hopeless,
+        )
 
 
 class FaceOnGuide(FaceTask):
@@ -247,11 +306,6 @@ FACE_TASKS: Final[dict[type[Follower], type[FaceTask]]] = {
 """The task by the class of the follower."""
 
 
-def face_task_of(cam: Cam) -> FaceTask:
-    """The task of placing the axis of `cam`, which has a flat face."""
-    return FACE_TASKS[type(cam.follower)](cam)
-
-
 # -- faces ----------------------------------------------------------------------------------------
 # By exchange, from below, as for the transmission angle.
 #
@@ -271,42 +325,6 @@ ENLARGED = 1e-5
 """Fraction by which a cam is enlarged to prove that no extreme was missed."""
 
 
-def size_for_face(task: FaceTask, angle: float, radius: float) -> Sizing:
-    """The smallest base circle for a flat face.
-
-    Parameters
-    ----------
-    angle : smallest transmission angle mu [rad], in (0, pi/2).
-    radius : smallest radius of curvature of the outline [mm], 0 for any convex one.
-
-    Raises
-    ------
-    GeometryError
-        If one of them is out of range, or the follower does not move.
-    """
-    require_angle(angle)
-    if not 0.0 <= radius < math.inf:
-        key = "radius_of_curvature"
-        raise GeometryError("must be a length, 0 or more", key=key, value=f"{radius:g}")
-    low, high = lift_range(task.motion)
-    if low == high:
-        raise GeometryError("there is nothing to size: the follower does not move", key="motion")
-    asked = task.asked(angle, radius)
-    hopeless = _hopeless(task)
-    place, active = (None, ()) if hopeless else smallest_for_face(task, asked)
-    answer = None if place is None else rate_face(task, place)
-    none_below = math.inf if answer is None else answer.base_radius
-    return Sizing(
-        angle,
-        ratio=1.0,
-        answer=answer,
-        active=active,
-        none_below=none_below,
-        radius=radius,
-        hopeless=hopeless,
-    )
-
-
 def _hopeless(task: FaceTask) -> str | None:
     """Why no size will do (the linkage, a face that turns back, a velocity jump), or None."""
     if task.hopeless is not None:
@@ -316,24 +334,6 @@ def _hopeless(task: FaceTask) -> str | None:
     if smallest_turn(curve)[0] <= 0.0:
         return findings[0].sentence
     return next((each.sentence for each in findings if each.name == JUMP), None)
-
-
-def rate_face(task: FaceTask, place: complex) -> Rating | None:
-    """What the cam axis at `place` results in; None if there is no such mechanism, or its face
-    turns back in the cam.
-    """
-    try:
-        curve = task.pitch_curve_at(place)
-        if smallest_turn(curve)[0] <= 0.0:
-            return None
-        angle = transmission_angle_extremes(curve).smallest()
-        contact = contact_extremes(curve)
-    except GeometryError:
-        return None
-    bend = smallest_radius(curve)
-    ends = Extreme(*contact.smallest()), Extreme(*contact.largest())
-    none = Extreme(0.0, 0.0)
-    return Rating(place, curve.follower, Extreme(*angle), none, Extreme(*bend), ends)
 
 
 def smallest_for_face(task: FaceTask, asked: Asked) -> tuple[complex | None, tuple[Active, ...]]:

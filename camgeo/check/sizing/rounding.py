@@ -18,16 +18,9 @@ from camgeo.cam.cam import Cam
 from camgeo.check.disc import disc_findings
 from camgeo.check.finding import Finding, Limits
 from camgeo.check.machine import linkage_findings
-from camgeo.check.sizing.face import FaceTask, face_task_of, rate_face, size_for_face
-from camgeo.check.sizing.smallest import (
-    Conditions,
-    Rating,
-    Sizing,
-    extreme_angles,
-    rate,
-    size,
-)
-from camgeo.check.sizing.task import Placing, Task, covered, no_pairs, task_of
+from camgeo.check.sizing.face import FaceTask
+from camgeo.check.sizing.smallest import Conditions, Rating, Sizing, extreme_angles
+from camgeo.check.sizing.task import Placing, Task, covered, no_pairs
 from camgeo.errors import GeometryError
 from camgeo.geometry.pieces import contact_extremes, convexity
 from camgeo.lazy import Ledger
@@ -75,6 +68,24 @@ class Made:
 
     lengths: dict[str, float | list[float]]
     cam: Cam
+
+    @staticmethod
+    def of(
+        task: Placing, sizing: Sizing, ratio: float, present: float | None, unit: float
+    ) -> Made | None:
+        """The answer with its sizes rounded up, and the arm if it is not the `present` one [mm]."""
+        if sizing.answer is None:
+            return None
+        if isinstance(task, FaceTask):
+            least = sizing.radius or 0.0
+            return rounded_face(task, sizing.answer.place, sizing.angle, least, unit)
+        assert isinstance(task, Task)
+        assert sizing.examined is not None  # as there is an answer
+        made = rounded(task, sizing.answer.place, sizing.examined, sizing.angle, ratio, unit)
+        arm = getattr(task.follower, "arm", None)
+        if made is None or arm is None or arm == present:
+            return made
+        return replace(made, lengths={**made.lengths, "arm": float(f"{arm / unit:.12g}")})
 
 
 def exponent_of(length: float, unit: float) -> int:
@@ -167,8 +178,8 @@ def _near(length: float, last: Decimal, unit: float) -> float:
 
 def _within(cam: Cam, angle: float, ratio: float) -> bool:
     """Whether `cam` keeps its transmission angle and r_R/r_K, which is quick to check."""
-    task = task_of(cam)
-    found = rate(task, task.present)
+    task = Task.of(cam)
+    found = Rating.of(task, task.present)
     return (
         found is not None
         and found.transmission_angle.value >= angle
@@ -279,7 +290,7 @@ def with_arm(task: Task, arm: float) -> Task:
     follower = task.follower
     scale = arm / follower.arm
     pivot, base_radius = follower.pivot * scale, follower.base_radius * scale
-    return task_of(task.cam.sized(arm=arm, pivot=pivot, base_radius=base_radius))
+    return Task.of(task.cam.sized(arm=arm, pivot=pivot, base_radius=base_radius))
 
 
 def size_with_arm(
@@ -289,14 +300,14 @@ def size_with_arm(
 
     Parameters
     ----------
-    angle, ratio : as for `size`.
+    angle, ratio : as for `Sizing.of`.
     low, high : the shortest and the longest arm [mm].
 
     Raises
     ------
     GeometryError
         With key "follower.kind" for a follower without an arm, "arm" if the range is invalid or
-        lets the roller reach the pivot; and as `size` does.
+        lets the roller reach the pivot; and as `Sizing.of` does.
     """
     if task.held is None:
         raise GeometryError(NO_ARM, key="follower.kind", value=task.follower.kind)
@@ -312,7 +323,7 @@ def size_with_arm(
 
     def radius(arm: float) -> float:
         if arm not in tried:
-            tried[arm] = size(with_arm(task, arm), angle, ratio)
+            tried[arm] = Sizing.of(with_arm(task, arm), angle, ratio)
         answer = tried[arm].answer
         return math.inf if answer is None else answer.base_radius
 
@@ -356,11 +367,11 @@ def rated(cam: Cam) -> Rating | None:
     """What a cam results in; None if there is no such mechanism."""
     found: Rating | None
     if cam.follower.has_pitch_curve:
-        task = task_of(cam)
-        found = rate(task, task.present)
+        task = Task.of(cam)
+        found = Rating.of(task, task.present)
     else:
-        face = face_task_of(cam)
-        found = rate_face(face, face.present)
+        face = FaceTask.of(cam)
+        found = face.rating_at(face.present)
     return None if found is None else replace(found, follower=cam.follower)
 
 
@@ -376,23 +387,23 @@ def sized(
 
     Parameters
     ----------
-    angle, ratio, radius : limits as for `size`, and as for `size_for_face`.
+    angle, ratio, radius : limits as for `Sizing.of`, and as for `FaceTask.size`.
     arms : the shortest and the longest arm of a rocker [mm], to look for its arm too.
     unit : of written lengths [mm].
 
     Raises
     ------
     GeometryError
-        As `size`, `size_for_face` and `size_with_arm`.
+        As `Sizing.of`, `FaceTask.size` and `size_with_arm`.
     """
     if cam.follower.has_pitch_curve:
-        sides = task_of(cam).sides
+        sides = Task.of(cam).sides
         if arms is None:
-            return [(each, size(each, angle, ratio)) for each in sides]
+            return [(each, Sizing.of(each, angle, ratio)) for each in sides]
         return [_with_stated_arm(each, angle, ratio, arms, unit) for each in sides]
     if arms is not None:
         raise GeometryError(NO_ARM, key="follower.kind", value=cam.follower.kind)
-    return [(each, size_for_face(each, angle, radius)) for each in face_task_of(cam).sides]
+    return [(each, each.size(angle, radius)) for each in FaceTask.of(cam).sides]
 
 
 def _with_stated_arm(
@@ -406,22 +417,4 @@ def _with_stated_arm(
     if found in arms or arm == found:
         return task, sizing
     task = with_arm(task, arm)
-    return task, size(task, angle, ratio)
-
-
-def made_of(
-    task: Placing, sizing: Sizing, ratio: float, present: float | None, unit: float
-) -> Made | None:
-    """The answer with its sizes rounded up, and the arm if it is not the `present` one [mm]."""
-    if sizing.answer is None:
-        return None
-    if isinstance(task, FaceTask):
-        least = sizing.radius or 0.0
-        return rounded_face(task, sizing.answer.place, sizing.angle, least, unit)
-    assert isinstance(task, Task)
-    assert sizing.examined is not None  # as there is an answer
-    made = rounded(task, sizing.answer.place, sizing.examined, sizing.angle, ratio, unit)
-    arm = getattr(task.follower, "arm", None)
-    if made is None or arm is None or arm == present:
-        return made
-    return replace(made, lengths={**made.lengths, "arm": float(f"{arm / unit:.12g}")})
+    return task, Sizing.of(task, angle, ratio)

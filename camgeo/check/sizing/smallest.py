@@ -100,6 +100,17 @@ class Rating:
         """From where to where the contact runs on a flat face [mm]."""
         return None if self.face is None else (self.face[0].value, self.face[1].value)
 
+    @staticmethod
+    def of(task: Task, place: complex) -> Rating | None:
+        """What the cam axis at `place` results in; None if there is no such mechanism."""
+        try:
+            curve = task.pitch_curve_at(place)
+            angle = transmission_angle_extremes(curve).smallest()
+            ratio = worst_ratio(task, place)
+        except GeometryError:
+            return None
+        return Rating(place, curve.follower, Extreme(*angle), Extreme(*ratio))
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sizing:
@@ -144,67 +155,71 @@ class Sizing:
         """Whether the answer is exact to rounding; else `none_below` says what is proved."""
         return self.answer is not None and self.reach is None
 
+    @staticmethod
+    def of(task: Task, angle: float, ratio: float) -> Sizing:
+        """Flocke's proposal and the smallest base circle.
 
-def size(task: Task, angle: float, ratio: float) -> Sizing:
-    """Flocke's proposal and the smallest base circle.
+        Parameters
+        ----------
+        task : the mechanism.
+        angle : smallest transmission angle mu [rad], in (0, pi/2).
+        ratio : largest r_R/r_K, in (0, 1].
 
-    Parameters
-    ----------
-    task : the mechanism.
-    angle : smallest transmission angle mu [rad], in (0, pi/2).
-    ratio : largest r_R/r_K, in (0, 1].
-
-    Raises
-    ------
-    GeometryError
-        If the angle or the ratio is out of range, or the follower does not move.
-    """
-    require_angle(angle)
-    if not 0.0 < ratio <= 1.0:
-        raise GeometryError("must be above 0 and at most 1", key="radius_ratio", value=f"{ratio:g}")
-    ratio = min(ratio, NO_CUSP)
-    if task.cam.clearance > 0.0:  # beyond it, the flanks of a groove with play come to a cusp
-        ratio = min(ratio, NO_CUSP * task.follower.roller_radius / task.cam.disc.flank_distance)
-    tangent, hopeless = math.tan(angle), task.hopeless
-    if hopeless is not None:
-        return Sizing(angle, ratio, none_below=math.inf, hopeless=hopeless)
-    construction = flocke(task, tangent)
-    proposal = None if construction.place is None else rate(task, construction.place)
-    begun = Sizing(angle, ratio, construction, proposal)
-    place = smallest_place(task, tangent)
-    if place is None:
-        return replace(begun, nearest_angle=largest_angle(task), none_below=math.inf)
-    base = abs(place - task.start)
-    if not base > 0.0:
-        raise GeometryError("there is nothing to size: the follower does not move", key="motion")
-    for_angle = rate(task, place)
-    if for_angle is not None and meets(task, place, tangent, ratio):
-        now = conditions(task, tangent, ratio, extreme_angles(task, place, tangent, ratio)[0])
+        Raises
+        ------
+        GeometryError
+            If the angle or the ratio is out of range, or the follower does not move.
+        """
+        require_angle(angle)
+        if not 0.0 < ratio <= 1.0:
+            raise GeometryError(
+                "must be above 0 and at most 1", key="radius_ratio", value=f"{ratio:g}"
+            )
+        ratio = min(ratio, NO_CUSP)
+        if task.cam.clearance > 0.0:  # beyond it, the flanks of a groove with play come to a cusp
+            ratio = min(ratio, NO_CUSP * task.follower.roller_radius / task.cam.disc.flank_distance)
+        tangent, hopeless = math.tan(angle), task.hopeless
+        if hopeless is not None:
+            return Sizing(angle, ratio, none_below=math.inf, hopeless=hopeless)
+        construction = flocke(task, tangent)
+        proposal = None if construction.place is None else Rating.of(task, construction.place)
+        begun = Sizing(angle, ratio, construction, proposal)
+        place = smallest_place(task, tangent)
+        if place is None:
+            return replace(begun, nearest_angle=largest_angle(task), none_below=math.inf)
+        base = abs(place - task.start)
+        if not base > 0.0:
+            raise GeometryError(
+                "there is nothing to size: the follower does not move", key="motion"
+            )
+        for_angle = Rating.of(task, place)
+        if for_angle is not None and meets(task, place, tangent, ratio):
+            now = conditions(task, tangent, ratio, extreme_angles(task, place, tangent, ratio)[0])
+            return replace(
+                begun,
+                for_angle=for_angle,
+                answer=for_angle,
+                active=active_conditions(task, for_angle, angle, ratio),
+                none_below=base,
+                examined=now,
+            )
+        least = max(base, task.half * (1.0 + BESIDE))
+        found = smallest_with_bends(task, tangent, ratio, least)
+        answer = None if found.place is None else Rating.of(task, found.place)
+        pairs = found.examined.covers
+        active = () if answer is None else active_conditions(task, answer, angle, ratio, pairs)
+        least_ratio = found.least_ratio if math.isfinite(found.least_ratio) else None
         return replace(
             begun,
             for_angle=for_angle,
-            answer=for_angle,
-            active=active_conditions(task, for_angle, angle, ratio),
-            none_below=base,
-            examined=now,
+            answer=answer,
+            active=active,
+            nearest_ratio=least_ratio if answer is None else None,
+            none_below=found.bound,
+            reach=found.reach,
+            rounds=found.rounds,
+            examined=found.examined,
         )
-    least = max(base, task.half * (1.0 + BESIDE))
-    found = smallest_with_bends(task, tangent, ratio, least)
-    answer = None if found.place is None else rate(task, found.place)
-    pairs = found.examined.covers
-    active = () if answer is None else active_conditions(task, answer, angle, ratio, pairs)
-    least_ratio = found.least_ratio if math.isfinite(found.least_ratio) else None
-    return replace(
-        begun,
-        for_angle=for_angle,
-        answer=answer,
-        active=active,
-        nearest_ratio=least_ratio if answer is None else None,
-        none_below=found.bound,
-        reach=found.reach,
-        rounds=found.rounds,
-        examined=found.examined,
-    )
 
 
 def require_angle(angle: float) -> None:
@@ -215,17 +230,6 @@ def require_angle(angle: float) -> None:
             key="transmission_angle",
             value=f"{math.degrees(angle):g}",
         )
-
-
-def rate(task: Task, place: complex) -> Rating | None:
-    """What the cam axis at `place` results in; None if there is no such mechanism."""
-    try:
-        curve = task.pitch_curve_at(place)
-        angle = transmission_angle_extremes(curve).smallest()
-        ratio = worst_ratio(task, place)
-    except GeometryError:
-        return None
-    return Rating(place, curve.follower, Extreme(*angle), Extreme(*ratio))
 
 
 def active_conditions(

@@ -206,7 +206,7 @@ class Terms:
 
 @dataclass(frozen=True, slots=True)
 class Task(Placing):
-    """A cam with a roller, whose axis is to be placed beside its follower, see `task_of`.
+    """A cam with a roller, whose axis is to be placed beside its follower, see `Task.of`.
 
     Attributes
     ----------
@@ -275,6 +275,19 @@ class Task(Placing):
 
         return extremes(self.motion, value, slope)
 
+    @staticmethod
+    def of(cam: Cam) -> Task:
+        """The task of placing the axis of `cam`.
+
+        GeometryError with key "follower.kind" if its follower has no roller.
+        """
+        kind = TASKS.get(type(cam.follower))
+        if kind is None:
+            name = cam.follower.kind
+            message = f'this needs a roller follower, and this one is "{name}"'
+            raise GeometryError(message, key="follower.kind", value=name)
+        return kind(cam)
+
 
 class OnGuide(Task):
     """On a guide, upright, below which the axis lies anywhere."""
@@ -341,19 +354,6 @@ TASKS: Final[dict[type[Follower], type[Task]]] = {
     OscillatingRoller: OnRocker,
 }
 """The task by the class of the follower."""
-
-
-def task_of(cam: Cam) -> Task:
-    """The task of placing the axis of `cam`.
-
-    GeometryError with key "follower.kind" if its follower has no roller.
-    """
-    kind = TASKS.get(type(cam.follower))
-    if kind is None:
-        name = cam.follower.kind
-        message = f'this needs a roller follower, and this one is "{name}"'
-        raise GeometryError(message, key="follower.kind", value=name)
-    return kind(cam)
 
 
 # -- covering -------------------------------------------------------------------------------------

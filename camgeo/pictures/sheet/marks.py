@@ -16,6 +16,7 @@ from typing import Final, Literal
 import numpy as np
 
 from camgeo.check.finding import Finding
+from camgeo.geometry.contour.contour import Contour
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, frozen
 from camgeo.units import MM_PER, LengthUnit, counted, listed
 
@@ -51,6 +52,37 @@ class Chain:
     def __post_init__(self) -> None:
         object.__setattr__(self, "vertices", frozen(self.vertices, np.complex128))
         object.__setattr__(self, "sweeps", frozen(self.sweeps, np.float64))
+
+    @staticmethod
+    def along(contour: Contour, first: float, size: float, layer: Layer) -> Chain:
+        """The stretch of a contour of the length `size` that begins at the length `first` [mm],
+        below the whole.
+        """
+        lengths = contour.lengths
+        starts = np.concatenate(([0.0], np.cumsum(lengths)))
+        index = min(int(np.searchsorted(starts, first, side="right")) - 1, len(contour) - 1)
+        inside = first - float(starts[index])
+        vertices, sweeps, left = [], [], size
+        while True:
+            share = inside / lengths[index] if lengths[index] else 0.0
+            taken = min(left, float(lengths[index]) - inside)
+            part = taken / float(lengths[index]) if lengths[index] else 0.0
+            vertices.append(_on(contour, index, share))
+            sweeps.append(float(contour.sweeps[index]) * part)
+            left -= taken
+            if left <= 1e-12 * size:
+                vertices.append(_on(contour, index, share + part))
+                return Chain(np.array(vertices), np.array([*sweeps, 0.0]), layer)
+            index, inside = (index + 1) % len(contour), 0.0
+
+
+def _on(contour: Contour, index: int, share: float) -> complex:
+    """The point of a piece at a share of its length."""
+    start, sweep = complex(contour.vertices[index]), float(contour.sweeps[index])
+    if sweep == 0.0:
+        return start + share * (complex(contour.ends[index]) - start)
+    centre = complex(contour.centres[index])
+    return centre + (start - centre) * cmath.exp(1j * sweep * share)
 
 
 @dataclass(frozen=True, slots=True)
@@ -263,12 +295,6 @@ def rectangle(corner: complex, width: float, height: float, layer: Layer) -> Cha
     return path((corner, corner + across, corner + across + up, corner + up), layer, closed=True)
 
 
-def arrow(tip: complex, direction: complex, layer: Layer = "SYMBOL", size: float = 3.0) -> Filled:
-    """An arrowhead of `size` that points along the unit vector `direction`."""
-    back, side = tip - size * direction, size / 6.0 * 1j * direction
-    return Filled((tip, back + side, back - side), layer)
-
-
 def moved(marks: Sequence[Mark], at: complex, scale: float) -> list[Mark]:
     """Marks of paper as marks of a view, their origin at the place `at` of the part [mm]."""
     found: list[Mark] = []
@@ -437,22 +463,6 @@ def settled(
             places[number] = chosen(options, others, scale, unit)
             inks[number] = ink_of(places[number], scale, unit)
     return [*fixed, *(mark for marks in places for mark in marks)]
-
-
-def cleared(marks: Iterable[Mark], ink: Ink, scale: float) -> Iterator[Mark]:
-    """The marks, with straight lines of `AXES` interrupted, and short chains of them left out,
-    where they would go through a text or a frame of the `ink`.
-    """
-    rooms = (ink.texts.around(CLEAR), ink.frames)
-    for mark in marks:
-        if not (isinstance(mark, Chain) and mark.layer in AXES):
-            yield mark
-            continue
-        lines = chords(scale * mark.vertices, mark.sweeps, closed=mark.closed)
-        if len(mark.vertices) == 2 and not mark.sweeps[0]:
-            yield from _interrupted(mark, rooms, lines)
-        elif not any(np.any(each.cut(lines)) for each in rooms):
-            yield mark
 
 
 def _interrupted(mark: Chain, rooms: Sequence[Boxes], lines: ComplexArray) -> Iterator[Mark]:
@@ -673,6 +683,21 @@ class Ink:
                                  self.axes.ravel()])  # fmt: skip
         low = complex(points.real.min(), points.imag.min())
         return low, complex(points.real.max(), points.imag.max())
+
+    def cleared(self, marks: Iterable[Mark], scale: float) -> Iterator[Mark]:
+        """The marks, with straight lines of `AXES` interrupted, and short chains of them left out,
+        where they would go through a text or a frame of these.
+        """
+        rooms = (self.texts.around(CLEAR), self.frames)
+        for mark in marks:
+            if not (isinstance(mark, Chain) and mark.layer in AXES):
+                yield mark
+                continue
+            lines = chords(scale * mark.vertices, mark.sweeps, closed=mark.closed)
+            if len(mark.vertices) == 2 and not mark.sweeps[0]:
+                yield from _interrupted(mark, rooms, lines)
+            elif not any(np.any(each.cut(lines)) for each in rooms):
+                yield mark
 
 
 def together(inks: Iterable[Ink]) -> Ink:

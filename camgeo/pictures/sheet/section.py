@@ -1,10 +1,12 @@
-"""The part as a sheet needs it, its section through the cam axis, and their dimensions."""
+"""The part as a sheet needs it, its edges as seen from above, its section through the cam axis, and
+their dimensions.
+"""
 
 from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import count, groupby, islice, pairwise, takewhile
 from typing import Final
@@ -149,21 +151,50 @@ class Shape:
         """Those of the boundaries of a layer."""
         return tuple(self.edge(each).contour for each in layer.boundaries)
 
+    @property
+    def outlines(self) -> list[Mark]:
+        """The edges of the part as they are seen from above."""
+        return [mark for edge in self.edges for mark in self.chains_of(edge)]
 
-def shape_of(part: Part, tolerance: float, effort: Effort) -> Shape:
-    """The part with contours within `tolerance` [mm], those of a DXF for cutting."""
-    fits = [written_contour(each, "arcs", effort, tolerance).contour for each in part.boundaries]
-    found = {each.name: fit for each, fit in zip(part.boundaries, fits, strict=True)}
-    coarse = COARSE * max(float(np.max(np.abs(fit.vertices))) for fit in fits)
-    chords = {name: fit.points(coarse) for name, fit in found.items()}
-    edges = []
-    for each in part.boundaries:
-        top = max(k for k, layer in enumerate(part.layers) if each in layer.boundaries)
-        above = part.layers[top + 1 :]
-        hidden = any(_covers([chords[b.name] for b in layer.boundaries], chords[each.name])
-                     for layer in above)  # fmt: skip
-        edges.append(Edge(each, found[each.name], hidden))
-    return Shape(part, tuple(edges))
+    def chains_of(self, edge: Edge) -> list[Chain]:
+        """The edge as it is drawn: whole, or in stretches that are seen and hidden in turn."""
+        contour, layer = edge.contour, _layer(edge)
+        whole = Chain(contour.vertices, contour.sweeps, layer, closed=True)
+        covers = _above(self, edge) if layer == "OUTLINE" and not edge.boundary.hole else []
+        if not covers:
+            return [whole]
+        size, length = self.size, float(np.sum(contour.lengths))
+
+        def covered(place: float) -> bool:
+            here = Chain.along(contour, place * length, 0.0, "OUTLINE").vertices[0]
+            return any(_inside(rings, complex(here), BESIDE * size) for rings in covers)
+
+        ends = _changes(covered)
+        if not ends:
+            return [whole]
+        found = []
+        for first, last in pairwise([*ends, ends[0] + 1.0]):
+            layer = "HIDDEN" if covered(0.5 * (first + last) % 1.0) else "OUTLINE"
+            found.append(Chain.along(contour, first * length, (last - first) * length, layer))
+        return found
+
+    @staticmethod
+    def of(part: Part, tolerance: float, effort: Effort) -> Shape:
+        """The part with contours within `tolerance` [mm], those of a DXF for cutting."""
+        fits = [
+            written_contour(each, "arcs", effort, tolerance).contour for each in part.boundaries
+        ]
+        found = {each.name: fit for each, fit in zip(part.boundaries, fits, strict=True)}
+        coarse = COARSE * max(float(np.max(np.abs(fit.vertices))) for fit in fits)
+        chords = {name: fit.points(coarse) for name, fit in found.items()}
+        edges = []
+        for each in part.boundaries:
+            top = max(k for k, layer in enumerate(part.layers) if each in layer.boundaries)
+            above = part.layers[top + 1 :]
+            hidden = any(_covers([chords[b.name] for b in layer.boundaries], chords[each.name])
+                         for layer in above)  # fmt: skip
+            edges.append(Edge(each, found[each.name], hidden))
+        return Shape(part, tuple(edges))
 
 
 def _covers(section: Sequence[ComplexArray], points: ComplexArray) -> bool:
@@ -239,6 +270,71 @@ class Drawn:
     def alone(self) -> Drawn:
         """The part without pitch curve and base circle."""
         return replace(self, pitch=None, base_radius=None)
+
+
+# -- hidden ---------------------------------------------------------------------------------------
+# Edges of which a part is hidden: the outline of the lower disc of a pair in one piece.
+#
+# What is seen of an edge changes where it passes under an edge above it. Places along it are
+# compared one by one, as polygons, so a stretch shorter than their distance may be drawn as its
+# neighbours are; the edge itself stays what it is, as its stretches are cut from its lines and
+# arcs.
+
+
+ALONG: Final = 720
+"""Along an edge."""
+
+BESIDE: Final = 1e-4
+"""Of the size of the part: an edge nearer than that to one above it is seen."""
+
+FINE: Final = 1e-7
+"""Of the length of an edge, to which the ends of its stretches are found."""
+
+
+def _layer(edge: Edge) -> Layer:
+    if edge.is_letter:
+        return "ENGRAVING"
+    return "HIDDEN" if edge.hidden else "OUTLINE"
+
+
+def _above(shape: Shape, edge: Edge) -> list[list[ComplexArray]]:
+    """The boundaries of each layer above an edge that reaches it, as polygons."""
+    layers, coarse = shape.part.layers, COARSE * shape.size
+    top = max(k for k, layer in enumerate(layers) if edge.boundary in layer.boundaries)
+    above = [shape.contours(layer) for layer in layers[top + 1 :]]
+    polygons = [[each.points(coarse) for each in contours] for contours in above]
+    nearest = float(np.min(np.abs(edge.contour.points(coarse))))
+    return [rings for rings in polygons if float(np.max(np.abs(rings[0]))) > nearest]
+
+
+def _inside(rings: Sequence[ComplexArray], point: complex, near: float) -> bool:
+    """Whether a point lies in the material of a layer, and not on its edge."""
+    if not enclosing(rings, point) % 2:
+        return False
+    return all(_distance(ring, point) > near for ring in rings)
+
+
+def _distance(ring: ComplexArray, point: complex) -> float:
+    way = np.roll(ring, -1) - ring
+    share = np.clip(((point - ring) * way.conj()).real / np.abs(way) ** 2, 0.0, 1.0)
+    return float(np.min(np.abs(ring + share * way - point)))
+
+
+def _changes(covered: Callable[[float], bool]) -> list[float]:
+    """The places, as shares of the length, at which an edge goes under another or comes out."""
+    places = (np.arange(ALONG + 1) / ALONG).tolist()
+    seen = [covered(each) for each in places[:-1]]
+    found = []
+    for (low, high), before, after in zip(
+        pairwise(places), seen, [*seen[1:], seen[0]], strict=True
+    ):
+        if before == after:
+            continue
+        while high - low > FINE:
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if covered(middle) == before else (low, middle)
+        found.append(0.5 * (low + high))
+    return found
 
 
 # -- section ---------------------------------------------------------------------------------------

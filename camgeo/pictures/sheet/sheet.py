@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -15,13 +14,13 @@ import numpy as np
 from camgeo.design.product import Product
 from camgeo.errors import GeometryError, SceneError
 from camgeo.geometry.contour.contour import Contour
-from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.part import WRITTEN_SHARE
 from camgeo.pictures.sheet import section as dimensions
 from camgeo.pictures.sheet.marks import (
     CELL,
     LETTER,
     Chain,
+    Filled,
     Label,
     Layer,
     Mark,
@@ -29,8 +28,6 @@ from camgeo.pictures.sheet.marks import (
     Round,
     Sheet,
     View,
-    arrow,
-    cleared,
     ink_of,
     line,
     moved,
@@ -39,20 +36,11 @@ from camgeo.pictures.sheet.marks import (
     texture,
     width_of,
 )
-from camgeo.pictures.sheet.section import (
-    COARSE,
-    Drawn,
-    Edge,
-    Shape,
-    enclosing,
-    shape_of,
-)
+from camgeo.pictures.sheet.section import Drawn, Shape
 from camgeo.pictures.sheet.texts import (
-    SIZES,
     Region,
     Texts,
     decimal,
-    sheet_marks,
 )
 from camgeo.scene.formats.drawing import DrawingSpec
 from camgeo.units import MM_PER, LengthUnit
@@ -126,8 +114,8 @@ def _sheet(
     marks: list[Mark], numbered: tuple[int, int],
 ) -> Sheet:  # fmt: skip
     """A sheet with its frame and title block."""
-    size, ratio = SIZES[spec.sheet], spelled(scale)
-    all_marks = [*marks, *sheet_marks(spec, ratio, product.unit, numbered)]
+    texts, ratio = Texts(product, spec), spelled(scale)
+    size, all_marks = texts.size, [*marks, *texts.frame_and_title(ratio, numbered)]
     drawn_marks = tuple(in_dashes(all_marks, 1.0))
     comma = spec.language == "de"
     return Sheet(
@@ -261,7 +249,7 @@ TITLE: Final = 5.0
 def drawn_of(product: Product, tolerance: float) -> Drawn:
     """What the views of a disc are made of, its curves within `tolerance` [mm]."""
     drawn = product.drawn
-    shape = shape_of(drawn.part, tolerance, drawn.effort)
+    shape = Shape.of(drawn.part, tolerance, drawn.effort)
     cut = tuple(dimensions.section(shape)) if shape.has_heights else ()
     edges = tuple(dimensions.edges_above(shape, tolerance, drawn.effort))
     if product.is_pair:
@@ -285,7 +273,7 @@ def front_view(drawn: Drawn, scale: float, product: Product, spec: DrawingSpec) 
         fixed.append(Round(0j, drawn.base_radius, "BASE_CIRCLE"))
     fixed += _cross(low, high, scale)
     fixed += pattern_centres(shape, scale)
-    fixed += outlines(shape)
+    fixed += shape.outlines
     fixed += drawn.edges
     if drawn.cut:
         fixed += _plane(low, high, scale)
@@ -307,7 +295,7 @@ def front_view(drawn: Drawn, scale: float, product: Product, spec: DrawingSpec) 
 
 def _cleared(marks: list[Mark], scale: float, unit: LengthUnit) -> list[Mark]:
     """The marks of a view with thin lines kept off its texts and frames."""
-    return list(cleared(in_dashes(marks, scale), ink_of(marks, scale, unit), scale))
+    return list(ink_of(marks, scale, unit).cleared(in_dashes(marks, scale), scale))
 
 
 def _cross(low: complex, high: complex, scale: float) -> list[Mark]:
@@ -336,6 +324,12 @@ def _zero_mark(drawn: Drawn, scale: float) -> Options:
         start = nearest + farther / scale
         text = Label("0°", complex(start, 1.5 / scale), 2.5, layer="SYMBOL")
         yield 0.1 * farther, [line(complex(start), complex(start + 6.0 / scale), "EDGES"), text]
+
+
+def arrow(tip: complex, direction: complex, layer: Layer = "SYMBOL", size: float = 3.0) -> Filled:
+    """An arrowhead of `size` that points along the unit vector `direction`."""
+    back, side = tip - size * direction, size / 6.0 * 1j * direction
+    return Filled((tip, back + side, back - side), layer)
 
 
 def _sense(drawn: Drawn, rotation: int, scale: float) -> Options:
@@ -495,11 +489,6 @@ BEYOND = 4.0
 """How far centre lines go beyond what they are of [mm of paper]."""
 
 
-def outlines(shape: Shape) -> list[Mark]:
-    """The edges of the part as they are seen from above."""
-    return [mark for edge in shape.edges for mark in chains_of(shape, edge)]
-
-
 def pattern_centres(shape: Shape, scale: float) -> list[Mark]:
     """Centre lines of round boundaries off the cam axis: radial and along their pitch circle."""
     marks: list[Mark] = []
@@ -547,7 +536,7 @@ def dashed(
     share = total / (count * sum(pattern))
     ends = _dashes(pattern, count * len(pattern), share, -0.5 * pattern[0] * share)
     for place, size in ends:
-        yield cut_out(contour, place % total, size, layer)
+        yield Chain.along(contour, place % total, size, layer)
 
 
 def dashed_stretch(mark: Chain, scale: float, pattern: Sequence[float]) -> Iterator[Chain]:
@@ -565,7 +554,7 @@ def dashed_stretch(mark: Chain, scale: float, pattern: Sequence[float]) -> Itera
         return
     share = length / (count * sum(pattern) + pattern[0])
     for place, size in _dashes(pattern, count * len(pattern) + 1, share):
-        yield cut_out(contour, place, min(size, length - place), mark.layer)
+        yield Chain.along(contour, place, min(size, length - place), mark.layer)
 
 
 def _dashed_line(mark: Chain, scale: float, pattern: Sequence[float]) -> Iterator[Chain]:
@@ -590,120 +579,3 @@ def _dashes(
         if number % 2 == 0:
             yield place, size
         place += size
-
-
-def cut_out(contour: Contour, first: float, size: float, layer: Layer) -> Chain:
-    """The stretch of the length `size` that begins at the length `first` [mm], below the whole."""
-    lengths = contour.lengths
-    starts = np.concatenate(([0.0], np.cumsum(lengths)))
-    index = min(int(np.searchsorted(starts, first, side="right")) - 1, len(contour) - 1)
-    inside = first - float(starts[index])
-    vertices, sweeps, left = [], [], size
-    while True:
-        share = inside / lengths[index] if lengths[index] else 0.0
-        taken = min(left, float(lengths[index]) - inside)
-        part = taken / float(lengths[index]) if lengths[index] else 0.0
-        vertices.append(on(contour, index, share))
-        sweeps.append(float(contour.sweeps[index]) * part)
-        left -= taken
-        if left <= 1e-12 * size:
-            vertices.append(on(contour, index, share + part))
-            return Chain(np.array(vertices), np.array([*sweeps, 0.0]), layer)
-        index, inside = (index + 1) % len(contour), 0.0
-
-
-def on(contour: Contour, index: int, share: float) -> complex:
-    """The point of a piece at a share of its length."""
-    start, sweep = complex(contour.vertices[index]), float(contour.sweeps[index])
-    if sweep == 0.0:
-        return start + share * (complex(contour.ends[index]) - start)
-    centre = complex(contour.centres[index])
-    return centre + (start - centre) * cmath.exp(1j * sweep * share)
-
-
-# -- hidden ---------------------------------------------------------------------------------------
-# Edges of which a part is hidden: the outline of the lower disc of a pair in one piece.
-#
-# What is seen of an edge changes where it passes under an edge above it. Places along it are
-# compared one by one, as polygons, so a stretch shorter than their distance may be drawn as its
-# neighbours are; the edge itself stays what it is, as its stretches are cut from its lines and
-# arcs.
-
-
-PLACES: Final = 720
-"""Along an edge."""
-
-NEAR: Final = 1e-4
-"""Of the size of the part: an edge nearer than that to one above it is seen."""
-
-FINE: Final = 1e-7
-"""Of the length of an edge, to which the ends of its stretches are found."""
-
-
-def chains_of(shape: Shape, edge: Edge) -> list[Chain]:
-    """The edge as it is drawn: whole, or in stretches that are seen and hidden in turn."""
-    contour, layer = edge.contour, _layer(edge)
-    whole = Chain(contour.vertices, contour.sweeps, layer, closed=True)
-    covers = _above(shape, edge) if layer == "OUTLINE" and not edge.boundary.hole else []
-    if not covers:
-        return [whole]
-    size, length = shape.size, float(np.sum(contour.lengths))
-
-    def covered(place: float) -> bool:
-        here = cut_out(contour, place * length, 0.0, "OUTLINE").vertices[0]
-        return any(_inside(rings, complex(here), NEAR * size) for rings in covers)
-
-    ends = _changes(covered)
-    if not ends:
-        return [whole]
-    found = []
-    for first, last in pairwise([*ends, ends[0] + 1.0]):
-        layer = "HIDDEN" if covered(0.5 * (first + last) % 1.0) else "OUTLINE"
-        found.append(cut_out(contour, first * length, (last - first) * length, layer))
-    return found
-
-
-def _layer(edge: Edge) -> Layer:
-    if edge.is_letter:
-        return "ENGRAVING"
-    return "HIDDEN" if edge.hidden else "OUTLINE"
-
-
-def _above(shape: Shape, edge: Edge) -> list[list[ComplexArray]]:
-    """The boundaries of each layer above an edge that reaches it, as polygons."""
-    layers, coarse = shape.part.layers, COARSE * shape.size
-    top = max(k for k, layer in enumerate(layers) if edge.boundary in layer.boundaries)
-    above = [shape.contours(layer) for layer in layers[top + 1 :]]
-    polygons = [[each.points(coarse) for each in contours] for contours in above]
-    nearest = float(np.min(np.abs(edge.contour.points(coarse))))
-    return [rings for rings in polygons if float(np.max(np.abs(rings[0]))) > nearest]
-
-
-def _inside(rings: Sequence[ComplexArray], point: complex, near: float) -> bool:
-    """Whether a point lies in the material of a layer, and not on its edge."""
-    if not enclosing(rings, point) % 2:
-        return False
-    return all(_distance(ring, point) > near for ring in rings)
-
-
-def _distance(ring: ComplexArray, point: complex) -> float:
-    way = np.roll(ring, -1) - ring
-    share = np.clip(((point - ring) * way.conj()).real / np.abs(way) ** 2, 0.0, 1.0)
-    return float(np.min(np.abs(ring + share * way - point)))
-
-
-def _changes(covered: Callable[[float], bool]) -> list[float]:
-    """The places, as shares of the length, at which an edge goes under another or comes out."""
-    places = (np.arange(PLACES + 1) / PLACES).tolist()
-    seen = [covered(each) for each in places[:-1]]
-    found = []
-    for (low, high), before, after in zip(
-        pairwise(places), seen, [*seen[1:], seen[0]], strict=True
-    ):
-        if before == after:
-            continue
-        while high - low > FINE:
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if covered(middle) == before else (low, middle)
-        found.append(0.5 * (low + high))
-    return found

@@ -240,13 +240,17 @@ class Texts:
     spec: DrawingSpec
 
     @property
+    def size(self) -> Size:
+        """That of the sheet."""
+        return SIZES[self.spec.sheet]
+
+    @property
     def _low(self) -> complex:
         return complex(LEFT, MARGIN)
 
     @property
     def _high(self) -> complex:
-        size = SIZES[self.spec.sheet]
-        return complex(size.width - MARGIN, size.height - MARGIN)
+        return complex(self.size.width - MARGIN, self.size.height - MARGIN)
 
     @property
     def _left(self) -> float:
@@ -299,6 +303,21 @@ class Texts:
         title = WORDS[self.spec.language]["table"]
         corner = complex(self._left + 2.0, self._high.imag - 2.0)
         return table_marks(self._table(centre=True), title, corner, BLOCK_WIDTH - 4.0, 2)
+
+    def frame_and_title(self, scale: str, sheet: tuple[int, int]) -> list[Mark]:
+        """The frame, and the title block with its symbols; `sheet` is the number of the sheet and
+        how many there are.
+        """
+        spec, corner = self.spec, complex(self._left, MARGIN)
+        marks = [*frame(self.size), *title_block(corner, spec, scale, self.product.unit, sheet)]
+        if spec.edges:
+            marks += edges(corner + complex(108.0, 19.0), spec.edges)
+        if spec.surface:
+            at = corner + complex(138.0, 18.8)
+            marks += texture(at, spec.surface, 2.0)
+            if spec.flank_surface:
+                marks += others(at + texture_width(spec.surface, 2.0) + 4.0, 2.0)
+        return marks
 
     def _table(self, *, centre: bool) -> Table:
         words = WORDS[self.spec.language]
@@ -805,25 +824,6 @@ def title_block(
                 marks.append(Label(text, at + complex(1.5, 1.3), letter, width=width - 3.0))
             left += width
     marks += first_angle(corner + complex(171.0, 33.0))
-    return marks
-
-
-def sheet_marks(
-    spec: DrawingSpec, scale: str, unit: LengthUnit, sheet: tuple[int, int]
-) -> list[Mark]:
-    """The frame, and the title block with its symbols; `sheet` is the number of the sheet and how
-    many there are.
-    """
-    size = SIZES[spec.sheet]
-    corner = complex(size.width - MARGIN - BLOCK_WIDTH, MARGIN)
-    marks = [*frame(size), *title_block(corner, spec, scale, unit, sheet)]
-    if spec.edges:
-        marks += edges(corner + complex(108.0, 19.0), spec.edges)
-    if spec.surface:
-        at = corner + complex(138.0, 18.8)
-        marks += texture(at, spec.surface, 2.0)
-        if spec.flank_surface:
-            marks += others(at + texture_width(spec.surface, 2.0) + 4.0, 2.0)
     return marks
 
 

@@ -368,12 +368,6 @@ PHASE: Final = 2.0
 EPS: Final = float(np.finfo(np.float64).eps)
 
 
-def harmonics(octave: int) -> str:
-    """Those of an octave, from 0, in words: "1", "2-3", "4-7" and so on."""
-    first = 2**octave
-    return f"{first}-{2 * first - 1}" if octave else "1"
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Spectrum:
     """Harmonics of a ripple at a constant speed of 1 rad/s; they go with the square of the speed.
@@ -511,6 +505,26 @@ class Knee:
     step: tuple[ContourRow, ...] = ()
     bought: float | None = None
 
+    @property
+    def step_sentence(self) -> str:
+        """What the `step` costs and buys, in words; empty if there is none."""
+        if not self.step:
+            return ""
+        loose, tight = self.step
+        pieces, size = _pieces(tight) - _pieces(loose), _drawing(tight).size - _drawing(loose).size
+        seconds = _drawing(tight).seconds - _drawing(loose).seconds
+        parts = [counted(pieces, "piece"), "no time" if seconds < LEAST_TIME else _time(seconds)]
+        text = f"{', '.join(parts)} and {_digits(size / 1e3)} kB"
+        if loose.round_seconds is not None and tight.round_seconds is not None:
+            longer = tight.round_seconds - loose.round_seconds
+            same = abs(longer) <= (SLACK - 1.0) * loose.round_seconds
+            more = f"{abs(longer):.1f} s {'longer' if longer > 0.0 else 'shorter'}"
+            text += f", machining {'the same' if same else more}"
+        if self.bought is not None:
+            share = f"{100.0 * self.bought:.2g} %" if self.bought > 0.0 else "nothing"
+            text += f", and buys {share} of the acceleration"
+        return f"from {loose.tolerance:g} mm to {tight.tolerance:g} mm costs {text}"
+
 
 def knee_of(
     rows: Sequence[ContourRow], benefits: Sequence[BenefitRow] = (), *, timed: bool = True
@@ -597,26 +611,6 @@ def _beyond(knee: Knee) -> str:
     )
 
 
-def step_sentence(knee: Knee | None) -> str:
-    """What the step of a knee costs and buys, in words; empty if there is none."""
-    if knee is None or not knee.step:
-        return ""
-    loose, tight = knee.step
-    pieces, size = _pieces(tight) - _pieces(loose), _drawing(tight).size - _drawing(loose).size
-    seconds = _drawing(tight).seconds - _drawing(loose).seconds
-    parts = [counted(pieces, "piece"), "no time" if seconds < LEAST_TIME else _time(seconds)]
-    text = f"{', '.join(parts)} and {_digits(size / 1e3)} kB"
-    if loose.round_seconds is not None and tight.round_seconds is not None:
-        longer = tight.round_seconds - loose.round_seconds
-        same = abs(longer) <= (SLACK - 1.0) * loose.round_seconds
-        more = f"{abs(longer):.1f} s {'longer' if longer > 0.0 else 'shorter'}"
-        text += f", machining {'the same' if same else more}"
-    if knee.bought is not None:
-        share = f"{100.0 * knee.bought:.2g} %" if knee.bought > 0.0 else "nothing"
-        text += f", and buys {share} of the acceleration"
-    return f"from {loose.tolerance:g} mm to {tight.tolerance:g} mm costs {text}"
-
-
 def _time(seconds: float) -> str:
     return f"{_digits(1e3 * seconds)} ms" if seconds < 1.0 else f"{_digits(seconds)} s"
 
@@ -692,14 +686,6 @@ def change(row: BenefitRow, other: BenefitRow) -> float:
         if one is not None and two is not None and exact and math.isfinite(one + two + exact)
     ]
     return max(found, default=0.0)
-
-
-def of_each_form(rows: Sequence[BenefitRow]) -> tuple[str, ...]:
-    """What is enough of each form, of `rows` of one speed, and why; forms without values are left
-    out.
-    """
-    each = [enough([row for row in rows if row.form == form]) for form in FORMS]
-    return tuple(words(found) for found in each if found is not None) or (words(None),)
 
 
 def words(found: Enough | None) -> str:

@@ -433,55 +433,55 @@ class Sampled:
         share = (kept * self.count + 1.0) / (self.count + 2.0)
         return math.sqrt(share * (1.0 - share) / self.count)
 
+    @staticmethod
+    def of(
+        linear: Linear,
+        count: int = COUNT,
+        seed: int = 0,
+        contact: ContactForces | None = None,
+        play: Play | None = None,
+    ) -> Sampled:
+        """Random machines by a scrambled Sobol sequence; the same seed draws the same ones.
 
-def sampled(
-    linear: Linear,
-    count: int = COUNT,
-    seed: int = 0,
-    contact: ContactForces | None = None,
-    play: Play | None = None,
-) -> Sampled:
-    """Random machines by a scrambled Sobol sequence; the same seed draws the same ones.
+        Parameters
+        ----------
+        contact : forces of the nominal machine at the angles of the analysis, if they are known.
+        play : between the two sides that hold the follower, if there are two.
 
-    Parameters
-    ----------
-    contact : forces of the nominal machine at the angles of the analysis, if they are known.
-    play : between the two sides that hold the follower, if there are two.
-
-    Raises
-    ------
-    GeometryError
-        For a count or seed out of range; if a machine has no contact near the nominal one.
-    """
-    if not FEWEST <= count <= MOST:
-        raise GeometryError(f"must be from {FEWEST} to {MOST:,}", "count", str(count))
-    if not 0 <= seed < 2**63:
-        raise GeometryError("must be a whole number from 0 to 2^63 - 1", "seed", str(seed))
-    errors, accelerations, forces, plays = [], [], [], []
-    angles = len(linear.angles)
-    for machines in _machines(linear.stated.sources, count, seed):
-        found = replayed(linear.nominal, machines)
-        position = found.position
-        if contact is not None:
-            off = found.follower - linear.nominal.lifts[:3, np.newaxis]
-            normal = contact.of(off[..., :angles], found.leverage[:, :angles])
-            forces.append(np.stack((np.min(normal, axis=1), np.max(normal, axis=1)), axis=1))
-        if play is not None:
-            room = play.at_rest + play.errors(machines)
-            plays.append(np.stack((np.min(room, axis=1), np.max(room, axis=1)), axis=1))
-        errors.append(linear.as_set(position[0] - linear.nominal.positions[0]))
-        accelerations.append(np.max(np.abs(position[2][:, :angles]), axis=1))
-    nominal = float(np.max(np.abs(linear.nominal.positions[2][:angles])))
-    return Sampled(
-        linear,
-        seed,
-        np.concatenate(errors),
-        np.concatenate(accelerations),
-        nominal,
-        contact,
-        np.concatenate(forces) if forces else None,
-        np.concatenate(plays) if plays else None,
-    )
+        Raises
+        ------
+        GeometryError
+            For a count or seed out of range; if a machine has no contact near the nominal one.
+        """
+        if not FEWEST <= count <= MOST:
+            raise GeometryError(f"must be from {FEWEST} to {MOST:,}", "count", str(count))
+        if not 0 <= seed < 2**63:
+            raise GeometryError("must be a whole number from 0 to 2^63 - 1", "seed", str(seed))
+        errors, accelerations, forces, plays = [], [], [], []
+        angles = len(linear.angles)
+        for machines in _machines(linear.stated.sources, count, seed):
+            found = replayed(linear.nominal, machines)
+            position = found.position
+            if contact is not None:
+                off = found.follower - linear.nominal.lifts[:3, np.newaxis]
+                normal = contact.of(off[..., :angles], found.leverage[:, :angles])
+                forces.append(np.stack((np.min(normal, axis=1), np.max(normal, axis=1)), axis=1))
+            if play is not None:
+                room = play.at_rest + play.errors(machines)
+                plays.append(np.stack((np.min(room, axis=1), np.max(room, axis=1)), axis=1))
+            errors.append(linear.as_set(position[0] - linear.nominal.positions[0]))
+            accelerations.append(np.max(np.abs(position[2][:, :angles]), axis=1))
+        nominal = float(np.max(np.abs(linear.nominal.positions[2][:angles])))
+        return Sampled(
+            linear,
+            seed,
+            np.concatenate(errors),
+            np.concatenate(accelerations),
+            nominal,
+            contact,
+            np.concatenate(forces) if forces else None,
+            np.concatenate(plays) if plays else None,
+        )
 
 
 def _machines(sources: tuple[Source, ...], count: int, seed: int) -> Iterator[Deviations]:

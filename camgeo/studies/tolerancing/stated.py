@@ -644,38 +644,38 @@ class Stated:
     limit: float | None
     set_at: float | None
 
+    @staticmethod
+    def of(design: Design) -> Stated:
+        """The tolerances of a design's scene.
 
-def stated_of(design: Design) -> Stated:
-    """The tolerances of a design's scene.
-
-    Raises
-    ------
-    SceneError
-        If it states none, a key that is no dimension of the machine, with the nearest one, an
-        unknown tolerance class, a fit without clearance, or a side that the follower has not.
-    GeometryError
-        If its kind of machine, or its flank, cannot be analysed.
-    """
-    scene = design.scene
-    table: Table | None = scene.values.get(TOLERANCE)
-    if table is None:
-        message = "is missing: it states the tolerances, see docs/tolerance.md"
-        raise _refused(scene, (TOLERANCE,), message)
-    machine, second = machines_of(design, table.get("flank"))
-    for each in (machine, second):
-        if each is not None:
-            each.require_whole()
-    sides = Sides(scene, machine, second)
-    sources = (*_dimensions(sides, table), *_fits(sides, table), *_forms(sides, table))
-    limit, set_at = table.get("limit"), table.get("set_at")
-    per = math.radians(1.0) if design.drive.unit == "rad" else MM_PER[scene.unit]
-    return Stated(
-        machine,
-        second,
-        sources,
-        None if limit is None else float(limit) * per,
-        None if set_at is None else math.radians(set_at),
-    )
+        Raises
+        ------
+        SceneError
+            If it states none, a key that is no dimension of the machine, with the nearest one, an
+            unknown tolerance class, a fit without clearance, or a side that the follower has not.
+        GeometryError
+            If its kind of machine, or its flank, cannot be analysed.
+        """
+        scene = design.scene
+        table: Table | None = scene.values.get(TOLERANCE)
+        if table is None:
+            message = "is missing: it states the tolerances, see docs/tolerance.md"
+            raise _refused(scene, (TOLERANCE,), message)
+        machine, second = machines_of(design, table.get("flank"))
+        for each in (machine, second):
+            if each is not None:
+                each.require_whole()
+        sides = Sides(scene, machine, second)
+        sources = (*_dimensions(sides, table), *_fits(sides, table), *_forms(sides, table))
+        limit, set_at = table.get("limit"), table.get("set_at")
+        per = math.radians(1.0) if design.drive.unit == "rad" else MM_PER[scene.unit]
+        return Stated(
+            machine,
+            second,
+            sources,
+            None if limit is None else float(limit) * per,
+            None if set_at is None else math.radians(set_at),
+        )
 
 
 def machines_of(design: Design, flank: str | None = None) -> tuple[Machine, Machine | None]:
