@@ -143,9 +143,9 @@ class SpeedCurve(Pickled):
                 key="phi",
                 value=repr(span),
             )
-        from camgeo.kinematics.splines import periodic_spline  # constant speed needs none
+        from camgeo.kinematics.splines import Spline  # constant speed needs none
 
-        spline = periodic_spline(t, phi, float(t[-1] - t[0]), TURN, gap=CLOSING)
+        spline = Spline.closed(t, phi, float(t[-1] - t[0]), TURN, gap=CLOSING)
         slowest = spline.extremes(1).lowest
         if not slowest.value > 0.0:
             angle = float(spline.values(np.array([slowest.place]), 0)[0, 0])

@@ -49,12 +49,6 @@ from camgeo.geometry.outline.path import (
     Moments,
     Path,
     SecondMoments,
-    encloses_axis,
-    path_moments,
-    path_second_moments,
-    piece_second_moments,
-    quadratic_moments,
-    quadratic_second_moments,
     radii,
 )
 from camgeo.geometry.pieces import stays_on_one_side, surely_clear_of_axis
@@ -191,11 +185,11 @@ class CurveBoundary(Pickled, CheckedFields):
 
     def moments(self, tolerance: float) -> Moments:
         """See `camgeo.part.part.Boundary`."""
-        return path_moments(self.path, tolerance).counter_clockwise()
+        return self.path.moments(tolerance).counter_clockwise()
 
     def second_moments(self, tolerance: float) -> SecondMoments:
         """See `camgeo.part.part.Boundary`."""
-        return path_second_moments(self.path, tolerance).counter_clockwise()
+        return self.path.second_moments(tolerance).counter_clockwise()
 
     def farthest(self) -> tuple[float, float | None]:
         """See `camgeo.part.part.Boundary`."""
@@ -205,7 +199,7 @@ class CurveBoundary(Pickled, CheckedFields):
     def nearest(self) -> float:
         """See `camgeo.part.part.Boundary`."""
         nearest = radii(self.path).lowest.value
-        return nearest if nearest > 0.0 and encloses_axis(self.path) else 0.0
+        return nearest if nearest > 0.0 and self.path.encloses_axis else 0.0
 
     def surely_around(self, radius: float) -> bool:
         """True if bounds show that it goes round the cam axis farther than `radius` [mm] from it.
@@ -323,7 +317,7 @@ class ExactBoundary(Pickled, CheckedFields):
     def second_moments(self, tolerance: float) -> SecondMoments:
         """Exact but for rounding, see `camgeo.part.part.Boundary`."""
         exact = self.exact
-        found = piece_second_moments(exact.vertices, exact.ends, exact.sweeps, exact.centres)
+        found = SecondMoments.of_pieces(exact.vertices, exact.ends, exact.sweeps, exact.centres)
         return found.counter_clockwise()
 
     def farthest(self) -> tuple[float, float | None]:
@@ -748,7 +742,7 @@ class LetterBoundary(Pickled):
             raise GeometryError(
                 "must be quadratic curves, end to end and closed", "part", self.name
             )
-        if quadratic_moments(pieces).area < 0.0:
+        if Moments.of_quadratics(pieces).area < 0.0:
             pieces = pieces[::-1, ::-1]
         object.__setattr__(self, "pieces", frozen(pieces, np.complex128))
 
@@ -869,11 +863,11 @@ class LetterBoundary(Pickled):
 
     def moments(self, tolerance: float) -> Moments:
         """Exact but for rounding, see `camgeo.part.part.Boundary`."""
-        return quadratic_moments(self.pieces)
+        return Moments.of_quadratics(self.pieces)
 
     def second_moments(self, tolerance: float) -> SecondMoments:
         """Exact but for rounding, see `camgeo.part.part.Boundary`."""
-        return quadratic_second_moments(self.pieces)
+        return SecondMoments.of_quadratics(self.pieces)
 
     def farthest(self) -> tuple[float, float | None]:
         """See `camgeo.part.part.Boundary`; no cam angle belongs to a point of it."""

@@ -36,7 +36,7 @@ from camgeo.kinematics.plan import Dwell, MotionPlan, Move, SplineMove, breaks, 
 from camgeo.kinematics.planning.build import balanced
 from camgeo.kinematics.planning.planner import plan_motion
 from camgeo.kinematics.planning.requests import MoveRequest, PointsRequest, TableRequest
-from camgeo.kinematics.splines import Spline, clamped_spline, periodic_spline, smooth_clamped_spline
+from camgeo.kinematics.splines import Spline
 from camgeo.kinematics.tables import TwoColumns, read_lift_table, read_speed_table
 from camgeo.kinematics.time_course import ConstantSpeed, SpeedCurve, plan_extremes, time_extremes
 from camgeo.numeric import kept
@@ -141,15 +141,15 @@ DOORS: dict[str, Callable[[Any], object]] = {
     "spline": lambda v: Spline(v, v),
     "spline.taylor": lambda v: Spline(np.arange(2.0), changed([0.0] * 6, 3, v)),
     "spline.rise": lambda v: Spline(np.arange(2.0), np.ones((1, 6)), periodic=True, rise=v),
-    "points.x": lambda v: finite(clamped_spline(changed(X, 1, v), np.array(Y))),
-    "points.y": lambda v: finite(periodic_spline(np.array(X), changed(Y, 1, v), 4.0)),
-    "points.start": lambda v: finite(clamped_spline(np.array(X), np.array(Y), (v, None))),
-    "points.end": lambda v: finite(clamped_spline(np.array(X), np.array(Y), end=v)),
-    "points.inner": lambda v: finite(clamped_spline(np.array(X), np.array(Y), inner={1: (v, v)})),
-    "points.period": lambda v: finite(periodic_spline(np.array(X), np.array(Y), v)),
-    "points.rise": lambda v: finite(periodic_spline(np.array(X), np.array(Y), 4.0, v)),
-    "points.gap": lambda v: finite(periodic_spline(np.array(X), np.array(Y), 4.0, gap=v)),
-    "smoothing": lambda v: smooth_clamped_spline(np.array(X), np.array(Y), largest_deviation=v),
+    "points.x": lambda v: finite(Spline.clamped(changed(X, 1, v), np.array(Y))),
+    "points.y": lambda v: finite(Spline.closed(np.array(X), changed(Y, 1, v), 4.0)),
+    "points.start": lambda v: finite(Spline.clamped(np.array(X), np.array(Y), (v, None))),
+    "points.end": lambda v: finite(Spline.clamped(np.array(X), np.array(Y), end=v)),
+    "points.inner": lambda v: finite(Spline.clamped(np.array(X), np.array(Y), inner={1: (v, v)})),
+    "points.period": lambda v: finite(Spline.closed(np.array(X), np.array(Y), v)),
+    "points.rise": lambda v: finite(Spline.closed(np.array(X), np.array(Y), 4.0, v)),
+    "points.gap": lambda v: finite(Spline.closed(np.array(X), np.array(Y), 4.0, gap=v)),
+    "smoothing": lambda v: Spline.smooth_clamped(np.array(X), np.array(Y), largest_deviation=v),
     "lift file": lambda v: read_lift_table(v, "a.csv"),
     "lift file.span": lambda v: read_lift_table("0;0\n3;1\n", "a.csv", v),
     "speed file": lambda v: read_speed_table(v, "a.csv"),

@@ -25,7 +25,7 @@ from hypothesis import strategies as st
 from camgeo.app.answers.table import LARGEST_STEP_OF_Z, NAMES, SMALLEST_STEP_OF_Z, law_table
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import make_law
-from camgeo.kinematics.splines import periodic_spline
+from camgeo.kinematics.splines import Spline
 from camgeo.kinematics.tables import TwoColumns, read_lift_table, read_speed_table
 from camgeo.numeric.columns import MOST_ROWS
 from camgeo.reading import TABLE
@@ -132,7 +132,7 @@ def test_a_periodic_table_may_miss_its_closing_row() -> None:
         read_lift_table(rows, "lift.csv")
     closing = read_lift_table(rows + "360,0\n", "lift.csv", periodic=True)
     spline, closed = (
-        periodic_spline(np.radians(each.first), each.second, TURN) for each in (table, closing)
+        Spline.closed(np.radians(each.first), each.second, TURN) for each in (table, closing)
     )
     assert spline.taylor.tolist() == closed.taylor.tolist()
     x = np.linspace(-7.0, 7.0, 57)
