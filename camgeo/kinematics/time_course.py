@@ -158,6 +158,34 @@ class SpeedCurve(Pickled):
             )
         checked.hold(self, spline=spline)
 
+    @classmethod
+    def read(cls, data: bytes | str, file: str) -> SpeedCurve:
+        """Read a table of time [s] and cam angle [degrees] over one turn, from 0 and 0.
+
+        The format is that of `camgeo.numeric.columns`; a heading may call the columns "t" or "time"
+        [s], and "phi", "angle" or "cam angle" [deg].
+
+        Raises
+        ------
+        GeometryError
+            With file and line, if a row is not as described there, times or angles do not start at
+            0, ascend, or end at 360 degrees; and if the disc would stand still or run backwards
+            between the rows.
+        """
+        # few curves are in a file
+        from camgeo.kinematics.tables import ANGLE, TwoColumns
+        from camgeo.numeric.columns import NumberColumn
+
+        time = NumberColumn("time", ("t", "time"), ("s", "sec", "second", "seconds"), "s")
+        table = TwoColumns.read(data, file, (time, ANGLE))
+        times = table.first
+        table.check_from_zero(times, "time")
+        radians = table.turn_of(table.second)
+        try:
+            return cls(times, radians)
+        except GeometryError as error:  # whose key is not one of the file
+            raise GeometryError(f"{file}: {error.message}", value=error.value) from error
+
     @property
     def borders(self) -> FloatArray:
         """(n - 1,) the cam angles of the table, in [0, 2 pi)."""

@@ -25,7 +25,7 @@ from camgeo.geometry.contour.contour import (
     require_simple,
     winding_number,
 )
-from camgeo.geometry.contour.cubic_proof import approximating_arcs
+from camgeo.geometry.contour.cubic_proof import approximating_arcs, bound_by_arcs
 from camgeo.geometry.contour.exact import (
     ROUNDING,
     arc_angles,
@@ -68,6 +68,22 @@ Found = TypeVar("Found", Fit, SplineFit)
 
 Name = Annotated[str, partial(instance, kind=str, what="the name of a boundary"), "part"]
 Hole = Annotated[Truth, "part"]
+
+
+def spline_deviation(path: Path, contour: SplineContour) -> float:
+    """Upper bound [mm] of the distance between `contour` and `path`, in both directions.
+
+    Parameters
+    ----------
+    path : the exact path, as for `camgeo.geometry.contour.proof.deviation`.
+    contour : once round the path, in either direction.
+
+    Raises
+    ------
+    GeometryError
+        If the contour does not follow the path once round, so that no bound can be given.
+    """
+    return bound_by_arcs(lambda arcs: deviation(path, arcs), contour)
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,7 +174,6 @@ class CurveBoundary(Pickled, CheckedFields):
             with self.ledger.entry(f"proof of {self.name}"):
                 if not isinstance(contour, SplineContour):
                     return deviation(self.path, contour)
-                from camgeo.geometry.contour.cubic_proof import spline_deviation  # few files
 
                 return spline_deviation(self.path, contour)
 

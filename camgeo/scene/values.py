@@ -160,6 +160,13 @@ class ValidValues:
         far_end = far_end_of(self)
         return far_end is not None and UNIT_OF[far_end] == "rad"
 
+    def unchanged(self, now: ValidValues) -> dict[Hashable, Reads]:
+        """What was read of these values and is the same `now`."""
+        changed = list(changes(self.scene.exact, now.scene.exact))
+        return {
+            name: each for name, each in self.reads.items() if not any(map(each.touched, changed))
+        }
+
 
 def far_end_of(values: ValidValues) -> Member | None:
     """The member whose motion a linkage's far end makes; None without one, or if not known."""
@@ -603,14 +610,6 @@ class Reads:
         return any(change[:end] in self._places for end in range(len(change) + 1))
 
 
-def unchanged(earlier: ValidValues, now: ValidValues) -> dict[Hashable, Reads]:
-    """What was read of an `earlier` scene and is the same `now`."""
-    changed = list(changes(earlier.scene.exact, now.scene.exact))
-    return {
-        name: each for name, each in earlier.reads.items() if not any(map(each.touched, changed))
-    }
-
-
 def changes(then: Any, now: Any, path: KeyPath = ()) -> Iterator[KeyPath]:
     """The places at which two trees differ; what one of them shares with the other does not."""
     if then is now:
@@ -682,6 +681,15 @@ class Document(Brief):
         """The exact value at `path`, or None if there is none."""
         return value_at(self.exact, path)
 
+    @classmethod
+    def of(cls, values: Mapping[str, Any]) -> Document:
+        """Take values from Python, see `camgeo.scene.values.Taking`; raises SceneError as that
+        does.
+        """
+        if not isinstance(values, Mapping):
+            raise refused(f"must be a mapping of its tables, and not {type(values).__name__}")
+        return document_of_tree(Taking().take(values))
+
 
 @dataclass(frozen=True, slots=True)
 class Source(Brief):
@@ -745,13 +753,6 @@ def document(data: bytes) -> Document:
     if not exact:
         raise refused("is empty; `camgeo new` writes a scene to start from")
     return found
-
-
-def document_of(values: Mapping[str, Any]) -> Document:
-    """Take values from Python, see `camgeo.scene.values.Taking`; raises SceneError as that does."""
-    if not isinstance(values, Mapping):
-        raise refused(f"must be a mapping of its tables, and not {type(values).__name__}")
-    return document_of_tree(Taking().take(values))
 
 
 def document_of_tree(

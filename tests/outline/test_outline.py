@@ -17,11 +17,12 @@ from camgeo.design.design import Design
 from camgeo.errors import GeometryError, SceneError, UndercutError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.outline import outline
-from camgeo.geometry.outline.envelope import KINK, Envelope, Node, envelope_of
+from camgeo.geometry.outline.envelope import KINK, Envelope, Node
 from camgeo.geometry.outline.outline import (
     Outline,
     _unsettled,
     backward_ranges,
+    envelope_of,
     find_crossings,
     real_outline,
 )

@@ -28,7 +28,6 @@ from camgeo.geometry.outline.outline import (
     changes,
     covered,
     outermost,
-    piece_at,
     seen,
     together,
 )
@@ -167,6 +166,11 @@ ends differ by rounding."""
 
 HALF_ARC = 0.52
 """Half an arc of at most an eighth of a turn over its chord, at most: pi/16 / sin(pi/8)."""
+
+
+def piece_at(borders: FloatArray, held: IntArray, angle: FloatArray, side: Side) -> IntArray:
+    """(n,) the piece at `angle` (n,) [rad] of any turn, seen from that side; see `changes`."""
+    return np.asarray(held[np.searchsorted(borders, np.remainder(angle, TURN), side) - 1])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -321,38 +325,63 @@ class ActualLift(DiscLift):
         along, point = self.path.along(*at_start)[0], self.path.point(*at_start)
         return np.asarray(abs(complex(along[0]) / complex(point[0])) * np.abs(error[0]))
 
+    @classmethod
+    def on(cls, pitch: PitchCurve, contour: Contour, press: int) -> ActualLift:
+        """The lift of the roller of `pitch` on a closed contour of lines and arcs,
+        counter-clockwise.
 
-def lift_on(pitch: PitchCurve, contour: Contour, press: int) -> ActualLift:
-    """The lift of the roller of `pitch` on a closed contour of lines and arcs, counter-clockwise.
+        `press` is as for `pressed`. Raises GeometryError as `parallel` and `pressed`.
+        """
+        path = path_of(pitch.follower, pitch.rotation)
+        found = branches(parallel(contour, -press * pitch.follower.roller_radius), path)
+        whole = (np.zeros(1), np.full(1, TURN))
+        return cls(path, pitch, *pressed(found, path, press, whole), found)
 
-    `press` is as for `pressed`. Raises GeometryError as `parallel` and `pressed`.
-    """
-    path = path_of(pitch.follower, pitch.rotation)
-    found = branches(parallel(contour, -press * pitch.follower.roller_radius), path)
-    whole = (np.zeros(1), np.full(1, TURN))
-    return ActualLift(path, pitch, *pressed(found, path, press, whole), found)
+    @classmethod
+    def on_splines(cls, pitch: PitchCurve, contour: SplineContour, press: int) -> ActualLift:
+        """The lift of the roller of `pitch` on a closed contour of cubics, arcs and lines,
+        counter-clockwise; `press` is as for `pressed`.
 
+        Raises
+        ------
+        GeometryError
+            If the contour turns in at a corner or has a curvature that the roller does not fit
+            into, or does not run once round the cam axis within the follower's reach.
+        """
+        path = path_of(pitch.follower, pitch.rotation)
+        chain, lows, highs = _chain(contour, -press * pitch.follower.roller_radius, path)
+        order = np.argsort(lows, kind="stable")
+        spans = np.remainder(highs - lows, TURN)
+        order = order[spans[order] > GAP]
+        apart = np.abs(_signed(np.roll(lows[order], -1) - highs[order]))
+        if not np.all(apart <= GAP) or not abs(float(np.sum(spans[order])) - TURN) <= GAP * len(
+            order
+        ):
+            raise GeometryError("the spline does not lead the roller once round the cam axis")
+        return cls(path, pitch, lows[order], order, chain)
 
-def lift_over(
-    pitch: PitchCurve,
-    corners: ComplexArray,
-    press: int,
-    radius: float,
-    ranges: tuple[FloatArray, FloatArray],
-    played: PlayedLift | None,
-) -> ActualLift:
-    """The lift of a roller of `radius` [mm] that runs over the `corners` (k,) [mm] of an outline in
-    the `ranges`, as of `pressed`, and elsewhere as demanded, or as `played`.
-    """
-    path = path_of(pitch.follower, pitch.rotation)
-    none, normals = np.zeros(len(corners)), np.ones(len(corners), dtype=np.complex128)
-    at, number = corners + radius, -1 - np.arange(len(corners))
-    circles = cut(at, at, normals, none + 1.0 / radius, none + TURN, none, number)
-    found = branches(circles, path)
-    borders, numbers = np.zeros(1), np.full(1, AS_DEMANDED)
-    if len(ranges[0]):
-        borders, numbers = pressed(found, path, press, ranges)
-    return ActualLift(path, pitch, borders, numbers, found, played)
+    @classmethod
+    def over(
+        cls,
+        pitch: PitchCurve,
+        corners: ComplexArray,
+        press: int,
+        radius: float,
+        ranges: tuple[FloatArray, FloatArray],
+        played: PlayedLift | None,
+    ) -> ActualLift:
+        """The lift of a roller of `radius` [mm] that runs over the `corners` (k,) [mm] of an
+        outline in the `ranges`, as of `pressed`, and elsewhere as demanded, or as `played`.
+        """
+        path = path_of(pitch.follower, pitch.rotation)
+        none, normals = np.zeros(len(corners)), np.ones(len(corners), dtype=np.complex128)
+        at, number = corners + radius, -1 - np.arange(len(corners))
+        circles = cut(at, at, normals, none + 1.0 / radius, none + TURN, none, number)
+        found = branches(circles, path)
+        borders, numbers = np.zeros(1), np.full(1, AS_DEMANDED)
+        if len(ranges[0]):
+            borders, numbers = pressed(found, path, press, ranges)
+        return cls(path, pitch, borders, numbers, found, played)
 
 
 def pressed(
@@ -706,27 +735,6 @@ angle runs one way. This is sampled, not proved; cubics of a fit turn by little.
 
 GAP: Final = 1e-9
 """Neighbouring branches meet within this cam angle [rad]: the rounding of their ends."""
-
-
-def lift_on_splines(pitch: PitchCurve, contour: SplineContour, press: int) -> ActualLift:
-    """The lift of the roller of `pitch` on a closed contour of cubics, arcs and lines,
-    counter-clockwise; `press` is as for `pressed`.
-
-    Raises
-    ------
-    GeometryError
-        If the contour turns in at a corner or has a curvature that the roller does not fit into, or
-        does not run once round the cam axis within the follower's reach.
-    """
-    path = path_of(pitch.follower, pitch.rotation)
-    chain, lows, highs = _chain(contour, -press * pitch.follower.roller_radius, path)
-    order = np.argsort(lows, kind="stable")
-    spans = np.remainder(highs - lows, TURN)
-    order = order[spans[order] > GAP]
-    apart = np.abs(_signed(np.roll(lows[order], -1) - highs[order]))
-    if not np.all(apart <= GAP) or not abs(float(np.sum(spans[order])) - TURN) <= GAP * len(order):
-        raise GeometryError("the spline does not lead the roller once round the cam axis")
-    return ActualLift(path, pitch, lows[order], order, chain)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
