@@ -32,7 +32,7 @@ from camgeo.geometry.outline.outline import (
     together,
 )
 from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
-from camgeo.kinematics.mechanism.follower_path import Bows, FollowerPath, lift_jet, path_of
+from camgeo.kinematics.mechanism.follower_path import Bows, FollowerPath, path_of
 from camgeo.kinematics.motion import Motion
 from camgeo.numeric.arrays import (
     BoolArray,
@@ -119,7 +119,7 @@ class PlayedLift:
         normals = 1j * self.parallel.pitch.rotation * tangents
         _, q = self.path.cam_angle_of(points)
         bows = Bows(points, normals, self.parallel.curvature(at, side))
-        return lift_jet(self.path, phi, q, bows)[:3]
+        return bows.lift_jet(self.path, phi, q)[:3]
 
     def touching(self, phi: FloatArray) -> FloatArray:
         """(n,) theta [rad] at `phi` (n,) [rad], by Newton's method; raises as `jet`."""
@@ -565,7 +565,7 @@ class Branches:
         bows = self.bows.take(index)
         q = path.meet(phi, bows, self.facing[index])
         if order:
-            return lift_jet(path, phi, q, bows)[: order + 1]
+            return bows.lift_jet(path, phi, q)[: order + 1]
         lift: FloatArray = path.outward * (q - path.start)
         return lift[np.newaxis]
 
@@ -823,7 +823,7 @@ class Chain:
         t = self.touching(path, phi, index)
         point, normal, _, kappa, slope = self.cubics.traced(index, t)
         _, q = path.cam_angle_of(point)
-        found = lift_jet(path, phi, q, Bows(point, normal, kappa), slope)
+        found = Bows(point, normal, kappa).lift_jet(path, phi, q, slope)
         return found[: order + 1]
 
     def touching(self, path: FollowerPath, phi: FloatArray, index: IntArray) -> FloatArray:
