@@ -36,6 +36,7 @@ from camgeo.scene.values import (
     keys_in,
     rows_of,
     tables_of,
+    unchanged,
 )
 
 # -- family rules ---------------------------------------------------------------------------------
@@ -412,7 +413,7 @@ def broken_rules(values: ValidValues, earlier: ValidValues | None = None) -> lis
     """
     if earlier is None or not values.flawless:
         return [values.scene.fault(*broken) for rule in RULES for broken in rule(values)]
-    values.reads |= earlier.unchanged(values)
+    values.reads |= unchanged(earlier, values)
     found: list[Fault] = []
     for rule in RULES:
         if rule not in values.reads:

@@ -160,13 +160,6 @@ class ValidValues:
         far_end = far_end_of(self)
         return far_end is not None and UNIT_OF[far_end] == "rad"
 
-    def unchanged(self, now: ValidValues) -> dict[Hashable, Reads]:
-        """What was read of these values and is the same `now`."""
-        changed = list(changes(self.scene.exact, now.scene.exact))
-        return {
-            name: each for name, each in self.reads.items() if not any(map(each.touched, changed))
-        }
-
 
 def far_end_of(values: ValidValues) -> Member | None:
     """The member whose motion a linkage's far end makes; None without one, or if not known."""
@@ -608,6 +601,14 @@ class Reads:
         if change in self._around:
             return True
         return any(change[:end] in self._places for end in range(len(change) + 1))
+
+
+def unchanged(earlier: ValidValues, now: ValidValues) -> dict[Hashable, Reads]:
+    """What was read of an `earlier` scene and is the same `now`."""
+    changed = list(changes(earlier.scene.exact, now.scene.exact))
+    return {
+        name: each for name, each in earlier.reads.items() if not any(map(each.touched, changed))
+    }
 
 
 def changes(then: Any, now: Any, path: KeyPath = ()) -> Iterator[KeyPath]:
