@@ -114,8 +114,7 @@ class TwoColumns(Pickled, checked.CheckedFields):
         return radians
 
     def check_from_zero(self, values: FloatArray, what: str) -> None:
-        """Raise GeometryError with the line of the first row whose `values` do not ascend from 0.
-        """
+        """Raise GeometryError with the line of the first row that does not ascend from 0."""
         if values[0] != 0.0:
             raise self.fault(0, values, f"the first {what}; allowed: 0")
         self.check_ascending(values, what)
