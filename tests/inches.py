@@ -10,7 +10,7 @@ import tomlkit
 
 from camgeo.app.designing.form import Fields
 from camgeo.scene.scene import Scene
-from camgeo.scene.values import document_of
+from camgeo.scene.values import Document
 
 INCH: Final = Decimal("25.4")
 """Millimetres."""
@@ -21,7 +21,7 @@ DIGITS: Final = 15
 def in_inches(scene: Scene, edits: Mapping[str, Any] | None = None) -> str:
     """TOML of a scene that states its lengths in mm, in inches to `DIGITS` digits."""
     values = scene.with_values(edits or {}).values
-    fields = Fields(document_of({**values, "units": {**values.get("units", {}), "length": "inch"}}))
+    fields = Fields(Document.of({**values, "units": {**values.get("units", {}), "length": "inch"}}))
     found = _converted((), values, fields)
     found["units"] = {**found.get("units", {}), "length": "inch"}
     return tomlkit.dumps(found)

@@ -14,13 +14,14 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.outline.path import Flank, Path, whole
 from camgeo.geometry.pieces import Extremes, curvature_extremes, extremes
 from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
-from camgeo.kinematics.mechanism.linkage import FarEnd, Linkage, far_end, linked
+from camgeo.kinematics.mechanism.linkage import FarEnd, Linkage, linked
 from camgeo.kinematics.mechanism.values import Length, Member
 from camgeo.kinematics.motion import Dwell, Jet, Motion, turning_angles
 from camgeo.kinematics.plan import MotionPlan
 from camgeo.lazy import Ledger, built, lazy
 from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.checked import check_fields, hold, one_of
+from camgeo.numeric.kept import kept_with_owner
 from camgeo.record import Pickled
 from camgeo.units import TURN, LiftUnit
 
@@ -447,6 +448,12 @@ class Yoke:
 
 Demanded = Literal["follower"] | Member
 """Whose motion is prescribed: the follower's, or that of the far end of a linkage."""
+
+
+@kept_with_owner
+def far_end(plan: MotionPlan, linkage: Linkage) -> FarEnd:
+    """The far end of `linkage` with the demanded motion `plan`."""
+    return FarEnd(plan, linkage)
 
 
 @dataclass(frozen=True)

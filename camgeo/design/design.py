@@ -34,6 +34,9 @@ if TYPE_CHECKING:
 KEPT: Final = ("law", "span", "to")
 """Keys that a move has with every law."""
 
+SECOND_FLANKS: Final = ("outer", "return", "opposite")
+"""Flanks of a scene that are the second side of a follower that is held both ways."""
+
 
 @dataclass(frozen=True)
 class Design(Pickled, Displayed):
@@ -164,10 +167,11 @@ class Design(Pickled, Displayed):
         """The effects that the scene calls for, each computed on first use."""
         from camgeo.dynamics.effects.effect import Subject  # few scenes name an effect
         from camgeo.dynamics.effects.graph import Effects
-        from camgeo.dynamics.state.state import model_of, side_named
+        from camgeo.dynamics.state.state import FIRST, SECOND
 
         scene = self.scene
-        model = model_of(scene.model, scene.limits)
+        # A trimmed disc is meant to move the follower.
+        model = scene.model or ("outline" if scene.limits.undercut == "trim" else "demanded")
         moved = Subject(self.drive, scene.lift_unit, scene.unit, scene.part, model, scene.train)
         subject = moved
         if scene.follower is not None:
@@ -181,7 +185,9 @@ class Design(Pickled, Displayed):
 
                 subject = astride(subject)
         if model == "written":
-            subject = subject.written_as(self.writing, side_named(scene.flank))
+            subject = subject.written_as(
+                self.writing, SECOND if scene.flank in SECOND_FLANKS else FIRST
+            )
         return Effects(subject, scene.effects, self.ledger, speed=scene.state_speed)
 
     @property

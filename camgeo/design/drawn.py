@@ -150,13 +150,11 @@ class PrintedDisc(Pickled):
         part = self.part_by(self.stated)  # whose own faults come first
         if self.spec is None:
             return part
-        from camgeo.part.compensation import fault_of_clearance, with_clearance
-
-        wider = with_clearance(self.stated, self.spec)
+        wider = self.spec.with_clearance(self.stated)
         try:
             return self.part_by(wider)
         except GeometryError as error:
-            raise fault_of_clearance(self.spec, error) from None
+            raise self.spec.fault_of_clearance(error) from None
 
     @lazy
     def target(self) -> Part:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve, in_blocks, joints
+from camgeo.geometry.pitch_curve import PitchCurve, in_blocks, joints
 from camgeo.geometry.together import curves_together
 from camgeo.kinematics.mechanism.flat import Touch, flat_follower
 from camgeo.kinematics.motion import Dwell, lift_range
@@ -143,9 +143,6 @@ def halves(low: FloatArray, high: FloatArray, which: BoolArray) -> tuple[FloatAr
 # and so do all parallels.
 
 
-ROUNDING = 2.0**-52 * 32.0
-"""Rounding of a centre, as a fraction of the lengths that it is computed from."""
-
 NOWHERE = complex(np.nan, np.nan)
 
 
@@ -193,39 +190,6 @@ def centres_at(pitch: PitchCurve, phi: FloatArray) -> ComplexArray:
     # Both ends are borders: a place between them is not affected by rounding.
     inside = (phi - known.starts[last]) % TURN < known.spans[last]
     return np.where(inside, known.centres[last], NOWHERE)
-
-
-@kept_with_owner
-def arc_pieces(curve: WorkingCurve) -> tuple[Piece, ...]:
-    """As `smooth_pieces`, with the centres of those that are arcs; neighbours on one circle are one
-    piece.
-    """
-    pitch, smooth = curve.pitch, smooth_pieces(curve)
-    farthest = float(np.max(np.abs(circles(pitch).centres), initial=0.0))
-    if farthest == 0.0:  # rests alone
-        return smooth
-    near = ROUNDING * (farthest + pitch.follower.base_radius)
-    borders = np.concatenate((pitch.borders, pitch.borders + TURN))
-    found: list[Piece] = []
-    for piece in smooth:
-        inner = borders[(borders > piece.start) & (borders < piece.end)]
-        ends = np.concatenate(([piece.start], inner, [piece.end]))
-        about = centres_at(pitch, 0.5 * (ends[:-1] + ends[1:]))
-        centre = complex(about[0]) if np.all(np.abs(about - about[0]) <= near) else None
-        found.append(replace(piece, centre=centre))
-        if _on_one_circle(found[-2:], near):
-            found[-2:] = [replace(found[-2], end=piece.end)]
-    if _on_one_circle([found[-1], found[0]], near):
-        found[-1:] = [replace(found[-1], end=found.pop(0).end + TURN)]
-    return tuple(found)
-
-
-def _on_one_circle(pieces: list[Piece], near: float) -> bool:
-    """Whether two neighbours have one centre, up to `near` [mm]."""
-    one, other = pieces[0], pieces[-1]
-    if one is other or one.centre is None or other.centre is None:
-        return False
-    return abs(one.centre - other.centre) <= near
 
 
 # -- extremes -------------------------------------------------------------------------------------

@@ -61,122 +61,20 @@ class FitReport:
     rms: float
     place: float
 
+    @classmethod
+    def of(cls, spline: Spline, x: FloatArray, y: FloatArray) -> FitReport:
+        """Deviation of `spline` from the points `x`, `y` (n,), at all of them."""
+        return cls.of_deviations(x, spline.values(x, 0)[0] - y)
 
-# Builders -------------------------------------------------------------------------------------
-
-
-def periodic_spline(
-    x: FloatArray, y: FloatArray, period: float, rise: float = 0.0, gap: float = 0.0
-) -> Spline:
-    """Interpolate with s(x + period) = s(x) + rise; C4 everywhere, the seam included.
-
-    Parameters
-    ----------
-    x : (n,) ascending, n >= 3 without the closing point x[0] + period, which may be missing.
-    y : (n,) the values there.
-    period : in the unit of x, larger than x[-1] - x[0], or equal with a closing point.
-    rise : growth over a period, in the unit of y.
-    gap : allowed distance of a closing point from y[0] + rise; it has no other use.
-
-    Raises
-    ------
-    GeometryError
-        For too few points, points that do not ascend or are spaced too unequally, numbers that are
-        not finite, points beyond the period, and a closing point that does not close.
-    """
-    knots, y = _ring(*_checked(x, y), period, rise, gap)
-    nodes, fixed = _prescribed(y, {})
-    fixed[:, 0] = True
-    step, chord = np.diff(knots), np.diff(np.append(y, y[0] + rise))
-    nodes = interpolate(step, chord, nodes, fixed, ring=True)
-    ends = np.roll(nodes, -1, axis=0)
-    return Spline(knots, hermite(step, chord, nodes, ends), True, float(rise))
-
-
-def clamped_spline(
-    x: FloatArray,
-    y: FloatArray,
-    start: Boundary = FREE,
-    end: Boundary = FREE,
-    inner: Mapping[int, Boundary] | None = None,
-) -> Spline:
-    """Interpolate with prescribed s' and s'' at the ends and at any inner points.
-
-    The module docstring states which derivatives are continuous where. With both values given at
-    both ends and none inside, a polynomial of degree 5 is reproduced.
-
-    Parameters
-    ----------
-    x, y : (n,) ascending x, n >= 2, and the values there; n = 2 needs a prescribed s' or s''.
-    start, end : (s', s'') at the first and the last point, None where free.
-    inner : the same for further points, by index 1 to n - 2.
-
-    Raises
-    ------
-    GeometryError
-        For too few points, points that do not ascend or are spaced too unequally, numbers that are
-        not finite, and an index that is not that of an inner point.
-    """
-    x, y = _checked(x, y)
-    nodes, fixed = _prescribed(y, _boundaries(len(x), start, end, {} if inner is None else inner))
-    fixed[:, 0] = True
-    if len(x) == 2 and np.count_nonzero(fixed) == 2:
-        raise GeometryError(
-            "2 points without a velocity or acceleration are too few; 3 are allowed", key="x"
+    @classmethod
+    def of_deviations(cls, x: FloatArray, deviation: FloatArray) -> FitReport:
+        """From the deviations (n,) at the points `x` (n,)."""
+        worst = int(np.argmax(np.abs(deviation)))
+        return cls(
+            float(abs(deviation[worst])),
+            float(np.sqrt(np.mean(deviation**2))),
+            float(x[worst]),
         )
-    step, chord = np.diff(x), np.diff(y)
-    nodes = interpolate(step, chord, nodes, fixed, ring=False)
-    return Spline(x, hermite(step, chord, nodes[:-1], nodes[1:]))
-
-
-def smooth_periodic_spline(
-    x: FloatArray,
-    y: FloatArray,
-    period: float,
-    largest_deviation: float,
-    gap: float = 0.0,
-) -> tuple[Spline, FitReport]:
-    """Smooth with s(x + period) = s(x); C4 everywhere, the seam included.
-
-    Parameters
-    ----------
-    x, y, period, gap : as for `periodic_spline`.
-    largest_deviation : allowed |s(x_i) - y_i|, in the unit of y, > 0. The cut-off length is the
-        longest found whose spline keeps it. Of all splines that keep it, others can have a
-        smaller integral of s''' squared: this one also keeps the sum of squares small.
-
-    Returns
-    -------
-    The spline, and its deviation from all points except a closing one.
-
-    Raises
-    ------
-    GeometryError
-        As for `periodic_spline`; and if no spline keeps the deviation.
-    """
-    knots, y = _ring(*_checked(x, y), period, 0.0, gap)
-    return _smoothed(knots, *_prescribed(y, {}), largest_deviation, ring=True)
-
-
-def smooth_clamped_spline(
-    x: FloatArray,
-    y: FloatArray,
-    start: Boundary = FREE,
-    end: Boundary = FREE,
-    *,
-    largest_deviation: float,
-) -> tuple[Spline, FitReport]:
-    """Smooth between the first and the last point, which are kept with their s' and s''.
-
-    Parameters and errors as for `clamped_spline` and `smooth_periodic_spline`; n >= 3.
-    C4 inside; for the ends see the module docstring.
-    """
-    x, y = _checked(x, y)
-    if len(x) < 3:
-        raise GeometryError(f"{_few(x)} to smooth; at least 3 are allowed", "x")
-    nodes, fixed = _prescribed(y, _boundaries(len(x), start, end, {}))
-    fixed[[0, -1], 0] = True
-    return _smoothed(x, nodes, fixed, largest_deviation, ring=False)
 
 
 def _smoothed(
@@ -190,7 +88,7 @@ def _smoothed(
     step = np.diff(knots)
     found, stress = Smoothing(step, nodes, fixed, ring).within(largest_deviation)
     spline = Spline(knots, from_stress(step, found[: len(step)], stress), ring)
-    return spline, _report(knots[: len(nodes)], found[:, 0] - nodes[:, 0])
+    return spline, FitReport.of_deviations(knots[: len(nodes)], found[:, 0] - nodes[:, 0])
 
 
 def smoothest_values(
@@ -204,7 +102,7 @@ def smoothest_values(
     given : prescribed s' and s'' by index of the point, None where free.
     period : of a motion that closes, larger than x[-1] - x[0]; None for one that ends.
 
-    Raises GeometryError as `clamped_spline` does.
+    Raises GeometryError as `Spline.clamped` does.
     """
     count = len(x)
     if period is not None:
@@ -223,20 +121,6 @@ def smoothest_values(
     fixed[:, 0] = True
     ring = period is not None
     return np.asarray(interpolate(step, chord, nodes, fixed, ring=ring)[:count, 1:])
-
-
-def report(spline: Spline, x: FloatArray, y: FloatArray) -> FitReport:
-    """Deviation of `spline` from the points `x`, `y` (n,), at all of them."""
-    return _report(x, spline.values(x, 0)[0] - y)
-
-
-def _report(x: FloatArray, deviation: FloatArray) -> FitReport:
-    worst = int(np.argmax(np.abs(deviation)))
-    return FitReport(
-        float(abs(deviation[worst])),
-        float(np.sqrt(np.mean(deviation**2))),
-        float(x[worst]),
-    )
 
 
 # Checks ---------------------------------------------------------------------------------------
@@ -343,7 +227,7 @@ def _prescribed(y: FloatArray, given: Mapping[int, Boundary]) -> tuple[FloatArra
 # -- spline ---------------------------------------------------------------------------------------
 # A piecewise polynomial of degree 5: the form of a motion given by points or by a table.
 #
-# Built by `camgeo.kinematics.splines`; only evaluated here, with numpy alone.
+# Built through points or near them, and evaluated with numpy alone.
 
 
 DEGREE: Final = 5
@@ -397,6 +281,125 @@ class Spline(Pickled):
             raise GeometryError("the knots must ascend")
         rise = checked.number("rise", self.rise, largest=LARGEST)
         checked.hold(self, knots=knots, taylor=taylor, rise=rise)
+
+    @classmethod
+    def closed(
+        cls, x: FloatArray, y: FloatArray, period: float, rise: float = 0.0, gap: float = 0.0
+    ) -> Spline:
+        """Interpolate with s(x + period) = s(x) + rise; C4 everywhere, the seam included.
+
+        Parameters
+        ----------
+        x : (n,) ascending, n >= 3 without the closing point x[0] + period, which may be missing.
+        y : (n,) the values there.
+        period : in the unit of x, larger than x[-1] - x[0], or equal with a closing point.
+        rise : growth over a period, in the unit of y.
+        gap : allowed distance of a closing point from y[0] + rise; it has no other use.
+
+        Raises
+        ------
+        GeometryError
+            For too few points, points that do not ascend or are spaced too unequally, numbers that
+            are not finite, points beyond the period, and a closing point that does not close.
+        """
+        knots, y = _ring(*_checked(x, y), period, rise, gap)
+        nodes, fixed = _prescribed(y, {})
+        fixed[:, 0] = True
+        step, chord = np.diff(knots), np.diff(np.append(y, y[0] + rise))
+        nodes = interpolate(step, chord, nodes, fixed, ring=True)
+        ends = np.roll(nodes, -1, axis=0)
+        return cls(knots, hermite(step, chord, nodes, ends), True, float(rise))
+
+    @classmethod
+    def clamped(
+        cls,
+        x: FloatArray,
+        y: FloatArray,
+        start: Boundary = FREE,
+        end: Boundary = FREE,
+        inner: Mapping[int, Boundary] | None = None,
+    ) -> Spline:
+        """Interpolate with prescribed s' and s'' at the ends and at any inner points.
+
+        The module docstring states which derivatives are continuous where. With both values given
+        at both ends and none inside, a polynomial of degree 5 is reproduced.
+
+        Parameters
+        ----------
+        x, y : (n,) ascending x, n >= 2, and the values there; n = 2 needs a prescribed s' or s''.
+        start, end : (s', s'') at the first and the last point, None where free.
+        inner : the same for further points, by index 1 to n - 2.
+
+        Raises
+        ------
+        GeometryError
+            For too few points, points that do not ascend or are spaced too unequally, numbers that
+            are not finite, and an index that is not that of an inner point.
+        """
+        x, y = _checked(x, y)
+        nodes, fixed = _prescribed(
+            y, _boundaries(len(x), start, end, {} if inner is None else inner)
+        )
+        fixed[:, 0] = True
+        if len(x) == 2 and np.count_nonzero(fixed) == 2:
+            raise GeometryError(
+                "2 points without a velocity or acceleration are too few; 3 are allowed", key="x"
+            )
+        step, chord = np.diff(x), np.diff(y)
+        nodes = interpolate(step, chord, nodes, fixed, ring=False)
+        return cls(x, hermite(step, chord, nodes[:-1], nodes[1:]))
+
+    @classmethod
+    def smooth_closed(
+        cls,
+        x: FloatArray,
+        y: FloatArray,
+        period: float,
+        largest_deviation: float,
+        gap: float = 0.0,
+    ) -> tuple[Spline, FitReport]:
+        """Smooth with s(x + period) = s(x); C4 everywhere, the seam included.
+
+        Parameters
+        ----------
+        x, y, period, gap : as for `closed`.
+        largest_deviation : allowed |s(x_i) - y_i|, in the unit of y, > 0. The cut-off length is the
+            longest found whose spline keeps it. Of all splines that keep it, others can have a
+            smaller integral of s''' squared: this one also keeps the sum of squares small.
+
+        Returns
+        -------
+        The spline, and its deviation from all points except a closing one.
+
+        Raises
+        ------
+        GeometryError
+            As for `closed`; and if no spline keeps the deviation.
+        """
+        knots, y = _ring(*_checked(x, y), period, 0.0, gap)
+        return _smoothed(knots, *_prescribed(y, {}), largest_deviation, ring=True)
+
+    @classmethod
+    def smooth_clamped(
+        cls,
+        x: FloatArray,
+        y: FloatArray,
+        start: Boundary = FREE,
+        end: Boundary = FREE,
+        *,
+        largest_deviation: float,
+    ) -> tuple[Spline, FitReport]:
+        """Smooth between the first and the last point, which are kept with their s' and s''.
+
+        Parameters and errors as for `clamped` and `smooth_closed`; n >= 3.
+        C4 inside; for the ends see the module docstring.
+        """
+        x, y = _checked(x, y)
+        if len(x) < 3:
+            raise GeometryError(f"{_few(x)} to smooth; at least 3 are allowed", "x")
+        nodes, fixed = _prescribed(y, _boundaries(len(x), start, end, {}))
+        fixed[[0, -1], 0] = True
+        return _smoothed(x, nodes, fixed, largest_deviation, ring=False)
 
     @property
     def period(self) -> float:

@@ -1,4 +1,4 @@
-"""Tables of two columns in CSV files, and the motions that they state."""
+"""Tables of two columns in CSV files, mostly over the cam angle."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import Final
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.kinematics.time_course import SpeedCurve
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray
 from camgeo.numeric.columns import Asked, NumberColumn, fault, read_columns
@@ -16,79 +15,6 @@ from camgeo.record import Pickled
 from camgeo.units import TURN
 
 LIFT: Final = NumberColumn("lift", ("s", "lift", "psi", "swing"))
-
-TIME: Final = NumberColumn("time", ("t", "time"), ("s", "sec", "second", "seconds"), "s")
-
-
-def read_lift_table(
-    data: bytes | str, file: str, span: float = 360.0, *, periodic: bool = False
-) -> TwoColumns:
-    """Read a table of cam angle [degrees] and lift.
-
-    The format is that of `camgeo.numeric.columns`; a heading may call the columns "phi", "angle"
-    or "cam angle" [deg], and "s", "lift", "psi" or "swing".
-
-    Parameters
-    ----------
-    data : the file, UTF-8; at most 16,000,000 bytes and 200,000 rows.
-    file : its name, for messages.
-    span : [degrees] the angle of the last row.
-    periodic : whether the last row, which repeats the first one's lift, may be missing.
-
-    Returns
-    -------
-    Angles, ascending from 0 to the span exactly, and lifts in the unit of the table.
-
-    Raises
-    ------
-    GeometryError
-        With file and line, if the table is not as described: not a number or not a finite one, too
-        few or too many rows or cells, angles that do not start at 0, ascend, or end at the span.
-    """
-    span = checked.positive("span", span, "degrees")
-    table = read_two_columns(data, file, (ANGLE, LIFT))
-    angles = table.first
-    check_from_zero(table, angles, "angle")
-    beyond = np.flatnonzero(angles > span * (1.0 + LAST_ROW))
-    if len(beyond):
-        raise table.fault(
-            int(beyond[0]), angles, f"beyond the span; allowed: up to {span:.17g} degrees"
-        )
-    if abs(angles[-1] - span) <= LAST_ROW * span and span > angles[-2]:
-        return replace(table, first=np.append(angles[:-1], span))
-    if not periodic:
-        raise table.fault(
-            -1, angles, f"the last angle; allowed: the end of the span, {span:.17g} degrees"
-        )
-    return table
-
-
-def read_speed_table(data: bytes | str, file: str) -> SpeedCurve:
-    """Read a table of time [s] and cam angle [degrees] over one turn, from 0 and 0.
-
-    The format is that of `camgeo.numeric.columns`; a heading may call the columns "t" or "time"
-    [s], and "phi", "angle" or "cam angle" [deg].
-
-    Raises
-    ------
-    GeometryError
-        With file and line, if a row is not as described there, times or angles do not start at 0,
-        ascend, or end at 360 degrees; and if the disc would stand still or run backwards between
-        the rows.
-    """
-    table = read_two_columns(data, file, (TIME, ANGLE))
-    times = table.first
-    check_from_zero(table, times, "time")
-    radians = turn_of(table, table.second)
-    try:
-        return SpeedCurve(times, radians)
-    except GeometryError as error:  # whose key is not one of the file
-        raise GeometryError(f"{file}: {error.message}", value=error.value) from error
-
-
-# -- two columns ----------------------------------------------------------------------------------
-# Tables of two columns, mostly over the cam angle.
-
 
 ANGLE: Final = NumberColumn(
     "angle", ("phi", "angle", "cam angle"), ("deg", "degree", "degrees", "°"), "deg"
@@ -122,42 +48,83 @@ class TwoColumns(Pickled, checked.CheckedFields):
         """The error for the value of a row, counted from 0, or backwards from the end."""
         return fault(self.file, self.lines[row], repr(float(values[row])), message)
 
+    @classmethod
+    def read(
+        cls, data: bytes | str, file: str, columns: tuple[NumberColumn, NumberColumn]
+    ) -> TwoColumns:
+        """Read a table of two numbers a row; format, parameters and errors as of `read_columns`."""
+        found = read_columns(data, file, Asked(columns))
+        first, second = found.values
+        return cls(file, first, second, found.units[1], found.lines)
 
-def read_two_columns(
-    data: bytes | str, file: str, columns: tuple[NumberColumn, NumberColumn]
-) -> TwoColumns:
-    """Read a table of two numbers a row; format, parameters and errors as of `read_columns`."""
-    found = read_columns(data, file, Asked(columns))
-    first, second = found.values
-    return TwoColumns(file, first, second, found.units[1], found.lines)
+    @classmethod
+    def of_lifts(
+        cls, data: bytes | str, file: str, span: float = 360.0, *, periodic: bool = False
+    ) -> TwoColumns:
+        """Read a table of cam angle [degrees] and lift.
 
+        The format is that of `camgeo.numeric.columns`; a heading may call the columns "phi",
+        "angle" or "cam angle" [deg], and "s", "lift", "psi" or "swing".
 
-def turn_of(table: TwoColumns, angles: FloatArray) -> FloatArray:
-    """The `angles` [degrees] in radians, from 0 to one turn.
+        Parameters
+        ----------
+        data : the file, UTF-8; at most 16,000,000 bytes and 200,000 rows.
+        file : its name, for messages.
+        span : [degrees] the angle of the last row.
+        periodic : whether the last row, which repeats the first one's lift, may be missing.
 
-    Raises GeometryError with the line if they do not ascend from 0 to 360 degrees.
-    """
-    check_from_zero(table, angles, "angle")
-    if not abs(angles[-1] - FULL_TURN) <= LAST_ROW * FULL_TURN:
-        raise table.fault(-1, angles, "the last angle; allowed: 360 degrees")
-    radians = np.radians(angles)
-    radians[-1] = TURN
-    return radians
+        Returns
+        -------
+        Angles, ascending from 0 to the span exactly, and lifts in the unit of the table.
 
+        Raises
+        ------
+        GeometryError
+            With file and line, if the table is not as described: not a number or not a finite one,
+            too few or too many rows or cells, angles that do not start at 0, ascend, or end at the
+            span.
+        """
+        span = checked.positive("span", span, "degrees")
+        table = cls.read(data, file, (ANGLE, LIFT))
+        angles = table.first
+        table.check_from_zero(angles, "angle")
+        beyond = np.flatnonzero(angles > span * (1.0 + LAST_ROW))
+        if len(beyond):
+            raise table.fault(
+                int(beyond[0]), angles, f"beyond the span; allowed: up to {span:.17g} degrees"
+            )
+        if abs(angles[-1] - span) <= LAST_ROW * span and span > angles[-2]:
+            return replace(table, first=np.append(angles[:-1], span))
+        if not periodic:
+            raise table.fault(
+                -1, angles, f"the last angle; allowed: the end of the span, {span:.17g} degrees"
+            )
+        return table
 
-def check_from_zero(table: TwoColumns, values: FloatArray, what: str) -> None:
-    """Raise GeometryError with the line of the first row whose `values` do not ascend from 0."""
-    if values[0] != 0.0:
-        raise table.fault(0, values, f"the first {what}; allowed: 0")
-    check_ascending(table, values, what)
+    def turn_of(self, angles: FloatArray) -> FloatArray:
+        """The `angles` [degrees] in radians, from 0 to one turn.
 
+        Raises GeometryError with the line if they do not ascend from 0 to 360 degrees.
+        """
+        self.check_from_zero(angles, "angle")
+        if not abs(angles[-1] - FULL_TURN) <= LAST_ROW * FULL_TURN:
+            raise self.fault(-1, angles, "the last angle; allowed: 360 degrees")
+        radians = np.radians(angles)
+        radians[-1] = TURN
+        return radians
 
-def check_ascending(table: TwoColumns, values: FloatArray, what: str) -> None:
-    """Raise GeometryError with the line of the first row whose `values` do not ascend."""
-    falls = np.flatnonzero(np.diff(values) <= 0.0)
-    if len(falls):
-        place = int(falls[0]) + 1
-        before = float(values[place - 1])
-        raise table.fault(
-            place, values, f"the {what} before is {before!r}; allowed: only ascending"
-        )
+    def check_from_zero(self, values: FloatArray, what: str) -> None:
+        """Raise GeometryError with the line of the first row that does not ascend from 0."""
+        if values[0] != 0.0:
+            raise self.fault(0, values, f"the first {what}; allowed: 0")
+        self.check_ascending(values, what)
+
+    def check_ascending(self, values: FloatArray, what: str) -> None:
+        """Raise GeometryError with the line of the first row whose `values` do not ascend."""
+        falls = np.flatnonzero(np.diff(values) <= 0.0)
+        if len(falls):
+            place = int(falls[0]) + 1
+            before = float(values[place - 1])
+            raise self.fault(
+                place, values, f"the {what} before is {before!r}; allowed: only ascending"
+            )

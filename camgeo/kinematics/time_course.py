@@ -143,9 +143,9 @@ class SpeedCurve(Pickled):
                 key="phi",
                 value=repr(span),
             )
-        from camgeo.kinematics.splines import periodic_spline  # constant speed needs none
+        from camgeo.kinematics.splines import Spline  # constant speed needs none
 
-        spline = periodic_spline(t, phi, float(t[-1] - t[0]), TURN, gap=CLOSING)
+        spline = Spline.closed(t, phi, float(t[-1] - t[0]), TURN, gap=CLOSING)
         slowest = spline.extremes(1).lowest
         if not slowest.value > 0.0:
             angle = float(spline.values(np.array([slowest.place]), 0)[0, 0])
@@ -157,6 +157,34 @@ class SpeedCurve(Pickled):
                 value=repr(slowest.value),
             )
         checked.hold(self, spline=spline)
+
+    @classmethod
+    def read(cls, data: bytes | str, file: str) -> SpeedCurve:
+        """Read a table of time [s] and cam angle [degrees] over one turn, from 0 and 0.
+
+        The format is that of `camgeo.numeric.columns`; a heading may call the columns "t" or "time"
+        [s], and "phi", "angle" or "cam angle" [deg].
+
+        Raises
+        ------
+        GeometryError
+            With file and line, if a row is not as described there, times or angles do not start at
+            0, ascend, or end at 360 degrees; and if the disc would stand still or run backwards
+            between the rows.
+        """
+        # few curves are in a file
+        from camgeo.kinematics.tables import ANGLE, TwoColumns
+        from camgeo.numeric.columns import NumberColumn
+
+        time = NumberColumn("time", ("t", "time"), ("s", "sec", "second", "seconds"), "s")
+        table = TwoColumns.read(data, file, (time, ANGLE))
+        times = table.first
+        table.check_from_zero(times, "time")
+        radians = table.turn_of(table.second)
+        try:
+            return cls(times, radians)
+        except GeometryError as error:  # whose key is not one of the file
+            raise GeometryError(f"{file}: {error.message}", value=error.value) from error
 
     @property
     def borders(self) -> FloatArray:

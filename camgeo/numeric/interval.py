@@ -123,11 +123,11 @@ class Angles:
         """The sines: sin(m + d) = sin m - (1 - cos d) sin m + sin d cos m."""
         return _swept(self.sines, self.cosines, self.reach)
 
-
-def about(middles: FloatArray, reach: FloatArray) -> Angles:
-    """The ranges of angles within `reach` (n,) of `middles` (n,) [rad]."""
-    rounding = WIDENED * np.abs(middles)
-    return Angles(np.cos(middles), np.sin(middles), reach + rounding)
+    @classmethod
+    def about(cls, middles: FloatArray, reach: FloatArray) -> Angles:
+        """The ranges of angles within `reach` (n,) of `middles` (n,) [rad]."""
+        rounding = WIDENED * np.abs(middles)
+        return cls(np.cos(middles), np.sin(middles), reach + rounding)
 
 
 def _swept(value: FloatArray, slope: FloatArray, reach: FloatArray) -> Interval:

@@ -37,11 +37,11 @@ from camgeo.part.boundaries import (
 from camgeo.part.part import OF_RETURN, Bevel, Boundary, Layer, Part, Wall
 from camgeo.part.spec import (
     BOTH,
+    DISCS,
     ENGRAVING,
     KEY,
     LOWER,
     MAIN,
-    RETURN,
     UPPER,
     Chamfer,
     Chamfers,
@@ -508,14 +508,14 @@ def build_pair(
     if pair is None or spec.thickness is None:
         raise GeometryError("a pair in one piece needs its thickness", key="part.pair")
     own: dict[str, Part] = {}
-    for name, path in zip((MAIN, RETURN), paths, strict=True):
+    for name, path in zip(DISCS, paths, strict=True):
         bearing = _bearing(spec, pair, name)
         try:
             own[name] = build_part(Contact.INNER, path, path, bearing, tolerance, ledger)
         except GeometryError as error:
             raise GeometryError(f"{name} disc: {error.message}", error.key, error.value) from error
         _require_spacer_within(pair, path, name, tolerance)
-    other = tuple(_returning(own[MAIN], own[RETURN]))
+    other = tuple(_returning(*own.values()))
     main = own[MAIN].layers
     upper, lower = (main, other) if pair.upper == MAIN else (other, main)
     down = spec.thickness + pair.gap

@@ -25,7 +25,7 @@ from camgeo.geometry.contour.contour import (
     require_simple,
     winding_number,
 )
-from camgeo.geometry.contour.cubic_proof import approximating_arcs
+from camgeo.geometry.contour.cubic_proof import approximating_arcs, bound_by_arcs
 from camgeo.geometry.contour.exact import (
     ROUNDING,
     arc_angles,
@@ -49,12 +49,6 @@ from camgeo.geometry.outline.path import (
     Moments,
     Path,
     SecondMoments,
-    encloses_axis,
-    path_moments,
-    path_second_moments,
-    piece_second_moments,
-    quadratic_moments,
-    quadratic_second_moments,
     radii,
 )
 from camgeo.geometry.pieces import stays_on_one_side, surely_clear_of_axis
@@ -74,6 +68,22 @@ Found = TypeVar("Found", Fit, SplineFit)
 
 Name = Annotated[str, partial(instance, kind=str, what="the name of a boundary"), "part"]
 Hole = Annotated[Truth, "part"]
+
+
+def spline_deviation(path: Path, contour: SplineContour) -> float:
+    """Upper bound [mm] of the distance between `contour` and `path`, in both directions.
+
+    Parameters
+    ----------
+    path : the exact path, as for `camgeo.geometry.contour.proof.deviation`.
+    contour : once round the path, in either direction.
+
+    Raises
+    ------
+    GeometryError
+        If the contour does not follow the path once round, so that no bound can be given.
+    """
+    return bound_by_arcs(lambda arcs: deviation(path, arcs), contour)
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,7 +174,6 @@ class CurveBoundary(Pickled, CheckedFields):
             with self.ledger.entry(f"proof of {self.name}"):
                 if not isinstance(contour, SplineContour):
                     return deviation(self.path, contour)
-                from camgeo.geometry.contour.cubic_proof import spline_deviation  # few files
 
                 return spline_deviation(self.path, contour)
 
@@ -191,11 +200,11 @@ class CurveBoundary(Pickled, CheckedFields):
 
     def moments(self, tolerance: float) -> Moments:
         """See `camgeo.part.part.Boundary`."""
-        return path_moments(self.path, tolerance).counter_clockwise()
+        return self.path.moments(tolerance).counter_clockwise()
 
     def second_moments(self, tolerance: float) -> SecondMoments:
         """See `camgeo.part.part.Boundary`."""
-        return path_second_moments(self.path, tolerance).counter_clockwise()
+        return self.path.second_moments(tolerance).counter_clockwise()
 
     def farthest(self) -> tuple[float, float | None]:
         """See `camgeo.part.part.Boundary`."""
@@ -205,7 +214,7 @@ class CurveBoundary(Pickled, CheckedFields):
     def nearest(self) -> float:
         """See `camgeo.part.part.Boundary`."""
         nearest = radii(self.path).lowest.value
-        return nearest if nearest > 0.0 and encloses_axis(self.path) else 0.0
+        return nearest if nearest > 0.0 and self.path.encloses_axis else 0.0
 
     def surely_around(self, radius: float) -> bool:
         """True if bounds show that it goes round the cam axis farther than `radius` [mm] from it.
@@ -323,7 +332,7 @@ class ExactBoundary(Pickled, CheckedFields):
     def second_moments(self, tolerance: float) -> SecondMoments:
         """Exact but for rounding, see `camgeo.part.part.Boundary`."""
         exact = self.exact
-        found = piece_second_moments(exact.vertices, exact.ends, exact.sweeps, exact.centres)
+        found = SecondMoments.of_pieces(exact.vertices, exact.ends, exact.sweeps, exact.centres)
         return found.counter_clockwise()
 
     def farthest(self) -> tuple[float, float | None]:
@@ -748,7 +757,7 @@ class LetterBoundary(Pickled):
             raise GeometryError(
                 "must be quadratic curves, end to end and closed", "part", self.name
             )
-        if quadratic_moments(pieces).area < 0.0:
+        if Moments.of_quadratics(pieces).area < 0.0:
             pieces = pieces[::-1, ::-1]
         object.__setattr__(self, "pieces", frozen(pieces, np.complex128))
 
@@ -869,11 +878,11 @@ class LetterBoundary(Pickled):
 
     def moments(self, tolerance: float) -> Moments:
         """Exact but for rounding, see `camgeo.part.part.Boundary`."""
-        return quadratic_moments(self.pieces)
+        return Moments.of_quadratics(self.pieces)
 
     def second_moments(self, tolerance: float) -> SecondMoments:
         """Exact but for rounding, see `camgeo.part.part.Boundary`."""
-        return quadratic_second_moments(self.pieces)
+        return SecondMoments.of_quadratics(self.pieces)
 
     def farthest(self) -> tuple[float, float | None]:
         """See `camgeo.part.part.Boundary`; no cam angle belongs to a point of it."""

@@ -6,7 +6,7 @@ lowest layers are drawn in: layers are counted in millimetres of the file, as a 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations, pairwise
@@ -30,7 +30,7 @@ from camgeo.geometry.outline.outline import real_outline
 from camgeo.geometry.outline.path import Moments, Path, SecondMoments
 from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.kinematics.mechanism.values import Length
-from camgeo.numeric.checked import CheckedFields, instance_from_table, number, positive, whole
+from camgeo.numeric.checked import CheckedFields, number, positive, whole
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary, BoundaryField, Layer, Part
 from camgeo.part.spec import PartSpec
@@ -178,10 +178,42 @@ class PrintSpec(CheckedFields, path="print."):
         if (self.scale_xy, self.scale_z) != (1.0, 1.0):
             yield f"scaled by {self.scale_xy:.6g} in X and Y, {self.scale_z:.6g} in Z"
 
+    def with_clearance(self, part: PartSpec) -> PartSpec:
+        """The part with a larger bore, keyway and flat.
 
-def print_of(table: Mapping[str, Any]) -> PrintSpec:
-    """The specification of a converted table `[print]`, lengths in mm; raises GeometryError."""
-    return instance_from_table(PrintSpec, table)
+        The bottom of the keyway and the flat move with the clearance of the key, not with that of
+        the bore.
+
+        Raises
+        ------
+        GeometryError
+            With the key in `print`, if no such keyway or flat is left.
+        """
+        if part.bore is None:
+            return part
+        wider, key = self.bore_clearance or 0.0, self.key_clearance or 0.0
+        if not (wider or key):
+            return part
+        radius = 0.5 * part.bore
+        keyway, flat = part.keyway, part.d_shaft
+        try:
+            if keyway is not None:
+                bottom = radius + keyway.depth + 0.5 * key
+                depth = bottom - (radius + 0.5 * wider)
+                keyway = replace(keyway, width=keyway.width + key, depth=depth)
+            if flat is not None:
+                flat = replace(flat, across=flat.across + 0.5 * (wider + key))
+            return replace(part, bore=part.bore + wider, keyway=keyway, d_shaft=flat)
+        except GeometryError as error:
+            raise self.fault_of_clearance(error) from None
+
+    def fault_of_clearance(self, error: GeometryError) -> GeometryError:
+        """Why a part has no room for its clearance, as a fault of the key that asks for it."""
+        key = "bore_clearance" if self.bore_clearance else "key_clearance"
+        value = getattr(self, key)
+        return GeometryError(
+            f"the part has no room for it: {error}", key=f"print.{key}", value=f"{value:g}"
+        )
 
 
 # -- compensation ----------------------------------------------------------------------------------
@@ -192,45 +224,6 @@ TOLERANCE: Final = 1e-3
 
 FOOT: Final = "foot"
 """Name of the layers that are drawn in."""
-
-
-def with_clearance(part: PartSpec, spec: PrintSpec) -> PartSpec:
-    """The part with a larger bore, keyway and flat.
-
-    The bottom of the keyway and the flat move with the clearance of the key, not with that of the
-    bore.
-
-    Raises
-    ------
-    GeometryError
-        With the key in `print`, if no such keyway or flat is left.
-    """
-    if part.bore is None:
-        return part
-    wider, key = spec.bore_clearance or 0.0, spec.key_clearance or 0.0
-    if not (wider or key):
-        return part
-    radius = 0.5 * part.bore
-    keyway, flat = part.keyway, part.d_shaft
-    try:
-        if keyway is not None:
-            bottom = radius + keyway.depth + 0.5 * key
-            depth = bottom - (radius + 0.5 * wider)
-            keyway = replace(keyway, width=keyway.width + key, depth=depth)
-        if flat is not None:
-            flat = replace(flat, across=flat.across + 0.5 * (wider + key))
-        return replace(part, bore=part.bore + wider, keyway=keyway, d_shaft=flat)
-    except GeometryError as error:
-        raise fault_of_clearance(spec, error) from None
-
-
-def fault_of_clearance(spec: PrintSpec, error: GeometryError) -> GeometryError:
-    """Why a part has no room for its clearance, as a fault of the key that asks for it."""
-    key = "bore_clearance" if spec.bore_clearance else "key_clearance"
-    value = getattr(spec, key)
-    return GeometryError(
-        f"the part has no room for it: {error}", key=f"print.{key}", value=f"{value:g}"
-    )
 
 
 def compensated(part: Part, spec: PrintSpec) -> Part:

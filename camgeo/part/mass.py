@@ -22,7 +22,7 @@ from camgeo.geometry.contour.contour import (
     winding_number,
 )
 from camgeo.geometry.outline.exact_flank import ExactFlank
-from camgeo.geometry.outline.path import Flank, Moments, total
+from camgeo.geometry.outline.path import Flank, Moments
 from camgeo.numeric.checked import CheckedFields, Floats
 from camgeo.numeric.quadrature import gauss, nodes_beside
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
@@ -30,7 +30,7 @@ from camgeo.part.part import Band, Boundary, Layer, Part
 from camgeo.part.spec import text_of
 
 TOLERANCE: Final = 1e-10
-"""Of the integrals over each boundary, see `camgeo.geometry.outline.path.path_moments`."""
+"""Of the integrals over each boundary, see `camgeo.geometry.outline.path.Path.moments`."""
 
 NODES: Final = 3
 """Of the Gauss rule over the height of a chamfer without corners."""
@@ -140,7 +140,7 @@ def volume_within(band: Band, tolerance: float = TOLERANCE) -> float:
 
 def section_area(layer: Layer, tolerance: float = TOLERANCE) -> float:
     """Area of the material in a layer [mm^2]."""
-    return total(_material(each, tolerance) for each in layer.boundaries).area
+    return Moments.total(_material(each, tolerance) for each in layer.boundaries).area
 
 
 def disc_moments(part: Part, density: float, tolerance: float) -> Moments:
@@ -150,10 +150,12 @@ def disc_moments(part: Part, density: float, tolerance: float) -> Moments:
     ----------
     part : with known thickness. Each boundary counts with the height of its faces.
     density : [t/mm^3].
-    tolerance : of the integrals over the outlines, see `camgeo.geometry.outline.path.path_moments`.
+    tolerance : of the integrals over the outlines, see `camgeo.geometry.outline.path.Path.moments`.
     """
-    return total(
-        total(_material(each.section, tolerance) for each in slices).scaled(density * height)
+    return Moments.total(
+        Moments.total(_material(each.section, tolerance) for each in slices).scaled(
+            density * height
+        )
         for height, slices in groupby(_slices(part), lambda each: each.height)
     )
 

@@ -14,10 +14,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from camgeo.errors import GeometryError, meant
-from camgeo.numeric.checked import number
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -28,14 +27,8 @@ PER_CUBIC_CM: Final = 1e-9
 KG_M3: Final = 1e12
 """From t/mm^3 to kg/m^3."""
 
-LEAST_DENSITY: Final = 1e-6 / KG_M3
-MOST_DENSITY: Final = 1e6 / KG_M3
-"""As in scenes [t/mm^3]: any that occurs, with room for one that stands for a slice or a shell."""
 
 _STEEL: Final = "E, nu: EN 1993-1-1, 3.2.6; density: EN 1993-1-2, 3.2.2; "
-
-
-Density = Annotated[float, partial(number, least=LEAST_DENSITY, most=MOST_DENSITY, unit="t/mm^3")]
 
 
 @dataclass(frozen=True, slots=True)

@@ -422,7 +422,7 @@ class Boundary(Protocol):
     def moments(self, tolerance: float) -> Moments:
         """Area and first moments of all that it encloses, counter-clockwise.
 
-        `tolerance` is a share, see `camgeo.geometry.outline.path.path_moments`.
+        `tolerance` is a share, see `camgeo.geometry.outline.path.Path.moments`.
         """
 
     def second_moments(self, tolerance: float) -> SecondMoments:

@@ -24,7 +24,7 @@ from camgeo.numeric.checked import (
     whole,
 )
 from camgeo.part.glyphs import require_glyphs
-from camgeo.part.materials import Density, density_of
+from camgeo.part.materials import KG_M3, density_of
 from camgeo.units import TURN
 
 # -- pair spec ------------------------------------------------------------------------------------
@@ -408,6 +408,14 @@ class Holes:
         )
 
 
+LEAST_DENSITY: Final = 1e-6 / KG_M3
+MOST_DENSITY: Final = 1e6 / KG_M3
+"""As in scenes [t/mm^3]: any that occurs, with room for one that stands for a slice or a shell."""
+
+
+Density = Annotated[float, partial(number, least=LEAST_DENSITY, most=MOST_DENSITY, unit="t/mm^3")]
+
+
 @dataclass(frozen=True, slots=True)
 class PartSpec:
     """The specification of the part; every length in mm, None if the scene does not give it.
@@ -516,19 +524,19 @@ class PartSpec:
         bolts = None if bolts is None else replace(bolts, counterbore=None)
         return replace(own, bolt_circle=bolts, engraving=())
 
+    @classmethod
+    def of(cls, table: Mapping[str, Any], name: str) -> PartSpec:
+        """The specification of a converted table `[part]`, in mm, rad and t; raises GeometryError.
 
-def part_of(table: Mapping[str, Any], name: str) -> PartSpec:
-    """The specification of a converted table `[part]`, in mm, rad and t; raises GeometryError.
-
-    `name` is engraved where a text is not given.
-    """
-    given = {key: table[key] for key in table if key != "material"}
-    given[ENGRAVING] = engravings_of(given.get(ENGRAVING, ()), name)
-    given["density"] = density_of(table)
-    keyway = dict(given.get("keyway", {}))
-    if keyway.pop("standard", None):
-        given["keyway"] = Keyway.by_standard(given["bore"], **keyway)
-    return instance_from_table(PartSpec, given)
+        `name` is engraved where a text is not given.
+        """
+        given = {key: table[key] for key in table if key != "material"}
+        given[ENGRAVING] = engravings_of(given.get(ENGRAVING, ()), name)
+        given["density"] = density_of(table)
+        keyway = dict(given.get("keyway", {}))
+        if keyway.pop("standard", None):
+            given["keyway"] = Keyway.by_standard(given["bore"], **keyway)
+        return instance_from_table(PartSpec, given)
 
 
 # -- chamfers -------------------------------------------------------------------------------------

@@ -10,6 +10,7 @@ from typing import Final, Literal
 from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.kinematics.laws import find_family
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
+from camgeo.kinematics.plan import FULL_TURN, SHORTEST_SPAN
 from camgeo.kinematics.planning.requests import AUTO
 from camgeo.part.spec import BOTH, ENGRAVING, LOWER, STRAIGHT, din_6885_1
 from camgeo.scene.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE, OutputSpec
@@ -366,12 +367,6 @@ def _pinned(values: ValidValues, place: tuple[str | int, ...]) -> Iterator[Broke
 # -- rules ----------------------------------------------------------------------------------------
 
 
-TURN: Final = Decimal(360)
-"""What the spans add up to [degrees]."""
-
-SHORTEST_SPAN: Final = Decimal("1e-6")
-"""Shortest segment [degrees]; below it, velocities exceed what a double can resolve."""
-
 SPAN_DIGITS: Final = 60
 """Digits with which spans are added; a span that needs more is no realistic angle."""
 
@@ -452,7 +447,7 @@ def spans_add_up(values: ValidValues) -> Iterator[Broken]:
     except Inexact:
         yield ("motion",), f"the spans have more digits than can be added exactly ({SPAN_DIGITS})"
         return
-    if total != TURN:
+    if total != FULL_TURN:
         message = f"the spans add up to {total.normalize():f} degrees; they must add up to 360"
         yield ("motion",), message
 

@@ -35,7 +35,7 @@ from camgeo.kinematics.planning.requests import (
     Unit,
 )
 from camgeo.numeric.checked import instance_from_table
-from camgeo.part.spec import PartSpec, part_of
+from camgeo.part.spec import PartSpec
 from camgeo.reading import SCENE, TABLE, read_within
 from camgeo.record import brief, pickled
 from camgeo.scene.formats.drawing import DrawingSpec
@@ -62,7 +62,6 @@ from camgeo.scene.values import (
     ValidValues,
     data_of,
     document,
-    document_of,
     document_of_tree,
     edited,
     far_end_of,
@@ -163,7 +162,7 @@ class Scene:
         SceneError
             With all its faults.
         """
-        _fill(self, enter(document_of(values), Source.of("", folder)))
+        _fill(self, enter(Document.of(values), Source.of("", folder)))
 
     @classmethod
     def from_text(cls, data: bytes, file: str = "", folder: str | Path | None = None) -> Self:
@@ -462,10 +461,10 @@ class Builder:
         if self._unchanged("cam"):
             curve: SpeedCurve | None = self._earlier["speed_curve"]
             return curve
-        from camgeo.kinematics.tables import read_speed_table  # few scenes have one
+        from camgeo.kinematics.time_course import SpeedCurve  # few scenes have one
 
         name: str = self.values.get(*key)
-        return self._engine(key, lambda: read_speed_table(data, name))
+        return self._engine(key, lambda: SpeedCurve.read(data, name))
 
     def follower(self) -> Follower | None:
         """The follower; None if its table is not valid or there is no such mechanism."""
@@ -593,7 +592,7 @@ class Builder:
         top, name = self._top("part"), self.values.get("name")
 
         def made() -> PartSpec:
-            found = part_of(top, name)
+            found = PartSpec.of(top, name)
             if WEIGHING not in effects:
                 return found
             from camgeo.scene.effects import weighed  # few scenes name an effect
@@ -605,9 +604,10 @@ class Builder:
     def _printing(self) -> PrintSpec | None:
         if self.values.get("print") is None:
             return None
-        from camgeo.part.compensation import print_of  # few scenes print
 
-        return self._engine(("print",), lambda: print_of(self._top("print")))
+        from camgeo.part.compensation import PrintSpec  # few scenes print
+
+        return self._engine(("print",), lambda: instance_from_table(PrintSpec, self._top("print")))
 
     def output(self) -> OutputSpec:
         """What is written, and how; the defaults if anything in it is not valid."""
@@ -758,14 +758,14 @@ class MotionRequests:
         )
 
     def _table(self, place: KeyPath, table: dict[str, Any], span: Decimal) -> TableRequest | None:
-        from camgeo.kinematics.tables import read_lift_table  # few scenes have one
+        from camgeo.kinematics.tables import TwoColumns  # few scenes have one
 
         key = (*place, "file")
         data = self.inside.read(key)
         if data is None:
             return None
         try:
-            rows = read_lift_table(data, table["file"], float(span), periodic=span == FULL_TURN)
+            rows = TwoColumns.of_lifts(data, table["file"], float(span), periodic=span == FULL_TURN)
         except GeometryError as error:
             self.inside.fault(key, error.message)
             return None

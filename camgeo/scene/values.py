@@ -682,6 +682,15 @@ class Document(Brief):
         """The exact value at `path`, or None if there is none."""
         return value_at(self.exact, path)
 
+    @classmethod
+    def of(cls, values: Mapping[str, Any]) -> Document:
+        """Take values from Python, see `camgeo.scene.values.Taking`; raises SceneError as that
+        does.
+        """
+        if not isinstance(values, Mapping):
+            raise refused(f"must be a mapping of its tables, and not {type(values).__name__}")
+        return document_of_tree(Taking().take(values))
+
 
 @dataclass(frozen=True, slots=True)
 class Source(Brief):
@@ -745,13 +754,6 @@ def document(data: bytes) -> Document:
     if not exact:
         raise refused("is empty; `camgeo new` writes a scene to start from")
     return found
-
-
-def document_of(values: Mapping[str, Any]) -> Document:
-    """Take values from Python, see `camgeo.scene.values.Taking`; raises SceneError as that does."""
-    if not isinstance(values, Mapping):
-        raise refused(f"must be a mapping of its tables, and not {type(values).__name__}")
-    return document_of_tree(Taking().take(values))
 
 
 def document_of_tree(

@@ -17,7 +17,7 @@ from scipy.interpolate import BSpline, make_interp_spline
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour import cubics
-from camgeo.geometry.contour.cubic_proof import approximating_arcs, spline_deviation
+from camgeo.geometry.contour.cubic_proof import approximating_arcs
 from camgeo.geometry.contour.cubics import fewest_cubics, fit_spline, fitted_deviation
 from camgeo.geometry.contour.spline import (
     Arc,
@@ -32,6 +32,7 @@ from camgeo.geometry.outline.path import Path, whole
 from camgeo.geometry.pieces import smooth_pieces
 from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.numeric.arrays import ComplexArray, FloatArray
+from camgeo.part.boundaries import spline_deviation
 from tests.contour.cams import TURN, curves, dwell, flank, move, outline
 from tests.contour.cams import translating as cam
 from tests.contour.paths import Dense, points_of, spline_points

@@ -11,7 +11,7 @@ import pytest
 
 from camgeo.app.designing.form import Fields
 from camgeo.scene.keys import path_of
-from camgeo.scene.values import document, document_of
+from camgeo.scene.values import Document, document
 from tests.designing.scenes import CHOSEN, name_of
 
 
@@ -65,4 +65,4 @@ def leaves(node: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     ],
 )  # fmt: skip
 def test_any_values_have_a_form(values: dict[str, Any]) -> None:
-    assert len(json.dumps(Fields(document_of(values)).form(), allow_nan=False)) < 120_000
+    assert len(json.dumps(Fields(Document.of(values)).form(), allow_nan=False)) < 120_000

@@ -15,7 +15,7 @@ from camgeo.dynamics.effects.balance import PITCH, Balance, most, rows
 from camgeo.dynamics.effects.tables import parse_balance as parse
 from camgeo.errors import EffectError
 from camgeo.geometry.contour.contour import Contour
-from camgeo.geometry.outline.path import total
+from camgeo.geometry.outline.path import Moments
 from camgeo.part.part import Part
 from camgeo.units import TURN
 from tests.effects.scenes import course_of, design
@@ -145,7 +145,7 @@ def test_each_row_of_holes_cancels_the_unbalance(
     assert [row.count for row in found] == sorted({row.count for row in found})
     for row in found:
         assert 0.0 < row.diameter <= largest
-        moments = total(
+        moments = Moments.total(
             Contour.circle(row.diameter / 2.0, centre).moments for centre in row.centres
         )
         assert abs(per_area * moments.first - unbalance) <= 1e-12 * abs(unbalance)

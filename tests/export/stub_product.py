@@ -42,7 +42,7 @@ from camgeo.scene.formats.dxf import DxfSpec
 from camgeo.scene.formats.format import Options, Values
 from camgeo.scene.formats.step import StepSpec
 from camgeo.scene.scene import Scene
-from camgeo.scene.values import ValidValues, document_of
+from camgeo.scene.values import Document, ValidValues
 from camgeo.units import MM_PER, LengthUnit
 
 SPEND = 0.99
@@ -204,7 +204,7 @@ class StubProduct(Product):
             "holding": {"kind": "fixture", "through": 0},
             "part": {"thickness": self.thickness} if self.thickness else {},
         }
-        return ValidValues(document_of(given))
+        return ValidValues(Document.of(given))
 
     @property
     def drawn(self) -> DrawnDisc:

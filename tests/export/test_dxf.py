@@ -21,11 +21,10 @@ from camgeo.app.answers.verify import Against, Wanted, verify_files
 from camgeo.design.verify import Reading
 from camgeo.errors import FileError
 from camgeo.geometry.contour.contour import Contour
-from camgeo.geometry.contour.cubic_proof import spline_deviation
 from camgeo.geometry.contour.spline import Arc, SplineContour
 from camgeo.geometry.outline.path import whole
 from camgeo.numeric.arrays import FloatArray
-from camgeo.part.boundaries import CurveBoundary
+from camgeo.part.boundaries import CurveBoundary, spline_deviation
 from camgeo.part.part import WRITTEN_SHARE, Layer, Part
 from camgeo.scene.formats.dxf import DxfSpec
 from camgeo.units import MM_PER, LengthUnit

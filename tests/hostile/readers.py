@@ -20,7 +20,8 @@ from camgeo.design.writing import find_writer
 from camgeo.dynamics.effects.effect import DataFile
 from camgeo.dynamics.effects.tables import read_load_table, read_motor
 from camgeo.errors import CamgeoError
-from camgeo.kinematics.tables import read_lift_table, read_speed_table
+from camgeo.kinematics.tables import TwoColumns
+from camgeo.kinematics.time_course import SpeedCurve
 from camgeo.milling.machine import load
 from camgeo.studies.inspection import Align
 from camgeo_export.contour_csv import READER as CONTOUR
@@ -146,8 +147,8 @@ READERS: Final[Mapping[str, Callable[[bytes], str]]] = {
     "cut-svg": partial(verified, kind="cut-svg"),
     "contour": partial(replayed, reader=CONTOUR),
     "inspect": inspected,
-    "lifts": partial(table, read=partial(read_lift_table, file="lift.csv")),
-    "speeds": partial(table, read=partial(read_speed_table, file="speed.csv")),
+    "lifts": partial(table, read=partial(TwoColumns.of_lifts, file="lift.csv")),
+    "speeds": partial(table, read=partial(SpeedCurve.read, file="speed.csv")),
     "loads": partial(table, read=lambda data: read_load_table(DataFile("load.csv", data))),
     "motor": partial(table, read=lambda data: read_motor(DataFile("motor.csv", data))),
     "scene": scene,

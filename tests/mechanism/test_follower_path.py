@@ -17,7 +17,7 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.outline.face import face_path_of
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.mechanism.flat import FlatFollower, OscillatingFlat, TranslatingFlat
-from camgeo.kinematics.mechanism.follower_path import Bows, FollowerPath, lift_jet, path_of
+from camgeo.kinematics.mechanism.follower_path import Bows, FollowerPath, path_of
 from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from tests.strategies import attack, oscillating_rollers, pitch_curves, signs, translating_rollers
 
@@ -111,7 +111,7 @@ def test_derivatives_by_mpmath(meeting: tuple[FollowerPath, float, float, Bows])
     facing = np.sign(
         (bows.normal_at(path.point(at, np.array([q]))).conj() * path.along(at, np.array([q]))[0]
     ).real)  # fmt: skip
-    jet = lift_jet(path, at, path.meet(at, bows, facing), bows)
+    jet = bows.lift_jet(path, at, path.meet(at, bows, facing))
     follower = path.follower
     a, n = mpmath.mpmathify(complex(bows.points[0])), mpmath.mpmathify(complex(bows.normals[0]))
     kappa = mpmath.mpf(float(bows.curvatures[0]))

@@ -15,7 +15,7 @@ from mpmath import mp, mpf
 
 from camgeo.app.answers.slotted_lever import NAMES, lever_table
 from camgeo.errors import GeometryError
-from camgeo.kinematics.mechanism.slotted_lever import DrivenLever, SlottedLever, crank_for_swing
+from camgeo.kinematics.mechanism.slotted_lever import DrivenLever, SlottedLever
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import TURN
 from tests.stability.slotted_levers import exact_angle
@@ -337,18 +337,18 @@ def test_a_speed_at_which_a_value_overflows_is_refused() -> None:
 
 @pytest.mark.parametrize("swing", [1e-6, 20.0, 60.0, 120.0, 179.0, 180.0])
 def test_the_crank_of_a_swing_makes_that_swing(swing: float) -> None:
-    crank = crank_for_swing(80.0, swing)
+    crank = SlottedLever.crank_for_swing(80.0, swing)
     assert math.degrees(2.0 * math.asin(crank / 80.0)) == pytest.approx(swing, rel=1e-9)
     if swing < 180.0:
         lever = SlottedLever(crank, 80.0)
         assert math.degrees(2.0 * lever.largest_angle.value) == pytest.approx(swing, rel=1e-9)
-    assert crank_for_swing(80.0, 60.0) == 40.0
+    assert SlottedLever.crank_for_swing(80.0, 60.0) == 40.0
 
 
 @pytest.mark.parametrize("swing", [0.0, -1.0, math.nextafter(180.0, 200.0), math.nan])
 def test_a_swing_that_no_lever_has_is_refused(swing: float) -> None:
     with pytest.raises(GeometryError, match="above 0 and at most 180 degrees") as caught:
-        crank_for_swing(80.0, swing)
+        SlottedLever.crank_for_swing(80.0, swing)
     assert caught.value.key == "swing"
     with pytest.raises(GeometryError, match="not distinguishable"):
-        crank_for_swing(80.0, math.nextafter(180.0, 0.0))
+        SlottedLever.crank_for_swing(80.0, math.nextafter(180.0, 0.0))

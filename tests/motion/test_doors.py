@@ -36,8 +36,8 @@ from camgeo.kinematics.plan import Dwell, MotionPlan, Move, SplineMove, breaks, 
 from camgeo.kinematics.planning.build import balanced
 from camgeo.kinematics.planning.planner import plan_motion
 from camgeo.kinematics.planning.requests import MoveRequest, PointsRequest, TableRequest
-from camgeo.kinematics.splines import Spline, clamped_spline, periodic_spline, smooth_clamped_spline
-from camgeo.kinematics.tables import TwoColumns, read_lift_table, read_speed_table
+from camgeo.kinematics.splines import Spline
+from camgeo.kinematics.tables import TwoColumns
 from camgeo.kinematics.time_course import ConstantSpeed, SpeedCurve, plan_extremes, time_extremes
 from camgeo.numeric import kept
 from camgeo.numeric.arrays import FloatArray
@@ -141,18 +141,18 @@ DOORS: dict[str, Callable[[Any], object]] = {
     "spline": lambda v: Spline(v, v),
     "spline.taylor": lambda v: Spline(np.arange(2.0), changed([0.0] * 6, 3, v)),
     "spline.rise": lambda v: Spline(np.arange(2.0), np.ones((1, 6)), periodic=True, rise=v),
-    "points.x": lambda v: finite(clamped_spline(changed(X, 1, v), np.array(Y))),
-    "points.y": lambda v: finite(periodic_spline(np.array(X), changed(Y, 1, v), 4.0)),
-    "points.start": lambda v: finite(clamped_spline(np.array(X), np.array(Y), (v, None))),
-    "points.end": lambda v: finite(clamped_spline(np.array(X), np.array(Y), end=v)),
-    "points.inner": lambda v: finite(clamped_spline(np.array(X), np.array(Y), inner={1: (v, v)})),
-    "points.period": lambda v: finite(periodic_spline(np.array(X), np.array(Y), v)),
-    "points.rise": lambda v: finite(periodic_spline(np.array(X), np.array(Y), 4.0, v)),
-    "points.gap": lambda v: finite(periodic_spline(np.array(X), np.array(Y), 4.0, gap=v)),
-    "smoothing": lambda v: smooth_clamped_spline(np.array(X), np.array(Y), largest_deviation=v),
-    "lift file": lambda v: read_lift_table(v, "a.csv"),
-    "lift file.span": lambda v: read_lift_table("0;0\n3;1\n", "a.csv", v),
-    "speed file": lambda v: read_speed_table(v, "a.csv"),
+    "points.x": lambda v: finite(Spline.clamped(changed(X, 1, v), np.array(Y))),
+    "points.y": lambda v: finite(Spline.closed(np.array(X), changed(Y, 1, v), 4.0)),
+    "points.start": lambda v: finite(Spline.clamped(np.array(X), np.array(Y), (v, None))),
+    "points.end": lambda v: finite(Spline.clamped(np.array(X), np.array(Y), end=v)),
+    "points.inner": lambda v: finite(Spline.clamped(np.array(X), np.array(Y), inner={1: (v, v)})),
+    "points.period": lambda v: finite(Spline.closed(np.array(X), np.array(Y), v)),
+    "points.rise": lambda v: finite(Spline.closed(np.array(X), np.array(Y), 4.0, v)),
+    "points.gap": lambda v: finite(Spline.closed(np.array(X), np.array(Y), 4.0, gap=v)),
+    "smoothing": lambda v: Spline.smooth_clamped(np.array(X), np.array(Y), largest_deviation=v),
+    "lift file": lambda v: TwoColumns.of_lifts(v, "a.csv"),
+    "lift file.span": lambda v: TwoColumns.of_lifts("0;0\n3;1\n", "a.csv", v),
+    "speed file": lambda v: SpeedCurve.read(v, "a.csv"),
     "law.name": make_law,
     "law.task": lambda v: make_law("polynomial-5", v),
     "table of values": lambda v: law_table(LAW, v),
@@ -345,7 +345,7 @@ def test_time_courses_and_tables_travel(travel: Travel) -> None:
     assert len(arrays_of(found)) == 2
     assert not any(array.flags.writeable for array in (*arrays_of(found), *arrays_of(found.spline)))
     assert travel(ConstantSpeed(20.0)) == ConstantSpeed(20.0)
-    table: TwoColumns = travel(read_lift_table("0;0\n30;1\n60;2\n", "a.csv", 60.0))
+    table: TwoColumns = travel(TwoColumns.of_lifts("0;0\n30;1\n60;2\n", "a.csv", 60.0))
     assert table.second.tolist() == [0.0, 1.0, 2.0]
     assert not any(array.flags.writeable for array in arrays_of(table))
     plan = motion_of("plate_translating")

@@ -25,14 +25,10 @@ from camgeo.kinematics.splines import (
     DEGREE,
     MOST_UNEQUAL,
     NEAR_ENOUGH,
+    FitReport,
     Smoothing,
     Spline,
-    clamped_spline,
     from_stress,
-    periodic_spline,
-    report,
-    smooth_clamped_spline,
-    smooth_periodic_spline,
 )
 from camgeo.numeric.arrays import BoolArray, FloatArray
 from camgeo.units import TURN
@@ -110,7 +106,7 @@ SEEN = 1e-3
 @attack
 @given(points(), st.lists(st.floats(0.0, 1.0), min_size=1, max_size=20))
 def test_all_derivatives_are_those_of_the_pieces(data: Points, shares: list[float]) -> None:
-    spline = clamped_spline(data.x, data.y)
+    spline = Spline.clamped(data.x, data.y)
     x = data.x[0] + np.array(shares) * (data.x[-1] - data.x[0])
     found = spline.values(x, DEGREE)
     for number, place in enumerate(x):
@@ -127,7 +123,7 @@ def test_all_derivatives_are_those_of_the_pieces(data: Points, shares: list[floa
 @attack
 @given(points(), st.integers(-3, 3), st.floats(-2.0, 2.0), st.floats(0.0, 1.0))
 def test_periods_and_rise(data: Points, turns: int, rise: float, share: float) -> None:
-    spline = periodic_spline(data.x, data.y, data.period, rise)
+    spline = Spline.closed(data.x, data.y, data.period, rise)
     x = np.array([data.x[0] + share * data.period])
     here, there = spline.values(x, 4), spline.values(x + turns * data.period, 4)
     here[0] += turns * rise
@@ -154,7 +150,7 @@ def test_a_side_of_a_knot_can_be_chosen() -> None:
 
 
 def test_outside_and_no_numbers_are_refused() -> None:
-    spline = clamped_spline(np.arange(4.0), np.arange(4.0) ** 2)
+    spline = Spline.clamped(np.arange(4.0), np.arange(4.0) ** 2)
     for wrong in (-0.001, 3.001, np.nan, np.inf):
         with pytest.raises(GeometryError):
             spline.values(np.array([1.0, wrong]))
@@ -163,7 +159,7 @@ def test_outside_and_no_numbers_are_refused() -> None:
 @attack
 @given(points(), boundaries(), boundaries())
 def test_extremes_are_taken_and_not_passed(data: Points, start: Boundary, end: Boundary) -> None:
-    spline = clamped_spline(data.x, data.y, start, end)
+    spline = Spline.clamped(data.x, data.y, start, end)
     values = spline.values(np.linspace(data.x[0], data.x[-1], 4001), DEGREE)
     for order in ORDERS:
         found = spline.extremes(order)
@@ -180,7 +176,7 @@ def test_extremes_are_taken_and_not_passed(data: Points, start: Boundary, end: B
 @given(points(), boundaries())
 def test_how_far_it_goes_beyond_neighbouring_points(data: Points, start: Boundary) -> None:
     """Against dense samples of each piece, above both its ends or below them."""
-    spline = clamped_spline(data.x, data.y, start)
+    spline = Spline.clamped(data.x, data.y, start)
     found = spline.beyond_knots()
     most = 0.0
     for low, high in pairwise(spline.knots):
@@ -198,14 +194,14 @@ def test_how_far_it_goes_beyond_neighbouring_points(data: Points, start: Boundar
 
 
 def test_what_stays_between_its_points_goes_beyond_none() -> None:
-    spline = clamped_spline(np.array([1.0, 2.0]), np.array([0.0, 1.0]), (0.0, 0.0), (0.0, 0.0))
+    spline = Spline.clamped(np.array([1.0, 2.0]), np.array([0.0, 1.0]), (0.0, 0.0), (0.0, 0.0))
     assert spline.beyond_knots().value == 0.0
 
 
 @attack
 @given(points())
 def test_bounds_hold_and_are_exact_for_the_last_orders(data: Points) -> None:
-    spline = periodic_spline(data.x, data.y, data.period)
+    spline = Spline.closed(data.x, data.y, data.period)
     share = np.linspace(0.0, 1.0, 41)
     grid = spline.knots[:-1, np.newaxis] + np.diff(spline.knots)[:, np.newaxis] * share[1:-1]
     values = np.abs(spline.values(grid.ravel(), DEGREE)).reshape(6, *grid.shape)
@@ -222,7 +218,7 @@ def test_bounds_hold_and_are_exact_for_the_last_orders(data: Points) -> None:
 @attack
 @given(points(), st.floats(0.0, 0.5), st.floats(0.5, 1.0))
 def test_cell_bounds_hold(data: Points, low: float, high: float) -> None:
-    spline = periodic_spline(data.x, data.y, data.period)
+    spline = Spline.closed(data.x, data.y, data.period)
     left, step = spline.knots[:-1], np.diff(spline.knots)
     bounds = spline.cell_bounds(left + low * step, left + high * step)
     for share in np.linspace(low, high, 17)[1:-1]:
@@ -238,7 +234,7 @@ def test_the_inverse_of_an_ascending_spline(data: Points, y: float) -> None:
     # Heights within 1/40 of a straight line keep the spline's slope above 0.
     x = data.x
     heights = x - x[0] + data.y / 2000.0
-    spline = periodic_spline(x, heights, data.period, rise=data.period)
+    spline = Spline.closed(x, heights, data.period, rise=data.period)
     assert spline.extremes(1).lowest.value > 0.0
     back = spline.values(spline.inverse(np.array([y])), 0)[0, 0]
     assert back == pytest.approx(y, abs=256.0 * EPS * 30.0)
@@ -247,7 +243,6 @@ def test_the_inverse_of_an_ascending_spline(data: Points, y: float) -> None:
 def test_evaluation_needs_no_scipy() -> None:
     program = (
         "import sys, numpy as np\n"
-        "from camgeo.kinematics.splines import periodic_spline\n"
         "from camgeo.kinematics.splines import Spline\n"
         "s = Spline(np.array([0.0, 1.0]), np.ones((1, 6)))\n"
         "s.values(np.array([0.5])), s.extremes(0), s.bounds(2), s.inverse(np.array([1.5]))\n"
@@ -262,7 +257,7 @@ def test_evaluation_needs_no_scipy() -> None:
 @attack
 @given(points())
 def test_a_periodic_spline_keeps_its_points_and_four_derivatives(data: Points) -> None:
-    spline = periodic_spline(data.x, data.y, data.period)
+    spline = Spline.closed(data.x, data.y, data.period)
     assert spline.values(data.x, 0)[0].tolist() == data.y.tolist()
     assert np.max(jumps(spline)[:5]) <= CONDITION * EPS
     seam = np.array([data.x[0]])
@@ -275,7 +270,7 @@ def test_a_periodic_spline_keeps_its_points_and_four_derivatives(data: Points) -
 def test_a_clamped_spline_has_its_end_values_and_four_derivatives(
     data: Points, start: Boundary, end: Boundary
 ) -> None:
-    spline = clamped_spline(data.x, data.y, start, end)
+    spline = Spline.clamped(data.x, data.y, start, end)
     assert spline.values(data.x[:-1], 0)[0].tolist() == data.y[:-1].tolist()
     assert np.max(jumps(spline)[:5]) <= CONDITION * EPS
     at_start = spline.values(data.x[:1], 4)[:, 0]
@@ -307,7 +302,7 @@ def test_what_gives_way_at_a_prescribed_inner_point(
 ) -> None:
     x = np.array([0.0, 0.7, 1.5, 2.0, 2.9, 3.6])
     y = np.array([0.0, 1.0, 3.0, 2.0, 2.5, 0.0])
-    spline = clamped_spline(x, y, (0.0, 0.0), (0.0, 0.0), {2: prescribed})
+    spline = Spline.clamped(x, y, (0.0, 0.0), (0.0, 0.0), {2: prescribed})
     found = jumps(spline)
     place = 1  # of the inner knots
     for order in smooth:
@@ -325,8 +320,8 @@ def test_what_gives_way_at_a_prescribed_inner_point(
 @given(points(), st.integers(-20, 20), st.integers(-20, 20))
 def test_scaling_by_powers_of_two_changes_no_digit(data: Points, along: int, up: int) -> None:
     a, b = 2.0**along, 2.0**up
-    plain = periodic_spline(data.x, data.y, data.period)
-    scaled = periodic_spline(a * data.x, b * data.y, a * data.period)
+    plain = Spline.closed(data.x, data.y, data.period)
+    scaled = Spline.closed(a * data.x, b * data.y, a * data.period)
     assert scaled.taylor.tolist() == (b * plain.taylor).tolist()
     assert scaled.knots.tolist() == (a * plain.knots).tolist()
 
@@ -334,15 +329,15 @@ def test_scaling_by_powers_of_two_changes_no_digit(data: Points, along: int, up:
 @pytest.mark.parametrize("span", [1e-29, 1e29])
 def test_the_largest_values_that_are_allowed(span: float) -> None:
     x, y = span * np.arange(9.0) / 8.0, 1e100 * np.cos(np.arange(9.0))
-    assert np.all(np.isfinite(clamped_spline(x, y).values(x, DEGREE)))
-    smooth, fit = smooth_clamped_spline(x, y, largest_deviation=1e98)
+    assert np.all(np.isfinite(Spline.clamped(x, y).values(x, DEGREE)))
+    smooth, fit = Spline.smooth_clamped(x, y, largest_deviation=1e98)
     assert np.all(np.isfinite(smooth.values(x, DEGREE)))
     assert 0.0 < fit.largest_deviation <= 1e98
 
 
 def test_two_points_and_one_condition_are_enough() -> None:
     # The smoothest through (0, 0) and (2, 1) with s'(0) = 2: the parabola, s''' = 0.
-    spline = clamped_spline(np.array([0.0, 2.0]), np.array([0.0, 1.0]), (2.0, None))
+    spline = Spline.clamped(np.array([0.0, 2.0]), np.array([0.0, 1.0]), (2.0, None))
     expected = Polynomial([0.0, 2.0, -0.75])
     x = np.linspace(0.0, 2.0, 9)
     np.testing.assert_allclose(spline.values(x, 0)[0], expected(x), atol=64 * EPS)
@@ -350,7 +345,7 @@ def test_two_points_and_one_condition_are_enough() -> None:
 
 def test_a_hundred_thousand_points() -> None:
     x = even(100_000)
-    spline = periodic_spline(x, np.sin(x), 2.0 * np.pi)
+    spline = Spline.closed(x, np.sin(x), 2.0 * np.pi)
     places = np.linspace(0.0, 6.0, 1000)
     found = spline.values(places, 2)
     # Rounding of sin, divided by h, and by h twice, and a factor of 8 for the sums.
@@ -454,7 +449,7 @@ def test_nodes_against_eighty_digits(kind: str, ratio: float, share: float | Non
         weight = mpmath.mpf((share or 1.0) * mean) ** 6 / mpmath.mpf(mean)
         expected = exact_nodes(x, nodes, fixed, weight)
     if share is None:
-        found = clamped_spline(x, nodes[:, 0], (0.0, 0.0), (0.0, 0.0)).values(x, 2).T
+        found = Spline.clamped(x, nodes[:, 0], (0.0, 0.0), (0.0, 0.0)).values(x, 2).T
     else:
         found = smoothed(x, nodes, fixed, share * mean).values(x, 2).T
     for order in range(3):
@@ -477,9 +472,9 @@ def test_nodes_against_eighty_digits(kind: str, ratio: float, share: float | Non
 def test_the_allowed_deviation_is_kept(data: Points, exponent: float, ring: bool) -> None:
     allowed = 10.0**exponent
     if ring:
-        spline, fit = smooth_periodic_spline(data.x, data.y, data.period, largest_deviation=allowed)
+        spline, fit = Spline.smooth_closed(data.x, data.y, data.period, largest_deviation=allowed)
     else:
-        spline, fit = smooth_clamped_spline(
+        spline, fit = Spline.smooth_clamped(
             data.x, data.y, (0.0, 0.0), (0.0, 0.0), largest_deviation=allowed
         )
     deviation = np.abs(spline.values(data.x, 0)[0] - data.y)
@@ -496,7 +491,7 @@ def test_the_allowed_deviation_is_used() -> None:
     x = np.linspace(0.0, 1.0, 101)
     y = np.sin(9.0 * x) + 0.01 * np.cos(500.0 * x)
     for allowed in (1e-4, 1e-2, 1e-1):
-        _, fit = smooth_clamped_spline(x, y, largest_deviation=allowed)
+        _, fit = Spline.smooth_clamped(x, y, largest_deviation=allowed)
         assert NEAR_ENOUGH * allowed <= fit.largest_deviation <= allowed
 
 
@@ -518,7 +513,7 @@ def test_a_wave_keeps_the_share_that_follows_from_its_length(waves: int, length:
 def test_smoothing_keeps_the_ends() -> None:
     x = np.linspace(0.0, 1.0, 30)
     y = x + 0.1 * np.sin(50.0 * x)
-    spline, fit = smooth_clamped_spline(x, y, (0.0, 0.0), (1.0, 2.0), largest_deviation=0.1)
+    spline, fit = Spline.smooth_clamped(x, y, (0.0, 0.0), (1.0, 2.0), largest_deviation=0.1)
     start, end = spline.values(x[:1])[:, 0], spline.values(x[-1:])[:, 0]
     assert start[:3].tolist() == [y[0], 0.0, 0.0]
     np.testing.assert_allclose(end[:3], [y[-1], 1.0, 2.0], atol=1e-10)
@@ -530,8 +525,12 @@ def test_the_weight_of_many_noisy_points_is_found() -> None:
     x = even(examples(4_000, long=100_000))
     y = 10.0 * np.sin(x) + np.random.default_rng(1).uniform(-0.01, 0.01, len(x))
     spline = smoothed_ring(x, y, 0.1)
-    again, fit = smooth_periodic_spline(x, y, 2.0 * np.pi, report(spline, x, y).largest_deviation)
-    assert report(again, x, y).largest_deviation == pytest.approx(fit.largest_deviation, abs=1e-12)
+    again, fit = Spline.smooth_closed(
+        x, y, 2.0 * np.pi, FitReport.of(spline, x, y).largest_deviation
+    )
+    assert FitReport.of(again, x, y).largest_deviation == pytest.approx(
+        fit.largest_deviation, abs=1e-12
+    )
 
 
 # Refusals -------------------------------------------------------------------------------------
@@ -558,30 +557,30 @@ SEAM = np.array([0.0, 1.0, 2.0, 0.0])
 )
 def test_poor_points_are_refused(x: list[float], y: list[float], message: str) -> None:
     with pytest.raises(GeometryError, match=message):
-        clamped_spline(np.array(x), np.array(y))
+        Spline.clamped(np.array(x), np.array(y))
 
 
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: periodic_spline(GOOD, SEAM + 5.0 * (GOOD == 3.0), 3.0), "lies 5 off .*: up to 0"),
-        (lambda: periodic_spline(GOOD, SEAM, 2.9), "span 3.0; allowed: up to the period 2.9"),
-        (lambda: periodic_spline(GOOD, SEAM, 0.0), "must be a number above 0"),
-        (lambda: periodic_spline(GOOD, SEAM, np.nan), "must be a number above 0"),
-        (lambda: periodic_spline(GOOD, SEAM, 3.0 + 1e-7), "too unequally"),
+        (lambda: Spline.closed(GOOD, SEAM + 5.0 * (GOOD == 3.0), 3.0), "lies 5 off .*: up to 0"),
+        (lambda: Spline.closed(GOOD, SEAM, 2.9), "span 3.0; allowed: up to the period 2.9"),
+        (lambda: Spline.closed(GOOD, SEAM, 0.0), "must be a number above 0"),
+        (lambda: Spline.closed(GOOD, SEAM, np.nan), "must be a number above 0"),
+        (lambda: Spline.closed(GOOD, SEAM, 3.0 + 1e-7), "too unequally"),
         *(
             (
-                partial(smooth_clamped_spline, GOOD, GOOD**3, largest_deviation=each),
+                partial(Spline.smooth_clamped, GOOD, GOOD**3, largest_deviation=each),
                 "must be (a number above 0|at most)",
             )
             for each in (0.0, -1.0, np.nan, np.inf, 1e101)
         ),
         *(
-            (partial(clamped_spline, GOOD, GOOD, inner={each: (0.0, None)}), "number from 1 to 2")
+            (partial(Spline.clamped, GOOD, GOOD, inner={each: (0.0, None)}), "number from 1 to 2")
             for each in (0, 3, -1, 7)
         ),
-        (lambda: clamped_spline(GOOD, GOOD, inner={1: (np.nan, None)}), "must be a finite number"),
-        (lambda: clamped_spline(GOOD, SEAM).inverse(np.array([0.5])), "ascend"),
+        (lambda: Spline.clamped(GOOD, GOOD, inner={1: (np.nan, None)}), "must be a finite number"),
+        (lambda: Spline.clamped(GOOD, SEAM).inverse(np.array([0.5])), "ascend"),
     ],
 )
 def test_what_makes_no_spline_is_refused(call: Callable[[], object], message: str) -> None:
@@ -591,9 +590,9 @@ def test_what_makes_no_spline_is_refused(call: Callable[[], object], message: st
 
 def test_a_gap_at_the_seam_is_allowed_up_to_the_stated_limit() -> None:
     y = np.array([0.0, 1.0, 2.0, 0.01])
-    assert periodic_spline(GOOD, y, 3.0, gap=0.01).values(np.array([3.0]), 0)[0, 0] == 0.0
+    assert Spline.closed(GOOD, y, 3.0, gap=0.01).values(np.array([3.0]), 0)[0, 0] == 0.0
     with pytest.raises(GeometryError, match=r"0\.01 off"):
-        periodic_spline(GOOD, y, 3.0, gap=0.0099)
+        Spline.closed(GOOD, y, 3.0, gap=0.0099)
 
 
 @pytest.mark.parametrize(

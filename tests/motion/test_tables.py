@@ -25,8 +25,9 @@ from hypothesis import strategies as st
 from camgeo.app.answers.table import LARGEST_STEP_OF_Z, NAMES, SMALLEST_STEP_OF_Z, law_table
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import make_law
-from camgeo.kinematics.splines import periodic_spline
-from camgeo.kinematics.tables import TwoColumns, read_lift_table, read_speed_table
+from camgeo.kinematics.splines import Spline
+from camgeo.kinematics.tables import TwoColumns
+from camgeo.kinematics.time_course import SpeedCurve
 from camgeo.numeric.columns import MOST_ROWS
 from camgeo.reading import TABLE
 from camgeo.units import TURN
@@ -54,9 +55,9 @@ EXPECTED = ([0.0, 90.5, 360.0], [0.0, 1.25, -0.5])
     ],
 )
 def test_all_ways_of_writing_read_the_same(text: str) -> None:
-    table = read_lift_table(text, "lift.csv")
+    table = TwoColumns.of_lifts(text, "lift.csv")
     assert columns(table) == EXPECTED
-    assert columns(read_lift_table(text.encode(), "lift.csv")) == EXPECTED
+    assert columns(TwoColumns.of_lifts(text.encode(), "lift.csv")) == EXPECTED
     assert table.unit == ("mm" if "mm" in text else "")
     assert not table.second.flags.writeable
 
@@ -94,7 +95,7 @@ def test_all_ways_of_writing_read_the_same(text: str) -> None:
 )
 def test_faults_are_reported_with_file_and_line(text: str, line: int, message: str) -> None:
     with pytest.raises(GeometryError) as caught:
-        read_lift_table(text, "lift.csv")
+        TwoColumns.of_lifts(text, "lift.csv")
     assert caught.value.message.startswith(f"lift.csv, line {line}: ")
     assert message in caught.value.message
     assert "allowed" in caught.value.message
@@ -102,37 +103,37 @@ def test_faults_are_reported_with_file_and_line(text: str, line: int, message: s
 
 def test_too_much_is_refused() -> None:
     with pytest.raises(GeometryError, match="16,000,001 bytes; allowed: 16,000,000"):
-        read_lift_table(b"#" * (TABLE.size + 1), "lift.csv")
+        TwoColumns.of_lifts(b"#" * (TABLE.size + 1), "lift.csv")
     rows = "\n".join(f"{k},0" for k in range(MOST_ROWS + 1))
     with pytest.raises(GeometryError, match=r"line 200001: 200,001 rows of numbers; .* to 200,000"):
-        read_lift_table(rows, "lift.csv", MOST_ROWS)
+        TwoColumns.of_lifts(rows, "lift.csv", MOST_ROWS)
 
 
 def test_as_much_as_is_allowed_is_read() -> None:
     rows = "\n".join(f"{k},0" for k in range(MOST_ROWS))
-    assert len(read_lift_table(rows, "lift.csv", MOST_ROWS - 1).second) == MOST_ROWS
+    assert len(TwoColumns.of_lifts(rows, "lift.csv", MOST_ROWS - 1).second) == MOST_ROWS
 
 
 @pytest.mark.parametrize("span", [0.0, -1.0, math.nan, math.inf])
 def test_a_poor_span_is_refused(span: float) -> None:
     with pytest.raises(GeometryError, match="must be a number above 0"):
-        read_lift_table("0,0\n120,5\n240,2\n360,0\n", "lift.csv", span)
+        TwoColumns.of_lifts("0,0\n120,5\n240,2\n360,0\n", "lift.csv", span)
 
 
 def test_the_last_row_counts_as_the_end_of_the_span_though_rounded() -> None:
-    table = read_lift_table("0,0\n40,1\n119.99999999999,2\n", "lift.csv", 120.0)
+    table = TwoColumns.of_lifts("0,0\n40,1\n119.99999999999,2\n", "lift.csv", 120.0)
     assert table.first[-1] == 120.0
 
 
 def test_a_periodic_table_may_miss_its_closing_row() -> None:
     rows = "".join(f"{k},{math.sin(math.radians(k))!r}\n" for k in range(0, 360, 5))
-    table = read_lift_table(rows, "lift.csv", periodic=True)
+    table = TwoColumns.of_lifts(rows, "lift.csv", periodic=True)
     assert table.first[-1] == 355.0
     with pytest.raises(GeometryError, match="the end of the span, 360"):
-        read_lift_table(rows, "lift.csv")
-    closing = read_lift_table(rows + "360,0\n", "lift.csv", periodic=True)
+        TwoColumns.of_lifts(rows, "lift.csv")
+    closing = TwoColumns.of_lifts(rows + "360,0\n", "lift.csv", periodic=True)
     spline, closed = (
-        periodic_spline(np.radians(each.first), each.second, TURN) for each in (table, closing)
+        Spline.closed(np.radians(each.first), each.second, TURN) for each in (table, closing)
     )
     assert spline.taylor.tolist() == closed.taylor.tolist()
     x = np.linspace(-7.0, 7.0, 57)
@@ -150,7 +151,7 @@ def text(rows: list[tuple[float, float]], heading: str = "") -> str:
 
 
 def test_the_disc_is_where_the_rows_say() -> None:
-    course = read_speed_table(text(ROWS, "t [s],phi [deg]\n"), "speed.csv")
+    course = SpeedCurve.read(text(ROWS, "t [s],phi [deg]\n"), "speed.csv")
     angles = np.radians([angle for _, angle in ROWS[:-1]])
     assert course.time(angles) == pytest.approx([time for time, _ in ROWS[:-1]], abs=1e-14)
     omega, alpha, _ = course.rates(angles)
@@ -179,12 +180,12 @@ def test_the_disc_is_where_the_rows_say() -> None:
 )
 def test_faults_are_reported(rows: list[tuple[float, float]], message: str) -> None:
     with pytest.raises(GeometryError, match=re.escape(message)):
-        read_speed_table(text(rows), "speed.csv")
+        SpeedCurve.read(text(rows), "speed.csv")
 
 
 def test_the_unit_of_the_time_is_seconds() -> None:
     with pytest.raises(GeometryError, match="the unit of the time; allowed: s"):
-        read_speed_table(text(ROWS, "t [ms],phi [deg]\n"), "speed.csv")
+        SpeedCurve.read(text(ROWS, "t [ms],phi [deg]\n"), "speed.csv")
 
 
 # Value tables of laws -----------------------------------------------------------------------------

@@ -17,16 +17,18 @@ from camgeo.design.design import Design
 from camgeo.errors import GeometryError, SceneError, UndercutError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.outline import outline
-from camgeo.geometry.outline.envelope import KINK, Envelope, Node, envelope_of
+from camgeo.geometry.outline.envelope import KINK, Envelope, Node
 from camgeo.geometry.outline.outline import (
     Outline,
     _unsettled,
     backward_ranges,
+    envelope_of,
     find_crossings,
     real_outline,
 )
 from camgeo.geometry.outline.path import Path, Pivot, Stretch, area
 from camgeo.geometry.outline.replay import replay_contour, replay_outline
+from camgeo.geometry.outline.roller import piece_at
 from camgeo.geometry.pieces import stays_on_one_side
 from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.mechanism.rollers import TranslatingRoller
@@ -383,8 +385,8 @@ def test_the_highest_piece_at_every_angle(degrees: list[tuple[int, int]]) -> Non
     covers = (between - low[:, None]) % TURN < width[:, None]
     highest = [int(np.flatnonzero(each)[-1]) if each.any() else outline.NONE for each in covers.T]
     for turn in (-TURN, 0.0, TURN):
-        assert outline.piece_at(borders, held, between + turn, "right").tolist() == highest
-    before = outline.piece_at(borders, held, borders, "left")
+        assert piece_at(borders, held, between + turn, "right").tolist() == highest
+    before = piece_at(borders, held, borders, "left")
     assert np.array_equal(before, np.roll(held, 1))
 
 

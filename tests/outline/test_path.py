@@ -21,11 +21,8 @@ from camgeo.geometry.outline.path import (
     ROUNDING,
     Path,
     Pivot,
+    SecondMoments,
     area,
-    encloses_axis,
-    path_moments,
-    path_second_moments,
-    piece_second_moments,
     radii,
     whole,
 )
@@ -89,19 +86,19 @@ def test_an_eccentric_disc_has_the_moments_of_its_circle(
     eccentricity: float, rotation: int
 ) -> None:
     path, away = eccentric(eccentricity, 40.0, rotation, guide=0.7), cmath.rect(eccentricity, 0.7)
-    found = path_moments(path, 1e-13).counter_clockwise()
+    found = path.moments(1e-13).counter_clockwise()
     exact = math.pi * 40.0**2
     assert abs(found.area - exact) <= found.area_error
     assert abs(found.first - exact * away) <= found.first_error
     assert found.area_error < 2e-13 * exact + ROUNDING * 3.0 * exact
     assert found.first_error < 1e-12 * exact * (40.0 + eccentricity)
     # Steiner: the area times the square of the distance, in its direction twice.
-    second = path_second_moments(path, 1e-12).counter_clockwise()
+    second = path.second_moments(1e-12).counter_clockwise()
     polar = 0.5 * exact * 40.0**2 + exact * eccentricity**2
     assert abs(second.polar - polar) <= second.polar_error < 1e-11 * polar
     assert abs(second.square - exact * away * away) <= second.square_error + 1e-12 * polar
     assert second.square_error < 1e-11 * polar
-    turned = path_second_moments(path, 1e-12).scaled(-2.0).counter_clockwise()
+    turned = path.second_moments(1e-12).scaled(-2.0).counter_clockwise()
     assert turned.polar == pytest.approx(2.0 * second.polar, rel=1e-14)
     assert turned.square == pytest.approx(2.0 * second.square, rel=1e-13, abs=1e-9 * polar)
     assert turned.polar_error == pytest.approx(2.0 * second.polar_error)
@@ -114,7 +111,7 @@ def test_the_error_estimate_holds_at_every_tolerance() -> None:
     exact = -math.pi * 40.0**2
     reported = []
     for tolerance in (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12):
-        found = path_moments(path, tolerance)
+        found = path.moments(tolerance)
         assert abs(found.area - exact) <= found.area_error
         assert abs(found.first - exact * 39.9) <= found.first_error
         reported.append(found.first_error / (abs(exact) * 80.0))
@@ -158,7 +155,7 @@ def test_a_polygon_within_a_tolerance_has_moments_within_what_it_allows(scene: s
     for boundary in made.disc.drawn.part.boundaries:
         if not hasattr(boundary, "path"):
             continue
-        found = path_moments(boundary.path, 1e-10).counter_clockwise()
+        found = boundary.path.moments(1e-10).counter_clockwise()
         assert abs(area(boundary.path)) == pytest.approx(found.area, rel=1e-9)
         fit = boundary.polyline(tolerance, "fast")
         chords = shapely.Polygon(
@@ -235,7 +232,7 @@ def test_second_moments_of_lines_and_arcs_are_those_of_fine_triangles() -> None:
     for sweep in (math.pi, 1.5 * math.pi, -0.5 * math.pi):
         centre, first = 2.0 + 1.0j, 3.0 * cmath.exp(0.4j)
         start, end = centre + first, centre + first * cmath.exp(1j * sweep)
-        found = piece_second_moments(
+        found = SecondMoments.of_pieces(
             np.array([start, end]), np.array([end, start]), np.array([sweep, 0.0]),
             np.array([centre, 0j]),
         )  # fmt: skip
@@ -270,7 +267,7 @@ def test_no_point_is_nearer_or_farther(path: Path) -> None:
     assert found.highest.value == pytest.approx(float(np.max(points)), abs=2e-5)
     assert found.lowest.value <= np.min(points) + 1e-9
     assert found.highest.value >= np.max(points) - 1e-9
-    assert encloses_axis(made)
+    assert made.encloses_axis
     for end in (found.lowest, found.highest):
         assert 0.0 <= end.place < 2.0 * math.pi
 
@@ -293,7 +290,7 @@ def test_a_ring_of_arcs(centre: complex, sense: float) -> None:
     away = abs(centre)
     assert found.lowest.value == pytest.approx(abs(10.0 - away), abs=1e-12)
     assert found.highest.value == pytest.approx(10.0 + away, abs=1e-12)
-    assert encloses_axis(path) == (away < 10.0)
+    assert path.encloses_axis == (away < 10.0)
 
 
 def test_an_arc_that_does_not_reach_the_line_through_its_centre_is_extreme_at_its_ends() -> None:
@@ -306,9 +303,9 @@ def test_an_arc_that_does_not_reach_the_line_through_its_centre_is_extreme_at_it
 
 def test_a_lobe_that_falls_away_does_not_go_round_the_axis() -> None:
     outline = real_outline(hard_curve("HC22"))
-    assert encloses_axis(outline.path)
+    assert outline.path.encloses_axis
     (lobe,) = outline.lobes
-    assert not encloses_axis(lobe)
+    assert not lobe.encloses_axis
     points = np.abs(dense(lobe, 4001))
     assert radii(lobe).highest.value == pytest.approx(float(np.max(points)), abs=1e-3)
 

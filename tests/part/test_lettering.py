@@ -23,7 +23,7 @@ from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo.geometry.contour.contour import Contour, Pieces, distances, winding_number
 from camgeo.geometry.contour.spline import CubicSpline, SplineContour, area, at, elevated
-from camgeo.geometry.outline.path import total
+from camgeo.geometry.outline.path import Moments
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.boundaries import Letter, LetterBoundary, lettered
 from camgeo.part.glyphs import CAPITAL, FILE, glyph, kerning, require_glyphs
@@ -237,7 +237,9 @@ def letters(text: Engraving) -> tuple[Letter, ...]:
 
 def middle(letter: Letter) -> complex:
     """Centroid of what is cut."""
-    cut = total(each.moments(1e-9).scaled(1.0 if each.hole else -1.0) for each in letter.boundaries)
+    cut = Moments.total(
+        each.moments(1e-9).scaled(1.0 if each.hole else -1.0) for each in letter.boundaries
+    )
     return cut.first / cut.area
 
 

@@ -23,6 +23,7 @@ from camgeo.design.plate import ring_part, roller_part
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.parallel import parallel
+from camgeo.numeric.checked import instance_from_table
 from camgeo.part.assembly import bore_outline, flattened, mark_outline
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary, LetterBoundary
 from camgeo.part.compensation import (
@@ -32,11 +33,9 @@ from camgeo.part.compensation import (
     Shrinkage,
     compensated,
     drawn_in,
-    print_of,
     scaled,
     scaled_contour,
     scaled_splines,
-    with_clearance,
 )
 from camgeo.part.mass import Solid
 from camgeo.part.nozzle import RADIUS, STROKE, WALL, findings_of, sunk
@@ -72,7 +71,7 @@ def _bore(part: Part) -> ExactBoundary:
 
 def test_clearance_of_bore_and_keyway() -> None:
     """Half of it on each side; the bottom of the keyway moves with the key's clearance alone."""
-    spec = with_clearance(KEYED, PrintSpec(bore_clearance=0.3, key_clearance=0.2))
+    spec = PrintSpec(bore_clearance=0.3, key_clearance=0.2).with_clearance(KEYED)
     assert spec.bore == pytest.approx(20.3)
     assert spec.keyway is not None
     assert spec.keyway.width == pytest.approx(6.2)
@@ -82,7 +81,7 @@ def test_clearance_of_bore_and_keyway() -> None:
         np.max(vertices.imag),
         np.min(np.abs(vertices)),
     ) == pytest.approx((10.0 + 2.8 + 0.1, 3.1, 10.15), abs=1e-12)
-    only_bore = with_clearance(KEYED, PrintSpec(bore_clearance=0.3))
+    only_bore = PrintSpec(bore_clearance=0.3).with_clearance(KEYED)
     assert only_bore.keyway is not None
     assert only_bore.keyway.width == 6.0
     assert 0.5 * 20.3 + only_bore.keyway.depth == pytest.approx(12.8, abs=1e-12)
@@ -90,7 +89,7 @@ def test_clearance_of_bore_and_keyway() -> None:
 
 def test_clearance_of_a_flat() -> None:
     flat = replace(DISC, d_shaft=DShaft(17.0))
-    spec = with_clearance(flat, PrintSpec(bore_clearance=0.4, key_clearance=0.2))
+    spec = PrintSpec(bore_clearance=0.4, key_clearance=0.2).with_clearance(flat)
     assert spec.d_shaft is not None
     radius = 0.5 * (spec.bore or 0.0)
     assert radius == pytest.approx(10.2)
@@ -98,8 +97,8 @@ def test_clearance_of_a_flat() -> None:
 
 
 def test_no_clearance_leaves_the_part() -> None:
-    assert with_clearance(KEYED, PrintSpec(elephant_foot=Foot(0.1, 0.2))) is KEYED
-    assert with_clearance(PartSpec(), PrintSpec(bore_clearance=0.3)) == PartSpec()
+    assert PrintSpec(elephant_foot=Foot(0.1, 0.2)).with_clearance(KEYED) is KEYED
+    assert PrintSpec(bore_clearance=0.3).with_clearance(PartSpec()) == PartSpec()
     part = made(Contact.INNER, KEYED)
     assert compensated(part, PrintSpec(bore_clearance=0.3)) is part
 
@@ -156,7 +155,7 @@ def test_what_has_no_room_is_refused(
 ) -> None:
     """A keyway that the clearance eats, a hub; a foot, also where there are chamfers."""
     with refused(f"print.{key}", message):
-        compensated(made(Contact.INNER, with_clearance(spec, printed)), printed)
+        compensated(made(Contact.INNER, printed.with_clearance(spec)), printed)
 
 
 def test_holes_that_a_foot_would_join() -> None:
@@ -191,7 +190,7 @@ def test_scaling_multiplies_volume_and_moments(
 def test_all_at_once() -> None:
     """The foot is counted in millimetres of the file, whatever the scale."""
     spec = PrintSpec(0.3, 0.2, Foot(0.25, 0.4), Shrinkage(1.0, 2.0))
-    found = compensated(made(Contact.INNER, with_clearance(KEYED, spec)), spec)
+    found = compensated(made(Contact.INNER, spec.with_clearance(KEYED)), spec)
     foot, disc = found.layers
     assert (
         foot.z1 - foot.z0,
@@ -401,7 +400,7 @@ TABLE = {
 
 
 def test_a_whole_table() -> None:
-    spec = print_of(TABLE)
+    spec = instance_from_table(PrintSpec, TABLE)
     assert spec.elephant_foot == Foot(0.3, 0.6, 3)
     assert spec.elephant_foot.insets == pytest.approx((0.3, 0.2, 0.1))
     assert (spec.scale_xy, spec.scale_z) == pytest.approx((100.0 / 99.5, 100.0 / 101.0), rel=1e-15)
@@ -424,7 +423,7 @@ def test_a_whole_table() -> None:
 
 @pytest.mark.parametrize("table", [{}, {"shrinkage": {}}, {"shrinkage": {"xy": 0, "z": 0.0}}])
 def test_what_compensates_nothing(table: dict[str, Any]) -> None:
-    spec = print_of(table)
+    spec = instance_from_table(PrintSpec, table)
     assert not spec.compensates
     assert (spec.facts, spec.text) == ({}, "")
 
@@ -443,7 +442,7 @@ def test_what_compensates_nothing(table: dict[str, Any]) -> None:
 )
 def test_refusals(table: dict[str, Any], key: str) -> None:
     with refused(f"print.{key}"):
-        print_of(table)
+        instance_from_table(PrintSpec, table)
 
 
 def test_types() -> None:
@@ -469,7 +468,7 @@ def test_a_roller_with_too_large_a_bore() -> None:
 
 
 def test_a_ring_has_the_bore_of_the_part() -> None:
-    spec = with_clearance(KEYED_DISC, PrintSpec(bore_clearance=0.2, key_clearance=0.1))
+    spec = PrintSpec(bore_clearance=0.2, key_clearance=0.1).with_clearance(KEYED_DISC)
     fitted = made(Contact.INNER, spec)
     ring = ring_part(fitted)
     outer, bore = ring.layers[0].boundaries

@@ -14,7 +14,7 @@ import numpy as np
 from mpmath import mp
 
 from camgeo.kinematics.motion import FREE
-from camgeo.kinematics.splines import clamped_spline, periodic_spline
+from camgeo.kinematics.splines import Spline
 from camgeo.numeric.arrays import FloatArray
 from tests.stability.measure import Case
 from tests.stability.series import Number, polynomial, variable
@@ -64,9 +64,9 @@ def _table(
     ends = REST if rest else FREE
     x, y = np.radians(angles), np.array(lifts)
     if periodic:
-        spline = periodic_spline(x, y, math.radians(span))
+        spline = Spline.closed(x, y, math.radians(span))
     else:
-        spline = clamped_spline(x, y, ends, ends)
+        spline = Spline.clamped(x, y, ends, ends)
     # Joints are inputs: degrees converted to radians and rounded once. The first one is 0.
     knots = [float(angle) for angle in np.radians([*angles[1:], *([span] if periodic else [])])]
 

@@ -28,12 +28,7 @@ from camgeo.app.cli.command import (
     write_files,
 )
 from camgeo.errors import GeometryError
-from camgeo.kinematics.mechanism.slotted_lever import (
-    DrivenLever,
-    LeverExtreme,
-    SlottedLever,
-    crank_for_swing,
-)
+from camgeo.kinematics.mechanism.slotted_lever import DrivenLever, LeverExtreme, SlottedLever
 from camgeo.numeric.arrays import FloatArray
 from camgeo.units import RPM
 
@@ -109,7 +104,7 @@ def slotted_lever(
     """
     distance = _checked("frame", frame, "mm")
     if swing is not None:
-        radius = crank_for_swing(distance, float(swing))
+        radius = SlottedLever.crank_for_swing(distance, float(swing))
         if radius < LOWEST:
             message = f"makes a crank of {radius:g} mm; at least {LOWEST:g} mm is allowed"
             raise GeometryError(message, key="swing", value=str(swing))

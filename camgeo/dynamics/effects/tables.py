@@ -17,7 +17,7 @@ from camgeo.dynamics.effects.effect import DataFile, Quantity, data_of
 from camgeo.dynamics.effects.results import HelicalSpring
 from camgeo.errors import GeometryError
 from camgeo.kinematics.plan import in_turn
-from camgeo.kinematics.tables import ANGLE, check_ascending, read_two_columns, turn_of
+from camgeo.kinematics.tables import ANGLE, TwoColumns
 from camgeo.numeric.arrays import FloatArray, Side, frozen
 from camgeo.numeric.checked import CheckedFields, Floats
 from camgeo.numeric.columns import NumberColumn
@@ -181,8 +181,8 @@ def read_load_table(file: DataFile) -> LoadProfile:
         With file and line, if a row does not have this format, or the angles do not ascend from 0
         to 360 degrees.
     """
-    rows = read_two_columns(file.data, file.name, (ANGLE, LOAD_COLUMN))
-    angles = turn_of(rows, rows.first)
+    rows = TwoColumns.read(file.data, file.name, (ANGLE, LOAD_COLUMN))
+    angles = rows.turn_of(rows.first)
     unit = {"n": "N", "nm": "N m", "n m": "N m"}.get(rows.unit.lower(), "")
 
     def values(phi: FloatArray, side: Side) -> FloatArray:
@@ -450,8 +450,8 @@ def read_motor(file: DataFile) -> Motor:
     and "M", "T" or "torque". GeometryError with file and line if the curve does not fall.
     """
     try:
-        table = read_two_columns(file.data, file.name, (SPEED_COLUMN, TORQUE_COLUMN))
-        check_ascending(table, table.first, "speed")
+        table = TwoColumns.read(file.data, file.name, (SPEED_COLUMN, TORQUE_COLUMN))
+        table.check_ascending(table.first, "speed")
         if table.first[0] < 0.0:
             raise table.fault(0, table.first, "a speed below 0 rev/min")
         rises = np.flatnonzero(np.diff(table.second) >= 0.0)

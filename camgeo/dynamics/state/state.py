@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar, Final, Literal
@@ -10,7 +9,6 @@ from typing import ClassVar, Final, Literal
 import numpy as np
 
 from camgeo.cam.cam import Cam, Drive, smooth_angles
-from camgeo.check.finding import Limits
 from camgeo.errors import GeometryError
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.motion import FULL_ORDER, Motion
@@ -141,26 +139,3 @@ class Demanded:
     def turning(self, course: TimeCourse) -> Demanded:
         """See `State`."""
         return replace(self, course=course)
-
-
-# -- choice ---------------------------------------------------------------------------------------
-# Which state of motion a scene states; what follows from the disc is in `Subject.state`.
-
-
-def model_of(stated: Model | None, limits: Limits) -> Model:
-    """What a scene states, or its default: a trimmed disc is meant to move the follower."""
-    return stated or ("outline" if limits.undercut == "trim" else "demanded")
-
-
-SIDES: Final[Mapping[Carrier, int]] = {
-    "inner": FIRST,
-    "main": FIRST,
-    "outer": SECOND,
-    "return": SECOND,
-    "opposite": SECOND,
-}
-
-
-def side_named(flank: Carrier | None) -> int:
-    """The side that a scene states, or its default, as `State.sense`."""
-    return FIRST if flank is None else SIDES[flank]

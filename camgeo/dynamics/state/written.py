@@ -260,7 +260,7 @@ class ReplayedMotion:
 
     On a corner the roller turns about a point of the disc, over which a flat face rocks, so the
     lift and three derivatives are known in closed form
-    (`camgeo.kinematics.mechanism.follower_path.lift_jet`,
+    (`camgeo.kinematics.mechanism.follower_path.Bows.lift_jet`,
     `camgeo.geometry.outline.face.GuidedFace.jet`).
 
     Attributes

@@ -15,7 +15,7 @@ from typing import Final, Literal, Protocol, Self
 import numpy as np
 
 from camgeo.errors import UndercutError
-from camgeo.geometry.outline.path import Moments, piece_moments, segment_areas
+from camgeo.geometry.outline.path import Moments, segment_areas
 from camgeo.numeric.arrays import (
     BoolArray,
     ComplexArray,
@@ -125,7 +125,7 @@ class Contour(PieceChain):
         contour far from the origin keeps its digits.
         """
         middle = complex(np.mean(self.vertices))
-        about = piece_moments(
+        about = Moments.of_pieces(
             self.vertices - middle, self.ends - middle, self.sweeps, self.centres - middle
         )
         first_error = about.first_error + about.area_error * abs(middle)

@@ -13,9 +13,8 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour
-from camgeo.geometry.contour.proof import ENOUGH, deviation
+from camgeo.geometry.contour.proof import ENOUGH
 from camgeo.geometry.contour.spline import CUBIC, Arc, SplineContour, cut
-from camgeo.geometry.outline.path import Path
 from camgeo.numeric.arrays import (
     BoolArray,
     ComplexArray,
@@ -46,22 +45,6 @@ COARSER = 8.0
 
 
 Measure = Callable[[Contour], float]
-
-
-def spline_deviation(path: Path, contour: SplineContour) -> float:
-    """Upper bound [mm] of the distance between `contour` and `path`, in both directions.
-
-    Parameters
-    ----------
-    path : the exact path, as for `camgeo.geometry.contour.proof.deviation`.
-    contour : once round the path, in either direction.
-
-    Raises
-    ------
-    GeometryError
-        If the contour does not follow the path once round, so that no bound can be given.
-    """
-    return bound_by_arcs(lambda arcs: deviation(path, arcs), contour)
 
 
 def bound_by_arcs(measure: Measure, contour: SplineContour) -> float:

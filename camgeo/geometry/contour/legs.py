@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Self, TypeVar
 
 import numpy as np
@@ -17,16 +17,50 @@ import numpy as np
 from camgeo.errors import GeometryError, ToleranceError, UndercutError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.outline.path import Path, Pivot, Stretch
-from camgeo.geometry.pieces import Piece, arc_pieces, centres_at
+from camgeo.geometry.pieces import Piece, centres_at, circles, smooth_pieces
 from camgeo.geometry.pitch_curve import WorkingCurve, curvature_slope
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, Side, joined
+from camgeo.numeric.kept import kept_with_owner
 from camgeo.units import TURN
 
 SNAP = 8.0 * math.ulp(TURN)
 """Two cam angles [rad] closer than this are the same, rounded differently."""
 
 ROUNDING = 2.0**-52 * 32.0
-"""Rounding of a point, as a fraction of the lengths that it is computed from."""
+"""Rounding of a point or a centre, as a fraction of the lengths that it is computed from."""
+
+
+@kept_with_owner
+def arc_pieces(curve: WorkingCurve) -> tuple[Piece, ...]:
+    """As `smooth_pieces`, with the centres of those that are arcs; neighbours on one circle are one
+    piece.
+    """
+    pitch, smooth = curve.pitch, smooth_pieces(curve)
+    farthest = float(np.max(np.abs(circles(pitch).centres), initial=0.0))
+    if farthest == 0.0:  # rests alone
+        return smooth
+    near = ROUNDING * (farthest + pitch.follower.base_radius)
+    borders = np.concatenate((pitch.borders, pitch.borders + TURN))
+    found: list[Piece] = []
+    for piece in smooth:
+        inner = borders[(borders > piece.start) & (borders < piece.end)]
+        ends = np.concatenate(([piece.start], inner, [piece.end]))
+        about = centres_at(pitch, 0.5 * (ends[:-1] + ends[1:]))
+        centre = complex(about[0]) if np.all(np.abs(about - about[0]) <= near) else None
+        found.append(replace(piece, centre=centre))
+        if _on_one_circle(found[-2:], near):
+            found[-2:] = [replace(found[-2], end=piece.end)]
+    if _on_one_circle([found[-1], found[0]], near):
+        found[-1:] = [replace(found[-1], end=found.pop(0).end + TURN)]
+    return tuple(found)
+
+
+def _on_one_circle(pieces: list[Piece], near: float) -> bool:
+    """Whether two neighbours have one centre, up to `near` [mm]."""
+    one, other = pieces[0], pieces[-1]
+    if one is other or one.centre is None or other.centre is None:
+        return False
+    return abs(one.centre - other.centre) <= near
 
 
 SLIGHT = 0.01

@@ -33,7 +33,7 @@ from camgeo.numeric.arrays import (
     joined,
     taken,
 )
-from camgeo.numeric.kept import Kept, kept_with_owner
+from camgeo.numeric.kept import Kept
 from camgeo.numeric.quadrature import gauss
 from camgeo.units import TURN
 
@@ -254,12 +254,6 @@ class Envelope:
         return EnvelopeSamples(
             jet[0] + distance * normal, tangents, speed - pitch.rotation * distance * turning
         )
-
-
-@kept_with_owner
-def envelope_of(curve: WorkingCurve) -> Envelope:
-    """The envelope at the distance of `curve`."""
-    return Envelope(curve)
 
 
 # -- cells ----------------------------------------------------------------------------------------

@@ -295,39 +295,66 @@ class FaceLift(DiscLift):
             shifts.append(float(self.path.wander(at)[0]) / pace if pace > 0.0 else math.inf)
         return np.asarray(max(shifts) * np.abs(error[1]))
 
+    @classmethod
+    def on(cls, contour: Contour, pitch: PitchCurve) -> FaceLift:
+        """The flat face of `pitch` on `contour`.
 
-def face_on(contour: Contour, pitch: PitchCurve) -> FaceLift:
-    """The flat face of `pitch` on `contour`.
+        Raises
+        ------
+        GeometryError
+            As `hull_of`; if the contour does not go round the cam axis, or a rocker's face cannot
+            lie on it all round, with its contact on the rocker's own side of the pivot's foot.
+        """
+        path, hull = face_path_of(pitch.follower, pitch.rotation), hull_of(contour)
+        _require_axis(hull)
+        lift = path.lift_of(hull.ends())
+        angles = path.angle_of(hull.normals, lift)
+        centres, radii = hull.circles.centres[hull.touched], hull.circles.radii[hull.touched]
+        _require_side(path, angles, lift, centres, radii)
+        ascent = -path.rotation * angles
+        low = np.maximum.accumulate(ascent)
+        if np.any(low - ascent > STEADY):
+            raise GeometryError(NO_LEVER)
+        low = np.minimum(low, low[0] + TURN)
+        high = np.append(low[1:], low[0] + TURN)
+        starts, ends = (low, high) if path.rotation < 0 else (-high, -low)
+        _require_lever(path, starts, ends, centres, radii)
+        # By ascending cam angle: of several that begin at one, to rounding, the last one counts.
+        order = np.arange(len(starts))[:: -path.rotation]
+        turned = starts[order] % TURN
+        order = np.roll(order, -_wrap(turned))
+        borders = np.maximum.accumulate(np.roll(turned, -_wrap(turned)))
+        numbers = hull.touched[order]
+        widths = np.zeros(len(hull.circles.radii))
+        np.add.at(widths, hull.touched, hull.widths)
+        return cls(path, pitch, borders, numbers, hull.circles, widths)
 
-    Raises
-    ------
-    GeometryError
-        As `hull_of`; if the contour does not go round the cam axis, or a rocker's face cannot lie
-        on it all round, with its contact on the rocker's own side of the pivot's foot.
-    """
-    path, hull = face_path_of(pitch.follower, pitch.rotation), hull_of(contour)
-    _require_axis(hull)
-    lift = path.lift_of(hull.ends())
-    angles = path.angle_of(hull.normals, lift)
-    centres, radii = hull.circles.centres[hull.touched], hull.circles.radii[hull.touched]
-    _require_side(path, angles, lift, centres, radii)
-    ascent = -path.rotation * angles
-    low = np.maximum.accumulate(ascent)
-    if np.any(low - ascent > STEADY):
-        raise GeometryError(NO_LEVER)
-    low = np.minimum(low, low[0] + TURN)
-    high = np.append(low[1:], low[0] + TURN)
-    starts, ends = (low, high) if path.rotation < 0 else (-high, -low)
-    _require_lever(path, starts, ends, centres, radii)
-    # By ascending cam angle: of several that begin at one, to rounding, the last one counts.
-    order = np.arange(len(starts))[:: -path.rotation]
-    turned = starts[order] % TURN
-    order = np.roll(order, -_wrap(turned))
-    borders = np.maximum.accumulate(np.roll(turned, -_wrap(turned)))
-    numbers = hull.touched[order]
-    widths = np.zeros(len(hull.circles.radii))
-    np.add.at(widths, hull.touched, hull.widths)
-    return FaceLift(path, pitch, borders, numbers, hull.circles, widths)
+    @classmethod
+    def between(
+        cls, pitch: PitchCurve, corners: ComplexArray, starts: FloatArray, ends: FloatArray
+    ) -> FaceLift:
+        """The flat face of `pitch` on a trimmed outline: on each of the `corners` (k,) [mm] from
+        `starts` to `ends` (k,) [rad], between them as demanded.
+
+        Raises
+        ------
+        GeometryError
+            If the contact with a corner comes to the pivot's foot.
+        """
+        path = face_path_of(pitch.follower, pitch.rotation)
+        at_ends = np.concatenate((starts, ends))
+        twice, none = np.concatenate((corners, corners)), np.zeros(2 * len(corners))
+        _require_side(path, at_ends, pitch.motion.jet(at_ends, "right", 1)[0], twice, none)
+        _require_lever(path, starts, ends, corners, none[: len(corners)])
+        count = np.arange(len(corners))
+        circles = Circles(corners, np.zeros(len(corners)), -1 - count)
+        borders = np.concatenate((starts, ends)) % TURN
+        numbers = np.concatenate((count, np.full(len(corners), AS_DEMANDED)))
+        order = np.lexsort((numbers == AS_DEMANDED, borders))
+        borders, numbers = borders[order], numbers[order]
+        if not len(corners):
+            borders, numbers = np.zeros(1), np.full(1, AS_DEMANDED)
+        return cls(path, pitch, borders, numbers, circles, np.full(len(corners), TURN))
 
 
 def _wrap(turned: FloatArray) -> int:
@@ -384,33 +411,6 @@ def _turning_within(
     return np.where(offset < ends - starts, starts + offset, starts)
 
 
-def face_between(
-    pitch: PitchCurve, corners: ComplexArray, starts: FloatArray, ends: FloatArray
-) -> FaceLift:
-    """The flat face of `pitch` on a trimmed outline: on each of the `corners` (k,) [mm] from
-    `starts` to `ends` (k,) [rad], between them as demanded.
-
-    Raises
-    ------
-    GeometryError
-        If the contact with a corner comes to the pivot's foot.
-    """
-    path = face_path_of(pitch.follower, pitch.rotation)
-    at_ends = np.concatenate((starts, ends))
-    twice, none = np.concatenate((corners, corners)), np.zeros(2 * len(corners))
-    _require_side(path, at_ends, pitch.motion.jet(at_ends, "right", 1)[0], twice, none)
-    _require_lever(path, starts, ends, corners, none[: len(corners)])
-    count = np.arange(len(corners))
-    circles = Circles(corners, np.zeros(len(corners)), -1 - count)
-    borders = np.concatenate((starts, ends)) % TURN
-    numbers = np.concatenate((count, np.full(len(corners), AS_DEMANDED)))
-    order = np.lexsort((numbers == AS_DEMANDED, borders))
-    borders, numbers = borders[order], numbers[order]
-    if not len(corners):
-        borders, numbers = np.zeros(1), np.full(1, AS_DEMANDED)
-    return FaceLift(path, pitch, borders, numbers, circles, np.full(len(corners), TURN))
-
-
 def contact_places(curve: PitchCurve, outline: Path) -> tuple[FloatArray, FloatArray]:
     """See `FaceLift.contacts`, on a real outline.
 
@@ -420,7 +420,7 @@ def contact_places(curve: PitchCurve, outline: Path) -> tuple[FloatArray, FloatA
     starts = np.array([each.before for each in pivots])
     widths = np.array([each.after for each in pivots]) - starts
     corners = np.array([each.centre for each in pivots], dtype=np.complex128)
-    return face_between(curve, corners, starts, starts + widths % TURN).contacts()
+    return FaceLift.between(curve, corners, starts, starts + widths % TURN).contacts()
 
 
 # -- face path ------------------------------------------------------------------------------------

@@ -21,15 +21,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.geometry.outline.envelope import Cells as FlankCells
-from camgeo.geometry.outline.envelope import (
-    Envelope,
-    Node,
-    divide,
-    envelope_of,
-    find_nodes,
-    halved,
-    unresolved,
-)
+from camgeo.geometry.outline.envelope import Envelope, Node, divide, find_nodes, halved, unresolved
 from camgeo.geometry.outline.path import Element, Path, Pivot, Stretch, whole
 from camgeo.geometry.pieces import (
     SMALLEST,
@@ -52,12 +44,12 @@ from camgeo.numeric.arrays import (
     ComplexArray,
     FloatArray,
     IntArray,
-    Side,
     ascending,
     frozen,
     grouped,
 )
 from camgeo.numeric.extremes import bracketed_roots, roots_on_grid
+from camgeo.numeric.kept import kept_with_owner
 from camgeo.numeric.quadrature import gauss
 from camgeo.record import Brief
 from camgeo.units import TURN
@@ -100,6 +92,12 @@ class _Part:
     end: float
     from_node: int
     to_node: int
+
+
+@kept_with_owner
+def envelope_of(curve: WorkingCurve) -> Envelope:
+    """The envelope at the distance of `curve`."""
+    return Envelope(curve)
 
 
 def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
@@ -1152,8 +1150,3 @@ def changes(borders: FloatArray, held: IntArray) -> tuple[FloatArray, IntArray]:
     changed = held != np.roll(held, 1)
     changed[0] |= not np.any(changed)
     return borders[changed], held[changed]
-
-
-def piece_at(borders: FloatArray, held: IntArray, angle: FloatArray, side: Side) -> IntArray:
-    """(n,) the piece at `angle` (n,) [rad] of any turn, seen from that side; see `changes`."""
-    return np.asarray(held[np.searchsorted(borders, np.remainder(angle, TURN), side) - 1])

@@ -132,6 +132,53 @@ class Path(Brief):
         """
         return Path(tuple(_offset(each, by) for each in self.elements))
 
+    @property
+    def encloses_axis(self) -> bool:
+        """Whether the path, which must not pass through the cam axis, goes round it."""
+        turned = math.fsum(
+            one.real
+            for each in self.stretches
+            for one, *_ in stretch_integrals(each, (_turning, _turning), NEAR_A_TURN)
+        )
+        turned += math.fsum(_turn_of_arc(each) for each in self.pivots if each.distance != 0.0)
+        return round(turned / TURN) != 0
+
+    def moments(self, tolerance: float) -> Moments:
+        """Moments of the region inside.
+
+        The path must be free of crossings; else each part counts as often as the path goes round
+        it.
+
+        Parameters
+        ----------
+        tolerance : a part of a stretch is halved until that changes its integrals by less than this
+            share of the integrals of the magnitude over the stretch.
+
+        Arcs about a pivot are in closed form.
+        """
+        parts = [Moments.of_pieces(*_arcs_of(self))]
+        for stretch in self.stretches:
+            sums = stretch_integrals(stretch, LOW_ORDER, tolerance)
+            parts.append(
+                Moments.total(Moments(one.real, other, *errors) for one, other, *errors in sums)
+            )
+        return Moments.total(parts)
+
+    def second_moments(self, tolerance: float) -> SecondMoments:
+        """Second moments of the region inside; parameters as for `moments`."""
+        arcs = SecondMoments.of_pieces(*_arcs_of(self))
+        sums = [
+            each
+            for stretch in self.stretches
+            for each in stretch_integrals(stretch, SECOND_ORDER, tolerance)
+        ]
+        return SecondMoments(
+            math.fsum([arcs.polar, *(one.real for one, *_ in sums)]),
+            arcs.square + _sum(np.array([other for _, other, *_ in sums])),
+            math.fsum([arcs.polar_error, *(each[2] for each in sums)]),
+            math.fsum([arcs.square_error, *(each[3] for each in sums)]),
+        )
+
 
 def whole(curve: WorkingCurve) -> Path:
     """The path that is `curve` all round; its tangent must be continuous."""
@@ -171,17 +218,6 @@ def radii(path: Path) -> Extremes:
     both = [extreme for each in found for extreme in (each.lowest, each.highest)]
     places = np.array([each.place % TURN for each in both])
     return extremes_of(places, np.array([each.value for each in both]))
-
-
-def encloses_axis(path: Path) -> bool:
-    """Whether the path, which must not pass through the cam axis, goes round it."""
-    turned = math.fsum(
-        one.real
-        for each in path.stretches
-        for one, *_ in stretch_integrals(each, (_turning, _turning), NEAR_A_TURN)
-    )
-    turned += math.fsum(_turn_of_arc(each) for each in path.pivots if each.distance != 0.0)
-    return round(turned / TURN) != 0
 
 
 def _turning(point: ComplexArray, way: ComplexArray) -> FloatArray:
@@ -252,7 +288,7 @@ FLAT: Final = 0.1
 """Sweep [rad] below which the series of `segment_areas` is exact to rounding."""
 
 SHARE: Final = 1e-9
-"""Tolerance of an area alone, as for `path_moments`."""
+"""Tolerance of an area alone, as for `Path.moments`."""
 
 WIDEST: Final = 0.5 * math.pi
 """Widest arc [rad] over which the rule is exact to rounding for second moments."""
@@ -291,41 +327,69 @@ class Moments:
         """The moments of the same region with a counter-clockwise boundary."""
         return self if self.area >= 0.0 else self.scaled(-1.0)
 
+    @classmethod
+    def total(cls, parts: Iterable[Moments]) -> Moments:
+        """The sum of `parts`; their errors add up."""
+        each = tuple(parts)
+        return cls(
+            math.fsum(part.area for part in each),
+            complex(
+                math.fsum(part.first.real for part in each),
+                math.fsum(part.first.imag for part in each),
+            ),
+            math.fsum(part.area_error for part in each),
+            math.fsum(part.first_error for part in each),
+        )
 
-def total(parts: Iterable[Moments]) -> Moments:
-    """The sum of `parts`; their errors add up."""
-    each = tuple(parts)
-    return Moments(
-        math.fsum(part.area for part in each),
-        complex(
-            math.fsum(part.first.real for part in each), math.fsum(part.first.imag for part in each)
-        ),
-        math.fsum(part.area_error for part in each),
-        math.fsum(part.first_error for part in each),
-    )
+    @classmethod
+    def of_pieces(
+        cls, start: ComplexArray, end: ComplexArray, sweep: FloatArray, centre: ComplexArray
+    ) -> Moments:
+        """The contributions of lines and arcs to the contour integrals, in closed form.
 
+        Parameters
+        ----------
+        start, end : (n,) complex [mm].
+        sweep : (n,) angle turned along each piece [rad], positive counter-clockwise; 0 is a line.
+        centre : (n,) complex [mm] of each arc; unused for lines.
 
-def path_moments(path: Path, tolerance: float) -> Moments:
-    """Moments of the region inside `path`.
+        The triangle of origin and chord has its centroid at a third of the sum of its corners. To
+        that an arc adds the segment of the circle beyond its chord: with radius r and sweep a its
+        area is r^2 (a - sin a) / 2, its first moment about the circle's centre 2/3 r^3 sin^3(a/2),
+        in the direction of its middle (any table of sections, e.g. Bronshtein and Semendyayev,
+        "Handbook of Mathematics", chapter on plane geometry, for the area and the distance of the
+        centroid).
+        """
+        triangle = 0.5 * (np.conj(start) * end).imag
+        of_triangle = triangle * (start + end) / 3.0
+        arc = sweep != 0.0
+        arm = np.where(arc, start - centre, 0.0)
+        radius = np.abs(arm)
+        segment = segment_areas(np.abs(end - start), radius, sweep)
+        towards = arm * radius * radius * np.exp(0.5j * sweep) * np.sin(0.5 * sweep) ** 3
+        of_segment = np.where(arc, segment * centre, 0.0) + towards * (2.0 / 3.0)
+        areas = np.concatenate((triangle, segment))
+        firsts = np.concatenate((of_triangle, of_segment))
+        return cls(
+            math.fsum(areas),
+            complex(math.fsum(firsts.real), math.fsum(firsts.imag)),
+            ROUNDING * math.fsum(np.abs(areas)),
+            ROUNDING * math.fsum(np.abs(firsts)),
+        )
 
-    Parameters
-    ----------
-    path : closed, and free of crossings; else each part counts as often as the path goes round it.
-    tolerance : a part of a stretch is halved until that changes its integrals by less than this
-        share of the integrals of the magnitude over the stretch.
+    @classmethod
+    def of_quadratics(cls, pieces: ComplexArray) -> Moments:
+        """Moments of the region inside closed quadratic curves (n, 3) [mm].
 
-    Arcs about a pivot are in closed form.
-    """
-    parts = [piece_moments(*_arcs_of(path))]
-    for stretch in path.stretches:
-        sums = stretch_integrals(stretch, LOW_ORDER, tolerance)
-        parts.append(total(Moments(one.real, other, *errors) for one, other, *errors in sums))
-    return total(parts)
+        They are exact but for rounding.
+        """
+        (area, of_area), (first, of_first) = _along_quadratics(pieces, LOW_ORDER)
+        return cls(area.real, first, ROUNDING * of_area, ROUNDING * of_first)
 
 
 def area(path: Path) -> float:
     """Signed area [mm^2] inside `path`, positive if it runs counter-clockwise; see `SHARE`."""
-    return path_moments(path, SHARE).area
+    return path.moments(SHARE).area
 
 
 def _arcs_of(path: Path) -> tuple[ComplexArray, ComplexArray, FloatArray, ComplexArray]:
@@ -342,49 +406,14 @@ def _arcs_of(path: Path) -> tuple[ComplexArray, ComplexArray, FloatArray, Comple
 def segment_areas(chord: FloatArray, radius: FloatArray, sweep: FloatArray) -> FloatArray:
     """(n,) [mm^2] areas between arcs and their chords, with the signs of the sweeps (n,) [rad].
 
-    r^2 (a - sin a) / 2, see `piece_moments`; of a flat arc, where this cancels and the circle is
-    huge, the same over the square of its chord (n,) [mm], as a series.
+    r^2 (a - sin a) / 2, see `Moments.of_pieces`; of a flat arc, where this cancels and the circle
+    is huge, the same over the square of its chord (n,) [mm], as a series.
     """
     square = sweep * sweep
     series = 1.0 + square * (1.0 / 30.0 + square * (1.0 / 840.0 + square / 25200.0))
     flat = chord * chord * sweep / 12.0 * series
     curved = 0.5 * radius**2 * (sweep - np.sin(sweep))
     return np.where(np.abs(sweep) < FLAT, flat, curved)
-
-
-def piece_moments(
-    start: ComplexArray, end: ComplexArray, sweep: FloatArray, centre: ComplexArray
-) -> Moments:
-    """The contributions of lines and arcs to the contour integrals, in closed form.
-
-    Parameters
-    ----------
-    start, end : (n,) complex [mm].
-    sweep : (n,) angle turned along each piece [rad], positive counter-clockwise; 0 is a line.
-    centre : (n,) complex [mm] of each arc; unused for lines.
-
-    The triangle of origin and chord has its centroid at a third of the sum of its corners. To that
-    an arc adds the segment of the circle beyond its chord: with radius r and sweep a its area is
-    r^2 (a - sin a) / 2, its first moment about the circle's centre 2/3 r^3 sin^3(a/2), in the
-    direction of its middle (any table of sections, e.g. Bronshtein and Semendyayev, "Handbook of
-    Mathematics", chapter on plane geometry, for the area and the distance of the centroid).
-    """
-    triangle = 0.5 * (np.conj(start) * end).imag
-    of_triangle = triangle * (start + end) / 3.0
-    arc = sweep != 0.0
-    arm = np.where(arc, start - centre, 0.0)
-    radius = np.abs(arm)
-    segment = segment_areas(np.abs(end - start), radius, sweep)
-    towards = arm * radius * radius * np.exp(0.5j * sweep) * np.sin(0.5 * sweep) ** 3
-    of_segment = np.where(arc, segment * centre, 0.0) + towards * (2.0 / 3.0)
-    areas = np.concatenate((triangle, segment))
-    firsts = np.concatenate((of_triangle, of_segment))
-    return Moments(
-        math.fsum(areas),
-        complex(math.fsum(firsts.real), math.fsum(firsts.imag)),
-        ROUNDING * math.fsum(np.abs(areas)),
-        ROUNDING * math.fsum(np.abs(firsts)),
-    )
 
 
 Integrand = Callable[[ComplexArray, ComplexArray], FloatArray | ComplexArray]
@@ -419,7 +448,7 @@ def stretch_integrals(
 ) -> list[Sums]:
     """Two contour integrals along the stretch by quadrature, as the sums of each halving.
 
-    Parts are halved as for `path_moments`.
+    Parts are halved as for `Path.moments`.
     """
     edges = merged(stretch.marks)
     low, high = edges[:-1], edges[1:]
@@ -502,58 +531,36 @@ class SecondMoments:
         """The moments of the same region with a counter-clockwise boundary."""
         return self if self.polar >= 0.0 else self.scaled(-1.0)
 
+    @classmethod
+    def of_pieces(
+        cls, start: ComplexArray, end: ComplexArray, sweep: FloatArray, centre: ComplexArray
+    ) -> SecondMoments:
+        """The contributions of lines and arcs; parameters as for `Moments.of_pieces`.
 
-def path_second_moments(path: Path, tolerance: float) -> SecondMoments:
-    """Second moments of the region inside `path`; parameters as for `path_moments`."""
-    arcs = piece_second_moments(*_arcs_of(path))
-    sums = [
-        each
-        for stretch in path.stretches
-        for each in stretch_integrals(stretch, SECOND_ORDER, tolerance)
-    ]
-    return SecondMoments(
-        math.fsum([arcs.polar, *(one.real for one, *_ in sums)]),
-        arcs.square + _sum(np.array([other for _, other, *_ in sums])),
-        math.fsum([arcs.polar_error, *(each[2] for each in sums)]),
-        math.fsum([arcs.square_error, *(each[3] for each in sums)]),
-    )
+        By quadrature, which is exact but for rounding: the integrand of a line is a cubic, that of
+        an arc a sum of sines up to the fourth harmonic of its angle, over `WIDEST` at most.
+        """
+        counts = np.maximum(1, np.ceil(np.abs(sweep) / WIDEST)).astype(np.intp)
+        piece, number = grouped(counts)
+        share, half, weights = gauss(number / counts[piece], (number + 1) / counts[piece], NODES)
+        own = piece[:, np.newaxis]
+        arc, chord = sweep[own] != 0.0, (end - start)[own]
+        arm = (start - centre)[own] * np.exp(1j * sweep[own] * share)
+        point = np.where(arc, centre[own] + arm, start[own] + chord * share)
+        way = np.where(arc, 1j * sweep[own] * arm, chord)
+        polar, square = _polar(point, way), _square(point, way)
+        return cls(
+            math.fsum(half * (polar @ weights)),
+            _sum(half * (square @ weights)),
+            ROUNDING * math.fsum(half * (np.abs(polar) @ weights)),
+            ROUNDING * math.fsum(half * (np.abs(square) @ weights)),
+        )
 
-
-def piece_second_moments(
-    start: ComplexArray, end: ComplexArray, sweep: FloatArray, centre: ComplexArray
-) -> SecondMoments:
-    """The contributions of lines and arcs; parameters as for `piece_moments`.
-
-    By quadrature, which is exact but for rounding: the integrand of a line is a cubic, that of an
-    arc a sum of sines up to the fourth harmonic of its angle, over `WIDEST` at most.
-    """
-    counts = np.maximum(1, np.ceil(np.abs(sweep) / WIDEST)).astype(np.intp)
-    piece, number = grouped(counts)
-    share, half, weights = gauss(number / counts[piece], (number + 1) / counts[piece], NODES)
-    own = piece[:, np.newaxis]
-    arc, chord = sweep[own] != 0.0, (end - start)[own]
-    arm = (start - centre)[own] * np.exp(1j * sweep[own] * share)
-    point = np.where(arc, centre[own] + arm, start[own] + chord * share)
-    way = np.where(arc, 1j * sweep[own] * arm, chord)
-    polar, square = _polar(point, way), _square(point, way)
-    return SecondMoments(
-        math.fsum(half * (polar @ weights)),
-        _sum(half * (square @ weights)),
-        ROUNDING * math.fsum(half * (np.abs(polar) @ weights)),
-        ROUNDING * math.fsum(half * (np.abs(square) @ weights)),
-    )
-
-
-def quadratic_moments(pieces: ComplexArray) -> Moments:
-    """Moments of the region inside closed quadratic curves (n, 3) [mm], exact but for rounding."""
-    (area, of_area), (first, of_first) = _along_quadratics(pieces, LOW_ORDER)
-    return Moments(area.real, first, ROUNDING * of_area, ROUNDING * of_first)
-
-
-def quadratic_second_moments(pieces: ComplexArray) -> SecondMoments:
-    """Second moments of that region."""
-    (polar, of_polar), (square, of_square) = _along_quadratics(pieces, SECOND_ORDER)
-    return SecondMoments(polar.real, square, ROUNDING * of_polar, ROUNDING * of_square)
+    @classmethod
+    def of_quadratics(cls, pieces: ComplexArray) -> SecondMoments:
+        """Second moments of the region inside closed quadratic curves."""
+        (polar, of_polar), (square, of_square) = _along_quadratics(pieces, SECOND_ORDER)
+        return cls(polar.real, square, ROUNDING * of_polar, ROUNDING * of_square)
 
 
 def _along_quadratics(

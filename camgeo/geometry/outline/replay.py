@@ -15,17 +15,9 @@ from typing import TYPE_CHECKING, Final, Literal, Self
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.geometry.outline.face import face_between, face_on
+from camgeo.geometry.outline.face import FaceLift
 from camgeo.geometry.outline.path import Flank, Path, Stretch
-from camgeo.geometry.outline.roller import (
-    AS_DEMANDED,
-    CORNER,
-    DiscLift,
-    PlayedLift,
-    lift_on,
-    lift_on_splines,
-    lift_over,
-)
+from camgeo.geometry.outline.roller import AS_DEMANDED, CORNER, ActualLift, DiscLift, PlayedLift
 from camgeo.geometry.pieces import extremes
 from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.mechanism.follower_path import path_of
@@ -179,10 +171,10 @@ def replay_contour(
     """
     press = Flank(flank).sign
     if pitch.follower.has_pitch_curve:
-        lift: DiscLift = lift_on(pitch, contour, press)
+        lift: DiscLift = ActualLift.on(pitch, contour, press)
     else:
         _require_inner(press)
-        lift = face_on(contour, pitch)
+        lift = FaceLift.on(contour, pitch)
     return compared(pitch, lift.without_corners(corner), press, step, corner)
 
 
@@ -196,10 +188,10 @@ def replay_spline(
 ) -> Replay:
     """The roller of `pitch` on a closed contour of cubics, arcs and lines, counter-clockwise.
 
-    Otherwise as `replay_contour`; raises as `lift_on_splines`.
+    Otherwise as `replay_contour`; raises as `ActualLift.on_splines`.
     """
     press = Flank(flank).sign
-    return compared(pitch, lift_on_splines(pitch, contour, press), press, step, corner)
+    return compared(pitch, ActualLift.on_splines(pitch, contour, press), press, step, corner)
 
 
 def replay_outline(
@@ -235,7 +227,7 @@ def replay_outline(
         starts, ends = _gaps(stretches)
         if len(corners) != len(starts):
             raise GeometryError("a stretch is missing where the outline has no corner for the face")
-        face = face_between(pitch, corners, starts, ends)
+        face = FaceLift.between(pitch, corners, starts, ends)
         return compared(pitch, face, press, step)
     radius = abs(distance)
     # A pivot at no distance from the roller centre is the roller's turn about its own centre.
@@ -253,7 +245,7 @@ def replay_outline(
         played = PlayedLift(path, WorkingCurve(pitch, 0.5 * press * clearance))
     centres = np.array([each.centre for each in pivots], dtype=np.complex128)
     # A knife edge has no such pivots.
-    lift = lift_over(pitch, centres, press, radius or 1.0, _gaps(stretches), played)
+    lift = ActualLift.over(pitch, centres, press, radius or 1.0, _gaps(stretches), played)
     return compared(pitch, lift, press, step)
 
 

@@ -28,12 +28,11 @@ from camgeo.geometry.outline.outline import (
     changes,
     covered,
     outermost,
-    piece_at,
     seen,
     together,
 )
 from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
-from camgeo.kinematics.mechanism.follower_path import Bows, FollowerPath, lift_jet, path_of
+from camgeo.kinematics.mechanism.follower_path import Bows, FollowerPath, path_of
 from camgeo.kinematics.motion import Motion
 from camgeo.numeric.arrays import (
     BoolArray,
@@ -120,7 +119,7 @@ class PlayedLift:
         normals = 1j * self.parallel.pitch.rotation * tangents
         _, q = self.path.cam_angle_of(points)
         bows = Bows(points, normals, self.parallel.curvature(at, side))
-        return lift_jet(self.path, phi, q, bows)[:3]
+        return bows.lift_jet(self.path, phi, q)[:3]
 
     def touching(self, phi: FloatArray) -> FloatArray:
         """(n,) theta [rad] at `phi` (n,) [rad], by Newton's method; raises as `jet`."""
@@ -167,6 +166,11 @@ ends differ by rounding."""
 
 HALF_ARC = 0.52
 """Half an arc of at most an eighth of a turn over its chord, at most: pi/16 / sin(pi/8)."""
+
+
+def piece_at(borders: FloatArray, held: IntArray, angle: FloatArray, side: Side) -> IntArray:
+    """(n,) the piece at `angle` (n,) [rad] of any turn, seen from that side; see `changes`."""
+    return np.asarray(held[np.searchsorted(borders, np.remainder(angle, TURN), side) - 1])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -321,38 +325,63 @@ class ActualLift(DiscLift):
         along, point = self.path.along(*at_start)[0], self.path.point(*at_start)
         return np.asarray(abs(complex(along[0]) / complex(point[0])) * np.abs(error[0]))
 
+    @classmethod
+    def on(cls, pitch: PitchCurve, contour: Contour, press: int) -> ActualLift:
+        """The lift of the roller of `pitch` on a closed contour of lines and arcs,
+        counter-clockwise.
 
-def lift_on(pitch: PitchCurve, contour: Contour, press: int) -> ActualLift:
-    """The lift of the roller of `pitch` on a closed contour of lines and arcs, counter-clockwise.
+        `press` is as for `pressed`. Raises GeometryError as `parallel` and `pressed`.
+        """
+        path = path_of(pitch.follower, pitch.rotation)
+        found = branches(parallel(contour, -press * pitch.follower.roller_radius), path)
+        whole = (np.zeros(1), np.full(1, TURN))
+        return cls(path, pitch, *pressed(found, path, press, whole), found)
 
-    `press` is as for `pressed`. Raises GeometryError as `parallel` and `pressed`.
-    """
-    path = path_of(pitch.follower, pitch.rotation)
-    found = branches(parallel(contour, -press * pitch.follower.roller_radius), path)
-    whole = (np.zeros(1), np.full(1, TURN))
-    return ActualLift(path, pitch, *pressed(found, path, press, whole), found)
+    @classmethod
+    def on_splines(cls, pitch: PitchCurve, contour: SplineContour, press: int) -> ActualLift:
+        """The lift of the roller of `pitch` on a closed contour of cubics, arcs and lines,
+        counter-clockwise; `press` is as for `pressed`.
 
+        Raises
+        ------
+        GeometryError
+            If the contour turns in at a corner or has a curvature that the roller does not fit
+            into, or does not run once round the cam axis within the follower's reach.
+        """
+        path = path_of(pitch.follower, pitch.rotation)
+        chain, lows, highs = _chain(contour, -press * pitch.follower.roller_radius, path)
+        order = np.argsort(lows, kind="stable")
+        spans = np.remainder(highs - lows, TURN)
+        order = order[spans[order] > GAP]
+        apart = np.abs(_signed(np.roll(lows[order], -1) - highs[order]))
+        if not np.all(apart <= GAP) or not abs(float(np.sum(spans[order])) - TURN) <= GAP * len(
+            order
+        ):
+            raise GeometryError("the spline does not lead the roller once round the cam axis")
+        return cls(path, pitch, lows[order], order, chain)
 
-def lift_over(
-    pitch: PitchCurve,
-    corners: ComplexArray,
-    press: int,
-    radius: float,
-    ranges: tuple[FloatArray, FloatArray],
-    played: PlayedLift | None,
-) -> ActualLift:
-    """The lift of a roller of `radius` [mm] that runs over the `corners` (k,) [mm] of an outline in
-    the `ranges`, as of `pressed`, and elsewhere as demanded, or as `played`.
-    """
-    path = path_of(pitch.follower, pitch.rotation)
-    none, normals = np.zeros(len(corners)), np.ones(len(corners), dtype=np.complex128)
-    at, number = corners + radius, -1 - np.arange(len(corners))
-    circles = cut(at, at, normals, none + 1.0 / radius, none + TURN, none, number)
-    found = branches(circles, path)
-    borders, numbers = np.zeros(1), np.full(1, AS_DEMANDED)
-    if len(ranges[0]):
-        borders, numbers = pressed(found, path, press, ranges)
-    return ActualLift(path, pitch, borders, numbers, found, played)
+    @classmethod
+    def over(
+        cls,
+        pitch: PitchCurve,
+        corners: ComplexArray,
+        press: int,
+        radius: float,
+        ranges: tuple[FloatArray, FloatArray],
+        played: PlayedLift | None,
+    ) -> ActualLift:
+        """The lift of a roller of `radius` [mm] that runs over the `corners` (k,) [mm] of an
+        outline in the `ranges`, as of `pressed`, and elsewhere as demanded, or as `played`.
+        """
+        path = path_of(pitch.follower, pitch.rotation)
+        none, normals = np.zeros(len(corners)), np.ones(len(corners), dtype=np.complex128)
+        at, number = corners + radius, -1 - np.arange(len(corners))
+        circles = cut(at, at, normals, none + 1.0 / radius, none + TURN, none, number)
+        found = branches(circles, path)
+        borders, numbers = np.zeros(1), np.full(1, AS_DEMANDED)
+        if len(ranges[0]):
+            borders, numbers = pressed(found, path, press, ranges)
+        return cls(path, pitch, borders, numbers, found, played)
 
 
 def pressed(
@@ -536,7 +565,7 @@ class Branches:
         bows = self.bows.take(index)
         q = path.meet(phi, bows, self.facing[index])
         if order:
-            return lift_jet(path, phi, q, bows)[: order + 1]
+            return bows.lift_jet(path, phi, q)[: order + 1]
         lift: FloatArray = path.outward * (q - path.start)
         return lift[np.newaxis]
 
@@ -708,27 +737,6 @@ GAP: Final = 1e-9
 """Neighbouring branches meet within this cam angle [rad]: the rounding of their ends."""
 
 
-def lift_on_splines(pitch: PitchCurve, contour: SplineContour, press: int) -> ActualLift:
-    """The lift of the roller of `pitch` on a closed contour of cubics, arcs and lines,
-    counter-clockwise; `press` is as for `pressed`.
-
-    Raises
-    ------
-    GeometryError
-        If the contour turns in at a corner or has a curvature that the roller does not fit into, or
-        does not run once round the cam axis within the follower's reach.
-    """
-    path = path_of(pitch.follower, pitch.rotation)
-    chain, lows, highs = _chain(contour, -press * pitch.follower.roller_radius, path)
-    order = np.argsort(lows, kind="stable")
-    spans = np.remainder(highs - lows, TURN)
-    order = order[spans[order] > GAP]
-    apart = np.abs(_signed(np.roll(lows[order], -1) - highs[order]))
-    if not np.all(apart <= GAP) or not abs(float(np.sum(spans[order])) - TURN) <= GAP * len(order):
-        raise GeometryError("the spline does not lead the roller once round the cam axis")
-    return ActualLift(path, pitch, lows[order], order, chain)
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Cubics:
     """Parallels of cubic Bezier pieces.
@@ -815,7 +823,7 @@ class Chain:
         t = self.touching(path, phi, index)
         point, normal, _, kappa, slope = self.cubics.traced(index, t)
         _, q = path.cam_angle_of(point)
-        found = lift_jet(path, phi, q, Bows(point, normal, kappa), slope)
+        found = Bows(point, normal, kappa).lift_jet(path, phi, q, slope)
         return found[: order + 1]
 
     def touching(self, path: FollowerPath, phi: FloatArray, index: IntArray) -> FloatArray:

@@ -13,7 +13,7 @@ from camgeo.errors import GeometryError, meant
 from camgeo.kinematics.laws.family import Family, Given, Option, boundary_parameters, pulse_law
 from camgeo.kinematics.laws.law import Law
 from camgeo.kinematics.laws.polynomials import FAMILIES as POLYNOMIALS
-from camgeo.kinematics.laws.pulse import Parts, Pulse, polynomial_pulse, sine_pulse
+from camgeo.kinematics.laws.pulse import Parts, Pulse, sine_pulse
 from camgeo.numeric import checked
 
 # -- fixed pulses ---------------------------------------------------------------------------------
@@ -53,10 +53,10 @@ TRAPEZOID = _sines("0.25", "0.5", "0.25")
 TRAPEZOID_TURN = _sines("0", "0.75", "0.25")
 MODIFIED = _sines("0.25", "0", "0.75")
 
-PARABOLA = polynomial_pulse((0, 2, -3, 1))
+PARABOLA = Pulse.polynomial((0, 2, -3, 1))
 """a = x (1 - x)(2 - x): f'' = 60 z (1 - z)(1 - 2 z) with z = x/2."""
 
-QUARTIC = polynomial_pulse((0, 0, 4, -8, 5, -1))
+QUARTIC = Pulse.polynomial((0, 0, 4, -8, 5, -1))
 """a = x^2 (2 - x)^2 (1 - x): f'' = 420 z^2 (1 - z)^2 (1 - 2 z) with z = x/2."""
 
 PULSE_FAMILIES: Final[tuple[Family, ...]] = (

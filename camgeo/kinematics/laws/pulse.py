@@ -88,6 +88,59 @@ class Pulse:
         """Whether the pulse ends with a stretch without acceleration."""
         return self.stretches[-1].jerk == 0.0 and self.end == 0.0
 
+    @classmethod
+    def polynomial(cls, acceleration: tuple[int, ...]) -> Pulse:
+        """A pulse whose acceleration is a polynomial with a(0) = 0, odd in r = 1 - x.
+
+        Parameters
+        ----------
+        acceleration : its coefficients in ascending powers of x, whole numbers.
+        """
+        with localcontext(DIGITS):
+            a_exact = [Decimal(c) for c in acceleration]
+            v_exact = _integral(a_exact)
+            p_exact = _integral(v_exact)
+            exact = (p_exact, v_exact, a_exact, _derivative(a_exact))
+            by_x = [[float(c) for c in coefficients] for coefficients in exact]
+            by_r = [[float(c) for c in _reflected(coefficients)] for coefficients in exact]
+            columns_of_x, columns_of_r = _columns(by_x), _columns(by_r)
+            backwards = [float(c) for c in _integral(_integral(_reflected(a_exact)))]
+            velocity, position = sum(v_exact, Decimal(0)), sum(p_exact, Decimal(0))
+        _, v, a, j = by_x
+
+        @functools.cache
+        def found() -> tuple[float, ...]:
+            slopes = (j, derivative(j), derivative(product(v, a)))
+            roots = np.concatenate([roots_inside(c, 0.0, 1.0) for c in slopes])
+            return tuple(float(x) for x in ascending(roots))
+
+        def turns(_base: float, _scale: float) -> tuple[float, ...]:
+            return found()
+
+        def from_start(u: FloatArray) -> FloatArray:
+            return horner(columns_of_x, u)
+
+        def from_end(u: FloatArray) -> FloatArray:
+            return horner(columns_of_r, u)
+
+        def back(r: FloatArray) -> FloatArray:
+            return horner(backwards, r)
+
+        middle = Decimal("0.7")  # both forms keep digits there
+        largest = largest_magnitude(j, 0.0, 1.0)
+        return cls(
+            stretches=(
+                Stretch(Decimal(0), middle, from_start, False, back, largest, turns),
+                Stretch(middle, Decimal(1), from_end, True, back, largest, turns, continues=True),
+            ),
+            velocity=velocity,
+            position=position,
+            border=0.0,
+            end=0.0,
+            jerk=j[0],
+            peak=largest_magnitude(a, 0.0, 1.0),
+        )
+
 
 @functools.lru_cache(maxsize=256)
 def sine_pulse(sine: Decimal, constant: Decimal, cosine: Decimal) -> Pulse:
@@ -300,58 +353,6 @@ def _still_stretch(shares: _Shares) -> Stretch:
         back=np.zeros_like,
         jerk=0.0,
         turns=lambda _base, _scale: (),
-    )
-
-
-def polynomial_pulse(acceleration: tuple[int, ...]) -> Pulse:
-    """A pulse whose acceleration is a polynomial with a(0) = 0, odd in r = 1 - x.
-
-    Parameters
-    ----------
-    acceleration : its coefficients in ascending powers of x, whole numbers.
-    """
-    with localcontext(DIGITS):
-        a_exact = [Decimal(c) for c in acceleration]
-        v_exact = _integral(a_exact)
-        p_exact = _integral(v_exact)
-        exact = (p_exact, v_exact, a_exact, _derivative(a_exact))
-        by_x = [[float(c) for c in coefficients] for coefficients in exact]
-        by_r = [[float(c) for c in _reflected(coefficients)] for coefficients in exact]
-        columns_of_x, columns_of_r = _columns(by_x), _columns(by_r)
-        backwards = [float(c) for c in _integral(_integral(_reflected(a_exact)))]
-        velocity, position = sum(v_exact, Decimal(0)), sum(p_exact, Decimal(0))
-    _, v, a, j = by_x
-
-    @functools.cache
-    def found() -> tuple[float, ...]:
-        slopes = (j, derivative(j), derivative(product(v, a)))
-        roots = np.concatenate([roots_inside(c, 0.0, 1.0) for c in slopes])
-        return tuple(float(x) for x in ascending(roots))
-
-    def turns(_base: float, _scale: float) -> tuple[float, ...]:
-        return found()
-
-    def from_start(u: FloatArray) -> FloatArray:
-        return horner(columns_of_x, u)
-
-    def from_end(u: FloatArray) -> FloatArray:
-        return horner(columns_of_r, u)
-
-    def back(r: FloatArray) -> FloatArray:
-        return horner(backwards, r)
-
-    middle, largest = Decimal("0.7"), largest_magnitude(j, 0.0, 1.0)  # both forms keep digits there
-    return Pulse(
-        stretches=(
-            Stretch(Decimal(0), middle, from_start, False, back, largest, turns),
-            Stretch(middle, Decimal(1), from_end, True, back, largest, turns, continues=True),
-        ),
-        velocity=velocity,
-        position=position,
-        border=0.0,
-        end=0.0,
-        jerk=j[0],
-        peak=largest_magnitude(a, 0.0, 1.0),
     )
 
 

@@ -240,12 +240,6 @@ class FarEnd:
         raise GeometryError("the follower is where the linkage does not close", key="linkage")
 
 
-@kept_with_owner
-def far_end(plan: MotionPlan, linkage: Linkage) -> FarEnd:
-    """The far end of `linkage` with the demanded motion `plan`."""
-    return FarEnd(plan, linkage)
-
-
 # -- positions ------------------------------------------------------------------------------------
 # Positions of a demanded motion: where it passes them, and how messages write them.
 

@@ -19,7 +19,7 @@ from camgeo.kinematics.mechanism.values import Angle, Branch, Length, Place, Sen
 from camgeo.kinematics.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray, dot, phase
 from camgeo.numeric.checked import Truth, check_fields, instance
-from camgeo.numeric.interval import WIDENED, Angles, Interval, about
+from camgeo.numeric.interval import WIDENED, Angles, Interval
 from camgeo.units import TURN
 
 # -- triangle --------------------------------------------------------------------------------------
@@ -889,7 +889,7 @@ class SliderDrivenCrank:
         Re P = l_sk cos theta + l_4 cos v.
         """
         inner, crank, coupler = self.inner, self.crank, self.coupler
-        theta = about(self._theta(jet[0]), bounds[0])
+        theta = Angles.about(self._theta(jet[0]), bounds[0])
         sine_theta, cosine_theta = theta.sine, theta.cosine
         height = np.full_like(jet[0], inner.guide_height)
         drop = Interval(height, height) - sine_theta.scaled(crank)
@@ -1069,7 +1069,7 @@ class FourBar(RockerCrank):
         self, motion: FloatArray, reach: FloatArray
     ) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
         distance, lever = self._shaft_distance, self.lever
-        found = about(self._bend(motion), reach).cosine
+        found = Angles.about(self._bend(motion), reach).cosine
         least, start = self._least_square, self._start_cosine
 
         def at(level: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -1080,7 +1080,7 @@ class FourBar(RockerCrank):
 
     def _pin_heading(self, motion: FloatArray, reach: FloatArray) -> Angles:
         """The pin moves square to the lever."""
-        return about(self.lever_angle + self.lever_sense * motion + 0.5 * math.pi, reach)
+        return Angles.about(self.lever_angle + self.lever_sense * motion + 0.5 * math.pi, reach)
 
     @property
     def _pin_pace(self) -> tuple[float, float]:

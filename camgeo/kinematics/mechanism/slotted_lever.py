@@ -238,6 +238,43 @@ class SlottedLever(CheckedFields):
                 value=f"{self.distance:g}",
             )
 
+    @staticmethod
+    def crank_for_swing(distance: float, swing: float) -> float:
+        """R = a sin(swing/2) [mm]: equation (4) of the SAM exercise, for the whole swing 2 phi_max.
+
+        R is rounded, and with it the swing: near 180 degrees by about an ulp over the cosine of
+        half the swing.
+
+        Parameters
+        ----------
+        distance : a, between the axes [mm], positive.
+        swing : from one end to the other [deg], above 0, at most 180.
+
+        Raises
+        ------
+        GeometryError
+            With key "swing", outside this range, or so close to 180 that R rounds to a.
+        """
+        if not 0.0 < swing <= 180.0:
+            raise GeometryError(
+                "the swing of a slotted lever must be above 0 and at most 180 degrees; a lever that"
+                " turns round has none: its crank is longer than the distance between the axes",
+                key="swing",
+                value=f"{swing:.17g}",
+            )
+        # Of all rational angles between 0 and 90 degrees only 30 has a rational sine, and sin(pi/6)
+        # misses it by one spacing.
+        share = 0.5 if swing == 60.0 else math.sin(math.radians(0.5 * swing))
+        crank = distance * share
+        if crank >= distance and swing < 180.0:
+            raise GeometryError(
+                "so close to 180 degrees the crank is not distinguishable from the distance between"
+                " the axes; give the crank instead",
+                key="swing",
+                value=f"{swing:.17g}",
+            )
+        return crank
+
 
 # -- slotted lever drive --------------------------------------------------------------------------
 # A slotted lever whose crank turns at constant speed: motion in time, extremes, strokes, table.
@@ -394,40 +431,3 @@ class DrivenLever:
         if quantity == "phi":
             angle = value
         return LeverExtreme(quantity, largest, value, theta, angle, theta / self.speed)
-
-
-def crank_for_swing(distance: float, swing: float) -> float:
-    """R = a sin(swing/2) [mm]: equation (4) of the SAM exercise, for the whole swing 2 phi_max.
-
-    R is rounded, and with it the swing: near 180 degrees by about an ulp over the cosine of half
-    the swing.
-
-    Parameters
-    ----------
-    distance : a, between the axes [mm], positive.
-    swing : from one end to the other [deg], above 0, at most 180.
-
-    Raises
-    ------
-    GeometryError
-        With key "swing", outside this range, or so close to 180 that R rounds to a.
-    """
-    if not 0.0 < swing <= 180.0:
-        raise GeometryError(
-            "the swing of a slotted lever must be above 0 and at most 180 degrees; a lever that"
-            " turns round has none: its crank is longer than the distance between the axes",
-            key="swing",
-            value=f"{swing:.17g}",
-        )
-    # Of all rational angles between 0 and 90 degrees only 30 has a rational sine, and sin(pi/6)
-    # misses it by one spacing.
-    share = 0.5 if swing == 60.0 else math.sin(math.radians(0.5 * swing))
-    crank = distance * share
-    if crank >= distance and swing < 180.0:
-        raise GeometryError(
-            "so close to 180 degrees the crank is not distinguishable from the distance between the"
-            " axes; give the crank instead",
-            key="swing",
-            value=f"{swing:.17g}",
-        )
-    return crank

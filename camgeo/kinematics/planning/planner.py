@@ -27,17 +27,7 @@ from camgeo.kinematics.planning.requests import (
     TableRequest,
     Unit,
 )
-from camgeo.kinematics.splines import (
-    MOST_UNEQUAL,
-    FitReport,
-    Spline,
-    clamped_spline,
-    periodic_spline,
-    report,
-    smooth_clamped_spline,
-    smooth_periodic_spline,
-    smoothest_values,
-)
+from camgeo.kinematics.splines import MOST_UNEQUAL, FitReport, Spline, smoothest_values
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, ascending
 
@@ -108,7 +98,7 @@ def _spline_move(link: Link, request: PointsRequest) -> SplineMove:
     start, length = link.start.position, link.length
     inner = {index + 1: _over_span(values, length) for index, values in request.given.items()}
     try:
-        spline = clamped_spline(
+        spline = Spline.clamped(
             np.concatenate(([0.0], request.shares, [1.0])),
             np.concatenate(([0.0], request.positions - start, [link.stroke])),
             _over_span(link.start.values, length),
@@ -286,18 +276,18 @@ def _fitted(link: Link, request: TableRequest) -> tuple[Spline, FitReport]:
         if link.start is link.end and not link.start.rests:
             if request.smoothing is None:
                 gap = CLOSED * float(np.max(np.abs(lifts)))
-                spline = periodic_spline(shares, lifts, 1.0, gap=gap)
-                return spline, report(spline, shares, lifts)
-            return smooth_periodic_spline(
+                spline = Spline.closed(shares, lifts, 1.0, gap=gap)
+                return spline, FitReport.of(spline, shares, lifts)
+            return Spline.smooth_closed(
                 shares, lifts, 1.0, largest_deviation=request.smoothing, gap=request.smoothing
             )
         if link.start is link.end:
             shares, lifts = _closed(shares, lifts)
         start, end = (_over_span(joint.values, link.length) for joint in (link.start, link.end))
         if request.smoothing is None:
-            spline = clamped_spline(shares, lifts, start, end)
-            return spline, report(spline, shares, lifts)
-        return smooth_clamped_spline(shares, lifts, start, end, largest_deviation=request.smoothing)
+            spline = Spline.clamped(shares, lifts, start, end)
+            return spline, FitReport.of(spline, shares, lifts)
+        return Spline.smooth_clamped(shares, lifts, start, end, largest_deviation=request.smoothing)
     except GeometryError as error:
         raise GeometryError(error.message, key=f"{link.key}.file", value=error.value) from error
 

@@ -20,7 +20,7 @@ from camgeo.kinematics.motion import TASKS
 from camgeo.kinematics.plan import Joint, MotionPlan, joints
 from camgeo.kinematics.planning.planner import plan_motion
 from camgeo.kinematics.planning.requests import Request, TableRequest, Unit
-from camgeo.kinematics.splines import clamped_spline
+from camgeo.kinematics.splines import Spline
 from camgeo.units import TURN
 from tests.motion.planning.wishes import data_of, laws, move, move_of, planned, rest, table, through
 from tests.strategies import attack
@@ -652,7 +652,7 @@ def test_a_table_gives_its_neighbours_its_values() -> None:
     assert (start.before, start.after, start.order >= 2) == ("R", "R", True)
     assert end.order >= 2
     length = math.radians(90.0)
-    own = clamped_spline(x, rows, start=(0.0, 0.0)).values(np.ones(1), 2, "left")[:, 0]
+    own = Spline.clamped(x, rows, start=(0.0, 0.0)).values(np.ones(1), 2, "left")[:, 0]
     assert end.left[1] == pytest.approx(own[1] / length, rel=1e-9)
     assert end.right[2] == pytest.approx(own[2] / length**2, rel=1e-9)
 

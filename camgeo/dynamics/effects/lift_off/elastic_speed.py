@@ -76,49 +76,50 @@ class ElasticSpeed:
     error: float = 0.0
     why: str = ""
 
+    @classmethod
+    def searched(
+        cls,
+        flank: Flank,
+        behind: ElasticTrain,
+        edges: FloatArray,
+        rigid: float,
+        near: Extreme | None = None,
+    ) -> ElasticSpeed:
+        """The smallest speed at which the force on `flank` falls below its margin.
 
-def elastic_speed(
-    flank: Flank,
-    behind: ElasticTrain,
-    edges: FloatArray,
-    rigid: float,
-    near: Extreme | None = None,
-) -> ElasticSpeed:
-    """The smallest speed at which the force on `flank` falls below its margin.
-
-    Parameters
-    ----------
-    edges : (k,) cam angles [rad] from 0 to 2 pi between which the coefficients are smooth.
-    rigid : the lift-off speed of a rigid train, as a factor of that of the scene.
-    near : the speed at which a train that hardly differs leaves the flank: a crossing beside it is
-        the first one too. None if none is known.
-    """
-    if np.max(behind.train.rates.real) >= 0.0:
-        return ElasticSpeed(
-            why="without damping the train resonates with a harmonic at ever lower speeds"
-        )
-    if behind.response.forcing.soft:
-        return ElasticSpeed(why="the cam turns faster than the train vibrates")
-    search = LeastReserve(flank, behind, edges)
-    rest = piecewise_extremes(search.static, edges)
-    if rest.lowest.value < -TOUCH * rest.magnitude:
-        return ElasticSpeed(Extreme(0.0, rest.lowest.place))
-    if rest.lowest.value <= TOUCH * rest.magnitude:
-        return ElasticSpeed(why="nothing presses it on its flank at rest")
-    swung = search.after_jumps()
-    if swung is not None and swung.value < -TOUCH * rest.magnitude:
-        return ElasticSpeed(Extreme(0.0, swung.place))
-    widest = piecewise_highest(search.share, edges).value
-    search = replace(search, widest=widest, largest=piecewise_highest(search.most, edges).value)
-    beside = _beside(search, 1.0 / near.value) if near is not None and near.value else None
-    if beside is not None:
-        return beside
-    most = SEARCHED * max(1.0, rigid if np.isfinite(rigid) else 1.0)
-    end = 1.0 / min(most, behind.response.fastest)
-    start = search.start(rest.lowest.value)
-    if start is None:
-        return ElasticSpeed(why="where its load jumps the train may vibrate off it at any speed")
-    return _first(search, max(start, 2.0 * end), end)
+        Parameters
+        ----------
+        edges : (k,) cam angles [rad] from 0 to 2 pi between which the coefficients are smooth.
+        rigid : the lift-off speed of a rigid train, as a factor of that of the scene.
+        near : the speed at which a train that hardly differs leaves the flank: a crossing beside it
+            is the first one too. None if none is known.
+        """
+        if np.max(behind.train.rates.real) >= 0.0:
+            return cls(
+                why="without damping the train resonates with a harmonic at ever lower speeds"
+            )
+        if behind.response.forcing.soft:
+            return cls(why="the cam turns faster than the train vibrates")
+        search = LeastReserve(flank, behind, edges)
+        rest = piecewise_extremes(search.static, edges)
+        if rest.lowest.value < -TOUCH * rest.magnitude:
+            return cls(Extreme(0.0, rest.lowest.place))
+        if rest.lowest.value <= TOUCH * rest.magnitude:
+            return cls(why="nothing presses it on its flank at rest")
+        swung = search.after_jumps()
+        if swung is not None and swung.value < -TOUCH * rest.magnitude:
+            return cls(Extreme(0.0, swung.place))
+        widest = piecewise_highest(search.share, edges).value
+        search = replace(search, widest=widest, largest=piecewise_highest(search.most, edges).value)
+        beside = _beside(search, 1.0 / near.value) if near is not None and near.value else None
+        if beside is not None:
+            return beside
+        most = SEARCHED * max(1.0, rigid if np.isfinite(rigid) else 1.0)
+        end = 1.0 / min(most, behind.response.fastest)
+        start = search.start(rest.lowest.value)
+        if start is None:
+            return cls(why="where its load jumps the train may vibrate off it at any speed")
+        return _first(search, max(start, 2.0 * end), end)
 
 
 def _first(search: LeastReserve, start: float, end: float) -> ElasticSpeed:
@@ -443,7 +444,7 @@ class LeastReserve:
 
 
 # -- load swing -----------------------------------------------------------------------------------
-# How a load on its output swings an elastic train at low speeds, where `elastic_speed` starts.
+# How a load on its output swings an elastic train at low speeds, where the search starts.
 #
 # In the notation of that module, v' = s lambda v + f: with v = -f / (s lambda) + z,
 #

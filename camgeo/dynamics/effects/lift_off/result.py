@@ -181,13 +181,13 @@ def of_flank(flank: Flank, spring: Spring | None, near: ForceClosed | None = Non
         if contact.behind is None or leaps:
             found.append(_speed(flank, rigid, course, bool(lost or leaps)))
         else:
-            from camgeo.dynamics.effects.lift_off.elastic_speed import ElasticSpeed, elastic_speed
+            from camgeo.dynamics.effects.lift_off.elastic_speed import ElasticSpeed
 
             if near is not None and near.speed is None:  # so no more is known of this one
                 searched = ElasticSpeed(why="nor is one given for a train that hardly differs")
             else:
                 beside = None if near is None else near.speed
-                searched = elastic_speed(
+                searched = ElasticSpeed.searched(
                     flank, contact.behind, flank.base_edges, rigid.value, beside
                 )
             speed = searched.speed
