@@ -17,16 +17,15 @@ import numpy as np
 from camgeo.errors import FileError, GeometryError
 from camgeo.geometry.contour.spline import Arc, CubicSpline
 from camgeo.numeric.arrays import phase
-from camgeo.reading import (
-    COORDINATE,
-    INSTANCES,
-    NESTED,
-    PARAMETERS,
-    STEP,
-    beyond,
-    check_size,
-    number_of,
-)
+from camgeo.reading import COORDINATE, INSTANCES, Limits, beyond, check_size, number_of
+
+STEP: Final = Limits("STEP file", 8_000_000)
+
+PARAMETERS: Final = 500_000
+"""Commas and brackets of a STEP file, which begin or end its parameters."""
+
+NESTED: Final = 8
+"""Lists within lists in a parameter of a STEP file; the deepest that shapes need is two."""
 
 FIRST, LAST = "ISO-10303-21", "END-ISO-10303-21"
 
