@@ -13,7 +13,7 @@ import numpy as np
 
 from camgeo.check.finding import Finding, Severity
 from camgeo.geometry.contour.contour import Contour, Pieces
-from camgeo.milling.bench import BORE, SAME, Bench, is_open
+from camgeo.milling.bench import BORE, SAME, is_open
 from camgeo.milling.cut import AreaCut, ContourCut, Cut, LetterCut
 from camgeo.milling.milling import (
     CHAMFER_MILL,
@@ -116,6 +116,27 @@ class Side:
     def lowest(self) -> float:
         """Z of the part's lower face [mm]."""
         return self.part.layers[0].z0
+
+    @property
+    def left_to_do(self) -> MillingSpec | None:
+        """What is stated on the second side, with what this first one has done; None without one.
+
+        Of a planned sequence all walls that tools reach are done: what it leaves out is there, or
+        made otherwise.
+        """
+        milling, walls = self.milling, self.part.walls
+        if milling.operations:
+            done = [
+                wall
+                for wall in walls
+                if finished_down_to(self.cuts, wall.boundary.name)
+                <= lowest_of(wall, milling.holding)
+            ]
+        else:
+            done = [wall for wall in walls if is_open(self.part, wall)]
+        return milling.of_second_side(
+            faced=any(map(faces, self.cuts)), done=frozenset(wall.boundary.name for wall in done)
+        )
 
 
 def setup_of(side: Side, tolerance: float = PART_FINENESS, others: Iterable[Cut] = ()) -> Setup:
@@ -282,42 +303,9 @@ def lowest_of(wall: Wall, holding: Holding | None) -> float:
     return wall.z0 + (0.0 if holding is None else holding.skin or 0.0)
 
 
-def done_by(bench: Bench, cuts: Iterable[Cut]) -> frozenset[str]:
-    """Names of the walls that are done with the cuts of one side; of a planned sequence all that
-    tools reach: what it leaves out is there, or made otherwise.
-    """
-    if bench.milling.operations:
-        cuts = tuple(cuts)
-        names = ((wall, wall.boundary.name) for wall in bench.part.walls)
-        return frozenset(
-            name for wall, name in names
-            if finished_down_to(cuts, name) <= lowest_of(wall, bench.milling.holding)
-        )  # fmt: skip
-    return frozenset(wall.boundary.name for wall in bench.part.walls if is_open(bench.part, wall))
-
-
 def faces(cut: Cut) -> bool:
     """Whether a cut takes off all that lies above the part."""
     return isinstance(cut, AreaCut) and not cut.walls
-
-
-LOOSE_CORE: Final = "loose-core"
-"""Name of findings on waste that is cut free in one piece."""
-
-
-def verdict(flaws: Iterable[Flaw]) -> tuple[Finding, ...]:
-    """What a machinist must not run, "broken", and what is to be watched, "warning"."""
-    return tuple(
-        Finding(
-            LOOSE_CORE if each.name == "loose" and each.watched else each.name,
-            "warning" if each.watched else "broken",
-            each.sentence,
-            each.value,
-            each.limit,
-            each.unit,
-        )
-        for each in flaws
-    )
 
 
 # -- sides ----------------------------------------------------------------------------------------
