@@ -231,8 +231,10 @@ class MilledDisc(Pickled):
         """
         from camgeo.milling.judged import findings_of
 
-        flaws = self.flaws(toolpath, tolerance)
-        found = (*findings_of(compared(self)), *(each.finding for each in flaws))
+        found = (
+            *findings_of(compared(self)),
+            *(each.finding for each in self.flaws(toolpath, tolerance)),
+        )
         names = {each.name for each in found}
         told = [each for each in self.sequence.findings if each.name not in names]
         if low := self._low_change():

@@ -27,7 +27,6 @@ from camgeo.milling.milling import (
     Stock,
     Tool,
     mirrored,
-    rectangle,
 )
 from camgeo.milling.moves import Course, Move, Point, Stop, Toolpath, course_of
 from camgeo.milling.simulation import (
@@ -124,19 +123,12 @@ class Side:
         Of a planned sequence all walls that tools reach are done: what it leaves out is there, or
         made otherwise.
         """
-        milling, walls = self.milling, self.part.walls
-        if milling.operations:
-            done = [
-                wall
-                for wall in walls
-                if finished_down_to(self.cuts, wall.boundary.name)
-                <= lowest_of(wall, milling.holding)
-            ]
-        else:
-            done = [wall for wall in walls if is_open(self.part, wall)]
-        return milling.of_second_side(
-            faced=any(map(faces, self.cuts)), done=frozenset(wall.boundary.name for wall in done)
+        done = frozenset(
+            wall.boundary.name
+            for wall in self.part.walls
+            if (is_finished(wall, [self]) if self.milling.operations else is_open(self.part, wall))
         )
+        return self.milling.of_second_side(faced=any(map(faces, self.cuts)), done=done)
 
 
 def setup_of(side: Side, tolerance: float = PART_FINENESS, others: Iterable[Cut] = ()) -> Setup:
@@ -275,8 +267,8 @@ def _blank(side: Side, tolerance: float) -> tuple[Contour, tuple[Contour, ...], 
         reach = max((float(np.max(part, initial=0.0)) for part in both), default=0.0)
         wide = 2.0 * UNKNOWN * max((run.radius for run in side.runs), default=0.0)
         corner, centre, known = (reach + wide) * (1.0 + 1.0j), 0j, False
-    outline = rectangle(corner, centre)
-    return outline, (outline, rectangle(corner - RIM * (1.0 + 1.0j), centre)), known
+    outline = Contour.rectangle(corner, centre)
+    return outline, (outline, Contour.rectangle(corner - RIM * (1.0 + 1.0j), centre)), known
 
 
 def _produced(cuts: Iterable[Cut]) -> set[str]:

@@ -33,7 +33,6 @@ from camgeo.numeric.checked import (
 from camgeo.record import Brief, schema_beside
 
 if TYPE_CHECKING:
-    from camgeo.geometry.contour.contour import Contour
     from camgeo.numeric.arrays import ComplexArray
     from camgeo.part.boundaries import ExactBoundary
     from camgeo.part.part import Boundary
@@ -300,7 +299,7 @@ class Clamp(CheckedFields, path="clamp."):
             contour = Contour.circle(self.length / 2.0, self.place)
         else:
             half = 0.5 * complex(self.length, self.width)
-            contour = rectangle(half, self.place, cmath.exp(1j * self.angle))
+            contour = Contour.rectangle(half, self.place, cmath.exp(1j * self.angle))
         return Obstacle(name, ExactBoundary(self.what, hole=False, exact=contour), self.height)
 
 
@@ -348,18 +347,6 @@ class Holding:
     def turned_over(self, about: str) -> Holding:
         """The same with clamps in the part's coordinates, which are stated as the work lies."""
         return replace(self, clamps=tuple(each.turned_over(about) for each in self.clamps))
-
-
-def rectangle(half: complex, centre: complex, along: complex = 1.0 + 0j) -> Contour:
-    """Around a `centre` [mm], counter-clockwise, half as long and as wide as `half` [mm] says; its
-    length lies `along` a direction, of size 1.
-    """
-    import numpy as np
-
-    from camgeo.geometry.contour.contour import Contour
-
-    corners = np.array([-half, half.conjugate(), half, -half.conjugate()])
-    return Contour.polygon(centre + corners * along)
 
 
 def _places(place: complex) -> str:
@@ -979,5 +966,5 @@ class Stock:
         elif self.length is None or self.width is None:
             return None
         else:
-            exact = rectangle(0.5 * complex(self.length, self.width), self.centre)
+            exact = Contour.rectangle(0.5 * complex(self.length, self.width), self.centre)
         return ExactBoundary("stock", hole=False, exact=exact)

@@ -45,7 +45,7 @@ from camgeo_export.dxf.writer import WRITER as DXF
 from camgeo_export.gcode import writer as gcode_writer
 from camgeo_export.gcode.writer import WRITER as GCODE
 from camgeo_export.gcode.writer import ascii_of
-from camgeo_export.part21 import Extrusion, exchange_of, solid_of
+from camgeo_export.part21 import Extrusion, Solid, exchange_of
 from camgeo_export.solid import prism
 from camgeo_export.step import writer as step_writer
 from camgeo_export.step.writer import WRITER as STEP
@@ -138,7 +138,7 @@ def test_walls_of_letters_are_splines_where_step_files_have_splines() -> None:
         for each in ENGRAVED.boundaries
         if text_of(each.name)
     )
-    found = solid_of(data)
+    found = Solid.of(data)
     assert sum(isinstance(each.surface, Extrusion) for each in found.faces) >= curved
 
 

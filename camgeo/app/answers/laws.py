@@ -120,8 +120,8 @@ class Laws(Answer):
     @property
     def physical_cells(self) -> list[list[str]]:
         """The same values of the move at its speed; nothing without one."""
-        heads = [f"{name} [{unit}]" for name, unit in zip(PHYSICAL_HEAD, UNITS, strict=True)]
-        found = [["law", *heads]]
+        symbols = zip(PHYSICAL_HEAD, UNITS, strict=True)
+        found = [["law", *(f"{name} [{unit}]" for name, unit in symbols)]]
         for row in self.rows or ():
             if row.physical is not None:
                 values = (None if each is None else each.value for each in row.physical.values())

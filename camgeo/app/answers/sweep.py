@@ -124,8 +124,8 @@ class Sweep(Answer):
         if self.count > FEW:
             return []
         length, common = self.scene.unit, {span.word: span.unit for span in self.spans}
-        heads = [*self.result.family.keys, *(headed(span, length) for span in self.spans)]
-        rows = [[*heads, REASON]]
+        heads = (headed(span, length) for span in self.spans)
+        rows = [[*self.result.family.keys, *heads, REASON]]
         for each in self.designs:
             answers = (
                 " ".join(filter(None, _answer(each, word, common.get(word, ""), length)))

@@ -64,7 +64,7 @@ class Round:
     @property
     def quarters(self) -> ComplexArray:
         """(4,) where each quarter of it begins [mm]."""
-        return self.centre + self.radius * np.array([1.0, 1j, -1.0, -1j])
+        return self.centre + self.radius * np.array([1.0, 1j, -1.0, -1j], np.complex128)
 
 
 @dataclass(frozen=True, slots=True)

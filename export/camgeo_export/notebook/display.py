@@ -125,12 +125,7 @@ def _(value: Finding) -> Shown:
 
 
 @shown.register
-def _(value: LazyFindings) -> Shown:
-    return shown(Findings(value))
-
-
-@shown.register
-def _(value: Findings) -> Shown:
+def _(value: Findings | LazyFindings) -> Shown:
     found = [("", each, next_step(each, ())) for each in value]
     return Shown(findings(found) if found else paragraph("no findings"))
 
@@ -200,14 +195,17 @@ def _(value: ValueTable) -> Shown:
 def _(value: Laws) -> Shown:
     """The characteristic values of laws side by side, or the families for each task."""
     if value.rows is None:
-        told = [
-            (escape(each.task), escape(" to ".join(each.ends)), escape(", ".join(each.families)))
+        rows = (
+            (each.task, " to ".join(each.ends), ", ".join(each.families))
             for each in value.tasks or ()
-        ]
-        return Shown(rows_of(("task", "from, to", "laws"), told, numbers=False))
+        )
+        return Shown(texts((("task", "from, to", "laws"), *rows)))
     tables = "".join(map(texts, filter(None, (value.cells, value.physical_cells))))
-    told = "f', f'', f''' and f' f'' of each law over the move"
-    return Shown(tables + _as_text(value), answer.figure(value), told)
+    return Shown(
+        tables + _as_text(value),
+        answer.figure(value),
+        "f', f'', f''' and f' f'' of each law over the move",
+    )
 
 
 @shown.register
