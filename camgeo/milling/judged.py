@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.check.finding import Finding, Severity
-from camgeo.geometry.contour.contour import Contour, Pieces
+from camgeo.geometry.contour.contour import Contour, Pieces, rectangle
 from camgeo.milling.bench import BORE, SAME, is_open
 from camgeo.milling.cut import AreaCut, ContourCut, Cut, LetterCut
 from camgeo.milling.milling import (
@@ -267,8 +267,8 @@ def _blank(side: Side, tolerance: float) -> tuple[Contour, tuple[Contour, ...], 
         reach = max((float(np.max(part, initial=0.0)) for part in both), default=0.0)
         wide = 2.0 * UNKNOWN * max((run.radius for run in side.runs), default=0.0)
         corner, centre, known = (reach + wide) * (1.0 + 1.0j), 0j, False
-    outline = Contour.rectangle(corner, centre)
-    return outline, (outline, Contour.rectangle(corner - RIM * (1.0 + 1.0j), centre)), known
+    outline = rectangle(corner, centre)
+    return outline, (outline, rectangle(corner - RIM * (1.0 + 1.0j), centre)), known
 
 
 def _produced(cuts: Iterable[Cut]) -> set[str]:

@@ -291,7 +291,7 @@ class Clamp(CheckedFields, path="clamp."):
     @property
     def obstacle(self) -> Obstacle:
         """What cutters must clear."""
-        from camgeo.geometry.contour.contour import Contour
+        from camgeo.geometry.contour.contour import Contour, rectangle
         from camgeo.part.boundaries import ExactBoundary
 
         name = f"{self.what} at {_places(self.place if self.called is None else self.called)} mm"
@@ -299,7 +299,7 @@ class Clamp(CheckedFields, path="clamp."):
             contour = Contour.circle(self.length / 2.0, self.place)
         else:
             half = 0.5 * complex(self.length, self.width)
-            contour = Contour.rectangle(half, self.place, cmath.exp(1j * self.angle))
+            contour = rectangle(half, self.place, cmath.exp(1j * self.angle))
         return Obstacle(name, ExactBoundary(self.what, hole=False, exact=contour), self.height)
 
 
@@ -958,7 +958,7 @@ class Stock:
     @property
     def outline(self) -> ExactBoundary | None:
         """The upright face around it; None if it is not known."""
-        from camgeo.geometry.contour.contour import Contour
+        from camgeo.geometry.contour.contour import Contour, rectangle
         from camgeo.part.boundaries import ExactBoundary
 
         if self.diameter is not None:
@@ -966,5 +966,5 @@ class Stock:
         elif self.length is None or self.width is None:
             return None
         else:
-            exact = Contour.rectangle(0.5 * complex(self.length, self.width), self.centre)
+            exact = rectangle(0.5 * complex(self.length, self.width), self.centre)
         return ExactBoundary("stock", hole=False, exact=exact)

@@ -198,13 +198,13 @@ class Contour(PieceChain):
         vertices = np.array([centre + radius, centre - radius])
         return cls(vertices, np.array([np.pi, np.pi]), np.array([centre, centre]))
 
-    @classmethod
-    def rectangle(cls, half: complex, centre: complex, along: complex = 1.0 + 0j) -> Self:
-        """Around a `centre` [mm], counter-clockwise, half as long and as wide as `half` [mm] says;
-        its length lies `along` a direction, of size 1.
-        """
-        corners = np.array([-half, half.conjugate(), half, -half.conjugate()])
-        return cls.polygon(centre + corners * along)
+
+def rectangle(half: complex, centre: complex, along: complex = 1.0 + 0j) -> Contour:
+    """Around a `centre` [mm], counter-clockwise, half as long and as wide as `half` [mm] says; its
+    length lies `along` a direction, of size 1.
+    """
+    corners = np.array([-half, half.conjugate(), half, -half.conjugate()])
+    return Contour.polygon(centre + corners * along)
 
 
 Effort = Literal["fast", "fewest"]
