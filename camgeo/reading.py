@@ -2,7 +2,8 @@
 
 A file may be damaged, come from another program, or be made to do harm. Each limit is far above the
 needs of a cam, and low enough that a file within it can neither exhaust the memory nor occupy the
-machine. docs/robustness.md lists them; `tests/hostile` holds the readers to them.
+machine. Here are those that several modules share; what one reader alone limits stands there.
+docs/robustness.md lists them all; `tests/hostile` holds the readers to them.
 """
 
 from __future__ import annotations
@@ -38,52 +39,19 @@ class Limits:
 SCENE: Final = Limits("scene", 2_000_000)
 """10,000 segments with generous comments."""
 
-MACHINE: Final = Limits("machine profile", 200_000)
-
 TABLE: Final = Limits("table", 16_000_000, lines=400_000)
 """Of lifts, speeds, loads, points or a contour: 200,000 rows, and as many comments."""
-
-PROJECT: Final = Limits("project", 2_000_000)
-
-CERTIFICATE: Final = Limits("certificate", 2_000_000)
 
 DRAWING_LINES: Final = 40_000_000
 DRAWING: Final = Limits("DXF drawing", 256_000_000, DRAWING_LINES)
 """A polyline takes four lines for each vertex, a single line or arc about twenty: a million and a
 half of these."""
 
-PLACED: Final = 100_000
-"""Entities of a drawing that come from blocks, each as often as it is inserted."""
-
-SVG: Final = Limits("SVG drawing", 16_000_000)
-
-SVG_ELEMENTS: Final = 10_000
-"""Elements of an SVG drawing; one of ours has one for each boundary."""
-
-SVG_PIECES: Final = 50_000
-"""Lines and arcs of an SVG drawing."""
-
 PROGRAM_LINES: Final = 200_000
 PROGRAM: Final = Limits("milling program", 16_000_000, PROGRAM_LINES)
 
-PROGRAM_MOVES: Final = 500_000
-"""Of a program, of which cycles and arcs in other planes than XY make many in a block."""
-
-STL: Final = Limits("STL", 32_000_000, lines=1_500_000)
-"""Lines are those of a text, seven for each facet."""
-
-PACKAGE: Final = Limits("3MF package", 16_000_000)
-
-STEP: Final = Limits("STEP file", 8_000_000)
-
 INSTANCES: Final = 100_000
 """Entities of a STEP file, of which a piece of a wall takes twenty."""
-
-PARAMETERS: Final = 500_000
-"""Commas and brackets of a STEP file, which begin or end its parameters."""
-
-NESTED: Final = 8
-"""Lists within lists in a parameter of a STEP file; the deepest that shapes need is two."""
 
 VERIFIED: Final = Limits("file to be verified", DRAWING.size)
 """Of any format; the limit of the format itself may be lower."""
@@ -93,30 +61,6 @@ FACETS: Final = 150_000
 
 CONTOURS: Final = 1_000
 """Closed contours of a drawing."""
-
-PATHS: Final = 10_000
-"""Closed paths of a program."""
-
-MEMBERS: Final = 1_000
-"""Files in a package."""
-
-OBJECTS: Final = 1_000
-"""Objects of a package."""
-
-UNPACKED: Final = 40_000_000
-"""Bytes of a package's files in all, unpacked."""
-
-RATIO: Final = 200
-"""Factor by which a file of a package may grow on unpacking; meshes grow tenfold."""
-
-ELEMENTS: Final = 250_000
-"""Elements of the XML in a package, opening and closing tags counted as one."""
-
-ATTRIBUTES: Final = 800_000
-"""Attributes of these elements in all."""
-
-TAG: Final = 4_000
-"""Characters of one of their tags."""
 
 COORDINATE: Final = 1e9
 """Magnitude of a number of drawings, meshes and programs, in any unit."""

@@ -119,7 +119,6 @@ def _machine(side: Product) -> Machine:
 def _program(disc: Product, machine: Machine) -> Program:
     """The program of one side of a disc at the scene's tolerance, judged."""
     from camgeo.design.milled import compared
-    from camgeo.milling.plan import engagement_findings  # which times do without
     from camgeo.scene.milling import is_missing
 
     output, milled = disc.scene.output, disc.milled
@@ -144,6 +143,6 @@ def _program(disc: Product, machine: Machine) -> Program:
     except (ToleranceError, FileError, UndercutError) as error:
         disc.scene.restate(error)
         return Program((Finding(MILLING, "invalid", str(error)),))
-    found = stated_in(disc.unit, (*found, *engagement_findings(roughing)))
+    found = stated_in(disc.unit, (*found, *filter(None, (each.finding for each in roughing))))
     timed = None if times is None else tuple(times)
     return Program(found, timed, roughing=roughing, features=compared(milled))

@@ -89,13 +89,9 @@ class MilledDisc(Pickled):
         spec, first = self.scene.milling, self.first
         if first is None or spec is None:
             return spec
-        from camgeo.milling.bench import Bench
-        from camgeo.milling.judged import done_by, faces
+        from camgeo.milling.judged import Side
 
-        cuts = first.sequence.cuts
-        return spec.of_second_side(
-            faced=any(map(faces, cuts)), done=done_by(Bench(first.part, spec), cuts)
-        )
+        return Side(first.part, spec, first.sequence.cuts, ()).left_to_do
 
     @lazy
     def sequence(self) -> Sequence:
@@ -233,9 +229,12 @@ class MilledDisc(Pickled):
         """What is told of the sequence and its programs, and what their simulation finds: "broken"
         if they must not be run.
         """
-        from camgeo.milling.judged import findings_of, verdict
+        from camgeo.milling.judged import findings_of
 
-        found = (*findings_of(compared(self)), *verdict(self.flaws(toolpath, tolerance)))
+        found = (
+            *findings_of(compared(self)),
+            *(each.finding for each in self.flaws(toolpath, tolerance)),
+        )
         names = {each.name for each in found}
         told = [each for each in self.sequence.findings if each.name not in names]
         if low := self._low_change():

@@ -12,8 +12,8 @@ from typing import Final
 import numpy as np
 
 from camgeo.check.finding import Finding, Severity
-from camgeo.geometry.contour.contour import Contour, Pieces
-from camgeo.milling.bench import BORE, SAME, Bench, is_open
+from camgeo.geometry.contour.contour import Contour, Pieces, rectangle
+from camgeo.milling.bench import BORE, SAME, is_open
 from camgeo.milling.cut import AreaCut, ContourCut, Cut, LetterCut
 from camgeo.milling.milling import (
     CHAMFER_MILL,
@@ -27,7 +27,6 @@ from camgeo.milling.milling import (
     Stock,
     Tool,
     mirrored,
-    rectangle,
 )
 from camgeo.milling.moves import Course, Move, Point, Stop, Toolpath, course_of
 from camgeo.milling.simulation import (
@@ -116,6 +115,20 @@ class Side:
     def lowest(self) -> float:
         """Z of the part's lower face [mm]."""
         return self.part.layers[0].z0
+
+    @property
+    def left_to_do(self) -> MillingSpec | None:
+        """What is stated on the second side, with what this first one has done; None without one.
+
+        Of a planned sequence all walls that tools reach are done: what it leaves out is there, or
+        made otherwise.
+        """
+        done = frozenset(
+            wall.boundary.name
+            for wall in self.part.walls
+            if (is_finished(wall, [self]) if self.milling.operations else is_open(self.part, wall))
+        )
+        return self.milling.of_second_side(faced=any(map(faces, self.cuts)), done=done)
 
 
 def setup_of(side: Side, tolerance: float = PART_FINENESS, others: Iterable[Cut] = ()) -> Setup:
@@ -282,42 +295,9 @@ def lowest_of(wall: Wall, holding: Holding | None) -> float:
     return wall.z0 + (0.0 if holding is None else holding.skin or 0.0)
 
 
-def done_by(bench: Bench, cuts: Iterable[Cut]) -> frozenset[str]:
-    """Names of the walls that are done with the cuts of one side; of a planned sequence all that
-    tools reach: what it leaves out is there, or made otherwise.
-    """
-    if bench.milling.operations:
-        cuts = tuple(cuts)
-        names = ((wall, wall.boundary.name) for wall in bench.part.walls)
-        return frozenset(
-            name for wall, name in names
-            if finished_down_to(cuts, name) <= lowest_of(wall, bench.milling.holding)
-        )  # fmt: skip
-    return frozenset(wall.boundary.name for wall in bench.part.walls if is_open(bench.part, wall))
-
-
 def faces(cut: Cut) -> bool:
     """Whether a cut takes off all that lies above the part."""
     return isinstance(cut, AreaCut) and not cut.walls
-
-
-LOOSE_CORE: Final = "loose-core"
-"""Name of findings on waste that is cut free in one piece."""
-
-
-def verdict(flaws: Iterable[Flaw]) -> tuple[Finding, ...]:
-    """What a machinist must not run, "broken", and what is to be watched, "warning"."""
-    return tuple(
-        Finding(
-            LOOSE_CORE if each.name == "loose" and each.watched else each.name,
-            "warning" if each.watched else "broken",
-            each.sentence,
-            each.value,
-            each.limit,
-            each.unit,
-        )
-        for each in flaws
-    )
 
 
 # -- sides ----------------------------------------------------------------------------------------

@@ -31,9 +31,11 @@ from camgeo.numeric.checked import (
     shown,
     whole,
 )
-from camgeo.reading import MACHINE, check_toml, read_within
+from camgeo.reading import Limits, check_toml, read_within
 from camgeo.record import allowed, schema_beside
 from camgeo.units import MM_PER, LengthUnit
+
+MACHINE: Final = Limits("machine profile", 200_000)
 
 # -- machine fields -------------------------------------------------------------------------------
 # Checks of the values in a machine profile, and the types of its fields.

@@ -33,7 +33,6 @@ from camgeo.numeric.checked import (
 from camgeo.record import Brief, schema_beside
 
 if TYPE_CHECKING:
-    from camgeo.geometry.contour.contour import Contour
     from camgeo.numeric.arrays import ComplexArray
     from camgeo.part.boundaries import ExactBoundary
     from camgeo.part.part import Boundary
@@ -292,7 +291,7 @@ class Clamp(CheckedFields, path="clamp."):
     @property
     def obstacle(self) -> Obstacle:
         """What cutters must clear."""
-        from camgeo.geometry.contour.contour import Contour
+        from camgeo.geometry.contour.contour import Contour, rectangle
         from camgeo.part.boundaries import ExactBoundary
 
         name = f"{self.what} at {_places(self.place if self.called is None else self.called)} mm"
@@ -348,18 +347,6 @@ class Holding:
     def turned_over(self, about: str) -> Holding:
         """The same with clamps in the part's coordinates, which are stated as the work lies."""
         return replace(self, clamps=tuple(each.turned_over(about) for each in self.clamps))
-
-
-def rectangle(half: complex, centre: complex, along: complex = 1.0 + 0j) -> Contour:
-    """Around a `centre` [mm], counter-clockwise, half as long and as wide as `half` [mm] says; its
-    length lies `along` a direction, of size 1.
-    """
-    import numpy as np
-
-    from camgeo.geometry.contour.contour import Contour
-
-    corners = np.array([-half, half.conjugate(), half, -half.conjugate()])
-    return Contour.polygon(centre + corners * along)
 
 
 def _places(place: complex) -> str:
@@ -971,7 +958,7 @@ class Stock:
     @property
     def outline(self) -> ExactBoundary | None:
         """The upright face around it; None if it is not known."""
-        from camgeo.geometry.contour.contour import Contour
+        from camgeo.geometry.contour.contour import Contour, rectangle
         from camgeo.part.boundaries import ExactBoundary
 
         if self.diameter is not None:

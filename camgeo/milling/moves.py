@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, Final, Self
 
 import numpy as np
@@ -20,6 +20,7 @@ from camgeo.milling.cut import Cut
 from camgeo.milling.milling import (
     AXIS,
     CORNERS,
+    END_MILL,
     NOT,
     PART_TOP,
     GcodeSpec,
@@ -162,6 +163,17 @@ class Operation:
     def travel(self) -> tuple[Move, ...]:
         """The moves without the halts between them."""
         return tuple(move for move in self.moves if not isinstance(move, Stop))
+
+    @property
+    def swept(self) -> tuple[Course, float]:
+        """What it sweeps at the full radius [mm] of its tool, for those that follow it: the point
+        of a drill or a chamfer mill is left out.
+        """
+        course, tool = course_of(self.moves), self.tool
+        if tool.kind != END_MILL:
+            point = tool.tip_length
+            course = replace(course, from_z=course.from_z + point, to_z=course.to_z + point)
+        return course, tool.radius
 
     @property
     def name(self) -> str:

@@ -16,7 +16,7 @@ from camgeo.milling.compensation import limits_of
 from camgeo.milling.cut import AreaCut, Cut
 from camgeo.milling.judged import Side, runs_of, setup_of
 from camgeo.milling.machine import ArcLimits
-from camgeo.milling.milling import END_MILL, Heights, MillingSpec
+from camgeo.milling.milling import Heights, MillingSpec
 from camgeo.milling.moves import (
     ArcFeed,
     Course,
@@ -151,6 +151,16 @@ class Engaged:
             f" {largest:.1f} deg, {limit:.1f} deg allowed"
         )
 
+    @property
+    def finding(self) -> Finding | None:
+        """Where the engagement exceeds its limit; None if it does not."""
+        if self.largest <= self.limit:
+            return None
+        place = f"at X {self.place.real:.4g}, Y {self.place.imag:.4g} mm"
+        sentence = f"{self.operation}: {self.sentence}, {place}"
+        angles = math.degrees(self.largest), math.degrees(self.limit)
+        return Finding("engagement", "warning", sentence, *angles, "deg")
+
 
 def engaged_of(toolpath: Toolpath, part: Part, milling: MillingSpec) -> tuple[Engaged, ...]:
     """The engagement of each operation of a program that clears an area."""
@@ -159,16 +169,6 @@ def engaged_of(toolpath: Toolpath, part: Part, milling: MillingSpec) -> tuple[En
         return ()
     setup = setup_of(Side(part, milling, cuts, runs_of(toolpath)))
     return engaged(toolpath, setup.blank, setup.top)
-
-
-def engagement_findings(found: Iterable[Engaged]) -> Iterator[Finding]:
-    """Where the engagement exceeds its limit."""
-    for each in found:
-        if each.largest > each.limit:
-            place = f"at X {each.place.real:.4g}, Y {each.place.imag:.4g} mm"
-            sentence = f"{each.operation}: {each.sentence}, {place}"
-            angles = math.degrees(each.largest), math.degrees(each.limit)
-            yield Finding("engagement", "warning", sentence, *angles, "deg")
 
 
 def engaged(toolpath: Toolpath, blank: Sequence[Contour], top: float) -> tuple[Engaged, ...]:
@@ -185,7 +185,7 @@ def engaged(toolpath: Toolpath, blank: Sequence[Contour], top: float) -> tuple[E
         if isinstance(operation.cut, AreaCut):
             course, radius = course_of(operation.moves), operation.tool.radius
             found.append(_engaged(operation.cut, Cutting(course, radius, blank, top, cleared)))
-        cleared.append(cleared_by(operation))
+        cleared.append(operation.swept)
     return tuple(found)
 
 
@@ -309,17 +309,6 @@ class Engagement:
         total = np.cumsum(self.weights[order])
         place = int(np.searchsorted(total, share * total[-1]))
         return float(self.angles[order][min(place, len(order) - 1)])
-
-
-def cleared_by(operation: Operation) -> tuple[Course, float]:
-    """What an operation sweeps at the full radius [mm] of its tool, for those that follow it: the
-    point of a drill or a chamfer mill is left out.
-    """
-    course, tool = course_of(operation.moves), operation.tool
-    if tool.kind != END_MILL:
-        point = tool.tip_length
-        course = replace(course, from_z=course.from_z + point, to_z=course.to_z + point)
-    return course, tool.radius
 
 
 def crossings(pieces: Pieces, place: complex, radius: float, distance: float) -> FloatArray:

@@ -38,7 +38,7 @@ from camgeo.milling.bench import (
     slot_between,
 )
 from camgeo.milling.cut import AreaCut, ContourCut, Cut
-from camgeo.milling.judged import LOOSE_CORE, left_out
+from camgeo.milling.judged import left_out
 from camgeo.milling.milling import (
     CLAMPS,
     COMPUTED,
@@ -53,6 +53,7 @@ from camgeo.milling.milling import (
     ToolError,
 )
 from camgeo.milling.polygons import Area
+from camgeo.milling.simulation import LOOSE_CORE
 from camgeo.milling.stated import stated_cuts
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import Part, Wall

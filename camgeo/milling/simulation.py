@@ -20,6 +20,7 @@ from typing import Any, Final
 import numpy as np
 import shapely
 
+from camgeo.check.finding import Finding, Severity
 from camgeo.geometry.contour.contour import Contour
 from camgeo.milling.moves import Course, Feed, Move, Point, Rapid, Stop, alike, course_of
 from camgeo.milling.polygons import NOTHING, Area, grown, parts, polygon
@@ -78,6 +79,10 @@ class Stage:
         return sum((slab.z1 - slab.z0) * float(slab.material.area) for slab in self.slabs)
 
 
+LOOSE_CORE: Final = "loose-core"
+"""Name of findings on waste that is cut free in one piece."""
+
+
 @dataclass(frozen=True, slots=True)
 class Flaw:
     """Something that a machinist would not accept.
@@ -111,6 +116,13 @@ class Flaw:
     def excess(self) -> float:
         """By how much the limit is missed."""
         return abs(self.value - self.limit)
+
+    @property
+    def finding(self) -> Finding:
+        """What a machinist must not run, "broken", or is to watch, "warning"."""
+        name = LOOSE_CORE if self.name == "loose" and self.watched else self.name
+        severity: Severity = "warning" if self.watched else "broken"
+        return Finding(name, severity, self.sentence, self.value, self.limit, self.unit)
 
 
 def _without(material: Area, area: Area) -> Area:

@@ -16,7 +16,7 @@ from camgeo.geometry.contour.contour import Contour
 from camgeo.milling.judged import Side, runs_of, setup_of
 from camgeo.milling.milling import mirrored_all
 from camgeo.milling.moves import Course, Operation, Rapid, Stop, Toolpath, alike, course_of
-from camgeo.milling.plan import Cutting, cleared_by
+from camgeo.milling.plan import Cutting
 from camgeo.numeric.arrays import ComplexArray, taken
 from camgeo.pictures.model import (
     AUXILIARY,
@@ -257,7 +257,7 @@ def plotted(
         cutting = Cutting(course, radius, tuple(blank), top, tuple(cleared))
         traces = [*_feeds(cutting, fineness), *_rapids(operation)]
         found.append(Plotted(operation, tuple(traces)))
-        cleared.append(cleared_by(operation))
+        cleared.append(operation.swept)
     return tuple(found)
 
 

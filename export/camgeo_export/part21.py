@@ -17,16 +17,15 @@ import numpy as np
 from camgeo.errors import FileError, GeometryError
 from camgeo.geometry.contour.spline import Arc, CubicSpline
 from camgeo.numeric.arrays import phase
-from camgeo.reading import (
-    COORDINATE,
-    INSTANCES,
-    NESTED,
-    PARAMETERS,
-    STEP,
-    beyond,
-    check_size,
-    number_of,
-)
+from camgeo.reading import COORDINATE, INSTANCES, Limits, beyond, check_size, number_of
+
+STEP: Final = Limits("STEP file", 8_000_000)
+
+PARAMETERS: Final = 500_000
+"""Commas and brackets of a STEP file, which begin or end its parameters."""
+
+NESTED: Final = 8
+"""Lists within lists in a parameter of a STEP file; the deepest that shapes need is two."""
 
 FIRST, LAST = "ISO-10303-21", "END-ISO-10303-21"
 
@@ -475,29 +474,29 @@ class Solid:
     uncertainty: float | None
     faces: tuple[Face, ...]
 
+    @classmethod
+    def of(cls, data: bytes) -> Solid:
+        """The only one of a file; FileError if there are others, or it is not an upright one."""
+        model = Model.of(exchange_of(data))
+        others = model.all_of(*OTHERS)
+        if others:
+            raise others[0].fault("only files of one solid, in its own place, can be read")
+        solids = model.all_of(*SOLIDS)
+        if len(solids) != 1:
+            raise FileError(f"{len(solids)} solids (MANIFOLD_SOLID_BREP), expected one")
+        (solid,) = solids
+        context = _context(model, solid.number)
+        unit = _unit(model, context)
+        shell = model.entity(solid.ref(1), "CLOSED_SHELL")
+        builder = _Builder(Geometry(model, unit, _angle(model, context)))
+        faces = tuple(builder.face(ref) for ref in shell.refs(1))
+        products = tuple(each.text(1) for each in model.all_of("PRODUCT"))
+        return cls(solid.number, solid.text(0), products, unit, _uncertainty(model, context), faces)
+
     @property
     def unit_name(self) -> str:
         """The name of its unit."""
         return NAMES.get(self.unit, f"{self.unit:g} mm")
-
-
-def solid_of(data: bytes) -> Solid:
-    """The only solid of a file; FileError if there are others, or it is not an upright one."""
-    model = Model.of(exchange_of(data))
-    others = model.all_of(*OTHERS)
-    if others:
-        raise others[0].fault("only files of one solid, in its own place, can be read")
-    solids = model.all_of(*SOLIDS)
-    if len(solids) != 1:
-        raise FileError(f"{len(solids)} solids (MANIFOLD_SOLID_BREP), expected one")
-    (solid,) = solids
-    context = _context(model, solid.number)
-    unit = _unit(model, context)
-    shell = model.entity(solid.ref(1), "CLOSED_SHELL")
-    builder = _Builder(Geometry(model, unit, _angle(model, context)))
-    faces = tuple(builder.face(ref) for ref in shell.refs(1))
-    products = tuple(each.text(1) for each in model.all_of("PRODUCT"))
-    return Solid(solid.number, solid.text(0), products, unit, _uncertainty(model, context), faces)
 
 
 def _context(model: Model, solid: int) -> int:

@@ -26,11 +26,19 @@ from camgeo.geometry.contour.foreign import Outlines
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.boundaries import largest_radius
 from camgeo.part.part import written_contour
-from camgeo.reading import CONTOURS, SVG, SVG_ELEMENTS, SVG_PIECES, beyond, check_size, number_of
+from camgeo.reading import CONTOURS, Limits, beyond, check_size, number_of
 from camgeo.scene.formats.format import CUT_SVG
 from camgeo.units import LengthUnit, counted
 from camgeo_export.reading import CUT, layered, of_the_part
 from camgeo_export.verify.plane import deviation
+
+SVG: Final = Limits("SVG drawing", 16_000_000)
+
+SVG_ELEMENTS: Final = 10_000
+"""Elements of an SVG drawing; one of ours has one for each boundary."""
+
+SVG_PIECES: Final = 50_000
+"""Lines and arcs of an SVG drawing."""
 
 WIDEST: Final = 0.5 * math.pi
 """Widest arc [rad]: an arc is given by its ends and its radius, from which the centre of one near

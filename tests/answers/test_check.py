@@ -15,7 +15,6 @@ from camgeo.app.answers.check import Check, check
 from camgeo.check.finding import Finding
 from camgeo.design.design import Design
 from camgeo.errors import SceneError
-from camgeo.milling.plan import engagement_findings
 from camgeo.scene.scene import load_scene
 from tests.answers.documents import FIXTURES, SCENES, UNHELD, document, explained
 from tests.long_form import LONG
@@ -175,8 +174,9 @@ def test_the_engagement_of_what_clears_a_bore() -> None:
         assert bore.largest <= bore.limit
         assert reported["roughing"][0]["largest_deg"] == pytest.approx(math.degrees(bore.largest))
         assert f"rough bore: {bore.sentence}" in text(found), name
-        assert list(engagement_findings([bore])) == []
-        (steep,) = engagement_findings([replace(bore, limit=0.5 * bore.largest)])
+        assert bore.finding is None
+        steep = replace(bore, limit=0.5 * bore.largest).finding
+        assert steep is not None
         assert steep.severity == "warning"
         assert steep.value == pytest.approx(math.degrees(bore.largest))
 

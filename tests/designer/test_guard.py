@@ -18,13 +18,13 @@ from camgeo.errors import CamgeoError
 from camgeo_export.designer import serve, session
 from camgeo_export.designer.serve import (
     HEADERS,
+    LARGEST,
     MOST_CONNECTIONS,
     Address,
     Keys,
     is_loopback,
     listening,
 )
-from camgeo_export.designer.session import LARGEST
 from tests.designer.served import Clock, Served
 from tests.long_form import examples
 from tests.waiting import PATIENCE

@@ -48,7 +48,6 @@ from camgeo.pictures.sheet.marks import (
     Sheet,
     line,
     number_of,
-    squeeze,
 )
 from camgeo.pictures.sheet.sheet import sheets_of
 from camgeo.scene.scene import load_scene, parse_scene
@@ -157,7 +156,7 @@ def check(mark: Mark, entity: Any, there: Placed, size: float, paper: float) -> 
         assert (kind, dxf.layer, dxf.text, dxf.style) == ("TEXT", mark.layer, mark.text, "CAMGEO")
         require(
             dxf, height=mark.height * paper, rotation=0.0, valign=0,
-            width=NARROWED * squeeze(mark.text, mark.height, mark.width),
+            width=NARROWED * mark.squeeze,
             halign={"left": 0, "centre": 1, "right": 2}[mark.across],
         )  # fmt: skip
         where = dxf.insert if mark.across == "left" else dxf.align_point

@@ -28,10 +28,9 @@ from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.foreign import Outlines, by_arcs
 from camgeo.geometry.contour.spline import CubicSpline, SplineContour
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.reading import PLACED
 from camgeo.units import LengthUnit
 from camgeo_export.contour_csv import READER as CSV
-from camgeo_export.dxf.reader import NEAR, READER, drawing_of
+from camgeo_export.dxf.reader import NEAR, PLACED, READER, drawing_of
 from camgeo_export.reading import AnyContour
 from camgeo_export.svg import READER as SVG
 from tests.measuring import Outline

@@ -22,7 +22,7 @@ from camgeo.design.product import Product
 from camgeo.errors import FileError
 from camgeo.reading import COORDINATE
 from camgeo.scene.formats.step import StepSpec
-from camgeo_export.part21 import Model, Record, exchange_of, solid_of
+from camgeo_export.part21 import Model, Record, Solid, exchange_of
 from camgeo_export.part21 import Ref as ReadRef
 from camgeo_export.part21 import Word as ReadWord
 from camgeo_export.step.writer import (
@@ -350,7 +350,7 @@ def test_the_same_solid_otherwise_said_is_measured_alike(edit: str) -> None:
 )  # fmt: skip
 def test_units_of_the_si(prefix: str, size: float, name: str) -> None:
     whole = written("circle and flat").replace("SI_UNIT(.MILLI.,", f"SI_UNIT({prefix},")
-    solid = solid_of(whole.encode())
+    solid = Solid.of(whole.encode())
     assert (solid.unit, solid.unit_name) == (size, name)
     assert solid.uncertainty == pytest.approx(1e-7 * size, rel=1e-12)
     heights = {use.edge.places[0].z for face in solid.faces for loop in face.loops for use in loop}
@@ -371,7 +371,7 @@ def test_units_of_the_si(prefix: str, size: float, name: str) -> None:
     ],
 )
 def test_units_that_are_stated_by_others(factors: tuple[float, ...], name: str) -> None:
-    assert solid_of(edited("circle and flat", by_factors(*factors))).unit_name == name
+    assert Solid.of(edited("circle and flat", by_factors(*factors))).unit_name == name
 
 
 def by_factors(*factors: float) -> Callable[[Lines], None]:
@@ -400,7 +400,7 @@ def by_factors(*factors: float) -> Callable[[Lines], None]:
 def test_units_have_limits(factors: tuple[float, ...], message: str) -> None:
     """Two are stated by others, a third is not; none is beyond a kilometre or a nanometre."""
     with pytest.raises(FileError, match=message):
-        solid_of(edited("circle and flat", by_factors(*factors)))
+        Solid.of(edited("circle and flat", by_factors(*factors)))
 
 
 @pytest.mark.parametrize(
@@ -412,7 +412,7 @@ def test_units_have_limits(factors: tuple[float, ...], message: str) -> None:
 )
 def test_without_an_uncertainty_none_is_told(pattern: str) -> None:
     data = re.sub(pattern, "", written("circle and flat")).encode()
-    assert solid_of(data).uncertainty is None
+    assert Solid.of(data).uncertainty is None
 
 
 # Faults -------------------------------------------------------------------------------------------

@@ -36,7 +36,8 @@ from camgeo.part.mass import Solid
 from camgeo.part.part import Bevel, Boundary, Layer, Part
 from camgeo.part.spec import Chamfers, Counterbore, DShaft, Engraving, Holes, Hub, Keyway, PartSpec
 from camgeo.units import LengthUnit
-from camgeo_export.part21 import Cone, solid_of
+from camgeo_export.part21 import Cone
+from camgeo_export.part21 import Solid as StepSolid
 from camgeo_export.solid import prism
 from camgeo_export.solid.prism import FIT_SHARE, PIECE, body, of_polygons, triangulated
 from camgeo_export.step.writer import WRITER as STEP
@@ -324,7 +325,7 @@ def test_step_files_have_cones(unit: LengthUnit) -> None:
     written = read_back(STEP, product, least=0.0)
     assert written.facts["volume_mm3"] == pytest.approx(VOLUME, rel=1e-12)
     assert Solid.of(PART).volume == pytest.approx(VOLUME, rel=1e-13)
-    read = solid_of(written.data)
+    read = StepSolid.of(written.data)
     leaning = [face for face in read.faces if face.is_inclined]
     assert {face.name for face in leaning} == {each.edge.name for each in PART.bevels}
     assert all(isinstance(face.surface, Cone) for face in leaning)
@@ -408,7 +409,7 @@ def test_step_files_have_parabolas_at_corners(bore: ExactBoundary, unit: LengthU
     assert measured(STEP, product, written.data) <= 1e-9
     volume = Solid.of(part).volume
     assert written.facts["volume_mm3"] == pytest.approx(volume, rel=1e-13)
-    read = solid_of(written.data)
+    read = StepSolid.of(written.data)
     assert volume_of(bounds_of(read), read.faces) == pytest.approx(volume, rel=1e-12)
     edges = {use.edge.number: use.edge for face in read.faces for loop in face.loops
              for use in loop}  # fmt: skip

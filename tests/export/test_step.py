@@ -41,7 +41,7 @@ from camgeo.part.spec import (
     PartSpec,
 )
 from camgeo.scene.formats.step import StepSpec
-from camgeo_export.part21 import solid_of
+from camgeo_export.part21 import Solid as StepSolid
 from camgeo_export.step import writer
 from camgeo_export.step.writer import WRITER
 from camgeo_export.verify.step import bounds_of, volume_of
@@ -470,7 +470,7 @@ def test_random_layers_are_one_solid_or_are_refused(slices: list[tuple[str, str]
     assert WRITER.measure(product, written.data) <= 0.1
     areas = {SOLID: 0.0, OPEN: 25.0, RINGED: 25.0 - 4.0}
     volume = 2.0 * math.pi * sum(1600.0 - sum(areas[kind] for kind in kinds) for kinds in slices)
-    assert volume_of(bounds_of(solid_of(written.data)), ()) == pytest.approx(volume, rel=0.01)
+    assert volume_of(bounds_of(StepSolid.of(written.data)), ()) == pytest.approx(volume, rel=0.01)
 
 
 def test_names_are_those_of_the_part_in_any_script() -> None:
@@ -478,7 +478,7 @@ def test_names_are_those_of_the_part_in_any_script() -> None:
     data = WRITER.write(product, TOLERANCE).data
     assert data.isascii()
     assert rb"\X2\00FC\X0\r \X2\00D8\X0\8, \X2\51F88F6E\X0\ ''\X4\0001D6FC\X0\'' \\ a" in data
-    solid = solid_of(data)
+    solid = StepSolid.of(data)
     assert (solid.name, solid.products) == (product.name, (product.name,))
     assert {face.name for face in solid.faces} == {"lower face", "upper face", "outline", "bore"}
     assert WRITER.measure(product, data) <= TOLERANCE

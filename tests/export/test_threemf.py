@@ -21,7 +21,6 @@ import pytest
 import trimesh
 
 import camgeo
-from camgeo import reading
 from camgeo.design.drawn import COMPENSATED
 from camgeo.design.plate import plate_of
 from camgeo.design.product import Product
@@ -295,7 +294,7 @@ def test_as_much_as_the_limit_is_read_and_no_more(
 ) -> None:
     make, message = LIMITS[limit]
     most = 12
-    monkeypatch.setattr(reading, limit, most)
+    monkeypatch.setattr(threemf, limit, most)
     if limit == "TAG":  # which is compiled with it
         monkeypatch.setattr(threemf, "LONG", re.compile(rb"<[^<>!?][^<>]{%d}" % most))
 
@@ -310,7 +309,7 @@ def test_as_much_as_the_limit_is_read_and_no_more(
 
 
 def test_all_copies_of_a_body_count(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(reading, "FACETS", 12)
+    monkeypatch.setattr(threemf, "FACETS", 12)
     check_bodies(tripled(4))
     with pytest.raises(FileError, match="15 facets"):
         check_bodies(tripled(5))
@@ -322,7 +321,7 @@ def test_the_ratio_of_small_parts_does_not_matter(monkeypatch: pytest.MonkeyPatc
         ratio = 5_000 / file.infolist()[0].compress_size
     monkeypatch.setattr(threemf, "SMALL", 4_999)
     for allowed, fits in ((math.ceil(ratio), True), (math.ceil(ratio) - 1, False)):
-        monkeypatch.setattr(reading, "RATIO", allowed)
+        monkeypatch.setattr(threemf, "RATIO", allowed)
         if fits:
             assert len(parts_of(data)["a"]) == 5_000
             continue

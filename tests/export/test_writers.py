@@ -45,7 +45,7 @@ from camgeo_export.dxf.writer import WRITER as DXF
 from camgeo_export.gcode import writer as gcode_writer
 from camgeo_export.gcode.writer import WRITER as GCODE
 from camgeo_export.gcode.writer import ascii_of
-from camgeo_export.part21 import Extrusion, exchange_of, solid_of
+from camgeo_export.part21 import Extrusion, Solid, exchange_of
 from camgeo_export.solid import prism
 from camgeo_export.step import writer as step_writer
 from camgeo_export.step.writer import WRITER as STEP
@@ -56,6 +56,7 @@ from camgeo_export.table import ASC_WRITER as WRITER
 from camgeo_export.table import COLUMNS, POINTS, AscWriter
 from camgeo_export.table import WRITER as CSV
 from camgeo_export.threemf.writer import WRITER as THREEMF
+from camgeo_export.verify import stl, threemf
 from camgeo_export.verify.gcode import stated
 from camgeo_export.verify.threemf import MODEL_PATH, parts_of
 from tests.export.stub_product import PIECES, StubProduct, StubScene
@@ -137,7 +138,7 @@ def test_walls_of_letters_are_splines_where_step_files_have_splines() -> None:
         for each in ENGRAVED.boundaries
         if text_of(each.name)
     )
-    found = solid_of(data)
+    found = Solid.of(data)
     assert sum(isinstance(each.surface, Extrusion) for each in found.faces) >= curved
 
 
@@ -314,22 +315,22 @@ def test_the_largest_body_is_within_all_other_limits() -> None:
     """A closed surface has half as many vertices as facets, and two more for each of its parts."""
     vertices, digits = reading.FACETS // 2 + 100, 24
     elements = reading.FACETS + vertices + 100
-    assert elements <= reading.ELEMENTS
-    assert 3 * elements <= reading.ATTRIBUTES
+    assert elements <= threemf.ELEMENTS
+    assert 3 * elements <= threemf.ATTRIBUTES
     vertex = len('<vertex x="" y="" z="" />') + 3 * digits
     facet = len('<triangle v1="" v2="" v3="" />') + 3 * len(str(vertices))
     model = vertices * vertex + reading.FACETS * facet
-    assert model <= reading.UNPACKED
-    assert reading.STL.size >= 84 + 50 * reading.FACETS
+    assert model <= threemf.UNPACKED
+    assert stl.STL.size >= 84 + 50 * reading.FACETS
 
 
 def test_the_largest_solid_is_within_all_other_limits() -> None:
     """Of a cam with thousands of pieces, an entity takes 52 bytes, and 5 commas and brackets."""
     data = STEP.write(StubProduct(), 0.01).data
     entities = data.count(b"\n#")
-    assert reading.STEP.size >= 1.2 * len(data) / entities * reading.INSTANCES
+    assert part21.STEP.size >= 1.2 * len(data) / entities * reading.INSTANCES
     marks = data.count(b",") + data.count(b"(")
-    assert 1.05 * marks / entities * reading.INSTANCES <= reading.PARAMETERS
+    assert 1.05 * marks / entities * reading.INSTANCES <= part21.PARAMETERS
 
 
 COARSE = 0.05

@@ -13,7 +13,7 @@ import shapely
 
 from camgeo.design.design import Design
 from camgeo.design.product import Product
-from camgeo.pictures.sheet.marks import Chain, Diameter, Distance, Label, Sheet, squeeze, width_of
+from camgeo.pictures.sheet.marks import Chain, Diameter, Distance, Label, Sheet, width_of
 from camgeo.pictures.sheet.sheet import sheets_of
 from camgeo.scene.scene import load_scene, parse_scene
 from camgeo.units import MM_PER
@@ -122,7 +122,7 @@ def text_of(mark: Distance | Diameter, sheet: Sheet) -> str:
 def room(mark: Label | Distance | Diameter, sheet: Sheet, at: complex, scale: float) -> Room:
     """Where the text of a mark stands whose origin is `at` [mm of paper]."""
     if isinstance(mark, Label):
-        wide = width_of(mark.text, mark.height) * squeeze(mark.text, mark.height, mark.width)
+        wide = width_of(mark.text, mark.height) * mark.squeeze
         shift = {"left": 0.5, "centre": 0.0, "right": -0.5}[mark.across] * wide
         middle = at + scale * mark.at + (shift + 0.5j * mark.height)
         return Room(mark.text, middle, 1.0, 0.5 * wide, 0.5 * mark.height)

@@ -42,10 +42,8 @@ from camgeo.pictures.sheet.marks import (
     across,
     boxes,
     dots,
-    findings_of,
     line,
     number_of,
-    squeeze,
     width_of,
 )
 from camgeo.pictures.sheet.section import placed
@@ -381,8 +379,8 @@ def test_widths_are_those_of_the_font(text: str) -> None:
 
 def test_long_texts_are_narrowed_or_wrapped() -> None:
     text = "a text that is much too long for its field"
-    assert width_of(text, 2.5) * squeeze(text, 2.5, 20.0) == pytest.approx(20.0)
-    assert squeeze("short", 2.5, 20.0) == squeeze(text, 2.5, 0.0) == 1.0
+    assert width_of(text, 2.5) * Label(text, 0j, width=20.0).squeeze == pytest.approx(20.0)
+    assert Label("short", 0j, width=20.0).squeeze == Label(text, 0j).squeeze == 1.0
     lines = wrapped(text, 2.5, 30.0)
     assert " ".join(lines) == text
     assert all(width_of(each, 2.5) <= 30.0 for each in lines)
@@ -446,7 +444,7 @@ def with_marks(sheet: Sheet, *marks: Chain | Distance) -> Sheet:
 
 def test_usual_sheets_are_readable() -> None:
     for name in ("setzhub", "ring", "inch"):
-        assert [list(findings_of(each)) for each in sheets(name)] == [[]]
+        assert [list(each.findings()) for each in sheets(name)] == [[]]
 
 
 def test_a_line_across_a_text_is_told() -> None:
@@ -456,7 +454,7 @@ def test_a_line_across_a_text_is_told() -> None:
     middle = 0.5 * (mark.first.real + mark.second.real) + 1j * mark.line.imag
     wrong = with_marks(sheet, line(middle, middle + 10j, "OUTLINE"))
     assert list(across(wrong.views[0], wrong)) == ["(69.53)"]
-    (found,) = findings_of(wrong)
+    (found,) = wrong.findings()
     assert found.severity == "warning"
     assert 'lines across 1 text ("(69.53)")' in found.sentence
 
@@ -473,6 +471,6 @@ def test_outlines_that_are_dots_are_told_with_their_place() -> None:
     ((width, at),) = dots(sheet)
     assert width == pytest.approx(0.4, abs=0.01)
     assert at == pytest.approx(25.0 * (0.75**0.5 + 0.5j), abs=0.01)
-    sentences = [each.sentence for each in findings_of(sheet)]
+    sentences = [each.sentence for each in sheet.findings()]
     assert any("1 outline as a dot, 0.4 mm wide on paper, at (21.65 / 12.5)" in each
                for each in sentences)  # fmt: skip

@@ -73,6 +73,13 @@ class Cell:
     reason: str = ""
     verdict: str = ""
 
+    def told(self, length: LengthUnit) -> tuple[str, str]:
+        """What it says in a unit of length, and the severity of a finding that is not "ok"."""
+        severity = "" if self.severity == "ok" else self.severity
+        if self.value is None:
+            return "" if severity else self.verdict or "-", severity
+        return " ".join(filter(None, shown_in(length, self.value, self.unit))), severity
+
 
 @dataclass(frozen=True, slots=True)
 class Line:
@@ -305,10 +312,8 @@ def text(answer: Compare) -> str:
 
 
 def _cell(cell: Cell, length: LengthUnit) -> str:
-    mark = "" if cell.severity in ("", "ok") else MARKS[cell.severity]
-    if cell.value is None:
-        return mark or (cell.verdict or "-")
-    return " ".join(filter(None, (*shown_in(length, cell.value, cell.unit), mark)))
+    words, severity = cell.told(length)
+    return " ".join(filter(None, (words, MARKS[severity] if severity else "")))
 
 
 def figure(answer: Compare) -> Figure:

@@ -21,7 +21,8 @@ from camgeo.app.cli.command import (
 )
 from camgeo.errors import Fault, SceneError
 from camgeo.kinematics.laws import ALIASES, FAMILIES, OPTIONS, find_family
-from camgeo.kinematics.laws.comparison import QUANTITIES, Entry, Running, compare
+from camgeo.kinematics.laws.comparison import QUANTITIES, Entry, Running, compare, entry_of
+from camgeo.kinematics.laws.law import Law
 from camgeo.kinematics.motion import ENDS, NAMES, TASKS, ends_of
 from camgeo.numeric.extremes import Extreme
 from camgeo.pictures.model import Figure
@@ -97,6 +98,35 @@ class Laws(Answer):
     running: Running | None = None
     tasks: tuple[TaskLaws, ...] | None = None
     places: bool = False
+
+    @classmethod
+    def of(cls, law: Law) -> Laws:
+        """One law alone."""
+        return cls((LawRow(entry_of(law)),))
+
+    @property
+    def cells(self) -> list[list[str]]:
+        """The laws with their parameters and characteristic values, below a heading."""
+        found = [["law", "parameters", *HEAD]]
+        for row in self.rows or ():
+            entry = row.entry
+            given = ", ".join(f"{name} {value:.6g}" for name, value in row.parameters.items())
+            values = [entry.reason, *[""] * (len(HEAD) - 1)]
+            if entry.law is not None:
+                values = [_spelled(entry.bounded(each), ".6g") for each in QUANTITIES]
+            found.append([entry.name, given, *values])
+        return found
+
+    @property
+    def physical_cells(self) -> list[list[str]]:
+        """The same values of the move at its speed; nothing without one."""
+        symbols = zip(PHYSICAL_HEAD, UNITS, strict=True)
+        found = [["law", *(f"{name} [{unit}]" for name, unit in symbols)]]
+        for row in self.rows or ():
+            if row.physical is not None:
+                values = (None if each is None else each.value for each in row.physical.values())
+                found.append([row.entry.name, *(_spelled(each, ".5g") for each in values)])
+        return found if len(found) > 1 else []
 
 
 def laws_of_task(
@@ -333,7 +363,11 @@ def _physical_table(rows: Sequence[LawRow], running: Running, width: int) -> lis
 
 
 def _cell(value: float | None, form: str, missing: str = "unbounded") -> str:
-    return f"{missing if value is None else format(value + 0.0, form):>{CELL}}"
+    return f"{_spelled(value, form, missing):>{CELL}}"
+
+
+def _spelled(value: float | None, form: str, missing: str = "unbounded") -> str:
+    return missing if value is None else format(value + 0.0, form)
 
 
 def _parameters(row: LawRow) -> str:

@@ -118,6 +118,22 @@ class Sweep(Answer):
         mixed = frozenset(span.word for span in self.spans if span.mixed)
         return (_design(self.result, row, mixed) for row in self.result.rows)
 
+    @property
+    def cells(self) -> list[list[str]]:
+        """The rows of a small family below a heading; nothing of a larger one."""
+        if self.count > FEW:
+            return []
+        length, common = self.scene.unit, {span.word: span.unit for span in self.spans}
+        heads = (headed(span, length) for span in self.spans)
+        rows = [[*self.result.family.keys, *heads, REASON]]
+        for each in self.designs:
+            answers = (
+                " ".join(filter(None, _answer(each, word, common.get(word, ""), length)))
+                for word in each.answers
+            )
+            rows.append([*map(shown, each.values.values()), *answers, each.reason])
+        return rows if self.failed else [row[:-1] for row in rows]
+
 
 def answer_of(result: Result) -> Sweep:
     """The answer from the rows, which are read once."""
@@ -259,8 +275,11 @@ REASON: Final = "reason"
 def text(answer: Sweep) -> str:
     """What the family answers; of a small one all rows."""
     lines = [f"{answer.scene.name}: {counted(answer.count, 'design')}{_drawn(answer)}"]
-    if answer.count <= FEW:
-        lines += ["", *aligned(_cells(answer, answer.designs))]
+    rows = answer.cells
+    if answer.failed:
+        rows = [[*row[:-1], shortened(row[-1], LONGEST)] for row in rows]
+    if rows:
+        lines += ["", *aligned(rows)]
     else:
         for span in answer.spans:
             lines += ["", *_span(span, answer.scene.unit)]
@@ -303,22 +322,6 @@ def headed(span: Span, length: LengthUnit = "mm") -> str:
     """Heading of the answers, with their unit if they have one, in a unit of length."""
     unit, _ = unit_in(span.unit, length)
     return f"{span.word} [{unit}]" if unit else span.word
-
-
-def _cells(answer: Sweep, designs: Iterable[Design]) -> list[list[str]]:
-    length = answer.scene.unit
-    rows = [[*answer.result.family.keys, *(headed(span, length) for span in answer.spans), REASON]]
-    common = {span.word: span.unit for span in answer.spans}
-    for each in designs:
-        answers = (
-            " ".join(filter(None, _answer(each, word, common.get(word, ""), length)))
-            for word in each.answers
-        )
-        values = map(shown, each.values.values())
-        rows.append([*values, *answers, shortened(each.reason, LONGEST)])
-    if not answer.failed:
-        rows = [row[:-1] for row in rows]
-    return rows
 
 
 def _answer(design: Design, word: str, common: str, length: LengthUnit) -> tuple[str, str]:

@@ -42,8 +42,7 @@ from camgeo.design.writing import (
     write_set,
 )
 from camgeo.errors import CamgeoError, Fault, FileError, SceneError, unreadable
-from camgeo.reading import CERTIFICATE as CERTIFIED
-from camgeo.reading import VERIFIED, read_within
+from camgeo.reading import VERIFIED, Limits, read_within
 from camgeo.scene.formats.format import LARGEST_TOLERANCE
 from camgeo.scene.scene import hashes_of, load_scene
 from camgeo.units import LengthUnit, in_unit, unit_in
@@ -126,6 +125,8 @@ GROUP: Final = "camgeo.verifiers"
 
 LONGEST_NOTE: Final = 200
 """Characters of an unexpected error in a note."""
+
+CERTIFIED: Final = Limits("certificate", 2_000_000)
 
 SHORT: Final = 16
 """Digits of a hash that are shown."""

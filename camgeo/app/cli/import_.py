@@ -19,8 +19,10 @@ from typing import Final, Literal
 
 from camgeo.app.cli.command import Argument, CallError, deliver, notify, output_options
 from camgeo.errors import Fault, SceneError
-from camgeo.reading import PROJECT
+from camgeo.reading import Limits
 from camgeo.scene.scene import parse_scene, read_file
+
+PROJECT: Final = Limits("project", 2_000_000)
 
 COUNT: Final = 24
 

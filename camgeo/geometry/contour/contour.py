@@ -199,6 +199,14 @@ class Contour(PieceChain):
         return cls(vertices, np.array([np.pi, np.pi]), np.array([centre, centre]))
 
 
+def rectangle(half: complex, centre: complex, along: complex = 1.0 + 0j) -> Contour:
+    """Around a `centre` [mm], counter-clockwise, half as long and as wide as `half` [mm] says; its
+    length lies `along` a direction, of size 1.
+    """
+    corners = np.array([-half, half.conjugate(), half, -half.conjugate()])
+    return Contour.polygon(centre + corners * along)
+
+
 Effort = Literal["fast", "fewest"]
 """Effort of a fit: one pass, or the fewest pieces and then the least deviation."""
 

@@ -93,6 +93,11 @@ class Round:
     radius: float
     layer: Layer
 
+    @property
+    def quarters(self) -> ComplexArray:
+        """(4,) where each quarter of it begins [mm]."""
+        return self.centre + self.radius * np.array([1.0, 1j, -1.0, -1j], np.complex128)
+
 
 @dataclass(frozen=True, slots=True)
 class Label:
@@ -111,6 +116,12 @@ class Label:
     across: Across = "left"
     layer: Layer = "TEXT"
     width: float = 0.0
+
+    @property
+    def squeeze(self) -> float:
+        """By what the text is narrowed further to be within `width`; 1 if it need not be."""
+        wide = width_of(self.text, self.height)
+        return 1.0 if not self.width or wide <= self.width else self.width / wide
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -213,10 +224,6 @@ BEFORE, BEHIND = 0.8, 1.5
 """From the part to its extension line, and from the dimension line to its end [mm of paper]."""
 
 
-QUARTERS: Final[ComplexArray] = frozen([1.0, 1j, -1.0, -1j], np.complex128)
-"""Unit vectors to the quarters of a circle."""
-
-
 Mark = Chain | Round | Label | Filled | Hatched | Distance | Diameter
 
 
@@ -263,6 +270,24 @@ class Sheet:
         """Those of all views."""
         marks = (mark for view in self.views for mark in view.marks)
         return tuple(mark for mark in marks if isinstance(mark, Distance | Diameter))
+
+    def findings(self) -> Iterator[Finding]:
+        """Warnings of what cannot be read, with what helps."""
+        texts = [text for view in self.views for text in across(view, self)]
+        if texts:
+            names = listed([f'"{text}"' for text in texts], NAMED)
+            what = f"the drawing has lines across {counted(len(texts), 'text')} ({names})"
+            yield Finding(READABLE, "warning", f"{what}: it needs a larger sheet or scale")
+        small = list(dots(self))
+        if small:
+            width, at = min(small, key=lambda each: each[0])
+            mm = MM_PER[self.unit]
+            place = f"({at.real / mm:.4g} / {at.imag / mm:.4g})"
+            what = f"the drawing shows {counted(len(small), 'outline')} as a dot"
+            sentence = (
+                f"{what}, {width:.2g} mm wide on paper, at {place}: a larger scale shows more"
+            )
+            yield Finding(READABLE, "warning", sentence, width, DOT, "mm")
 
 
 def number_of(mark: Distance | Diameter, unit: LengthUnit) -> str:
@@ -341,12 +366,6 @@ def width_of(text: str, height: float) -> float:
     places = (ord(letter) - FIRST for letter in text.replace("%%c", "O"))
     total = sum(WIDTHS[k] if 0 <= k < len(WIDTHS) else OTHER for k in places)
     return NARROWED * height * total / 100.0
-
-
-def squeeze(text: str, height: float, width: float) -> float:
-    """By what a text is narrowed further to be at most `width` [mm] wide; 1 if it need not be."""
-    wide = width_of(text, height)
-    return 1.0 if not width or wide <= width else width / wide
 
 
 # -- symbols --------------------------------------------------------------------------------------
@@ -496,23 +515,6 @@ SEEN: Final = ("OUTLINE", "HIDDEN")
 
 NAMED: Final = 3
 """Most texts that a sentence names."""
-
-
-def findings_of(sheet: Sheet) -> Iterator[Finding]:
-    """Warnings of what cannot be read, with what helps."""
-    texts = [text for view in sheet.views for text in across(view, sheet)]
-    if texts:
-        names = listed([f'"{text}"' for text in texts], NAMED)
-        what = f"the drawing has lines across {counted(len(texts), 'text')} ({names})"
-        yield Finding(READABLE, "warning", f"{what}: it needs a larger sheet or scale")
-    small = list(dots(sheet))
-    if small:
-        width, at = min(small, key=lambda each: each[0])
-        mm = MM_PER[sheet.unit]
-        place = f"({at.real / mm:.4g} / {at.imag / mm:.4g})"
-        what = f"the drawing shows {counted(len(small), 'outline')} as a dot"
-        sentence = f"{what}, {width:.2g} mm wide on paper, at {place}: a larger scale shows more"
-        yield Finding(READABLE, "warning", sentence, width, DOT, "mm")
 
 
 def across(view: View, sheet: Sheet) -> Iterator[str]:
@@ -767,7 +769,7 @@ class _Paper:
 
     @ink.register
     def _(self, mark: Round) -> Ink:
-        corners = self.scale * (mark.centre + mark.radius * QUARTERS)
+        corners = self.scale * mark.quarters
         return _lines(mark.layer, chords(corners, np.full(4, 0.5 * np.pi), closed=True))
 
     @ink.register
@@ -781,7 +783,7 @@ class _Paper:
 
     @ink.register
     def _(self, mark: Label) -> Ink:
-        wide = width_of(mark.text, mark.height) * squeeze(mark.text, mark.height, mark.width)
+        wide = width_of(mark.text, mark.height) * mark.squeeze
         shift = {"left": 0.5, "centre": 0.0, "right": -0.5}[mark.across] * wide
         middle = self.scale * mark.at + complex(shift, 0.5 * mark.height)
         return Ink(texts=boxes([(middle, 1.0, wide, mark.height)]))

@@ -33,7 +33,8 @@ from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIO
 from camgeo.app.designing.children import Children
 from camgeo.app.designing.desk import Desk
 from camgeo.errors import CamgeoError, unreadable
-from camgeo_export.designer.session import LARGEST, Jobs, Page, Session
+from camgeo.reading import SCENE
+from camgeo_export.designer.session import Jobs, Page, Session
 
 MOST_CONNECTIONS: Final = 64
 """Most connections at the same time; a page needs two or three. For each one more, the oldest that
@@ -123,6 +124,10 @@ def serve(
                 threading.Thread(target=_open, args=(url + keys.lend(),), daemon=True).start()
 
         asyncio.run(_serve(Session(desk, jobs, notes), address, keys, found, ready))
+
+
+LARGEST: Final = 3 * SCENE.size
+"""Most bytes of a message: JSON spells some characters of a scene with two or more."""
 
 
 def server_of(app: Guard) -> uvicorn.Server:

@@ -31,16 +31,12 @@ from camgeo.app.designing.desk import Desk
 from camgeo.app.designing.faults import verdict_of
 from camgeo.design.writing import writer_names
 from camgeo.errors import CamgeoError
-from camgeo.reading import SCENE
 from camgeo.scene.toml import TEMPLATE_KINDS, template
 from camgeo.scene.values import Stamp, named, stamp
 
 # -- messages -------------------------------------------------------------------------------------
 # What a page may send to the server: JSON texts, each checked before it is acted on.
 
-
-LARGEST: Final = 3 * SCENE.size
-"""Most bytes of a message: JSON spells some characters of a scene with two or more."""
 
 DEEPEST: Final = 8
 """Most levels of tables and lists in a message."""

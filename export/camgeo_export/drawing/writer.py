@@ -39,7 +39,6 @@ from camgeo.pictures.sheet.marks import (
     LETTERS,
     LIFTED,
     NARROWED,
-    QUARTERS,
     Chain,
     Diameter,
     Distance,
@@ -50,9 +49,7 @@ from camgeo.pictures.sheet.marks import (
     Mark,
     Round,
     Sheet,
-    findings_of,
     number_of,
-    squeeze,
 )
 from camgeo.pictures.sheet.sheet import dashed_stretch, sheets_of
 from camgeo.scene.formats.drawing import FORMAT
@@ -254,12 +251,11 @@ class _Drawing:
 
     @_add.register
     def _(self, mark: Label) -> None:
-        narrow = squeeze(mark.text, mark.height, mark.width)
         text = self._space.add_text(
             mark.text,
             height=mark.height * self._paper,
             rotation=0.0,
-            dxfattribs={"layer": mark.layer, "style": STYLE, "width": NARROWED * narrow},
+            dxfattribs={"layer": mark.layer, "style": STYLE, "width": NARROWED * mark.squeeze},
         )
         text.set_placement(self._at(mark.at), align=TextEntityAlignment[JUSTIFIED[mark.across]])
 
@@ -611,7 +607,7 @@ def strokes_of(document: Drawing, sheet: Sheet) -> Strokes:
 def _strokes(mark: Mark, at: complex, scale: float) -> Iterator[Chain]:
     """The lines of a mark [grains], hidden ones in dashes."""
     if isinstance(mark, Round):
-        points = (at + scale * (mark.centre + mark.radius * QUARTERS)) / GRAIN
+        points = (at + scale * mark.quarters) / GRAIN
         yield Chain(points, np.full(4, 0.5 * np.pi), mark.layer, closed=True)
     elif isinstance(mark, Hatched):
         for ends in hatching(mark, HATCHING / scale):
@@ -804,7 +800,7 @@ class DrawingWriter:
             "scale": sheets[0].ratio,
             "dimensions": sum(len(sheet.dimensions) for sheet in sheets),
         }
-        findings = tuple(each for sheet in sheets for each in findings_of(sheet))
+        findings = tuple(each for sheet in sheets for each in sheet.findings())
         return Written(bytes_of(document), facts, findings)
 
     def measure(self, product: Product, data: bytes) -> float:

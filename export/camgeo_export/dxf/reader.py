@@ -27,7 +27,7 @@ from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.foreign import Outlines, middle_of
 from camgeo.geometry.contour.spline import CUBIC, Arc, CubicSpline, SplineContour, at
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
-from camgeo.reading import CONTOURS, COORDINATE, DRAWING, PLACED, beyond, check_text, number_of
+from camgeo.reading import CONTOURS, COORDINATE, DRAWING, beyond, check_text, number_of
 from camgeo.units import MM_PER, TURN, LengthUnit, counted, place_text
 from camgeo_export.reading import CUT, AnyContour, of_the_part
 
@@ -737,6 +737,10 @@ class Drawing:
         rest = f"; pieces must form closed contours, with gaps of at most {gap:g} mm"
         where = f"{why} at {place_text(place)}{rest if why in (LOOSE, BRANCH) else ''}"
         return f"{self.name}, line {run.line}: {run.kind} {where}"
+
+
+PLACED: Final = 100_000
+"""Entities of a drawing that come from blocks, each as often as it is inserted."""
 
 
 @dataclass(slots=True)

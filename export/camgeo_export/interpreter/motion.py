@@ -10,7 +10,7 @@ from typing import Final
 
 from camgeo.design.linting import Bench
 from camgeo.numeric.arrays import phase
-from camgeo.reading import PROGRAM, PROGRAM_MOVES, beyond
+from camgeo.reading import PROGRAM, beyond
 from camgeo.units import TURN
 from camgeo_export.interpreter.controller import (
     AXES,
@@ -45,6 +45,9 @@ the program before is not known."""
 
 MOST_HOLES: Final = 1_000
 """Of one block of a cycle."""
+
+PROGRAM_MOVES: Final = 500_000
+"""Of a program, of which cycles and arcs in other planes than XY make many in a block."""
 
 Step = tuple[Kind, complex, float]
 """What a move is, and where it ends [mm]."""

@@ -20,7 +20,7 @@ from camgeo.geometry.contour.spline import Arc
 from camgeo.milling.milling import OTHER
 from camgeo.milling.moves import Zero
 from camgeo.numeric.arrays import IntArray, phase
-from camgeo.reading import PATHS, PROGRAM, beyond
+from camgeo.reading import PROGRAM, beyond
 from camgeo.units import TURN, counted
 
 if TYPE_CHECKING:
@@ -33,6 +33,10 @@ LEAST_LENGTH = 30.0
 
 NEAR: Final = 2_000_000
 """Pairs of moves, the end of one near the start of the other, that may close a path."""
+
+
+PATHS: Final = 10_000
+"""Closed paths of a program."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,16 +8,16 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import singledispatch
 from html import escape
+from itertools import starmap
 from typing import Any, Final, cast
 
 from camgeo.app.answers import answer
 from camgeo.app.answers.answer import MANY, MARKS, Answer, verdict_on
 from camgeo.app.answers.check import Check
-from camgeo.app.answers.compare import Cell, Compare
-from camgeo.app.answers.laws import HEAD, PHYSICAL_HEAD, UNITS, LawRow, Laws
+from camgeo.app.answers.compare import Compare
+from camgeo.app.answers.laws import Laws
 from camgeo.app.answers.report import Report, advised, next_step
-from camgeo.app.answers.sweep import FEW, Sweep, headed
-from camgeo.app.answers.sweep import shown as cell
+from camgeo.app.answers.sweep import Sweep
 from camgeo.app.answers.table import ValueTable
 from camgeo.app.answers.verify import Verification
 from camgeo.check.finding import Finding, Findings, LazyFindings, Severity, Verdict
@@ -27,7 +27,6 @@ from camgeo.design.value_table import Table
 from camgeo.design.writing import Report as Written
 from camgeo.dynamics.effects.effect import Result
 from camgeo.errors import CamgeoError
-from camgeo.kinematics.laws.comparison import QUANTITIES, entry_of
 from camgeo.kinematics.laws.law import Law
 from camgeo.pictures import plots
 from camgeo.pictures.model import Figure
@@ -126,12 +125,7 @@ def _(value: Finding) -> Shown:
 
 
 @shown.register
-def _(value: LazyFindings) -> Shown:
-    return shown(Findings(value))
-
-
-@shown.register
-def _(value: Findings) -> Shown:
+def _(value: Findings | LazyFindings) -> Shown:
     found = [("", each, next_step(each, ())) for each in value]
     return Shown(findings(found) if found else paragraph("no findings"))
 
@@ -158,7 +152,7 @@ def _(value: Figure) -> Shown:
 
 @shown.register
 def _(value: Law) -> Shown:
-    return shown(Laws((LawRow(entry_of(value)),)))
+    return shown(Laws.of(value))
 
 
 @shown.register
@@ -201,40 +195,17 @@ def _(value: ValueTable) -> Shown:
 def _(value: Laws) -> Shown:
     """The characteristic values of laws side by side, or the families for each task."""
     if value.rows is None:
-        told = [
-            (escape(each.task), escape(" to ".join(each.ends)), escape(", ".join(each.families)))
+        rows = (
+            (each.task, " to ".join(each.ends), ", ".join(each.families))
             for each in value.tasks or ()
-        ]
-        return Shown(rows_of(("task", "from, to", "laws"), told, numbers=False))
-    rows = [[escape(cell) for cell in _of_law(row)] for row in value.rows]
-    table = rows_of(("law", "parameters", *HEAD), rows, numbers=False)
-    table += _of_move(value.rows) + _as_text(value)
-    return Shown(table, answer.figure(value), "f', f'', f''' and f' f'' of each law over the move")
-
-
-def _of_move(rows: Sequence[LawRow]) -> str:
-    """The same values of a move at its speed; nothing without one."""
-    moved = [(row.entry.name, row.physical) for row in rows if row.physical is not None]
-    if not moved:
-        return ""
-    heads = [f"{symbol} [{unit}]" for symbol, unit in zip(PHYSICAL_HEAD, UNITS, strict=True)]
-    found = [
-        [
-            escape(name),
-            *("unbounded" if e is None else f"{e.value + 0.0:.5g}" for e in own.values()),
-        ]
-        for name, own in moved
-    ]
-    return rows_of(("law", *heads), found, numbers=False)
-
-
-def _of_law(row: LawRow) -> list[str]:
-    given = ", ".join(f"{name} {value:.6g}" for name, value in row.parameters.items())
-    if row.entry.law is None:
-        return [row.entry.name, given, row.entry.reason, *[""] * (len(HEAD) - 1)]
-    numbers = [row.entry.bounded(each) for each in QUANTITIES]
-    cells = ("unbounded" if each is None else f"{each + 0.0:.6g}" for each in numbers)
-    return [row.entry.name, given, *cells]
+        )
+        return Shown(texts((("task", "from, to", "laws"), *rows)))
+    tables = "".join(map(texts, filter(None, (value.cells, value.physical_cells))))
+    return Shown(
+        tables + _as_text(value),
+        answer.figure(value),
+        "f', f'', f''' and f' f'' of each law over the move",
+    )
 
 
 @shown.register
@@ -280,18 +251,8 @@ def _(value: Verification) -> Shown:
 @shown.register
 def _(value: Sweep) -> Shown:
     """The rows of a small family; for a larger one, what the command prints."""
-    if value.count > FEW:
-        return Shown(preformatted(answer.text(value)))
-    heads = [
-        *value.result.family.keys,
-        *map(headed, value.spans),
-        *(["reason"] if value.failed else []),
-    ]
-    rows = []
-    for each in value.designs:
-        cells = [*map(cell, (*each.values.values(), *each.answers.values()))]
-        rows.append([escape(text) for text in (*cells, each.reason)][: len(heads)])
-    return Shown(rows_of(heads, rows, numbers=False))
+    rows = value.cells
+    return Shown(texts(rows) if rows else preformatted(answer.text(value)))
 
 
 @shown.register
@@ -303,19 +264,19 @@ def _(value: Compare) -> Shown:
     if any(each.verdict for each in value.designs):
         verdicts = [badge(cast("Severity", each.verdict)) for each in value.designs]
         rows.append(["verdict", *verdicts])
-    rows += [[escape(line.name), *map(_compared, line.cells)] for line in value.lines]
+    units = [each.design.scene.unit for each in value.designs]
+    for line in value.lines:
+        told = (cell.told(unit) for cell, unit in zip(line.cells, units, strict=True))
+        rows.append([escape(line.name), *starmap(_marked, told)])
     heads = ["", *(each.label for each in value.designs)]
     reasons = dict.fromkeys(one.reason for line in value.lines for one in line.cells if one.reason)
     table = rows_of(heads, rows, numbers=False) + "".join(map(paragraph, reasons))
     return Shown(table, answer.figure(value), "flanks and curves of the designs over each other")
 
 
-def _compared(found: Cell) -> str:
-    text = "-" if found.value is None else f"{cell(found.value)} {found.unit}".rstrip()
-    if found.severity in ("", "ok"):
-        return escape(found.verdict if found.value is None and found.verdict else text)
-    mark = badge(cast("Severity", found.severity))
-    return mark if found.value is None else f"{escape(text)} {mark}"
+def _marked(words: str, severity: str) -> str:
+    mark = badge(cast("Severity", severity)) if severity else ""
+    return " ".join(filter(None, (escape(words), mark)))
 
 
 # -- markup ---------------------------------------------------------------------------------------
@@ -396,6 +357,11 @@ def rows_of(heads: Sequence[str], rows: Iterable[Sequence[str]], *, numbers: boo
         f'<div style="overflow-x:auto" tabindex="0"><table{whole}>'
         f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>"
     )
+
+
+def texts(rows: Sequence[Sequence[str]]) -> str:
+    """A table of texts, which are escaped here, below the headings in the first row."""
+    return rows_of(rows[0], (list(map(escape, row)) for row in rows[1:]), numbers=False)
 
 
 def badge(verdict: Verdict, word: str = "") -> str:

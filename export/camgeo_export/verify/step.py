@@ -32,7 +32,6 @@ from camgeo_export.part21 import (
     Solid,
     Use,
     header_of,
-    solid_of,
 )
 from camgeo_export.reading import OF_ARCS, AnyContour, text_tokens
 from camgeo_export.verify.body import (
@@ -75,7 +74,7 @@ class StepVerifier:
     ) -> tuple[Check, ...]:
         """Unit, the shell, and the solid against the part."""
         try:
-            solid = solid_of(data)
+            solid = Solid.of(data)
         except FileError as error:
             return (failed("file", str(error)),)
         part = product.drawn.part
@@ -483,7 +482,7 @@ def measure(product: Product, data: bytes) -> float:
         part.require_heights()
     except GeometryError as error:
         raise FileError(f"no solid to compare this with: {error.message}") from None
-    solid = solid_of(data)
+    solid = Solid.of(data)
     if solid.unit != MM_PER[product.unit]:
         raise FileError(f"the solid is in {solid.unit_name}, not in {product.unit}")
     for check in shell_checks(solid, UNCERTAINTY):

@@ -6,6 +6,7 @@ import math
 import re
 from array import array
 from collections.abc import Iterator
+from typing import Final
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from camgeo.numeric.arrays import FloatArray
 from camgeo.reading import (
     COORDINATE,
     FACETS,
-    STL,
+    Limits,
     beyond,
     check_size,
     check_text,
@@ -26,6 +27,9 @@ from camgeo.reading import (
 from camgeo.units import MM_PER, LengthUnit, counted
 from camgeo_export.reading import text_tokens
 from camgeo_export.verify.body import body_checks, heights, point_text
+
+STL: Final = Limits("STL", 32_000_000, lines=1_500_000)
+"""Lines are those of a text, seven for each facet."""
 
 HEADER_BYTES = 80
 

@@ -18,15 +18,38 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-import camgeo.reading as limits
 from camgeo.design.plate import Piece, plate_of
 from camgeo.design.product import Product
 from camgeo.design.verify import Check, Origin, Reading, failed, length_of, unit_check
 from camgeo.errors import FileError
 from camgeo.numeric.arrays import FloatArray, IntArray
+from camgeo.reading import COORDINATE, FACETS, Limits, beyond, check_size, number_of
 from camgeo.units import counted
 from camgeo_export.reading import COMPUTED, text_tokens
 from camgeo_export.verify.body import body_checks, checks_of_body, compensation_checks
+
+PACKAGE: Final = Limits("3MF package", 16_000_000)
+
+MEMBERS: Final = 1_000
+"""Files in a package."""
+
+OBJECTS: Final = 1_000
+"""Objects of a package."""
+
+UNPACKED: Final = 40_000_000
+"""Bytes of a package's files in all, unpacked."""
+
+RATIO: Final = 200
+"""Factor by which a file of a package may grow on unpacking; meshes grow tenfold."""
+
+ELEMENTS: Final = 250_000
+"""Elements of the XML in a package, opening and closing tags counted as one."""
+
+ATTRIBUTES: Final = 800_000
+"""Attributes of these elements in all."""
+
+TAG: Final = 4_000
+"""Characters of one of their tags."""
 
 CORE: Final = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 CONTENT_TYPES: Final = "http://schemas.openxmlformats.org/package/2006/content-types"
@@ -185,7 +208,7 @@ PARSED: Final = (".model", ".rels", ".xml")
 
 ENCODING: Final = re.compile(rb"(?:\xef\xbb\xbf)?\s*<\?xml[^>]{0,200}encoding\s*=\s*['\"]([^'\"]*)")
 
-LONG: Final = re.compile(rb"<[^<>!?][^<>]{%d}" % limits.TAG)
+LONG: Final = re.compile(rb"<[^<>!?][^<>]{%d}" % TAG)
 """A tag of too many characters; comments may be long."""
 
 UTF8: Final = (b"utf-8", b"utf8")
@@ -207,11 +230,11 @@ Key = tuple[str, str]
 
 
 def parts_of(data: bytes) -> dict[str, bytes]:
-    """The parts of a package by name; raises FileError if it is damaged or beyond the limits."""
-    limits.check_size(len(data), limits.PACKAGE, NAME)
+    """The parts of a package by name; raises FileError if it is damaged or beyond the"""
+    check_size(len(data), PACKAGE, NAME)
     count = data.count(ENTRY)
-    if count > limits.MEMBERS:
-        raise limits.beyond(NAME, counted(count, "part"), limits.MEMBERS, limits.PACKAGE)
+    if count > MEMBERS:
+        raise beyond(NAME, counted(count, "part"), MEMBERS, PACKAGE)
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as package:
             entries = package.infolist()
@@ -240,16 +263,14 @@ def _check_entries(entries: Collection[zipfile.ZipInfo]) -> None:
         if entry.compress_type not in METHODS:
             method = f"the compression method {entry.compress_type}"
             raise FileError(f"the part {name[:60]} has {method}, which 3MF does not allow")
-        if entry.file_size > max(limits.RATIO * entry.compress_size, SMALL):
+        if entry.file_size > max(RATIO * entry.compress_size, SMALL):
             ratio = (
                 f"unpacks to {entry.file_size / max(entry.compress_size, 1):,.0f} times its size"
             )
-            raise FileError(f"the part {name[:60]} {ratio}; allowed: {limits.RATIO} times")
+            raise FileError(f"the part {name[:60]} {ratio}; allowed: {RATIO} times")
     total = sum(entry.file_size for entry in entries)
-    if total > limits.UNPACKED:
-        raise limits.beyond(
-            NAME, counted(total, "byte") + " unpacked", limits.UNPACKED, limits.PACKAGE
-        )
+    if total > UNPACKED:
+        raise beyond(NAME, counted(total, "byte") + " unpacked", UNPACKED, PACKAGE)
 
 
 def _unpacked(package: zipfile.ZipFile, entry: zipfile.ZipInfo) -> bytes:
@@ -272,14 +293,14 @@ def _check_xml(parts: Mapping[str, bytes]) -> None:
         if b"<!DOCTYPE" in content or b"<!ENTITY" in content:
             raise FileError(f"{name}: has a document type declaration, which 3MF forbids")
         if LONG.search(content) is not None:
-            raise FileError(f"{name}: has a tag of more than {limits.TAG:,} characters")
+            raise FileError(f"{name}: has a tag of more than {TAG:,} characters")
     for what, mark, most in (
-        ("tag", b"<", 2 * limits.ELEMENTS),
-        ("attribute", b"=", limits.ATTRIBUTES),
+        ("tag", b"<", 2 * ELEMENTS),
+        ("attribute", b"=", ATTRIBUTES),
     ):
         count = sum(content.count(mark) for content in parts.values())
         if count > most:
-            raise limits.beyond(NAME, counted(count, what), most, limits.PACKAGE)
+            raise beyond(NAME, counted(count, what), most, PACKAGE)
 
 
 def packed(parts: Mapping[str, bytes]) -> bytes:
@@ -310,10 +331,8 @@ def check_bodies(parts: Mapping[str, bytes]) -> None:
             if kind == "item":
                 built += inner
                 continue
-            if len(facets) >= limits.OBJECTS:
-                raise limits.beyond(
-                    NAME, f"more than {limits.OBJECTS:,} objects", limits.OBJECTS, limits.PACKAGE
-                )
+            if len(facets) >= OBJECTS:
+                raise beyond(NAME, f"more than {OBJECTS:,} objects", OBJECTS, PACKAGE)
             facets[own] = facets.get(own, 0) + number
             inside.setdefault(own, []).extend(inner)
     absent = next((key for key in (*built, *chain(*inside.values())) if key not in facets), None)
@@ -326,8 +345,8 @@ def check_bodies(parts: Mapping[str, bytes]) -> None:
     for key in order:
         facets[key] += sum(facets[other] for other in inside[key])
     total = sum(facets[key] for key in built)
-    if total > limits.FACETS:
-        raise limits.beyond(NAME, counted(total, "facet"), limits.FACETS, limits.PACKAGE)
+    if total > FACETS:
+        raise beyond(NAME, counted(total, "facet"), FACETS, PACKAGE)
 
 
 def _bodies(content: bytes, name: str) -> Iterator[tuple[str, Key, int, list[Key]]]:
@@ -364,11 +383,9 @@ def _bodies(content: bytes, name: str) -> Iterator[tuple[str, Key, int, list[Key
 
 def _check_numbers(texts: Collection[str | None], what: str) -> None:
     for text in texts:
-        if text is None or limits.number_of(text) is None:
+        if text is None or number_of(text) is None:
             found = "nothing" if text is None else repr(text[:40])
-            raise FileError(
-                f"{what} has {found}, which is not a number of at most {limits.COORDINATE:g}"
-            )
+            raise FileError(f"{what} has {found}, which is not a number of at most {COORDINATE:g}")
 
 
 # -- model ----------------------------------------------------------------------------------------
@@ -386,7 +403,7 @@ SPACE: Final = f"{XML}space"
 READ_EXTENSIONS: Final = (PRODUCTION,)
 """Namespaces of the extensions that a model may require: they only spread it over several files."""
 
-ATTRIBUTES: Final[Mapping[str, Collection[str]]] = {
+ATTRIBUTES_OF: Final[Mapping[str, Collection[str]]] = {
     "model": ("unit", LANGUAGE, "requiredextensions", "recommendedextensions", "thumbnail"),
     "metadata": ("name", "preserve", "type"),
     "metadatagroup": (),
@@ -467,10 +484,10 @@ def _check_elements(root: ET.Element) -> None:
         if not each.tag.startswith(name):
             continue
         tag = each.tag.removeprefix(name)
-        if tag not in ATTRIBUTES:
+        if tag not in ATTRIBUTES_OF:
             raise fault("2.3.2", f"the element {tag} is not expected")
         for attribute in each.attrib:
-            if attribute not in ATTRIBUTES[tag] and not attribute.startswith("{"):
+            if attribute not in ATTRIBUTES_OF[tag] and not attribute.startswith("{"):
                 raise fault("2.3.2", f"the attribute {attribute} of {tag} is not expected")
 
 
