@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
@@ -324,6 +324,7 @@ def lever(**values: Any) -> Design:
     st.floats(0.0, 1e3), st.floats(0.2, 1.0), st.floats(-0.9, 0.9),
     st.lists(st.tuples(VECTORS, VECTORS), min_size=1, max_size=2),
 )  # fmt: skip
+@example(1.0, 1.0, 2e-175, [(0j, 0j), (2.2e-315j, 0j), (0j, 2.2e-313j)])
 @settings(max_examples=examples(40, long=2000))
 def test_the_balance_has_one_root(
     released: float, free: float, share: float, loads: list[tuple[complex, complex]]

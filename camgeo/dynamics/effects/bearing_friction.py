@@ -165,9 +165,9 @@ def _sum(d: ComplexArray, vectors: ComplexArray) -> FloatArray:
 
 
 def unit_vectors(vectors: ComplexArray, otherwise: ComplexArray) -> ComplexArray:
-    """`vectors` over their sizes, `otherwise` where these are 0."""
+    """`vectors` over their sizes, `otherwise` where these are 0, or too small to be divided by."""
     size = np.abs(vectors)
-    zero = size == 0.0
+    zero = size < np.finfo(np.float64).tiny
     return np.where(zero, otherwise, vectors / np.where(zero, 1.0, size))
 
 
