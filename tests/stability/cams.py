@@ -165,12 +165,12 @@ def computed(curve: PitchCurve) -> Found:
     def found(phi: FloatArray) -> tuple[FloatArray | ComplexArray, ...]:
         motion = curve.motion
         lifts = motion.jet(phi)[:4]
-        if isinstance(motion, LinkedMotion):
-            # psi is a difference of crank angles; only psi_G + psi enters the curve.
-            crank_angle = getattr(motion.linkage, "crank_angle", None)
-            if crank_angle is not None:
-                angle = crank_angle(motion.demanded.jet(phi)[0])
-                lifts = np.concatenate((angle[np.newaxis], lifts[1:]))
+        if isinstance(motion, LinkedMotion) and hasattr(motion.linkage, "crank_angle"):
+            # psi is a difference of crank angles; only psi_G + psi enters the curve. Seen from
+            # behind, psi turns the other way than theta.
+            angle = motion.linkage.crank_angle(motion.demanded.jet(phi)[0])
+            rates = -lifts[1:] if getattr(motion.linkage, "mirrored", False) else lifts[1:]
+            lifts = np.concatenate((angle[np.newaxis], rates))
         return (
             *lifts,
             *curve.jet(phi),

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from mpmath import mp
 
@@ -19,7 +19,7 @@ from camgeo.app.cli.main import COMMANDS
 from camgeo.app.cli.main import main as camgeo
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import make_law
-from camgeo.kinematics.mechanism.linkages import SliderDrivenCrank
+from camgeo.kinematics.mechanism.linkages import SliderCrank, SliderDrivenCrank
 from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from tests.long_form import examples
@@ -378,6 +378,10 @@ def test_random_flat_faces_are_as_good_as_doubles_allow(spec: CamSpec) -> None:
     rise=st.tuples(places(), places()),
     rotation=signs(),
 )
+@example(
+    linkage=SliderCrank(109.4, 62.0, 0.0349, False, 1, -1, -1, mirrored=True),
+    share=0.57, rise=(0.99999, 0.5), rotation=1,
+)  # fmt: skip
 def test_random_linkages_are_as_good_as_doubles_allow(
     linkage: AnyLinkage, share: float, rise: tuple[float, float], rotation: int
 ) -> None:
