@@ -55,7 +55,7 @@ from tests.integrals import cells, integrals
 from tests.long_form import examples
 from tests.scene.test_linkages import LINKAGE
 
-ROCKER: Final = """
+MASSES_OF_ROCKER: Final = """
 [effects.inertia]
 moment_of_inertia = 0.012
 roller_mass = 0.15
@@ -63,6 +63,9 @@ rocker_mass = 0.9
 rocker_centre = [70, 30]
 [effects.gravity]
 angle = -75
+"""
+
+ROCKER: Final = f"""{MASSES_OF_ROCKER}
 [effects.spring]
 kind = "torsion"
 torsional_stiffness = 40
@@ -154,14 +157,7 @@ def test_a_scene_and_its_mirror_image_have_the_same_forces(scene: str) -> None:
 
 
 # Reactions: sums of forces and moments on the free bodies -----------------------------------------
-PRESSED_ROCKER: Final = """
-[effects.inertia]
-moment_of_inertia = 0.012
-roller_mass = 0.15
-rocker_mass = 0.9
-rocker_centre = [70, 30]
-[effects.gravity]
-angle = -75
+PRESSED_ROCKER: Final = f"""{MASSES_OF_ROCKER}
 [effects.spring]
 kind = "compression"
 stiffness = 6
