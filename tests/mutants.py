@@ -63,7 +63,7 @@ FOLDERS: Final = {
 }  # fmt: skip
 """The folder of tests of a room that has not its name."""
 
-CPU: Final = 120
+CPU: Final = 300
 """Computing of the tests of one mutant, in the seconds of `tests.speed`."""
 
 WAIT: Final = 1200
