@@ -69,3 +69,21 @@ def commands(folder: Path, *calls: Sequence[str]) -> list[tuple[int, str, str]]:
     done = run_copy(folder, "-c", SESSION, json.dumps(calls))
     assert done.returncode == 0, done.stderr
     return [(code, out, err) for code, out, err in json.loads(done.stdout)]
+
+
+def check_refused(folder: Path, scene: str, faults: Sequence[tuple[str, str, str]]) -> None:
+    """Each fault, a text of the scene with another one in its place, is refused with a message."""
+    for number, (old, new, _) in enumerate(faults):
+        assert old in scene
+        (folder / f"wrong{number}.toml").write_text(scene.replace(old, new), encoding="utf-8")
+    answers = commands(folder, *(["check", f"wrong{number}.toml"] for number in range(len(faults))))
+    for (code, _, reported), (*_, expected) in zip(answers, faults, strict=True):
+        assert code == 2
+        assert expected in reported
+
+
+def check_page(folder: Path, name: str, text: str) -> None:
+    """The script of a page of docs, in the copy, writes it with a text."""
+    done = run_copy(folder, f"docs/{name}_page.py")
+    assert done.returncode == 0, done.stderr
+    assert text in (folder / "docs" / f"{name}.md").read_text("utf-8")

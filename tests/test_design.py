@@ -49,8 +49,7 @@ def test_what_was_not_asked_for_did_not_run(design: Design) -> None:
 def test_findings_are_computed_once(design: Design, monkeypatch: pytest.MonkeyPatch) -> None:
     counted = Mock(wraps=pieces.curvature_extremes)
     monkeypatch.setattr("camgeo.cam.cam.curvature_extremes", counted)
-    first = design.findings
-    assert design.findings is first
+    assert design.findings is design.findings
     assert design.judgement.has_outline
     counted.assert_called_once()
 

@@ -122,8 +122,7 @@ def test_joints_with_a_jump_of_the_acceleration_do_not_count_as_ripple() -> None
     parabolic = design(
         "plate_translating", "", ('law = "modified-sine"', 'law = "quadratic-parabola"')
     )
-    made = benefit_rows(parabolic, (1e-3,), (10.0,), forms=("arcs",))
-    assert known(made[0].ripple) < 0.5
+    assert known(benefit_rows(parabolic, (1e-3,), (10.0,), forms=("arcs",))[0].ripple) < 0.5
 
 
 def pressing(**state: str) -> Design:

@@ -158,8 +158,7 @@ def test_a_design_drawn_in_another_form() -> None:
     assert form.auxiliary == before.auxiliary
     assert before.entity == "arcs"
     writer = find_writer("dxf")
-    facts = writer.write(drawn.disc, 1e-2).facts
-    assert int(facts["lines"]) > 50
+    assert int(writer.write(drawn.disc, 1e-2).facts["lines"]) > 50
 
 
 def test_flanks_are_what_the_roller_runs_on() -> None:
@@ -199,8 +198,7 @@ def test_solids_are_of_all_formats_and_one_that_is_too_large_is_told(
     for name in ("stl", "3mf"):
         assert found[name].file is None
         assert "at most 100 are allowed" in found[name].fault
-    step = known(found["step"].file)
-    assert int(step.facts["faces"]) > 10
+    assert int(known(found["step"].file).facts["faces"]) > 10
 
 
 def test_each_row_fits_and_proves_anew_and_not_what_tells_contours_apart() -> None:

@@ -293,8 +293,7 @@ def test_the_survey_has_them(made: Made, monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def pictured(rows: tuple[EffectRow, ...], *, computing: bool = True) -> Figure:
-    survey = Survey((), (), (), None, rows)
-    return figure(survey, title="made up", computing=computing)
+    return figure(Survey((), (), (), None, rows), title="made up", computing=computing)
 
 
 def test_the_picture_has_a_panel_more_if_there_are_seconds() -> None:

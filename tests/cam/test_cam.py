@@ -144,8 +144,7 @@ def test_a_curve_of_the_speed_counts_more_than_a_mean() -> None:
     curve = uneven()
     assert Drive(PLAN, speed=8.0, speed_curve=curve).time_course is curve
     assert Drive(PLAN, speed_curve=curve).time_course is curve
-    course = Drive(PLAN, speed=8.0).time_course
-    assert course == ConstantSpeed(8.0)
+    assert Drive(PLAN, speed=8.0).time_course == ConstantSpeed(8.0)
 
 
 def test_without_a_speed_there_is_no_course_in_time() -> None:

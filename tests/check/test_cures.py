@@ -367,8 +367,7 @@ def test_no_narrow_window_of_a_margin_is_missed(
     def margin_at(x: Any) -> Any:
         return (half**2 - (x - middle) ** 2) * (2.0 + np.sin(math.tau * waves * x / far))
 
-    found = first_root(margin_at, 0.0, far, 1.0)
-    assert found == pytest.approx(middle - half, rel=1e-9)
+    assert first_root(margin_at, 0.0, far, 1.0) == pytest.approx(middle - half, rel=1e-9)
     assert first_root(lambda x: margin_at(x) - 3.0 * half**2, 0.0, far, 1.0) is None
 
 
@@ -670,8 +669,7 @@ def test_a_remedy_keeps_the_bore_inside_the_disc() -> None:
     design = camgeo.load(FIXTURES / "refused" / "return_undercut.toml")
     cure = works(design, "undercut", "base radius")
     assert cure.breaks == ()
-    other = with_value(design, cure.key, cure.value_to)
-    assert other.discs[1].drawn.part is not None
+    assert with_value(design, cure.key, cure.value_to).discs[1].drawn.part is not None
     short = with_value(design, cure.key, known(cure.limit) + 1e-3)
     with pytest.raises(camgeo.CamgeoError, match="bore"):
         _ = short.discs[1].drawn.part

@@ -364,8 +364,7 @@ def test_an_angle_that_no_place_keeps() -> None:
     assert found.answer is None
     assert found.for_angle is None
     assert found.nearest_angle == pytest.approx(bound, abs=1e-5)
-    nearest = Sizing.of(task, known(found.nearest_angle) - 1e-3, 1.0)
-    assert nearest.for_angle is not None
+    assert Sizing.of(task, known(found.nearest_angle) - 1e-3, 1.0).for_angle is not None
 
 
 def test_however_large_the_roller_a_large_cam_takes_it() -> None:

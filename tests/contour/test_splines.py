@@ -171,8 +171,7 @@ def test_turned_round() -> None:
     assert back.length == pytest.approx(contour.length, rel=1e-14)
     assert len(back) == len(contour) == 4
     for strand, other in zip(contour.strands, back.strands[::-1], strict=True):
-        gap = np.abs(points_of(strand) - points_of(other)[::-1])
-        assert np.max(gap) < 1e-13
+        assert np.max(np.abs(points_of(strand) - points_of(other)[::-1])) < 1e-13
     assert back.counter_clockwise().area > 0.0
     assert contour.counter_clockwise() is contour
     assert np.max(np.abs(spline_points(contour))) <= contour.reach

@@ -160,8 +160,7 @@ def test_handles_do_not_cover_each_other(page: Page) -> None:
         page.evaluate("(text) => camgeo.session.write(text, 'test')", text)
         settled(page, old)
         page.locator("#mechanism .picture").scroll_into_view_if_needed()
-        sizes = page.eval_on_selector_all(".handle", SIZES)
-        assert round(min(sizes), 3) >= 24.0
+        assert round(min(page.eval_on_selector_all(".handle", SIZES)), 3) >= 24.0
         assert page.evaluate(HIDDEN) == [count, []]
 
 

@@ -33,8 +33,7 @@ def test_no_words_stand_outside_the_catalogue() -> None:
         code = re.sub(
             r"^\s*//.*$|\s//\s.*$|data-[\w-]+|class: `[^`]*`", "", text, flags=re.MULTILINE
         )
-        found = re.findall(r'"([A-Z][a-z]+(?: [a-z]+)+[.…]?)"', code)
-        assert not found, name
+        assert not re.findall(r'"([A-Z][a-z]+(?: [a-z]+)+[.…]?)"', code), name
 
 
 def test_nothing_is_read_as_markup() -> None:

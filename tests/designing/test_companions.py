@@ -52,8 +52,7 @@ def test_a_groove_has_a_blank_and_a_depth() -> None:
 
 
 def test_a_linkage_decides_the_direction() -> None:
-    found = exact(edit(TEXT, {"linkage.mirrored": True}))
-    assert "direction" not in found["follower"]
+    assert "direction" not in exact(edit(TEXT, {"linkage.mirrored": True}))["follower"]
     # Who states it hears of it.
     stated = exact(edit(TEXT, {"linkage.mirrored": True, "follower.direction": "inward"}))
     assert stated["follower"]["direction"] == "inward"

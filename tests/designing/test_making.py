@@ -108,8 +108,7 @@ def test_every_law_offered_makes_a_valid_scene() -> None:
     assert run(Job("laws", TEXT, arguments={"segment": 1}))["law"] == "polynomial-345"
     assert {"polynomial-345", "modified-sine", "straight-line"} <= offered().keys()
     for name, each in offered().items():
-        made = parse_scene(TEXT).with_values(each["edits"])
-        assert made.values["motion"][1]["law"] == name
+        assert parse_scene(TEXT).with_values(each["edits"]).values["motion"][1]["law"] == name
         assert each["facts"]
 
 

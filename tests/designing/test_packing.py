@@ -53,8 +53,7 @@ def test_pictures_are_the_same_packed() -> None:
         assert len(json.dumps(found, allow_nan=False)) < 0.6 * len(json.dumps(data))
         one, other = numbers(data), numbers(lists(found))
         assert len(one) == len(other)
-        largest = max(map(abs, one))
-        assert other == pytest.approx(one, rel=0.0, abs=APART * largest)
+        assert other == pytest.approx(one, rel=0.0, abs=APART * max(map(abs, one)))
 
 
 @pytest.mark.parametrize("offset", [0.0, 1e9])

@@ -25,8 +25,7 @@ def written(found: dict[str, Any]) -> str:
 @pytest.mark.parametrize("path", CHOSEN, ids=name_of)
 def test_every_scene_is_painted(path: Path) -> None:
     found = run(job("curves", path))
-    text = written(found)
-    assert json.loads(text) == found
+    assert json.loads(written(found)) == found
     assert found["faults"] == []
     assert [each["name"] for each in found["charts"]][:1] == ["motion"]
     assert all(each["sentence"] for each in found["charts"])

@@ -68,8 +68,7 @@ def speed_of(scene: str, rev: float) -> tuple[str, str]:
 
 
 def omega(made: Design) -> float:
-    course = course_of(made)
-    return float(course.rates(np.zeros(1))[0, 0])
+    return float(course_of(made).rates(np.zeros(1))[0, 0])
 
 
 def lift(made: Design, phi: FloatArray) -> FloatArray:

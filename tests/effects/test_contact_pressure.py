@@ -168,8 +168,7 @@ def test_the_shear_below_the_surface_is_that_of_the_half_ellipse_of_pressure() -
 
     def shear(z: Any) -> Any:
         def line(s: Any) -> Any:  # sigma_x - sigma_z of a line load at s, over -2/pi
-            ellipse = mpmath.sqrt(1 - s * s)
-            return ellipse * (z * s * s - z**3) / (s * s + z * z) ** 2
+            return mpmath.sqrt(1 - s * s) * (z * s * s - z**3) / (s * s + z * z) ** 2
 
         return -2 / mpmath.pi * mpmath.quad(line, [0, 1])
 

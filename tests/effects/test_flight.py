@@ -194,8 +194,7 @@ def test_errors_told_of_rough_flights_are_true(monkeypatch: pytest.MonkeyPatch) 
                 assert abs(each.landing - true.landing) <= each.late
         assert max(each.error for each in rough.flights) > 1e-9
         late = math.degrees(max(each.late for each in rough.flights))
-        told = [each.value for each in rough.findings if each.name == "landing-angle"]
-        assert told == [late]
+        assert [each.value for each in rough.findings if each.name == "landing-angle"] == [late]
 
 
 def test_where_no_landing_can_be_given_it_says_why() -> None:

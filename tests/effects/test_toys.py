@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import pytest
 
-from tests.copies import copied, replaced
+from tests.copies import commands, copied, replaced, run_copy
 from tests.effects.scenes import SCENES
 from tests.waiting import PATIENCE
 
@@ -118,32 +118,6 @@ def home(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     return found
 
 
-CALLS: Final = """
-import contextlib, io, json, sys
-from camgeo.app.cli.main import main
-answers = []
-for words in json.loads(sys.argv[1]):
-    with contextlib.redirect_stdout(io.StringIO()) as said:
-        with contextlib.redirect_stderr(said):
-            code = main(words)
-    answers.append((code, said.getvalue()))
-print(json.dumps(answers))
-"""
-
-
-def run(home: Path, *calls: tuple[str | Path, ...]) -> list[tuple[int, str]]:
-    """Exit code and output of each call of camgeo, all in one fresh interpreter that has `home` on
-    its path.
-    """
-    words = json.dumps([[str(word) for word in call] for call in calls])
-    done = subprocess.run(
-        [sys.executable, "-c", CALLS, words],
-        cwd=home, env={"PYTHONPATH": str(home)},
-        capture_output=True, text=True, check=True, timeout=PATIENCE,
-    )  # fmt: skip
-    return [(code, said) for code, said in json.loads(done.stdout)]
-
-
 def scene(folder: Path, effects: str, name: str = "plate_translating") -> Path:
     path = folder / "scene.toml"
     path.write_text(f"{(SCENES / f'{name}.toml').read_text('utf-8')}\n{effects}", "utf-8")
@@ -174,7 +148,11 @@ def said(home: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, tupl
         "inch": ("check", scene(folder / "inch", quiet, "inch"), "--json"),
         "build": ("build", loud, "--only", "csv", "-o", folder / "out"),
     }
-    answers = dict(zip(calls, run(home, *calls.values()), strict=True))
+    words = ([str(word) for word in call] for call in calls.values())
+    answers = {
+        name: (code, out + errors)
+        for name, (code, out, errors) in zip(calls, commands(home, *words), strict=True)
+    }
     tables = [each.read_text("utf-8") for each in (folder / "out").glob("*.csv")]
     return answers | {"table": (len(tables), "".join(tables))}
 
@@ -209,11 +187,9 @@ def test_editors_know_it(home: Path) -> None:
         "from camgeo.scene.schema import whole_schema\n"
         "import json; print(json.dumps(whole_schema(effect_names())))"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        cwd=home, env={"PYTHONPATH": str(home)}, capture_output=True, text=True, check=True,
-    )  # fmt: skip
-    noise = json.loads(done.stdout)["properties"]["effects"]["properties"]["noise"]
+    noise = json.loads(run_copy(home, "-c", code).stdout)["properties"]["effects"]["properties"][
+        "noise"
+    ]
     assert noise["description"] == "How loud the follower is. Not with a conjugate pair."
 
 

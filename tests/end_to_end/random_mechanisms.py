@@ -80,8 +80,7 @@ def _reaches(model: Model) -> bool:
     centre = model.centre(phi)
     if not model.rocks:
         guide = math.radians(model.follower.get("guide_angle", 90.0))
-        along = np.real(centre * np.exp(-1j * guide))
-        return float(np.min(along)) > 2.0
+        return float(np.min(np.real(centre * np.exp(-1j * guide)))) > 2.0
     pivot = complex(*model.follower["pivot"])
     beside = np.imag(np.conj(-pivot) * (centre - pivot)) / abs(pivot) / model.follower["arm"]
     return float(np.min(np.abs(beside))) > 0.05 and np.ptp(np.sign(beside)) == 0.0

@@ -303,8 +303,7 @@ def test_dimensions_state_what_they_measure(name: str) -> None:
     assert len(found) == len(sheet.dimensions)
     for dimension, mark in zip(found, sheet.dimensions, strict=True):
         assert dimension.dxf.text in ("", "<>")
-        style = dimension.override()
-        assert style.get("dimlfac") == 1.0
+        assert dimension.override().get("dimlfac") == 1.0
         length = dimension.get_measurement()
         assert (length, dimension.dxf.actual_measurement) == pytest.approx(
             (mark.measure / MM_PER[sheet.unit], length), rel=1e-12

@@ -484,8 +484,7 @@ def test_a_tool_has_its_own_coolant() -> None:
     wet, dry = replace(TOOL, coolant="mist"), replace(OTHER, coolant="off")
     product = StubProduct(gcode=spec("linuxcnc"), tool=wet, second_tool=dry)
     lines = WRITER.write(product, TOLERANCE).data.decode().splitlines()
-    second = positions(lines, r"T7")[0]
-    assert lines.index("M7") < lines.index("M9") < second
+    assert lines.index("M7") < lines.index("M9") < positions(lines, r"T7")[0]
     assert [line for line in lines if re.fullmatch("M[789]", line)] == ["M7", "M9"]
 
 
@@ -715,8 +714,7 @@ def test_a_mark_that_is_missing_in_a_program_is_found() -> None:
     end = data.index("(operation drill", start)
     cut = "\n".join(line for line in data[start:end].split("\n") if " Z-6.5" not in line)
     assert cut != data[start:end]
-    damaged = (data[:start] + cut + data[end:]).encode()
-    assert faults(VERIFIER, product, damaged)
+    assert faults(VERIFIER, product, (data[:start] + cut + data[end:]).encode())
 
 
 # A controller that cannot change tools: one program for each run of a tool ------------------------

@@ -441,8 +441,7 @@ def require_faults(product: StubProduct, pattern: bytes, new: bytes) -> set[str]
     ],
 )
 def test_faults_of_parabolas_are_found(pattern: bytes, new: bytes) -> None:
-    product = StubProduct(given=with_bore(KEYED))
-    assert require_faults(product, pattern, new)
+    assert require_faults(StubProduct(given=with_bore(KEYED)), pattern, new)
 
 
 def test_step_files_cannot_have_chamfers_along_splines() -> None:

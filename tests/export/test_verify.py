@@ -377,8 +377,7 @@ def test_faults_of_meshes_are_named() -> None:
     turned[4] = turned[4, ::-1]
     assert notes(turned)["oriented"].startswith("facet 5, near ")
     assert notes(triangles[:, ::-1]) == {"oriented": "the mesh is turned inside out"}
-    degenerate = np.vstack((triangles, [[0, 0, 1]]))
-    assert "facet 13" in notes(degenerate)["facets"]
+    assert "facet 13" in notes(np.vstack((triangles, [[0, 0, 1]])))["facets"]
 
 
 @pytest.mark.parametrize("verifier", [DXF_VERIFIER, GCODE_VERIFIER, STL_VERIFIER, THREEMF_VERIFIER])

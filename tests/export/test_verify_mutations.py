@@ -257,5 +257,4 @@ def test_an_item_of_another_part_is_not_taken_for_one_of_the_model() -> None:
     changed = parts | {MODEL: good.replace("<item ", item), "3D/other.model": other}
     data = packed({path: part.encode() for path, part in changed.items()})
     assert not THREEMF_VERIFIER.origin(data).damage
-    checks = checked(THREEMF_VERIFIER, PRODUCT, data)
-    assert "another part" in checks["model", ""].note
+    assert "another part" in checked(THREEMF_VERIFIER, PRODUCT, data)["model", ""].note

@@ -129,8 +129,7 @@ def test_the_time_stands_above_the_crank_angle() -> None:
     driven = driven_by("exercise")
     page, panels = drawn(driven)
     assert panels[-1].get_xlim() == (0.0, 360.0)
-    above = page.axes[-1]
-    assert above.get_xlim() == pytest.approx((0.0, 2.0 / 3.0))
+    assert page.axes[-1].get_xlim() == pytest.approx((0.0, 2.0 / 3.0))
 
 
 @pytest.mark.parametrize("rpm", [0.01, 90.0, 3000.0])

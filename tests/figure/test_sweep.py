@@ -29,8 +29,7 @@ def found(vary: Sequence[str], answer: Any, sample: Sample | None = None) -> Res
     designs = family_of(SETZHUB, vary, sample)
     rows = [Row(point, answer(*point), ("mm", "")) for point in designs.points()]
     asked = tuple(SimpleNamespace(word=word) for word in ("diameter", "peak:mu"))
-    result = SimpleNamespace(family=designs, rows=rows, asked=asked)
-    return cast(Result, result)
+    return cast(Result, SimpleNamespace(family=designs, rows=rows, asked=asked))
 
 
 def lines(figure: Figure) -> list[Line]:

@@ -68,8 +68,7 @@ def file_case(rng: Random) -> Case:
 def probed(name: str) -> bytes:
     """Points of the main flank of a scene, with normals, as for a measuring machine."""
     design = Design(load_scene(FIXTURES / "scenes" / f"{name}.toml"))
-    found = probe(design, design.cam.contact.main, step=Decimal(4), ball=1.5)
-    return table(found).csv().encode()
+    return table(probe(design, design.cam.contact.main, step=Decimal(4), ball=1.5)).csv().encode()
 
 
 def _measured(rng: Random) -> Case:

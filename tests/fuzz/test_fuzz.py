@@ -119,8 +119,7 @@ def test_what_fails_is_kept_as_open_and_found_once_only(
 ) -> None:
     monkeypatch.setattr(runner, "Worker", Failing)
     monkeypatch.setattr(runner, "OPEN", tmp_path)
-    first = fuzz(1, count=3, keep=tmp_path)
-    assert first.found == {"exit code 3 in check": [0, 1, 2]}
+    assert fuzz(1, count=3, keep=tmp_path).found == {"exit code 3 in check": [0, 1, 2]}
     (path,) = kept(tmp_path)
     what, revision, cause = restore(path).source.split(SEPARATOR)
     assert what == "exit code 3 in check"
@@ -193,8 +192,7 @@ def test_most_scenes_pass_the_door(tmp_path: Path) -> None:
 
 def test_all_commands_that_end_are_called() -> None:
     rng = Random(1)
-    called = Counter(line(rng)[0] for _ in range(600))
-    assert set(ENDING) <= set(called)
+    assert set(ENDING) <= set(Counter(line(rng)[0] for _ in range(600)))
 
 
 @pytest.mark.parametrize("seed", range(20))

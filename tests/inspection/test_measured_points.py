@@ -31,8 +31,7 @@ def test_units_are_those_of_the_heading_or_as_asked() -> None:
 
 def test_normals_become_unit_vectors() -> None:
     rows = "".join(f"{x};{y};0;{-2.0 - x}\n".replace(".", ",") for x, y in ROWS)
-    found = read_points(f"X;Y;I;J\n{rows}", "p.csv")
-    assert np.array_equal(known(found.normals), np.full(12, -1j))
+    assert np.array_equal(known(read_points(f"X;Y;I;J\n{rows}", "p.csv").normals), np.full(12, -1j))
 
 
 @pytest.mark.parametrize(

@@ -29,8 +29,7 @@ def in_mm(flank: ExactFlank, found: LiftErrors) -> FloatArray:
 
 @pytest.mark.parametrize(("name", "side"), [*KINDS, ("groove_clearance", Flank.OUTER)])
 def test_a_disc_without_deviations_makes_the_demanded_motion(name: str, side: Flank) -> None:
-    found = pressed(name, side, 36, height=0.0)
-    assert np.max(np.abs(in_mm(flank_of(name, side), found))) < 2e-6
+    assert np.max(np.abs(in_mm(flank_of(name, side), pressed(name, side, 36, height=0.0)))) < 2e-6
 
 
 @pytest.mark.parametrize(("name", "side"), TRIMMED)

@@ -70,8 +70,7 @@ def test_the_ball_must_fit() -> None:
 def test_centres_lie_a_radius_off_the_flank(name: str, side: Flank) -> None:
     flank = flank_of(name, side)
     found = points_at_cam_angles(flank, DEGREES[::10], 1.5)
-    feet = flank.feet(found.centres)
-    assert np.max(np.abs(feet.distances - 1.5)) < 1e-12
+    assert np.max(np.abs(flank.feet(found.centres).distances - 1.5)) < 1e-12
     share = 2.0 * np.sin(0.5 * found.off_radius.value) ** 2
     assert found.feigned == pytest.approx(1.5 * share)
 

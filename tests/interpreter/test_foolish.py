@@ -347,8 +347,7 @@ FOOLISH = (
 
 @cache
 def program(scene: str) -> str:
-    product = camgeo.loads(scene).disc
-    return WRITER.write(product, 0.01).data.decode()
+    return WRITER.write(camgeo.loads(scene).disc, 0.01).data.decode()
 
 
 def worked(scene: str, code: str) -> tuple[LineFinding, ...]:

@@ -81,8 +81,7 @@ def test_programs_for_every_profile_are_clean_and_verify(machine: str, unit: Len
 def test_only_coordinates_have_the_largest_of_coordinates(machine: str) -> None:
     """A router's spindle turns faster than Grbl's coordinates reach."""
     product = StubProduct(gcode=GcodeSpec(machine=machine), tool=replace(TOOL, spindle_speed=24e3))
-    found = run(WRITER.write(product, TOLERANCE).data, load(machine))
-    assert found.findings == ()
+    assert run(WRITER.write(product, TOLERANCE).data, load(machine)).findings == ()
     far = {"klartext": "0 BEGIN PGM A MM\n1 L X+{} R0 FMAX\n", "iso": "G21 G90 G0 X{}\n"}
     profile = load(machine)
     ran = run(far[profile.dialect].format(f"{2.0 * profile.numbers.largest:.1f}"), profile)
@@ -609,8 +608,7 @@ def test_linuxcnc_runs_the_same_path(mode: str, off: float) -> None:
     text = program(mode).replace("G41 D4", f"G41.1 D{2.0 * off:g}")
     legs, said = rs274.run(text)
     assert said == ""
-    found = run(text, load("linuxcnc")).centred(lambda _: off)
-    assert difference(found, legs) < 1e-9
+    assert difference(run(text, load("linuxcnc")).centred(lambda _: off), legs) < 1e-9
 
 
 def test_linuxcnc_runs_what_the_program_allows() -> None:
@@ -660,8 +658,7 @@ def test_a_path_that_the_control_computes_has_no_nominal_radius() -> None:
 )
 def test_the_operator_is_told_what_the_offset_holds(mode: str, machine: str, said: str) -> None:
     notes = " ".join(run(program(mode, machine), load(machine)).comments)
-    told = re.findall(r"(?i)(compensation (?:wear|control):.*?either way)", notes)
-    assert said in " ".join(told)
+    assert said in " ".join(re.findall(r"(?i)(compensation (?:wear|control):.*?either way)", notes))
 
 
 @pytest.mark.parametrize(

@@ -415,8 +415,7 @@ def test_drawings_are_redrawn_in_place(tmp_path: Path) -> None:
         for each in found
         for chart in each["charts"][:3]
     ]
-    answer = shown(datas)
-    assert answer["differing"] == [0] * 2 * len(datas)
+    assert shown(datas)["differing"] == [0] * 2 * len(datas)
 
 
 # -- chromium viewer -------------------------------------------------------------------------------

@@ -203,8 +203,7 @@ def test_a_distant_pivot_costs_no_digits(distance: float, side: int) -> None:
     assert again == pytest.approx(q, rel=64 * 2.0**-53)
     along = path.along(phi, q)[0]
     bows = Bows(found, along / np.abs(along), np.zeros(3))
-    met = path.meet(phi, bows, np.ones(3))
-    assert met == pytest.approx(q, rel=64 * 2.0**-53)
+    assert path.meet(phi, bows, np.ones(3)) == pytest.approx(q, rel=64 * 2.0**-53)
 
 
 @pytest.mark.parametrize("follower", FOLLOWERS)

@@ -380,8 +380,7 @@ def test_a_cell_that_may_reach_a_dead_centre_has_no_bound() -> None:
     assert np.all(np.isfinite(near))
     beyond = linkage.transform_bounds(jet, np.array([[2.0], [1.0], [0.0], [0.0]]))
     assert np.all(np.isinf(beyond))
-    rest = linkage.transform_bounds(jet, np.zeros((4, 1)))
-    assert not np.any(rest)
+    assert not np.any(linkage.transform_bounds(jet, np.zeros((4, 1))))
 
 
 # The questions of the thesis ------------------------------------------------------------------
@@ -410,8 +409,7 @@ def test_the_dimensions_are_those_of_a_coupler_parallel_to_the_guide(
     linkage = SliderCrank(40.0, 70.0, math.radians(30.0), leans_away, slider_side, 1, branch)
     assert math.sin(linkage.coupler_angle) == pytest.approx(0.0, abs=1e-14)
     assert math.degrees(linkage.start_angle) == pytest.approx(start, rel=1e-14)
-    other = replace(linkage, branch=-branch)
-    assert abs(math.sin(other.coupler_angle)) > 0.01
+    assert abs(math.sin(replace(linkage, branch=-branch).coupler_angle)) > 0.01
 
 
 def test_a_dead_centre_can_be_rested_in_but_not_left() -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.copies import commands, copied, replaced
+from tests.copies import check_refused, commands, copied, replaced
 
 FOLLOWER = '''"""Translating follower with a round head, which slides on the cam."""
 
@@ -216,13 +216,7 @@ FAULTS = [
 
 
 def test_faults_are_reported_as_of_any_follower(tree: Path) -> None:
-    for number, (old, new, _) in enumerate(FAULTS):
-        assert old in TEMPLATE
-        (tree / f"wrong{number}.toml").write_text(TEMPLATE.replace(old, new), encoding="utf-8")
-    found = commands(tree, *(["check", f"wrong{number}.toml"] for number in range(len(FAULTS))))
-    for (code, _, reported), (*_, expected) in zip(found, FAULTS, strict=True):
-        assert code == 2
-        assert expected in reported
+    check_refused(tree, TEMPLATE, FAULTS)
 
 
 def test_a_new_linkage_drives_a_rocker_and_no_guided_follower(tree: Path) -> None:

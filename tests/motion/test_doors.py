@@ -419,8 +419,7 @@ def test_of_a_plan_the_last_answer_is_kept(plan: MotionPlan) -> None:
 
 def test_what_is_recalled_cannot_be_changed(recalling: MotionPlan, plan: MotionPlan) -> None:
     phi = AROUND.copy()
-    found = recalling.jet(phi)
-    assert not found.flags.writeable
+    assert not recalling.jet(phi).flags.writeable
     phi += 0.5  # by whoever asked, in place
     assert np.array_equal(recalling.jet(phi), plan.jet(AROUND + 0.5))
 

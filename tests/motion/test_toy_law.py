@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
 
-from tests.copies import commands, copied, replaced, run_copy
+from tests.copies import check_page, check_refused, commands, copied, replaced, run_copy
 
 TOY = '''"""Septic from rest to rest with a part of the 3-4-5 polynomial's jerk at the ends."""
 
@@ -31,6 +32,17 @@ def make(task, given):
 
 FAMILY = Family("toy-septic", {"R-R": ("smooth",)}, make, options=(SMOOTH,), aliases=("toy",))
 '''
+
+TEXT = """A septic whose jerk at the ends is chosen.
+
+<!-- picture -->
+
+**Use** in tests. **Not** elsewhere.
+
+<!-- values -->
+"""
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 LINE = '    "polynomial-345",\n'
 """Line of the registry after which that of the toy law is added."""
@@ -59,8 +71,11 @@ to = 0
 
 @pytest.fixture(scope="module")
 def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A copy of the package with the toy law, and a scene that names it."""
+    """A copy of the package and of docs with the toy law, and a scene that names it."""
     tree = tmp_path_factory.mktemp("toy")
+    shutil.copytree(DOCS, tree / "docs")
+    shutil.copytree(DOCS.parent / "fixtures" / "tables", tree / "fixtures" / "tables")
+    (tree / "docs" / "laws" / "toy-septic.md").write_text(TEXT, encoding="utf-8")
     laws = copied(tree) / "kinematics" / "laws"
     (laws / "toy_septic.py").write_text(TOY, encoding="utf-8")
     replaced(laws / "__init__.py", (LINE, f'{LINE}    "toy-septic",\n'))
@@ -88,12 +103,7 @@ FAULTS = [
 
 
 def test_faults_are_reported_as_of_any_law(tree: Path) -> None:
-    for number, (old, new, _) in enumerate(FAULTS):
-        (tree / f"wrong{number}.toml").write_text(SCENE.replace(old, new), encoding="utf-8")
-    found = commands(tree, *(["check", f"wrong{number}.toml"] for number in range(len(FAULTS))))
-    for (code, _, reported), (*_, expected) in zip(found, FAULTS, strict=True):
-        assert code == 2
-        assert expected in reported
+    check_refused(tree, SCENE, FAULTS)
 
 
 def test_the_command_of_laws_lists_and_makes_it(tree: Path) -> None:
@@ -131,3 +141,8 @@ print(schema()["$defs"]["move"]["properties"]["smooth"]["description"])
         "True",
         's: part of the jerk at the ends that is taken away; for "toy-septic" (default 0.4).',
     ], done.stderr
+
+
+def test_pages_are_made_with_it(tree: Path) -> None:
+    check_page(tree, "laws", "images/laws/toy-septic.svg)")
+    check_page(tree, "scene", 'for "toy-septic" (default 0.4)')

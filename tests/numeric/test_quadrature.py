@@ -219,8 +219,7 @@ def test_noise_beyond_the_tolerance_ends_and_is_reported(noise: float) -> None:
 def test_zero_and_cancelling_integrals() -> None:
     assert integral(np.zeros_like, [0.0, 1.0, 2.0], 1e-9) == Integral(0.0, 0.0, 0.0)
     # The tolerance is of the magnitude, not of an integral that vanishes.
-    found = integral(np.sin, [-1.0, 1.0], 1e-12)
-    assert abs(found.value) <= ROUNDING * 2.0 * (1.0 - math.cos(1.0))
+    assert abs(integral(np.sin, [-1.0, 1.0], 1e-12).value) <= ROUNDING * 2.0 * (1.0 - math.cos(1.0))
 
 
 def test_pieces_add_up_and_jumps_at_edges_cost_nothing() -> None:

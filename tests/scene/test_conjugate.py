@@ -163,8 +163,7 @@ EVEN += "[[motion]]\ndwell = 20\n[[motion]]\nlaw = 'modified-sine'\nspan = 160\n
 
 def closing(text: str) -> camgeo.Finding:
     """The finding of the yoke."""
-    found = {each.name: each for each in Design(parse_scene(text)).findings}
-    return found["closing-error"]
+    return ({each.name: each for each in Design(parse_scene(text)).findings})["closing-error"]
 
 
 def on_rollers(yoke: str = "[follower.yoke]\n", offset: str = "") -> str:

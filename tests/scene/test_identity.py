@@ -45,8 +45,7 @@ def test_numbers_are_equal_that_have_one_value(one: Decimal, other: Decimal) -> 
     """But a zero keeps its sign."""
     for number in (other, one * 10, -one, Decimal(float(other))):
         alike = one == number and one.is_signed() == number.is_signed()
-        found = {identity_of({"name": each}, str) for each in (one, number)}
-        assert (len(found) == 1) == alike
+        assert (len({identity_of({"name": each}, str) for each in (one, number)}) == 1) == alike
     assert len({identity_of({"name": each}, str) for each in (one, f"{one:E}")}) == 2
 
 

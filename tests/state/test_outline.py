@@ -102,8 +102,7 @@ def assert_forces_on_corners(
         spring = -math.copysign(preload, lever) - rate * jet[0]  # it closes the contact
         needed = mass * jet[2] * course_of(made).rates(at)[0, 0] ** 2 - spring
         wanted = cam.contact.push * needed / lever  # negative on an outer flank
-        found = made.effect(CONTACT_FORCE).normal(at, "right")[0]
-        assert found == pytest.approx(wanted, rel=1e-8)
+        assert made.effect(CONTACT_FORCE).normal(at, "right")[0] == pytest.approx(wanted, rel=1e-8)
         if DRIVE_TORQUE in made.scene.effects:
             torque = made.effect(DRIVE_TORQUE).torque(at, "right")[0]
             assert torque == pytest.approx(needed * jet[1], abs=1e-8 * abs(wanted))

@@ -445,8 +445,7 @@ def test_the_play_is_that_between_rollers_pressed_against_both_contours(
     assert play == contours_of(made[1]).play
     assert np.all(outward * (lifts[1] - lifts[0]) >= play.lowest.value - 1e-12)
     assert np.all(outward * (lifts[1] - lifts[0]) <= play.highest.value + 1e-12)
-    own = sum(state_of(each).deviation for each in made)
-    assert play.magnitude <= 1.1 * own / np.min(levers)
+    assert play.magnitude <= 1.1 * sum(state_of(each).deviation for each in made) / np.min(levers)
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-4])

@@ -199,8 +199,7 @@ def test_what_another_cutter_cleared_is_air() -> None:
 
 def test_only_the_moves_that_are_asked_for() -> None:
     start, moves = line(10.0 + 25.0j, 50.0 + 25.0j, 50.0 + 30.0j)
-    found = cutting(start, moves).engagement(1.0, only=[1])
-    assert found.pieces.tolist() == [1]
+    assert cutting(start, moves).engagement(1.0, only=[1]).pieces.tolist() == [1]
 
 
 def test_nothing_to_cut() -> None:

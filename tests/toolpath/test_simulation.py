@@ -343,8 +343,7 @@ def test_a_second_run_takes_nothing_off(points: list[tuple[float, float]]) -> No
 
 
 def test_an_empty_program_leaves_the_blank() -> None:
-    found = simulate(PLATE, [Run("nothing", (), RADIUS)])
-    assert found.stages[0].volume == pytest.approx(24_000.0)
+    assert simulate(PLATE, [Run("nothing", (), RADIUS)]).stages[0].volume == pytest.approx(24_000.0)
     start: Point = (0.0, 0.0, 5.0)
     assert simulate(PLATE, [Run("up", (Rapid((0.0, 0.0, 9.0)),), RADIUS, start=start)]).flaws == ()
 
@@ -375,8 +374,7 @@ def test_a_line_and_a_ring(fineness: float) -> None:
 
 def test_separate_pieces_are_joined_where_they_overlap() -> None:
     moves = [*LINE, Rapid((0.0, 5.0, 0.0)), Feed((20.0, 5.0, 0.0), FEED)]
-    found = swept(course_of(moves, (0.0, 0.0, 0.0)), RADIUS, 1e-3)
-    assert len(parts(found)) == 1
+    assert len(parts(swept(course_of(moves, (0.0, 0.0, 0.0)), RADIUS, 1e-3))) == 1
     apart = swept(course_of(moves, (0.0, 0.0, 0.0)), 2.0, 1e-3)
     assert len(parts(apart)) == 2
     assert abs(place_in(apart).imag) < 8.0

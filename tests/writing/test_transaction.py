@@ -531,8 +531,7 @@ def test_each_step_and_all_later_ones_refused(old: Files, folder: Path) -> None:
     for error in stops(folder, old, failing):
         assert is_safe(folder, old, after(old))
         told.add(str(error).rpartition("; ")[2])
-        said = settle(folder)
-        assert ("put back" in said) == ("put back" in str(error))
+        assert ("put back" in settle(folder)) == ("put back" in str(error))
         assert is_whole(folder, old, after(old))
     assert len(told) == 2
 
