@@ -133,7 +133,7 @@ class PrintedDisc(Pickled):
 
     Attributes
     ----------
-    part_by : the part by a specification.
+    make_part : returns the part by a specification.
     stated : the specification of the part in the scene.
     spec : what the scene states on printing; None for nothing.
     ledger : records what was computed.

@@ -37,7 +37,7 @@ class MilledDisc(Pickled):
 
     Attributes
     ----------
-    drawn : the disc to be milled.
+    disc : the disc to be milled.
     scene : with tools, blank, holding and operations; what milling needs may be missing.
     ledger : records what was computed.
     whole : of which this is one program, if the machine cannot change the tools that the disc

@@ -426,7 +426,7 @@ def require_room(
     Parameters
     ----------
     texts : the letters of each.
-    beside : other boundaries on the upper face of the disc.
+    boundaries : other boundaries on the upper face of the disc.
     hubs : those that stand on it.
     tolerance : of the contours by which boundaries are compared [mm]; their deviation counts.
     """

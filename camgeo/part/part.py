@@ -595,8 +595,8 @@ class Edge:
     boundary : of the part.
     kind : see `Kind`.
     below : whether it begins at the lower face of the disc, not at its upper one.
-    by : depth or height over that face [mm]; 0 if the edge goes through, or if the scene does not
-        state it.
+    height : depth or height over that face [mm]; 0 if the edge goes through, or if the scene does
+        not state it.
     """
 
     boundary: Boundary
