@@ -39,7 +39,7 @@ import trimesh
 import camgeo
 from camgeo.geometry.contour.contour import Contour, Fit
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.part.boundaries import CurveBoundary, ExactBoundary, chords_of
+from camgeo.part.boundaries import CurveBoundary, ExactBoundary, chord_fit
 from camgeo.part.part import Layer, Part
 from camgeo_export.solid.prism import body
 
@@ -166,7 +166,7 @@ def one(job: dict[str, Any]) -> Found:
         return measured(
             lambda: by_trimesh(
                 evenly(outline, job["points"]),
-                [chords_of(bore.exact, tolerance).contour.vertices],
+                [chord_fit(bore.exact, tolerance).contour.vertices],
                 part.thickness,
             )
         )

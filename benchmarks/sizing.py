@@ -58,12 +58,12 @@ def main() -> None:
 def measure(name: str, rounds: int, angles: int) -> None:
     """Print the row of a scene."""
     design = camgeo.load(SCENES / f"{name}.toml")
-    task, limits = Task.of(design.cam), design.scene.limits
+    task, limits = Task.from_cam(design.cam), design.scene.limits
     angle, ratio = transmission_angle_limit(task.cam, limits), limits.radius_ratio
     tangent = math.tan(angle)
     alone = best(lambda: smallest_place(task, tangent), rounds)
-    both = best(lambda: Sizing.of(task, angle, ratio), rounds)
-    found = Sizing.of(task, angle, ratio).answer
+    both = best(lambda: Sizing.solve(task, angle, ratio), rounds)
+    found = Sizing.solve(task, angle, ratio).answer
     if found is None:
         print(f"{name:20}infeasible")
         return
@@ -107,7 +107,7 @@ def one_by_one(task: Task, columns: FloatArray, rows: FloatArray, angles: int) -
     for row in rows:
         for column in columns:
             try:
-                np.min(task.pitch_curve_at(complex(column, row)).transmission_angle(phi))
+                np.min(task.pitch_curve(complex(column, row)).transmission_angle(phi))
             except GeometryError:
                 continue
             count += 1

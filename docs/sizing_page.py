@@ -236,7 +236,7 @@ def _row(name: str, rating: Rating | None) -> str:
 def _arms(present: Side, share: float) -> str:
     task, sizing = present.task, present.sizing
     roller = share * task.follower.roller_radius
-    other = Task.of(task.cam.sized(roller_radius=roller))
+    other = Task.from_cam(task.cam.sized(roller_radius=roller))
     best, found = size_with_arm(other, sizing.angle, sizing.ratio, *ARMS)
     ends = [size_with_arm(other, sizing.angle, sizing.ratio, arm, arm)[1] for arm in ARMS]
     arm = best.follower.arm

@@ -28,8 +28,8 @@ from camgeo.check.finding import (
     Limits,
     Severity,
     forbidding,
-    held,
     is_slow,
+    limit_finding,
 )
 from camgeo.check.machine import LINKAGE, check_follower, linkage_findings
 from camgeo.errors import GeometryError
@@ -58,7 +58,7 @@ from camgeo.units import TURN, LiftUnit, at_cam_angles, cam_angle, counted, over
 if TYPE_CHECKING:
     from camgeo.geometry.outline.replay import Replay
 
-UNMENDED: Final = ("outline-", "closure")
+NOT_TRIMMABLE: Final = ("outline-", "closure")
 """Beginnings of the names of findings that rule out a disc even if undercut is trimmed."""
 
 TRIM: Final = 'limits.undercut = "trim" makes the disc that is left'
@@ -90,104 +90,106 @@ def disc_findings(cam: Cam, limits: Limits) -> tuple[Finding, ...]:
 
 def disc_checks(cam: Cam, limits: Limits, ledger: Ledger) -> Checks:
     """The findings of `disc_findings` by check; `ledger` records each."""
-    found = Checks(ledger)
+    checks = Checks(ledger)
     inside = cam.contact.runs_inside
-    found.run(
+    checks.run(
         "follower",
         lambda: check_follower(cam.follower, runs_on_inner=inside, clearance=cam.clearance),
     )
     if cam.drive.linkage is not None:
-        of_linkage = found.run(LINKAGE, lambda: linkage_findings(cam.drive, limits))
-        if forbidding(of_linkage):
-            return found
-    OF_DISC[cam.follower.touching](cam, limits, found)
-    return found
+        findings = checks.run(LINKAGE, lambda: linkage_findings(cam.drive, limits))
+        if forbidding(findings):
+            return checks
+    DISC_CHECKS[cam.follower.touching](cam, limits, checks)
+    return checks
 
 
-def _face_checks(cam: Cam, limits: Limits, found: Checks) -> None:
+def _face_checks(cam: Cam, limits: Limits, checks: Checks) -> None:
     """Whether there is a cam for a flat face, and how the face is used."""
-    curve, severity = cam.disc.pitch_curve, _of_undercut(limits)
-    bent = found.run("convexity", lambda: check_convexity(curve, severity))
-    wrong = [finding for finding in bent if finding.severity != "ok"]
-    left: tuple[Finding, ...] = ()
+    curve, severity = cam.disc.pitch_curve, _undercut_severity(limits)
+    convex_findings = checks.run("convexity", lambda: check_convexity(curve, severity))
+    wrong = [finding for finding in convex_findings if finding.severity != "ok"]
+    outline_findings: tuple[Finding, ...] = ()
     if len(wrong) == 1 and (wrong[0].name, wrong[0].unit) == ("convexity", "mm"):  # undercut
-        left = found.run("outline", lambda: _of_outline(cam, Flank.INNER, severity))
-    if not forbidding((*bent, *left)):
-        found.run(
+        outline_findings = checks.run(
+            "outline", lambda: _outline_findings(cam, Flank.INNER, severity)
+        )
+    if not forbidding((*convex_findings, *outline_findings)):
+        checks.run(
             "transmission-angle",
             lambda: [check_transmission_angle(curve, transmission_angle_limit(cam, limits))],
         )
-        found.run("face", lambda: check_face(curve, cam.disc.outline(Flank.INNER).path))
-        found.run("closure", lambda: check_closure(curve))
-    _name_trim(found)
+        checks.run("face", lambda: check_face(curve, cam.disc.outline(Flank.INNER).path))
+        checks.run("closure", lambda: check_closure(curve))
+    _name_trim(checks)
 
 
-def _of_undercut(limits: Limits) -> Severity:
+def _undercut_severity(limits: Limits) -> Severity:
     """Severity of undercut and of what follows from it: a trimmed disc can still be made."""
     return "broken" if limits.undercut == "trim" else "no-disc"
 
 
-def _roller_checks(cam: Cam, limits: Limits, found: Checks) -> None:
+def _roller_checks(cam: Cam, limits: Limits, checks: Checks) -> None:
     """Whether a roller can follow the curve, and what remains of the flanks in use."""
     disc = cam.disc
     curve = disc.pitch_curve
-    if found.run("standstill", lambda: check_standstill(curve)):
+    if checks.run("standstill", lambda: check_standstill(curve)):
         return
-    severity = _of_undercut(limits)
+    severity = _undercut_severity(limits)
     limit = transmission_angle_limit(cam, limits)
-    found.run("transmission-angle", lambda: [check_transmission_angle(curve, limit)])
-    mechanism = not any(finding.severity == "invalid" for finding in found.findings)
+    checks.run("transmission-angle", lambda: [check_transmission_angle(curve, limit)])
+    mechanism = not any(finding.severity == "invalid" for finding in checks.findings)
     radius = cam.follower.roller_radius
     try:
         bends = disc.bends
     except GeometryError as error:
         reason = error.message
-        found.run("curvature", lambda: [Finding("curvature", "no-disc", reason)])
+        checks.run("curvature", lambda: [Finding("curvature", "no-disc", reason)])
         return
 
     # A limit other than the rule of thumb for rollers is meant for what is there.
     curved = is_curved_face(cam, bends)
     ratio = None if curved and limits.radius_ratio == RULE_OF_THUMB else limits.radius_ratio
 
-    def of_flank(flank: WorkingCurve, name: str) -> Iterable[Finding]:
+    def flank_findings(flank: WorkingCurve, name: str) -> Iterable[Finding]:
         yield check_radius_ratio(flank, name, bends, ratio, radius)
         yield from check_undercut(flank, name, bends, severity)
 
     for name, flank in disc.flanks:
-        found.run(f"curvature-{name}", partial(of_flank, flank, name))
+        checks.run(f"curvature-{name}", partial(flank_findings, flank, name))
         if mechanism:
-            found.run(f"outline-{name}", partial(_of_outline, cam, name, severity, flank))
+            checks.run(f"outline-{name}", partial(_outline_findings, cam, name, severity, flank))
     if curved:
-        found.run("face", lambda: check_curved_face(curve, bends))
+        checks.run("face", lambda: check_curved_face(curve, bends))
     if cam.clearance > 0.0:
-        found.run("side-clearance", lambda: [check_side_clearance(curve, cam.clearance)])
-    found.run("closure", lambda: check_closure(curve, severity))
+        checks.run("side-clearance", lambda: [check_side_clearance(curve, cam.clearance)])
+    checks.run("closure", lambda: check_closure(curve, severity))
     if mechanism and severity == "no-disc":
-        _name_trim(found)
+        _name_trim(checks)
 
 
-def _name_trim(found: Checks) -> None:
+def _name_trim(checks: Checks) -> None:
     """If the disc is refused but could be trimmed, one of the findings names the key for that."""
-    refused = [finding.name for finding in found.findings if finding.severity == "no-disc"]
-    if any(name.startswith(UNMENDED) for name in refused):
+    refused = [finding.name for finding in checks.findings if finding.severity == "no-disc"]
+    if any(name.startswith(NOT_TRIMMABLE) for name in refused):
         return
     for named in ("lost-stroke-", "tangent-closure"):
         if any(name.startswith(named) for name in refused):
-            for part, own in found.items():
-                found[part] = tuple(
-                    replace(each, sentence=f"{each.sentence}; {TRIM}")
-                    if each.name.startswith(named)
-                    else each
-                    for each in own
+            for check, findings in checks.items():
+                checks[check] = tuple(
+                    replace(finding, sentence=f"{finding.sentence}; {TRIM}")
+                    if finding.name.startswith(named)
+                    else finding
+                    for finding in findings
                 )
             return
 
 
-def _of_outline(
+def _outline_findings(
     cam: Cam, name: str, severity: Severity, flank: WorkingCurve | None = None
 ) -> list[Finding]:
     """What is left of a disc, in words for a roller's `flank`, and what the follower does on it."""
-    disc, found = cam.disc, list[Finding]()
+    disc, findings = cam.disc, list[Finding]()
     try:
         outline = disc.outline(name)
         replay = disc.replay(name) if outline.is_trimmed else None
@@ -196,20 +198,20 @@ def _of_outline(
     if flank is not None:
         ranges = undercut_ranges(flank, disc.bends)
         kinks = [pivot.after for pivot in disc.pitch_path.pivots]
-        found += check_outline(outline, name, ranges, severity, kinks)
+        findings += check_outline(outline, name, ranges, severity, kinks)
     if replay is not None:
-        found.append(check_lost_stroke(replay, name, cam.lift_unit, severity))
-    return found
+        findings.append(check_lost_stroke(replay, name, cam.lift_unit, severity))
+    return findings
 
 
-OF_DISC: Final = {"roller": _roller_checks, "face": _face_checks}
+DISC_CHECKS: Final = {"roller": _roller_checks, "face": _face_checks}
 """The findings of a disc, by what touches it."""
 
 
-OF_SLOW: Final[dict[LiftUnit, float]] = {"mm": 60.0, "rad": 45.0}
+SLOW_ANGLES: Final[dict[LiftUnit, float]] = {"mm": 60.0, "rad": 45.0}
 """Smallest transmission angles to aim for [degrees] in slow mechanisms, by the unit of the lift."""
 
-OF_FAST: Final = 60.0
+FAST_ANGLE: Final = 60.0
 
 
 def transmission_angle_limit(cam: Cam, limits: Limits) -> float:
@@ -222,7 +224,7 @@ def transmission_angle_limit(cam: Cam, limits: Limits) -> float:
     if limits.transmission_angle is not None:
         return limits.transmission_angle
     slow = is_slow(cam.drive.speed)
-    return math.radians(OF_SLOW[cam.follower.lift_unit] if slow else OF_FAST)
+    return math.radians(SLOW_ANGLES[cam.follower.lift_unit] if slow else FAST_ANGLE)
 
 
 def check_radius_ratio(
@@ -252,7 +254,7 @@ def check_radius_ratio(
     )
     if limit is None:
         statement += ", without a limit: the face is no roller's"
-    return held(f"radius-ratio-{name}", statement, ratio, limit, cam_angle=phi)
+    return limit_finding(f"radius-ratio-{name}", statement, ratio, limit, cam_angle=phi)
 
 
 def check_undercut(
@@ -269,11 +271,11 @@ def check_undercut(
         return (Finding(f"undercut-{name}", "ok", statement, margin, 0.0, cam_angle=phi),)
     if margin >= -CUSP:
         statement = (
-            f"{name} flank: cusp {at_cam_angles(phi, form='.6f')}, {_what(flank)}"
+            f"{name} flank: cusp {at_cam_angles(phi, form='.6f')}, {_distance_name(flank)}"
             f" equals the pitch curve's radius of curvature, {1 / abs(kappa):.6g} mm"
         )
         return (Finding(f"cusp-{name}", severity, statement, margin, 0.0, cam_angle=phi),)
-    found = []
+    findings = []
     for start, end in undercut_ranges(flank, bends):
         span = end - start if end > start else end - start + TURN
         # Every range has an extreme; it may lie at a break that ends the range, whose angle has
@@ -288,11 +290,11 @@ def check_undercut(
             " motion"
         )
         what = f"undercut-{name}"
-        found.append(Finding(what, severity, statement, value, 0.0, "", place, (start, end)))
-    return tuple(found)
+        findings.append(Finding(what, severity, statement, value, 0.0, "", place, (start, end)))
+    return tuple(findings)
 
 
-def _what(flank: WorkingCurve) -> str:
+def _distance_name(flank: WorkingCurve) -> str:
     """What the flank's distance from the pitch curve is called."""
     played = abs(flank.distance) != flank.pitch.follower.roller_radius
     return "half the groove's width" if played else "the roller radius"
@@ -326,7 +328,7 @@ def check_outline(
     severity : of a flank that is cut off: "no-disc" if no disc is made then, else "broken".
     kinks : cam angles [rad] at which the velocity jumps, which `check_closure` reports.
     """
-    found, crossing = [], f"global-undercut-{name}"
+    findings, crossing = [], f"global-undercut-{name}"
     known = np.array([*(start for start, _ in undercut), *kinks])
     for start, end in outline.dropped:
         if np.any((known - start) % TURN <= end - start):  # a noisy table has thousands of both
@@ -337,15 +339,15 @@ def check_outline(
             " curvature suffices: two of its sides are closer than the roller is wide (global"
             " undercut)"
         )
-        found.append(Finding(crossing, severity, sentence, width, 0.0, "deg", start, where))
+        findings.append(Finding(crossing, severity, sentence, width, 0.0, "deg", start, where))
     for lobe in outline.lobes:
         size = abs(area(lobe))
         sentence = f"{name} flank: a lobe of {size:.6g} mm^2 is cut off and falls away"
-        found.append(Finding(f"lobe-{name}", severity, sentence, size, 0.0, "mm^2"))
+        findings.append(Finding(f"lobe-{name}", severity, sentence, size, 0.0, "mm^2"))
     if not outline.is_trimmed:
         sentence = f"{name} flank: it does not cross itself"
-        found.append(Finding(crossing, "ok", sentence, 0.0, 0.0, "deg"))
-    return tuple(found)
+        findings.append(Finding(crossing, "ok", sentence, 0.0, 0.0, "deg"))
+    return tuple(findings)
 
 
 def check_lost_stroke(replay: Replay, name: str, unit: LiftUnit, severity: Severity) -> Finding:
@@ -354,7 +356,7 @@ def check_lost_stroke(replay: Replay, name: str, unit: LiftUnit, severity: Sever
     `unit` is that of the lift.
     """
     loss = replay.largest_loss
-    scale, shown = STATED[unit]
+    scale, display_unit = STATED[unit]
     value = scale * loss.value
     jumps = []
     if len(replay.shocks):
@@ -362,12 +364,12 @@ def check_lost_stroke(replay: Replay, name: str, unit: LiftUnit, severity: Sever
     if len(replay.drops):
         jumps.append(counted(len(replay.drops), "drop") + " off an edge")
     statement = (
-        f"{name} flank: on the real disc the follower loses up to {value:.4g} {shown} of its lift,"
-        f" {at_cam_angles(loss.place, form='.6f')}"
+        f"{name} flank: on the real disc the follower loses up to {value:.4g} {display_unit} of its"
+        f" lift, {at_cam_angles(loss.place, form='.6f')}"
     )
     if jumps:
         statement += f", with {' and '.join(jumps)}"
-    return Finding(f"lost-stroke-{name}", severity, statement, value, 0.0, shown, loss.place)
+    return Finding(f"lost-stroke-{name}", severity, statement, value, 0.0, display_unit, loss.place)
 
 
 # -- curved face ----------------------------------------------------------------------------------
@@ -412,19 +414,19 @@ def check_curved_face(curve: PitchCurve, bends: Extremes) -> tuple[Finding, ...]
         )
     else:
         sentence += ": the cam is convex"
-    return Finding("convexity", "ok", sentence, value, 0.0, "mm", phi), _run(curve)
+    return Finding("convexity", "ok", sentence, value, 0.0, "mm", phi), _contact_range(curve)
 
 
-def _run(curve: PitchCurve) -> Finding:
+def _contact_range(curve: PitchCurve) -> Finding:
     def place(phi: FloatArray, side: Side) -> FloatArray:
         """(n,) of the contact along the face [mm], from its middle."""
         relative = curve.relative_jet(phi, side, order=1)
         sine = np.sign(relative.u) * relative.v / np.hypot(relative.u, relative.v)
         return np.asarray(curve.rotation * curve.follower.roller_radius * sine)
 
-    found = extremes(curve, place, SLOPES["roller"](curve))
-    (low, at_low), (high, at_high) = found.smallest(), found.largest()
-    first, last = (at_cam_angles(each, form=".4f") for each in (at_low, at_high))
+    ends = extremes(curve, place, SLOPES["roller"](curve))
+    (low, at_low), (high, at_high) = ends.smallest(), ends.largest()
+    first, last = (at_cam_angles(phi, form=".4f") for phi in (at_low, at_high))
     across = 2.0 * max(-low, high)
     sentence = (
         f"the contact runs along the curved face from {low:.6g} mm {first} to {high:.6g} mm"
@@ -451,31 +453,31 @@ def check_convexity(curve: PitchCurve, severity: Severity = "no-disc") -> tuple[
     parallel outline, whose radii are larger by D: so exactly that much more base radius, and on a
     rocker as much more face offset, supplies what is missing.
     """
-    found = convexity(curve)
-    if found.turn[0] <= 0.0:
-        return (_turns_back(found),)
-    findings = [_radius(found, flat_follower(curve.follower).raised_by, severity)]
-    if found.jumps:
-        findings.append(_jump(found))
-    if found.clearance[0] <= SMALLEST * found.size:
-        findings.append(_over_axis(found))
+    shape = convexity(curve)
+    if shape.turn[0] <= 0.0:
+        return (_turns_back(shape),)
+    findings = [_radius(shape, flat_follower(curve.follower).raised_by, severity)]
+    if shape.jumps:
+        findings.append(_jump(shape))
+    if shape.clearance[0] <= SMALLEST * shape.size:
+        findings.append(_face_over_axis(shape))
     return tuple(findings)
 
 
-def _turns_back(found: Convexity) -> Finding:
-    turn, phi = found.turn
+def _turns_back(shape: Convexity) -> Finding:
+    turn, phi = shape.turn
     sentence = (
-        f"the face turns back in the cam {at(phi)}: the rocker turns with"
+        f"the face turns back in the cam {place_text(phi)}: the rocker turns with"
         f" the cam, {1.0 - turn:.4g} times as fast, and no convex cam makes a flat face do that;"
         " give the move a larger span or a smaller swing"
     )
     return Finding("convexity", "no-disc", sentence, turn, 0.0, cam_angle=phi)
 
 
-def _radius(found: Convexity, sizes: tuple[str, ...], severity: Severity) -> Finding:
-    radius, phi = found.radius
-    least = SMALLEST * found.size
-    place = at(phi)
+def _radius(shape: Convexity, sizes: tuple[str, ...], severity: Severity) -> Finding:
+    radius, phi = shape.radius
+    least = SMALLEST * shape.size
+    place = place_text(phi)
     if radius > least:
         sentence = f"smallest radius of curvature {radius:.6g} mm {place}: the cam is convex"
         return Finding("convexity", "ok", sentence, radius, 0.0, "mm", phi)
@@ -493,32 +495,32 @@ def _radius(found: Convexity, sizes: tuple[str, ...], severity: Severity) -> Fin
     return Finding("convexity", severity, sentence, radius, 0.0, "mm", phi)
 
 
-def _jump(found: Convexity) -> Finding:
-    length, phi = found.jump
-    others = f", the worst of {counted(found.jumps, 'jump')}" if found.jumps > 1 else ""
+def _jump(shape: Convexity) -> Finding:
+    length, phi = shape.jump
+    others = f", the worst of {counted(shape.jumps, 'jump')}" if shape.jumps > 1 else ""
     which = (
         "back, against its direction along the outline"
         if length < 0.0
         else "ahead, over a straight part of the outline flush with the face"
     )
     sentence = (
-        f"the velocity of the follower jumps {at(phi)}, and the contact by"
+        f"the velocity of the follower jumps {place_text(phi)}, and the contact by"
         f" {abs(length):.6g} mm along the face, {which}{others}; a flat face needs a motion without"
         " shocks"
     )
     return Finding("contact-jump", "no-disc", sentence, length, 0.0, "mm", phi)
 
 
-def _over_axis(found: Convexity) -> Finding:
-    lowest, phi = found.clearance
+def _face_over_axis(shape: Convexity) -> Finding:
+    lowest, phi = shape.clearance
     sentence = (
-        f"the face comes within {lowest:.6g} mm of the cam axis {at(phi)}: the"
+        f"the face comes within {lowest:.6g} mm of the cam axis {place_text(phi)}: the"
         " cam does not go round its axis; make follower.base_radius larger"
     )
     return Finding("face-over-axis", "no-disc", sentence, lowest, 0.0, "mm", phi)
 
 
-def at(phi: float) -> str:
+def place_text(phi: float) -> str:
     """The place `phi` [rad] in words."""
     return at_cam_angles(phi, form=".4f")
 
@@ -535,11 +537,11 @@ def check_face(curve: PitchCurve, outline: Path) -> tuple[Finding, ...]:
         (float(places[k]), float(angles[k])) for k in (np.argmin(places), np.argmax(places))
     )
     sentence = (
-        f"the contact runs along the face from {low:.6g} mm {at(at_low)} to"
+        f"the contact runs along the face from {low:.6g} mm {place_text(at_low)} to"
         f" {high:.6g} mm at {cam_angle(at_high, '.4f')} deg, measured from the {follower.origin}: a"
         f" face of {high - low:.6g} mm is needed"
     )
-    found = Finding("face-length", "ok", sentence, high - low, unit="mm")
+    length_finding = Finding("face-length", "ok", sentence, high - low, unit="mm")
     slack = ROUNDING * follower.base_radius
     face = follower.face
     if face is not None:
@@ -551,15 +553,15 @@ def check_face(curve: PitchCurve, outline: Path) -> tuple[Finding, ...]:
         if short > slack:
             severity = "broken"
             sentence += f", {short:.6g} mm too short there"
-        found = Finding("face-length", severity, sentence, place, end, "mm", phi)
+        length_finding = Finding("face-length", severity, sentence, place, end, "mm", phi)
     if low > follower.least_place + slack:
-        return (found,)
+        return (length_finding,)
     statement = (
         f"the contact reaches the pivot's foot on the face ({low:.6g} mm"
-        f" {at(at_low)}): it has no lever about the pivot there, and the cam cannot move"
+        f" {place_text(at_low)}): it has no lever about the pivot there, and the cam cannot move"
         " the rocker any further"
     )
-    return found, Finding("contact-lever", "broken", statement, low, 0.0, "mm", at_low)
+    return length_finding, Finding("contact-lever", "broken", statement, low, 0.0, "mm", at_low)
 
 
 # -- standstill -----------------------------------------------------------------------------------
@@ -570,7 +572,7 @@ STANDSTILL_SHARE = math.sqrt(STANDSTILL)
 """Smallest |Z'| as a fraction of the base radius per rad; below it the curvature has no digits."""
 
 
-def slowest(pitch: PitchCurve) -> float:
+def least_speed(pitch: PitchCurve) -> float:
     """A lower bound of |Z'| [mm/rad] over the turn; negative where the cells are too wide to tell.
 
     |Z'| changes over half a cell of width 2 h by at most h |Z''| + h^2/2 max |Z'''|.
@@ -584,7 +586,7 @@ def slowest(pitch: PitchCurve) -> float:
 def check_standstill(curve: PitchCurve) -> tuple[Finding, ...]:
     """A finding that there is no disc where |Z'| vanishes; nothing where it does not."""
     limit = STANDSTILL_SHARE * curve.follower.base_radius
-    if slowest(curve) > limit:
+    if least_speed(curve) > limit:
         return ()
 
     def square(phi: FloatArray, side: Side) -> FloatArray:
@@ -624,7 +626,7 @@ def transmission_angle_extremes(curves: Sequence[PitchCurve]) -> list[Extremes]:
     )
 
 
-def _of_roller(curve: PitchCurve) -> Quantity:
+def _roller_angle_slopes(curve: PitchCurve) -> Quantity:
     """What vanishes where the angle of a roller can be extreme."""
 
     def slopes(phi: FloatArray, side: Side) -> FloatArray:
@@ -638,12 +640,12 @@ def _of_roller(curve: PitchCurve) -> Quantity:
     return slopes
 
 
-def _of_face(curve: PitchCurve) -> Quantity:
+def _face_angle_slope(curve: PitchCurve) -> Quantity:
     """The same for a flat face, where the angle depends on the position of the contact alone."""
     return lambda phi, side: touch(curve, phi, side).contact
 
 
-SLOPES: Final = {"roller": _of_roller, "face": _of_face}
+SLOPES: Final = {"roller": _roller_angle_slopes, "face": _face_angle_slope}
 
 
 def check_transmission_angle(curve: PitchCurve, limit: float) -> Finding:
@@ -652,7 +654,7 @@ def check_transmission_angle(curve: PitchCurve, limit: float) -> Finding:
     value, bound = math.degrees(smallest), math.degrees(limit)
     place = at_cam_angles(phi, form=".4f")
     statement = f"smallest transmission angle {value:.4f} deg {place}"
-    return held("transmission-angle", statement, value, bound, "deg", phi, least=True)
+    return limit_finding("transmission-angle", statement, value, bound, "deg", phi, least=True)
 
 
 # -- side clearance -------------------------------------------------------------------------------

@@ -93,7 +93,7 @@ class Finding(Displayed):
         as they are.
         """
         figures = (self.value, self.limit) if "mm" in self.unit else ()
-        exact = [each for each in figures if each is not None]
+        exact = [figure for figure in figures if figure is not None]
         sentence = in_unit(self.sentence, unit, exact)
         return self if sentence == self.sentence else replace(self, sentence=sentence)
 
@@ -123,19 +123,19 @@ class Findings(tuple[Finding, ...], Displayed):
 
     def __repr__(self) -> str:
         names: dict[str, list[str]] = {}
-        for each in self:
-            names.setdefault(each.verdict, []).append(each.name)
-        told = [
-            f"{len(own)} {verdict}" + ("" if verdict in QUIET else f" ({listed(own, NAMED)})")
-            for verdict, own in names.items()
+        for finding in self:
+            names.setdefault(finding.verdict, []).append(finding.name)
+        counts = [
+            f"{len(group)} {verdict}" + ("" if verdict in QUIET else f" ({listed(group, NAMED)})")
+            for verdict, group in names.items()
         ]
         head = counted(len(self), "finding")
-        return clipped(f"<{': '.join([head, *([', '.join(told)] if told else [])])}>")
+        return clipped(f"<{': '.join([head, *([', '.join(counts)] if counts else [])])}>")
 
 
-def stated_in(unit: LengthUnit, findings: Iterable[Finding]) -> tuple[Finding, ...]:
+def findings_in_unit(unit: LengthUnit, findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """The findings with their sentences in the unit of a scene, see `Finding.in_unit`."""
-    return tuple(findings if unit == "mm" else (each.in_unit(unit) for each in findings))
+    return tuple(findings if unit == "mm" else (finding.in_unit(unit) for finding in findings))
 
 
 class LazyFindings(Sequence[Finding], Displayed):
@@ -186,25 +186,25 @@ def folded(findings: Iterable[Finding]) -> tuple[Finding, ...]:
 
     The worst is the farthest from its limit, or from 0 without one, or has no value at all.
     """
-    found = tuple(findings)
+    all_findings = tuple(findings)
     alike: dict[tuple[str, str], list[Finding]] = {}
-    for each in found:
-        alike.setdefault((each.name, each.severity), []).append(each)
+    for finding in all_findings:
+        alike.setdefault((finding.name, finding.severity), []).append(finding)
     many = {
-        kind: own
-        for kind, own in alike.items()
-        if len(own) > MOST_ALIKE and all(each.cam_angle is not None for each in own)
+        kind: group
+        for kind, group in alike.items()
+        if len(group) > MOST_ALIKE and all(finding.cam_angle is not None for finding in group)
     }
-    told = []
-    for each in found:
-        own = many.get((each.name, each.severity), [])
-        if not own:
-            told.append(each)
-        elif each is own[0]:
-            worst = max(own, key=_beyond)
-            sentence = f"{worst.sentence}; {len(own)} alike in all, {_places(own)}"
-            told.append(replace(worst, sentence=sentence, cam_range=None))
-    return tuple(told)
+    reported = []
+    for finding in all_findings:
+        group = many.get((finding.name, finding.severity), [])
+        if not group:
+            reported.append(finding)
+        elif finding is group[0]:
+            worst = max(group, key=_beyond)
+            sentence = f"{worst.sentence}; {len(group)} alike in all, {_places(group)}"
+            reported.append(replace(worst, sentence=sentence, cam_range=None))
+    return tuple(reported)
 
 
 def _beyond(finding: Finding) -> float:
@@ -217,16 +217,16 @@ def _beyond(finding: Finding) -> float:
 def _places(alike: Iterable[Finding]) -> str:
     """The ranges, or places, of several findings in words; ranges that touch are one."""
     ranges: list[tuple[float, float]] = []
-    for each in alike:
-        start, end = each.cam_range or (each.cam_angle or 0.0, each.cam_angle or 0.0)
+    for finding in alike:
+        start, end = finding.cam_range or (finding.cam_angle or 0.0, finding.cam_angle or 0.0)
         if ranges and start != end and abs(start - ranges[-1][1]) <= TOUCHING:
             start = ranges.pop()[0]
         ranges.append((start, end))
-    places = [" to ".join(dict.fromkeys(map(cam_angle, each))) for each in ranges]
+    places = [" to ".join(dict.fromkeys(map(cam_angle, ends))) for ends in ranges]
     return f"at cam angles {listed(places, MOST_ALIKE)} deg"
 
 
-def held(
+def limit_finding(
     name: str,
     statement: str,
     value: float,
@@ -242,8 +242,8 @@ def held(
     if limit is None:
         return Finding(name, "ok", statement, value, unit=unit, cam_angle=cam_angle)
     broken = value < limit if least else value > limit
-    beyond, within = ("below", "at least") if least else ("above", "at most")
-    verdict = f"{beyond if broken else within} {limit:g} {unit}".rstrip()
+    above_or_below, most_or_least = ("below", "at least") if least else ("above", "at most")
+    verdict = f"{above_or_below if broken else most_or_least} {limit:g} {unit}".rstrip()
     severity: Severity = "broken" if broken else "ok"
     return Finding(name, severity, f"{statement}, {verdict}", value, limit, unit, cam_angle)
 
@@ -266,7 +266,7 @@ def rounded_beyond(value: float, digits: int, *, upward: bool, steps: int = 0) -
 
 def forbidding(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """The findings that rule out the disc."""
-    return tuple(each for each in findings if each.severity in NO_OUTLINE)
+    return tuple(finding for finding in findings if finding.severity in NO_OUTLINE)
 
 
 # -- limits ---------------------------------------------------------------------------------------

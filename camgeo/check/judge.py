@@ -22,10 +22,10 @@ from camgeo.check.finding import (
     Findings,
     Limits,
     Severity,
+    findings_in_unit,
     folded,
     forbidding,
-    held,
-    stated_in,
+    limit_finding,
 )
 from camgeo.check.machine import LINKAGE, linkage_findings
 from camgeo.errors import GeometryError, UndercutError
@@ -51,7 +51,7 @@ WORST_FIRST: Final = ("invalid", "no-disc", "broken", "warning", "ok")
 CURABLE: Final = (*UNDERCUT, CONVEXITY, "transmission-angle", "radius-ratio-")
 """The same for any cure."""
 
-Tried = tuple[Findings, Sequence[Finding]]
+TrialFindings = tuple[Findings, Sequence[Finding]]
 """What is found on a changed design, and what of its parts breaks a limit, once it is looked at."""
 
 ByCheck = Mapping[str, tuple[Finding, ...]]
@@ -81,7 +81,7 @@ class Judgement(Pickled, Displayed):
     tolerance: float
     unit: LengthUnit = "mm"
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
-    trial: Callable[[tuple[Cam, ...], Mapping[str, Any]], Tried] | None = field(
+    trial: Callable[[tuple[Cam, ...], Mapping[str, Any]], TrialFindings] | None = field(
         default=None, repr=False, compare=False
     )
 
@@ -94,49 +94,53 @@ class Judgement(Pickled, Displayed):
         """
         if self.cams:
             cam = self.cams[0]
-            found = disc_checks(cam, self.limits, self.ledger)
+            checks = disc_checks(cam, self.limits, self.ledger)
             if (breadth := cam.breadth) is not None:
-                asked = cam.yoke_breadth, self.limits.closing_error
-                found.run("yoke", lambda: [check_breadth(breadth, *asked)])
+                required = cam.yoke_breadth, self.limits.closing_error
+                checks.run("yoke", lambda: [check_breadth(breadth, *required)])
         else:
-            found = Checks(self.ledger)
-            found.run(LINKAGE, lambda: linkage_findings(self.drive, self.limits))
+            checks = Checks(self.ledger)
+            checks.run(LINKAGE, lambda: linkage_findings(self.drive, self.limits))
         if len(self.cams) > 1:
-            self._of_pair(found)
-        found.run("motion", lambda: motion_findings(self.drive))
-        return {name: stated_in(self.unit, each) for name, each in found.items()}
+            self._run_pair_checks(checks)
+        checks.run("motion", lambda: motion_findings(self.drive))
+        return {name: findings_in_unit(self.unit, findings) for name, findings in checks.items()}
 
     @lazy
     def findings(self) -> Findings:
         """All findings, worst first."""
-        found = chain.from_iterable(self.by_check.values())
-        return Findings(sorted(found, key=lambda finding: WORST_FIRST.index(finding.severity)))
+        all_findings = chain.from_iterable(self.by_check.values())
+        return Findings(
+            sorted(all_findings, key=lambda finding: WORST_FIRST.index(finding.severity))
+        )
 
-    def _of_pair(self, found: Checks) -> None:
+    def _run_pair_checks(self, checks: Checks) -> None:
         """What is found in the return disc and in both discs together."""
         main, other = self.cams
         # The linkage, which both discs share, is reported once.
-        shared = found.get(LINKAGE, ())
+        shared = checks.get(LINKAGE, ())
 
-        def of_return() -> list[Finding]:
+        def return_findings() -> list[Finding]:
             return [
                 replace(
-                    each, name=f"{RETURN}: {each.name}", sentence=f"{RETURN} disc: {each.sentence}"
+                    finding,
+                    name=f"{RETURN}: {finding.name}",
+                    sentence=f"{RETURN} disc: {finding.sentence}",
                 )
-                for each in disc_findings(other, self.limits)
-                if each not in shared
+                for finding in disc_findings(other, self.limits)
+                if finding not in shared
             ]
 
-        def of_both() -> Iterable[Finding]:
+        def pair_findings() -> Iterable[Finding]:
             curves = main.disc.pitch_curve, other.disc.pitch_curve
             try:
                 return check_pair(*curves, self.tolerance, self.limits.closing_error)
             except GeometryError:  # a cusp, which the findings of its disc report
                 return ()
 
-        found.run(RETURN, of_return)
+        checks.run(RETURN, return_findings)
         if not forbidding(shared):
-            found.run("pair", of_both)
+            checks.run("pair", pair_findings)
 
     @property
     def has_outline(self) -> bool:
@@ -145,13 +149,13 @@ class Judgement(Pickled, Displayed):
 
     def require_outline(self, cam: Cam) -> None:
         """Raise UndercutError if there is no such disc; for a return cam, also no main disc."""
-        found = [
-            each.sentence
-            for each in forbidding(self.findings)
-            if cam is not self.cams[0] or not each.name.startswith(f"{RETURN}: ")
+        sentences = [
+            finding.sentence
+            for finding in forbidding(self.findings)
+            if cam is not self.cams[0] or not finding.name.startswith(f"{RETURN}: ")
         ]
-        if found:
-            raise UndercutError("; ".join(found))
+        if sentences:
+            raise UndercutError("; ".join(sentences))
 
     @lazy
     def cures(self) -> tuple[Cure, ...]:
@@ -159,15 +163,16 @@ class Judgement(Pickled, Displayed):
         `camgeo.check.cures.remedies`; empty if nothing is wrong with them.
         """
         if not any(
-            each.severity in BROKEN and each.name.removeprefix(f"{RETURN}: ").startswith(CURABLE)
-            for each in self.findings
+            finding.severity in BROKEN
+            and finding.name.removeprefix(f"{RETURN}: ").startswith(CURABLE)
+            for finding in self.findings
         ):
             return ()
         from camgeo.check.cures.remedies import remedies  # a search that few cams need
 
-        known: dict[tuple[tuple[str, object], ...], Tried] = {}
+        known: dict[tuple[tuple[str, object], ...], TrialFindings] = {}
 
-        def judged(cams: tuple[Cam, ...], edits: Mapping[str, Any]) -> Tried:
+        def judged(cams: tuple[Cam, ...], edits: Mapping[str, Any]) -> TrialFindings:
             question = tuple(edits.items())
             if question not in known:
                 if self.trial is None:
@@ -183,7 +188,7 @@ class Judgement(Pickled, Displayed):
 
 def worst(findings: Iterable[Finding]) -> Severity:
     """The worst severity of the findings; "ok" if there are none."""
-    return min((each.severity for each in findings), key=WORST_FIRST.index, default="ok")
+    return min((finding.severity for finding in findings), key=WORST_FIRST.index, default="ok")
 
 
 def motion_findings(drive: Drive) -> tuple[Finding, ...]:
@@ -212,7 +217,7 @@ SHOCK, JERK = 0, 1
 
 NAMES = ("velocity", "acceleration", "jerk")
 
-OVER_ANGLE = ConstantSpeed(1.0)
+UNIT_SPEED = ConstantSpeed(1.0)
 """At 1 rad/s derivatives over time are those over the cam angle."""
 
 
@@ -225,32 +230,32 @@ def check_motion(plan: MotionPlan, unit: LiftUnit) -> tuple[Finding, ...]:
     plan : in mm or rad.
     unit : which of the two; findings give degrees for rad.
     """
-    found = [_laws(plan), _continuity(plan)]
-    scale, shown = STATED[unit]
+    findings = [_laws(plan), _continuity(plan)]
+    scale, display_unit = STATED[unit]
     for joint in breaks(plan):
         if joint.order == SHOCK:
-            found.append(_jump(joint, 1, scale, shown))
+            findings.append(_jump(joint, 1, scale, display_unit))
         if joint.order in (SHOCK, JERK) and joint.left[2] != joint.right[2]:
-            found.append(_jump(joint, 2, scale, shown))
+            findings.append(_jump(joint, 2, scale, display_unit))
     position = 0.0
     for segment, start in zip(plan.segments, plan.joints_deg, strict=False):
         angle = math.radians(float(segment.span))
         if isinstance(segment, Move) and segment.scale is None:
-            found += _overshoot(segment, position, float(start), scale, shown)
+            findings += _overshoot(segment, position, float(start), scale, display_unit)
         if isinstance(segment, SplineMove):
             first = math.radians(float(start))
             if segment.report is not None:
-                found.append(_deviation(segment, first, angle, position, scale, shown))
-            found += _swing(segment, first, angle, position, scale, shown)
+                findings.append(_deviation(segment, first, angle, position, scale, display_unit))
+            findings += _swing(segment, first, angle, position, scale, display_unit)
         if isinstance(segment, Move | SplineMove):
             position = segment.to
-    return tuple(found)
+    return tuple(findings)
 
 
 def _laws(plan: MotionPlan) -> Finding:
     """The law of each move, with the parameters chosen or computed for it."""
     moves = [
-        f"{float(start):g} to {float(end):g} deg {_made_of(segment)}"
+        f"{float(start):g} to {float(end):g} deg {_law_text(segment)}"
         for segment, (start, end) in zip(plan.segments, pairwise(plan.joints_deg), strict=True)
         if segment.span and not isinstance(segment, Dwell)
     ]
@@ -262,22 +267,23 @@ def _more(listed: Sequence[object]) -> str:
     return f" and {len(listed) - LISTED} more" if len(listed) > LISTED else ""
 
 
-def _made_of(segment: Move | SplineMove) -> str:
+def _law_text(segment: Move | SplineMove) -> str:
     if isinstance(segment, SplineMove):
         return "by data"
     law = segment.law
-    given = ", ".join(f"{key} {value:.6g}" for key, value in law.parameters.items())
-    return f"{law.name} {law.task}" + (f" ({given})" if given else "")
+    parameters = ", ".join(f"{key} {value:.6g}" for key, value in law.parameters.items())
+    return f"{law.name} {law.task}" + (f" ({parameters})" if parameters else "")
 
 
 def _continuity(plan: MotionPlan) -> Finding:
     """The classes of all joints, and the order of continuity of the motion there."""
-    met = joints(plan)
-    worst = min(joint.order for joint in met)
+    all_joints = joints(plan)
+    worst = min(joint.order for joint in all_joints)
     listed = ", ".join(
-        f"{cam_angle(joint.cam_angle)} deg: {_both(joint)} C{joint.order}" for joint in met[:LISTED]
+        f"{cam_angle(joint.cam_angle)} deg: {_class_text(joint)} C{joint.order}"
+        for joint in all_joints[:LISTED]
     )
-    sentence = f"the motion is at least C{worst} at its joints ({listed}{_more(met)})"
+    sentence = f"the motion is at least C{worst} at its joints ({listed}{_more(all_joints)})"
     return Finding("joints", "ok", sentence, float(worst))
 
 
@@ -285,9 +291,9 @@ LISTED = 12
 """Most joints or moves listed in a sentence."""
 
 
-def _both(joint: Joint) -> str:
-    before, after = joint.before, joint.after
-    return f"{before}" if before == after else f"{before}|{after}"
+def _class_text(joint: Joint) -> str:
+    left, right = joint.before, joint.after
+    return f"{left}" if left == right else f"{left}|{right}"
 
 
 def _jump(joint: Joint, order: int, scale: float, unit: str) -> Finding:
@@ -310,7 +316,7 @@ def _overshoot(move: Move, position: float, start: float, scale: float, unit: st
     if stroke == 0.0:
         return []
     values = characteristic(move.law)
-    found = []
+    findings = []
     for excess, extreme, what in (
         (values.lift.value - 1.0, values.lift, "end"),
         (-values.least_lift.value, values.least_lift, "start"),
@@ -323,8 +329,8 @@ def _overshoot(move: Move, position: float, start: float, scale: float, unit: st
                 f"the move by {move.law.name} goes {beyond:.6g} {unit} beyond its {what}, to"
                 f" {scale * (position + stroke * extreme.value):.6g} {unit} {at_cam_angles(place)}"
             )
-            found.append(Finding("overshoot", "warning", statement, beyond, 0.0, unit, place))
-    return found
+            findings.append(Finding("overshoot", "warning", statement, beyond, 0.0, unit, place))
+    return findings
 
 
 def _deviation(
@@ -364,9 +370,9 @@ def _swing(
         return []
     angle = start + extreme.place * length
     knots = move.spline.knots
-    after = int(np.searchsorted(knots[1:-1], extreme.place)) + 1
+    right = int(np.searchsorted(knots[1:-1], extreme.place)) + 1
     first, last = (
-        math.degrees(start + float(knot) * length) for knot in knots[after - 1 : after + 1]
+        math.degrees(start + float(knot) * length) for knot in knots[right - 1 : right + 1]
     )
     there = position + float(move.spline.values(np.array([extreme.place]), 0)[0, 0])
     side = "below" if extreme.value < 0.0 else "above"
@@ -401,24 +407,28 @@ def check_speed(plan: MotionPlan, course: TimeCourse | None, unit: LiftUnit) -> 
     course : how the cam turns; None gives the derivatives over the cam angle, and no torque.
     unit : mm or rad.
     """
-    reached = plan_extremes(plan, course or OVER_ANGLE, unit)
-    scale, shown = STATED[unit]
+    peaks = plan_extremes(plan, course or UNIT_SPEED, unit)
+    scale, display_unit = STATED[unit]
     base = "rad" if course is None else "s"
     order = min(joint.order for joint in breaks(plan))
-    found = []
+    findings = []
     for power, (name, values) in enumerate(
-        zip(NAMES, (reached.velocity, reached.acceleration, reached.jerk), strict=True), start=1
+        zip(NAMES, (peaks.velocity, peaks.acceleration, peaks.jerk), strict=True), start=1
     ):
-        per = f"{shown}/{base}" if power == 1 else f"{shown}/{base}^{power}"
+        per = f"{display_unit}/{base}" if power == 1 else f"{display_unit}/{base}^{power}"
         # Where a derivative jumps the next one is infinite.
-        found.append(_finding(name, values, scale, per, bounded=order >= power - 1))
+        findings.append(_extreme_finding(name, values, scale, per, bounded=order >= power - 1))
     if course is not None:
         per = "N m/kg" if unit == "mm" else "N m/(kg m^2)"
-        found.append(_finding("inertia-torque", reached.torque, 1.0, per, bounded=order >= 1))
-    return tuple(found)
+        findings.append(
+            _extreme_finding("inertia-torque", peaks.torque, 1.0, per, bounded=order >= 1)
+        )
+    return tuple(findings)
 
 
-def _finding(name: str, values: Extremes, scale: float, unit: str, *, bounded: bool) -> Finding:
+def _extreme_finding(
+    name: str, values: Extremes, scale: float, unit: str, *, bounded: bool
+) -> Finding:
     low, high = values.lowest, values.highest
     worst = max(low, high, key=lambda end: abs(end.value))
     sentence = (
@@ -530,7 +540,7 @@ def _check_closing_error(
         f"with both discs true to {tolerance:g} mm the rollers have at most {value:.6f} mm of"
         f" play or squeeze, as travel of the main roller, {at_cam_angles(phi, form='.4f')}"
     )
-    return held("closing-error", statement, value, limit, "mm", phi)
+    return limit_finding("closing-error", statement, value, limit, "mm", phi)
 
 
 def check_breadth(cam: Breadth, breadth: float, limit: float) -> Finding:
@@ -544,4 +554,4 @@ def check_breadth(cam: Breadth, breadth: float, limit: float) -> Finding:
         f"yoke of breadth {breadth:.6g} mm: the cam is {least:.6g} to {most:.6g} mm wide, off"
         f" by up to {error + 0.0:.3g} mm {at_cam_angles(phi, form='.4f')}"
     )
-    return held("closing-error", statement, error, limit, "mm", phi)
+    return limit_finding("closing-error", statement, error, limit, "mm", phi)

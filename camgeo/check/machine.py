@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.cam.cam import Drive
-from camgeo.check.finding import Finding, Limits, held, is_slow
+from camgeo.check.finding import Finding, Limits, is_slow, limit_finding
 from camgeo.kinematics.mechanism.follower import Follower
 from camgeo.kinematics.mechanism.linkage import (
     BACK,
@@ -25,7 +25,7 @@ from camgeo.units import cam_angle
 LINKAGE: Final = "linkage"
 """Name of the check of the linkage."""
 
-OF_SLOW_LINKAGE, OF_FAST_LINKAGE = 40.0, 50.0
+SLOW_LINKAGE_ANGLE, FAST_LINKAGE_ANGLE = 40.0, 50.0
 """Smallest transmission angles to aim for [degrees] in slow and in fast linkages, as is customary
 (Volmer, Getriebetechnik)."""
 
@@ -53,7 +53,7 @@ LOCKED: Final = {
 
 GUIDE_NORMAL: Final = "the perpendicular to the guide"
 
-BETWEEN: Final = {
+ANGLE_MEMBERS: Final = {
     "slider": (GUIDE_NORMAL, "crank"),
     "lever": ("lever", "crank"),
     "crank": ("crank", GUIDE_NORMAL),
@@ -66,7 +66,7 @@ def linkage_findings(drive: Drive, limits: Limits) -> tuple[Finding, ...]:
     motion, limit = drive.motion, limits.linkage_transmission_angle
     if not isinstance(motion, LinkedMotion):
         return ()
-    default = OF_SLOW_LINKAGE if is_slow(drive.speed) else OF_FAST_LINKAGE
+    default = SLOW_LINKAGE_ANGLE if is_slow(drive.speed) else FAST_LINKAGE_ANGLE
     return check_linkage(motion, limit or math.radians(default))
 
 
@@ -84,7 +84,7 @@ def check_linkage(motion: LinkedMotion, limit: float | None = None) -> tuple[Fin
     branch = _branch(motion.linkage)
     if spare.severity == "no-disc":
         return (spare, *branch)
-    return (spare, _out(motion, limit), _back(motion), *branch)
+    return (spare, _forward_angle(motion, limit), _back_angle(motion), *branch)
 
 
 def _to_dead_centre(motion: LinkedMotion) -> Finding:
@@ -100,44 +100,44 @@ def _to_dead_centre(motion: LinkedMotion) -> Finding:
         return Finding("dead-centre", "ok", sentence, spare, limit, "mm", phi)
     sentence = f"{what} {place}: a dead centre, {infinite} becomes infinite there"
     # If the motion starts in one, it cannot stay clear of it.
-    kept = [] if 0.0 in clear_range(linkage) else kept_between(linkage)
-    sentence += f"; {kept[0]} there is none" if kept else ""
+    ranges = [] if 0.0 in clear_range(linkage) else kept_between(linkage)
+    sentence += f"; {ranges[0]} there is none" if ranges else ""
     return Finding("dead-centre", "no-disc", sentence, spare, limit, "mm", phi)
 
 
-def _out(motion: LinkedMotion, limit: float | None) -> Finding:
+def _forward_angle(motion: LinkedMotion, limit: float | None) -> Finding:
     """The smallest angle between coupler and far member, or where that member cannot be driven."""
     name, linkage = "linkage-transmission-angle", motion.linkage
-    sine, position = _smallest(motion, OUT)
+    sine, position = _smallest_sine(motion, OUT)
     place, phi = _place(motion, position)
     angle = math.degrees(math.asin(min(1.0, sine)))
     least = None if limit is None else math.degrees(limit)
     if sine > DEAD_CENTRE:
         statement = (
             f"smallest transmission angle {angle:.3f} deg, between coupler and"
-            f" {BETWEEN[linkage.member][OUT]}, {place}"
+            f" {ANGLE_MEMBERS[linkage.member][OUT]}, {place}"
         )
-        return held(name, statement, angle, least, "deg", phi, least=True)
+        return limit_finding(name, statement, angle, least, "deg", phi, least=True)
     what, stuck = LOCKED[linkage.member]
     sentence = f"{what} {place}: {stuck} there, its transmission angle is 0"
-    kept = [] if 0.0 in clear_range(linkage, OUT) else kept_between(linkage, OUT)
-    sentence += f"; {kept[0]} it is driven throughout" if kept else ""
+    ranges = [] if 0.0 in clear_range(linkage, OUT) else kept_between(linkage, OUT)
+    sentence += f"; {ranges[0]} it is driven throughout" if ranges else ""
     return Finding(name, "no-disc", sentence, 0.0, least, "deg", phi)
 
 
-def _back(motion: LinkedMotion) -> Finding:
+def _back_angle(motion: LinkedMotion) -> Finding:
     """The smallest angle between coupler and the follower's member."""
-    sine, position = _smallest(motion, BACK)
+    sine, position = _smallest_sine(motion, BACK)
     angle = math.degrees(math.asin(min(1.0, sine)))
     place, phi = _place(motion, position)
     sentence = (
         f"driven back, smallest transmission angle {angle:.3f} deg, between coupler and"
-        f" {BETWEEN[motion.linkage.member][BACK]}, {place}"
+        f" {ANGLE_MEMBERS[motion.linkage.member][BACK]}, {place}"
     )
     return Finding("linkage-back-angle", "ok", sentence, angle, unit="deg", cam_angle=phi)
 
 
-def _smallest(motion: LinkedMotion, way: int) -> tuple[float, float]:
+def _smallest_sine(motion: LinkedMotion, way: int) -> tuple[float, float]:
     """Smallest magnitude of the sine of a transmission angle, and its position [mm or rad].
 
     Exact: it is at an end of the motion, where the far member is stuck, or where the angle turns.
@@ -151,7 +151,9 @@ def _smallest(motion: LinkedMotion, way: int) -> tuple[float, float]:
     else:  # without a dead centre, where that sine is 0
         positions += linkage.turning_positions(low, high)
     sines = np.abs(linkage.transmission_sines(np.array(positions))[way])
-    stuck = [each for each, sine in zip(positions, sines, strict=True) if sine <= DEAD_CENTRE]
+    stuck = [
+        position for position, sine in zip(positions, sines, strict=True) if sine <= DEAD_CENTRE
+    ]
     if stuck:
         return 0.0, min(stuck, key=runs.first_angle)
     least = int(np.argmin(sines))
@@ -192,7 +194,7 @@ def check_follower(
     `runs_on_inner` is True if the roller runs on the inner working curve, alone or in a groove,
     which is wider than the roller by `clearance` [mm].
     """
-    found = []
+    findings = []
     base = follower.base_radius
     half = follower.roller_radius + 0.5 * clearance
     if runs_on_inner and half >= base:
@@ -202,7 +204,7 @@ def check_follower(
             " cam axis, and its inner working curve lies on the other side; make"
             " follower.roller_radius smaller or follower.base_radius larger"
         )
-        found.append(Finding("roller-over-axis", "invalid", statement, half, base, "mm"))
+        findings.append(Finding("roller-over-axis", "invalid", statement, half, base, "mm"))
     offset = abs(follower.offset)
     if math.sqrt((base - offset) * (base + offset)) <= TANGENT * base:
         statement = (
@@ -210,7 +212,7 @@ def check_follower(
             " the transmission angle is 0 at cam angle 0 and the follower locks; make"
             " follower.offset smaller"
         )
-        found.append(
+        findings.append(
             Finding("self-locking", "invalid", statement, offset, base, "mm", cam_angle=0.0)
         )
-    return tuple(found)
+    return tuple(findings)

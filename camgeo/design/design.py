@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from camgeo.cam.cam import Cam, Drive
 from camgeo.check.finding import RETURN, Findings, LazyFindings, forbidding
-from camgeo.check.judge import Judgement, Tried
+from camgeo.check.judge import Judgement, TrialFindings
 from camgeo.errors import Fault, SceneError
 from camgeo.lazy import Ledger, built
 from camgeo.record import Displayed, Pickled, brief, notebook
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from camgeo.scene.scene import Scene
 
 
-KEPT: Final = ("law", "span", "to")
+COMMON_KEYS: Final = ("law", "span", "to")
 """Keys that a move has with every law."""
 
 SECOND_FLANKS: Final = ("outer", "return", "opposite")
@@ -109,10 +109,10 @@ class Design(Pickled, Displayed):
         cams = self.cams if scene.follower is not None else ()
         tolerance = scene.output.tolerance
         return Judgement(
-            self.drive, cams, scene.limits, tolerance, scene.unit, self.ledger, self._tried
+            self.drive, cams, scene.limits, tolerance, scene.unit, self.ledger, self._try_values
         )
 
-    def _tried(self, cams: tuple[Cam, ...], values: Mapping[str, Any]) -> Tried:
+    def _try_values(self, cams: tuple[Cam, ...], values: Mapping[str, Any]) -> TrialFindings:
         """What is found on the scene with other `values` by key; of its cams, if they are these
         `cams`, only what is not known yet is computed.
         """
@@ -121,13 +121,13 @@ class Design(Pickled, Displayed):
             other.__dict__.update(drive=cams[0].drive, cams=cams)
 
         @cache
-        def of_parts() -> Findings:
-            from camgeo.design.judged_part import broken_in  # few designs need a cure
+        def broken_parts() -> Findings:
+            from camgeo.design.judged_part import broken_findings  # few designs need a cure
 
             discs = () if forbidding(other.findings) else other.discs
-            return Findings(chain.from_iterable(map(broken_in, discs)))
+            return Findings(chain.from_iterable(map(broken_findings, discs)))
 
-        return other.findings, LazyFindings(of_parts)
+        return other.findings, LazyFindings(broken_parts)
 
     def edits(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """What makes the scene have other `values` by key: these, and None for the parameters of a
@@ -138,8 +138,8 @@ class Design(Pickled, Displayed):
             segment, _, last = key.rpartition(".")
             if last == "law":
                 number = int(segment.removeprefix("motion[").removesuffix("]")) - 1
-                own = self.scene.values["motion"][number]
-                gone |= {f"{segment}.{name}": None for name in own if name not in KEPT}
+                move = self.scene.values["motion"][number]
+                gone |= {f"{segment}.{name}": None for name in move if name not in COMMON_KEYS}
         return {**gone, **values}
 
     @property
@@ -177,8 +177,8 @@ class Design(Pickled, Displayed):
         if scene.follower is not None:
             main, *others = self.discs
             returning = None
-            for each in others:  # no outline alone moves a follower between two discs
-                returning = replace(moved, model="demanded", disc=each.drawn)
+            for disc in others:  # no outline alone moves a follower between two discs
+                returning = replace(moved, model="demanded", disc=disc.drawn)
             subject = replace(moved, disc=main.drawn, returning=returning)
             if scene.yoke is not None:
                 from camgeo.dynamics.effects.contact import astride  # few scenes have one
@@ -264,13 +264,13 @@ class Design(Pickled, Displayed):
         """The effects over the cam angle; effects without an answer are left out."""
         from camgeo.errors import EffectError
 
-        found: list[Column] = []
+        columns: list[Column] = []
         for name in self.scene.effects:
             try:
-                found += self.effect(name).columns
+                columns += self.effect(name).columns
             except EffectError:  # which the findings report
                 continue
-        return tuple(found)
+        return tuple(columns)
 
     def write(
         self,

@@ -74,7 +74,7 @@ class DrawnDisc(Pickled):
         paths, spec = self.cam.disc.untrimmed_paths, self.spec or PartSpec()
         return build_part(self.cam.contact, *paths, spec, TOPOLOGY_TOLERANCE, self.ledger)
 
-    def _part_by(self, spec: PartSpec) -> Part:
+    def _specified_part(self, spec: PartSpec) -> Part:
         """The part by another specification; raises like `part`."""
         return self.part if spec == (self.spec or PartSpec()) else self._built(spec)
 
@@ -94,7 +94,9 @@ class DrawnDisc(Pickled):
     @built
     def printed(self) -> PrintedDisc:
         """The disc as bodies for printing show it."""
-        return PrintedDisc(self._part_by, self.spec or PartSpec(), self.printing, self.ledger)
+        return PrintedDisc(
+            self._specified_part, self.spec or PartSpec(), self.printing, self.ledger
+        )
 
     def pitch_contour(self, tolerance: float) -> Fit:
         """The pitch curve as lines and arcs within `tolerance` [mm], counter-clockwise."""
@@ -119,7 +121,7 @@ class DrawnDisc(Pickled):
 COMPENSATED: Final = "print-compensation"
 """Name of the finding on a body that is not the part."""
 
-SWITCH_OFF: Final = (
+SLICER_ADVICE: Final = (
     "switch off the slicer's own: elephant foot compensation, XY and hole compensation, shrinkage"
 )
 """What whoever prints such a body has to do."""
@@ -131,13 +133,13 @@ class PrintedDisc(Pickled):
 
     Attributes
     ----------
-    part_by : the part by a specification.
+    make_part : returns the part by a specification.
     stated : the specification of the part in the scene.
     spec : what the scene states on printing; None for nothing.
     ledger : records what was computed.
     """
 
-    part_by: Callable[[PartSpec], Part]
+    make_part: Callable[[PartSpec], Part]
     stated: PartSpec
     spec: PrintSpec | None
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
@@ -147,12 +149,12 @@ class PrintedDisc(Pickled):
         """The part with the clearances of bore and key; GeometryError with the key in `print` if it
         has no room for them.
         """
-        part = self.part_by(self.stated)  # whose own faults come first
+        part = self.make_part(self.stated)  # whose own faults come first
         if self.spec is None:
             return part
         wider = self.spec.with_clearance(self.stated)
         try:
-            return self.part_by(wider)
+            return self.make_part(wider)
         except GeometryError as error:
             raise self.spec.fault_of_clearance(error) from None
 
@@ -163,9 +165,9 @@ class PrintedDisc(Pickled):
         """
         if self.spec is None or not self.spec.compensates:
             return self.fitted
-        from camgeo.part.compensation import compensated
+        from camgeo.part.compensation import compensate_part
 
-        return compensated(self.fitted, self.spec)
+        return compensate_part(self.fitted, self.spec)
 
     @property
     def facts(self) -> dict[str, int | float | str]:
@@ -182,11 +184,11 @@ class PrintedDisc(Pickled):
     @property
     def advice(self) -> str:
         """The compensation in words, and what whoever prints has to do; empty if there is none."""
-        return self.text and f"{self.text}; {SWITCH_OFF}"
+        return self.text and f"{self.text}; {SLICER_ADVICE}"
 
     def findings(self, file: str) -> tuple[Finding, ...]:
         """What whoever prints the `file` has to watch."""
         if not self.text:
             return ()
-        sentence = f"{file} is compensated for printing ({self.text}): {SWITCH_OFF}"
+        sentence = f"{file} is compensated for printing ({self.text}): {SLICER_ADVICE}"
         return (Finding(COMPENSATED, "warning", sentence),)

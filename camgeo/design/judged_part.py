@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from camgeo.check.finding import BROKEN, Finding, held, stated_in
-from camgeo.design.product import bodies_of
+from camgeo.check.finding import BROKEN, Finding, findings_in_unit, limit_finding
+from camgeo.design.product import solid_products
 from camgeo.errors import CamgeoError, GeometryError, ToleranceError
 from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import Extreme, piecewise_highest
@@ -82,7 +82,7 @@ class Body:
 
 
 @dataclass(frozen=True, slots=True)
-class PartFound:
+class PartAssessment:
     """What is found of a part.
 
     Attributes
@@ -100,21 +100,21 @@ class PartFound:
     findings: tuple[Finding, ...]
 
     @staticmethod
-    def of(disc: Product) -> PartFound:
+    def from_disc(disc: Product) -> PartAssessment:
         """The part of a disc that exists."""
         try:
             part = disc.drawn.part
         except (GeometryError, ToleranceError) as error:
-            return PartFound(None, (), None, (_impossible(disc, error),))
+            return PartAssessment(None, (), None, (_impossible(disc, error),))
         body = _body(disc, part)
         layers = tuple(
-            Slice(each.name, each.z0, each.z1, section_area(each)) for each in part.layers
+            Slice(layer.name, layer.z0, layer.z1, section_area(layer)) for layer in part.layers
         )
-        return PartFound(largest_diameter(part)[0], layers, body, _findings(disc, part, body))
+        return PartAssessment(largest_diameter(part)[0], layers, body, _findings(disc, part, body))
 
 
-def findings_on(disc: Product) -> tuple[Finding, ...]:
-    """The findings of `PartFound.of`; of a scene that states nothing of a part, none."""
+def part_findings(disc: Product) -> tuple[Finding, ...]:
+    """The findings of `PartAssessment.from_disc`; none if the scene states nothing of a part."""
     if not _stated(disc.scene):
         return ()
     try:
@@ -140,22 +140,24 @@ def _findings(disc: Product, part: Part, body: Body | None) -> tuple[Finding, ..
     limits = disc.scene.limits
     diameter = _diameter(part, limits.diameter)
     walls = (*_smallest_wall(part, limits.wall), *_set_screw(disc.drawn.spec), *_printed(disc))
-    mass = (*_mass(body, limits.mass), *_mass_of_both(disc, body))
-    return stated_in(disc.unit, (*relation_of(disc), diameter, *mass, *walls))
+    mass = (*_mass(body, limits.mass), *_combined_mass(disc, body))
+    return findings_in_unit(disc.unit, (*relation_findings(disc), diameter, *mass, *walls))
 
 
-def broken_in(disc: Product) -> tuple[Finding, ...]:
-    """The findings of `findings_on` beyond a limit, of which only what may be one is computed."""
-    return tuple(each for each in _poor(disc, warned=False) if each.severity in BROKEN)
+def broken_findings(disc: Product) -> tuple[Finding, ...]:
+    """The findings of `part_findings` beyond a limit; only what may be beyond one is computed."""
+    return tuple(
+        finding for finding in _suspect_findings(disc, warned=False) if finding.severity in BROKEN
+    )
 
 
-def poor_in(disc: Product) -> tuple[Finding, ...]:
+def poor_findings(disc: Product) -> tuple[Finding, ...]:
     """The same with those worth a warning. What makes a part impossible is left to its files."""
-    found = _poor(disc, warned=True)
-    return tuple(each for each in found if each.severity not in ("ok", "invalid"))
+    findings = _suspect_findings(disc, warned=True)
+    return tuple(finding for finding in findings if finding.severity not in ("ok", "invalid"))
 
 
-def _poor(disc: Product, *, warned: bool) -> tuple[Finding, ...]:
+def _suspect_findings(disc: Product, *, warned: bool) -> tuple[Finding, ...]:
     """What may be poor, with what is worth no more than a warning if `warned`."""
     if not _stated(disc.scene):
         return ()
@@ -163,17 +165,17 @@ def _poor(disc: Product, *, warned: bool) -> tuple[Finding, ...]:
         part = disc.drawn.part
     except (GeometryError, ToleranceError) as error:
         return (_impossible(disc, error),)
-    limits, found = disc.scene.limits, [*relation_of(disc), *_set_screw(disc.drawn.spec)]
+    limits, findings = disc.scene.limits, [*relation_findings(disc), *_set_screw(disc.drawn.spec)]
     if limits.diameter is not None:
-        found.append(_diameter(part, limits.diameter))
+        findings.append(_diameter(part, limits.diameter))
     if limits.mass is not None:
-        found += _mass(_body(disc, part), limits.mass)
+        findings += _mass(_body(disc, part), limits.mass)
     if (warned or limits.wall is not None) and not Web.surely_thick(part, limits.wall):
-        found += _smallest_wall(part, limits.wall)
+        findings += _smallest_wall(part, limits.wall)
     printing = disc.scene.printing
     if printing is not None and (printing.nozzle is not None or not warned):
-        found += _printed(disc)  # without a nozzle the files say that nothing is compensated
-    return stated_in(disc.unit, found)
+        findings += _printed(disc)  # without a nozzle the files say that nothing is compensated
+    return findings_in_unit(disc.unit, findings)
 
 
 def _diameter(part: Part, limit: float | None) -> Finding:
@@ -181,13 +183,13 @@ def _diameter(part: Part, limit: float | None) -> Finding:
     diameter, angle = largest_diameter(part)
     where = "" if angle is None else f" {at_cam_angles(angle)}"
     statement = f"largest diameter {diameter:.6g} mm{where}"
-    return held("largest-diameter", statement, diameter, limit, "mm", angle)
+    return limit_finding("largest-diameter", statement, diameter, limit, "mm", angle)
 
 
 def _body(disc: Product, part: Part) -> Body | None:
     """The part as a body; None if the scene does not state all heights."""
     try:
-        return Body(Solid.of(part), _density(disc.scene))
+        return Body(Solid.from_part(part), _density(disc.scene))
     except GeometryError:
         return None
 
@@ -196,21 +198,21 @@ def _mass(body: Body | None, limit: float | None) -> Iterator[Finding]:
     """The mass, where the scene states the density; the limit in t."""
     if body is not None and body.mass is not None:
         most = None if limit is None else KG * limit
-        yield held("mass", f"mass {body.mass:.6g} kg", body.mass, most, "kg")
+        yield limit_finding("mass", f"mass {body.mass:.6g} kg", body.mass, most, "kg")
 
 
-def _mass_of_both(disc: Product, body: Body | None) -> Iterator[Finding]:
+def _combined_mass(disc: Product, body: Body | None) -> Iterator[Finding]:
     """Of a main disc and a return disc that is another piece, where the density is stated."""
-    apart = disc.others and not disc.is_pair and disc.pair is None
-    if not apart or body is None or body.density is None:
+    is_separate = disc.others and not disc.is_pair and disc.pair is None
+    if not is_separate or body is None or body.density is None:
         return
     try:
-        solids = [body.solid, *(Solid.of(other.drawn.part) for other in disc.others)]
+        solids = [body.solid, *(Solid.from_part(other.drawn.part) for other in disc.others)]
     except (GeometryError, ToleranceError):  # which the other disc reports
         return
     weight = KG * body.density
-    mass = math.fsum(weight * each.volume for each in solids)
-    inertia = math.fsum(weight * each.axial for each in solids)
+    mass = math.fsum(weight * solid.volume for solid in solids)
+    inertia = math.fsum(weight * solid.axial for solid in solids)
     sentence = (
         f"mass of both discs {mass:.6g} kg, moment of inertia about the cam axis {inertia:.6g} kg"
         " mm^2"
@@ -222,26 +224,26 @@ def _smallest_wall(part: Part, limit: float | None) -> Iterator[Finding]:
     """The thinnest wall between two boundaries; without a limit also that which is thinnest beside
     its hole, a warning if it is thinner than usual.
     """
-    web, beside = Web.thinnest_of_each(part, limit)
+    web, slimmest = Web.thinnest_webs(part, limit)
     if web is None:
         return
     statement = f"smallest wall {web.thickness:.6g} mm, {_place(web)}"
-    yield held(SMALLEST_WALL, statement, web.thickness, limit, "mm", least=True)
-    if beside is None:
+    yield limit_finding(SMALLEST_WALL, statement, web.thickness, limit, "mm", least=True)
+    if slimmest is None:
         return
-    thin = beside.thickness < beside.usual
-    share = SHARE * beside.thickness / beside.usual
+    thin = slimmest.thickness < slimmest.usual
+    share = SHARE * slimmest.thickness / slimmest.usual
     sentence = (
-        f"thinnest wall beside its hole {beside.thickness:.6g} mm, {_place(beside)}:"
+        f"thinnest wall beside its hole {slimmest.thickness:.6g} mm, {_place(slimmest)}:"
         f" {100.0 * share:.3g}% of the diameter of the hole, {'below' if thin else 'at least'}"
-        f" {SHARE:.0%}, {beside.usual:.4g} mm"
+        f" {SHARE:.0%}, {slimmest.usual:.4g} mm"
     )
     yield Finding(WALL_RATIO, "warning" if thin else "ok", sentence, share, SHARE)
 
 
 def _place(web: Web) -> str:
-    at = f"({web.place.real:.4g}, {web.place.imag:.4g}) mm"
-    return f"between {web.one} and {web.other}, at {at}"
+    place = f"({web.place.real:.4g}, {web.place.imag:.4g}) mm"
+    return f"between {web.one} and {web.other}, at {place}"
 
 
 def _set_screw(spec: PartSpec | None) -> Iterator[Finding]:
@@ -262,7 +264,7 @@ def _set_screw(spec: PartSpec | None) -> Iterator[Finding]:
 def _printed(disc: Product) -> Iterator[Finding]:
     """Whether the part can be compensated as the scene asks, and what the nozzle cannot make."""
     spec = disc.scene.printing
-    if spec is None or not any(each is disc for each in bodies_of(disc)):
+    if spec is None or not any(body is disc for body in solid_products(disc)):
         return  # of a pair in one piece only that is printed
     from camgeo.design.drawn import COMPENSATED
 
@@ -274,9 +276,9 @@ def _printed(disc: Product) -> Iterator[Finding]:
         yield Finding(COMPENSATED, "broken", str(error))
         return
     if spec.nozzle is not None:
-        from camgeo.part.nozzle import findings_of
+        from camgeo.part.nozzle import nozzle_findings
 
-        yield from findings_of(fitted, spec.nozzle)
+        yield from nozzle_findings(fitted, spec.nozzle)
 
 
 def _density(scene: Scene) -> float | None:
@@ -301,7 +303,7 @@ ROLLER_WIDTH: Final = "roller-width"
 """Names of findings."""
 
 
-def relation_of(disc: Product) -> tuple[Finding, ...]:
+def relation_findings(disc: Product) -> tuple[Finding, ...]:
     """The findings on both discs together: of the pair in one piece, or of a main disc whose return
     disc is another piece; none of other discs, and if the scene states no part.
     """
@@ -310,11 +312,11 @@ def relation_of(disc: Product) -> tuple[Finding, ...]:
         return ()
     if disc.is_pair:
         assert spec.pair is not None  # of which this is
-        shown = _shown(spec)
-        told = f"{in_one_piece(spec.pair)}{f'; {listed(shown)}' if shown else ''}"
-        angle = Finding(DISC_ANGLE, "ok", told, ANGLE, unit="deg")
+        features = _angle_features(spec)
+        sentence = f"{in_one_piece(spec.pair)}{f'; {listed(features)}' if features else ''}"
+        angle = Finding(DISC_ANGLE, "ok", sentence, ANGLE, unit="deg")
         return (angle, _room(disc, spec, spec.pair))
-    return () if spec.pair is not None else (_of_two_pieces(disc, spec),)
+    return () if spec.pair is not None else (_two_piece_finding(disc, spec),)
 
 
 def in_one_piece(pair: Pair) -> str:
@@ -326,26 +328,26 @@ def in_one_piece(pair: Pair) -> str:
     )
 
 
-def _of_two_pieces(main: Product, spec: PartSpec) -> Finding:
-    told = f"the return disc belongs at {ANGLE:g} deg to the main disc, as both are drawn"
+def _two_piece_finding(main: Product, spec: PartSpec) -> Finding:
+    statement = f"the return disc belongs at {ANGLE:g} deg to the main disc, as both are drawn"
     steepest, limit = _steepest(main), main.scene.limits.closing_error
     if steepest.value > 0.0:
-        off = math.degrees(limit / steepest.value)
+        angle = math.degrees(limit / steepest.value)
         play = f"the rollers have {limit:g} mm of play or squeeze"
-        told = f"{told}; off by {off:.3g} deg, {play} {at_cam_angles(steepest.place)}"
-    shown, bolts = _shown(spec), spec.bolt_circle
+        statement = f"{statement}; off by {angle:.3g} deg, {play} {at_cam_angles(steepest.place)}"
+    features, bolts = _angle_features(spec), spec.bolt_circle
     doubt = ""
-    if not shown:
+    if not features:
         doubt = "nothing on the discs shows it: neither keyway, flat, mark nor bolt circle"
-    elif len(shown) == 1 and bolts is not None and bolts.count > 1:
+    elif len(features) == 1 and bolts is not None and bolts.count > 1:
         doubt = f"the bolt holes fit in {bolts.count} positions, of which one is right"
     if doubt:
-        return Finding(DISC_ANGLE, "warning", f"{told}; {doubt}", ANGLE, unit="deg")
-    told = f"{told}; in line on both discs: {listed(shown)}"
-    return Finding(DISC_ANGLE, "ok", told, ANGLE, unit="deg")
+        return Finding(DISC_ANGLE, "warning", f"{statement}; {doubt}", ANGLE, unit="deg")
+    statement = f"{statement}; in line on both discs: {listed(features)}"
+    return Finding(DISC_ANGLE, "ok", statement, ANGLE, unit="deg")
 
 
-def _shown(spec: PartSpec) -> list[str]:
+def _angle_features(spec: PartSpec) -> list[str]:
     """The features by which an angle is seen, each at the same place of both discs."""
     named = {
         "keyway": spec.keyway,
@@ -354,9 +356,9 @@ def _shown(spec: PartSpec) -> list[str]:
         "first bolt hole": spec.bolt_circle,
     }
     return [
-        f"{name} at {math.degrees(each.angle):g} deg"
-        for name, each in named.items()
-        if each is not None
+        f"{name} at {math.degrees(feature.angle):g} deg"
+        for name, feature in named.items()
+        if feature is not None
     ]
 
 
@@ -366,8 +368,8 @@ def _steepest(main: Product) -> Extreme:
     reach = abs(main.cam.follower.reach)
 
     def speed(phi: FloatArray, side: Side) -> FloatArray:
-        found: FloatArray = reach * np.abs(drive.motion.jet(phi, side)[1])
-        return found
+        speeds: FloatArray = reach * np.abs(drive.motion.jet(phi, side)[1])
+        return speeds
 
     edges = merged(np.concatenate((drive.smooth_angles, [0.0, TURN])))
     return piecewise_highest(speed, edges)
@@ -377,12 +379,12 @@ def _room(main: Product, spec: PartSpec, pair: Pair) -> Finding:
     """How wide rollers may be before one reaches the other disc, or both reach each other."""
     assert spec.thickness is not None  # a pair has one
     one, other = (cam.follower for cam in main.judgement.cams)
-    apart = abs(one.traced_point(0.0) - other.traced_point(0.0))
-    near = apart <= one.roller_radius + other.roller_radius
+    distance = abs(one.traced_point(0.0) - other.traced_point(0.0))
+    near = distance <= one.roller_radius + other.roller_radius
     most = spec.thickness + (1.0 if near else 2.0) * pair.gap
     reached = "the rollers reach each other" if near else "one reaches the other disc"
-    told = f"in the middle of their discs rollers may be {most:g} mm wide before {reached}"
+    widest = f"in the middle of their discs rollers may be {most:g} mm wide before {reached}"
     if pair.roller_width is None:
-        return Finding(ROLLER_WIDTH, "ok", told, most, unit="mm")
-    statement = f"rollers {pair.roller_width:g} mm wide; {told}"
-    return held(ROLLER_WIDTH, statement, pair.roller_width, most, "mm")
+        return Finding(ROLLER_WIDTH, "ok", widest, most, unit="mm")
+    statement = f"rollers {pair.roller_width:g} mm wide; {widest}"
+    return limit_finding(ROLLER_WIDTH, statement, pair.roller_width, most, "mm")

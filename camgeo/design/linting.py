@@ -29,9 +29,9 @@ class LineFinding:
 
     def __str__(self) -> str:
         place = f"line {self.line}: " if self.line else ""
-        found = f", {self.value}" if self.value else ""
+        value = f", {self.value}" if self.value else ""
         allowed = f"; allowed: {self.allowed}" if self.allowed else ""
-        return f"{place}{self.what}{found}{allowed}"
+        return f"{place}{self.what}{value}{allowed}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import TYPE_CHECKING, Final
 
-from camgeo.check.finding import Finding, stated_in
-from camgeo.design.product import sides_of
+from camgeo.check.finding import Finding, findings_in_unit
+from camgeo.design.product import product_sides
 from camgeo.errors import FileError, GeometryError, SceneError, ToleranceError, UndercutError
 from camgeo.milling.machine import load
 from camgeo.milling.machining_time import OperationTime, times_on
@@ -69,18 +69,22 @@ class Machining:
     @property
     def seconds(self) -> float | None:
         """Of all programs; None if one is not known."""
-        times = [each.seconds for each in self.programs.values()]
-        return None if None in times else math.fsum(each for each in times if each is not None)
+        times = [program.seconds for program in self.programs.values()]
+        return (
+            None
+            if None in times
+            else math.fsum(seconds for seconds in times if seconds is not None)
+        )
 
     @property
     def findings(self) -> tuple[Finding, ...]:
         """Of all programs."""
-        return tuple(chain.from_iterable(each.findings for each in self.programs.values()))
+        return tuple(chain.from_iterable(program.findings for program in self.programs.values()))
 
 
-def machining_of(discs: Iterable[Product]) -> Machining:
+def plan_machining(discs: Iterable[Product]) -> Machining:
     """The programs of discs whose scene states milling, judged."""
-    sides = [side for disc in discs for side in sides_of(disc)]
+    sides = [side for disc in discs for side in product_sides(disc)]
     machine = _machine(sides[0])
     return Machining(machine.name, {side.name: _program(side, machine) for side in sides})
 
@@ -97,19 +101,19 @@ def machining_time(discs: Iterable[Product]) -> float:
     ToleranceError
         If the tolerance of the scene cannot be kept.
     """
-    found = []
-    for side in (side for disc in discs for side in sides_of(disc)):
+    durations = []
+    for side in (side for disc in discs for side in product_sides(disc)):
         machine, tolerance = _machine(side), side.scene.output.tolerance
         times = times_on(machine, side.milled.toolpath(tolerance), tolerance)
         if times is None:
             message = "has a profile without [dynamics]: how fast it runs a program is not known"
             raise GeometryError(message, "output.gcode.machine", f'"{machine.name}"')
-        found.append(_total(times))
-    return math.fsum(found)
+        durations.append(_total(times))
+    return math.fsum(durations)
 
 
 def _total(times: Iterable[OperationTime]) -> float:
-    return math.fsum(each.seconds for each in times)
+    return math.fsum(operation.seconds for operation in times)
 
 
 def _machine(side: Product) -> Machine:
@@ -124,7 +128,7 @@ def _program(disc: Product, machine: Machine) -> Program:
     output, milled = disc.scene.output, disc.milled
     try:
         toolpath = milled.toolpath(output.tolerance)
-        found = milled.findings(toolpath, output.tolerance)
+        findings = milled.findings(toolpath, output.tolerance)
         times = times_on(machine, toolpath, output.tolerance)
         roughing = milled.engaged(toolpath)
     except SceneError as error:
@@ -143,6 +147,8 @@ def _program(disc: Product, machine: Machine) -> Program:
     except (ToleranceError, FileError, UndercutError) as error:
         disc.scene.restate(error)
         return Program((Finding(MILLING, "invalid", str(error)),))
-    found = stated_in(disc.unit, (*found, *filter(None, (each.finding for each in roughing))))
+    findings = findings_in_unit(
+        disc.unit, (*findings, *filter(None, (engaged.finding for engaged in roughing)))
+    )
     timed = None if times is None else tuple(times)
-    return Program(found, timed, roughing=roughing, features=compared(milled))
+    return Program(findings, timed, roughing=roughing, features=compared(milled))

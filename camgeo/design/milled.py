@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from camgeo.check.finding import Finding, stated_in
+from camgeo.check.finding import Finding, findings_in_unit
 from camgeo.errors import GeometryError, SceneError, UndercutError, UnsafeError
 from camgeo.lazy import Ledger, built, lazy
 from camgeo.numeric.kept import Kept, kept_with_owner
@@ -37,7 +37,7 @@ class MilledDisc(Pickled):
 
     Attributes
     ----------
-    drawn : the disc to be milled.
+    disc : the disc to be milled.
     scene : with tools, blank, holding and operations; what milling needs may be missing.
     ledger : records what was computed.
     whole : of which this is one program, if the machine cannot change the tools that the disc
@@ -47,7 +47,7 @@ class MilledDisc(Pickled):
     kept : its latest program, see `kept_with_owner`: times, findings and files come from one plan.
     """
 
-    drawn: DrawnDisc
+    disc: DrawnDisc
     scene: Scene
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
     whole: MilledDisc | None = None
@@ -67,7 +67,7 @@ class MilledDisc(Pickled):
     @built
     def part(self) -> Part:
         """The part as programs see it: its highest face is at height 0."""
-        part = self.drawn.part
+        part = self.disc.part
         return part.lowered() if self.first is None else part.turned_over()
 
     @property
@@ -107,8 +107,8 @@ class MilledDisc(Pickled):
                 raise SceneError(lacking, self.scene.source.file)
             assert self.spec is not None  # for the scene has a tool
             options = self.gcode
-            found = sequence_of(self.part, self.spec, options.heights, options.compensation)
-            return replace(found, findings=stated_in(self.scene.unit, found.findings))
+            planned = sequence_of(self.part, self.spec, options.heights, options.compensation)
+            return replace(planned, findings=findings_in_unit(self.scene.unit, planned.findings))
 
     @contextmanager
     def _faults_of_scene(self) -> Iterator[None]:
@@ -139,7 +139,7 @@ class MilledDisc(Pickled):
         cuts = self.sequence.cuts
         if load(self.gcode.machine).tool_change.change or not cuts:
             return (cuts,)
-        return tuple(tuple(own) for _, own in groupby(cuts, key=lambda cut: cut.tool.number))
+        return tuple(tuple(group) for _, group in groupby(cuts, key=lambda cut: cut.tool.number))
 
     @property
     def programs(self) -> tuple[MilledDisc, ...]:
@@ -157,19 +157,19 @@ class MilledDisc(Pickled):
         return tuple(cut for cut in self.cuts if isinstance(cut, ContourCut))
 
     @property
-    def told(self) -> tuple[str, ...]:
+    def notes(self) -> tuple[str, ...]:
         """What is told of the sequence and of this program, a sentence each; raises like
         `sequence`.
         """
-        told = tuple(finding.sentence for finding in self.sequence.findings)
+        sentences = tuple(finding.sentence for finding in self.sequence.findings)
         if self.whole is None:
-            return told
+            return sentences
         tool, count = self.cuts[0].tool.number, len(self._groups)
-        own = (
+        order = (
             f"program {self.program + 1} of {count}, run in this order: tool {tool} is in the"
             " spindle, and Z 0 set with it, at the start"
         )
-        return (own, *told)
+        return (order, *sentences)
 
     @property
     def zero(self) -> Zero:
@@ -180,16 +180,16 @@ class MilledDisc(Pickled):
         stock = Stock() if self.spec is None else self.spec.stock
         turned = NOT if self.spec is None else self.spec.turned
         with self._faults_of_scene():
-            found, first = Zero.stated(self.gcode, stock, self.part, turned), self.first
+            stated_zero, first = Zero.stated(self.gcode, stock, self.part, turned), self.first
             if (
                 first is not None
                 and first.spec is not None
-                and found.name != AXIS
+                and stated_zero.name != AXIS
                 and first.sequence.is_cut_free
             ):
                 message = "there is no corner: the first side cuts the part out of the blank"
-                raise GeometryError(message, "output.gcode.zero", f'"{found.name}"')
-        return found
+                raise GeometryError(message, "output.gcode.zero", f'"{stated_zero.name}"')
+        return stated_zero
 
     @kept_with_owner
     def toolpath(self, tolerance: float) -> Toolpath:
@@ -197,7 +197,7 @@ class MilledDisc(Pickled):
         from camgeo.milling.machine import load
         from camgeo.milling.plan import plan_toolpath
 
-        cuts, spec, effort = self.cuts, self.gcode, self.drawn.effort
+        cuts, spec, effort = self.cuts, self.gcode, self.disc.effort
         limits, heights = load(spec.machine).arcs, spec.heights
         with self._faults_of_scene(), self.ledger.entry("toolpath"):
             return plan_toolpath(cuts, heights, limits, tolerance, effort)
@@ -222,8 +222,11 @@ class MilledDisc(Pickled):
         part, spec = self.part, self.spec
         assert spec is not None  # for there is a program
         with self.ledger.entry("engagement"):
-            found = engaged_of(toolpath, part, spec)
-        return tuple(replace(each, place=mirrored(each.place, spec.turned)) for each in found)
+            operations = engaged_of(toolpath, part, spec)
+        return tuple(
+            replace(operation, place=mirrored(operation.place, spec.turned))
+            for operation in operations
+        )
 
     def findings(self, toolpath: Toolpath, tolerance: float) -> tuple[Finding, ...]:
         """What is told of the sequence and its programs, and what their simulation finds: "broken"
@@ -231,21 +234,21 @@ class MilledDisc(Pickled):
         """
         from camgeo.milling.judged import findings_of
 
-        found = (
+        program_findings = (
             *findings_of(compared(self)),
-            *(each.finding for each in self.flaws(toolpath, tolerance)),
+            *(flaw.finding for flaw in self.flaws(toolpath, tolerance)),
         )
-        names = {each.name for each in found}
-        told = [each for each in self.sequence.findings if each.name not in names]
+        names = {finding.name for finding in program_findings}
+        notes = [finding for finding in self.sequence.findings if finding.name not in names]
         if low := self._low_change():
-            told.append(Finding("tool-change-height", "warning", low))
+            notes.append(Finding("tool-change-height", "warning", low))
         if len(self._groups) > 1:
-            tools = ", ".join(str(own[0].tool.number) for own in self._groups)
+            tools = ", ".join(str(group[0].tool.number) for group in self._groups)
             sentence = (
                 f"the machine cannot change tools: {len(self._groups)} programs, tools {tools}"
             )
-            told.append(Finding("programs", "warning", sentence))
-        return stated_in(self.scene.unit, (*told, *found))
+            notes.append(Finding("programs", "warning", sentence))
+        return findings_in_unit(self.scene.unit, (*notes, *program_findings))
 
     def _low_change(self) -> str:
         """That tools are changed close above the part, by nobody's wish; empty if not."""
@@ -253,7 +256,7 @@ class MilledDisc(Pickled):
 
         spec = self.gcode
         machine = load(spec.machine)
-        several = any(len({cut.tool.number for cut in own}) > 1 for own in self._groups)
+        several = any(len({cut.tool.number for cut in group}) > 1 for group in self._groups)
         if not (several and machine.retract.is_a_height and spec.tool_change_height is None):
             return ""
         return (
@@ -263,10 +266,12 @@ class MilledDisc(Pickled):
 
     def safe(self, toolpath: Toolpath, tolerance: float) -> tuple[Finding, ...]:
         """What is to be watched in a program; raises UnsafeError if it must not be run."""
-        found = self.findings(toolpath, tolerance)
-        if wrong := "; ".join(each.sentence for each in found if each.severity == "broken"):
+        findings = self.findings(toolpath, tolerance)
+        if wrong := "; ".join(
+            finding.sentence for finding in findings if finding.severity == "broken"
+        ):
             raise UnsafeError(f"the milling program must not be run: {wrong}", key="output.gcode")
-        return tuple(each for each in found if each.severity != "ok")
+        return tuple(finding for finding in findings if finding.severity != "ok")
 
 
 def compared(milled: MilledDisc) -> tuple[Feature, ...]:
@@ -286,8 +291,8 @@ def compared(milled: MilledDisc) -> tuple[Feature, ...]:
             second, cuts = first.spec.of_second_side(faced=False, done=frozenset()), ()
         assert second is not None  # for there is that side
         sides.append(Side(first.second.part, second, cuts, ()))
-    keyway = None if first.drawn.spec is None else first.drawn.spec.keyway
-    return features_of(first.drawn.part, keyway, sides)
+    keyway = None if first.disc.spec is None else first.disc.spec.keyway
+    return features_of(first.disc.part, keyway, sides)
 
 
 def job(

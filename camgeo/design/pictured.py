@@ -43,7 +43,7 @@ class FollowerSketch:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class CutOff:
+class TrimmedStretch:
     """What a picture shows of a flank where the disc has a corner.
 
     Attributes
@@ -91,7 +91,7 @@ class PicturedCam(Pickled):
         return FollowerSketch(*self.cam.follower.held(self._face_ends))
 
     @property
-    def linked_at(self) -> tuple[complex, complex]:
+    def linkage_joint(self) -> tuple[complex, complex]:
         """Where a linkage takes hold of the follower at lift 0 [mm], see `Follower.linked_at`."""
         return self.cam.follower.linked_at(self._farthest)
 
@@ -103,45 +103,45 @@ class PicturedCam(Pickled):
 
     def mechanism_sketch(self, phi: float) -> MechanismSketch[complex]:
         """The mechanism at the cam angle `phi` [rad]: its links and joints."""
-        return self.mechanism_at(np.array([phi])).at(0)
+        return self.mechanism_sketches(np.array([phi])).at(0)
 
-    def mechanism_at(self, phi: FloatArray) -> MechanismSketch[Places]:
+    def mechanism_sketches(self, phi: FloatArray) -> MechanismSketch[Places]:
         """The same at cam angles `phi` (n,) [rad]."""
         cam, follower, linkage = self.cam, self.cam.follower, self.cam.drive.linkage
         motion, ends = cam.drive.motion, self._face_ends
         lift = motion.jet(phi)[0]
         lifts = lift_range(motion)
-        found = follower.sketch(lift, self._farthest, ends).of_table("follower")
+        sketch = follower.sketch(lift, self._farthest, ends).of_table("follower")
         if self.returning is not None:
             both = (follower, self.returning)
-            reach = max(abs(each.traced_point(at)) for each in both for at in lifts)
+            reach = max(abs(roller.traced_point(lift_end)) for roller in both for lift_end in lifts)
             first = follower.traced(lift)
-            found += self.returning.return_sketch(first, lift, reach).of_table("follower.return")
+            sketch += self.returning.return_sketch(first, lift, reach).of_table("follower.return")
         if cam.yoke_breadth > 0.0:
-            found += follower.far_side(lift, ends, cam.yoke_breadth)
+            sketch += follower.far_side(lift, ends, cam.yoke_breadth)
         if linkage is None:
-            return found
-        place, outward = self.linked_at
+            return sketch
+        place, outward = self.linkage_joint
         linked = linkage.sketch(place, outward, cam.drive.plan.jet(phi)[0])
         way = linkage.sketch(place, outward, np.array(lift_range(cam.drive.plan)))
         ends_of_way = way.at(0).guides, way.at(1).guides
         guides = tuple(
-            replace(guide, travel=tuple(each[number].middle for each in ends_of_way))
+            replace(guide, travel=tuple(guide_end[number].middle for guide_end in ends_of_way))
             for number, guide in enumerate(linked.guides)
         )
-        return found + replace(linked, guides=guides).of_table("linkage")
+        return sketch + replace(linked, guides=guides).of_table("linkage")
 
     @property
-    def cut_off(self) -> tuple[CutOff, ...]:
+    def trimmed_stretches(self) -> tuple[TrimmedStretch, ...]:
         """Where the flanks in use are cut off; empty also if what is left is unknown."""
-        found: list[CutOff] = []
+        stretches: list[TrimmedStretch] = []
         for flank in self.cam.contact.flanks:
             try:
                 outline = self.cam.disc.outline(flank)
             except GeometryError:  # reported by the findings
                 continue
-            found += _cut_off(self.cam.disc.curve(flank), outline, flank)
-        return tuple(found)
+            stretches += _trimmed_stretches(self.cam.disc.curve(flank), outline, flank)
+        return tuple(stretches)
 
     @property
     def _face_ends(self) -> tuple[float, float]:
@@ -161,7 +161,7 @@ class PicturedCam(Pickled):
         return float(np.min(places)), float(np.max(places))
 
 
-def _cut_off(curve: WorkingCurve, outline: Outline, flank: Flank) -> list[CutOff]:
+def _trimmed_stretches(curve: WorkingCurve, outline: Outline, flank: Flank) -> list[TrimmedStretch]:
     """What is cut off at the corners of `outline`, the real outline of the flank `curve`.
 
     Empty for a knife edge: the corners of its flank are those of the pitch curve, not cuts.
@@ -169,10 +169,10 @@ def _cut_off(curve: WorkingCurve, outline: Outline, flank: Flank) -> list[CutOff
     if curve.pitch.follower.has_edge:
         return []
     envelope, pivots = Envelope(curve), outline.path.pivots
-    return [_cut_at(envelope, each, flank) for each in pivots if each.distance == 0.0]
+    return [_trimmed_stretch(envelope, pivot, flank) for pivot in pivots if pivot.distance == 0.0]
 
 
-def _cut_at(envelope: Envelope, corner: Pivot, flank: Flank) -> CutOff:
+def _trimmed_stretch(envelope: Envelope, corner: Pivot, flank: Flank) -> TrimmedStretch:
     start = corner.before % TURN
     first, last = envelope.place_of(start, "left"), envelope.place_of(corner.after % TURN)
     last += envelope.total if last < first else 0.0
@@ -183,4 +183,4 @@ def _cut_at(envelope: Envelope, corner: Pivot, flank: Flank) -> CutOff:
     points = envelope.samples(places).points
     course = np.concatenate(([corner.centre], points, [corner.centre]))
     end = start + (corner.after - corner.before) % TURN
-    return CutOff(flank, start, end, frozen(course, np.complex128))
+    return TrimmedStretch(flank, start, end, frozen(course, np.complex128))

@@ -6,11 +6,11 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from camgeo.design.product import Product, title_of
+from camgeo.design.product import Product, display_title
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.part.boundaries import ExactBoundary, largest_radius
-from camgeo.part.compensation import PrintSpec, compensated
+from camgeo.part.compensation import PrintSpec, compensate_part
 from camgeo.part.part import Layer, Part
 from camgeo.scene.formats.threemf import FORMAT, Body, ThreeMfSpec
 
@@ -57,7 +57,7 @@ class Piece:
         return COLOURS[self.kind]
 
 
-def plate_of(product: Product) -> tuple[Piece, ...]:
+def plate_pieces(product: Product) -> tuple[Piece, ...]:
     """The bodies on the plate of a scene, side by side; empty if it asks for none.
 
     They stand in one row, in the positive quadrant, and the circles about them lie apart.
@@ -70,17 +70,17 @@ def plate_of(product: Product) -> tuple[Piece, ...]:
     options = product.options[FORMAT]
     bodies = [(kind, *_body(kind, product, options)) for kind in options.plate]
     reaches = [round(part.outermost.farthest()[0], NOISE) for _, _, part in bodies]
-    found = []
-    y = _up(options.gap + max(reaches, default=0.0))
+    pieces = []
+    y = _rounded_place(options.gap + max(reaches, default=0.0))
     edge = 0.0
     for (kind, name, part), reach in zip(bodies, reaches, strict=True):
-        x = _up(edge + options.gap + reach)
-        found.append(Piece(kind, name, part, reach, x, y))
+        x = _rounded_place(edge + options.gap + reach)
+        pieces.append(Piece(kind, name, part, reach, x, y))
         edge = x + reach
-    return tuple(found)
+    return tuple(pieces)
 
 
-def _up(place: float) -> float:
+def _rounded_place(place: float) -> float:
     """The place [mm] rounded up to whole steps."""
     return round(math.ceil(round(place / STEP, 3)) * STEP, 3)
 
@@ -93,7 +93,7 @@ def _body(kind: str, product: Product, options: ThreeMfSpec) -> tuple[str, Part]
         raise GeometryError(message, key="output.3mf.plate")
     disc = product.others[0] if kind in (Body.RETURN_CAM, Body.RETURN_ROLLER) else product
     if kind in (Body.CAM, Body.RETURN_CAM):
-        return title_of(disc), disc.drawn.printed.target
+        return display_title(disc), disc.drawn.printed.target
     spec, fitted = product.scene.printing, product.drawn.printed.fitted
     if kind == Body.TEST_RING:
         part = ring_part(fitted)
@@ -107,7 +107,7 @@ def _body(kind: str, product: Product, options: ThreeMfSpec) -> tuple[str, Part]
         if not radius > 0.0:
             raise GeometryError("a knife edge is no roller", key="output.3mf.plate")
         part = roller_part(radius, width, options.roller_bore, spec)
-    return kind.replace("-", " "), part if spec is None else compensated(part, spec)
+    return kind.replace("-", " "), part if spec is None else compensate_part(part, spec)
 
 
 # -- accessories ----------------------------------------------------------------------------------
@@ -150,7 +150,7 @@ def ring_part(fitted: Part) -> Part:
     GeometryError
         With key "output.3mf.plate", if the part has no bore.
     """
-    bores = [each for each in fitted.boundaries if each.name == "bore"]
+    bores = [boundary for boundary in fitted.boundaries if boundary.name == "bore"]
     if not bores or not isinstance(bores[0], ExactBoundary):
         raise GeometryError("the test ring needs the bore of the part", key="output.3mf.plate")
     reach = largest_radius(bores[0].exact)

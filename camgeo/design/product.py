@@ -37,7 +37,7 @@ ONE_PROGRAM: Final = re.compile(rf"(-{SECOND})?(-\d+-t\d+)?$", re.ASCII | re.IGN
 PAIR: Final = "pair"
 """End of the name of a conjugate pair in one piece."""
 
-OF_SHEET: Final = "-drawing"
+SHEET_SUFFIX: Final = "-drawing"
 """End of the name of a sheet."""
 
 
@@ -162,7 +162,7 @@ class Product(Pickled):
         """The disc once for each milling program: one for each side, or more if the machine cannot
         change the tools that it needs.
         """
-        return tuple(chain.from_iterable(map(programs_of, sides_of(self))))
+        return tuple(chain.from_iterable(map(side_programs, product_sides(self))))
 
     @built
     def tabulated(self) -> TabulatedCam:
@@ -180,7 +180,7 @@ class Product(Pickled):
         return PicturedCam(self.cam, returning)
 
 
-def sides_of(product: Product) -> tuple[Product, ...]:
+def product_sides(product: Product) -> tuple[Product, ...]:
     """The disc once for each side from which it is milled, the first one first; one that is a side
     already alone.
     """
@@ -192,18 +192,18 @@ def sides_of(product: Product) -> tuple[Product, ...]:
     return (product, other)
 
 
-def programs_of(side: Product) -> tuple[Product, ...]:
+def side_programs(side: Product) -> tuple[Product, ...]:
     """One side once for each of its programs."""
     milled = side.milled.programs
     if len(milled) == 1:
         return (side,)
-    made = tuple(replace(side, program=number) for number in range(len(milled)))
-    for each, own in zip(made, milled, strict=True):
-        each.__dict__.update(drawn=side.drawn, milled=own)
-    return made
+    products = tuple(replace(side, program=number) for number in range(len(milled)))
+    for product, program in zip(products, milled, strict=True):
+        product.__dict__.update(drawn=side.drawn, milled=program)
+    return products
 
 
-def bodies_of(disc: Product) -> tuple[Product, ...]:
+def solid_products(disc: Product) -> tuple[Product, ...]:
     """What a solid is made of for a disc: itself, or of a pair in one piece the pair, once."""
     if disc.is_pair or disc.scene.part is None or disc.scene.part.pair is None:
         return (disc,)
@@ -216,7 +216,7 @@ def with_pair(discs: Sequence[Product]) -> tuple[Product, ...]:
     return (*discs, pair) if pair is not None else tuple(discs)
 
 
-def title_of(disc: Product) -> str:
+def display_title(disc: Product) -> str:
     """What people call the disc, in any characters: the title of the drawing, or its name."""
     title = disc.scene.drawing.title
     if not title:
@@ -226,13 +226,13 @@ def title_of(disc: Product) -> str:
     return f"{title} ({RETURN})" if disc.position else title
 
 
-def disc_of(discs: Sequence[Product], stem: str) -> Product:
+def find_disc(discs: Sequence[Product], stem: str) -> Product:
     """The disc to which a file belongs that is named `stem` without its ending.
 
     A name with the ending of a further disc belongs to that disc, whatever precedes the ending.
     """
     main, *others = with_pair(discs)
-    stem = stem.removesuffix(OF_SHEET)
+    stem = stem.removesuffix(SHEET_SUFFIX)
     stem = stem if stem == main.name else ONE_PROGRAM.sub("", stem)
     marks = [(disc, disc.name.removeprefix(main.name)) for disc in others if stem != main.name]
     return next((disc for disc, mark in marks if stem.lower().endswith(mark)), main)

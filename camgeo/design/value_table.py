@@ -82,8 +82,8 @@ class Table(Displayed):
 
     def encoded(self) -> bytes:
         """The same in UTF-8, with no more memory than twice its size."""
-        found = io.BytesIO()
-        stream = io.TextIOWrapper(found, "utf-8", newline="")
+        buffer = io.BytesIO()
+        stream = io.TextIOWrapper(buffer, "utf-8", newline="")
         rows = csv.writer(stream, delimiter=self.separator, lineterminator="\n")
         rows.writerow(self.names)
         spelled = repr if self.decimals is None else f"{{:.{self.decimals}f}}".format
@@ -93,7 +93,7 @@ class Table(Displayed):
             cells = ([cell.replace(".", ",") for cell in row] for row in cells)
         rows.writerows(cells)
         stream.flush()
-        return found.getvalue()
+        return buffer.getvalue()
 
 
 def cam_angles(step: Decimal) -> FloatArray:
@@ -162,7 +162,7 @@ class TabulatedCam(Pickled):
     def _table(self, degrees: FloatArray, unit: LengthUnit | None = None) -> Table:
         unit = unit or self.scene.unit
         columns = quantities(self.drive, self.scene.lift_unit, self.cam, unit)
-        columns += [of_effect(unit, each) for each in self.columns()]
+        columns += [effect_column(unit, column) for column in self.columns()]
         _require_few(len(degrees), len(columns) + 1)
         phi = np.radians(degrees)
         values = [degrees, *(quantity(phi, "right") for _, quantity in columns)]
@@ -197,7 +197,7 @@ def stated_table(whole: Table, spec: CsvSpec, unit: LengthUnit) -> Table:
                 raise GeometryError(message, f"output.csv.columns[{place}]", f'"{name}"')
         columns = {named[name]: known[named[name]] for name in spec.columns}
     if spec.angle == "rad":
-        columns = dict(_in_radians(heading, values) for heading, values in columns.items())
+        columns = dict(_radians_column(heading, values) for heading, values in columns.items())
     return Table(
         tuple(columns),
         np.column_stack(tuple(columns.values())),
@@ -222,20 +222,20 @@ def bare(heading: str) -> str:
 
 def _polar(columns: Mapping[str, FloatArray], unit: LengthUnit) -> dict[str, FloatArray]:
     """Radius and angle of the points of each curve."""
-    found: dict[str, FloatArray] = {}
+    polar: dict[str, FloatArray] = {}
     for name in CURVES:
         x, y = (columns.get(f"{name} {axis} [{unit}]") for axis in "xy")
         if x is not None and y is not None:
             turned = np.degrees(np.arctan2(y, x)) % 360.0
-            found[f"{name} radius [{unit}]"] = np.hypot(x, y)
-            found[f"{name} angle [deg]"] = np.where(turned < 360.0, turned, 0.0)
-    return found
+            polar[f"{name} radius [{unit}]"] = np.hypot(x, y)
+            polar[f"{name} angle [deg]"] = np.where(turned < 360.0, turned, 0.0)
+    return polar
 
 
-def _in_radians(heading: str, values: FloatArray) -> tuple[str, FloatArray]:
+def _radians_column(heading: str, values: FloatArray) -> tuple[str, FloatArray]:
     """A column with its degrees, or degrees per power of a second, in radians."""
-    name, found, unit = heading.rpartition(" [")
-    if not found or not unit.startswith("deg"):
+    name, separator, unit = heading.rpartition(" [")
+    if not separator or not unit.startswith("deg"):
         return heading, values
     return f"{name} [rad{unit.removeprefix('deg')}", np.radians(values)
 
@@ -285,17 +285,17 @@ def quantities_of_drive(drive: Drive, lift_unit: LiftUnit, unit: LengthUnit) -> 
     columns: Columns = []
     for name, motion in motions:
         columns += _angle(name, motion) if name else _length(unit, motion)
-    return columns + _in_time(drive, motions, unit)
+    return columns + _time_columns(drive, motions, unit)
 
 
 def _once(compute: Callable[[FloatArray, Side], Value]) -> Callable[[FloatArray, Side], Value]:
     """The same, computed once for the columns that share it: they are called one after another."""
-    kept: list[tuple[FloatArray, Side, Value]] = []
+    latest: list[tuple[FloatArray, Side, Value]] = []
 
     def values(phi: FloatArray, side: Side) -> Value:
-        if not kept or kept[0][0] is not phi or kept[0][1] != side:
-            kept[:] = [(phi, side, compute(phi, side))]
-        return kept[0][2]
+        if not latest or latest[0][0] is not phi or latest[0][1] != side:
+            latest[:] = [(phi, side, compute(phi, side))]
+        return latest[0][2]
 
     return values
 
@@ -327,8 +327,8 @@ def quantities_of_disc(disc: Disc, unit: LengthUnit) -> Columns:
     if not disc.follower.has_pitch_curve:
 
         def on_face(phi: FloatArray, side: Side) -> FloatArray:
-            found: FloatArray = touch(pitch(), phi, side).contact[0] / mm
-            return found
+            places: FloatArray = touch(pitch(), phi, side).contact[0] / mm
+            return places
 
         columns.append((f"on face [{unit}]", on_face))
     kappa = _once(lambda phi, side: pitch().curvature(phi, side))
@@ -345,12 +345,12 @@ def _motions(drive: Drive, lift_unit: LiftUnit) -> list[tuple[str, JetOfMotion]]
 
     Each gives (4, n), with the name of its angle, empty for a length.
     """
-    own = _once(lambda phi, side: drive.motion.jet(phi, side))
-    found: list[tuple[str, JetOfMotion]] = [("psi" if lift_unit == "rad" else "", own)]
+    follower_jet = _once(lambda phi, side: drive.motion.jet(phi, side))
+    motions: list[tuple[str, JetOfMotion]] = [("psi" if lift_unit == "rad" else "", follower_jet)]
     if drive.demanded_of != "follower":
         demanded = _once(lambda phi, side: drive.plan.jet(phi, side))
-        found.insert(0, (ANGLES.get(drive.demanded_of, ""), demanded))
-    return found
+        motions.insert(0, (ANGLES.get(drive.demanded_of, ""), demanded))
+    return motions
 
 
 def _coordinate(
@@ -390,7 +390,9 @@ def _angle(name: str, motion: JetOfMotion) -> Columns:
     ]
 
 
-def _in_time(drive: Drive, motions: list[tuple[str, JetOfMotion]], unit: LengthUnit) -> Columns:
+def _time_columns(
+    drive: Drive, motions: list[tuple[str, JetOfMotion]], unit: LengthUnit
+) -> Columns:
     """Time and derivatives in time: of the motion the scene prescribes, and of the follower."""
     course, mm = drive.time_course, MM_PER[unit]
     if course is None:
@@ -408,15 +410,15 @@ def _in_time(drive: Drive, motions: list[tuple[str, JetOfMotion]], unit: LengthU
     return columns
 
 
-def of_effect(unit: LengthUnit, column: Column) -> tuple[str, Quantity]:
+def effect_column(unit: LengthUnit, column: Column) -> tuple[str, Quantity]:
     """Heading and values of an effect's column, lengths in `unit`."""
-    own, divisor = unit_in(column.unit, unit)
+    unit_text, divisor = unit_in(column.unit, unit)
 
     def divided(phi: FloatArray, side: Side) -> FloatArray:
         return column.values(phi, side) / divisor
 
     values = column.values if divisor == 1.0 else divided
-    return f"{column.name} [{own}]" if own else column.name, values
+    return f"{column.name} [{unit_text}]" if unit_text else column.name, values
 
 
 def radius_of_curvature(kappa: FloatArray) -> FloatArray:

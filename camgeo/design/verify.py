@@ -44,26 +44,26 @@ class Check:
 
     def in_unit(self, length: LengthUnit) -> Check:
         """The check with the lengths in its texts in the unit of a scene; its numbers stay."""
-        found = ((name, getattr(self, name)) for name in ("of", "value", "expected", "note"))
+        fields = ((name, getattr(self, name)) for name in ("of", "value", "expected", "note"))
         texts: dict[str, Any] = {
-            name: in_unit(each, length) for name, each in found if isinstance(each, str)
+            name: in_unit(text, length) for name, text in fields if isinstance(text, str)
         }
         return replace(self, **texts)
 
     def record(self) -> dict[str, Any]:
         """As data; what is empty is left out."""
         fields = {key: getattr(self, key) for key in ("of", "value", "expected", "limit", "unit")}
-        kept = {key: value for key, value in fields.items() if value not in ("", None)}
+        stated = {key: value for key, value in fields.items() if value not in ("", None)}
         end = {"note": self.note} if self.note else {}
-        return {"name": self.name, **kept, "ok": self.ok, **end}
+        return {"name": self.name, **stated, "ok": self.ok, **end}
 
 
 def at_most(
     name: str, value: float, limit: float, unit: str, of: str = "", note: str = ""
 ) -> Check:
     """The check that `value` does not exceed `limit`; NaN and infinity fail, and are not shown."""
-    kept = value if math.isfinite(value) else None
-    return Check(name, of, kept, None, limit, unit, value <= limit, note)
+    finite_value = value if math.isfinite(value) else None
+    return Check(name, of, finite_value, None, limit, unit, value <= limit, note)
 
 
 def near(
@@ -118,7 +118,7 @@ class Origin:
     format: str = ""
 
 
-def length_of(text: str) -> float | None:
+def parse_tolerance(text: str) -> float | None:
     """The tolerance in `text` [mm], e.g. "0.001" or "0.001 mm"; None if no file can have it."""
     value = number_of(text.strip().removesuffix("mm"))
     return value if value is not None and SMALLEST_TOLERANCE <= value <= LARGEST_TOLERANCE else None

@@ -17,8 +17,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final, Protocol
 
-from camgeo.check.finding import Finding, forbidding, stated_in
-from camgeo.design.judged_part import findings_on
+from camgeo.check.finding import Finding, findings_in_unit, forbidding
+from camgeo.design.judged_part import part_findings
 from camgeo.design.product import Product, with_pair
 from camgeo.errors import (
     Fault,
@@ -114,9 +114,9 @@ def write_set(
         If a different file exists and `force` is not set, if another process keeps writing there,
         or on any disk error; nothing has been changed, or will be when `settle` has been called.
     """
-    made = _make_folder(folder)
+    new_folders = _make_folder(folder)
     try:
-        for created in made:
+        for created in new_folders:
             with suppress(OSError):  # it may be a folder that cannot be read
                 sync(created.parent)
         with _locked(folder, progress):
@@ -137,7 +137,7 @@ def write_set(
         message = f"{folder}: cannot write {place}: {unreadable(error)}; {outcome}"
         raise OutputError(message) from error
     finally:  # after Ctrl-C too
-        for created in reversed(made):
+        for created in reversed(new_folders):
             try:
                 created.rmdir()  # only if nothing has been put in it
             except OSError:
@@ -178,7 +178,7 @@ def _locked(folder: Path, progress: Progress) -> Generator[None]:
     """Keep other processes, and other threads, out of `folder`."""
     end = time.monotonic() + PATIENCE
     place = folder / LOCK if sys.platform == "win32" else folder
-    while (lock := lock_at(place, os.O_RDONLY)) is None:
+    while (lock := acquire_lock(place, os.O_RDONLY)) is None:
         try:
             who = f"process {int((folder / STAGING / WRITER).read_bytes())}"
         except (OSError, ValueError):  # it has not said so yet, or has just finished
@@ -193,7 +193,7 @@ def _locked(folder: Path, progress: Progress) -> Generator[None]:
         os.close(lock)  # releases it
 
 
-def lock_at(place: Path, flags: int) -> int | None:
+def acquire_lock(place: Path, flags: int) -> int | None:
     """A lock as an open file, opened with `flags`; None if another process has it.
 
     Where a file system has no locks everybody gets it: what is locked is still safe, but two
@@ -220,7 +220,7 @@ def lock_at(place: Path, flags: int) -> int | None:
 
 def _make_folder(folder: Path) -> list[Path]:
     """Create `folder` and its missing parents; return what was created, outermost first."""
-    made: list[Path] = []
+    created: list[Path] = []
     try:
         if folder.exists() and not folder.is_dir():
             raise OutputError(f"{folder}: is a file, not a folder; nothing was written")
@@ -232,16 +232,16 @@ def _make_folder(folder: Path) -> list[Path]:
         for place in reversed(missing):
             with suppress(FileExistsError):  # another process was quicker
                 place.mkdir()
-                made.append(place)
+                created.append(place)
     except OutputError:
         raise
     except (OSError, ValueError) as error:
-        for place in reversed(made):
+        for place in reversed(created):
             place.rmdir()
         raise OutputError(
             f"{folder}: cannot create the folder: {unreadable(error)}; nothing was written"
         ) from error
-    return made
+    return created
 
 
 def _refuse_overwriting(folder: Path, files: Mapping[str, bytes], *, force: bool) -> None:
@@ -340,8 +340,8 @@ def _restore(folder: Path) -> str:
                     raise OSError(errno.EISDIR, reason, str(folder / name))
                 (folder / name).replace(staging / NEW / name)
         sync(folder)
-        kept = sorted(path.name for path in (staging / OLD).glob("*"))
-        for name in (*(each for each in kept if each not in names), *names):
+        old_names = sorted(path.name for path in (staging / OLD).glob("*"))
+        for name in (*(name for name in old_names if name not in names), *names):
             if os.path.lexists(staging / OLD / name) and not os.path.lexists(folder / name):
                 (staging / OLD / name).replace(folder / name)
         sync(folder)
@@ -482,10 +482,10 @@ def write_files(
 def is_verification(path: Path) -> bool:
     """Whether a file is a verification of camgeo's."""
     try:
-        found = json.loads(read_within(path, VERIFIED))
+        document = json.loads(read_within(path, VERIFIED))
     except (OSError, ValueError, RecursionError):
         return False
-    return isinstance(found, dict) and found.get("kind") == KIND
+    return isinstance(document, dict) and document.get("kind") == KIND
 
 
 def make_files(
@@ -505,12 +505,16 @@ def make_files(
     product = discs[0]
     contents: dict[str, bytes] = {}
     reports: list[FileReport] = []
-    found = find_writers(formats)
-    if lacking := product.scene.lacking(writer.format for writer in found.values()):
+    named_writers = find_writers(formats)
+    if lacking := product.scene.lacking(writer.format for writer in named_writers.values()):
         raise SceneError(lacking, product.scene.source.file)
     if forbidden := forbidding(product.findings):
-        raise UndercutError("; ".join(each.sentence for each in forbidden))
-    writers = [(name, each) for name, one in found.items() for each in with_companions(one)]
+        raise UndercutError("; ".join(finding.sentence for finding in forbidden))
+    writers = [
+        (name, companion)
+        for name, one in named_writers.items()
+        for companion in with_companions(one)
+    ]
     for disc, name, writer in _pieces(discs, writers):
         label = name if disc is product else f"{name} of {disc.name}"
         written, deviation = _make(disc, label, writer, tolerance, progress)
@@ -520,8 +524,8 @@ def make_files(
             raise SceneError([Fault("format", name, message)])
         contents[file] = written.data
         size, facts = len(written.data), written.facts
-        told = stated_in(disc.unit, written.findings)
-        reports.append(FileReport(file, name, size, tolerance, deviation, facts, told))
+        findings = findings_in_unit(disc.unit, written.findings)
+        reports.append(FileReport(file, name, size, tolerance, deviation, facts, findings))
     contents[CERTIFICATE] = _certificate(discs, tolerance, reports, contents)
     return contents, tuple(reports)
 
@@ -532,7 +536,7 @@ def _pieces(
     """What each file is made of, with the name of its format and its writer."""
     for disc in discs:
         for name, writer in writers:
-            for piece in pieces_of(writer, disc):
+            for piece in file_products(writer, disc):
                 yield piece, name, writer
 
 
@@ -596,9 +600,9 @@ def _certificate(
         "findings": [
             *map(_stated, product.findings),
             *(
-                {**_stated(each), "part": disc.name}
+                {**_stated(finding), "part": disc.name}
                 for disc in with_pair(discs)
-                for each in findings_on(disc)
+                for finding in part_findings(disc)
             ),
             *map(_stated, chain.from_iterable(report.findings for report in reports)),
         ],
@@ -671,7 +675,7 @@ def with_companions(writer: Writer) -> tuple[Writer, ...]:
     return (writer, *further)
 
 
-def pieces_of(writer: Writer, product: Product) -> tuple[Product, ...]:
+def file_products(writer: Writer, product: Product) -> tuple[Product, ...]:
     """The products of which the writer makes a file each, mostly `product` alone."""
     pieces: Callable[[Product], tuple[Product, ...]] | None = getattr(writer, "pieces", None)
     return (product,) if pieces is None else pieces(product)
@@ -685,12 +689,12 @@ def find_writer(name: str) -> Writer:
 def find_writers(names: Iterable[str]) -> dict[str, Writer]:
     """As `find_writer`, for several: what is installed is looked through once."""
     entries = writer_entries()
-    found: dict[str, Writer] = {}
+    writers: dict[str, Writer] = {}
     for name in names:
         if name not in entries:
             known = sorted(entries)
             message = f"no writer for this format; there are {', '.join(known)}"
             hint = NO_FORMATS.get(name) or meant(name, known, '"')
             raise SceneError([Fault("format", name, message, hint)])
-        found[name] = format_of(entries[name])[0]
-    return found
+        writers[name] = format_of(entries[name])[0]
+    return writers

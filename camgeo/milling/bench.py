@@ -34,7 +34,7 @@ from camgeo.milling.strategies import unfit_for_letters
 from camgeo.numeric.checked import positive
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary, largest_radius
 from camgeo.part.part import Boundary, Part, Wall
-from camgeo.part.spec import text_of
+from camgeo.part.spec import text_name
 from camgeo.units import TURN, at_cam_angles
 
 SAME: Final = 2.0**-48
@@ -126,7 +126,7 @@ class Bench:
         walls = self.walls
         message = ""
         if name not in walls:
-            names = dict.fromkeys(text_of(each) or each for each in walls)
+            names = dict.fromkeys(text_name(each) or each for each in walls)
             known = ", ".join(f'"{each}"' for each in names)
             message = f"the part has no such wall; it has {known}"
         elif not is_open(self.part, walls[name]):
@@ -272,7 +272,7 @@ def coarse(*boundaries: Boundary) -> Area:
 
 def letters_of(bench: Bench, text: str) -> tuple[Wall, ...]:
     """The walls of the letters of a text; none of anything else."""
-    return tuple(wall for name, wall in bench.walls.items() if text_of(name) == text != "")
+    return tuple(wall for name, wall in bench.walls.items() if text_name(name) == text != "")
 
 
 def as_wide(tool: Tool, half: float) -> bool:
@@ -556,7 +556,7 @@ def drill_all(
 def no_engraver(bench: Bench, tool: Tool, walls: Sequence[Wall]) -> str:
     """Why a tool does not make a mark in one pass, or the letters of a text; empty if it does."""
     wall = walls[0]
-    if text_of(wall.boundary.name):
+    if text_name(wall.boundary.name):
         reason = "" if is_open(bench.part, wall) else "they are not open on this face"
         reason = reason or unfit_for_letters(tool, [each.boundary for each in walls])
         return reason or bench.too_short(tool, bench.bottom(wall), wall.z1)
@@ -573,7 +573,7 @@ def no_engraver(bench: Bench, tool: Tool, walls: Sequence[Wall]) -> str:
 def engraved(bench: Bench, walls: Sequence[Wall], tool: Tool, top: float) -> Cut:
     """A mark as wide as the tool, a slot along its middle line or a dot; or letters of a text."""
     wall = walls[0]
-    if text := text_of(wall.boundary.name):
+    if text := text_name(wall.boundary.name):
         return LetterCut(
             name=f"engrave {text}", strategy="letters", tool=tool, top=top,
             depths=depths_of(tool, top, bench.bottom(wall)), stepover=stepover_of(tool),

@@ -41,7 +41,7 @@ from camgeo.milling.simulation import (
 )
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Bevel, Boundary, Part, Wall
-from camgeo.part.spec import Keyway, text_of
+from camgeo.part.spec import Keyway, text_name
 
 RIM: Final = 1.0
 """Width [mm] of the strip along the outline of a blank by which it is held where tabs or a skin
@@ -190,7 +190,7 @@ def left_out(part: Part, cuts: Iterable[Cut]) -> tuple[str, ...]:
     return tuple(
         each.name
         for each in part.boundaries
-        if (isinstance(each, ExactBoundary) and each.hole) or text_of(each.name)
+        if (isinstance(each, ExactBoundary) and each.hole) or text_name(each.name)
         if each.name not in made
         if each.name != BORE or not (isinstance(each, ExactBoundary) and each.is_round)
     )
@@ -225,7 +225,7 @@ def _contours(
     boundaries: Iterable[Boundary], letters: Mapping[str, list[Contour]], tolerance: float
 ) -> Iterator[Contour]:
     for each in boundaries:
-        if text_of(each.name):
+        if text_name(each.name):
             yield from letters.get(each.name, ())
         else:
             yield _contour(each, tolerance)
@@ -540,7 +540,7 @@ def _wall(wall: Wall, sides: Sequence[Side]) -> Feature:
     name = wall.boundary.name
     cuts = [cut for side in sides for cut in side.cuts if name in cut.produced]
     made = tuple(cut.name for cut in cuts if name in finished_by(cut))
-    called = text_of(name) or name
+    called = text_name(name) or name
     stated = any(side.milling.operations for side in sides)
     severity: Severity = "warning" if stated else "ok"
     if is_finished(wall, sides):

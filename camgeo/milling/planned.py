@@ -57,7 +57,7 @@ from camgeo.milling.simulation import LOOSE_CORE
 from camgeo.milling.stated import stated_cuts
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import Part, Wall
-from camgeo.part.spec import text_of
+from camgeo.part.spec import text_name
 
 Step = Cut | Finding
 """A cut, or something to be told."""
@@ -146,7 +146,7 @@ def _holes(bench: Bench, walls: Collection[str]) -> Iterator[Step]:
 
 def _texts(bench: Bench, walls: Collection[str]) -> Iterator[Step]:
     """Texts by the first end mill that fits into their strokes; they are left out without one."""
-    for text in sorted(set(map(text_of, walls)) - {""}):
+    for text in sorted(set(map(text_name, walls)) - {""}):
         letters = letters_of(bench, text)
         reasons = {
             each: no_engraver(bench, each, letters)
@@ -588,7 +588,7 @@ def sequence_of(
             name for name in left_out(part, cuts) if name not in milling.done
         ]  # fmt: skip
         if left:
-            named = dict.fromkeys(text_of(name) or name for name in left)
+            named = dict.fromkeys(text_name(name) or name for name in left)
             findings.append(
                 Finding("left-out", "warning", f"no operation makes {', '.join(named)}")
             )

@@ -30,11 +30,11 @@ from camgeo.part.boundaries import (
     CurveBoundary,
     ExactBoundary,
     Letter,
+    contour_bytes,
     largest_radius,
-    lettered,
-    numbers_of,
+    place_letters,
 )
-from camgeo.part.part import OF_RETURN, Bevel, Boundary, Layer, Part, Wall
+from camgeo.part.part import RETURN_PREFIX, Bevel, Boundary, Layer, Part, Wall
 from camgeo.part.spec import (
     BOTH,
     DISCS,
@@ -91,7 +91,7 @@ def _plate(inner: Path, _: Path, spec: PartSpec, tolerance: float, book: Ledger)
     """A disc whose outline is the inner flank."""
     outline = CurveBoundary("outline", hole=False, path=inner, ledger=book)
     _bore_fits(spec, outline, tolerance)
-    return assembled(spec, outline, (), (outline, outline), tolerance)
+    return assemble_part(spec, outline, (), (outline, outline), tolerance)
 
 
 def _ring(_: Path, outer: Path, spec: PartSpec, tolerance: float, book: Ledger) -> Part:
@@ -100,7 +100,7 @@ def _ring(_: Path, outer: Path, spec: PartSpec, tolerance: float, book: Ledger) 
         raise GeometryError("the roller runs where it would be", key="part.hub")
     rim = _rim(spec, outer, tolerance, book)
     flank = CurveBoundary("outline", hole=True, path=outer, ledger=book)
-    return assembled(
+    return assemble_part(
         replace(spec, bore=None, keyway=None, d_shaft=None), rim, (flank,), (rim, rim), tolerance
     )
 
@@ -113,7 +113,7 @@ def _grooved(inner: Path, outer: Path, spec: PartSpec, tolerance: float, book: L
         CurveBoundary("outer flank", hole=True, path=outer, ledger=book),
     )
     _bore_fits(spec, groove[0], tolerance)
-    return assembled(spec, rim, groove, (groove[0], rim), tolerance)
+    return assemble_part(spec, rim, groove, (groove[0], rim), tolerance)
 
 
 PARTS: Final = {Contact.INNER: _plate, Contact.OUTER: _ring, Contact.GROOVE: _grooved}
@@ -147,9 +147,9 @@ def _bore_fits(spec: PartSpec, flank: CurveBoundary, tolerance: float) -> None:
     if reach + tolerance < room:
         return
     if 0.5 * spec.bore + tolerance < room:
-        fit = flank.beside(tolerance)
-        apart = least_distance(Pieces.around([outline]), Pieces.around([fit.contour]))
-        if apart > fit.deviation:
+        fit = flank.distance_fit(tolerance)
+        distance = least_distance(Pieces.around([outline]), Pieces.around([fit.contour]))
+        if distance > fit.deviation:
             return
     raise GeometryError(
         f"the bore reaches {reach:.6g} mm from the cam axis, but the {flank.name} comes as near"
@@ -191,21 +191,23 @@ HOLES: Final = {"bolt_circle": "bolt hole", "lightening_holes": "lightening hole
 """Tables of holes, with the name of each hole."""
 
 
-def stacked(features: Sequence[Feature]) -> tuple[Layer, ...]:
+def stack_layers(features: Sequence[Feature]) -> tuple[Layer, ...]:
     """The layers between all heights at which a feature begins or ends, from the lowest upwards.
 
     Each has the boundaries of the features that are there, in their order.
     """
-    heights = sorted({z for each in features for z in (each.z0, each.z1)})
-    found = []
+    heights = sorted({z for feature in features for z in (feature.z0, feature.z1)})
+    layers = []
     for low, high in pairwise(heights):
-        there = tuple(each.boundary for each in features if each.z0 <= low and high <= each.z1)
-        names = [each.layer for each in features if each.z0 == low and each.layer]
-        found.append(Layer(low, high, there, names[-1] if names else "disc"))
-    return tuple(found)
+        boundaries = tuple(
+            feature.boundary for feature in features if feature.z0 <= low and high <= feature.z1
+        )
+        names = [feature.layer for feature in features if feature.z0 == low and feature.layer]
+        layers.append(Layer(low, high, boundaries, names[-1] if names else "disc"))
+    return tuple(layers)
 
 
-def assembled(
+def assemble_part(
     spec: PartSpec,
     outer: Boundary,
     flanks: Sequence[Boundary],
@@ -228,7 +230,8 @@ def assembled(
         With the key of the scene, if a feature has no room.
     """
     sunk = max(
-        (each.depth for each in (spec.mark, *spec.engraving) if each is not None), default=0.0
+        (feature.depth for feature in (spec.mark, *spec.engraving) if feature is not None),
+        default=0.0,
     )
     if spec.bolt_circle is not None and spec.bolt_circle.counterbore is not None:
         sunk = max(sunk, spec.bolt_circle.counterbore.depth)
@@ -241,18 +244,18 @@ def assembled(
     features = [Feature(outer, bottom, 0.0, "disc")]
     if spec.hub is not None:
         hubs = list(_hubs(spec.hub, bottom))
-        for each, room in zip(hubs, _rooms_of(spec.hub, rooms), strict=True):
+        for feature, room in zip(hubs, _hub_rooms(spec.hub, rooms), strict=True):
             _require_room(spec.hub, room, tolerance)
-            low, high = min(low, each.z0), max(high, each.z1)
+            low, high = min(low, feature.z0), max(high, feature.z1)
         features += hubs
     if spec.bore is not None:
         bore = bore_boundary(spec.bore, spec.keyway, spec.d_shaft)
         if spec.hub is not None:
-            _require_within(bore, spec.hub)
+            _require_bore_in_hub(bore, spec.hub)
         features.append(Feature(bore, low, high))
     name = "groove" if grooved else ""
-    features += [Feature(each, floor if grooved else bottom, 0.0, name) for each in flanks]
-    under: list[Feature] = []  # each clear of all else, as the wider mouth above it is
+    features += [Feature(flank, floor if grooved else bottom, 0.0, name) for flank in flanks]
+    lower_holes: list[Feature] = []  # each clear of all else, as the wider mouth above it is
     for table, name in HOLES.items():
         holes: Holes | None = getattr(spec, table)
         if holes is None:
@@ -267,32 +270,33 @@ def assembled(
             hub = _require_clear(mouth, f"part.{table}", features, tolerance)
             foot, top = (low, high) if hub else (bottom, 0.0)
             if hub and spec.set_screw is not None:
-                _require_beside(mouth, spec.set_screw)
+                _require_clear_of_screw(mouth, spec.set_screw)
             if holes.counterbore is None:
                 features.append(Feature(hole, foot, top))
                 continue
             seat = _seat(holes.counterbore, foot, top, known=spec.thickness is not None)
             features.append(Feature(mouth, seat, top, COUNTERBORE))
-            under.append(Feature(hole, foot, seat))
+            lower_holes.append(Feature(hole, foot, seat))
     if spec.mark is not None:
         mark = ExactBoundary("mark", hole=True, exact=mark_outline(spec.mark))
-        upper = [each for each in features if each.layer != LOWER_HUB]
+        upper = [feature for feature in features if feature.layer != LOWER_HUB]
         if hub := _require_clear(mark, "part.mark", upper, tolerance):
             raise GeometryError(f"the mark lies under the {hub}", key="part.mark")
         features.append(Feature(mark, -spec.mark.depth, 0.0, "mark"))
     if spec.engraving:
-        features += _engraved(spec.engraving, features, tolerance)
-    features += under
+        features += _engraving_features(spec.engraving, features, tolerance)
+    features += lower_holes
 
     def stated(z: float) -> float:
         """The height `z` as far as the scene gives it."""
         lacking = grooved and spec.groove_depth is None and bottom < z < 0.0
         return 0.0 if spec.thickness is None or lacking else z
 
-    layers = stacked(features)
+    layers = stack_layers(features)
     part = Part(
         tuple(
-            Layer(stated(each.z0), stated(each.z1), each.boundaries, each.name) for each in layers
+            Layer(stated(layer.z0), stated(layer.z1), layer.boundaries, layer.name)
+            for layer in layers
         )
     )
     return part if spec.chamfers is None else bevelled(part, spec.chamfers, tolerance)
@@ -308,21 +312,21 @@ def _hubs(hub: Hub, bottom: float) -> Iterable[Feature]:
         yield Feature(lower, bottom - hub.height, bottom, LOWER_HUB)
 
 
-def _engraved(
+def _engraving_features(
     texts: Sequence[Engraving], features: Sequence[Feature], tolerance: float
 ) -> Iterable[Feature]:
     """The letters of texts, clear of each other and of all `features`."""
-    letters = lettered(texts)
-    beside = (each.boundary for each in features if each.layer not in HUBS)
-    hubs = (each.boundary for each in features if each.layer == UPPER_HUB)
-    require_room(letters, beside, hubs, tolerance)
-    for number, (text, each) in enumerate(zip(texts, letters, strict=True), start=1):
-        for letter in each:
+    letters = place_letters(texts)
+    boundaries = (feature.boundary for feature in features if feature.layer not in HUBS)
+    hubs = (feature.boundary for feature in features if feature.layer == UPPER_HUB)
+    require_room(letters, boundaries, hubs, tolerance)
+    for number, (text, text_letters) in enumerate(zip(texts, letters, strict=True), start=1):
+        for letter in text_letters:
             for boundary in letter.boundaries:
                 yield Feature(boundary, -text.depth, 0.0, f"{ENGRAVING} {number}")
 
 
-def _rooms_of(hub: Hub, rooms: tuple[Boundary, Boundary]) -> tuple[Boundary, ...]:
+def _hub_rooms(hub: Hub, rooms: tuple[Boundary, Boundary]) -> tuple[Boundary, ...]:
     return {UPPER: rooms[:1], LOWER: rooms[1:], BOTH: rooms}[hub.side]
 
 
@@ -338,7 +342,7 @@ def _require_room(hub: Hub, room: Boundary, tolerance: float) -> None:
         )
 
 
-def _require_within(bore: ExactBoundary, hub: Hub) -> None:
+def _require_bore_in_hub(bore: ExactBoundary, hub: Hub) -> None:
     """GeometryError unless the bore with its keyway lies within the hub."""
     reach = largest_radius(bore.exact)
     if reach >= 0.5 * hub.diameter:
@@ -350,7 +354,7 @@ def _require_within(bore: ExactBoundary, hub: Hub) -> None:
         )
 
 
-def _require_beside(hole: ExactBoundary, screw: SetScrew) -> None:
+def _require_clear_of_screw(hole: ExactBoundary, screw: SetScrew) -> None:
     """GeometryError unless a hole through the hub lies beside the radial hole of a set screw."""
     middle = complex(hole.exact.centres[0]) * cmath.exp(-1j * screw.angle)
     away = abs(middle.imag) if middle.real > 0.0 else abs(middle)
@@ -384,20 +388,20 @@ def _require_clear(
     GeometryError
         With `key`, if it touches another feature or lies where the disc has no material.
     """
-    own, start = boundary.beside(tolerance), complex(boundary.exact.vertices[0])
+    boundary_fit, start = boundary.distance_fit(tolerance), complex(boundary.exact.vertices[0])
     around = 0
     covering = ""
-    for each in others:
-        other = each.boundary
-        fit = other.beside(tolerance)
-        if surely_apart(own, fit) <= 0.0:
+    for feature in others:
+        other = feature.boundary
+        other_fit = other.distance_fit(tolerance)
+        if surely_apart(boundary_fit, other_fit) <= 0.0:
             raise GeometryError(
                 f"the {boundary.name} must lie clear of the {other.name}, which it touches", key=key
             )
-        if winding_number(boundary.exact, complex(fit.contour.vertices[0])):
+        if winding_number(boundary.exact, complex(other_fit.contour.vertices[0])):
             raise GeometryError(f"the {boundary.name} lies around the {other.name}", key=key)
-        inside = winding_number(fit.contour, start) != 0
-        if each.layer in HUBS:
+        inside = winding_number(other_fit.contour, start) != 0
+        if feature.layer in HUBS:
             covering = covering or (other.name if inside else "")
         else:
             around += inside
@@ -412,7 +416,7 @@ def _require_clear(
 
 def require_room(
     texts: Sequence[Sequence[Letter]],
-    beside: Iterable[Boundary],
+    boundaries: Iterable[Boundary],
     hubs: Iterable[Boundary],
     tolerance: float,
 ) -> None:
@@ -422,40 +426,42 @@ def require_room(
     Parameters
     ----------
     texts : the letters of each.
-    beside : other boundaries on the upper face of the disc.
+    boundaries : other boundaries on the upper face of the disc.
     hubs : those that stand on it.
     tolerance : of the contours by which boundaries are compared [mm]; their deviation counts.
     """
     around: dict[Letter, int] = {}
-    for boundary in (own := tuple(beside)) + tuple(hubs):
-        fit = boundary.beside(tolerance)
+    for boundary in (neighbours := tuple(boundaries)) + tuple(hubs):
+        fit = boundary.distance_fit(tolerance)
         pieces = Pieces.around([fit.contour])
         for number, letters in enumerate(texts, start=1):
             key = f"part.{ENGRAVING}[{number}]"
-            whole = Pieces.around(contour for each in letters for contour in each.contours)
+            whole = Pieces.around(contour for letter in letters for contour in letter.contours)
             if least_distance(whole, pieces) <= fit.deviation + max(
-                each.deviation for each in letters
+                letter.deviation for letter in letters
             ):
-                letter = min(letters, key=lambda each: _apart(each, pieces))
+                letter = min(letters, key=lambda each: _letter_distance(each, pieces))
                 raise GeometryError(
                     f"must lie clear of the {boundary.name}, which the {letter.where} touches",
                     key=key,
                 )
-            for each in letters:
-                inside = winding_number(fit.contour, _start(each.contours[0])) != 0
-                if any(winding_number(outline, _start(fit.contour)) for outline in each.contours):
+            for letter in letters:
+                inside = winding_number(fit.contour, _start(letter.contours[0])) != 0
+                if any(winding_number(outline, _start(fit.contour)) for outline in letter.contours):
                     raise GeometryError(
-                        f"the {each.where} lies around the {boundary.name}", key=key
+                        f"the {letter.where} lies around the {boundary.name}", key=key
                     )
-                if boundary in own:
-                    around[each] = around.get(each, 0) + inside
+                if boundary in neighbours:
+                    around[letter] = around.get(letter, 0) + inside
                 elif inside:
-                    raise GeometryError(f"the {each.where} lies under the {boundary.name}", key=key)
+                    raise GeometryError(
+                        f"the {letter.where} lies under the {boundary.name}", key=key
+                    )
     for number, letters in enumerate(texts, start=1):
-        for each in letters:
-            if not around[each] % 2:
+        for letter in letters:
+            if not around[letter] % 2:
                 raise GeometryError(
-                    f"the {each.where} lies where the disc has no material",
+                    f"the {letter.where} lies where the disc has no material",
                     key=f"part.{ENGRAVING}[{number}]",
                 )
 
@@ -464,7 +470,7 @@ def _start(contour: Contour) -> complex:
     return complex(contour.vertices[0])
 
 
-def _apart(letter: Letter, pieces: Pieces) -> float:
+def _letter_distance(letter: Letter, pieces: Pieces) -> float:
     return least_distance(Pieces.around(letter.contours), pieces)
 
 
@@ -487,7 +493,7 @@ def build_pair(
 ) -> Part:
     """The pair as one part, the upper face of its upper disc at height 0.
 
-    Layers of the return disc have names that begin with `OF_RETURN`, and so have its boundaries
+    Layers of the return disc have names that begin with `RETURN_PREFIX`, and so have its boundaries
     where the main disc has others of those names; what both have in the same place, as the bore, is
     one boundary.
 
@@ -507,23 +513,23 @@ def build_pair(
     pair = spec.pair
     if pair is None or spec.thickness is None:
         raise GeometryError("a pair in one piece needs its thickness", key="part.pair")
-    own: dict[str, Part] = {}
+    parts: dict[str, Part] = {}
     for name, path in zip(DISCS, paths, strict=True):
         bearing = _bearing(spec, pair, name)
         try:
-            own[name] = build_part(Contact.INNER, path, path, bearing, tolerance, ledger)
+            parts[name] = build_part(Contact.INNER, path, path, bearing, tolerance, ledger)
         except GeometryError as error:
             raise GeometryError(f"{name} disc: {error.message}", error.key, error.value) from error
-        _require_spacer_within(pair, path, name, tolerance)
-    other = tuple(_returning(*own.values()))
-    main = own[MAIN].layers
+        _require_spacer_fits(pair, path, name, tolerance)
+    other = tuple(_return_layers(*parts.values()))
+    main = parts[MAIN].layers
     upper, lower = (main, other) if pair.upper == MAIN else (other, main)
     down = spec.thickness + pair.gap
-    lower = tuple(replace(each, z0=each.z0 - down, z1=each.z1 - down) for each in lower)
+    lower = tuple(replace(layer, z0=layer.z0 - down, z1=layer.z1 - down) for layer in lower)
     circle = ExactBoundary(SPACER, hole=False, exact=Contour.circle(0.5 * pair.spacer))
-    within = _through(circle, upper[0], lower[-1], tolerance)
-    between = Layer(lower[-1].z1, upper[0].z0, (circle, *within), SPACER)
-    whole = Part((*lower, between, *upper))
+    holes = _through_holes(circle, upper[0], lower[-1], tolerance)
+    spacer = Layer(lower[-1].z1, upper[0].z0, (circle, *holes), SPACER)
+    whole = Part((*lower, spacer, *upper))
     return whole if spec.chamfers is None else bevelled(whole, spec.chamfers, tolerance)
 
 
@@ -538,7 +544,7 @@ def _bearing(spec: PartSpec, pair: Pair, name: str) -> PartSpec:
     return replace(disc, hub=replace(hub, side=side), set_screw=screw)
 
 
-def _require_spacer_within(pair: Pair, path: Path, name: str, tolerance: float) -> None:
+def _require_spacer_fits(pair: Pair, path: Path, name: str, tolerance: float) -> None:
     nearest = radii(path).lowest
     if 0.5 * pair.spacer + tolerance >= nearest.value:
         raise GeometryError(
@@ -549,37 +555,39 @@ def _require_spacer_within(pair: Pair, path: Path, name: str, tolerance: float) 
         )
 
 
-def _returning(main: Part, other: Part) -> Iterator[Layer]:
+def _return_layers(main: Part, other: Part) -> Iterator[Layer]:
     """The layers of the return disc, with its own names, and the boundaries shared with `main`."""
-    taken = {each.name: each for each in main.boundaries}
+    main_boundaries = {boundary.name: boundary for boundary in main.boundaries}
     known: dict[str, Boundary] = {}
 
-    def own(boundary: Boundary) -> Boundary:
+    def return_boundary(boundary: Boundary) -> Boundary:
         name = boundary.name
         flank: Any = boundary  # it shares only its name with one of the main disc
         if name not in known:
-            there = taken.get(name)
-            if there is None:
+            shared = main_boundaries.get(name)
+            if shared is None:
                 known[name] = boundary
             else:
                 known[name] = (
-                    there if _alike(boundary, there) else replace(flank, name=f"{OF_RETURN}{name}")
+                    shared
+                    if _alike(boundary, shared)
+                    else replace(flank, name=f"{RETURN_PREFIX}{name}")
                 )
         return known[name]
 
     outline = other.outermost
     for layer in other.layers:
-        name = f"{OF_RETURN}{layer.name}" if outline in layer.boundaries else layer.name
-        yield replace(layer, boundaries=tuple(map(own, layer.boundaries)), name=name)
+        name = f"{RETURN_PREFIX}{layer.name}" if outline in layer.boundaries else layer.name
+        yield replace(layer, boundaries=tuple(map(return_boundary, layer.boundaries)), name=name)
 
 
 def _alike(one: Boundary, other: Boundary) -> bool:
     if not (isinstance(one, ExactBoundary) and isinstance(other, ExactBoundary)):
         return False
-    return one.hole == other.hole and numbers_of(one.exact) == numbers_of(other.exact)
+    return one.hole == other.hole and contour_bytes(one.exact) == contour_bytes(other.exact)
 
 
-def _through(
+def _through_holes(
     circle: ExactBoundary, upper: Layer, lower: Layer, tolerance: float
 ) -> tuple[Boundary, ...]:
     """The holes that go through the spacer, as through both discs.
@@ -588,25 +596,26 @@ def _through(
     """
     sides = [list(_inside(circle, layer, tolerance)) for layer in (upper, lower)]
     for one, other in (sides, sides[::-1]):
-        for each in one:
-            if each not in other:
-                raise GeometryError(f"the {each.name} ends under the spacer", key=SPACER_KEY)
+        for boundary in one:
+            if boundary not in other:
+                raise GeometryError(f"the {boundary.name} ends under the spacer", key=SPACER_KEY)
     return tuple(sides[0])
 
 
 def _inside(circle: ExactBoundary, layer: Layer, tolerance: float) -> Iterator[Boundary]:
     """The boundaries of a disc within the spacer."""
-    ring = circle.beside(tolerance)
-    for each in layer.boundaries[1:]:
-        fit = each.beside(tolerance)
+    ring = circle.distance_fit(tolerance)
+    for boundary in layer.boundaries[1:]:
+        fit = boundary.distance_fit(tolerance)
         if surely_apart(ring, fit) <= 0.0:
             raise GeometryError(
-                f"the spacer must lie clear of the {each.name}, which it touches", key=SPACER_KEY
+                f"the spacer must lie clear of the {boundary.name}, which it touches",
+                key=SPACER_KEY,
             )
         if winding_number(fit.contour, complex(circle.exact.vertices[0])):
-            raise GeometryError(f"the {each.name} lies around the spacer", key=SPACER_KEY)
+            raise GeometryError(f"the {boundary.name} lies around the spacer", key=SPACER_KEY)
         if winding_number(circle.exact, complex(fit.contour.vertices[0])):
-            yield each
+            yield boundary
 
 
 # -- features -------------------------------------------------------------------------------------
@@ -732,24 +741,24 @@ def bevelled(part: Part, chamfers: Chamfers, tolerance: float) -> Part:
         With the key of the scene, if there is no room for a chamfer, or no edge to have it.
     """
     part.require_heights()
-    found: list[Bevel] = []
+    bevels: list[Bevel] = []
     for field in fields(chamfers):
         chamfer: Chamfer | None = getattr(chamfers, field.name)
         if chamfer is None:
             continue
-        own = list(_bevels(part, field.name, chamfer, tolerance))
-        if not own:
+        new_bevels = list(_bevels(part, field.name, chamfer, tolerance))
+        if not new_bevels:
             where = "" if chamfer.edges == BOTH else f" on the {chamfer.edges} side"
             raise GeometryError(f"there is no such edge{where}", key=f"{KEY}.{field.name}")
-        found += own
-    for bevel in found:
-        _require_bevel_clear(bevel, found, part, tolerance)
-    return replace(part, bevels=tuple(found))
+        bevels += new_bevels
+    for bevel in bevels:
+        _require_bevel_clear(bevel, bevels, part, tolerance)
+    return replace(part, bevels=tuple(bevels))
 
 
 def _table(boundary: Boundary) -> str:
     """Which chamfer a boundary has."""
-    name = boundary.name.removeprefix(OF_RETURN)
+    name = boundary.name.removeprefix(RETURN_PREFIX)
     kind, _, number = name.rpartition(" ")
     return TABLES.get(kind if number.isdigit() else name, "")
 
@@ -789,11 +798,11 @@ def _is_outer(part: Part, wall: Wall, tolerance: float, *, upper: bool) -> bool:
         beyond = [layer for layer in part.layers if layer.z0 == wall.z1]
     else:
         beyond = [layer for layer in part.layers if layer.z1 == wall.z0]
-    place = complex(wall.boundary.beside(tolerance).contour.vertices[0])
+    place = complex(wall.boundary.distance_fit(tolerance).contour.vertices[0])
     return not any(
-        winding_number(each.beside(tolerance).contour, place)
+        winding_number(boundary.distance_fit(tolerance).contour, place)
         for layer in beyond
-        for each in layer.boundaries
+        for boundary in layer.boundaries
     )
 
 
@@ -822,7 +831,7 @@ def _require_parallel(boundary: CurveBoundary, width: float, key: str) -> None:
     the parallel neither has a cusp nor comes to itself, and nor do those between.
     """
     value = f"{width:g}"
-    if any(each.distance == 0.0 for each in boundary.path.pivots):
+    if any(pivot.distance == 0.0 for pivot in boundary.path.pivots):
         raise GeometryError(
             f"the {boundary.name} has a corner, along which there is no chamfer",
             key=key,
@@ -860,10 +869,10 @@ def _smallest_radius(curve: WorkingCurve, sign: float) -> tuple[float, float]:
     """
     bends = curvature_extremes(curve.pitch)
     bend, angle = bends.smallest() if sign > 0.0 else bends.largest()
-    against = -sign * bend
-    if against <= 0.0:
+    opposed = -sign * bend
+    if opposed <= 0.0:
         return math.inf, angle
-    return 1.0 / against - sign * curve.distance, angle
+    return 1.0 / opposed - sign * curve.distance, angle
 
 
 def _reach(bevel: Bevel) -> float:
@@ -885,25 +894,27 @@ def _require_bevel_clear(
     """GeometryError if a chamfer comes to another boundary, or to its chamfer, at its heights."""
     low, high = _heights(bevel)
     near = {
-        each.name: each
+        boundary.name: boundary
         for layer in part.layers
         if layer.z0 <= high and low <= layer.z1
-        for each in layer.boundaries
-        if each != bevel.boundary
+        for boundary in layer.boundaries
+        if boundary != bevel.boundary
     }
-    own = bevel.boundary.beside(tolerance)
+    fit = bevel.boundary.distance_fit(tolerance)
     for other in near.values():
         widths = (
-            _reach(each)
-            for each in bevels
-            if each.boundary == other and _heights(each)[0] <= high and low <= _heights(each)[1]
+            _reach(other_bevel)
+            for other_bevel in bevels
+            if other_bevel.boundary == other
+            and _heights(other_bevel)[0] <= high
+            and low <= _heights(other_bevel)[1]
         )
-        apart = surely_apart(own, other.beside(tolerance))
-        if apart <= _reach(bevel) + max(widths, default=0.0):
+        distance = surely_apart(fit, other.distance_fit(tolerance))
+        if distance <= _reach(bevel) + max(widths, default=0.0):
             name = _table(bevel.boundary)
             raise GeometryError(
                 f"the chamfer of the {bevel.boundary.name} comes to the {other.name},"
-                f" {apart:.4g} mm away",
+                f" {distance:.4g} mm away",
                 key=f"{KEY}.{name}.width",
                 value=f"{bevel.width:g}",
             )

@@ -61,10 +61,10 @@ from camgeo.part.spec import CIRCLE, ENGRAVING, LETTER, OUTWARD, Engraving
 from camgeo.record import Pickled
 from camgeo.units import TURN
 
-BESIDE = "beside"
+DISTANCES = "distances"
 """Key of fits from which distances are taken."""
 
-Found = TypeVar("Found", Fit, SplineFit)
+FitKind = TypeVar("FitKind", Fit, SplineFit)
 
 Name = Annotated[str, partial(instance, kind=str, what="the name of a boundary"), "part"]
 Hole = Annotated[Truth, "part"]
@@ -114,14 +114,14 @@ class CurveBoundary(Pickled, CheckedFields):
         )
 
         fit = fit_arcs if effort == "fast" else fewest_arcs
-        return self._fitted("arcs", fit, tolerance, lambda found: found.contour)
+        return self._simple_fit("arcs", fit, tolerance, lambda found: found.contour)
 
-    def beside(self, tolerance: float) -> Fit:
+    def distance_fit(self, tolerance: float) -> Fit:
         """See `camgeo.part.part.Boundary`; raises ToleranceError."""
-        if (BESIDE, tolerance) not in self.known:
+        if (DISTANCES, tolerance) not in self.known:
             with self.ledger.entry(f"distances from {self.name}"):
-                self.known[BESIDE, tolerance] = fit_polyline(self.path, tolerance)
-        known: Fit = self.known[BESIDE, tolerance]
+                self.known[DISTANCES, tolerance] = fit_polyline(self.path, tolerance)
+        known: Fit = self.known[DISTANCES, tolerance]
         return known
 
     def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
@@ -129,7 +129,7 @@ class CurveBoundary(Pickled, CheckedFields):
         from camgeo.geometry.contour.fewest_chords import fewest_chords  # a check has the fast fit
 
         fit = fit_polyline if effort == "fast" else fewest_chords
-        return self._fitted("chords", fit, tolerance, lambda found: found.contour)
+        return self._simple_fit("chords", fit, tolerance, lambda found: found.contour)
 
     def sampled(self, tolerance: float) -> Contour:
         """See `camgeo.geometry.contour.chords.sampled_polyline`."""
@@ -144,27 +144,27 @@ class CurveBoundary(Pickled, CheckedFields):
         )
 
         fit = fit_spline if effort == "fast" else fewest_cubics
-        return self._fitted(
+        return self._simple_fit(
             "cubics",
             fit,
             tolerance,
             lambda found: approximating_arcs(found.contour, tolerance).contour,
         )
 
-    def _fitted(
+    def _simple_fit(
         self,
         what: str,
-        fit: Callable[[Path, float], Found],
+        fit: Callable[[Path, float], FitKind],
         tolerance: float,
-        drawn: Callable[[Found], Contour],
-    ) -> Found:
+        drawn: Callable[[FitKind], Contour],
+    ) -> FitKind:
         """The fit; its contour as lines and arcs, `drawn`, does not cross itself."""
         if (fit, tolerance) not in self.known:
             with self.ledger.entry(f"{what} of {self.name}"):
-                found = fit(self.path, tolerance)
-            require_simple(drawn(found), self.name)
-            self.known[fit, tolerance] = found
-        known: Found = self.known[fit, tolerance]
+                new_fit = fit(self.path, tolerance)
+            require_simple(drawn(new_fit), self.name)
+            self.known[fit, tolerance] = new_fit
+        known: FitKind = self.known[fit, tolerance]
         return known
 
     def deviation(self, contour: Contour | SplineContour) -> float:
@@ -191,7 +191,7 @@ class CurveBoundary(Pickled, CheckedFields):
 
     def inset(self, distance: float, name: str) -> CurveBoundary:
         """See `camgeo.part.part.Boundary`; its fits go into the same ledger."""
-        if any(each.distance == 0.0 for each in self.path.pivots):
+        if any(pivot.distance == 0.0 for pivot in self.path.pivots):
             raise GeometryError(
                 f"the {self.name} has a corner, along which there is no parallel", "part", self.name
             )
@@ -233,26 +233,26 @@ def once(
     known: dict[Any, Any], contour: Contour | SplineContour, find: Callable[[], float]
 ) -> float:
     """The deviation of `contour`, found now or known for the same numbers from another start."""
-    key = hashlib.blake2b(numbers_of(contour)).digest()
+    key = hashlib.blake2b(contour_bytes(contour)).digest()
     if key not in known:
         known[key] = find()
     deviation: float = known[key]
     return deviation
 
 
-def numbers_of(contour: Contour | SplineContour) -> bytes:
+def contour_bytes(contour: Contour | SplineContour) -> bytes:
     """All numbers of a contour; of lines and arcs the same wherever it begins."""
     if isinstance(contour, SplineContour):
         return b"".join(
-            each.knots.tobytes() + each.controls.tobytes()
-            if isinstance(each, CubicSpline)
-            else np.array([each.start, each.end, each.sweep, each.centre]).tobytes()
-            for each in contour.strands
+            strand.knots.tobytes() + strand.controls.tobytes()
+            if isinstance(strand, CubicSpline)
+            else np.array([strand.start, strand.end, strand.sweep, strand.centre]).tobytes()
+            for strand in contour.strands
         )
     first = -int(np.lexsort((contour.vertices.imag, contour.vertices.real))[0])
     # + 0.0 turns -0.0 into 0.0
-    rolled = (np.roll(each + 0.0, first) for each in (contour.vertices, contour.sweeps))
-    return b"".join(each.tobytes() for each in rolled)
+    rolled = (np.roll(values + 0.0, first) for values in (contour.vertices, contour.sweeps))
+    return b"".join(values.tobytes() for values in rolled)
 
 
 def corner_radius(contour: Contour) -> float | None:
@@ -262,8 +262,8 @@ def corner_radius(contour: Contour) -> float | None:
     parabola: its distance from the foot of the centre is the root of r^2 - p^2 + 2 d (r - p). So
     areas within parallels are analytic in d down to -(r + p) / 2, below -r / 2.
     """
-    at = corners(contour)
-    radii = contour.radii[(at | np.roll(at, -1)) & (contour.sweeps != 0.0)]
+    is_corner = corners(contour)
+    radii = contour.radii[(is_corner | np.roll(is_corner, -1)) & (contour.sweeps != 0.0)]
     return float(np.min(radii)) if len(radii) else None
 
 
@@ -319,8 +319,10 @@ class ExactBoundary(Pickled, CheckedFields):
     def inset(self, distance: float, name: str) -> ExactBoundary:
         """See `camgeo.part.part.Boundary`; of a circle, or with the corners mitred."""
         if self.core is not None or not self.is_round:
-            by = distance if self.hole else -distance
-            return ExactBoundary(name, self.hole, parallel(self.exact.counter_clockwise(), by))
+            displacement = distance if self.hole else -distance
+            return ExactBoundary(
+                name, self.hole, parallel(self.exact.counter_clockwise(), displacement)
+            )
         radius = self.round_radius + (distance if self.hole else -distance)
         circle = Contour.circle(positive("part", radius, "mm"), complex(self.exact.centres[0]))
         return ExactBoundary(name, self.hole, circle)
@@ -332,8 +334,8 @@ class ExactBoundary(Pickled, CheckedFields):
     def second_moments(self, tolerance: float) -> SecondMoments:
         """Exact but for rounding, see `camgeo.part.part.Boundary`."""
         exact = self.exact
-        found = SecondMoments.of_pieces(exact.vertices, exact.ends, exact.sweeps, exact.centres)
-        return found.counter_clockwise()
+        moments = SecondMoments.of_pieces(exact.vertices, exact.ends, exact.sweeps, exact.centres)
+        return moments.counter_clockwise()
 
     def farthest(self) -> tuple[float, float | None]:
         """See `camgeo.part.part.Boundary`; no cam angle belongs to a point of it."""
@@ -347,13 +349,13 @@ class ExactBoundary(Pickled, CheckedFields):
         """The outline itself, at either effort."""
         return Fit(self.exact.counter_clockwise(), 0.0, tolerance)
 
-    def beside(self, tolerance: float) -> Fit:
+    def distance_fit(self, tolerance: float) -> Fit:
         """The outline itself."""
         return self.arcs(tolerance)
 
     def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Straight pieces with vertices on the outline, or on both sides of it for the fewest."""
-        chords = chords_of if effort == "fast" else fewest_chords_of
+        chords = chord_fit if effort == "fast" else fewest_chord_fit
         return chords(self.exact.counter_clockwise(), tolerance)
 
     def sampled(self, tolerance: float) -> Contour:
@@ -416,7 +418,7 @@ WIDEST = 1.6
 """Largest span of a chord [rad], however small the arc: a circle keeps four."""
 
 
-def chords_of(exact: Contour, tolerance: float) -> Fit:
+def chord_fit(exact: Contour, tolerance: float) -> Fit:
     """Straight pieces with vertices on `exact`, at most `tolerance` [mm] off it."""
     radii = exact.radii
     largest = float(np.max(radii, initial=0.0))
@@ -433,45 +435,45 @@ def chords_of(exact: Contour, tolerance: float) -> Fit:
     return _fit(exact, vertices, index, tolerance)
 
 
-def fewest_chords_of(exact: Contour, tolerance: float) -> Fit:
+def fewest_chord_fit(exact: Contour, tolerance: float) -> Fit:
     """The fewest straight pieces within `tolerance` [mm] of `exact`, on both sides of it.
 
     Corners of `exact` are vertices; along its arcs vertices lie off them. A whole circle has no
-    corner. There are never more pieces than from `chords_of`.
+    corner. There are never more pieces than from `chord_fit`.
 
     Raises
     ------
     ToleranceError
         If more than `MAX_CHORDS` pieces would be needed.
     """
-    if np.all(_on_first_circle(exact)):
-        return _chords_of_circle(exact, tolerance)
-    found: list[ComplexArray] = []
+    if np.all(_shares_first_circle(exact)):
+        return _circle_chords(exact, tolerance)
+    chains: list[ComplexArray] = []
     for k, (sweep, radius) in enumerate(zip(exact.sweeps, exact.radii, strict=True)):
         if sweep == 0.0:
-            found.append(exact.vertices[k : k + 1])
+            chains.append(exact.vertices[k : k + 1])
             continue
         count = _checked(arc_count(tolerance, radius, abs(sweep), WIDEST), tolerance)
-        found.append(_along_arc(exact, k, count, radius, abs(sweep)))
-    index = np.repeat(np.arange(len(exact)), [len(each) for each in found])
-    return _fit(exact, np.concatenate(found), index, tolerance)
+        chains.append(_along_arc(exact, k, count, radius, abs(sweep)))
+    index = np.repeat(np.arange(len(exact)), [len(chain) for chain in chains])
+    return _fit(exact, np.concatenate(chains), index, tolerance)
 
 
-def matching_chords_of(contours: Sequence[Contour], tolerance: float) -> list[ComplexArray]:
+def matching_chords(contours: Sequence[Contour], tolerance: float) -> list[ComplexArray]:
     """(n,) complex [mm] polygons within `tolerance` [mm] of contours with the same kinds of pieces,
     such as parallels, as many pieces along each: vertices that belong together have the same index.
     """
-    found: list[list[ComplexArray]] = [[] for _ in contours]
+    chains: list[list[ComplexArray]] = [[] for _ in contours]
     for k, sweep in enumerate(contours[0].sweeps):
         if sweep == 0.0:
-            for own, contour in zip(found, contours, strict=True):
-                own.append(contour.vertices[k : k + 1])
+            for chain, contour in zip(chains, contours, strict=True):
+                chain.append(contour.vertices[k : k + 1])
             continue
-        sizes = [(float(each.radii[k]), float(abs(each.sweeps[k]))) for each in contours]
+        sizes = [(float(contour.radii[k]), float(abs(contour.sweeps[k]))) for contour in contours]
         count = max(_checked(arc_count(tolerance, *size, WIDEST), tolerance) for size in sizes)
-        for own, contour, (radius, turned) in zip(found, contours, sizes, strict=True):
-            own.append(_along_arc(contour, k, count, radius, turned))
-    return [np.concatenate(own) for own in found]
+        for chain, contour, (radius, turned) in zip(chains, contours, sizes, strict=True):
+            chain.append(_along_arc(contour, k, count, radius, turned))
+    return [np.concatenate(chain) for chain in chains]
 
 
 def _along_arc(contour: Contour, k: int, count: int, radius: float, sweep: float) -> ComplexArray:
@@ -484,7 +486,7 @@ def _along_arc(contour: Contour, k: int, count: int, radius: float, sweep: float
     return np.append(start, along)
 
 
-def _chords_of_circle(exact: Contour, tolerance: float) -> Fit:
+def _circle_chords(exact: Contour, tolerance: float) -> Fit:
     """At least three chords, none over more than `WIDEST`; their vertices lie r tan^2(pi/(2 n)) off
     the circle.
     """
@@ -508,8 +510,8 @@ def _fit(exact: Contour, vertices: ComplexArray, index: IntArray, tolerance: flo
     start, end = contour.vertices - centres, contour.ends - centres
     along = (end - start) / np.where(end == start, 1.0, np.abs(end - start))
     foot = np.abs((np.conj(along) * 0.5 * (start + end)).imag)
-    off = np.max(np.abs([np.abs(start) - radii, np.abs(end) - radii, radii - foot]), axis=0)
-    largest = float(np.max(off[radii > 0.0], initial=0.0))
+    errors = np.max(np.abs([np.abs(start) - radii, np.abs(end) - radii, radii - foot]), axis=0)
+    largest = float(np.max(errors[radii > 0.0], initial=0.0))
     rounding = 2.0 * ROUNDING * float(np.max(np.abs(vertices)))
     return Fit(contour, largest + rounding, tolerance)
 
@@ -520,7 +522,7 @@ def _checked(count: int, tolerance: float) -> int:
     return count
 
 
-def _on_first_circle(exact: Contour) -> BoolArray:
+def _shares_first_circle(exact: Contour) -> BoolArray:
     """(n,) whether a piece is an arc of the same circle as the first one."""
     return np.asarray(
         (exact.sweeps != 0.0)
@@ -538,7 +540,7 @@ COARSEST: Final = 0.004
 """Of the fits of an outline, as a share of the height of capital letters: strokes are an eighth of
 it wide."""
 
-APART: Final = 0.01
+LEAST_GAP: Final = 0.01
 """By which outlines must at least lie apart, as a share of the height of capital letters."""
 
 
@@ -572,7 +574,7 @@ class Letter:
         return f'"{self.character}" at X {self.place.real:.4g}, Y {self.place.imag:.4g} mm'
 
 
-def lettered(texts: Sequence[Engraving]) -> tuple[tuple[Letter, ...], ...]:
+def place_letters(texts: Sequence[Engraving]) -> tuple[tuple[Letter, ...], ...]:
     """The letters of each text.
 
     Raises
@@ -581,25 +583,28 @@ def lettered(texts: Sequence[Engraving]) -> tuple[tuple[Letter, ...], ...]:
         With the key of the text, if the font lacks a character, letters or their outlines touch, or
         a text goes round the cam axis more than once.
     """
-    found = tuple(_letters(text, number) for number, text in enumerate(texts, start=1))
-    letters = [(number, each) for number, text in enumerate(found, start=1) for each in text]
-    for first, second in _near([each for _, each in letters]):
+    placed = tuple(_letters(text, number) for number, text in enumerate(texts, start=1))
+    letters = [(number, letter) for number, text in enumerate(placed, start=1) for letter in text]
+    for first, second in _near([letter for _, letter in letters]):
         (_, one), (number, other) = letters[first], letters[second]
-        apart = least_distance(Pieces.around(one.contours), Pieces.around(other.contours))
-        if apart <= APART * texts[number - 1].height:
+        distance = least_distance(Pieces.around(one.contours), Pieces.around(other.contours))
+        if distance <= LEAST_GAP * texts[number - 1].height:
             raise GeometryError(
                 f"the {other.where} touches the {one.where}", key=f"part.{ENGRAVING}[{number}]"
             )
-    return found
+    return placed
 
 
 def _near(letters: Sequence[Letter]) -> list[tuple[int, int]]:
     """The pairs of letters that may touch, by their numbers, in order."""
-    places = np.array([each.place for each in letters])
+    places = np.array([letter.place for letter in letters])
     reaches = np.array(
         [
-            max(float(np.max(np.abs(contour.vertices - each.place))) for contour in each.contours)
-            for each in letters
+            max(
+                float(np.max(np.abs(contour.vertices - letter.place)))
+                for contour in letter.contours
+            )
+            for letter in letters
         ]
     )
     near = np.abs(places[:, None] - places) <= FAR * (reaches[:, None] + reaches)
@@ -609,16 +614,17 @@ def _near(letters: Sequence[Letter]) -> list[tuple[int, int]]:
 
 def _letters(text: Engraving, number: int) -> tuple[Letter, ...]:
     key = f"part.{ENGRAVING}[{number}]"
-    found = []
+    letters = []
     for count, (character, place, along) in enumerate(_places(text, key), start=1):
         middle = 0.5 * glyph(character).advance + 0.5j
         outlines = [
-            place + text.height * along * (each - middle) for each in glyph(character).outlines
+            place + text.height * along * (outline - middle)
+            for outline in glyph(character).outlines
         ]
         if outlines:
             name = f"{ENGRAVING} {number}{LETTER}{count}"
-            found.append(_letter(character, place, outlines, name, text, key))
-    return tuple(found)
+            letters.append(_letter(character, place, outlines, name, text, key))
+    return tuple(letters)
 
 
 def _places(text: Engraving, key: str) -> Iterator[tuple[str, complex, complex]]:
@@ -627,7 +633,7 @@ def _places(text: Engraving, key: str) -> Iterator[tuple[str, complex, complex]]
     Along a circle letters have the distances of straight text where they are nearest to the cam
     axis, at their feet or at their tops.
     """
-    advances = [glyph(each).advance for each in text.text]
+    advances = [glyph(character).advance for character in text.text]
     moved = [0.0, *(kerning(*pair) for pair in pairwise(text.text))]
     starts = np.cumsum(moved) + np.concatenate(([0.0], np.cumsum(advances)[:-1]))
     first, last = _ink(text.text, starts)
@@ -657,9 +663,9 @@ def _places(text: Engraving, key: str) -> Iterator[tuple[str, complex, complex]]
 def _ink(text: str, starts: ComplexArray) -> tuple[float, float]:
     """Where what is drawn of a straight text begins and ends, in heights of capital letters."""
     ends = [
-        (start + float(np.min(each.real)), start + float(np.max(each.real)))
+        (start + float(np.min(outline.real)), start + float(np.max(outline.real)))
         for character, start in zip(text, starts.tolist(), strict=True)
-        for each in glyph(character).outlines
+        for outline in glyph(character).outlines
     ]
     return min((low for low, _ in ends), default=0.0), max((high for _, high in ends), default=0.0)
 
@@ -674,22 +680,22 @@ def _letter(
 ) -> Letter:
     """A letter of its outlines, by turns holes and what stands within them."""
     coarsest = COARSEST * text.height
-    made = [
-        LetterBoundary(f"{name} outline {number}", True, each, coarsest)
-        for number, each in enumerate(outlines, start=1)
+    outline_boundaries = [
+        LetterBoundary(f"{name} outline {number}", True, outline, coarsest)
+        for number, outline in enumerate(outlines, start=1)
     ]
-    fits = [each.beside(coarsest) for each in made]
+    fits = [boundary.distance_fit(coarsest) for boundary in outline_boundaries]
     contours = [fit.contour for fit in fits]
     for one, other in combinations(contours, 2):
-        apart = least_distance(Pieces.around([one]), Pieces.around([other]))
-        if apart <= APART * text.height:
+        distance = least_distance(Pieces.around([one]), Pieces.around([other]))
+        if distance <= LEAST_GAP * text.height:
             raise GeometryError(
                 f'outlines of "{character}" touch each other, which cannot be engraved',
                 key=f"{key}.text",
                 value=text.text,
             )
     boundaries = []
-    for boundary, contour in zip(made, contours, strict=True):
+    for boundary, contour in zip(outline_boundaries, contours, strict=True):
         start = complex(contour.vertices[0])
         around = sum(
             winding_number(other, start) != 0 for other in contours if other is not contour
@@ -786,7 +792,7 @@ class LetterBoundary(Pickled):
         """Lines and arcs with their ends on the outline, the same at either effort."""
         return self._fit("arcs", tolerance)
 
-    def beside(self, tolerance: float) -> Fit:
+    def distance_fit(self, tolerance: float) -> Fit:
         """Like `arcs`."""
         return self._arcs(tolerance)
 
@@ -806,21 +812,21 @@ class LetterBoundary(Pickled):
     def _fit(self, form: str, tolerance: float) -> Fit:
         """A fit; GeometryError if it crosses itself, ToleranceError if rounding forbids it."""
         if (form, tolerance) not in self.known:
-            found = self._arcs(tolerance) if form == "arcs" else self._chords(tolerance)
-            if crossing(found.contour) is not None:
+            fit = self._arcs(tolerance) if form == "arcs" else self._chords(tolerance)
+            if crossing(fit.contour) is not None:
                 raise GeometryError(f"the {self.name} crosses itself", key="part", value=self.name)
-            if found.deviation > tolerance:
+            if fit.deviation > tolerance:
                 raise ToleranceError(
-                    f"coordinates round too much for the {self.name}", tolerance, found.deviation
+                    f"coordinates round too much for the {self.name}", tolerance, fit.deviation
                 )
-            self.known[form, tolerance] = found
+            self.known[form, tolerance] = fit
         known: Fit = self.known[form, tolerance]
         return known
 
     def _arcs(self, tolerance: float) -> Fit:
         if (ARCS, tolerance) not in self.known:
-            found = approximating_arcs(self.curve, min(tolerance, self.coarsest))
-            self.known[ARCS, tolerance] = Fit(found.contour, found.apart, tolerance)
+            approximation = approximating_arcs(self.curve, min(tolerance, self.coarsest))
+            self.known[ARCS, tolerance] = Fit(approximation.contour, approximation.apart, tolerance)
         known: Fit = self.known[ARCS, tolerance]
         return known
 
@@ -836,7 +842,7 @@ class LetterBoundary(Pickled):
             raise too_many(MAX_CHORDS, "straight pieces", tolerance)
         index, number = grouped(counts.astype(np.intp))
         t = number / counts[index]
-        vertices = _at(self.pieces[index], t)
+        vertices = _curve_points(self.pieces[index], t)
         rounding = 2.0 * ROUNDING * float(np.max(np.abs(self.pieces)))
         return Fit(
             Contour.polygon(np.where(number == 0, start[index], vertices)),
@@ -850,9 +856,9 @@ class LetterBoundary(Pickled):
 
     def _deviation(self, contour: Contour | SplineContour) -> float:
         if isinstance(contour, SplineContour):
-            apart = _between_points(self.curve, contour.counter_clockwise())
-            if apart <= CLOSE * self.curve.length:
-                return apart + 2.0 * ROUNDING * self.curve.reach
+            distance = _control_point_distance(self.curve, contour.counter_clockwise())
+            if distance <= CLOSE * self.curve.length:
+                return distance + 2.0 * ROUNDING * self.curve.reach
             by_arcs = approximating_arcs(contour, FOREIGN * self.coarsest)
             return self._deviation(by_arcs.contour) + by_arcs.apart
         share, finest = FIRST * self.coarsest, max(FINEST * self.curve.reach, ENOUGH)
@@ -899,7 +905,7 @@ class LetterBoundary(Pickled):
         """
         start, middle, end = self.pieces.T
         a, b = start - 2.0 * middle + end, 2.0 * (middle - start)
-        found: list[float] = np.abs(start).tolist()
+        radii: list[float] = np.abs(start).tolist()
         for k in range(len(start)):
             p, q, r = complex(a[k]), complex(b[k]), complex(start[k])
             cubic = [
@@ -910,26 +916,26 @@ class LetterBoundary(Pickled):
             ]
             turns = np.roots(cubic).real
             inside = turns[(turns > 0.0) & (turns < 1.0)]
-            found += [abs((p * t + q) * t + r) for t in inside.tolist()]
-        return found
+            radii += [abs((p * t + q) * t + r) for t in inside.tolist()]
+        return radii
 
 
-def _at(pieces: ComplexArray, t: FloatArray) -> ComplexArray:
+def _curve_points(pieces: ComplexArray, t: FloatArray) -> ComplexArray:
     """(n,) points of quadratic curves (n, 3) at `t` (n,)."""
     w = 1.0 - t
     weights = np.stack((w * w, 2.0 * w * t, t * t), axis=1)
     return np.asarray(np.sum(weights * pieces, axis=1))
 
 
-def _between_points(one: SplineContour, other: SplineContour) -> float:
+def _control_point_distance(one: SplineContour, other: SplineContour) -> float:
     """Largest distance [mm] of the control points of two outlines of as many strands of the same
     kinds; infinite of others. Curves lie within it, for each point is a mean of these.
     """
-    kinds = [[type(each) for each in contour.strands] for contour in (one, other)]
+    kinds = [[type(strand) for strand in contour.strands] for contour in (one, other)]
     count = len(one.strands)
     if len(other.strands) != count:
         return math.inf
-    starts = np.array([complex(each.start) for each in other.strands])
+    starts = np.array([complex(strand.start) for strand in other.strands])
     first = int(np.argmin(np.abs(starts - one.strands[0].start)))
     if kinds[0] != kinds[1][first:] + kinds[1][:first]:
         return math.inf

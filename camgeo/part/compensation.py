@@ -147,17 +147,17 @@ class PrintSpec(CheckedFields, path="print."):
     @property
     def facts(self) -> dict[str, int | float | str]:
         """The compensation as certificates state it; empty if there is none."""
-        found: dict[str, int | float | str] = {}
+        stated: dict[str, int | float | str] = {}
         for name in ("bore_clearance", "key_clearance"):
             if getattr(self, name) is not None:
-                found[f"{name}_mm"] = getattr(self, name)
+                stated[f"{name}_mm"] = getattr(self, name)
         if self.elephant_foot is not None:
             foot = self.elephant_foot
-            found |= {"foot_inset_mm": foot.inset, "foot_height_mm": foot.height}
-            found["foot_steps"] = foot.steps
+            stated |= {"foot_inset_mm": foot.inset, "foot_height_mm": foot.height}
+            stated["foot_steps"] = foot.steps
         if (self.scale_xy, self.scale_z) != (1.0, 1.0):
-            found |= {"scale_xy": self.scale_xy, "scale_z": self.scale_z}
-        return found
+            stated |= {"scale_xy": self.scale_xy, "scale_z": self.scale_z}
+        return stated
 
     @property
     def text(self) -> str:
@@ -226,7 +226,7 @@ FOOT: Final = "foot"
 """Name of the layers that are drawn in."""
 
 
-def compensated(part: Part, spec: PrintSpec) -> Part:
+def compensate_part(part: Part, spec: PrintSpec) -> Part:
     """The part as the file has it: scaled, its lowest layers drawn in.
 
     `part` has its clearance already. Raises GeometryError with the key in `print`, if a boundary of
@@ -234,39 +234,39 @@ def compensated(part: Part, spec: PrintSpec) -> Part:
     """
     part = _scaled(part, spec.scale_xy, spec.scale_z)
     foot = spec.elephant_foot
-    return part if foot is None else _on_foot(part, foot)
+    return part if foot is None else _with_foot(part, foot)
 
 
 def _scaled(part: Part, xy: float, z: float) -> Part:
     if xy == z == 1.0:
         return part
-    known = {each.name: scaled(each, xy) for each in part.boundaries}
+    known = {boundary.name: scaled(boundary, xy) for boundary in part.boundaries}
 
     def larger(layer: Layer) -> Layer:
-        boundaries = tuple(known[each.name] for each in layer.boundaries)
+        boundaries = tuple(known[boundary.name] for boundary in layer.boundaries)
         return Layer(z * layer.z0, z * layer.z1, boundaries, layer.name)
 
     bevels = tuple(
         replace(
-            each,
-            boundary=known[each.boundary.name],
-            edge=scaled(each.edge, xy),
-            width=xy * each.width,
-            height=z * each.height,
-            z=z * each.z,
+            bevel,
+            boundary=known[bevel.boundary.name],
+            edge=scaled(bevel.edge, xy),
+            width=xy * bevel.width,
+            height=z * bevel.height,
+            z=z * bevel.z,
         )
-        for each in part.bevels
+        for bevel in part.bevels
     )
-    return Part(tuple(larger(each) for each in part.layers), bevels)
+    return Part(tuple(larger(layer) for layer in part.layers), bevels)
 
 
-def _on_foot(part: Part, foot: Foot) -> Part:
+def _with_foot(part: Part, foot: Foot) -> Part:
     """The part with its lowest layer drawn in, step by step."""
     lowest, *others = part.layers
     part.require_heights()
     room = lowest.z1 - lowest.z0
     key = "print.elephant_foot"
-    if any(each.z == lowest.z0 for each in part.bevels):
+    if any(bevel.z == lowest.z0 for bevel in part.bevels):
         raise GeometryError(
             "edges of the lowest face have chamfers: state upper ones only, or no such foot",
             key=key,
@@ -285,28 +285,36 @@ def _on_foot(part: Part, foot: Foot) -> Part:
         zip(pairwise(heights), foot.insets, strict=True), start=1
     ):
         try:
-            drawn = tuple(
-                drawn_in(each, inset, f"{each.name} at step {step}") for each in lowest.boundaries
+            insets = tuple(
+                inset_boundary(boundary, inset, f"{boundary.name} at step {step}")
+                for boundary in lowest.boundaries
             )
-            _require_alike(drawn, lowest.boundaries)
+            _require_alike(insets, lowest.boundaries)
         except GeometryError as error:
             raise GeometryError(
                 f"the part has no room for it: {error.message}",
                 key=f"{key}.inset",
                 value=f"{foot.inset:g}",
             ) from None
-        layers.append(Layer(low, high, drawn, FOOT))
+        layers.append(Layer(low, high, insets, FOOT))
     rest = replace(lowest, z0=heights[-1])
     return replace(part, layers=(*layers, rest, *others))
 
 
-def _require_alike(moved: tuple[Boundary, ...], before: tuple[Boundary, ...]) -> None:
+def _require_alike(moved: tuple[Boundary, ...], originals: tuple[Boundary, ...]) -> None:
     """GeometryError unless boundaries lie apart, each in those that it lay in before."""
-    fits, were = ([each.beside(TOLERANCE) for each in group] for group in (moved, before))
+    fits, original_fits = (
+        [boundary.distance_fit(TOLERANCE) for boundary in group] for group in (moved, originals)
+    )
     for a, b in combinations(range(len(moved)), 2):
-        inside = [_nested(each[a].contour, each[b].contour) for each in (fits, were)]
+        inside = [
+            _nested(group_fits[a].contour, group_fits[b].contour)
+            for group_fits in (fits, original_fits)
+        ]
         if surely_apart(fits[a], fits[b]) <= 0.0 or inside[0] != inside[1]:
-            raise GeometryError(f"{before[a].name} and {before[b].name} would touch", key="part")
+            raise GeometryError(
+                f"{originals[a].name} and {originals[b].name} would touch", key="part"
+            )
 
 
 def _nested(one: Contour, other: Contour) -> tuple[bool, bool]:
@@ -321,7 +329,7 @@ def _nested(one: Contour, other: Contour) -> tuple[bool, bool]:
 # Boundaries drawn into the material by a distance, each face parallel to what it was.
 
 
-def drawn_in(boundary: Boundary, distance: float, name: str) -> Boundary:
+def inset_boundary(boundary: Boundary, distance: float, name: str) -> Boundary:
     """The boundary called `name` that lies `distance` [mm] farther in the material.
 
     Raises
@@ -331,53 +339,55 @@ def drawn_in(boundary: Boundary, distance: float, name: str) -> Boundary:
         a flank nor lines and arcs, at any scale.
     """
     if isinstance(boundary, ScaledBoundary):
-        own = drawn_in(boundary.unscaled, distance / boundary.factor, name)
-        return scaled(own, boundary.factor)
+        unscaled = inset_boundary(boundary.unscaled, distance / boundary.factor, name)
+        return scaled(unscaled, boundary.factor)
     if isinstance(boundary, ExactBoundary):
         exact = boundary.exact.counter_clockwise()
         try:
             moved = parallel(exact, distance if boundary.hole else -distance)
             require_simple(moved, boundary.name)
         except (GeometryError, UndercutError):
-            raise _gone(boundary.name, distance) from None
+            raise _nothing_left(boundary.name, distance) from None
         return ExactBoundary(name, boundary.hole, moved)
     if isinstance(boundary, CurveBoundary):
-        path = _flank_within(boundary, distance)
+        path = _inset_flank(boundary, distance)
         return CurveBoundary(name, boundary.hole, path, boundary.ledger)
     raise GeometryError(f"the {boundary.name} cannot be drawn in", key="part")
 
 
-def _flank_within(boundary: CurveBoundary, distance: float) -> Path:
+def _inset_flank(boundary: CurveBoundary, distance: float) -> Path:
     """The outline of the disc without a rim of `distance` [mm].
 
     What a roller leaves of a disc, without such a rim, is what a roller larger in radius by it
     leaves; and of a disc that a face touches, what the face leaves that comes nearer by it.
     """
     flank = boundary.path.stretches[0].curve
-    by = distance if boundary.hole else -distance
+    displacement = distance if boundary.hole else -distance
     if flank.pitch.follower.has_pitch_curve:
-        within = WorkingCurve(flank.pitch, flank.distance + by)
+        inset = WorkingCurve(flank.pitch, flank.distance + displacement)
     else:
         follower: Any = flank.pitch.follower  # a frozen dataclass
         names = [key.removeprefix("follower.") for key in follower.raised_by]
         try:
-            moved = replace(follower, **{each: getattr(follower, each) + by for each in names})
+            moved = replace(
+                follower, **{name: getattr(follower, name) + displacement for name in names}
+            )
         except GeometryError:
-            raise _gone(boundary.name, distance) from None
-        within = WorkingCurve(replace(flank.pitch, follower=moved), flank.distance)
+            raise _nothing_left(boundary.name, distance) from None
+        inset = WorkingCurve(replace(flank.pitch, follower=moved), flank.distance)
     try:
-        found = real_outline(within)
+        outline = real_outline(inset)
     except UndercutError:
-        raise _gone(boundary.name, distance) from None
-    if found.lobes and len(found.lobes) > len(real_outline(flank).lobes):
+        raise _nothing_left(boundary.name, distance) from None
+    if outline.lobes and len(outline.lobes) > len(real_outline(flank).lobes):
         raise GeometryError(
             f"drawn in by {distance:g} mm, the {boundary.name} falls into several pieces",
             key="part",
         )
-    return found.path
+    return outline.path
 
 
-def _gone(name: str, distance: float) -> GeometryError:
+def _nothing_left(name: str, distance: float) -> GeometryError:
     message = f"nothing is left of the {name}, or not as it was, when it is drawn in by"
     return GeometryError(f"{message} {abs(distance):g} mm", key="part")
 
@@ -422,9 +432,9 @@ class ScaledBoundary(Pickled, CheckedFields):
         """See `camgeo.part.part.Boundary`."""
         return self._fit(lambda own: self.unscaled.arcs(own, effort), tolerance)
 
-    def beside(self, tolerance: float) -> Fit:
+    def distance_fit(self, tolerance: float) -> Fit:
         """See `camgeo.part.part.Boundary`."""
-        return self._fit(self.unscaled.beside, tolerance)
+        return self._fit(self.unscaled.distance_fit, tolerance)
 
     def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """See `camgeo.part.part.Boundary`."""
@@ -437,27 +447,27 @@ class ScaledBoundary(Pickled, CheckedFields):
     def _fit(self, fit: Callable[[float], Fit], tolerance: float) -> Fit:
         """A fit within what the scaling leaves of the tolerance."""
         lost = self._rounding
-        found = fit((tolerance - lost) / self.factor)
-        contour = scaled_contour(found.contour, self.factor)
-        return Fit(contour, found.deviation * self.factor + lost, tolerance)
+        unscaled_fit = fit((tolerance - lost) / self.factor)
+        contour = scaled_contour(unscaled_fit.contour, self.factor)
+        return Fit(contour, unscaled_fit.deviation * self.factor + lost, tolerance)
 
     def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
         """See `camgeo.part.part.Boundary`."""
         lost = self._rounding
-        found = self.unscaled.spline((tolerance - lost) / self.factor, effort)
-        contour = scaled_splines(found.contour, self.factor)
-        return SplineFit(contour, found.deviation * self.factor + lost, tolerance)
+        unscaled_fit = self.unscaled.spline((tolerance - lost) / self.factor, effort)
+        contour = scaled_splines(unscaled_fit.contour, self.factor)
+        return SplineFit(contour, unscaled_fit.deviation * self.factor + lost, tolerance)
 
     def deviation(self, contour: Contour | SplineContour) -> float:
         """See `camgeo.part.part.Boundary`."""
         back = 1.0 / self.factor
         if isinstance(contour, SplineContour):
-            own: Contour | SplineContour = scaled_splines(contour, back)
+            unscaled: Contour | SplineContour = scaled_splines(contour, back)
             reach = contour.reach
         else:
-            own = scaled_contour(contour, back)
+            unscaled = scaled_contour(contour, back)
             reach = float(np.max(np.abs(contour.vertices)))
-        return self.unscaled.deviation(own) * self.factor + ROUNDING * reach
+        return self.unscaled.deviation(unscaled) * self.factor + ROUNDING * reach
 
     def offset(self, distance: float) -> ScaledBoundary:
         """See `camgeo.part.part.Boundary`."""
@@ -466,8 +476,8 @@ class ScaledBoundary(Pickled, CheckedFields):
     @property
     def corner_radius(self) -> float | None:
         """See `camgeo.part.part.Boundary`."""
-        own = self.unscaled.corner_radius
-        return None if own is None else own * self.factor
+        radius = self.unscaled.corner_radius
+        return None if radius is None else radius * self.factor
 
     def inset(self, distance: float, name: str) -> ScaledBoundary:
         """See `camgeo.part.part.Boundary`."""
@@ -475,9 +485,12 @@ class ScaledBoundary(Pickled, CheckedFields):
 
     def moments(self, tolerance: float) -> Moments:
         """See `camgeo.part.part.Boundary`."""
-        own, by = self.unscaled.moments(tolerance), self.factor
+        unscaled_moments, factor = self.unscaled.moments(tolerance), self.factor
         return Moments(
-            own.area * by**2, own.first * by**3, own.area_error * by**2, own.first_error * by**3
+            unscaled_moments.area * factor**2,
+            unscaled_moments.first * factor**3,
+            unscaled_moments.area_error * factor**2,
+            unscaled_moments.first_error * factor**3,
         )
 
     def second_moments(self, tolerance: float) -> SecondMoments:
@@ -519,9 +532,11 @@ def scaled_splines(contour: SplineContour, factor: float) -> SplineContour:
     """The same, of splines and arcs."""
     return SplineContour(
         tuple(
-            CubicSpline(each.knots, each.controls * factor)
-            if isinstance(each, CubicSpline)
-            else Arc(each.start * factor, each.end * factor, each.sweep, each.centre * factor)
-            for each in contour.strands
+            CubicSpline(strand.knots, strand.controls * factor)
+            if isinstance(strand, CubicSpline)
+            else Arc(
+                strand.start * factor, strand.end * factor, strand.sweep, strand.centre * factor
+            )
+            for strand in contour.strands
         )
     )

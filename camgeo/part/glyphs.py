@@ -60,12 +60,12 @@ def glyph(character: str) -> Glyph:
 
     font = _font()
     index = _index(font, character)
-    found = font.load_glyph(index, flags=LoadFlags.NO_HINTING)
+    loaded = font.load_glyph(index, flags=LoadFlags.NO_HINTING)
     points, codes = font.get_path()
     outlines = _outlines(points[:, 0] + 1j * points[:, 1], codes.tolist())
-    advance = found.linearHoriAdvance / FIXED
+    advance = loaded.linearHoriAdvance / FIXED
     return Glyph(
-        tuple(frozen(each / CAPITAL, np.complex128) for each in outlines), advance / CAPITAL
+        tuple(frozen(outline / CAPITAL, np.complex128) for outline in outlines), advance / CAPITAL
     )
 
 
@@ -85,8 +85,8 @@ def kerning(left: str, right: str) -> float:
 def require_glyphs(text: str) -> None:
     """GeometryError with key "part.engraving.text", if the font lacks a character of the text."""
     font = _font()
-    for each in text:
-        _index(font, each)
+    for character in text:
+        _index(font, character)
 
 
 def _index(font: Any, character: str) -> Any:
@@ -114,28 +114,28 @@ def _font() -> Any:
 
 def _outlines(points: ComplexArray, codes: list[int]) -> list[ComplexArray]:
     """(n, 3) each: the closed outlines of a path; what encloses no area is left out."""
-    found: list[ComplexArray] = []
+    outlines: list[ComplexArray] = []
     pieces: list[tuple[complex, complex, complex]] = []
-    at, number = 0j, 0
+    point, number = 0j, 0
     while number < len(codes):
         code, here = codes[number], complex(points[number])
         if code == MOVE:
-            at, pieces = here, []
+            point, pieces = here, []
         elif code == LINE:
-            pieces.append((at, 0.5 * (at + here), here))
-            at = here
+            pieces.append((point, 0.5 * (point + here), here))
+            point = here
         elif code == QUADRATIC:
             number += 1
             end = complex(points[number])
-            pieces.append((at, here, end))
-            at = end
+            pieces.append((point, here, end))
+            point = end
         elif code == CLOSEST and pieces:
             start = pieces[0][0]
-            if at != start:
-                pieces.append((at, 0.5 * (at + start), start))
-            moving = [each for each in pieces if each[0] != each[2]]
+            if point != start:
+                pieces.append((point, 0.5 * (point + start), start))
+            moving = [piece for piece in pieces if piece[0] != piece[2]]
             if len(moving) > 1:
-                found.append(np.array(moving))
+                outlines.append(np.array(moving))
         number += 1
-    assert all(one[2] == two[0] for each in found for one, two in pairwise(each.tolist()))
-    return found
+    assert all(one[2] == two[0] for outline in outlines for one, two in pairwise(outline.tolist()))
+    return outlines

@@ -27,7 +27,7 @@ from camgeo.numeric.checked import CheckedFields, Floats
 from camgeo.numeric.quadrature import gauss, nodes_beside
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Band, Boundary, Layer, Part
-from camgeo.part.spec import text_of
+from camgeo.part.spec import text_name
 
 TOLERANCE: Final = 1e-10
 """Of the integrals over each boundary, see `camgeo.geometry.outline.path.Path.moments`."""
@@ -60,16 +60,16 @@ class Solid(CheckedFields):
     centre_error: float
 
     @staticmethod
-    def of(part: Part, tolerance: float = TOLERANCE) -> Solid:
+    def from_part(part: Part, tolerance: float = TOLERANCE) -> Solid:
         """The part as a body; raises GeometryError like `Part.require_heights`."""
         part.require_heights()
         volume, first, second, axial = [], [], [], []
         volume_errors, first_errors, axial_errors = [], [], []
-        for each in _slices(part):
-            sign = -1.0 if each.section.hole else 1.0
-            plane = each.section.moments(tolerance).scaled(sign)
-            plane2 = each.section.second_moments(tolerance).scaled(sign)
-            height, z1, z2 = each.height, each.first, each.second
+        for part_slice in _slices(part):
+            sign = -1.0 if part_slice.section.hole else 1.0
+            plane = part_slice.section.moments(tolerance).scaled(sign)
+            plane2 = part_slice.section.second_moments(tolerance).scaled(sign)
+            height, z1, z2 = part_slice.height, part_slice.first, part_slice.second
             x, y = plane.first.real, plane.first.imag
             xx, yy = (0.5 * (plane2.polar + turn * plane2.square.real) for turn in (1.0, -1.0))
             xy = 0.5 * plane2.square.imag
@@ -83,13 +83,13 @@ class Solid(CheckedFields):
         whole = math.fsum(volume)
         centre = np.array([math.fsum(column) for column in zip(*first, strict=True)]) / whole
         xx, yy, zz, xy, xz, yz = (math.fsum(column) for column in zip(*second, strict=True))
-        about = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        about -= whole * np.outer(centre, centre)
+        inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        inertia -= whole * np.outer(centre, centre)
         turning, unsure = math.fsum(axial), math.fsum(volume_errors) / whole
         return Solid(
             volume=whole,
             centre=centre,
-            inertia=np.trace(about) * np.eye(3) - about,
+            inertia=np.trace(inertia) * np.eye(3) - inertia,
             axial=turning,
             share=max(unsure, math.fsum(axial_errors) / turning),
             centre_error=math.fsum(first_errors) / whole + unsure * float(np.hypot(*centre[:2])),
@@ -133,14 +133,16 @@ def _sections(band: Band) -> Iterator[_Slice]:
         yield _Slice(band.section(z), share, share * z, share * z * z)
 
 
-def volume_within(band: Band, tolerance: float = TOLERANCE) -> float:
+def chamfer_volume(band: Band, tolerance: float = TOLERANCE) -> float:
     """What a chamfer encloses [mm^3], of a hole as well."""
-    return math.fsum(each.height * each.section.moments(tolerance).area for each in _sections(band))
+    return math.fsum(
+        section.height * section.section.moments(tolerance).area for section in _sections(band)
+    )
 
 
 def section_area(layer: Layer, tolerance: float = TOLERANCE) -> float:
     """Area of the material in a layer [mm^2]."""
-    return Moments.total(_material(each, tolerance) for each in layer.boundaries).area
+    return Moments.total(_material(boundary, tolerance) for boundary in layer.boundaries).area
 
 
 def disc_moments(part: Part, density: float, tolerance: float) -> Moments:
@@ -153,7 +155,7 @@ def disc_moments(part: Part, density: float, tolerance: float) -> Moments:
     tolerance : of the integrals over the outlines, see `camgeo.geometry.outline.path.Path.moments`.
     """
     return Moments.total(
-        Moments.total(_material(each.section, tolerance) for each in slices).scaled(
+        Moments.total(_material(part_slice.section, tolerance) for part_slice in slices).scaled(
             density * height
         )
         for height, slices in groupby(_slices(part), lambda each: each.height)
@@ -169,7 +171,7 @@ def largest_diameter(part: Part) -> tuple[float, float | None]:
     """Of the circle about the cam axis that the part sweeps [mm]; where a flank is its farthest
     place, with the cam angle [rad] at which that is in contact.
     """
-    outer = [each.farthest() for each in part.boundaries if not each.hole]
+    outer = [boundary.farthest() for boundary in part.boundaries if not boundary.hole]
     radius, place = max(outer, key=lambda found: found[0])
     return 2.0 * radius, place
 
@@ -219,7 +221,7 @@ class Web:
     place: complex
 
     @staticmethod
-    def thinnest_of_each(part: Part, limit: float | None = None) -> tuple[Web | None, Web | None]:
+    def thinnest_webs(part: Part, limit: float | None = None) -> tuple[Web | None, Web | None]:
         """The web of the smallest thickness, as exact as its comparison with a `limit` [mm] takes,
         or without one with its usual thickness, None if the part has no holes; and without a limit
         the web that is thinnest as a share of its usual thickness, None if no web has one.
@@ -230,21 +232,21 @@ class Web:
             If a boundary has no contour.
         """
         sizes = (_thickness, _share) if limit is None else (_thickness,)
-        found: dict[Size, tuple[float, float, Web]] = {}
+        best: dict[Size, tuple[float, float, Web]] = {}
         for one, hole in _pairs(part):
             usual, least = _usual(one, hole), _least(one, hole)
-            beaten = [
-                each for each in sizes if each in found and each(least, usual) > found[each][0]
-            ]
-            if len(beaten) == len(sizes) or not _material_between(one, hole):
+            beaten = [size for size in sizes if size in best and size(least, usual) > best[size][0]]
+            if len(beaten) == len(sizes) or not _has_material(one, hole):
                 continue
             web = _web(one, hole, usual, usual if limit is None else limit)
-            for each in sizes:
-                new = each(web.thickness, usual), web.thickness, web
-                if each not in found or new[:2] < found[each][:2]:
-                    found[each] = new
-        first, beside = (found[each][2] if each in found else None for each in (_thickness, _share))
-        return first, beside if beside is not None and beside.usual else None
+            for size in sizes:
+                new = size(web.thickness, usual), web.thickness, web
+                if size not in best or new[:2] < best[size][:2]:
+                    best[size] = new
+        thinnest, slimmest = (
+            best[size][2] if size in best else None for size in (_thickness, _share)
+        )
+        return thinnest, slimmest if slimmest is not None and slimmest.usual else None
 
     @staticmethod
     def surely_thick(part: Part, limit: float | None = None) -> bool:
@@ -270,7 +272,7 @@ def _pairs(part: Part) -> Iterator[tuple[Boundary, Boundary]]:
     """Boundaries of a layer of which the second at least is a hole, each pair of names once."""
     known: set[tuple[str, str]] = set()
     for layer in part.layers:
-        for pair in combinations(_walled(layer), 2):
+        for pair in combinations(_load_bearing(layer), 2):
             one, hole = pair if pair[1].hole else pair[::-1]
             names = one.name, hole.name
             if hole.hole and names not in known:
@@ -278,9 +280,9 @@ def _pairs(part: Part) -> Iterator[tuple[Boundary, Boundary]]:
                 yield one, hole
 
 
-def _walled(layer: Layer) -> list[Boundary]:
+def _load_bearing(layer: Layer) -> list[Boundary]:
     """Its boundaries but for those of letters: what is left beside their strokes bears nothing."""
-    return [each for each in layer.boundaries if not text_of(each.name)]
+    return [boundary for boundary in layer.boundaries if not text_name(boundary.name)]
 
 
 def _least(one: Boundary, hole: Boundary) -> float:
@@ -290,8 +292,8 @@ def _least(one: Boundary, hole: Boundary) -> float:
     if not one.hole:
         return max(0.0, one.nearest() - hole.farthest()[0])
     circles = []
-    for each in (one, hole):
-        fit = each.beside(TOLERANCES[0])
+    for boundary in (one, hole):
+        fit = boundary.distance_fit(TOLERANCES[0])
         fine = fit.contour.split(STEP)
         middle = complex(np.mean(fine.vertices))
         sagitta = float(np.max(fine.radii)) * (1.0 - math.cos(0.5 * STEP))
@@ -301,9 +303,9 @@ def _least(one: Boundary, hole: Boundary) -> float:
     return max(0.0, abs(a - b) - of_a - of_b)
 
 
-def _material_between(one: Boundary, hole: Boundary) -> bool:
+def _has_material(one: Boundary, hole: Boundary) -> bool:
     """Whether there is material between two boundaries of a section but for other boundaries."""
-    a, b = (each.beside(TOLERANCES[0]).contour for each in (one, hole))
+    a, b = (boundary.distance_fit(TOLERANCES[0]).contour for boundary in (one, hole))
     if one.hole:
         return not (_inside(a, b) or _inside(b, a))
     return _inside(b, a)
@@ -314,41 +316,41 @@ def _inside(contour: Contour, around: Contour) -> bool:
 
 
 def _web(one: Boundary, hole: Boundary, usual: float, compared: float) -> Web:
-    exact = None if one.hole else _about_the_axis(one, hole)
+    exact = None if one.hole else _concentric_web(one, hole)
     # Where it is exact, contours show its place alone.
     for tolerance in TOLERANCES[1:] if exact is None else TOLERANCES[:1]:
-        fits = [each.beside(tolerance) for each in (one, hole)]
+        fits = [boundary.distance_fit(tolerance) for boundary in (one, hole)]
         a, b = (Pieces.around([fit.contour]) for fit in fits)
-        apart = least_distance(a, b) if exact is None else exact
+        distance = least_distance(a, b) if exact is None else exact
         unsure = sum(fit.deviation for fit in fits)
-        if exact is not None or abs(apart - compared) > unsure:
+        if exact is not None or abs(distance - compared) > unsure:
             break
     if exact is None:
-        apart = _beside_flank(one, hole, apart, unsure)
+        distance = _flank_web(one, hole, distance, unsure)
     around = fits[1].contour
     points = around.points(around.length / POINTS**2)
     place = complex(points[np.argmin(distances(points, a))])
-    return Web(one.name, hole.name, apart, usual, place)
+    return Web(one.name, hole.name, distance, usual, place)
 
 
-def _beside_flank(one: Boundary, hole: Boundary, apart: float, unsure: float) -> float:
+def _flank_web(one: Boundary, hole: Boundary, distance: float, unsure: float) -> float:
     """The web [mm] between a flank and lines and arcs, by the feet of their corners and centres on
     the flank; `apart`, which is within `unsure` of it, where none of these is nearest.
     """
     flank, other = (one, hole) if isinstance(one, CurveBoundary) else (hole, one)
     if not isinstance(flank, CurveBoundary) or not isinstance(other, ExactBoundary):
-        return apart
+        return distance
     exact = other.exact
     arcs = exact.sweeps != 0.0
     points = np.concatenate((exact.vertices, exact.centres[arcs]))
     radii = np.concatenate((np.zeros(len(exact)), exact.radii[arcs]))
     feet = ExactFlank(flank.path, Flank.INNER).feet(points)
-    found = np.abs(feet.distances) - radii
-    found = found[np.abs(found - apart) <= unsure]
-    return float(np.min(found)) if len(found) else apart
+    webs = np.abs(feet.distances) - radii
+    webs = webs[np.abs(webs - distance) <= unsure]
+    return float(np.min(webs)) if len(webs) else distance
 
 
-def _about_the_axis(one: Boundary, hole: Boundary) -> float | None:
+def _concentric_web(one: Boundary, hole: Boundary) -> float | None:
     """The web [mm] within `one`, if that or the hole is a circle about the cam axis."""
     radius = _radius(hole)
     if radius is not None:
@@ -369,6 +371,10 @@ def _radius(boundary: Boundary) -> float | None:
 
 def _usual(one: Boundary, hole: Boundary) -> float:
     """Thickness of a web [mm], by the circle of the same area as the larger hole."""
-    holes = [each for each in (one, hole) if each.hole and isinstance(each, ExactBoundary)]
-    areas = [abs(each.exact.area) for each in holes]
+    holes = [
+        boundary
+        for boundary in (one, hole)
+        if boundary.hole and isinstance(boundary, ExactBoundary)
+    ]
+    areas = [abs(boundary.exact.area) for boundary in holes]
     return SHARE * 2.0 * math.sqrt(max(areas, default=0.0) / math.pi)

@@ -187,7 +187,7 @@ def find_material(name: str, key: str = "") -> Material:
     )
 
 
-def density_of(table: Mapping[str, Any]) -> float | None:
+def table_density(table: Mapping[str, Any]) -> float | None:
     """The density [t/mm^3] that a table states under `density`, or by its `material`; None if it
     states neither. Raises like `find_material`, with key "material".
     """

@@ -15,7 +15,7 @@ from camgeo.geometry.pieces import curvature_extremes
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.mass import Web
-from camgeo.part.part import Boundary, Part, edges_of
+from camgeo.part.part import Boundary, Part, part_edges
 from camgeo.units import TURN, at_cam_angles
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ HALVINGS: Final = 12
 """Of the range in which the width of a stroke lies."""
 
 
-def findings_of(part: Part, nozzle: float) -> Iterator[Finding]:
+def nozzle_findings(part: Part, nozzle: float) -> Iterator[Finding]:
     """What a nozzle that lays down lines of that width [mm] makes of the part, good and bad.
 
     Raises
@@ -58,7 +58,7 @@ def findings_of(part: Part, nozzle: float) -> Iterator[Finding]:
 
 def _wall(part: Part, nozzle: float) -> Iterator[Finding]:
     """The thinnest wall: not printed below a width of the nozzle, of a single line below two."""
-    web, _ = Web.thinnest_of_each(part, PERIMETERS * nozzle)
+    web, _ = Web.thinnest_webs(part, PERIMETERS * nozzle)
     if web is None:
         return
     least = PERIMETERS * nozzle
@@ -79,10 +79,10 @@ def _wall(part: Part, nozzle: float) -> Iterator[Finding]:
 
 def _radius(part: Part, nozzle: float) -> Iterator[Finding]:
     """The smallest radius of a flank: lines of the nozzle have round ends of half its width."""
-    flanks = [each for each in part.boundaries if isinstance(each, CurveBoundary)]
+    flanks = [boundary for boundary in part.boundaries if isinstance(boundary, CurveBoundary)]
     if not flanks:
         return
-    radius, bend, angle, name = min((*_tightest(each), each.name) for each in flanks)
+    radius, bend, angle, name = min((*_tightest(boundary), boundary.name) for boundary in flanks)
     limit = 0.5 * nozzle
     what = f"smallest {bend} radius of the {name} {radius:.4g} mm"
     what = what if radius > 0.0 else f"the {name} has a corner"
@@ -110,16 +110,18 @@ def _tightest(boundary: CurveBoundary) -> tuple[float, str, float]:
         radii = 1.0 / bends.values + curve.distance
     # A parallel on the other side of the centre of curvature bends the same way.
     concave = (radii < 0.0) != boundary.hole
-    found = [(math.inf, "convex", 0.0)]
+    candidates = [(math.inf, "convex", 0.0)]
     for radius, inward, angle in zip(radii, concave, bends.phi, strict=True):
-        if any(_runs(each, float(angle)) for each in path.stretches) and math.isfinite(radius):
-            found.append((abs(float(radius)), "concave" if inward else "convex", float(angle)))
-    for each in path.pivots:
+        if any(_runs(stretch, float(angle)) for stretch in path.stretches) and math.isfinite(
+            radius
+        ):
+            candidates.append((abs(float(radius)), "concave" if inward else "convex", float(angle)))
+    for pivot in path.pivots:
         # On the side of its centre where the material is, a turn is convex.
-        inward = (each.distance < 0.0) != boundary.hole
-        bend = "concave" if inward and each.distance else "convex"
-        found.append((abs(each.distance), bend, each.before))
-    return min(found)
+        inward = (pivot.distance < 0.0) != boundary.hole
+        bend = "concave" if inward and pivot.distance else "convex"
+        candidates.append((abs(pivot.distance), bend, pivot.before))
+    return min(candidates)
 
 
 def _runs(stretch: Stretch, angle: float) -> bool:
@@ -129,16 +131,16 @@ def _runs(stretch: Stretch, angle: float) -> bool:
 
 def _stroke(part: Part, nozzle: float) -> Iterator[Finding]:
     """The narrowest stroke of a mark or an engraving."""
-    radius, found = 0.5 * nozzle - SLACK, None
+    radius, narrowest = 0.5 * nozzle - SLACK, None
     for name, region in sunk(part):
         # Only what is narrower than all before is looked at closely.
         lost = unreached(region, radius) if radius > 0.0 else None
         if lost is not None:
             radius, place = _narrowest(region, radius, lost)
-            found = name, place
-    if found is None:
+            narrowest = name, place
+    if narrowest is None:
         return
-    name, (x, y) = found
+    name, (x, y) = narrowest
     width = round(2.0 * radius, DECIMALS)
     sentence = (
         f"a stroke of the {name} is {width:.2g} mm wide at ({x:.4g}, {y:.4g}) mm, below"
@@ -152,26 +154,26 @@ def sunk(part: Part) -> list[tuple[str, Polygon]]:
     import shapely  # few scenes state a nozzle
 
     by_height: dict[tuple[float, float], list[Boundary]] = {}
-    blind = {edge.boundary.name for edge in edges_of(part) if edge.kind == "sunk"}
+    blind = {edge.boundary.name for edge in part_edges(part) if edge.kind == "sunk"}
     for wall in part.walls:
         if wall.boundary.name in blind and not isinstance(wall.boundary, CurveBoundary):
             by_height.setdefault((wall.z0, wall.z1), []).append(wall.boundary)
-    found = []
+    regions = []
     for boundaries in by_height.values():
-        holes = [each for each in boundaries if each.hole]
-        islands = [_polygon(each) for each in boundaries if not each.hole]
+        holes = [boundary for boundary in boundaries if boundary.hole]
+        islands = [_polygon(boundary) for boundary in boundaries if not boundary.hole]
         for hole in holes:
             around = _polygon(hole)
-            inside = shapely.union_all([each for each in islands if each.within(around)])
+            inside = shapely.union_all([island for island in islands if island.within(around)])
             parts = shapely.get_parts(around.difference(inside))
-            found += [(hole.name, each) for each in parts if each.area > 0.0]
-    return found
+            regions += [(hole.name, region) for region in parts if region.area > 0.0]
+    return regions
 
 
 def _polygon(boundary: Boundary) -> Polygon:
     from shapely import Polygon
 
-    points: ComplexArray = boundary.beside(SAGITTA).contour.points(SAGITTA)
+    points: ComplexArray = boundary.distance_fit(SAGITTA).contour.points(SAGITTA)
     return Polygon(np.column_stack((points.real, points.imag)))
 
 
@@ -198,10 +200,10 @@ def unreached(region: Polygon, radius: float) -> tuple[float, float] | None:
     """
     import shapely
 
-    within = region.buffer(-radius)
-    reached = within.buffer(radius)
+    reachable = region.buffer(-radius)
+    reached = reachable.buffer(radius)
     missing = region.difference(reached)
-    pieces = shapely.get_parts(within)
+    pieces = shapely.get_parts(reachable)
     parted = len(pieces) != 1 or len(pieces[0].interiors) != len(region.interiors)
     if not parted:
         missing = missing.difference(reached.buffer(2.0 * radius))

@@ -27,7 +27,7 @@ from camgeo.numeric.checked import (
 )
 from camgeo.record import Brief
 
-OF_RETURN: Final = "return "
+RETURN_PREFIX: Final = "return "
 """What the names of boundaries and layers of the return disc begin with in a pair in one piece."""
 
 NARROWEST: Final = 4.0
@@ -63,7 +63,7 @@ class Layer:
         if self.z0 > self.z1:
             heights = f"from {self.z0} to {self.z1} mm"
             raise GeometryError(f"the {self.name} must reach upwards", key="part", value=heights)
-        names = [each.name for each in self.boundaries]
+        names = [boundary.name for boundary in self.boundaries]
         if not names or len(set(names)) < len(names):
             raise GeometryError(
                 f"the {self.name} needs boundaries, each with its own name",
@@ -147,8 +147,8 @@ class Part(Brief):
             raise GeometryError(
                 "each boundary needs its own name", key="part", value=", ".join(names)
             )
-        for each in instance("part", self.bevels, tuple, "a tuple of chamfers"):
-            instance("part", each, Bevel, "a chamfer")
+        for bevel in instance("part", self.bevels, tuple, "a tuple of chamfers"):
+            instance("part", bevel, Bevel, "a chamfer")
         if self.bevels:
             self._require_ends()
 
@@ -159,7 +159,7 @@ class Part(Brief):
             for wall in self.walls
             for z, upper in ((wall.z0, False), (wall.z1, True))
         )
-        if sum(each is not None for each in ends) < len(self.bevels):
+        if sum(bevel is not None for bevel in ends) < len(self.bevels):
             raise GeometryError("each chamfer must be at an end of a wall", key="part")
         if any(band.z0 >= band.z1 for band in self.bands):
             raise GeometryError("chamfers must leave some of a wall", key="part")
@@ -167,16 +167,16 @@ class Part(Brief):
     @property
     def boundaries(self) -> tuple[Boundary, ...]:
         """All boundaries, each once, in the order of drawing: as they begin from below."""
-        found: list[Boundary] = []
+        distinct: list[Boundary] = []
         for layer in self.layers:
-            found += [each for each in layer.boundaries if each not in found]
-        return tuple(found)
+            distinct += [boundary for boundary in layer.boundaries if boundary not in distinct]
+        return tuple(distinct)
 
     @property
     def outermost(self) -> Boundary:
         """That of the disc, around all others: hubs lie within it."""
         first = [layer.boundaries[0] for layer in self.layers]
-        if all(each is first[0] for each in first):
+        if all(boundary is first[0] for boundary in first):
             return first[0]
         return max(first, key=lambda each: each.farthest()[0])
 
@@ -189,10 +189,10 @@ class Part(Brief):
     @property
     def _discs(self) -> dict[str, str]:
         """What the discs are called, by the names of the boundaries around them."""
-        around = self.outermost.name.removeprefix(OF_RETURN)
-        names = {around: "disc", f"{OF_RETURN}{around}": f"{OF_RETURN}disc"}
+        around = self.outermost.name.removeprefix(RETURN_PREFIX)
+        names = {around: "disc", f"{RETURN_PREFIX}{around}": f"{RETURN_PREFIX}disc"}
         return {name: called for name, called in names.items()
-                if any(each.name == name for each in self.boundaries)}  # fmt: skip
+                if any(boundary.name == name for boundary in self.boundaries)}  # fmt: skip
 
     @property
     def thickness(self) -> float:
@@ -209,7 +209,7 @@ class Part(Brief):
         high = self.layers[-1].z1
         if not high:
             return self.sharp
-        layers = (replace(each, z0=each.z0 - high, z1=each.z1 - high) for each in self.layers)
+        layers = (replace(layer, z0=layer.z0 - high, z1=layer.z1 - high) for layer in self.layers)
         return Part(tuple(layers))
 
     def without(self, names: Collection[str]) -> Part:
@@ -217,66 +217,71 @@ class Part(Brief):
         if not names:
             return self
 
-        def left(layer: Layer) -> Layer:
-            kept = tuple(each for each in layer.boundaries if each.name not in names)
-            return replace(layer, boundaries=kept)
+        def remaining(layer: Layer) -> Layer:
+            boundaries = tuple(
+                boundary for boundary in layer.boundaries if boundary.name not in names
+            )
+            return replace(layer, boundaries=boundaries)
 
-        return Part(tuple(left(layer) for layer in self.layers))
+        return Part(tuple(remaining(layer) for layer in self.layers))
 
     @property
     def walls(self) -> tuple[Wall, ...]:
         """The upright faces with sharp edges, boundary by boundary; a wall continues through
         layers.
         """
-        found: list[Wall] = []
+        all_walls: list[Wall] = []
         for boundary in self.boundaries:
-            there = [boundary in layer.boundaries for layer in self.layers]
-            for runs, group in groupby(zip(there, self.layers, strict=True), itemgetter(0)):
+            present = [boundary in layer.boundaries for layer in self.layers]
+            for runs, group in groupby(zip(present, self.layers, strict=True), itemgetter(0)):
                 run = [layer for _, layer in group]
                 if runs:
-                    found.append(Wall(boundary, run[0].z0, run[-1].z1))
-        return tuple(found)
+                    all_walls.append(Wall(boundary, run[0].z0, run[-1].z1))
+        return tuple(all_walls)
 
     def _bevel(self, boundary: Boundary, z: float, *, upper: bool) -> Bevel | None:
         """The chamfer along a boundary at a height where its wall ends, `upper`, or begins."""
-        for each in self.bevels:
-            if (each.z, each.upper) == (z, upper) and each.boundary == boundary:
-                return each
+        for bevel in self.bevels:
+            if (bevel.z, bevel.upper) == (z, upper) and bevel.boundary == boundary:
+                return bevel
         return None
 
     @property
     def bands(self) -> tuple[Band, ...]:
         """The upright faces and the chamfers at their ends, wall by wall, from below."""
-        found: list[Band] = []
+        all_bands: list[Band] = []
         for wall in self.walls:
-            own, z0, z1 = wall.boundary, wall.z0, wall.z1
-            lower, upper = self._bevel(own, z0, upper=False), self._bevel(own, z1, upper=True)
+            boundary, z0, z1 = wall.boundary, wall.z0, wall.z1
+            lower, upper = (
+                self._bevel(boundary, z0, upper=False),
+                self._bevel(boundary, z1, upper=True),
+            )
             if lower is not None:
                 z0 = lower.foot
-                found.append(Band(own, lower.edge, own, wall.z0, z0, lower.width))
+                all_bands.append(Band(boundary, lower.edge, boundary, wall.z0, z0, lower.width))
             if upper is not None:
                 z1 = upper.foot
-            found.append(Band(own, own, own, z0, z1))
+            all_bands.append(Band(boundary, boundary, boundary, z0, z1))
             if upper is not None:
-                found.append(Band(own, own, upper.edge, z1, wall.z1, upper.width))
-        return tuple(found)
+                all_bands.append(Band(boundary, boundary, upper.edge, z1, wall.z1, upper.width))
+        return tuple(all_bands)
 
     @property
     def outlines(self) -> tuple[Boundary, ...]:
         """The edges of all bands, each once: the boundaries, and behind them those of chamfers."""
-        found = list(self.boundaries)
-        for each in self.bevels:
-            if each.edge not in found:
-                found.append(each.edge)
-        return tuple(found)
+        edges = list(self.boundaries)
+        for bevel in self.bevels:
+            if bevel.edge not in edges:
+                edges.append(bevel.edge)
+        return tuple(edges)
 
     def _edges(
         self, boundaries: tuple[Boundary, ...], z: float, *, upper: bool
     ) -> Iterator[Boundary]:
         """What bounds the flat faces at a height where walls end, `upper`, or begin."""
-        for each in boundaries:
-            bevel = self._bevel(each, z, upper=upper)
-            yield each if bevel is None else bevel.edge
+        for boundary in boundaries:
+            bevel = self._bevel(boundary, z, upper=upper)
+            yield boundary if bevel is None else bevel.edge
 
     def require_heights(self) -> None:
         """Raise GeometryError with the key of a height that the scene does not give.
@@ -317,7 +322,7 @@ class Part(Brief):
         are the same in X and Y, heights are reflected.
         """
         low = self.layers[0].z0
-        layers = (replace(each, z0=low - each.z1, z1=low - each.z0) for each in self.layers)
+        layers = (replace(layer, z0=low - layer.z1, z1=low - layer.z0) for layer in self.layers)
         return Part(tuple(layers)[::-1])
 
     @property
@@ -328,27 +333,31 @@ class Part(Brief):
         """
         self.require_heights()
         first, last, discs = self.layers[0], self.layers[-1], self._discs
-        found = [Level("lower face", first.z0, (), first.boundaries)]
+        flat_faces = [Level("lower face", first.z0, (), first.boundaries)]
         for lower, upper in pairwise(self.layers):
-            ends = tuple(each for each in lower.boundaries if each not in upper.boundaries)
-            begins = tuple(each for each in upper.boundaries if each not in lower.boundaries)
+            ends = tuple(
+                boundary for boundary in lower.boundaries if boundary not in upper.boundaries
+            )
+            begins = tuple(
+                boundary for boundary in upper.boundaries if boundary not in lower.boundaries
+            )
             name = f"floor of the {upper.name}"
             for disc, called in discs.items():
-                if disc in (each.name for each in (*ends, *begins)):
-                    side = "upper" if disc in (each.name for each in ends) else "lower"
+                if disc in (boundary.name for boundary in (*ends, *begins)):
+                    side = "upper" if disc in (boundary.name for boundary in ends) else "lower"
                     name = f"{side} face of the {called}"
             if ends or begins:
-                found.append(Level(name, upper.z0, ends, begins))
-        found.append(Level("upper face", last.z1, last.boundaries, ()))
+                flat_faces.append(Level(name, upper.z0, ends, begins))
+        flat_faces.append(Level("upper face", last.z1, last.boundaries, ()))
         if not self.bevels:
-            return tuple(found)
+            return tuple(flat_faces)
         return tuple(
             replace(
-                each,
-                below=tuple(self._edges(each.below, each.z, upper=True)),
-                above=tuple(self._edges(each.above, each.z, upper=False)),
+                level,
+                below=tuple(self._edges(level.below, level.z, upper=True)),
+                above=tuple(self._edges(level.above, level.z, upper=False)),
             )
-            for each in found
+            for level in flat_faces
         )
 
 
@@ -385,7 +394,7 @@ class Boundary(Protocol):
     def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """Lines and arcs within `tolerance` [mm] of the exact boundary, counter-clockwise."""
 
-    def beside(self, tolerance: float) -> Fit:
+    def distance_fit(self, tolerance: float) -> Fit:
         """Lines and arcs within `tolerance` [mm] from which distances are taken, with no library;
         that they do not cross themselves is not shown.
         """
@@ -468,8 +477,8 @@ def written_contour(
         As `Boundary` does.
     """
     fit: Any = getattr(boundary, form)(WRITTEN_SHARE * tolerance, effort)  # a method for each form
-    found: Fit | SplineFit = replace(fit, contour=fit.contour.split(widest))
-    return found
+    written: Fit | SplineFit = replace(fit, contour=fit.contour.split(widest))
+    return written
 
 
 def require_boundary(value: Any) -> None:
@@ -481,16 +490,16 @@ def require_boundary(value: Any) -> None:
 def valid_boundary(_: str, value: Any) -> Boundary:
     """`value`; raises as `require_boundary`."""
     require_boundary(value)
-    found: Boundary = value
-    return found
+    boundary: Boundary = value
+    return boundary
 
 
 def boundary_tuple(key: str, value: Any) -> tuple[Boundary, ...]:
     """`value`; GeometryError with `key` unless it is a tuple, and as `require_boundary`."""
-    for each in instance(key, value, tuple, "a tuple of boundaries"):
-        require_boundary(each)
-    found: tuple[Boundary, ...] = value
-    return found
+    for boundary in instance(key, value, tuple, "a tuple of boundaries"):
+        require_boundary(boundary)
+    boundaries: tuple[Boundary, ...] = value
+    return boundaries
 
 
 BoundaryField = Annotated[Boundary, valid_boundary, "part"]
@@ -586,17 +595,17 @@ class Edge:
     boundary : of the part.
     kind : see `Kind`.
     below : whether it begins at the lower face of the disc, not at its upper one.
-    by : depth or height over that face [mm]; 0 if the edge goes through, or if the scene does not
-        state it.
+    height : depth or height over that face [mm]; 0 if the edge goes through, or if the scene does
+        not state it.
     """
 
     boundary: Boundary
     kind: Kind = "through"
     below: bool = False
-    by: float = 0.0
+    height: float = 0.0
 
 
-def edges_of(part: Part) -> tuple[Edge, ...]:
+def part_edges(part: Part) -> tuple[Edge, ...]:
     """The edges, in the order of the part's boundaries."""
     return tuple(_edge(part, boundary) for boundary in part.boundaries)
 
@@ -607,10 +616,10 @@ def _edge(part: Part, boundary: Boundary) -> Edge:
     if all(boundary in layer.boundaries or _is_open(boundary, layer) for layer in disc):
         return Edge(boundary)
     bottom, top = disc[0].z0, disc[-1].z1
-    own = [layer for layer in part.layers if boundary in layer.boundaries]
-    z0, z1 = own[0].z0, own[-1].z1
-    if not any(layer in disc for layer in own):
-        below = own[-1] in part.layers[: part.layers.index(disc[0])]
+    layers = [layer for layer in part.layers if boundary in layer.boundaries]
+    z0, z1 = layers[0].z0, layers[-1].z1
+    if not any(layer in disc for layer in layers):
+        below = layers[-1] in part.layers[: part.layers.index(disc[0])]
         return Edge(boundary, "raised", below, bottom - z0 if below else z1 - top)
     below = boundary in disc[0].boundaries
     return Edge(boundary, "sunk", below, z1 - bottom if below else top - z0)
@@ -620,8 +629,8 @@ def _is_open(boundary: Boundary, layer: Layer) -> bool:
     """Whether a hole goes on through a layer within a wider one, as below a counterbore."""
     if not boundary.hole:
         return False
-    start = complex(boundary.beside(COARSE).contour.vertices[0])
+    start = complex(boundary.distance_fit(COARSE).contour.vertices[0])
     return any(
-        each.hole and winding_number(each.beside(COARSE).contour, start)
-        for each in layer.boundaries
+        other.hole and winding_number(other.distance_fit(COARSE).contour, start)
+        for other in layer.boundaries
     )

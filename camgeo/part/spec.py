@@ -24,7 +24,7 @@ from camgeo.numeric.checked import (
     whole,
 )
 from camgeo.part.glyphs import require_glyphs
-from camgeo.part.materials import KG_M3, density_of
+from camgeo.part.materials import KG_M3, table_density
 from camgeo.units import TURN
 
 # -- pair spec ------------------------------------------------------------------------------------
@@ -107,17 +107,17 @@ def text_to_engrave(key: str, value: Any) -> str:
             key,
             shown(value),
         )
-    for each in text:
-        known = f"U+{ord(each):04X}"
-        if unicodedata.category(each)[0] in "MC":
+    for character in text:
+        known = f"U+{ord(character):04X}"
+        if unicodedata.category(character)[0] in "MC":
             raise GeometryError(
                 f"{known} in it is no character of its own, so it cannot be engraved",
                 key,
                 shown(value),
             )
-        if unicodedata.bidirectional(each) in SHAPED:
+        if unicodedata.bidirectional(character) in SHAPED:
             raise GeometryError(
-                f'"{each}" ({known}) is written from right to left, which is not engraved',
+                f'"{character}" ({known}) is written from right to left, which is not engraved',
                 key,
                 shown(value),
             )
@@ -169,13 +169,13 @@ class Engraving:
         number(f"part.{ENGRAVING}.radius", self.radius, above=0.5 * self.height, unit="mm")
 
 
-def text_of(boundary: str) -> str:
+def text_name(boundary: str) -> str:
     """Name of the text to which the boundary of that name belongs; empty if it is of none."""
     text, letter, _ = boundary.partition(LETTER)
     return text if letter and text.startswith(ENGRAVING) else ""
 
 
-def engravings_of(tables: Iterable[Mapping[str, Any]], name: str) -> tuple[Engraving, ...]:
+def read_engravings(tables: Iterable[Mapping[str, Any]], name: str) -> tuple[Engraving, ...]:
     """The texts of converted tables, in mm and rad; that of one without a text is `name`.
 
     Raises
@@ -184,17 +184,17 @@ def engravings_of(tables: Iterable[Mapping[str, Any]], name: str) -> tuple[Engra
         With the key of the text, counted from 1, if one is invalid or its font has no such
         character.
     """
-    found = []
+    texts = []
     for number_of_text, table in enumerate(tables, start=1):
         try:
-            made = Engraving(**{"text": name, **table})
-            require_glyphs(made.text)
+            engraving = Engraving(**{"text": name, **table})
+            require_glyphs(engraving.text)
         except GeometryError as error:
             begin = f"part.{ENGRAVING}"
             key = error.key.replace(begin, f"{begin}[{number_of_text}]", 1)
             raise GeometryError(error.message, key, error.value) from None
-        found.append(made)
-    return tuple(found)
+        texts.append(engraving)
+    return tuple(texts)
 
 
 # -- faces ----------------------------------------------------------------------------------------
@@ -499,10 +499,10 @@ class PartSpec:
 
     def _check_engraving(self) -> None:
         key = f"part.{ENGRAVING}"
-        given = instance(key, self.engraving, tuple, "a tuple of texts")
-        if len(instances(key, given, (Engraving,), "texts")) > MOST_TEXTS:
-            raise GeometryError(f"at most {MOST_TEXTS} texts are engraved", key, f"{len(given)}")
-        for place, text in enumerate(given, start=1):
+        texts = instance(key, self.engraving, tuple, "a tuple of texts")
+        if len(instances(key, texts, (Engraving,), "texts")) > MOST_TEXTS:
+            raise GeometryError(f"at most {MOST_TEXTS} texts are engraved", key, f"{len(texts)}")
+        for place, text in enumerate(texts, start=1):
             if self.thickness is not None:
                 number(f"{key}[{place}].depth", text.depth, below=self.thickness, unit="mm")
 
@@ -513,30 +513,30 @@ class PartSpec:
         """
         if self.pair is None:
             return self
-        own = replace(self, pair=None, hub=None, set_screw=None)
+        disc_spec = replace(self, pair=None, hub=None, set_screw=None)
         if self.chamfers is not None:
             side = UPPER if disc == self.pair.upper else LOWER
             hub = self.hub is not None and self.hub.side in (side, BOTH)
-            own = replace(own, chamfers=self.chamfers.on_one_side(side, hub=hub))
+            disc_spec = replace(disc_spec, chamfers=self.chamfers.on_one_side(side, hub=hub))
         if disc == self.pair.upper:
-            return own
+            return disc_spec
         bolts = self.bolt_circle
         bolts = None if bolts is None else replace(bolts, counterbore=None)
-        return replace(own, bolt_circle=bolts, engraving=())
+        return replace(disc_spec, bolt_circle=bolts, engraving=())
 
     @classmethod
-    def of(cls, table: Mapping[str, Any], name: str) -> PartSpec:
+    def from_table(cls, table: Mapping[str, Any], name: str) -> PartSpec:
         """The specification of a converted table `[part]`, in mm, rad and t; raises GeometryError.
 
         `name` is engraved where a text is not given.
         """
-        given = {key: table[key] for key in table if key != "material"}
-        given[ENGRAVING] = engravings_of(given.get(ENGRAVING, ()), name)
-        given["density"] = density_of(table)
-        keyway = dict(given.get("keyway", {}))
+        values = {key: table[key] for key in table if key != "material"}
+        values[ENGRAVING] = read_engravings(values.get(ENGRAVING, ()), name)
+        values["density"] = table_density(table)
+        keyway = dict(values.get("keyway", {}))
         if keyway.pop("standard", None):
-            given["keyway"] = Keyway.by_standard(given["bore"], **keyway)
-        return instance_from_table(PartSpec, given)
+            values["keyway"] = Keyway.by_standard(values["bore"], **keyway)
+        return instance_from_table(PartSpec, values)
 
 
 # -- chamfers -------------------------------------------------------------------------------------

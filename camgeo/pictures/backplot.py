@@ -10,7 +10,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from camgeo.design.product import Product, sides_of
+from camgeo.design.product import Product, product_sides
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.milling.judged import Side, runs_of, setup_of
@@ -87,7 +87,7 @@ def figure(product: Product, size: Size | None = None) -> Figure:
     """
     if not product.scene.states_milling:
         raise GeometryError("names no tool: there is no program to draw", key="tool")
-    found = [each for side in sides_of(product) for each in _shown(side)]
+    found = [each for side in product_sides(product) for each in _shown(side)]
     columns = min(2, max(1, len(found)))
     rows = max(1, math.ceil(len(found) / columns))
     left, right, top, bottom = MARGINS

@@ -12,13 +12,13 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.design.pictured import CutOff, FollowerSketch
+from camgeo.design.pictured import FollowerSketch, TrimmedStretch
 from camgeo.design.product import Product
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.geometry.outline.path import Flank
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray
 from camgeo.part.part import Boundary, Part
-from camgeo.part.spec import text_of
+from camgeo.part.spec import text_name
 from camgeo.pictures.model import (
     AUXILIARY,
     LEFT,
@@ -81,7 +81,7 @@ def figure(product: Product, size: Size = SIZE) -> Figure:
     """The cam at cam angle 0, to scale, in the product's unit."""
     scale = 1.0 / MM_PER[product.unit]
     part, rolls = _part(product), product.cam.follower.has_pitch_curve
-    found, sketch = product.pictured.cut_off, product.pictured.follower_sketch
+    found, sketch = product.pictured.trimmed_stretches, product.pictured.follower_sketch
     if part is None:
         marks, lines = whole_flanks(product, found, scale)
     else:
@@ -165,7 +165,7 @@ def _return_disc(second: Product, scale: float) -> tuple[list[Mark], list[Comple
 
 
 def _legend(
-    product: Product, part: Part | None, found: tuple[CutOff, ...], height: float
+    product: Product, part: Part | None, found: tuple[TrimmedStretch, ...], height: float
 ) -> Legend:
     """The legend of axes of that `height` [inch]."""
     if part is None:
@@ -270,7 +270,7 @@ BESIDE = 4.0
 
 
 def whole_flanks(
-    product: Product, found: tuple[CutOff, ...], scale: float
+    product: Product, found: tuple[TrimmedStretch, ...], scale: float
 ) -> tuple[list[Mark], list[ComplexArray]]:
     """The flanks in use with their cusps and loops, the reason that there is no disc."""
     lines = []
@@ -292,7 +292,7 @@ def whole_flanks(
 
 
 def flanks_near(
-    product: Product, found: tuple[CutOff, ...], middle: complex, width: float
+    product: Product, found: tuple[TrimmedStretch, ...], middle: complex, width: float
 ) -> list[Mark]:
     """What lies in and near the square of side `width` [mm] around `middle`, in mm."""
     shares = np.linspace(0.0, 1.0, RANGE)
@@ -307,7 +307,7 @@ def flanks_near(
     return marks
 
 
-def flank_names(product: Product, found: tuple[CutOff, ...]) -> list[Entry]:
+def flank_names(product: Product, found: tuple[TrimmedStretch, ...]) -> list[Entry]:
     """Names for the legend: what is marked."""
     marked = cut_off_names("would be cut off") if found else []
     if not found and _undercut(product):
@@ -324,7 +324,7 @@ def note(x: Limits, y: Limits) -> list[ComplexArray]:
     return [np.array([left, left + 12.0 * height]) + 1j * (high - down) for down in (0.0, height)]
 
 
-def _left(found: tuple[CutOff, ...], flank: str) -> list[tuple[float, float]]:
+def _left(found: tuple[TrimmedStretch, ...], flank: str) -> list[tuple[float, float]]:
     """Ranges of cam angle [rad] of a flank that would not be cut off."""
     own = sorted((each.start, each.end) for each in found if each.flank == flank)
     if not own:
@@ -393,7 +393,7 @@ def whole_disc(
 
 def _style(boundary: Boundary) -> Style:
     """Of the edge along a boundary: thin along letters, whose strokes are narrow."""
-    return LETTER if text_of(boundary.name) else EDGE
+    return LETTER if text_name(boundary.name) else EDGE
 
 
 def disc_behind(part: Part, scale: complex, sagitta: float, *, sampled: bool = False) -> list[Mark]:
@@ -497,7 +497,7 @@ Window = Callable[[complex, float], list[Mark]]
 """Draws what lies around a point [mm], within a square of the given side [mm]."""
 
 
-def cut_off_marks(found: Sequence[CutOff], scale: float) -> list[Mark]:
+def cut_off_marks(found: Sequence[TrimmedStretch], scale: float) -> list[Mark]:
     """What is cut off, and its corners; `scale` units in 1 mm."""
     corners = np.array([each.corner for each in found]) * scale
     return [
@@ -514,7 +514,7 @@ def cut_off_names(label: str) -> list[Entry]:
 def enlarged(
     x: Limits,
     y: Limits,
-    found: tuple[CutOff, ...],
+    found: tuple[TrimmedStretch, ...],
     drawn: list[ComplexArray],
     size: float,
     scale: float,
@@ -578,11 +578,11 @@ def line_near(line: ComplexArray, middle: complex, width: float) -> ComplexArray
     return np.where(inside, line, complex(np.nan, np.nan))
 
 
-def _extent(part: CutOff) -> float:
+def _extent(part: TrimmedStretch) -> float:
     return float(max(np.ptp(part.course.real), np.ptp(part.course.imag)))
 
 
-def _middle(part: CutOff) -> complex:
+def _middle(part: TrimmedStretch) -> complex:
     course = part.course
     x, y = ((np.max(each) + np.min(each)) / 2.0 for each in (course.real, course.imag))
     return complex(x, y)

@@ -358,7 +358,7 @@ def animation(product: Product, *, moving: bool = False) -> Animation:
     """
     cam = product.cam
     angles = np.linspace(0.0, TURN, POSITIONS, endpoint=False)
-    sketch = product.pictured.mechanism_at(angles)
+    sketch = product.pictured.mechanism_sketches(angles)
     first = sketch.at(0)
     marks, reach, note = _turning(product, moving=moving)
     low, high = window(reach, [sketch])
@@ -393,7 +393,7 @@ def _turning(product: Product, *, moving: bool) -> tuple[tuple[Mark, ...], float
     marks = _discs(product, moving=moving)
     if not marks:
         try:
-            drawn = pictured.whole_flanks(product, product.pictured.cut_off, 1.0)[0]
+            drawn = pictured.whole_flanks(product, product.pictured.trimmed_stretches, 1.0)[0]
         except CamgeoError:  # the findings say so
             drawn = []
         note = next((mark.text for mark in drawn if isinstance(mark, Text)), "no disc")

@@ -289,7 +289,7 @@ def face_window(sides: FaceSides) -> Window:
         shown = [task.present] if task is sides[0][0] else []
         shown += [] if sizing.answer is None else [sizing.answer.place]
         for each in shown:
-            radius = task.base_radius_at(each)
+            radius = task.base_radius(each)
             across += [each.real - radius, each.real + radius]
             y = task.seen[1] * each.imag
             low, high = max(low, radius - y), max(high, radius + y)
@@ -323,7 +323,9 @@ def region_limits(
         return high, low
     phi = np.linspace(0.0, 2.0 * np.pi, SAMPLES, endpoint=False)
     for name in task.names:
-        a, b, c = task.rows(name, phi, "right", task.asked(sizing.angle, sizing.radius or 0.0))
+        a, b, c = task.rows(
+            name, phi, "right", task.required_limits(sizing.angle, sizing.radius or 0.0)
+        )
         rest = c[:, np.newaxis] + b[:, np.newaxis] * rows  # y is minus the row
         with np.errstate(divide="ignore", invalid="ignore"):
             ends = rest / a[:, np.newaxis]

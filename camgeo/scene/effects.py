@@ -10,7 +10,7 @@ from typing import Any, Final
 from camgeo.dynamics.effects.effect import SPEED, Effect, Machine, Table
 from camgeo.dynamics.effects.registry import find_effect
 from camgeo.errors import GeometryError
-from camgeo.part.materials import KG_M3, USUAL, density_of, find_material
+from camgeo.part.materials import KG_M3, USUAL, find_material, table_density
 from camgeo.part.spec import PartSpec
 from camgeo.scene.keys import KeyPath
 from camgeo.scene.schema import EFFECTS_KEY, FINDERS, NAMING, schema_for
@@ -66,7 +66,7 @@ def weighed(part: PartSpec, table: Mapping[str, Any], inside: Inside) -> PartSpe
 
     That both state it is a fault unless they agree.
     """
-    stated = density_of(table)
+    stated = table_density(table)
     if part.density is None:
         return replace(part, density=stated or find_material(USUAL).density)
     if stated is not None and not math.isclose(stated, part.density, rel_tol=ROUNDING):

@@ -592,7 +592,7 @@ class Builder:
         top, name = self._top("part"), self.values.get("name")
 
         def made() -> PartSpec:
-            found = PartSpec.of(top, name)
+            found = PartSpec.from_table(top, name)
             if WEIGHING not in effects:
                 return found
             from camgeo.scene.effects import weighed  # few scenes name an effect

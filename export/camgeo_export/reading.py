@@ -11,7 +11,7 @@ import numpy as np
 from camgeo.design.product import Product
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.spline import SplineContour
-from camgeo.part.part import Boundary, Edge, edges_of
+from camgeo.part.part import Boundary, Edge, part_edges
 from camgeo.units import MM_PER
 
 AnyContour = Contour | SplineContour
@@ -60,8 +60,8 @@ def layer_name(edge: Edge, scale: float) -> str:
     words = [WORDS[edge.kind]]
     if edge.below:
         words.append(BELOW)
-    if edge.by:
-        by = edge.by / scale
+    if edge.height:
+        by = edge.height / scale
         words.append(np.format_float_positional(by, DIGITS, fractional=False, trim="-"))
     return "_".join(words)
 
@@ -69,7 +69,7 @@ def layer_name(edge: Edge, scale: float) -> str:
 def layered(product: Product) -> dict[str, tuple[Boundary, ...]]:
     """The boundaries of the part by layers, CUT first."""
     found: dict[str, tuple[Boundary, ...]] = {CUT: ()}
-    for edge in edges_of(product.drawn.part):
+    for edge in part_edges(product.drawn.part):
         name = layer_name(edge, MM_PER[product.unit])
         found[name] = (*found.get(name, ()), edge.boundary)
     return found

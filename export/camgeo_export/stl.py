@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from camgeo.design.product import Product, bodies_of
+from camgeo.design.product import Product, solid_products
 from camgeo.design.writing import Written
 from camgeo.errors import FileError
 from camgeo.numeric.arrays import FloatArray
@@ -24,7 +24,7 @@ class StlWriter:
     """Writes a binary STL."""
 
     format = STL
-    pieces = staticmethod(bodies_of)  # the disc, or the pair that it is one piece with
+    pieces = staticmethod(solid_products)  # the disc, or the pair that it is one piece with
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The body [mm] within `tolerance` [mm], including the rounding to STL's single floats."""

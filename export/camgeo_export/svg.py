@@ -18,7 +18,7 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
-from camgeo.design.product import Product, title_of
+from camgeo.design.product import Product, display_title
 from camgeo.design.writing import Written
 from camgeo.errors import FileError
 from camgeo.geometry.contour.contour import Contour
@@ -87,7 +87,7 @@ class CutSvgWriter:
         lines = [
             '<?xml version="1.0" encoding="UTF-8"?>',
             f'<svg xmlns="http://www.w3.org/2000/svg" version="1.1" {size} {box}>',
-            f"<title>{escape(title_of(product))}</title>",
+            f"<title>{escape(display_title(product))}</title>",
             f"<desc>{made}; tolerance {tolerance!r} mm</desc>",
         ]
         for name, contours in layers.items():

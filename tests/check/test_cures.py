@@ -157,22 +157,22 @@ def turned(cam: Cam, cure: Cure, value: float) -> Cam:
 
 def applied(cam: Cam, cure: Cure) -> Cam:
     """The cam with the changes of the motion that a cure names, and with no others."""
-    assert cure.value_to is not None
+    assert cure.new_value is not None
     segments = list(cam.drive.plan.segments)
-    for change in (Change(cure.key, cure.value_from, cure.value_to), *cure.also):
+    for change in (Change(cure.key, cure.old_value, cure.new_value), *cure.also):
         number = int(change.key.partition("[")[2].partition("]")[0]) - 1
         segment = segments[number]
         what = change.key.rpartition(".")[2]
         assert (what == "dwell") == isinstance(segment, Dwell)
         if what == "law":
             assert isinstance(segment, Move)
-            assert segment.law.name == change.value_from
-            law = make_law(str(change.value_to), "R-R")
+            assert segment.law.name == change.old_value
+            law = make_law(str(change.new_value), "R-R")
             segments[number] = replace(segment, law=law)
         else:
-            assert segment.span == change.value_from
-            assert isinstance(change.value_to, Decimal)
-            segments[number] = replace(segment, span=change.value_to)
+            assert segment.span == change.old_value
+            assert isinstance(change.new_value, Decimal)
+            segments[number] = replace(segment, span=change.new_value)
     return cam.moved(MotionPlan(tuple(segments)))
 
 
@@ -183,9 +183,9 @@ def by_knob(found: tuple[Cure, ...]) -> dict[str, Cure]:
 def check_lengths(cam: Cam, found: tuple[Cure, ...]) -> None:
     """The finding is gone at the proposed value and beyond, and remains just short of it."""
     for cure in found:
-        if cure.knob not in LENGTHS or cure.value_to is None:
+        if cure.knob not in LENGTHS or cure.new_value is None:
             continue
-        old, limit, reported = cure.value_from, cure.limit, cure.value_to
+        old, limit, reported = cure.old_value, cure.limit, cure.new_value
         assert isinstance(old, float)
         assert isinstance(limit, float)
         assert isinstance(reported, float)
@@ -209,7 +209,7 @@ def test_a_longer_segment_is_the_shortest_that_cures(name: str) -> None:
     cam = CASES[name]
     cure = by_knob(found_for(name))["longer segment"]
     assert cure.works, cure.sentence
-    assert isinstance(cure.value_to, Decimal)
+    assert isinstance(cure.new_value, Decimal)
     longer = applied(cam, cure)
     assert is_good(longer)
     # One step less of all the moves, and of the dwells what is left over.
@@ -222,7 +222,7 @@ def test_a_longer_segment_is_the_shortest_that_cures(name: str) -> None:
     }
     plan = known(longer_plan(cam.drive.plan, shorter))
     assert not is_good(cam.moved(plan))
-    assert cure.value_from in [cam.drive.plan.segments[number].span for number in shorter]
+    assert cure.old_value in [cam.drive.plan.segments[number].span for number in shorter]
 
 
 @each_case
@@ -234,7 +234,7 @@ def test_another_law_cures_and_none_does_it_for_less(name: str) -> None:
     number = int(cure.key.partition("[")[2].partition("]")[0]) - 1
     move = cam.drive.plan.segments[number]
     assert isinstance(move, Move)
-    assert move.law.name == cure.value_from
+    assert move.law.name == cure.old_value
     changed = [change.key for change in cure.also]
     for offer in offers_for(cam.drive.plan, number):
         if changed or (cure.cost is not None and offer.growth >= cure.cost):
@@ -260,7 +260,7 @@ def test_the_cheapest_comes_first_and_what_does_not_work_last(name: str) -> None
     assert costs == sorted(costs)
     assert min(costs) >= 0.0
     for cure in found_for(name):
-        assert cure.works == (cure.cost is not None) == (cure.value_to is not None)
+        assert cure.works == (cure.cost is not None) == (cure.new_value is not None)
         assert cure.sentence
         assert cure.works or not cure.also
     assert len(by_knob(found_for(name))) == 5
@@ -298,11 +298,11 @@ def test_a_cusp_is_cured_by_no_change_at_all() -> None:
     found = by_knob(cures((cam,)))
     for knob, upward in (("base radius", True), ("roller radius", False)):
         cure = found[knob]
-        assert isinstance(cure.value_to, float)
+        assert isinstance(cure.new_value, float)
         assert cure.limit is not None
         assert known(cure.cost) < 1e-9
         assert (" at most " in cure.sentence) != upward
-        assert is_good(turned(cam, cure, cure.value_to))
+        assert is_good(turned(cam, cure, cure.new_value))
         step = NEAR * cure.limit
         assert is_good(turned(cam, cure, cure.limit + (step if upward else -step)))
 
@@ -396,7 +396,7 @@ def test_two_moves_grow_as_long_as_the_rest_between_them_has_room(more: float, w
     cure = by_knob(cures((cam,)))["longer segment"]
     assert cure.works == works, cure.sentence
     if not works:
-        assert (cure.key, cure.value_from, cure.cost) == ("motion[1].span", 30, None)
+        assert (cure.key, cure.old_value, cure.cost) == ("motion[1].span", 30, None)
         assert "too little room" in cure.sentence
         return
     first, rest, second, _ = applied(cam, cure).drive.plan.segments
@@ -506,9 +506,9 @@ def undercut(design: Design) -> list[str]:
 def rewritten(scene: Scene, cure: Cure) -> Scene:
     """The scene, changed only at the cure's keys, where it holds the values that the cure
     replaces."""
-    assert cure.value_to is not None
+    assert cure.new_value is not None
     edits: dict[str, Any] = {}
-    for change in (Change(cure.key, cure.value_from, cure.value_to), *cure.also):
+    for change in (Change(cure.key, cure.old_value, cure.new_value), *cure.also):
         path = known(path_of(change.key))
         *above, last = path
         table: Any = scene.values
@@ -516,9 +516,9 @@ def rewritten(scene: Scene, cure: Cure) -> Scene:
             table = table[step] if isinstance(step, int) else table.get(step, {})
         present = table.get(last)
         if isinstance(present, Decimal):
-            assert not isinstance(change.value_from, str)
-            assert float(present) == pytest.approx(float(change.value_from), rel=1e-15), change.key
-        edits[change.key] = change.value_to
+            assert not isinstance(change.old_value, str)
+            assert float(present) == pytest.approx(float(change.old_value), rel=1e-15), change.key
+        edits[change.key] = change.new_value
         if last == "law":
             stem = change.key.removesuffix("law")
             edits |= {f"{stem}{shape}": None for shape in SHAPES & {*table}}
@@ -532,7 +532,7 @@ def check_cures(values: Tables) -> tuple[Cure, ...]:
         if not cure.works:
             assert not cure.also
             continue
-        value = cure.value_to
+        value = cure.new_value
         if isinstance(value, float):
             unit = values.get("units", {}).get("length", "mm")
             assert cure.unit == unit
@@ -646,7 +646,7 @@ def test_the_nearest_window_is_found(name: str, knob: str, nearest: float, known
     cure = works(design, "undercut", knob)
     assert cure.limit is not None
     assert min(nearest, known) <= cure.limit <= max(nearest, known)
-    assert not bad(with_value(design, cure.key, cure.value_to))
+    assert not bad(with_value(design, cure.key, cure.new_value))
     short = cure.limit + NEAR * design.cam.follower.base_radius * (1 if known < nearest else -1)
     assert bad(with_value(design, cure.key, short))
 
@@ -659,7 +659,7 @@ def test_a_radius_ratio_and_an_angle_have_remedies() -> None:
     assert {each.fault for each in broken.judgement.cures} == {"transmission angle", "radius ratio"}
     for cure in broken.judgement.cures:
         if cure.works and cure.knob not in ("longer segment", "other law"):
-            left = bad(with_value(broken, cure.key, cure.value_to))
+            left = bad(with_value(broken, cure.key, cure.new_value))
             assert not any(name.startswith(cure.fault.replace(" ", "-")) for name in left)
             assert left < bad(broken)
 
@@ -669,7 +669,7 @@ def test_a_remedy_keeps_the_bore_inside_the_disc() -> None:
     design = camgeo.load(FIXTURES / "refused" / "return_undercut.toml")
     cure = works(design, "undercut", "base radius")
     assert cure.breaks == ()
-    assert with_value(design, cure.key, cure.value_to).discs[1].drawn.part is not None
+    assert with_value(design, cure.key, cure.new_value).discs[1].drawn.part is not None
     short = with_value(design, cure.key, known(cure.limit) + 1e-3)
     with pytest.raises(camgeo.CamgeoError, match="bore"):
         _ = short.discs[1].drawn.part

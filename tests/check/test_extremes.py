@@ -19,7 +19,7 @@ import camgeo
 from camgeo.app.answers.size import size
 from camgeo.check.disc import transmission_angle_extremes
 from camgeo.check.finding import Finding
-from camgeo.design.machining import machining_of
+from camgeo.design.machining import plan_machining
 from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.numeric.arrays import FloatArray
@@ -238,7 +238,7 @@ def test_a_cutter_that_is_larger_than_a_hollow_is_refused_with_its_place() -> No
     kappa = (radius**2 + 2.0 * s1**2 - radius * s2) / np.hypot(radius, s1) ** 3
     worst = int(np.argmin(kappa))
     hollow = -1.0 / kappa[worst] + 6.0  # the flank lies within the path of the roller's centre
-    (refused,) = machining_of(design.discs).findings
+    (refused,) = plan_machining(design.discs).findings
     assert refused.severity == "invalid"
     told = f"its smallest concave radius is {hollow:.6g} mm at cam angle {phi[worst]:.4f}"
     assert told in refused.sentence

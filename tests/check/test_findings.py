@@ -33,7 +33,7 @@ from camgeo.check.finding import (
     Limits,
     Severity,
     forbidding,
-    held,
+    limit_finding,
 )
 from camgeo.check.judge import check_breadth, worst
 from camgeo.check.machine import check_follower, linkage_findings
@@ -189,15 +189,15 @@ def test_a_value_keeps_a_limit_that_it_is_equal_to(limit: float) -> None:
         (limit, "ok", "ok"),
         (above(limit), "broken", "ok"),
     ):
-        found = held("any", "so much", value, limit, "mm", 1.0)
+        found = limit_finding("any", "so much", value, limit, "mm", 1.0)
         assert (found.severity, found.value, found.limit) == (most, value, limit)
         word = "at most" if most == "ok" else "above"
         assert found.sentence == f"so much, {word} {limit:g} mm"
-        found = held("any", "so much", value, limit, least=True)
+        found = limit_finding("any", "so much", value, limit, least=True)
         assert found.severity == least
         word = "at least" if least == "ok" else "below"
         assert found.sentence == f"so much, {word} {limit:g}"
-    none = held("any", "so much", 3.0, None, "mm", 1.0)
+    none = limit_finding("any", "so much", 3.0, None, "mm", 1.0)
     assert none == Finding("any", "ok", "so much", 3.0, None, "mm", 1.0)
 
 

@@ -184,7 +184,7 @@ def findings_of(design: Design | CamgeoError) -> str:
 def remedies_of(design: Design | CamgeoError) -> str:
     assert isinstance(design, Design)
     return "\n".join(
-        f"{each.knob}: {each.key} {each.value_from} -> {each.value_to} {each.unit}, cost"
+        f"{each.knob}: {each.key} {each.old_value} -> {each.new_value} {each.unit}, cost"
         f" {document([each.cost, each.limit])}, also {[*map(str, each.also)]}: {each.sentence}"
         for each in design.judgement.cures
     )

@@ -20,7 +20,7 @@ from camgeo.cam.cam import Cam, Contact
 from camgeo.check.disc import disc_findings
 from camgeo.check.finding import NO_OUTLINE, Limits
 from camgeo.check.sizing.face import FaceTask
-from camgeo.check.sizing.rounding import exponent_of, rounded, rounded_face
+from camgeo.check.sizing.rounding import decimal_exponent, rounded, rounded_face
 from camgeo.check.sizing.smallest import Rating, Sizing, flocke
 from camgeo.check.sizing.task import Task
 from camgeo.errors import GeometryError
@@ -85,11 +85,11 @@ def reference_task(name: str) -> Task:
     else:
         arm = float(given["l_3"])
         follower = OscillatingRoller(100 + 0j, arm, 90.0, ROLLER, 1, given["kappa_ccw"])
-    return Task.of(cam_of(plan, follower, given["sigma"]))
+    return Task.from_cam(cam_of(plan, follower, given["sigma"]))
 
 
 def sized(name: str) -> Sizing:
-    return Sizing.of(reference_task(name), math.radians(CASES[name]["args"]["mu_min"]), 1.0)
+    return Sizing.solve(reference_task(name), math.radians(CASES[name]["args"]["mu_min"]), 1.0)
 
 
 def rise_and_return(name: str) -> tuple[float, float, float, float]:
@@ -128,7 +128,7 @@ def test_flocke_is_the_reference(name: str) -> None:
     assert place.real == pytest.approx(float(case["e"]), abs=1e-12)
     assert -place.imag == pytest.approx(float(case["s_G"]), rel=1e-12)
     assert abs(place) == pytest.approx(float(case["r_G"]), rel=1e-12)
-    rating = known(Rating.of(task, place))
+    rating = known(Rating.from_place(task, place))
     mu = math.degrees(rating.transmission_angle.value)
     assert mu == pytest.approx(float(case["true_mu_min"]), abs=1e-5)
 
@@ -176,7 +176,7 @@ def there_and_back(stroke: float, law: str = "polynomial-345") -> MotionPlan:
 
 def swinging(side: int = 1, direction: int = 1, rotation: int = 1, **other: float) -> FaceTask:
     follower = OscillatingFlat(-70 + 50j, 35.0, other.get("offset", 8.0), side, direction)
-    return FaceTask.of(cam_of(there_and_back(math.radians(12.0)), follower, rotation))
+    return FaceTask.from_cam(cam_of(there_and_back(math.radians(12.0)), follower, rotation))
 
 
 @pytest.mark.parametrize("direction", [1, -1])
@@ -185,7 +185,9 @@ def test_on_a_guide_it_is_the_largest_of_minus_lift_and_acceleration(
     direction: int, least: float
 ) -> None:
     """r_G = rho - min kappa_F (s + s''); for an F-cam of 3-4-5 moves in the return."""
-    task = FaceTask.of(cam_of(there_and_back(9.0), TranslatingFlat(60.0, direction=direction)))
+    task = FaceTask.from_cam(
+        cam_of(there_and_back(9.0), TranslatingFlat(60.0, direction=direction))
+    )
     found = task.size(ANGLE, least)
     assert found.answer is not None
     span, best = math.radians(90.0), math.inf
@@ -202,7 +204,9 @@ def test_on_a_guide_it_is_the_largest_of_minus_lift_and_acceleration(
 
 def test_a_jump_of_the_acceleration_counts_from_both_sides() -> None:
     """A parabola decelerates from its middle on: -(s + s'') = stroke (4/span^2 - 1/2)."""
-    task = FaceTask.of(cam_of(there_and_back(9.0, "quadratic-parabola"), TranslatingFlat(60.0)))
+    task = FaceTask.from_cam(
+        cam_of(there_and_back(9.0, "quadratic-parabola"), TranslatingFlat(60.0))
+    )
     found = task.size(ANGLE, 0.0)
     expected = 9.0 * (4.0 / math.radians(90.0) ** 2 - 0.5)
     assert known(found.answer).base_radius == pytest.approx(expected, abs=5e-7)
@@ -215,10 +219,10 @@ def test_the_conditions_are_those_of_the_support_function(
     side: int, direction: int, rotation: int
 ) -> None:
     task = swinging(side, direction, rotation)
-    asked = task.asked(ANGLE, 3.0)
+    asked = task.required_limits(ANGLE, 3.0)
     phi = np.linspace(0.0, 2.0 * math.pi, 300)
     x, y = task.present.real, -task.present.imag
-    at = touch(task.pitch_curve_at(task.present), phi)
+    at = touch(task.pitch_curve(task.present), phi)
     expected = {
         "convexity": at.pace[0] - 3.0 * at.turn[0],
         "face-over-axis": at.distance - asked.clearance,
@@ -247,16 +251,16 @@ def test_what_no_size_can_do() -> None:
             Move(Decimal(310), 0.0, POLYNOMIAL),
         )
     )
-    task = FaceTask.of(cam_of(quick, OscillatingFlat(-70 + 50j, 35.0), 1))
+    task = FaceTask.from_cam(cam_of(quick, OscillatingFlat(-70 + 50j, 35.0), 1))
     reasons = [side.size(ANGLE, 0.0).hopeless for side in task.sides]
     assert sum("turns back" in (each or "") for each in reasons) == 1
-    rated = [side.rating_at(side.present) for side in task.sides]
+    rated = [side.rate_place(side.present) for side in task.sides]
     assert [each is None for each in rated] == ["turns back" in (why or "") for why in reasons]
-    jumping = FaceTask.of(cam_of(there_and_back(9.0, "straight-line"), TranslatingFlat(60.0)))
+    jumping = FaceTask.from_cam(cam_of(there_and_back(9.0, "straight-line"), TranslatingFlat(60.0)))
     found = jumping.size(ANGLE, 0.0)
     assert found.answer is None
     assert "a flat face needs a motion without shocks" in (found.hopeless or "")
-    still = FaceTask.of(cam_of(MotionPlan((Dwell(Decimal(360)),)), TranslatingFlat(60.0)))
+    still = FaceTask.from_cam(cam_of(MotionPlan((Dwell(Decimal(360)),)), TranslatingFlat(60.0)))
     with pytest.raises(GeometryError, match="does not move"):
         still.size(ANGLE, 0.0)
 
@@ -353,7 +357,7 @@ def nearby(task: Task, place: complex, radius: float, seed: int) -> Iterator[com
 def is_smaller(task: Task, place: complex, angle: float, ratio: float) -> bool:
     """Whether the cam axis may lie at `place`, according to the checks."""
     try:
-        return keeps(task.cam_at(place), angle, ratio)
+        return keeps(task.placed_cam(place), angle, ratio)
     except GeometryError:
         return False
 
@@ -373,8 +377,8 @@ def fits(task: FaceTask, radius: float, angle: float, least: float) -> bool:
 @settings(max_examples=examples(2, long=300))
 def test_the_size_of_a_roller_cam(seed: int, degrees: float, ratio: float, inches: int) -> None:
     cam, angle, unit = roller_cam(seed), math.radians(degrees), (1.0, 25.4)[inches - 1]
-    for task in Task.of(cam).sides:
-        found = Sizing.of(task, angle, ratio)
+    for task in Task.from_cam(cam).sides:
+        found = Sizing.solve(task, angle, ratio)
         if found.answer is None:
             # A swing too large for the angle: at most 90 degrees less half the swing can be kept.
             assert known(found.nearest_angle) < angle
@@ -384,7 +388,7 @@ def test_the_size_of_a_roller_cam(seed: int, degrees: float, ratio: float, inche
         assert found.none_below >= limit * (1.0 - 5e-3)
         made = known(rounded(task, place, known(found.examined), angle, ratio, unit))
         assert keeps(made.cam, angle, ratio)
-        last = unit * 10.0 ** exponent_of(limit, unit)
+        last = unit * 10.0 ** decimal_exponent(limit, unit)
         written = made.cam.follower.base_radius
         assert limit * (1.0 - 1e-9) <= written
         assert written / last == pytest.approx(round(written / last), abs=1e-6)
@@ -404,7 +408,7 @@ def test_the_size_of_a_roller_cam(seed: int, degrees: float, ratio: float, inche
 @settings(max_examples=examples(4, long=600))
 def test_the_size_of_a_flat_faced_cam(seed: int, degrees: float, least: float) -> None:
     cam, angle = face_cam(seed), math.radians(degrees)
-    for task in FaceTask.of(cam).sides:
+    for task in FaceTask.from_cam(cam).sides:
         found = task.size(angle, least)
         most = task.follower.farthest
         tried = np.linspace(0.0, most if math.isfinite(most) else 300.0, 14)[1:-1]

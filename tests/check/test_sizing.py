@@ -21,7 +21,7 @@ from camgeo.check.disc import disc_findings, transmission_angle_extremes, transm
 from camgeo.check.sizing import smallest
 from camgeo.check.sizing.face import FaceTask
 from camgeo.check.sizing.rounding import (
-    exponent_of,
+    decimal_exponent,
     size_with_arm,
     sound,
     upward,
@@ -36,14 +36,14 @@ from camgeo.check.sizing.smallest import (
     conditions,
     excluded,
     flocke,
+    local_conditions,
     nearest_cells,
     nearest_point,
     ratio_map,
     row_limits,
-    samples_of,
-    within,
+    sample_angles,
 )
-from camgeo.check.sizing.task import TOUCHING, Task, covered, pairs_of
+from camgeo.check.sizing.task import TOUCHING, Task, covered_pairs, pair_conditions
 from camgeo.errors import GeometryError
 from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
@@ -69,7 +69,7 @@ def required(name: str) -> tuple[Task, float, float]:
     design = camgeo.load(SCENES / f"{name}.toml")
     limits = design.scene.limits
     angle = transmission_angle_limit(design.cam, limits)
-    return Task.of(design.cam), angle, limits.radius_ratio
+    return Task.from_cam(design.cam), angle, limits.radius_ratio
 
 
 def agrees(task: Task) -> None:
@@ -84,7 +84,7 @@ def agrees(task: Task) -> None:
     np.testing.assert_allclose(
         terms.curvature(task.present), curve.curvature(phi), rtol=0.0, atol=1e-13
     )
-    again = task.cam_at(task.present).follower
+    again = task.placed_cam(task.present).follower
     np.testing.assert_allclose(
         PitchCurve(task.motion, again, task.cam.rotation).point(phi),
         curve.point(phi),
@@ -114,7 +114,7 @@ def test_every_arrangement_has_the_terms_of_its_pitch_curve(
             Dwell(Decimal(100)),
         )
     )
-    agrees(Task.of(cam_of(plan, follower, rotation)))
+    agrees(Task.from_cam(cam_of(plan, follower, rotation)))
 
 
 def test_row_ends_are_at_the_limit() -> None:
@@ -127,7 +127,7 @@ def test_row_ends_are_at_the_limit() -> None:
         assert np.all(low < high)
         for ends in (low, high):
             for x, y in zip(ends, rows, strict=True):
-                curve = task.pitch_curve_at(complex(x, y))
+                curve = task.pitch_curve(complex(x, y))
                 smallest = transmission_angle_extremes(curve).smallest()[0]
                 assert smallest == pytest.approx(angle, abs=1e-9)
 
@@ -149,7 +149,7 @@ def test_ratio_map_is_that_of_the_curvature() -> None:
     task, _, _ = required("schnitt")
     place = task.present
     ((value,),) = ratio_map(task, np.array([place.real]), np.array([place.imag]), 3.0)
-    exact = curvature_extremes(task.pitch_curve_at(place)).largest()[0]
+    exact = curvature_extremes(task.pitch_curve(place)).largest()[0]
     assert value == pytest.approx(task.follower.roller_radius * exact, rel=1e-2)
 
 
@@ -164,8 +164,8 @@ def test_nearest_point_of_half_planes() -> None:
 def asked(name: str) -> tuple[Task, Conditions, float]:
     """Conditions of a scene at the first cam angles, and the answer's base radius [mm]."""
     task, angle, ratio = required(name)
-    answer = known(Sizing.of(task, angle, ratio).answer)
-    return task, conditions(task, math.tan(angle), ratio, samples_of(task)), answer.base_radius
+    answer = known(Sizing.solve(task, angle, ratio).answer)
+    return task, conditions(task, math.tan(angle), ratio, sample_angles(task)), answer.base_radius
 
 
 @pytest.mark.parametrize("name", BENT)
@@ -187,7 +187,9 @@ def test_what_is_excluded_has_no_place_and_what_is_within_has_all(name: str) -> 
         met = now.met(inside)
         assert not (gone and np.any(met))
         # Fewer cam angles, the same verdict on every place of the neighbourhood.
-        assert np.array_equal(within(now, np.array([place]), float(reach)).met(inside), met)
+        assert np.array_equal(
+            local_conditions(now, np.array([place]), float(reach)).met(inside), met
+        )
 
 
 @pytest.mark.parametrize("name", BENT)
@@ -215,7 +217,7 @@ LOCAL = complex(-5.57106515722, -14.69360434080)
 
 
 def lobe() -> Task:
-    return Task.of(camgeo.load(FOUND).cam)
+    return Task.from_cam(camgeo.load(FOUND).cam)
 
 
 @pytest.mark.parametrize("name", [*EASY, *BENT])
@@ -224,9 +226,11 @@ def test_a_pair_is_the_distance_of_roller_and_flank(name: str) -> None:
     rng = np.random.default_rng(5)
     first, second = rng.uniform(0.0, TURN, (2, 200))
     for side in task.sides:
-        disc = side.cam_at(side.present).disc
+        disc = side.placed_cam(side.present).disc
         for _, flank in disc.flanks:
-            gap, _ = pairs_of(side, first, second, flank.distance).gap(np.array([side.present]))
+            gap, _ = pair_conditions(side, first, second, flank.distance).gap(
+                np.array([side.present])
+            )
             apart = np.abs(flank.point(first) - disc.pitch_curve.point(second))
             np.testing.assert_allclose(gap[0], apart - abs(flank.distance), rtol=0.0, atol=1e-11)
 
@@ -236,7 +240,7 @@ def test_a_pair_changes_no_faster_than_its_bound(name: str) -> None:
     task, _, _ = required(name)
     rng = np.random.default_rng(6)
     first, second = rng.uniform(0.0, TURN, (2, 300))
-    pairs = pairs_of(task, first, second, task.cam.distances[0])
+    pairs = pair_conditions(task, first, second, task.cam.distances[0])
     for half in (0.01, 1.0, 20.0):
         gap, pace = pairs.gap(np.array([task.present]))
         bound = pairs.change(np.array([[half]]), pace)
@@ -247,12 +251,12 @@ def test_a_pair_changes_no_faster_than_its_bound(name: str) -> None:
 
 def test_what_is_cut_off_is_found_at_its_deepest() -> None:
     task = lobe()
-    found = covered(task, LOCAL)
+    found = covered_pairs(task, LOCAL)
     gap = found.gap(np.array([LOCAL]))[0][0]
     assert len(gap) > 1
     assert gap[0] == np.min(gap)
     # No point of the flank lies deeper in any roller, to within the width of the grid.
-    disc = task.cam_at(LOCAL).disc
+    disc = task.placed_cam(LOCAL).disc
     around = np.linspace(0.0, TURN, 1500)
     flank, rollers = disc.inner_curve.point(around), disc.pitch_curve.point(around)
     dense = np.abs(flank[:, np.newaxis] - rollers) - disc.flank_distance
@@ -264,15 +268,15 @@ def test_what_is_cut_off_is_found_at_its_deepest() -> None:
 def test_nothing_is_found_where_nothing_is_cut_off(name: str) -> None:
     """Corners of the pitch curve, which every size has, do not count either."""
     task, _, _ = required(name)
-    assert len(covered(task, task.present).first) == 0
+    assert len(covered_pairs(task, task.present).first) == 0
 
 
 def test_the_smallest_cam_is_not_cut_off() -> None:
     """15.7143 mm would keep r_R/r_K but lose 116.9 of 120 mm of the lift; 17.4184 mm are needed."""
     task, limits = lobe(), camgeo.load(FOUND).scene.limits
-    lost = {each.name: each for each in disc_findings(task.cam_at(LOCAL), limits)}
+    lost = {each.name: each for each in disc_findings(task.placed_cam(LOCAL), limits)}
     assert lost["lost-stroke-inner"].value == pytest.approx(116.9, abs=0.1)
-    found = Sizing.of(task, ANGLE, RATIO)
+    found = Sizing.solve(task, ANGLE, RATIO)
     assert found.answer is not None
     # The motion is its own mirror image, so the axis lies below the guide.
     assert found.answer.place.real == pytest.approx(0.0, abs=0.01)
@@ -283,21 +287,21 @@ def test_the_smallest_cam_is_not_cut_off() -> None:
     # Without offset, touching sides follow from the pitch curve alone: its shortest chord that is
     # normal to it at both ends is as long as the roller is wide.
     below = -1j * found.answer.base_radius
-    deep = covered(task, below * (1.0 - 1e-4))
-    curve = task.pitch_curve_at(below)
+    deep = covered_pairs(task, below * (1.0 - 1e-4))
+    curve = task.pitch_curve(below)
     chord = abs(complex(np.diff(curve.point(np.array([deep.first[0], deep.second[0]])))[0]))
     assert chord == pytest.approx(2.0 * 11.0, abs=2e-3)
     for share in (1.0 - 1e-6, 0.95):
         for turn in (0.0, 0.02, -0.4):
             place = below * share * np.exp(1j * turn)
-            assert not sound(task.cam_at(complex(place)), ANGLE, RATIO)
-    assert sound(task.cam_at(below * (1.0 + 10.0 * TOUCHING)), ANGLE, RATIO)
+            assert not sound(task.placed_cam(complex(place)), ANGLE, RATIO)
+    assert sound(task.placed_cam(below * (1.0 + 10.0 * TOUCHING)), ANGLE, RATIO)
 
 
 @pytest.mark.parametrize("name", [*EASY, *BENT])
 def test_the_answer_keeps_its_requirement_and_no_smaller_one_does(name: str) -> None:
     task, angle, ratio = required(name)
-    found = Sizing.of(task, angle, ratio)
+    found = Sizing.solve(task, angle, ratio)
     assert found.answer is not None
     best = found.answer.place
     assert found.answer.transmission_angle.value >= angle - 1e-9
@@ -315,7 +319,7 @@ def test_the_answer_keeps_its_requirement_and_no_smaller_one_does(name: str) -> 
             if not -math.pi < theta < 0.0:
                 continue
             place = start + radius * (1.0 - shrink) * np.exp(1j * theta)
-            rating = Rating.of(task, complex(place))
+            rating = Rating.from_place(task, complex(place))
             assert (
                 rating is None
                 or rating.transmission_angle.value < angle
@@ -330,13 +334,13 @@ def test_a_roller_that_comes_to_the_axis_decides(law: str, roller: float, rotati
     the transmission angle elsewhere, keeps the cam from being smaller."""
     half, angle = Decimal(180), math.radians(20.0)
     plan = MotionPlan((Move(half, 20.0, LAWS[law]), Move(half, 0.0, LAWS[law])))
-    task = Task.of(cam_of(plan, TranslatingRoller(100.0, roller, direction=-1), rotation))
-    found = Sizing.of(task, angle, 1.0)
+    task = Task.from_cam(cam_of(plan, TranslatingRoller(100.0, roller, direction=-1), rotation))
+    found = Sizing.solve(task, angle, 1.0)
     assert found.answer is not None
     dense = np.linspace(0.0, TURN, 721)
 
     def margins(place: complex) -> tuple[float, float, float]:
-        curve = task.pitch_curve_at(place)
+        curve = task.pitch_curve(place)
         return (
             float(np.min(np.abs(curve.point(dense)))) / roller - 1.0,
             1.0 - roller * float(np.max(curve.curvature(dense))),
@@ -360,11 +364,11 @@ def test_an_angle_that_no_place_keeps() -> None:
     task, _, ratio = required("setzhub")
     lift = task.motion.jet(np.radians([200.0]))[0]
     bound = 0.5 * math.pi - 0.5 * abs(float(lift[0]))
-    found = Sizing.of(task, bound + 1e-3, ratio)
+    found = Sizing.solve(task, bound + 1e-3, ratio)
     assert found.answer is None
     assert found.for_angle is None
     assert found.nearest_angle == pytest.approx(bound, abs=1e-5)
-    assert Sizing.of(task, known(found.nearest_angle) - 1e-3, 1.0).for_angle is not None
+    assert Sizing.solve(task, known(found.nearest_angle) - 1e-3, 1.0).for_angle is not None
 
 
 def test_however_large_the_roller_a_large_cam_takes_it() -> None:
@@ -372,12 +376,12 @@ def test_however_large_the_roller_a_large_cam_takes_it() -> None:
     for name in ("vorschub", "groove"):
         task, angle, _ = required(name)
         roller = task.follower.roller_radius
-        found = Sizing.of(task, angle, 1e-3)
+        found = Sizing.solve(task, angle, 1e-3)
         assert found.answer is not None
         assert found.answer.radius_ratio.value <= 1e-3 * (1.0 + 1e-9)
         assert found.answer.base_radius == pytest.approx(roller / 1e-3, rel=0.1)
-    huge = Task.of(task.cam.sized(roller_radius=500.0))
-    answer = known(Sizing.of(huge, angle, 0.7).answer)
+    huge = Task.from_cam(task.cam.sized(roller_radius=500.0))
+    answer = known(Sizing.solve(huge, angle, 0.7).answer)
     assert {each.name for each in active_conditions(huge, answer, angle, 0.7)} == {
         "transmission-angle",
         "radius-ratio",
@@ -389,7 +393,7 @@ def test_a_ratio_that_no_place_keeps(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(smallest, "REACH", 1.5)
     monkeypatch.setattr(smallest, "ROOM", 0.0)
     task, angle, _ = required("vorschub")
-    found = Sizing.of(task, angle, 1e-3)
+    found = Sizing.solve(task, angle, 1e-3)
     assert found.answer is None
     assert found.none_below == math.inf
     assert found.reach == pytest.approx(1.5 * known(found.for_angle).base_radius)
@@ -419,8 +423,11 @@ def test_a_ratio_that_no_place_keeps(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_wrong_requirement_is_refused(
     for_face: bool, angle: float, other: float, key: str
 ) -> None:
-    roller, face = required("setzhub")[0], FaceTask.of(camgeo.load(SCENES / "tappet.toml").cam)
-    search: Callable[..., object] = face.size if for_face else partial(Sizing.of, roller)
+    roller, face = (
+        required("setzhub")[0],
+        FaceTask.from_cam(camgeo.load(SCENES / "tappet.toml").cam),
+    )
+    search: Callable[..., object] = face.size if for_face else partial(Sizing.solve, roller)
     with pytest.raises(GeometryError) as caught:
         search(angle, other)
     assert caught.value.key == key
@@ -428,8 +435,8 @@ def test_a_wrong_requirement_is_refused(
 
 def test_for_the_angle_alone_all_scales_and_the_shortest_arm_is_best() -> None:
     task, angle, _ = required("setzhub")
-    small = Task.of(task.cam.sized(roller_radius=1e-3))
-    found = [Sizing.of(with_arm(small, arm), angle, 1.0).answer for arm in (30.0, 60.0)]
+    small = Task.from_cam(task.cam.sized(roller_radius=1e-3))
+    found = [Sizing.solve(with_arm(small, arm), angle, 1.0).answer for arm in (30.0, 60.0)]
     assert found[0] is not None
     assert found[1] is not None
     assert found[1].place == pytest.approx(2.0 * found[0].place, rel=1e-11)
@@ -442,7 +449,7 @@ def test_for_the_angle_alone_all_scales_and_the_shortest_arm_is_best() -> None:
 @pytest.mark.parametrize("contact", ["inner", "outer"])
 def test_no_other_arm_of_the_range_is_better(contact: str) -> None:
     task, angle, ratio = required("schnitt")
-    task = Task.of(replace(task.cam, contact=contact))  # type: ignore[arg-type]  # the name of a contact
+    task = Task.from_cam(replace(task.cam, contact=contact))  # type: ignore[arg-type]  # the name of a contact
     low, high = 12.0, 60.0
     sized, sizing = size_with_arm(task, angle, ratio, low, high)
     assert isinstance(sized.follower, OscillatingRoller)
@@ -452,7 +459,7 @@ def test_no_other_arm_of_the_range_is_better(contact: str) -> None:
     assert sizing.answer.radius_ratio.value <= ratio + 1e-9
     for arm in (low, 40.0, *(sized.follower.arm * np.array([0.97, 1.03]))):
         if low <= arm <= high:
-            other = known(Sizing.of(with_arm(task, float(arm)), angle, ratio).answer)
+            other = known(Sizing.solve(with_arm(task, float(arm)), angle, ratio).answer)
             # The best arm inside the range is found to 1e-3 of itself.
             assert other.base_radius >= sizing.answer.base_radius * (1.0 - 1e-3)
 
@@ -489,12 +496,12 @@ def test_what_is_no_range_is_refused(name: str, low: float, high: float, key: st
 )
 def test_the_last_decimal(length: float, unit: float, exponent: int) -> None:
     """0.1 um from 1 mm to 10 m, otherwise a fraction of the length; one digit more in inches."""
-    assert exponent_of(length, unit) == exponent
+    assert decimal_exponent(length, unit) == exponent
 
 
 @given(st.floats(1e-9, 1e12), st.sampled_from((1.0, 25.4)))
 def test_a_length_is_rounded_up_by_less_than_its_last_decimal(length: float, unit: float) -> None:
-    exponent = exponent_of(length, unit)
+    exponent = decimal_exponent(length, unit)
     found = upward(length, exponent, unit)
     last = Decimal(1).scaleb(exponent)
     assert found % last == 0

@@ -15,7 +15,7 @@ import camgeo
 from camgeo.app.cli.main import main
 from camgeo.app.designing.children import Job
 from camgeo.app.designing.work import run
-from camgeo.design.judged_part import PartFound
+from camgeo.design.judged_part import PartAssessment
 from camgeo.errors import GeometryError, SceneError
 from camgeo.scene.scene import load_scene
 from tests.answers.documents import FIXTURES
@@ -127,7 +127,7 @@ def test_errors_are_in_inches_and_tell_the_key_as_it_is_stated(tmp_path: Path) -
     made = both(FIXTURES / "scenes/plate_translating.toml", tmp_path)
     scene = load_scene(made)
     wide = camgeo.Design(scene.with_values({"part.bore": 4.0, "part.keyway": None}))
-    (refused,) = PartFound.of(wide.disc).findings
+    (refused,) = PartAssessment.from_disc(wide.disc).findings
     assert "part.bore = 4" in refused.sentence
     assert "reaches 2 inch" in refused.sentence
     assert " mm" not in refused.sentence

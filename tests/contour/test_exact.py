@@ -20,7 +20,7 @@ from camgeo.geometry.contour.exact import ROUNDING, SHARPNESS, distance, distanc
 from camgeo.geometry.contour.parallel import corners, parallel, steps_to
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.part.assembly import bore_outline, flattened
-from camgeo.part.boundaries import chords_of, corner_radius, fewest_chords_of, matching_chords_of
+from camgeo.part.boundaries import chord_fit, corner_radius, fewest_chord_fit, matching_chords
 from camgeo.part.spec import DShaft, Keyway
 from tests.contour.cams import outline
 from tests.long_form import examples
@@ -63,7 +63,7 @@ def test_chords_keep_their_tolerance(exact: Contour, size: float) -> None:
     tolerance = 10.0**size
     # With vertices on the arc, points between the samples lie (1/5)^2 of a sagitta further at 5
     # points a chord; those of the fewest are as far off as the chords, and among the samples.
-    for fitter, slack in ((chords_of, 0.04), (fewest_chords_of, 1e-9)):
+    for fitter, slack in ((chord_fit, 0.04), (fewest_chord_fit, 1e-9)):
         fit = fitter(exact, tolerance)
         chords = fit.contour
         assert chords.arc_count == 0
@@ -73,14 +73,14 @@ def test_chords_keep_their_tolerance(exact: Contour, size: float) -> None:
         assert found <= tolerance * (1.0 + 1e-9) + 1e-14
         assert distance_between(exact, chords) <= most
         assert distance_between(exact, chords.reversed()) >= found - 1e-14
-    assert len(chords) <= len(chords_of(exact, tolerance).contour)
+    assert len(chords) <= len(chord_fit(exact, tolerance).contour)
     if exact is SLOTTED:
         assert all(np.any(chords.vertices == corner) for corner in exact.vertices)
 
 
 def test_chords_are_few() -> None:
     # Sagitta 0.001 on 8 mm: step 2 arccos(1 - 0.001/8) = 0.031624 rad, 100 to each half.
-    assert len(chords_of(PLAIN, 0.001).contour) == 2 * 100
+    assert len(chord_fit(PLAIN, 0.001).contour) == 2 * 100
 
 
 @pytest.mark.parametrize("exact", [PLAIN, SLOTTED])
@@ -126,7 +126,7 @@ def test_a_bore_without_its_keyway_is_off_by_its_corners() -> None:
     corner = float(np.max(np.abs(SLOTTED.vertices))) - RADIUS
     for plain in (PLAIN, PLAIN.split(1.0), PLAIN.split(0.3).reversed()):
         assert distance_between(SLOTTED, plain) == pytest.approx(corner, rel=1e-8)
-    for plain in (PLAIN, chords_of(PLAIN, 0.001).contour):
+    for plain in (PLAIN, chord_fit(PLAIN, 0.001).contour):
         assert distance_between(SLOTTED, plain) > 2.0
         assert distance_between(plain, SLOTTED) > 2.0
 
@@ -141,27 +141,27 @@ def test_twice_round_is_refused() -> None:
 @given(outlines, st.floats(-6.0, 0.5), st.floats(0.3, 1.0))
 def test_counts_never_grow_with_the_tolerance(exact: Contour, size: float, share: float) -> None:
     tolerance = 10.0**size
-    tighter = fewest_chords_of(exact, share * tolerance).contour
-    assert len(fewest_chords_of(exact, tolerance).contour) <= len(tighter)
+    tighter = fewest_chord_fit(exact, share * tolerance).contour
+    assert len(fewest_chord_fit(exact, tolerance).contour) <= len(tighter)
 
 
 def test_fewest_chords_of_a_circle() -> None:
     # (r - u)/(r + u) = cos(pi/n) with u = 0.001, r = 8: pi/n = 0.0223581, n = 140.5.
-    chords = fewest_chords_of(PLAIN, 0.001).contour
+    chords = fewest_chord_fit(PLAIN, 0.001).contour
     assert len(chords) == 141
     radius = float(np.abs(chords.vertices[0]))
     assert np.abs(chords.vertices) == pytest.approx(radius, rel=1e-15)
     # Halfway along a chord it is as far inside as the vertices are outside.
     inner = np.abs(0.5 * (chords.vertices + chords.ends))
     assert RADIUS - inner == pytest.approx(radius - RADIUS, rel=1e-9)
-    one = fewest_chords_of(
+    one = fewest_chord_fit(
         Contour(np.array([8.0 + 0j]), np.array([-2.0 * np.pi]), np.zeros(1, np.complex128)), 1.0
     ).contour
     assert one.area < 0.0
-    assert len(one) == len(fewest_chords_of(PLAIN, 1.0).contour)
+    assert len(one) == len(fewest_chord_fit(PLAIN, 1.0).contour)
 
 
-@pytest.mark.parametrize("fitter", [chords_of, fewest_chords_of])
+@pytest.mark.parametrize("fitter", [chord_fit, fewest_chord_fit])
 @pytest.mark.parametrize("exact", [PLAIN, SLOTTED])
 def test_too_many_chords_are_refused(exact: Contour, fitter: Callable[..., Fit]) -> None:
     with pytest.raises(ToleranceError, match="straight pieces would be needed"):
@@ -304,7 +304,7 @@ def test_steps_keep_to_the_chords(contour: Contour, limit: float) -> None:
 @pytest.mark.parametrize("tolerance", [0.1, 1e-3])
 def test_matching_chords_are_as_many_and_within_the_tolerance(tolerance: float) -> None:
     contours = [parallel(KEYED, by) for by in (0.0, 1.0, 4.0)]
-    polygons = matching_chords_of(contours, tolerance)
+    polygons = matching_chords(contours, tolerance)
     assert len({len(each) for each in polygons}) == 1
     for contour, polygon in zip(contours, polygons, strict=True):
         assert set(contour.vertices.tolist()) <= set(polygon.tolist())

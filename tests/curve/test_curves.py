@@ -13,7 +13,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from camgeo.check.disc import slowest
+from camgeo.check.disc import least_speed
 from camgeo.errors import GeometryError
 from camgeo.geometry import pieces
 from camgeo.geometry.pieces import (
@@ -321,18 +321,18 @@ def test_cells_of_a_turn_end_at_all_borders_and_bound_the_speed(pitch: PitchCurv
     assert np.array_equal(low[1:], high[:-1])
     assert np.all(np.isin(pitch.borders, low))
     assert np.max(high - low) <= np.pi / 32.0 + 1e-15
-    assert slowest(pitch) <= np.min(np.abs(pitch.jet(np.linspace(0.0, TURN, 2001))[1]))
+    assert least_speed(pitch) <= np.min(np.abs(pitch.jet(np.linspace(0.0, TURN, 2001))[1]))
 
 
 def test_the_bound_is_no_bound_at_a_standstill() -> None:
-    assert slowest(pitch_curve_of(hard_case("HC18")[0])) <= 0.0
+    assert least_speed(pitch_curve_of(hard_case("HC18")[0])) <= 0.0
 
 
 def test_of_a_circle_the_bound_is_near_its_radius() -> None:
     """Over a half cell h = pi/64 a point of a circle of radius 40 changes Z' by 40 (h + h^2/2)."""
     pitch = PitchCurve(MotionPlan((Dwell(Decimal(360)),)), TranslatingRoller(40.0, 5.0), 1)
     h = np.pi / 64.0
-    assert slowest(pitch) == pytest.approx(40.0 * (1.0 - h - 0.5 * h * h), rel=1e-12)
+    assert least_speed(pitch) == pytest.approx(40.0 * (1.0 - h - 0.5 * h * h), rel=1e-12)
 
 
 STEPS = np.concatenate(

@@ -302,8 +302,8 @@ def complaints(values: Values) -> Iterator[str]:
 def applied(values: Values, cure: Any, fault: str, before: Names) -> Iterator[str]:
     """What is wrong with the scene that has what the remedy writes."""
     other = deepcopy(values)
-    for key, value in [(cure.key, cure.value_to)] + [
-        (each.key, each.value_to) for each in cure.also
+    for key, value in [(cure.key, cure.new_value)] + [
+        (each.key, each.new_value) for each in cure.also
     ]:
         if key.startswith("follower."):
             other["follower"][key.removeprefix("follower.")] = value
@@ -380,7 +380,7 @@ def stretched(values: Values, cure: Any, fault: str, before: Names) -> Iterator[
     start = values["motion"][number - 1]["span"]
     room = start + values["motion"][number - 2]["dwell"]
     room += values["motion"][number % len(values["motion"])]["dwell"]
-    most = float(cure.value_to) - 2e-6 if cure.works else room - 1e-6
+    most = float(cure.new_value) - 2e-6 if cure.works else room - 1e-6
     conditions = [fault] if values["follower"]["kind"].endswith("flat") else [*OF_ROLLER]
     held = [each for each in conditions if each == fault or not has(each, before)]
     confirmed = 0

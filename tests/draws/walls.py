@@ -14,7 +14,7 @@ import shapely
 import tomlkit
 
 import camgeo
-from camgeo.design.judged_part import findings_on
+from camgeo.design.judged_part import part_findings
 from tests.draws.run import Case, parser_of, run_cases
 from tests.end_to_end.independent import Model
 
@@ -148,7 +148,7 @@ def misses(count: int, seed: int) -> Iterator[Case]:
     while compared < count:
         values = drawn(source)
         try:
-            findings = findings_on(camgeo.loads(tomlkit.dumps(values)).disc)
+            findings = part_findings(camgeo.loads(tomlkit.dumps(values)).disc)
         except camgeo.CamgeoError:
             continue
         told = next((each for each in findings if each.name == "smallest-wall"), None)

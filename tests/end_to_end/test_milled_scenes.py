@@ -21,7 +21,7 @@ import camgeo
 from camgeo.app.answers.setup import setup_sheet
 from camgeo.app.cli.main import main
 from camgeo.design.design import Design
-from camgeo.design.product import sides_of
+from camgeo.design.product import product_sides
 from camgeo.milling import machine as machines
 from camgeo.scene.formats.gcode import FORMAT
 from camgeo.scene.scene import parse_scene
@@ -67,7 +67,7 @@ def test_all_its_files_are_right_and_the_sheet_has_no_flaw(scene: Path, tmp_path
     said("build", str(scene), "-o", str(out))
     design = camgeo.load(scene)
     wanted = {*design.scene.output.formats}
-    sides = sides_of(design.disc)
+    sides = product_sides(design.disc)
     assert len(list(out.iterdir())) == len(wanted) + len(sides)
     said("verify", str(out), "--scene", str(scene))
     options = design.disc.options[FORMAT]

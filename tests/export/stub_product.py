@@ -100,7 +100,7 @@ class CircleBoundary(ExactBoundary):
         contour = bulged(self.radius, self.centre, tolerance)
         return Fit(contour, SPEND * tolerance, tolerance)
 
-    def beside(self, tolerance: float) -> Fit:
+    def distance_fit(self, tolerance: float) -> Fit:
         return super().arcs(tolerance)
 
     def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
@@ -174,7 +174,7 @@ class StubProduct(Product):
     tool: Tool = TOOL
     thickness: float | None = 8.0
     zero: Zero = field(default_factory=Zero)
-    told: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
     whole: None = None
     first: None = None
     second: None = None

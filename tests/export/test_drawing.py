@@ -25,11 +25,11 @@ from fontTools.pens.recordingPen import RecordingPen  # type: ignore[import-unty
 from fontTools.svgLib.path import parse_path  # type: ignore[import-untyped]  # has no types
 
 from camgeo.design.design import Design
-from camgeo.design.product import Product, disc_of
+from camgeo.design.product import Product, find_disc
 from camgeo.design.verify import Reading
 from camgeo.errors import FileError
 from camgeo.numeric.arrays import ComplexArray
-from camgeo.part.spec import text_of
+from camgeo.part.spec import text_name
 from camgeo.pictures.sheet.marks import (
     ARROW,
     BEFORE,
@@ -359,7 +359,7 @@ def test_letters_are_drawn_thin_and_noted(language: str, words: str) -> None:
     data = WRITER.write(engraved, TOLERANCE).data
     assert WRITER.measure(engraved, data) <= TOLERANCE
     drawing = opened(data)
-    letters = [each for each in engraved.drawn.part.boundaries if text_of(each.name)]
+    letters = [each for each in engraved.drawn.part.boundaries if text_name(each.name)]
     assert len(drawing.modelspace().query('LWPOLYLINE[layer=="ENGRAVING"]')) == len(letters) > 7
     assert drawing.layers.get("ENGRAVING").dxf.lineweight < LAYERS["HIDDEN"][2]
     notes = " ".join(each.dxf.text for each in drawing.modelspace().query("TEXT"))
@@ -487,7 +487,7 @@ def test_files_of_a_pair_are_verified() -> None:
     discs = products("conjugate_lever")
     reading = Reading("a-drawing.dxf")
     for disc, other in (discs, discs[::-1]):
-        assert disc_of(discs, f"{disc.name}-drawing") is disc
+        assert find_disc(discs, f"{disc.name}-drawing") is disc
         data = WRITER.write(disc, TOLERANCE).data
         assert VERIFIER.origin(data).version
         checks = VERIFIER.checks(disc, data, reading, TOLERANCE)

@@ -21,7 +21,7 @@ from camgeo.app.answers.answer import text
 from camgeo.app.answers.setup import setup_sheet
 from camgeo.app.cli.main import main
 from camgeo.design.design import Design
-from camgeo.design.product import Product, disc_of
+from camgeo.design.product import Product, find_disc
 from camgeo.errors import FileError, GeometryError, SceneError, ToleranceError
 from camgeo.milling import machine as machines
 from camgeo.milling.machine import Machine, load, names
@@ -824,8 +824,8 @@ def test_the_whole_is_never_written_into_one_file(design: Design) -> None:
 @pytest.mark.parametrize("end", ["", "-1-t1", "-12-t3"])
 def test_names_of_programs_tell_the_disc(end: str) -> None:
     discs = camgeo.load(SCENES / "conjugate_lever.toml").discs
-    assert disc_of(discs, f"conjugate_lever{end}") is discs[0]
-    assert disc_of(discs, f"conjugate_lever-return{end}") is discs[1]
+    assert find_disc(discs, f"conjugate_lever{end}") is discs[0]
+    assert find_disc(discs, f"conjugate_lever-return{end}") is discs[1]
 
 
 # Where tools are changed: at the machine's reference, or at a height that is stated ---------------

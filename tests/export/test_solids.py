@@ -324,7 +324,7 @@ def test_step_files_have_cones(unit: LengthUnit) -> None:
     product = replace(PRODUCT, unit=unit)
     written = read_back(STEP, product, least=0.0)
     assert written.facts["volume_mm3"] == pytest.approx(VOLUME, rel=1e-12)
-    assert Solid.of(PART).volume == pytest.approx(VOLUME, rel=1e-13)
+    assert Solid.from_part(PART).volume == pytest.approx(VOLUME, rel=1e-13)
     read = StepSolid.of(written.data)
     leaning = [face for face in read.faces if face.is_inclined]
     assert {face.name for face in leaning} == {each.edge.name for each in PART.bevels}
@@ -348,7 +348,7 @@ def test_step_files_have_inclined_planes_on_lines() -> None:
     written = read_back(STEP, product, least=0.0)
     counts = [written.facts[kind] for kind in ("faces", "cylinders", "cones", "planes")]
     assert counts == [26, 4, 8, 14]
-    assert written.facts["volume_mm3"] == pytest.approx(Solid.of(part).volume, rel=1e-12)
+    assert written.facts["volume_mm3"] == pytest.approx(Solid.from_part(part).volume, rel=1e-12)
     assert measure(part, *mesh(part)) <= TOLERANCE
 
 
@@ -407,7 +407,7 @@ def test_step_files_have_parabolas_at_corners(bore: ExactBoundary, unit: LengthU
     product = replace(PRODUCT, given=part, unit=unit)
     written = read_back(STEP, product, least=0.0)
     assert measured(STEP, product, written.data) <= 1e-9
-    volume = Solid.of(part).volume
+    volume = Solid.from_part(part).volume
     assert written.facts["volume_mm3"] == pytest.approx(volume, rel=1e-13)
     read = StepSolid.of(written.data)
     assert volume_of(bounds_of(read), read.faces) == pytest.approx(volume, rel=1e-12)
@@ -498,7 +498,7 @@ def in_one_piece(upper: str = "main") -> tuple[camgeo.Design, Product]:
 @pytest.mark.parametrize("writer", [STL, THREEMF, STEP], ids=["stl", "3mf", "step"])
 def test_it_is_one_solid_of_the_exact_volume(writer: Writer, upper: str) -> None:
     _, pair = in_one_piece(upper)
-    exact = Solid.of(pair.drawn.part)
+    exact = Solid.from_part(pair.drawn.part)
     written = read_back(writer, pair, least=0.0)
     # all faces are within the tolerance, and none is larger than 4 discs of 60 mm are
     slack = TOLERANCE * 4.0 * math.pi * 60.0 * (60.0 + 10.0)
@@ -607,11 +607,11 @@ def test_random_chamfers_are_refused_or_in_the_solid(
     for check in solid_checks(*facets):
         assert check.ok, check
     _, off = _volume(sharp)
-    assert volume(*facets) == pytest.approx(Solid.of(part).volume, abs=off)
+    assert volume(*facets) == pytest.approx(Solid.from_part(part).volume, abs=off)
     product = StubProduct(given=part, effort="fast")
     assert measure(part, *facets) <= COARSE
     written = read_back(STEP, product, COARSE, least=0.0)
-    assert written.facts["volume_mm3"] == pytest.approx(Solid.of(part).volume, abs=off)
+    assert written.facts["volume_mm3"] == pytest.approx(Solid.from_part(part).volume, abs=off)
 
 
 @given(st.sampled_from(list(FLANKS)), specs() | tight_specs(), st.sampled_from([1e-3, 0.05]))

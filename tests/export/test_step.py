@@ -742,7 +742,7 @@ def test_each_file_is_the_whole_part(name: str) -> None:
 
 def check_body(file: Exchange, part: Part, facts: dict[str, object]) -> None:
     """Closed, in one piece, of the volume, centre and inertia of the part, and as it is counted."""
-    mesh, volume = file.mesh, Solid.of(part).volume
+    mesh, volume = file.mesh, Solid.from_part(part).volume
     assert mesh.is_volume
     require_moments(mesh, part, CHORDS * volume)
     assert facts["volume_mm3"] == pytest.approx(volume, rel=CHORDS)

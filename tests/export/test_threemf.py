@@ -22,7 +22,7 @@ import trimesh
 
 import camgeo
 from camgeo.design.drawn import COMPENSATED
-from camgeo.design.plate import plate_of
+from camgeo.design.plate import plate_pieces
 from camgeo.design.product import Product
 from camgeo.design.verify import Reading
 from camgeo.design.writing import Writer, make_files
@@ -149,7 +149,7 @@ def test_all_that_is_in_a_package(plate: bool) -> None:
         "camgeo:tolerance": "0.01 mm",
         **({"Description": advice} if plate else {}),
     }
-    pieces = plate_of(disc)
+    pieces = plate_pieces(disc)
     bases = model.findall(f"{CORE}resources/{CORE}basematerials")
     assert [each.get("id") for each in bases] == (["1"] if plate else [])
     colours = [(each.get("name"), each.get("displaycolor")) for group in bases for each in group]
@@ -366,9 +366,9 @@ def test_one_file_has_all() -> None:
     assert sorted(files) == ["certificate.json", "conjugate_carriage.3mf"]
     assert files["conjugate_carriage.3mf"] == written  # the same bytes again
     checks = checked(VERIFIER, discs[0], written)
-    for piece in plate_of(discs[0]):
+    for piece in plate_pieces(discs[0]):
         volume = checks["volume", piece.name]
-        assert volume.expected == pytest.approx(Solid.of(piece.part).volume, rel=1e-9)
+        assert volume.expected == pytest.approx(Solid.from_part(piece.part).volume, rel=1e-9)
 
 
 def _swapped(text: str, one: str, other: str) -> str:
@@ -460,8 +460,8 @@ def test_a_compensated_body_is_what_it_should_be(writer: Writer) -> None:
     """Of the volume of the exact compensated part, and verified as such."""
     disc = compensated(*WHOLE)
     written = read_back(writer, disc)
-    exact = Solid.of(disc.drawn.printed.target).volume
-    assert exact != pytest.approx(Solid.of(disc.drawn.part).volume, rel=1e-3)
+    exact = Solid.from_part(disc.drawn.printed.target).volume
+    assert exact != pytest.approx(Solid.from_part(disc.drawn.part).volume, rel=1e-3)
     assert written.facts["volume_mm3"] == pytest.approx(exact, rel=1e-3)
     assert written.facts["bore_clearance_mm"] == 0.2
     assert "switch off the slicer's own" in str(written.facts["compensation"])

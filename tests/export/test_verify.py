@@ -28,7 +28,7 @@ import camgeo
 from camgeo.app.answers.verify import Against, Verdict, Wanted, first_difference, verify_files
 from camgeo.design.design import Design
 from camgeo.design.product import Product
-from camgeo.design.verify import Check, Origin, Reading, Verifier, length_of
+from camgeo.design.verify import Check, Origin, Reading, Verifier, parse_tolerance
 from camgeo.design.writing import CERTIFICATE, make_files
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour
@@ -340,7 +340,7 @@ def test_kinks_of_splines() -> None:
     ("inf mm", None), ("-1", None), ("0", None), ("1 inch", None),
 ])  # fmt: skip
 def test_lengths_in_words(text: str, length: float | None) -> None:
-    assert length_of(text) == length
+    assert parse_tolerance(text) == length
 
 
 def test_farthest_finds_a_dent() -> None:

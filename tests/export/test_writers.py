@@ -26,12 +26,12 @@ from camgeo import reading
 from camgeo.app.cli.import_ import import_project
 from camgeo.app.cli.main import main
 from camgeo.design.design import Design
-from camgeo.design.product import Product, title_of
+from camgeo.design.product import Product, display_title
 from camgeo.design.writing import Writer, make_files
 from camgeo.errors import FileError, SceneError
 from camgeo.milling import plan, walk
 from camgeo.numeric.arrays import FloatArray
-from camgeo.part.spec import text_of
+from camgeo.part.spec import text_name
 from camgeo.scene.formats.drawing import DrawingSpec
 from camgeo.scene.formats.dxf import ENTITIES, DxfSpec, Entity
 from camgeo.scene.formats.step import StepSpec
@@ -125,7 +125,7 @@ def test_letters_are_on_layers_of_their_depth(entity: Entity) -> None:
     space = ezdxf.filemanagement.read(io.StringIO(data.decode("utf-8"))).modelspace()
     assert {"CUT", "BLIND_0.3", "BLIND_0.5"} <= {each.dxf.layer for each in space}
     if entity in ("arcs", "polyline"):
-        letters = [each for each in ENGRAVED.boundaries if text_of(each.name)]
+        letters = [each for each in ENGRAVED.boundaries if text_name(each.name)]
         blind = [each for each in space if each.dxf.layer.startswith("BLIND")]
         assert len(blind) == len(letters)
 
@@ -136,7 +136,7 @@ def test_walls_of_letters_are_splines_where_step_files_have_splines() -> None:
     curved = sum(
         len(each.spline(TOLERANCE).contour.splines)
         for each in ENGRAVED.boundaries
-        if text_of(each.name)
+        if text_name(each.name)
     )
     found = Solid.of(data)
     assert sum(isinstance(each.surface, Extrusion) for each in found.faces) >= curved
@@ -202,7 +202,7 @@ def of_step(data: bytes) -> str:
 )
 def test_the_title_comes_through(writer: Writer, read: Callable[[bytes], str]) -> None:
     product = titled(TITLE)
-    assert (product.name, title_of(product)) == ("lever", TITLE)
+    assert (product.name, display_title(product)) == ("lever", TITLE)
     assert read(read_back(writer, product, least=0.0).data) == TITLE
 
 
@@ -210,7 +210,7 @@ def test_the_title_comes_through(writer: Writer, read: Callable[[bytes], str]) -
 def test_without_a_title_files_have_the_name(writer: Any) -> None:
     """To the last byte those of a drawing whose title is the name; but the hash is another."""
     plain, named = camgeo.loads(LEVER).disc, titled("lever")
-    assert title_of(plain) == "lever"
+    assert display_title(plain) == "lever"
     data = [writer.write(each, TOLERANCE).data.replace(each.scene_hash.encode(), b"")
             for each in (plain, named)]  # fmt: skip
     assert data[0] == data[1]
@@ -264,7 +264,7 @@ def test_a_return_disc_is_told_apart() -> None:
 
     text = (SCENES / "conjugate_lever.toml").read_text("utf-8")
     design = camgeo.loads(f'{text}\n[drawing]\ntitle = "{TITLE}"\n')
-    assert [title_of(disc) for disc in design.discs] == [TITLE, f"{TITLE} (return)"]
+    assert [display_title(disc) for disc in design.discs] == [TITLE, f"{TITLE} (return)"]
 
 
 # What would not be read back is not written -------------------------------------------------------

@@ -92,7 +92,7 @@ def read_back(
 
 def require_moments(mesh: trimesh.Trimesh, part: Part, room: float) -> None:
     """That a mesh is one piece of the part's volume, centre and inertia but for `room` [mm^3]."""
-    exact = Solid.of(part)
+    exact = Solid.from_part(part)
     assert mesh.body_count == 1
     assert mesh.volume == pytest.approx(exact.volume, abs=room)
     size = float(np.max(np.abs(mesh.vertices)))

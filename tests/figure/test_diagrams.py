@@ -164,9 +164,9 @@ def test_the_crank_angles_are_dense_where_the_acceleration_peaks() -> None:
 
 def sized(name: str, angle: float | None = None) -> tuple[Task, Sizing]:
     design = camgeo.load(SCENES / f"{name}.toml")
-    task = Task.of(design.cam)
+    task = Task.from_cam(design.cam)
     required = transmission_angle_limit(design.cam, design.scene.limits) if angle is None else angle
-    return task, Sizing.of(task, required, design.scene.limits.radius_ratio)
+    return task, Sizing.solve(task, required, design.scene.limits.radius_ratio)
 
 
 def panel_of(task: Task, sizing: Sizing) -> Panel:
@@ -191,7 +191,7 @@ def assert_inside(panel: Panel, x: float, y: float, radius: float = 0.0) -> None
 def test_base_circles_are_whole_and_each_name_has_its_region(name: str) -> None:
     """What is named is in the picture: a level of the ratio where the region has such places."""
     task, sizing = sized(name)
-    sides = [(each, Sizing.of(each, sizing.angle, sizing.ratio)) for each in task.sides]
+    sides = [(each, Sizing.solve(each, sizing.angle, sizing.ratio)) for each in task.sides]
     (panel,) = size_figure("cam", sides).panels
     circles = [mark for mark in panel.marks if isinstance(mark, Circle) and mark.style.dashes]
     assert len(circles) == len(sides)

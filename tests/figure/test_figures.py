@@ -73,8 +73,8 @@ FIXTURES = Path(__file__).parents[2] / "fixtures"
 
 def of_size() -> Figure:
     design = camgeo.load(FIXTURES / "scenes" / "schnitt.toml")
-    task = Task.of(design.cam)
-    return size.figure(design.name, [(task, Sizing.of(task, np.radians(45.0), 0.5))])
+    task = Task.from_cam(design.cam)
+    return size.figure(design.name, [(task, Sizing.solve(task, np.radians(45.0), 0.5))])
 
 
 def of_disc(name: str) -> Disc:

@@ -154,7 +154,7 @@ def dashed(axes: Axes) -> list[ComplexArray]:
 @pytest.mark.parametrize("scene", TRIMMED)
 def test_what_is_cut_off_begins_and_ends_in_the_corner(scene: str) -> None:
     design = camgeo.load(FIXTURES / "scenes" / f"{scene}.toml")
-    found = design.disc.pictured.cut_off
+    found = design.disc.pictured.trimmed_stretches
     assert len(found) == CORNERS[scene]
     for each in found:
         assert each.course[0] == each.course[-1] == each.corner
@@ -170,7 +170,9 @@ def test_what_is_cut_off_begins_and_ends_in_the_corner(scene: str) -> None:
 
 
 def test_the_corner_is_that_of_the_hard_case() -> None:
-    (found,) = camgeo.load(FIXTURES / "scenes" / "swallow_tail.toml").disc.pictured.cut_off
+    (found,) = camgeo.load(
+        FIXTURES / "scenes" / "swallow_tail.toml"
+    ).disc.pictured.trimmed_stretches
     _, expected = hard_case("HC21c")
     x, y = map(float, expected["crossing_point"])
     assert abs(found.corner - complex(x, y)) < 1e-12
@@ -183,7 +185,7 @@ def test_none_of_a_tail_is_farther_from_the_pitch_curve_than_the_roller(scene: s
     design = camgeo.load(FIXTURES / "scenes" / f"{scene}.toml")
     rows = design.disc.pictured.curve("pitch", np.linspace(0.0, TURN, 100_000, endpoint=False))
     pitch = DensePath(rows[:, 0] + 1j * rows[:, 1])
-    for each in design.disc.pictured.cut_off:
+    for each in design.disc.pictured.trimmed_stretches:
         away = pitch.distances(each.course) - design.cam.follower.roller_radius
         # The chord that bridges a corner of the pitch curve is 7e-3 mm long, and less is it off;
         # elsewhere chords are 1e-6 mm off.
@@ -210,7 +212,7 @@ def test_undercut_of_which_nothing_can_be_cut_off(radius: str, label: str) -> No
     """A roller larger than the base circle leaves no disc; a cusp has no loop."""
     edits = {"limits.undercut": "refuse", "follower.roller_radius": Decimal(radius)}
     design = edited("swallow_tail", **edits)
-    assert design.disc.pictured.cut_off == ()
+    assert design.disc.pictured.trimmed_stretches == ()
     axes = drawn(design.disc)
     assert label in labels(axes)
     assert inset(axes) is None

@@ -21,8 +21,8 @@ from ezdxf.filemanagement import read
 import camgeo
 from camgeo.app.cli.main import main
 from camgeo.design.design import Design
-from camgeo.design.product import Product, sides_of
-from camgeo.design.writing import Writer, pieces_of
+from camgeo.design.product import Product, product_sides
+from camgeo.design.writing import Writer, file_products
 from camgeo.milling import machine as machines
 from camgeo.part.part import Part
 from camgeo.scene.formats.step import WALLS
@@ -81,7 +81,7 @@ def products(folder: Path, scene: str, machine: str) -> list[Product]:
     edited = design.scene.with_values({"output.gcode.machine": f"{machine}.toml"})
     changes = machines.load(machine).tool_change.change
     found = []
-    for product in (side for disc in Design(edited).discs for side in sides_of(disc)):
+    for product in (side for disc in Design(edited).discs for side in product_sides(disc)):
         if changes or len({cut.tool.number for cut in product.milled.cuts}) == 1:
             found.append(product)
     return found
@@ -278,7 +278,7 @@ def _steps(folder: Path, design: Design) -> Iterator[Given]:
 
 def _pieces(design: Design, writer: Writer) -> list[Product]:
     """What files of a kind are made of: the discs, or bodies of both in one piece."""
-    return [piece for disc in design.discs for piece in pieces_of(writer, disc)]
+    return [piece for disc in design.discs for piece in file_products(writer, disc)]
 
 
 def sheets(into: Path, names: list[str]) -> Iterator[Path]:

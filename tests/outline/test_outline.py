@@ -34,7 +34,7 @@ from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.mechanism.rollers import TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray, IntArray, ascending
-from camgeo.part.boundaries import chords_of
+from camgeo.part.boundaries import chord_fit
 from camgeo.scene.scene import parse_scene
 from camgeo.units import TURN
 from tests.contour.cams import SCENES, dwell
@@ -429,7 +429,7 @@ def test_on_a_polygon_the_edge_rides_along_its_sides() -> None:
     """The height of the polygon's side over the angle, exactly; no arcs about its vertices."""
     follower = TranslatingRoller(40.0, 0.0)
     curve = PitchCurve(MotionPlan((dwell(360),)), follower, 1)
-    polygon = chords_of(Contour.circle(40.0), 0.5).contour
+    polygon = chord_fit(Contour.circle(40.0), 0.5).contour
     replay = replay_contour(curve, polygon, "inner")
     ends = polygon.vertices
     half = 0.5 * abs(ends[1] - ends[0])
@@ -482,7 +482,7 @@ def test_the_check_states_that_any_curvature_fits() -> None:
     assert (found.severity, found.value) == ("ok", 0.0)
     assert "knife edge" in found.sentence
     assert design.judgement.cures == ()
-    assert design.disc.pictured.cut_off == ()
+    assert design.disc.pictured.trimmed_stretches == ()
 
 
 @pytest.mark.parametrize(("base", "offset"), [("30", "3"), ("10", "0"), ("3", "0")])

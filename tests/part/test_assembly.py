@@ -29,7 +29,7 @@ from camgeo.part.assembly import (
 )
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.mass import Solid, disc_moments
-from camgeo.part.part import Bevel, Layer, Part, edges_of
+from camgeo.part.part import Bevel, Layer, Part, part_edges
 from camgeo.part.spec import (
     DISCS,
     Chamfer,
@@ -368,7 +368,7 @@ def test_counterbores_are_a_layer_of_their_own() -> None:
     assert ("bolt hole 2", -10.0, -4.0) in walls_of(part)
     assert part.levels[1].name == "floor of the counterbore"
     plain = made(Contact.INNER, replace(DISC, bore=12.0, bolt_circle=Holes(3, 46.0, 4.0)))
-    less = Solid.of(plain).volume - Solid.of(part).volume
+    less = Solid.from_part(plain).volume - Solid.from_part(part).volume
     assert less == pytest.approx(3.0 * math.pi * (3.0**2 - 2.0**2) * 4.0, rel=1e-9)
 
 
@@ -419,8 +419,8 @@ def test_either_disc_may_be_above() -> None:
     assert [each.name for each in part.levels] == [
         "lower face", "upper face of the disc", "lower face of the return disc", "upper face",
     ]  # fmt: skip
-    volume = Solid.of(part).volume
-    assert volume == pytest.approx(Solid.of(paired(PLAIN)).volume, rel=1e-14)
+    volume = Solid.from_part(part).volume
+    assert volume == pytest.approx(Solid.from_part(paired(PLAIN)).volume, rel=1e-14)
 
 
 @pytest.mark.parametrize("side", ["upper", "lower", "both"])
@@ -442,10 +442,10 @@ def test_volume_and_moments_are_those_of_its_bodies() -> None:
         bolt_circle=Holes(3, 31.0, 2.0),
     )  # fmt: skip
     discs = [
-        Solid.of(build_part(Contact.INNER, path, path, spec.alone(name), 0.01))
+        Solid.from_part(build_part(Contact.INNER, path, path, spec.alone(name), 0.01))
         for name, path in zip(DISCS, PATHS, strict=True)
     ]
-    pair = Solid.of(paired(spec))
+    pair = Solid.from_part(paired(spec))
     bore = bore_outline(20.0, spec.keyway)
     holes = [Contour.circle(1.0, middle) for middle in Holes(3, 31.0, 2.0).middles]
     spacer = _ring(18.0, [bore, *holes])
@@ -549,13 +549,13 @@ def test_a_pair_has_chamfers_as_a_whole() -> None:
     ]  # fmt: skip
     assert spec.alone("main").chamfers == Chamfers(half, bore=Chamfer(0.5, "upper"))
     assert spec.alone("return").chamfers == Chamfers(half)
-    sharp = Solid.of(paired(replace(spec, chamfers=None))).volume
+    sharp = Solid.from_part(paired(replace(spec, chamfers=None))).volume
     bore = 2.0 * math.pi * (0.25 * 10.0 + 0.125 / 3.0)  # twice the ring of a triangle
     hub = math.pi * (17.0 - 1.0 / 3.0)
     lengths = [path_length(path) for path in PATHS]
     # Of a convex edge: half the square of the width along it, less a part of a cone.
     flanks = 2.0 * sum(0.125 * length - math.pi * 0.125 / 3.0 for length in lengths)
-    assert sharp - Solid.of(part).volume == pytest.approx(bore + hub + flanks, rel=1e-3)
+    assert sharp - Solid.from_part(part).volume == pytest.approx(bore + hub + flanks, rel=1e-3)
 
 
 def path_length(path: Path) -> float:
@@ -587,7 +587,7 @@ def test_a_round_disc_is_a_cylinder_between_frustums(
     bore = circle("bore", 8.0, aside + 0j, hole=True)
     part = Part((Layer(-10.0, 0.0, (circle("outline", radius), bore)),))
     part = bevelled(part, Chamfers(outline=Chamfer(of_rim), bore=Chamfer(of_bore, "upper")), 0.01)
-    body = Solid.of(part)
+    body = Solid.from_part(part)
     around = [_frustum(radius, radius - of_rim, -of_rim), _cylinder(radius, of_rim - 10.0,
               -of_rim), _frustum(radius - of_rim, radius, -10.0, of_rim)]  # fmt: skip
     within = [_cylinder(8.0, -10.0, -of_bore), _frustum(8.0, 8.0 + of_bore, -of_bore)]
@@ -635,8 +635,8 @@ def test_edges_between_faces_have_chamfers_and_feet_have_none() -> None:
     ])  # fmt: skip
     names = [each.name for each in part.levels[-2].boundaries]
     assert {"chamfer of the outline", "hub", "chamfer of the counterbore 1"} <= set(names)
-    assert [each.boundary for each in edges_of(part)] == [
-        each.boundary for each in edges_of(part.sharp)
+    assert [each.boundary for each in part_edges(part)] == [
+        each.boundary for each in part_edges(part.sharp)
     ]
     assert part.lowered().bevels == part.turned_over().bevels == ()
 
@@ -670,7 +670,9 @@ def test_chamfers_at_different_heights_do_not_meet() -> None:
     sharp = edged(Contact.INNER, spec)
     # By Pappus' theorem: a triangle of 1 mm by 1 mm about each axis, its centroid a third outside.
     cut = math.pi * (10.0 + 1.0 / 3.0) + math.pi * (2.0 + 1.0 / 3.0)
-    assert Solid.of(part).volume == pytest.approx(Solid.of(sharp).volume - cut, rel=1e-12)
+    assert Solid.from_part(part).volume == pytest.approx(
+        Solid.from_part(sharp).volume - cut, rel=1e-12
+    )
     with pytest.raises(GeometryError, match=r"comes to the bolt hole 1, 1\.5 mm"):
         edged(Contact.INNER, spec, bore=Chamfer(1.0), bolt_circle=Chamfer(1.0, "lower"))
 
@@ -692,8 +694,8 @@ def test_a_chamfer_goes_along_a_keyway(width: float, keyway: Keyway) -> None:
     sizes_ = (10.0, 0.5 * keyway.width, 10.0 + keyway.depth)
     cut, _ = quad(lambda by: keyed_sections(*sizes_, by), 0.0, width, epsabs=0.0, epsrel=1e-13)
     wanted = cut - width * keyed_sections(*sizes_, 0.0)
-    removed = Solid.of(part.sharp).volume - Solid.of(part).volume
-    assert removed == pytest.approx(wanted, abs=1e-11 * Solid.of(part).volume)
+    removed = Solid.from_part(part.sharp).volume - Solid.from_part(part).volume
+    assert removed == pytest.approx(wanted, abs=1e-11 * Solid.from_part(part).volume)
 
 
 def test_a_chamfer_goes_along_a_flat() -> None:

@@ -25,11 +25,20 @@ from camgeo.geometry.contour.contour import Contour, Pieces, distances, winding_
 from camgeo.geometry.contour.spline import CubicSpline, SplineContour, area, at, elevated
 from camgeo.geometry.outline.path import Moments
 from camgeo.numeric.arrays import ComplexArray
-from camgeo.part.boundaries import Letter, LetterBoundary, lettered
+from camgeo.part.boundaries import Letter, LetterBoundary, place_letters
 from camgeo.part.glyphs import CAPITAL, FILE, glyph, kerning, require_glyphs
 from camgeo.part.mass import Solid, Web
 from camgeo.part.part import Part
-from camgeo.part.spec import SENSES, Engraving, Holes, Hub, Mark, PartSpec, engravings_of, text_of
+from camgeo.part.spec import (
+    SENSES,
+    Engraving,
+    Holes,
+    Hub,
+    Mark,
+    PartSpec,
+    read_engravings,
+    text_name,
+)
 from tests.part.parts import DISC, made, refused
 from tests.strategies import attack
 
@@ -127,7 +136,7 @@ def test_fits_lie_within_what_they_state(
 ) -> None:
     made, tolerance = boundary(letter, height, place), 10.0**power
     points = sampled(made)
-    for fit in (made.arcs(tolerance), made.polyline(tolerance), made.beside(tolerance)):
+    for fit in (made.arcs(tolerance), made.polyline(tolerance), made.distance_fit(tolerance)):
         assert fit.deviation <= min(tolerance, made.coarsest)
         assert np.max(distances(points, Pieces.around([fit.contour]))) <= fit.deviation
         assert fit.contour.area > 0.0
@@ -232,7 +241,7 @@ RING = Engraving("O", 30.0, 0.5, 0.1, along="straight")
 
 
 def letters(text: Engraving) -> tuple[Letter, ...]:
-    return lettered((text,))[0]
+    return place_letters((text,))[0]
 
 
 def middle(letter: Letter) -> complex:
@@ -310,8 +319,8 @@ def test_islands_and_holes_take_turns() -> None:
         each.name for each in letters(Engraving(f" {ring}", 5.0, 0.5, 20.0))[0].boundaries
     ]
     assert made_names == ["engraving 1 letter 2 outline 1", "engraving 1 letter 2 outline 2"]
-    assert {text_of(each) for each in made_names} == {"engraving 1"}
-    assert text_of("outline") == ""
+    assert {text_name(each) for each in made_names} == {"engraving 1"}
+    assert text_name("outline") == ""
 
 
 def test_decomposed_characters_are_composed() -> None:
@@ -340,14 +349,16 @@ def test_what_is_cut_away_is_the_letters() -> None:
     area = sum(
         (1.0 if each.hole else -1.0) * each.polyline(1e-6).contour.area
         for each in part.boundaries
-        if text_of(each.name)
+        if text_name(each.name)
     )
-    assert Solid.of(plain).volume - Solid.of(part).volume == pytest.approx(0.5 * area, rel=1e-5)
+    assert Solid.from_part(plain).volume - Solid.from_part(part).volume == pytest.approx(
+        0.5 * area, rel=1e-5
+    )
 
 
 def test_letters_are_no_walls() -> None:
     found, plain = (
-        Web.thinnest_of_each(made(Contact.INNER, spec))[0]
+        Web.thinnest_webs(made(Contact.INNER, spec))[0]
         for spec in (replace(DISC, engraving=(TEXT,)), DISC)
     )
     assert found == plain
@@ -424,6 +435,6 @@ def test_no_room(spec: PartSpec, message: str) -> None:
 )
 def test_wrong_values(keys: dict[str, Any], key: str, message: str) -> None:
     table = {"height": 4.0, "depth": 0.5, "radius": 20.0}
-    assert engravings_of([table], "cam")[0].text == "cam"
+    assert read_engravings([table], "cam")[0].text == "cam"
     with refused(f"part.engraving[2].{key}", message):
-        engravings_of([table, {**table, **keys}], "cam")
+        read_engravings([table, {**table, **keys}], "cam")

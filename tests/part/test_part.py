@@ -35,7 +35,7 @@ from camgeo.part.mass import (
     section_area,
 )
 from camgeo.part.materials import MATERIALS, find_material
-from camgeo.part.part import Edge, Layer, Part, Wall, edges_of
+from camgeo.part.part import Edge, Layer, Part, Wall, part_edges
 from camgeo.part.spec import (
     ROWS,
     SMALLEST,
@@ -349,7 +349,7 @@ def test_edges_of_hubs_pockets_and_holes() -> None:
             Layer(0.0, 8.0, (upper, bore), "hub"),
         )
     )
-    found = {each.boundary.name: each for each in edges_of(part)}
+    found = {each.boundary.name: each for each in part_edges(part)}
     assert list(found) == [each.name for each in part.boundaries]
     names = {name: layer_name(edge, 1.0) for name, edge in found.items()}
     assert names == {
@@ -376,15 +376,15 @@ def test_flanks_of_a_groove_are_blind_with_or_without_a_depth(
 ) -> None:
     formats = ('formats = ["dxf", "gcode", "stl", "3mf", "csv", "svg", "png"]', 'formats = ["dxf"]')
     part = design("groove", "", change, formats).disc.drawn.part
-    kinds = {each.boundary.name: layer_name(each, 1.0) for each in edges_of(part)}
+    kinds = {each.boundary.name: layer_name(each, 1.0) for each in part_edges(part)}
     assert kinds == {"rim": "CUT", "bore": "CUT", "inner flank": name, "outer flank": name}
 
 
 def test_a_depth_is_written_without_an_exponent() -> None:
-    edge = Edge(circle("mark", 1.0, hole=True), "sunk", by=1e-5)
+    edge = Edge(circle("mark", 1.0, hole=True), "sunk", height=1e-5)
     assert layer_name(edge, 1.0) == "BLIND_0.00001"
-    assert layer_name(Edge(edge.boundary, "sunk", by=12345.0), 1.0) == "BLIND_12345"
-    assert layer_name(Edge(edge.boundary, "sunk", by=0.1 + 0.2), 1.0) == "BLIND_0.3"
+    assert layer_name(Edge(edge.boundary, "sunk", height=12345.0), 1.0) == "BLIND_12345"
+    assert layer_name(Edge(edge.boundary, "sunk", height=0.1 + 0.2), 1.0) == "BLIND_0.3"
 
 
 def test_a_hole_below_a_counterbore_is_cut_through() -> None:
@@ -394,7 +394,7 @@ def test_a_hole_below_a_counterbore_is_cut_through() -> None:
     )
     beside = circle("beside", 3.0, -20j, hole=True)
     part = Part((Layer(-9.0, -4.0, (rim, hole, beside)), Layer(-4.0, 0.0, (rim, wide))))
-    assert {each.boundary.name: layer_name(each, 1.0) for each in edges_of(part)} == {
+    assert {each.boundary.name: layer_name(each, 1.0) for each in part_edges(part)} == {
         "rim": "CUT", "hole": "CUT", "beside": "BLIND_BELOW_5", "wide": "BLIND_4",
     }  # fmt: skip
 
@@ -647,7 +647,9 @@ SCENES = ("plate_translating", "groove", "ring", "cut_lobe", "conjugate_lever", 
 def test_an_eccentric_disc_is_a_cylinder(eccentricity: float, rotation: int) -> None:
     """J = m r^2/2 about its own axis, m (3 r^2 + h^2)/12 across it; Steiner about the cam axis."""
     path = eccentric(eccentricity, 40.0, rotation, guide=0.7)
-    found = Solid.of(Part((Layer(-9.0, 0.0, (CurveBoundary("outline", hole=False, path=path),)),)))
+    found = Solid.from_part(
+        Part((Layer(-9.0, 0.0, (CurveBoundary("outline", hole=False, path=path),)),))
+    )
     volume = math.pi * 40.0**2 * 9.0
     across = volume * (3.0 * 40.0**2 + 9.0**2) / 12.0
     assert found.volume == pytest.approx(volume, rel=1e-12)
@@ -684,7 +686,7 @@ def test_a_stepped_ring_with_a_pocket_off_the_axis() -> None:
         across = own * (3.0 * radius**2 + (high - low) ** 2) / 12.0
         volume, first = volume + own, first + own * place
         about += np.diag([across, across, 0.5 * own * radius**2]) + shifted(own, place)
-    found = Solid.of(part)
+    found = Solid.from_part(part)
     assert found.volume == pytest.approx(volume, rel=1e-14)
     assert np.allclose(found.centre, first / volume, rtol=0.0, atol=1e-13)
     about -= shifted(volume, first / volume)
@@ -751,7 +753,7 @@ def test_the_body_of_the_writers_has_the_same_mass_properties(scene: str) -> Non
 
     tolerance = 2e-3
     for part in discs(scene):
-        found = Solid.of(part)
+        found = Solid.from_part(part)
         made = body(part, tolerance, lambda x: x)
         mesh = trimesh.Trimesh(made.vertices, made.triangles, process=False)
         walls = part.thickness * sum(each.polyline(0.1).contour.length for each in part.boundaries)
@@ -788,7 +790,7 @@ def test_the_farthest_point_of_an_arc(
 def test_a_part_without_heights_has_no_body() -> None:
     part = Part((Layer(0.0, 0.0, (circle("outline", 40.0),)),))
     with pytest.raises(GeometryError, match="thickness"):
-        Solid.of(part)
+        Solid.from_part(part)
 
 
 CIRCLE = math.pi / 2.0
@@ -809,7 +811,7 @@ def test_walls_of_circles(
     spec: PartSpec, names: tuple[str, str] | None, thickness: float, usual: float
 ) -> None:
     part = made(Contact.INNER if spec.rim is None else Contact.GROOVE, spec)
-    least, found = Web.thinnest_of_each(part)
+    least, found = Web.thinnest_webs(part)
     assert found is not None
     assert least is not None
     assert least.thickness == found.thickness
@@ -825,7 +827,7 @@ def test_a_keyway_towards_the_dwell() -> None:
     spec = PartSpec(bore=50.0, keyway=Keyway(8.0, 3.0, CIRCLE))
     wall = 32.0 - math.hypot(28.0, 4.0)
     for limit in (wall - 1e-5, wall + 1e-5):
-        found = Web.thinnest_of_each(made(Contact.INNER, spec), limit)[0]
+        found = Web.thinnest_webs(made(Contact.INNER, spec), limit)[0]
         assert found is not None
         assert (found.thickness < limit) == (wall < limit)
         assert found.thickness == pytest.approx(wall, abs=1e-6)
@@ -835,14 +837,14 @@ def test_a_keyway_towards_the_dwell() -> None:
 def test_an_exact_wall_takes_no_fine_contours(monkeypatch: pytest.MonkeyPatch) -> None:
     """A steep flank has 180,000 chords within 1e-4 mm, which would show a place for the eye."""
     asked = []
-    beside = CurveBoundary.beside
+    distance_fit = CurveBoundary.distance_fit
 
     def counted(self: CurveBoundary, tolerance: float) -> Fit:
         asked.append(tolerance)
-        return beside(self, tolerance)
+        return distance_fit(self, tolerance)
 
-    monkeypatch.setattr(CurveBoundary, "beside", counted)
-    found = Web.thinnest_of_each(made(Contact.INNER, PartSpec(bore=60.0)))[0]
+    monkeypatch.setattr(CurveBoundary, "distance_fit", counted)
+    found = Web.thinnest_webs(made(Contact.INNER, PartSpec(bore=60.0)))[0]
     assert found is not None
     assert found.thickness == pytest.approx(2.0, abs=1e-12)
     assert abs(found.place) == pytest.approx(30.0)
@@ -853,22 +855,22 @@ def test_the_thinnest_wall_is_not_always_thin_beside_its_hole() -> None:
     """A wall of 3 mm beside a bore of 20 mm is more than usual, one of 2 mm beside 8 mm too."""
     spec = PartSpec(bore=20.0, hub=Hub(25.0, 5.0), lightening_holes=Holes(1, 52.4, 8.0, CIRCLE))
     part = made(Contact.INNER, spec)
-    least, relative = Web.thinnest_of_each(part)
+    least, relative = Web.thinnest_webs(part)
     assert relative is not None
     assert least is not None
     assert (relative.one, relative.thickness) == ("hub", 2.5)
-    assert Web.thinnest_of_each(part, 1.0)[0] == least
+    assert Web.thinnest_webs(part, 1.0)[0] == least
     assert least.other == "lightening hole 1"
     assert least.thickness == pytest.approx(1.8, abs=0.01)
 
 
 def test_beside_a_flank_alone_nothing_is_usual() -> None:
-    found = Web.thinnest_of_each(made(Contact.OUTER, PartSpec(rim=140.0)))[0]
+    found = Web.thinnest_webs(made(Contact.OUTER, PartSpec(rim=140.0)))[0]
     assert found is not None
     assert (found.one, found.other, found.usual) == ("rim", "outline", 0.0)
     assert found.thickness == pytest.approx(7.0, abs=0.01)
-    assert Web.thinnest_of_each(made(Contact.OUTER, PartSpec(rim=140.0)))[1] is None
-    assert Web.thinnest_of_each(made(Contact.INNER, PartSpec()))[0] is None
+    assert Web.thinnest_webs(made(Contact.OUTER, PartSpec(rim=140.0)))[1] is None
+    assert Web.thinnest_webs(made(Contact.INNER, PartSpec()))[0] is None
 
 
 @given(st.sampled_from(list(FLANKS)), specs(), st.booleans())
@@ -881,7 +883,7 @@ def test_no_wall_of_a_random_part_is_thinner(
     assume(part is not None)
     assert part is not None
     limit = 1.0 if limited else None
-    found, beside = Web.thinnest_of_each(part, limit)[0], Web.thinnest_of_each(part)[1]
+    found, beside = Web.thinnest_webs(part, limit)[0], Web.thinnest_webs(part)[1]
     walls = list(_walls(part))
     assert (found is None) == (not walls)
     if found is None:

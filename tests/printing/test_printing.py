@@ -31,14 +31,14 @@ from camgeo.part.compensation import (
     PrintSpec,
     ScaledBoundary,
     Shrinkage,
-    compensated,
-    drawn_in,
+    compensate_part,
+    inset_boundary,
     scaled,
     scaled_contour,
     scaled_splines,
 )
 from camgeo.part.mass import Solid
-from camgeo.part.nozzle import RADIUS, STROKE, WALL, findings_of, sunk
+from camgeo.part.nozzle import RADIUS, STROKE, WALL, nozzle_findings, sunk
 from camgeo.part.part import Boundary, Layer, Part
 from camgeo.part.spec import (
     Chamfer,
@@ -100,12 +100,12 @@ def test_no_clearance_leaves_the_part() -> None:
     assert PrintSpec(elephant_foot=Foot(0.1, 0.2)).with_clearance(KEYED) is KEYED
     assert PrintSpec(bore_clearance=0.3).with_clearance(PartSpec()) == PartSpec()
     part = made(Contact.INNER, KEYED)
-    assert compensated(part, PrintSpec(bore_clearance=0.3)) is part
+    assert compensate_part(part, PrintSpec(bore_clearance=0.3)) is part
 
 
 def test_the_foot_is_drawn_in_step_by_step() -> None:
     part = made(Contact.INNER, replace(KEYED, bolt_circle=Holes(3, 46.0, 5.0)))
-    found = compensated(part, PrintSpec(elephant_foot=Foot(0.3, 0.6, 3)))
+    found = compensate_part(part, PrintSpec(elephant_foot=Foot(0.3, 0.6, 3)))
     assert [(each.name, each.z0) for each in found.layers] == [
         ("foot", -10.0),
         ("foot", pytest.approx(-9.8)),
@@ -129,7 +129,7 @@ def test_the_foot_is_drawn_in_step_by_step() -> None:
 def test_a_foot_of_a_lower_hub() -> None:
     """Only what stands on the bed is drawn in."""
     part = made(Contact.GROOVE, replace(DISC, hub=Hub(40.0, 6.0, "lower")))
-    found = compensated(part, PrintSpec(elephant_foot=Foot(0.2, 1.0)))
+    found = compensate_part(part, PrintSpec(elephant_foot=Foot(0.2, 1.0)))
     foot = found.layers[0]
     assert [each.name for each in foot.boundaries] == ["lower hub at step 1", "bore at step 1"]
     assert foot.boundaries[0].farthest()[0] == pytest.approx(19.8)
@@ -155,15 +155,15 @@ def test_what_has_no_room_is_refused(
 ) -> None:
     """A keyway that the clearance eats, a hub; a foot, also where there are chamfers."""
     with refused(f"print.{key}", message):
-        compensated(made(Contact.INNER, printed.with_clearance(spec)), printed)
+        compensate_part(made(Contact.INNER, printed.with_clearance(spec)), printed)
 
 
 def test_holes_that_a_foot_would_join() -> None:
     """0.5 mm lie between hole and bore."""
     part = made(Contact.INNER, replace(DISC, bolt_circle=Holes(2, 30.0, 9.0)))
-    assert compensated(part, PrintSpec(elephant_foot=Foot(0.2, 0.2))).layers[0].name == "foot"
+    assert compensate_part(part, PrintSpec(elephant_foot=Foot(0.2, 0.2))).layers[0].name == "foot"
     with pytest.raises(GeometryError, match="bore and bolt hole 1 would touch"):
-        compensated(part, PrintSpec(elephant_foot=Foot(0.26, 0.2)))
+        compensate_part(part, PrintSpec(elephant_foot=Foot(0.26, 0.2)))
 
 
 @given(st.sampled_from(list(FLANKS)), specs(), st.floats(-9.0, 19.0), st.floats(-9.0, 19.0))
@@ -175,9 +175,9 @@ def test_scaling_multiplies_volume_and_moments(
     assume(part is not None and part.thickness)
     assert part is not None
     shrinkage = Shrinkage(xy, z)
-    found = compensated(part, PrintSpec(shrinkage=shrinkage))
+    found = compensate_part(part, PrintSpec(shrinkage=shrinkage))
     a, b = shrinkage.scale_xy, shrinkage.scale_z
-    before, after = Solid.of(part), Solid.of(found)
+    before, after = Solid.from_part(part), Solid.from_part(found)
     assert (after.volume, after.axial) == pytest.approx(
         (before.volume * a**2 * b, before.axial * a**4 * b), rel=1e-9
     )
@@ -190,7 +190,7 @@ def test_scaling_multiplies_volume_and_moments(
 def test_all_at_once() -> None:
     """The foot is counted in millimetres of the file, whatever the scale."""
     spec = PrintSpec(0.3, 0.2, Foot(0.25, 0.4), Shrinkage(1.0, 2.0))
-    found = compensated(made(Contact.INNER, spec.with_clearance(KEYED)), spec)
+    found = compensate_part(made(Contact.INNER, spec.with_clearance(KEYED)), spec)
     foot, disc = found.layers
     assert (
         foot.z1 - foot.z0,
@@ -209,10 +209,12 @@ def test_chamfers_are_scaled_with_the_part() -> None:
     edges = Chamfers(outline=Chamfer(1.0, "upper"), bore=Chamfer(0.5, "upper"))
     part = made(Contact.INNER, replace(DISC, chamfers=edges))
     spec = PrintSpec(shrinkage=Shrinkage(xy=2.0, z=1.0))
-    stretched, xy, z = compensated(part, spec), spec.scale_xy, spec.scale_z
+    stretched, xy, z = compensate_part(part, spec), spec.scale_xy, spec.scale_z
     assert stretched.thickness == pytest.approx(10.0 * z)
-    assert Solid.of(stretched).volume == pytest.approx(xy**2 * z * Solid.of(part).volume, rel=1e-12)
-    footed = compensated(part, PrintSpec(elephant_foot=Foot(0.3, 0.2)))
+    assert Solid.from_part(stretched).volume == pytest.approx(
+        xy**2 * z * Solid.from_part(part).volume, rel=1e-12
+    )
+    footed = compensate_part(part, PrintSpec(elephant_foot=Foot(0.3, 0.2)))
     assert footed.bevels == part.bevels
 
 
@@ -239,7 +241,7 @@ def test_lines_and_arcs_stay_exact() -> None:
     assert scaled(bore, 1.0) is bore
 
 
-@pytest.mark.parametrize("form", ["arcs", "polyline", "beside", "spline"])
+@pytest.mark.parametrize("form", ["arcs", "polyline", "distance_fit", "spline"])
 @pytest.mark.parametrize("boundary", [CIRCLE, scaled(FLANK, FACTOR)], ids=["circle", "flank"])
 def test_a_fit_keeps_its_tolerance_at_the_larger_scale(form: str, boundary: Boundary) -> None:
     found = getattr(boundary, form)(TOLERANCE)
@@ -310,7 +312,7 @@ def test_a_flank_drawn_in_lies_that_far_in_the_material(scene: str, distance: fl
     area that shapely finds.
     """
     flank = _flank(scene)
-    found = drawn_in(flank, distance, "moved")
+    found = inset_boundary(flank, distance, "moved")
     assert (found.name, found.hole) == ("moved", flank.hole)
     before, after = _polygon(flank), _polygon(found)
     away = shapely.distance(before.exterior, shapely.points(after.exterior.coords))
@@ -323,7 +325,7 @@ def test_a_flank_drawn_in_lies_that_far_in_the_material(scene: str, distance: fl
 @pytest.mark.parametrize("scene", ["plate_translating", "tappet"])
 def test_a_flank_of_which_nothing_is_left(scene: str) -> None:
     with pytest.raises(GeometryError, match="nothing is left of the outline"):
-        drawn_in(_flank(scene), 200.0, "moved")
+        inset_boundary(_flank(scene), 200.0, "moved")
 
 
 def test_only_outlines_and_lines_and_arcs_are_drawn_in() -> None:
@@ -332,14 +334,14 @@ def test_only_outlines_and_lines_and_arcs_are_drawn_in() -> None:
     pieces = np.column_stack((corners, middles, np.roll(corners, -1)))
     letter = LetterBoundary("letter", True, pieces, 0.01)
     with pytest.raises(GeometryError, match="the letter cannot be drawn in"):
-        drawn_in(letter, 0.1, "moved")
+        inset_boundary(letter, 0.1, "moved")
 
 
 def test_what_is_scaled_is_drawn_in_by_as_much() -> None:
-    found = drawn_in(ScaledBoundary(_flank("tappet"), 2.0), 0.3, "moved")
+    found = inset_boundary(ScaledBoundary(_flank("tappet"), 2.0), 0.3, "moved")
     assert isinstance(found, ScaledBoundary)
     assert (found.name, found.factor) == ("moved", 2.0)
-    own = drawn_in(_flank("tappet"), 0.15, "own")
+    own = inset_boundary(_flank("tappet"), 0.15, "own")
     assert (found.farthest()[0], found.nearest()) == (2.0 * own.farthest()[0], 2.0 * own.nearest())
 
 
@@ -360,14 +362,14 @@ def test_parallels_of_lines_and_arcs(name: str, by: float) -> None:
     """As of shapely, with corners that stay corners."""
     fine = 1e-2 * CLOSE
     hole = ExactBoundary(name, True, HOLES[name])
-    moved = drawn_in(ExactBoundary(name, by > 0.0, HOLES[name]), abs(by), name)
+    moved = inset_boundary(ExactBoundary(name, by > 0.0, HOLES[name]), abs(by), name)
     wanted = _polygon(hole, fine).buffer(by, join_style="mitre", mitre_limit=20.0)
     found = _polygon(moved, fine)
     # At a corner, the direction of a chord of an arc, of 1 mm at least, is off by this angle; and
     # the sharpest corner magnifies what that moves less than 5 times.
     off = fine + abs(by) * math.sqrt(8.0 * fine)
     assert shapely.hausdorff_distance(found.exterior, wanted.exterior) <= 5.0 * off
-    slack = fine * wanted.exterior.length + len(moved.beside(fine).contour) * abs(by) * off
+    slack = fine * wanted.exterior.length + len(moved.distance_fit(fine).contour) * abs(by) * off
     assert found.area == pytest.approx(wanted.area, abs=2.0 * slack)
 
 
@@ -385,7 +387,7 @@ def test_circles_and_squares_exactly() -> None:
 )
 def test_what_vanishes_is_refused(name: str, by: float) -> None:
     with pytest.raises(GeometryError, match=f"nothing is left of the {name}"):
-        drawn_in(ExactBoundary(name, False, HOLES[name]), -by, name)
+        inset_boundary(ExactBoundary(name, False, HOLES[name]), -by, name)
 
 
 # The table, rollers and rings ---------------------------------------------------------------------
@@ -458,7 +460,9 @@ KEYED_DISC = PartSpec(thickness=10.0, bore=20.0, rim=140.0, keyway=Keyway(6.0, 2
 def test_a_roller(bore: float | None, clearance: float) -> None:
     part = roller_part(8.0, 5.0, bore, PrintSpec(bore_clearance=clearance) if clearance else None)
     hole = 0.0 if bore is None else 0.5 * (bore + clearance)
-    assert Solid.of(part).volume == pytest.approx(math.pi * (64.0 - hole**2) * 5.0, rel=1e-12)
+    assert Solid.from_part(part).volume == pytest.approx(
+        math.pi * (64.0 - hole**2) * 5.0, rel=1e-12
+    )
     assert part.outermost.farthest()[0] == 8.0
 
 
@@ -490,7 +494,7 @@ def test_a_ring_needs_a_bore() -> None:
 
 
 def _found(part: Part, nozzle: float) -> dict[str, Finding]:
-    return {each.name: each for each in findings_of(part, nozzle)}
+    return {each.name: each for each in nozzle_findings(part, nozzle)}
 
 
 @pytest.mark.parametrize(

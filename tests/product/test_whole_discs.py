@@ -17,11 +17,17 @@ import pytest
 import camgeo
 from camgeo.check.finding import BROKEN, Finding
 from camgeo.design.drawn import COMPENSATED
-from camgeo.design.judged_part import PartFound, broken_in, findings_on, poor_in, relation_of
-from camgeo.design.machining import machining_of, machining_time
+from camgeo.design.judged_part import (
+    PartAssessment,
+    broken_findings,
+    part_findings,
+    poor_findings,
+    relation_findings,
+)
+from camgeo.design.machining import machining_time, plan_machining
 from camgeo.design.milled import MilledDisc
-from camgeo.design.plate import STEP, plate_of
-from camgeo.design.product import Product, bodies_of, disc_of, title_of, with_pair
+from camgeo.design.plate import STEP, plate_pieces
+from camgeo.design.product import Product, display_title, find_disc, solid_products, with_pair
 from camgeo.errors import UnsafeError
 from camgeo.milling import plan
 from camgeo.numeric.arrays import FloatArray
@@ -56,9 +62,9 @@ def by_name(found: tuple[Finding, ...]) -> dict[str, Finding]:
 )
 def test_the_part_is_weighed_in_the_units_of_the_scene(scene: str) -> None:
     disc = design(scene, DENSE).disc
-    found = PartFound.of(disc)
+    found = PartAssessment.from_disc(disc)
     assert found.body is not None
-    exact = Solid.of(disc.drawn.part)
+    exact = Solid.from_part(disc.drawn.part)
     weight = 7850e-9  # kg/mm^3
     assert (found.body.stated_density, found.body.mass) == pytest.approx(
         (7850.0, weight * exact.volume), rel=1e-12
@@ -66,7 +72,7 @@ def test_the_part_is_weighed_in_the_units_of_the_scene(scene: str) -> None:
     assert found.body.axial_inertia == pytest.approx(weight * exact.axial, rel=1e-12)
     assert np.allclose(known(found.body.inertia), weight * exact.inertia, rtol=1e-12, atol=0.0)
     volume = math.fsum(each.area * (each.z1 - each.z0) for each in found.layers)
-    assert volume == pytest.approx(Solid.of(disc.drawn.part.sharp).volume, rel=1e-9)
+    assert volume == pytest.approx(Solid.from_part(disc.drawn.part.sharp).volume, rel=1e-9)
     assert [each.name for each in found.layers] == [each.name for each in disc.drawn.part.layers]
     alike(disc, found)
     told = by_name(found.findings)
@@ -78,23 +84,25 @@ def test_the_part_is_weighed_in_the_units_of_the_scene(scene: str) -> None:
     assert found.diameter == 2.0 * disc.drawn.part.outermost.farthest()[0]
     both = told.get("mass-of-both-discs")
     assert (both is not None) == (scene == "conjugate_carriage")
-    assert not any(both in findings_on(other) for other in disc.others)
+    assert not any(both in part_findings(other) for other in disc.others)
     if both is not None:
-        mine, other = (Solid.of(each.drawn.part) for each in (disc, disc.others[0]))
+        mine, other = (Solid.from_part(each.drawn.part) for each in (disc, disc.others[0]))
         assert both.value == pytest.approx(weight * (mine.volume + other.volume), rel=1e-12)
         inertia = weight * (mine.axial + other.axial)
         assert f"moment of inertia about the cam axis {inertia:.6g} kg mm^2" in both.sentence
-    bare = PartFound.of(design(scene).disc).body
+    bare = PartAssessment.from_disc(design(scene).disc).body
     if bare is not None and bare.density is None:
         nothing = (bare.mass, bare.axial_inertia, bare.inertia, bare.stated_density)
         assert nothing == (None,) * 4
 
 
-def alike(disc: Product, found: PartFound) -> None:
+def alike(disc: Product, found: PartAssessment) -> None:
     """What checks state, and what builds warn of, is what is found of the part."""
-    assert findings_on(disc) == found.findings
-    assert poor_in(disc) == tuple(each for each in found.findings if each.severity != "ok")
-    assert broken_in(disc) == tuple(each for each in found.findings if each.severity in BROKEN)
+    assert part_findings(disc) == found.findings
+    assert poor_findings(disc) == tuple(each for each in found.findings if each.severity != "ok")
+    assert broken_findings(disc) == tuple(
+        each for each in found.findings if each.severity in BROKEN
+    )
 
 
 @pytest.mark.parametrize(
@@ -109,26 +117,26 @@ def test_limits_of_a_part_hold_at_the_value_and_break_beyond_it(
     limit: str, name: str, least: bool
 ) -> None:
     plain = {**DENSE, "part.keyway": None}
-    value = known(by_name(findings_on(design("plate_translating", plain).disc))[name].value)
+    value = known(by_name(part_findings(design("plate_translating", plain).disc))[name].value)
     off = -1e-6 if least else 1e-6
     inside, beyond = 1.0 + off, 1.0 - off
     for share, severity in ((inside, "ok"), (beyond, "broken")):
         disc = design("plate_translating", {**plain, limit: share * value}).disc
-        found = by_name(findings_on(disc))[name]
+        found = by_name(part_findings(disc))[name]
         assert found.severity == severity
         assert found.limit == pytest.approx(share * value, rel=1e-12)
         assert found.value == pytest.approx(value, rel=1e-9)
-        alike(disc, PartFound.of(disc))
+        alike(disc, PartAssessment.from_disc(disc))
 
 
 def test_a_wall_without_a_limit_is_compared_with_what_is_usual() -> None:
     """A tenth of the diameter of the hole; at it a wall is not thin."""
     thin: dict[str, Any] = {"part.bore": 60}
     disc = design("plate_translating", {**thin, "part.keyway": None}).disc
-    _, web = Web.thinnest_of_each(disc.drawn.part)
+    _, web = Web.thinnest_webs(disc.drawn.part)
     assert web is not None
     assert web.usual == pytest.approx(6.0, rel=1e-12)
-    told = by_name(findings_on(disc))
+    told = by_name(part_findings(disc))
     assert (told["smallest-wall"].value, told["smallest-wall"].limit) == (web.thickness, None)
     assert told["smallest-wall"].severity == "ok"
     found = told["wall-ratio"]
@@ -137,7 +145,7 @@ def test_a_wall_without_a_limit_is_compared_with_what_is_usual() -> None:
     assert (found.severity == "warning") == (web.thickness < 6.0)
     verdict = "below" if web.thickness < 6.0 else "at least"
     assert f"of the diameter of the hole, {verdict} 10%, 6 mm" in found.sentence
-    alike(disc, PartFound.of(disc))
+    alike(disc, PartAssessment.from_disc(disc))
 
 
 def test_the_smallest_wall_is_the_smallest_distance() -> None:
@@ -145,7 +153,7 @@ def test_the_smallest_wall_is_the_smallest_distance() -> None:
     are less: the first is the smallest wall, by every door.
     """
     loaded = camgeo.load(FOUND / "smallest_wall.toml")
-    told = by_name(findings_on(loaded.disc))
+    told = by_name(part_findings(loaded.disc))
     assert told["smallest-wall"].value == pytest.approx(1.5, abs=1e-9)
     assert "between outline and bolt hole 1" in told["smallest-wall"].sentence
     assert told["wall-ratio"].value == pytest.approx(17.5 / 60.0, abs=1e-9)
@@ -157,21 +165,21 @@ def test_what_no_file_has_is_told() -> None:
     screw = {"diameter": 4, "height": 3, "angle": 90}
     values = {"part.hub": {"diameter": 40, "height": 8}, "part.set_screw": screw}
     disc = design("plate_translating", values).disc
-    found = by_name(findings_on(disc))["set-screw"]
+    found = by_name(part_findings(disc))["set-screw"]
     assert found.severity == "warning"
     assert "4 mm in diameter, 3 mm above the face of the disc in the direction 90 deg" in (
         found.sentence
     )
-    alike(disc, PartFound.of(disc))
+    alike(disc, PartAssessment.from_disc(disc))
 
 
 def test_a_part_that_is_impossible_is_told_as_such() -> None:
     disc = design("plate_translating", {"part.bore": 200, "part.keyway": None}).disc
-    found = PartFound.of(disc)
+    found = PartAssessment.from_disc(disc)
     assert (found.diameter, found.layers, found.body) == (None, (), None)
     assert [(each.name, each.severity) for each in found.findings] == [("part", "invalid")]
-    assert findings_on(disc) == found.findings
-    assert (poor_in(disc), broken_in(disc)) == ((), found.findings)
+    assert part_findings(disc) == found.findings
+    assert (poor_findings(disc), broken_findings(disc)) == ((), found.findings)
 
 
 # Names --------------------------------------------------------------------------------------------
@@ -194,18 +202,18 @@ def test_a_part_that_is_impossible_is_told_as_such() -> None:
 def test_a_file_belongs_to_the_disc_that_its_name_ends_with(stem: str, place: int) -> None:
     discs = design("pair" if stem.lower().startswith("conjugate_pair") else "conjugate_lever").discs
     assert [each.position for each in discs] == [0, 1]
-    assert disc_of(discs, stem) is with_pair(discs)[place]
+    assert find_disc(discs, stem) is with_pair(discs)[place]
 
 
 def test_titles_tell_which_disc_it_is() -> None:
     titled = design("pair", {"drawing.title": "Scheibe 7"})
-    assert [title_of(each) for each in with_pair(titled.discs)] == [
+    assert [display_title(each) for each in with_pair(titled.discs)] == [
         "Scheibe 7", "Scheibe 7 (return)", "Scheibe 7 (pair)",
     ]  # fmt: skip
     plain = design("pair", {"drawing.title": None})
     names = [each.name for each in with_pair(plain.discs)]
     assert names == ["conjugate_pair", "conjugate_pair-return", "conjugate_pair-pair"]
-    assert [title_of(each) for each in with_pair(plain.discs)] == names
+    assert [display_title(each) for each in with_pair(plain.discs)] == names
 
 
 # Milling ------------------------------------------------------------------------------------------
@@ -325,21 +333,21 @@ BOLTS = {"count": 3, "circle": 50, "hole": 5}
 def test_two_pieces_belong_at_0_degrees(part: dict[str, Any], severity: str, said: str) -> None:
     edits = {f"part.{key}": value for key, value in part.items()}
     main, other = design("conjugate_lever", edits).discs
-    (found,) = relation_of(main)
+    (found,) = relation_findings(main)
     assert (found.name, found.value, found.unit) == ("disc-angle", 0.0, "deg")
     assert found.severity == severity
     assert "the return disc belongs at 0 deg to the main disc" in found.sentence
     assert said in found.sentence
-    assert relation_of(other) == ()
-    assert (found in poor_in(main)) == (severity != "ok")
-    assert found in findings_on(main)
+    assert relation_findings(other) == ()
+    assert (found in poor_findings(main)) == (severity != "ok")
+    assert found in part_findings(main)
 
 
 def test_the_angle_that_may_be_off_is_that_of_the_closing_error() -> None:
     """Found again by turning the return disc, for which the lift is that of the angle ahead."""
     made = design("conjugate_lever")
     limit, reach = made.scene.limits.closing_error, abs(made.cam.follower.reach)
-    sentence = relation_of(made.disc)[0].sentence
+    sentence = relation_findings(made.disc)[0].sentence
     off = math.radians(float(sentence.split("off by ")[1].split()[0]))
     phi = np.linspace(0.0, 2.0 * math.pi, 20_001)
     lift = [made.drive.motion.jet(each)[0] for each in (phi, phi + off)]
@@ -353,20 +361,20 @@ def test_the_pair_is_a_piece_of_its_own() -> None:
     assert [each.name for each in (main, other, pair)] == [
         "conjugate_pair", "conjugate_pair-return", "conjugate_pair-pair",
     ]  # fmt: skip
-    assert bodies_of(main) == bodies_of(pair) == (pair,)
-    assert bodies_of(other) == ()
-    assert relation_of(main) == ()
+    assert solid_products(main) == solid_products(pair) == (pair,)
+    assert solid_products(other) == ()
+    assert relation_findings(main) == ()
     assert [each.boundaries[0].name for each in main.drawn.part.layers] == ["outline", "outline"]
-    told = by_name(relation_of(pair))["disc-angle"]
+    told = by_name(relation_findings(pair))["disc-angle"]
     assert told.severity == "ok"
     assert (
         "the return disc at 0 deg to the main disc, below it, with a gap of 9 mm" in told.sentence
     )
-    whole = known(PartFound.of(pair).body)
-    parts = [PartFound.of(each).body for each in (main, other)]
+    whole = known(PartAssessment.from_disc(pair).body)
+    parts = [PartAssessment.from_disc(each).body for each in (main, other)]
     assert whole.solid.volume > sum(each.solid.volume for each in parts if each is not None)
     two = design("pair", {"part.pair": None})
-    assert [bodies_of(each) for each in two.discs] == [(each,) for each in two.discs]
+    assert [solid_products(each) for each in two.discs] == [(each,) for each in two.discs]
     assert with_pair(two.discs) == two.discs
 
 
@@ -378,9 +386,9 @@ def test_rollers_need_room_beside_the_other_disc(width: float | None, severity: 
     sizes = {"gap": 9, "spacer": 54, **({"roller_width": width} if width else {})}
     made = design("pair", {"part.pair": sizes})
     pair = known(made.disc.pair)
-    found = by_name(relation_of(pair))["roller-width"]
+    found = by_name(relation_findings(pair))["roller-width"]
     assert (found.severity, found.value) == (severity, (width or 28.0))
-    assert (found in poor_in(pair)) == (severity != "ok")
+    assert (found in poor_findings(pair)) == (severity != "ok")
 
 
 def test_rollers_beside_each_other_need_more_room() -> None:
@@ -391,7 +399,7 @@ def test_rollers_beside_each_other_need_more_room() -> None:
     assert apart > one.roller_radius + two.roller_radius
     radius = apart - one.roller_radius + 0.1
     wide = camgeo.Design(made.scene.with_values({"follower.return.roller_radius": radius}))
-    found = by_name(relation_of(known(wide.disc.pair)))["roller-width"]
+    found = by_name(relation_findings(known(wide.disc.pair)))["roller-width"]
     assert found.limit == pytest.approx(19.0)
     assert "the rollers reach each other" in found.sentence
 
@@ -436,7 +444,7 @@ def test_what_a_printer_cannot_make_is_found(
     disc = design("plate_translating", values).disc
     every, poor = (
         {each.name: each.severity for each in found if each.name.startswith("print-")}
-        for found in (findings_on(disc), poor_in(disc))
+        for found in (part_findings(disc), poor_findings(disc))
     )
     assert every == severities
     assert poor == {name: each for name, each in severities.items() if each != "ok"}
@@ -458,7 +466,7 @@ BODIES = ["cam", "return-cam", "roller", "return-roller", "test-ring"]
 
 @pytest.mark.parametrize("gap", [0.1, 7.0])
 def test_bodies_lie_apart(gap: float) -> None:
-    plate = plate_of(
+    plate = plate_pieces(
         design("conjugate_carriage", {"output.3mf.plate": BODIES, "output.3mf.gap": gap}).disc
     )
     assert [each.kind for each in plate] == BODIES
@@ -479,10 +487,10 @@ def test_bodies_lie_apart(gap: float) -> None:
 def test_sizes() -> None:
     """The rollers are those of the followers, as wide as the disc or as the scene says."""
     names = ["roller", "return-roller"]
-    main, returning = plate_of(design("conjugate_carriage", {"output.3mf.plate": names}).disc)
+    main, returning = plate_pieces(design("conjugate_carriage", {"output.3mf.plate": names}).disc)
     assert (main.reach, returning.reach) == (12.0, 10.0)
     assert main.part.thickness == returning.part.thickness == 14.0
-    wide, _ = plate_of(
+    wide, _ = plate_pieces(
         design("conjugate_carriage", {"output.3mf.plate": names, "output.3mf.roller_width": 9}).disc
     )
     assert wide.part.thickness == 9.0
@@ -496,7 +504,7 @@ def test_all_are_compensated() -> None:
         "output.3mf.plate": ["roller", "test-ring", "cam"],
         "output.3mf.roller_bore": 6,
     }
-    roller, ring, cam = plate_of(design("conjugate_carriage", values).disc)
+    roller, ring, cam = plate_pieces(design("conjugate_carriage", values).disc)
     assert roller.reach == pytest.approx(12.0 / 0.99, abs=1e-6)
     bores = [each.part.layers[-1].boundaries[-1].nearest() for each in (roller, ring, cam)]
     assert bores == pytest.approx([3.1 / 0.99, 12.6 / 0.99, 12.6 / 0.99])
@@ -511,7 +519,7 @@ def test_a_pair_in_one_piece() -> None:
         "output.3mf.plate": ["cam", "return-roller", "test-ring"],
     }
     pair = known(design("conjugate_carriage", values).disc.pair)
-    cam, roller, ring = plate_of(pair)
+    cam, roller, ring = plate_pieces(pair)
     assert cam.part is pair.drawn.printed.target
     assert cam.part.thickness == 14.0 + 8.0 + 14.0
     assert roller.part.thickness == 11.0
@@ -519,10 +527,10 @@ def test_a_pair_in_one_piece() -> None:
 
 
 def test_a_disc_without_another() -> None:
-    assert plate_of(design("plate_translating").disc) == ()
+    assert plate_pieces(design("plate_translating").disc) == ()
     alone = design("conjugate_carriage", {"output.3mf.plate": ["return-cam"]}).discs[1]
     with refused("output.3mf.plate", "no return disc of its own"):
-        plate_of(alone)
+        plate_pieces(alone)
 
 
 # Whoever asks for milling programs has the same plan ----------------------------------------------
@@ -533,7 +541,7 @@ def test_time_and_findings_come_from_one_plan(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(plan, "plan_toolpath", counted)
     made = design("setzhub")
     seconds = machining_time(made.discs)
-    assert machining_of(made.discs).seconds == seconds
+    assert plan_machining(made.discs).seconds == seconds
     assert counted.call_count == 1
     milled, tolerance = made.disc.milled, made.scene.output.tolerance
     assert milled.toolpath(0.5 * tolerance) != milled.toolpath(tolerance)  # each has its own

@@ -158,7 +158,7 @@ def test_earlier_keys_lack_what_nobody_may_invent() -> None:
         "tool_diameter = 8",
         "tool_diameter = 10\nspindle_speed = 3000\nfeed = 300\nplunge_feed = 100\npass_depth = 3",
     )
-    told = Design(parse_scene(whole)).disc.milled.told
+    told = Design(parse_scene(whole)).disc.milled.notes
     assert any("earlier keys of [output.gcode], which are still read" in each for each in told)
     both = spoilt(PLATE, ('machine = "linuxcnc"', "pass_depth = 3"))
     with pytest.raises(SceneError, match=r"contradicts \[\[tool\]\]: state it as stepdown there"):

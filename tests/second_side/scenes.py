@@ -6,7 +6,7 @@ from functools import cache
 from typing import Final
 
 from camgeo.design.design import Design
-from camgeo.design.product import Product, sides_of
+from camgeo.design.product import Product, product_sides
 from camgeo.scene.scene import parse_scene
 
 TOLERANCE: Final = 0.02
@@ -179,5 +179,5 @@ def design(text: str) -> Design:
 
 def second(text: str) -> Product:
     """The second side of its disc."""
-    _, side = sides_of(design(text).disc)
+    _, side = product_sides(design(text).disc)
     return side

@@ -17,7 +17,7 @@ from camgeo.app.answers.check import check
 from camgeo.app.answers.lint import Lint, lint
 from camgeo.app.answers.setup import SetupSheet, html, setup_sheet
 from camgeo.design.milled import job
-from camgeo.design.product import Product, disc_of, programs_of, sides_of
+from camgeo.design.product import Product, find_disc, product_sides, side_programs
 from camgeo.errors import SceneError, UnsafeError
 from camgeo.milling.judged import Done, Side, runs_of, settled, simulated
 from camgeo.milling.machine import load, names
@@ -119,7 +119,7 @@ def test_programs_are_named_and_numbered_apart() -> None:
 def test_a_file_belongs_to_its_disc_by_its_name() -> None:
     disc = design(scene(FACED)).disc
     for name in ("both", "both-second-side", "both-second-side-2-t5", "BOTH-SECOND-SIDE"):
-        assert disc_of([disc], name) is disc
+        assert find_disc([disc], name) is disc
 
 
 def arcs_of(product: Product, tolerance: float) -> list[ArcFeed]:
@@ -182,7 +182,7 @@ def test_the_machine_climbs(about: str, direction: str, sign: float, word: str, 
 
 def test_the_first_side_climbs_in_its_bore() -> None:
     """The oracle of the test above, on a side of which nobody doubts it."""
-    first, _ = sides_of(design(scene(FACED)).disc)
+    first, _ = product_sides(design(scene(FACED)).disc)
     text = written(first)
     assert turned_about_its_middle(text, "outline") < -1000.0
     assert turned_about_its_middle(text, "bore") > 50.0
@@ -220,7 +220,9 @@ def test_a_damaged_program_does_not_verify(name: str) -> None:
 
 def test_a_program_of_the_other_side_does_not_verify() -> None:
     disc = design(scene(FACED)).disc
-    first, other = (written(each) for each in programs_of(disc) + programs_of(sides_of(disc)[1]))
+    first, other = (
+        written(each) for each in side_programs(disc) + side_programs(product_sides(disc)[1])
+    )
     as_first = re.sub(r"\(second side.*\n(\(back\)\n)?", "", other)
     assert failures(disc, as_first) != []
     one_sided = design(scene(FACED.partition("[second_side]")[0])).disc
@@ -232,7 +234,7 @@ def test_a_program_of_the_other_side_does_not_verify() -> None:
 def test_a_first_side_that_leaves_too_much_does_not_verify() -> None:
     """What is left on the upper face is there when both sides are done."""
     disc = design(scene(FACED)).disc
-    first, _ = sides_of(disc)
+    first, _ = product_sides(disc)
     text = written(first)
     head, mark, rest = text.partition("(operation rough bore)")
     wrong = head.replace("G1 Z0.0000", "G1 Z0.2000") + mark + rest
@@ -241,7 +243,9 @@ def test_a_first_side_that_leaves_too_much_does_not_verify() -> None:
 
 
 def test_the_header_says_how_the_work_lies() -> None:
-    first, other = sides_of(design(scene(FROM_BELOW, about="y", direction="conventional")).disc)
+    first, other = product_sides(
+        design(scene(FROM_BELOW, about="y", direction="conventional")).disc
+    )
     notes = " ".join(run(written(other), load("linuxcnc")).comments)
     how = "the work is turned over about Y: what was on the left is on the right"
     assert f"second side: {how}" in notes
@@ -254,7 +258,7 @@ def test_the_header_says_how_the_work_lies() -> None:
 
 
 def test_the_blank_for_graphics_is_as_the_work_lies() -> None:
-    _, other = sides_of(design(scene(FROM_BELOW + EDGE, "heidenhain", about="x")).disc)
+    _, other = product_sides(design(scene(FROM_BELOW + EDGE, "heidenhain", about="x")).disc)
     low, high = (line for line in written(other).splitlines() if "BLK FORM" in line)
     assert re.search(r"X\+0\S* Y\+0", low)
     assert re.search(r"X\+84\S* Y\+76", high)
@@ -301,7 +305,7 @@ size = 0.3
 
 @cache
 def done(text: str) -> tuple[Done, ...]:
-    first, _ = sides_of(design(text).disc)
+    first, _ = product_sides(design(text).disc)
     toolpath = first.milled.toolpath(TOLERANCE)
     cuts = tuple(each.cut for each in toolpath.operations)
     return job(first.milled, cuts, runs_of(toolpath), TOLERANCE)
@@ -425,7 +429,7 @@ def test_nothing_may_be_left_below_the_part() -> None:
     text = scene(tables).replace("[output]\n", drill)
     (rest,) = (flaw for flaw in flaws(text) if flaw.name == "rest")
     assert not rest.watched
-    second = sides_of(design(text).disc)[1].milled
+    second = product_sides(design(text).disc)[1].milled
     with pytest.raises(UnsafeError, match="material is left on the part"):
         second.safe(second.toolpath(TOLERANCE), TOLERANCE)
 
@@ -496,7 +500,7 @@ def test_what_cannot_be_done_from_below_is_refused(tables: str, expected: str) -
     if tables.startswith(GROOVED):
         text = text.replace("offset = 3\n", 'offset = 3\ncontact = "groove"\n')
         text = text.replace("bore = 18\n", "bore = 18\nrim = 90\ngroove_depth = 3\n", 1)
-    second = sides_of(design(text).disc)[1].milled
+    second = product_sides(design(text).disc)[1].milled
     with pytest.raises(SceneError) as caught:
         _ = second.zero, second.toolpath(TOLERANCE)
     assert expected in str(caught.value)
@@ -521,16 +525,16 @@ def test_halves_that_do_not_meet_leave_a_web() -> None:
 
 def test_a_wall_of_which_the_first_side_cuts_half_is_planned_from_below() -> None:
     tables = HALVES.partition("[[second_side.operation]]")[0]
-    second = sides_of(design(scene(tables)).disc)[1].milled
+    second = product_sides(design(scene(tables)).disc)[1].milled
     assert [cut.name for cut in second.cuts] == ["rough outline", "outline"]
     whole = tables.replace("depth = 3.5\n", "")
     with pytest.raises(SceneError, match="nothing is to be milled"):
-        _ = sides_of(design(scene(whole)).disc)[1].milled.cuts
+        _ = product_sides(design(scene(whole)).disc)[1].milled.cuts
 
 
 def test_walls_that_the_first_side_leaves_are_planned() -> None:
     tables = FROM_BELOW.partition("[[second_side.operation]]")[0]
-    assert [cut.name for cut in sides_of(design(scene(tables)).disc)[1].milled.cuts] == [
+    assert [cut.name for cut in product_sides(design(scene(tables)).disc)[1].milled.cuts] == [
         "rough outline",
         "outline",
     ]
@@ -691,7 +695,7 @@ def test_a_wrong_second_side_is_refused_with_its_key(old: str, new: str, expecte
     wrong = FROM_BELOW.replace(old, new, 1)
     assert wrong != FROM_BELOW
     with pytest.raises(SceneError) as caught:
-        _ = sides_of(design(scene(wrong)).disc)[1].milled.zero
+        _ = product_sides(design(scene(wrong)).disc)[1].milled.zero
     assert expected in str(caught.value)
 
 

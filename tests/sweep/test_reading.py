@@ -13,7 +13,7 @@ import pytest
 from camgeo.app.answers.check import check
 from camgeo.check.judge import WORST_FIRST
 from camgeo.design.design import Design
-from camgeo.design.judged_part import PartFound
+from camgeo.design.judged_part import PartAssessment
 from camgeo.design.value_table import bare
 from camgeo.errors import CamgeoError, GeometryError, UnknownNameError
 from camgeo.lazy import Ledger
@@ -82,7 +82,7 @@ def test_names_of_groups_are_names_of_findings() -> None:
 
 def test_the_part_is_that_of_a_check() -> None:
     design = Design(load_scene(FIXTURES / "scenes" / "hub_and_holes.toml"))
-    found = {each.name: each.value for each in PartFound.of(design.disc).findings}
+    found = {each.name: each.value for each in PartAssessment.from_disc(design.disc).findings}
     for name in ("largest-diameter", "mass", "smallest-wall", "wall-ratio"):
         if name in found:
             assert answer(design, name).value == found[name]

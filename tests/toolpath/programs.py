@@ -284,7 +284,7 @@ def document(name: str) -> dict[str, Any]:
     return {
         "zero": [zero.sentence, *spread(zero.place), zero.z],
         "blank": [described(stock, part, zero), zero.box(stock, part)],
-        "told": disc.told,
+        "told": disc.notes,
         "findings": [asdict(each) for each in disc.findings(plan, TOLERANCE)],
         "engaged": [
             {**asdict(each), "place": spread(each.place)}

@@ -54,9 +54,9 @@ def poor_findings(design: Design) -> tuple[Finding, ...]:
     bad = tuple(each for each in design.findings if each.severity != "ok")
     if not design.judgement.has_outline:
         return bad
-    from camgeo.design.judged_part import poor_in  # a cam without outline has no part
+    from camgeo.design.judged_part import poor_findings  # a cam without outline has no part
 
-    return (*bad, *chain.from_iterable(map(poor_in, with_pair(design.discs))))
+    return (*bad, *chain.from_iterable(map(poor_findings, with_pair(design.discs))))
 
 
 def build(

@@ -21,7 +21,7 @@ from camgeo.app.answers.answer import (
 )
 from camgeo.app.cli.command import SCENE_FILE, opened, show
 from camgeo.check.finding import FINDINGS, RETURN, Finding, forbidding
-from camgeo.design.judged_part import Body, PartFound
+from camgeo.design.judged_part import Body, PartAssessment
 from camgeo.design.product import with_pair
 from camgeo.errors import GeometryError
 from camgeo.kinematics.plan import Joint, joints
@@ -102,7 +102,7 @@ class Check(Answer):
     curves: Mapping[str, Disc]
     cures: tuple[Cure, ...]
     effects: Mapping[str, tuple[Finding, ...]]
-    parts: Mapping[str, PartFound]
+    parts: Mapping[str, PartAssessment]
     machining: Machining | None = None
     formats: tuple[Finding, ...] = ()
 
@@ -170,16 +170,16 @@ def _lacking(scene: Scene) -> Iterator[Finding]:
             yield Finding(FORMAT, "broken" if name in named else "ok", str(fault))
 
 
-def _parts(design: Design) -> dict[str, PartFound]:
+def _parts(design: Design) -> dict[str, PartAssessment]:
     with design.ledger.entry(OF_PART):
-        return {disc.name: PartFound.of(disc) for disc in with_pair(design.discs)}
+        return {disc.name: PartAssessment.from_disc(disc) for disc in with_pair(design.discs)}
 
 
 def _machining(design: Design) -> Machining:
-    from camgeo.design.machining import machining_of  # few scenes are milled
+    from camgeo.design.machining import plan_machining  # few scenes are milled
 
     with design.ledger.entry(OF_MILLING):
-        return machining_of(design.discs)
+        return plan_machining(design.discs)
 
 
 def _remains(disc: Disc, flank: str) -> Remains | None:
@@ -257,9 +257,9 @@ CHANGE: Final[Keys] = {
     "key": "Path of the key in the scene.",
     "from": Key(
         "Its present value, in the unit of the scene or in degrees, or the name of a law.",
-        of="value_from",
+        of="old_value",
     ),
-    "to": Key("The other value.", of="value_to"),
+    "to": Key("The other value.", of="new_value"),
 }
 
 CURE: Final[Keys] = {
@@ -269,11 +269,11 @@ CURE: Final[Keys] = {
         ' segment" or "other law".'
     ),
     "key": "Path of its key in the scene; empty if no single key is at fault.",
-    "from": Key("The present value, in `unit`, or the name of a law.", of="value_from"),
+    "from": Key("The present value, in `unit`, or the name of a law.", of="old_value"),
     "to": Key(
         "The nearest value that cures the fault and breaks no limit that holds, or else that"
         " cures it; null if there is none.",
-        of="value_to",
+        of="new_value",
     ),
     "unit": 'Unit of both: that of the scene for a length, "deg" or empty.',
     "cost": "Fraction of the present value by which it changes; null without a cure.",
@@ -469,7 +469,7 @@ def text(answer: Check) -> str:
     return "\n".join(lines)
 
 
-def _part(found: PartFound) -> list[str]:
+def _part(found: PartAssessment) -> list[str]:
     """Size, mass and moments of inertia of a part."""
     told = [f"section through the {each.name} {each.area:.6g} mm^2" for each in found.layers]
     if found.body is not None:

@@ -35,9 +35,9 @@ from camgeo.app.cli.command import (
     positive,
     show,
 )
-from camgeo.check.finding import Finding, held
+from camgeo.check.finding import Finding, limit_finding
 from camgeo.design.design import Design
-from camgeo.design.product import Product, disc_of
+from camgeo.design.product import Product, find_disc
 from camgeo.design.value_table import Table
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.exact_flank import ExactFlank
@@ -275,11 +275,11 @@ def of_points(
 def _measured(design: Design, stem: str, flank: str | None) -> tuple[Product, Flank]:
     """The disc and the flank that a file named `stem` without its ending was measured on."""
     if flank is not None:
-        return disc_of(design.discs, stem), Flank(flank)
+        return find_disc(design.discs, stem), Flank(flank)
     for side in design.cam.contact.flanks:
         if stem.lower().endswith(f"-{side}"):
-            return disc_of(design.discs, stem[: -len(side) - 1]), side
-    return disc_of(design.discs, stem), design.cam.contact.main
+            return find_disc(design.discs, stem[: -len(side) - 1]), side
+    return find_disc(design.discs, stem), design.cam.contact.main
 
 
 def _effect(disc: Product, exact: ExactFlank, deviations: Deviations) -> LiftEffect:
@@ -302,7 +302,7 @@ def _profile(deviations: Deviations, tolerance: float | None) -> Finding:
         f"all points lie in a zone {small(deviations.profile, 'mm')} wide; most off"
         f" {at_cam_angles(worst.place)}, {small(abs(worst.value), 'mm')} of material {what}"
     )
-    return held("profile", statement, deviations.profile, tolerance, "mm", worst.place)
+    return limit_finding("profile", statement, deviations.profile, tolerance, "mm", worst.place)
 
 
 def _coverage(deviations: Deviations) -> Finding:

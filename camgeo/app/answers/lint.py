@@ -16,7 +16,7 @@ from camgeo.app.answers.answer import BROKEN, FINE, WRONG, Answer, Key
 from camgeo.app.cli.command import Argument, CallError, number, opened, show
 from camgeo.design.design import Design
 from camgeo.design.linting import Bench, LineFinding, Linted
-from camgeo.design.product import Product, disc_of, sides_of
+from camgeo.design.product import Product, find_disc, product_sides
 from camgeo.errors import Fault, FileError, SceneError, unreadable
 from camgeo.milling.machine import Machine, load
 from camgeo.reading import PROGRAM, read_within
@@ -138,15 +138,15 @@ def lint(
     if design is not None and not design.scene.states_milling:
         fault = Fault("tool", "", "is not stated: nothing is known of the work")
         raise SceneError([fault], design.scene.source.file)
-    if second_side and design is not None and len(sides_of(design.disc)) == 1:
+    if second_side and design is not None and len(product_sides(design.disc)) == 1:
         raise SceneError([Fault("second_side", "", "is not stated")], design.scene.source.file)
 
     def of(path: Path) -> Product | None:
         """What a program mills."""
         if design is None:
             return None
-        disc = disc_of(design.discs, path.stem)
-        return sides_of(disc)[-1] if second_side else disc
+        disc = find_disc(design.discs, path.stem)
+        return product_sides(disc)[-1] if second_side else disc
 
     found = tuple(_program(path, profile, work, runs, of(path)) for path in paths)
     return Lint(profile, work, found, None if design is None else design.scene)

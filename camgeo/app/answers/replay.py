@@ -38,7 +38,7 @@ from camgeo.app.cli.command import (
 )
 from camgeo.cam.cam import Cam
 from camgeo.design.design import Design
-from camgeo.design.product import Product, disc_of
+from camgeo.design.product import Product, find_disc
 from camgeo.design.value_table import Table, cam_angles
 from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.geometry.contour.contour import Contour, crossing, winding_number
@@ -217,7 +217,7 @@ def _discs(
         return [(design.disc, files[0] if files else None)]
     if not files:
         return [(disc, None) for disc in discs]
-    named = [disc_of(discs, file.stem) for file in files]
+    named = [find_disc(discs, file.stem) for file in files]
     if len(files) == 1:
         return [(named[0], files[0])]
     return list(zip(discs, files[::-1] if named == [*reversed(discs)] else files, strict=True))

@@ -33,7 +33,7 @@ from camgeo.app.cli.command import (
 )
 from camgeo.design.design import Design
 from camgeo.design.milled import compared
-from camgeo.design.product import Product, programs_of, sides_of
+from camgeo.design.product import Product, product_sides, side_programs
 from camgeo.errors import GeometryError
 from camgeo.milling.compensation import limits_of
 from camgeo.milling.judged import Feature
@@ -157,7 +157,7 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
     if not design.scene.states_milling:
         raise GeometryError("is not stated: there is no program to set up", key="tool")
     tolerance = design.scene.output.tolerance if tolerance is None else tolerance
-    first, *others = sides_of(design.disc)
+    first, *others = product_sides(design.disc)
     sheet = _sheet(design, first, tolerance)
     if not others:
         return sheet
@@ -227,7 +227,7 @@ def _steps(
 
 def _programs(side: Product, machine: Machine) -> Iterator[str]:
     """Which operations are in which file, where a machine needs a program for each tool."""
-    products = programs_of(side)
+    products = side_programs(side)
     for each in products if len(products) > 1 else ():
         names = ", ".join(cut.name for cut in each.milled.cuts)
         tool = each.milled.cuts[0].tool.number

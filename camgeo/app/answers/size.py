@@ -29,7 +29,7 @@ from camgeo.check.disc import transmission_angle_limit
 from camgeo.check.finding import Finding
 from camgeo.check.judge import motion_findings
 from camgeo.check.sizing.face import FaceTask
-from camgeo.check.sizing.rounding import Made, exponent_of, rated, sized
+from camgeo.check.sizing.rounding import RoundedMechanism, decimal_exponent, rated, sized
 from camgeo.check.sizing.smallest import ARM_SIDES, Active, Rating, Sizing
 from camgeo.check.sizing.task import Placing, Task
 from camgeo.design.design import Design
@@ -57,7 +57,7 @@ class Side:
     task: Placing
     sizing: Sizing
     unit: LengthUnit
-    made: Made | None = None
+    made: RoundedMechanism | None = None
 
     @property
     def written(self) -> Rating | None:
@@ -241,7 +241,12 @@ def size(
     found = sized(cam, angle, ratio, radius_of_curvature, arms, MM_PER[unit])
     present = getattr(design.scene.follower, "arm", None)
     sides = tuple(
-        Side(task, sizing, unit, Made.of(task, sizing, ratio, present, MM_PER[unit]))
+        Side(
+            task,
+            sizing,
+            unit,
+            RoundedMechanism.from_sizing(task, sizing, ratio, present, MM_PER[unit]),
+        )
         for task, sizing in found
     )
     answer = CamSize(design.scene, sides, rated(cam))
@@ -541,7 +546,7 @@ def _row(answer: CamSize, name: str, rating: Rating | None) -> str:
     digits = 4 if unit == 1.0 else 5
     cells = (
         f"{rating.base_radius / unit:.{digits}f}",
-        f"{answer.best.task.second_of(rating.place) / unit + 0.0:.{digits}f}",
+        f"{answer.best.task.second_length(rating.place) / unit + 0.0:.{digits}f}",
         f"{math.degrees(angle.value):.4f}",
         f"{math.degrees(angle.place):.3f}",
         f"{last.value / per:.4f}",
@@ -646,7 +651,7 @@ def _return_roller(scene: Scene, cam: Cam) -> dict[str, float]:
     unit = MM_PER[scene.unit]
 
     def near(length: float) -> float:
-        last = Decimal(1).scaleb(exponent_of(main.base_radius, unit))
+        last = Decimal(1).scaleb(decimal_exponent(main.base_radius, unit))
         return float(Decimal(length / unit).quantize(last, ROUND_HALF_EVEN)) + 0.0
 
     edits = {"follower.return.spacing": near(main.start_height + other.start_height)}

@@ -29,16 +29,16 @@ from camgeo.app.cli.command import (
     show,
 )
 from camgeo.design.design import Design
-from camgeo.design.product import Product, disc_of
+from camgeo.design.product import Product, find_disc
 from camgeo.design.verify import Check, Origin, Reading, Verifier, equal, failed, reported
 from camgeo.design.writing import (
     CERTIFICATE,
     KIND,
     VERIFICATION,
+    file_products,
     find_writer,
     interrupted,
     is_verification,
-    pieces_of,
     write_set,
 )
 from camgeo.errors import CamgeoError, Fault, FileError, SceneError, unreadable
@@ -292,7 +292,7 @@ def _verdict(
         named = certificate.scene  # in full, where the file has only its first digits
     against = scenes(path.parent, named)
     product, present = (
-        disc_of(against.discs, path.name.removesuffix(_ending(path))),
+        find_disc(against.discs, path.name.removesuffix(_ending(path))),
         against.hash_like(named),
     )
     checks += _scene(product, present, origin, certificate)
@@ -496,7 +496,7 @@ def _written_again(
     found: list[Difference] = []
     try:
         writer = find_writer(origin.format or verifier.format)
-        pieces = [each for disc in against.discs for each in pieces_of(writer, disc)]
+        pieces = [each for disc in against.discs for each in file_products(writer, disc)]
         ending = writer.format.ending(product.options)
         # One of another name may be any of them.
         pieces = [each for each in pieces if each.name + ending == name] or pieces

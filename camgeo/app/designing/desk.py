@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, Literal, Self
 
-from camgeo.design.writing import PRIVATE, lock_at, settle, sync, write_set
+from camgeo.design.writing import PRIVATE, acquire_lock, settle, sync, write_set
 from camgeo.errors import FileError, unreadable
 from camgeo.reading import SCENE, check_size, read_within
 from camgeo.scene.values import Stamp, stamp_of
@@ -670,7 +670,7 @@ def _write(stream: int, data: bytes) -> None:
 
 def _locked(place: Path) -> int | None:
     """The lock file, open and locked; None if another process has it."""
-    while (lock := lock_at(place, os.O_RDWR | os.O_CREAT | NO_LINK)) is not None:
+    while (lock := acquire_lock(place, os.O_RDWR | os.O_CREAT | NO_LINK)) is not None:
         with suppress(FileNotFoundError):
             if sys.platform == "win32" or os.path.samestat(os.fstat(lock), place.stat()):
                 return lock

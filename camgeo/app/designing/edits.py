@@ -32,8 +32,8 @@ from camgeo.app.designing.form import (
     title_of,
 )
 from camgeo.app.designing.handles import dragged
-from camgeo.check.cures.remedies import edits_of
-from camgeo.design.design import KEPT, Design
+from camgeo.check.cures.remedies import cure_edits
+from camgeo.design.design import COMMON_KEYS, Design
 from camgeo.dynamics.effects.effect import Effect
 from camgeo.dynamics.effects.registry import effect_names, find_effect
 from camgeo.errors import CamgeoError, Fault, GeometryError, SceneError, UnknownNameError
@@ -168,7 +168,7 @@ def _cured(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
         raise refusal("there is no such cure")
     if not cures[number].works:
         raise refusal(cures[number].sentence)
-    edits = given.design.edits(edits_of(cures[number]))
+    edits = given.design.edits(cure_edits(cures[number]))
     return edited(given.tree, edits), label_of(edits, _units(given.tree, edits))
 
 
@@ -1050,7 +1050,7 @@ def _with_law(given: Given, after: Tree, path: KeyPath) -> Tree:
     """
     after = with_a_point(after, int(path[1]))
     own = value_at(after, path[:2])
-    among = [(*path[:2], key) for key in own if key not in KEPT]
+    among = [(*path[:2], key) for key in own if key not in COMMON_KEYS]
     return given.without_misfits(after, lambda misfit: misfit in among)
 
 

@@ -151,7 +151,7 @@ def _grips(design: Design) -> Iterator[Grip]:
     if scene.mount is not None and scene.returning is not None:
         yield from return_grips(scene.follower, scene.mount, scene.returning)
     if scene.linkage is not None:
-        yield from linkage_grips(scene.linkage, *design.disc.pictured.linked_at)
+        yield from linkage_grips(scene.linkage, *design.disc.pictured.linkage_joint)
 
 
 def _of_plan(design: Design) -> Iterator[Handle]:

@@ -18,11 +18,11 @@ from camgeo.check.cures.search import (
     BEYOND,
     CONDITIONS,
     UNKNOWN,
-    Along,
     Condition,
     Conditions,
     Discs,
     Excess,
+    MarginCurve,
     Way,
     holds,
 )
@@ -58,8 +58,8 @@ class Change:
     """
 
     key: str
-    value_from: Value
-    value_to: Value
+    old_value: Value
+    new_value: Value
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,8 +88,8 @@ class Cure:
 
     knob: str
     key: str
-    value_from: Value
-    value_to: Value | None
+    old_value: Value
+    new_value: Value | None
     unit: str
     cost: float | None
     sentence: str
@@ -106,7 +106,7 @@ class Cure:
     @property
     def works(self) -> bool:
         """Whether the knob has a cure."""
-        return self.value_to is not None
+        return self.new_value is not None
 
 
 def length_cure(
@@ -129,8 +129,8 @@ def length_cure(
         return no_cure(knob, key, present, unit, none)
     cost = abs(length.limit - old) / scale
     sentence = (
-        f"{knob} {bound}{shown(length.stated)} {unit} instead of {present:.{length.digits}g} {unit}"
-        f" ({key}, a change by {percent(cost)})"
+        f"{knob} {bound}{length_text(length.stated)} {unit} instead of"
+        f" {present:.{length.digits}g} {unit} ({key}, a change by {percent(cost)})"
     )
     return Cure(knob, key, present, length.stated, unit, cost, sentence, limit=length.limit)
 
@@ -140,7 +140,7 @@ def no_cure(knob: str, key: str, old: Value, unit: str, reason: str) -> Cure:
     return Cure(knob, key, old, None, unit, None, reason)
 
 
-def shown(value: float) -> str:
+def length_text(value: float) -> str:
     """A rounded length with the digits that it has."""
     return f"{Decimal(repr(value)).normalize():f}"
 
@@ -188,7 +188,7 @@ class Task:
     held: Conditions
     discs: Discs
     unit: LengthUnit
-    before: frozenset[str]
+    already_broken: frozenset[str]
     judged: Callable[[Discs, Edits], tuple[Iterable[Finding], Iterable[Finding]]]
 
     @property
@@ -196,7 +196,7 @@ class Task:
         """Conditions and verdicts by which a cure is sought: first one that breaks nothing, then
         one that cures.
         """
-        least = (self.condition, *(each for each in self.held if each.vital))
+        least = (self.condition, *(condition for condition in self.held if condition.vital))
         yield (self.condition, *self.held), self.breaking
         yield least, self.failing
 
@@ -212,64 +212,72 @@ class Task:
     def failing(self, discs: Discs, edits: Edits) -> Excess:
         """Not empty if a change does not cure, or leaves no disc."""
         try:
-            found = [each for each in self.judged(discs, edits)[0] if each.severity in BROKEN]
+            broken = [
+                finding for finding in self.judged(discs, edits)[0] if finding.severity in BROKEN
+            ]
         except (GeometryError, SceneError):
             return UNKNOWN
         fault = (*self.condition.names, *CAUSES)
-        uncured = (each.name.removeprefix(f"{RETURN}: ").startswith(fault) for each in found)
-        new = (each for each in found if each.name not in self.before)
-        fatal = any(each.severity in NO_OUTLINE for each in new)
+        uncured = (finding.name.removeprefix(f"{RETURN}: ").startswith(fault) for finding in broken)
+        new = (finding for finding in broken if finding.name not in self.already_broken)
+        fatal = any(finding.severity in NO_OUTLINE for finding in new)
         return UNKNOWN if fatal or any(uncured) else {}
 
     def _excess(self, findings: Iterable[Finding]) -> Excess:
         """Of the findings that break a limit that held, and of those that hold."""
         excess: dict[str, float] = {}
-        for each in findings:
-            broken, beyond = each.severity in BROKEN, math.inf
-            if each.value is not None and each.limit is not None:
-                beyond = abs(each.value - each.limit)
-            if each.name not in self.before and (broken or beyond < math.inf):
+        for finding in findings:
+            broken, beyond = finding.severity in BROKEN, math.inf
+            if finding.value is not None and finding.limit is not None:
+                beyond = abs(finding.value - finding.limit)
+            if finding.name not in self.already_broken and (broken or beyond < math.inf):
                 beyond = beyond if broken else -beyond
-                excess[each.name] = max(beyond, excess.get(each.name, beyond))
+                excess[finding.name] = max(beyond, excess.get(finding.name, beyond))
         return excess
 
     def finished(self, cure: Cure, discs: Discs | None = None) -> Cure:
         """The cure of this fault that makes these `discs`, which says what is broken then."""
         cure = replace(cure, fault=self.fault)
-        every = () if discs is None else chain(*self.judged(discs, edits_of(cure)))
-        found = [each for each in every if each.severity in BROKEN]
-        if not found:
+        every = () if discs is None else chain(*self.judged(discs, cure_edits(cure)))
+        broken = [finding for finding in every if finding.severity in BROKEN]
+        if not broken:
             return cure
-        new = [each for each in found if each.name not in self.before]
-        old = dict.fromkeys(each.name for each in found if each.name in self.before)
+        new = [finding for finding in broken if finding.name not in self.already_broken]
+        old = dict.fromkeys(
+            finding.name for finding in broken if finding.name in self.already_broken
+        )
         words = (
-            [f"breaks {listed([_stated(each, self.unit) for each in new], NAMED)}"] if new else []
+            [f"breaks {listed([_stated(finding, self.unit) for finding in new], NAMED)}"]
+            if new
+            else []
         )
         words += [f"leaves {listed([*old], NAMED)} broken"] if old else []
-        names = tuple(dict.fromkeys(each.name for each in new))
+        names = tuple(dict.fromkeys(finding.name for finding in new))
         return replace(cure, breaks=names, sentence=f"{cure.sentence}, but {' and '.join(words)}")
 
 
-def _stated(found: Finding, unit: LengthUnit) -> str:
+def _stated(finding: Finding, unit: LengthUnit) -> str:
     """A broken limit, with what it is broken by."""
-    if found.value is None or found.limit is None:
-        return f"{found.name} ({found.sentence})"
-    value, limit = (f"{each:.4g} {found.unit}".rstrip() for each in (found.value, found.limit))
-    return in_unit(f"{found.name} ({value}, limit {limit})", unit, (found.value, found.limit))
+    if finding.value is None or finding.limit is None:
+        return f"{finding.name} ({finding.sentence})"
+    value, limit = (
+        f"{number:.4g} {finding.unit}".rstrip() for number in (finding.value, finding.limit)
+    )
+    return in_unit(f"{finding.name} ({value}, limit {limit})", unit, (finding.value, finding.limit))
 
 
-def edits_of(cure: Cure) -> dict[str, Value]:
+def cure_edits(cure: Cure) -> dict[str, Value]:
     """What a cure, which works, writes into the scene."""
-    assert cure.value_to is not None
-    changes = (Change(cure.key, cure.value_from, cure.value_to), *cure.also)
-    return {each.key: each.value_to for each in changes}
+    assert cure.new_value is not None
+    changes = (Change(cure.key, cure.old_value, cure.new_value), *cure.also)
+    return {change.key: change.new_value for change in changes}
 
 
 # -- sizes ----------------------------------------------------------------------------------------
 # Cures by one dimension of the follower: base radius, roller radius, offset or arm.
 
 
-OF_CHANGE = 3
+CHANGE_DIGITS = 3
 """Significant digits of a change that the lengths before and after must show."""
 
 MOST_DIGITS = 17
@@ -299,7 +307,7 @@ def digits_for(old: float, new: float) -> int:
     change, size = abs(new - old), max(abs(old), abs(new))
     if change == 0.0:
         return DIGITS
-    return min(max(DIGITS, OF_CHANGE + math.ceil(math.log10(size / change))), MOST_DIGITS)
+    return min(max(DIGITS, CHANGE_DIGITS + math.ceil(math.log10(size / change))), MOST_DIGITS)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -316,12 +324,12 @@ class Size:
     scale: float
     make: Callable[[float], Discs]
 
-    def worst(self, value: float, conditions: Conditions) -> Along | None:
+    def worst(self, value: float, conditions: Conditions) -> MarginCurve | None:
         """See `Knob`."""
-        found = self.make(value).worst_place(conditions)
-        if found is None:
+        breach = self.make(value).worst_place(conditions)
+        if breach is None:
             return None
-        condition, number, phi = found
+        condition, number, phi = breach
 
         def cam(other: float) -> Cam | None:
             try:
@@ -330,7 +338,7 @@ class Size:
                 return None
 
         def along(values: FloatArray) -> FloatArray:
-            return condition.of_each([cam(each) for each in values.tolist()], phi)
+            return condition.cam_margins([cam(size) for size in values.tolist()], phi)
 
         return along
 
@@ -352,18 +360,18 @@ class Size:
             digits = digits_for(self.start, value)
             return mm * float(rounded_beyond(value / mm, digits, upward=upward))
 
-        up = Way(self, max(high, self.start), conditions, judged, rounded).nearest()
-        if up is not None:
-            low = max(low, self.start - (up - self.start))
+        larger = Way(self, max(high, self.start), conditions, judged, rounded).nearest()
+        if larger is not None:
+            low = max(low, self.start - (larger - self.start))
         way = Way(self, min(low, self.start), conditions, judged, rounded)
-        down = way.nearest()
-        limit = up if down is None else down
+        smaller = way.nearest()
+        limit = larger if smaller is None else smaller
         if limit is None:
             return None
         # The fewest digits that show the change, and cure.
         for digits in range(digits_for(self.start, limit), MOST_DIGITS + 1):
             for steps in (0, 1):  # a rounded length may be the limit itself
-                beyond = rounded_beyond(limit / mm, digits, upward=down is None, steps=steps)
+                beyond = rounded_beyond(limit / mm, digits, upward=smaller is None, steps=steps)
                 value = mm * float(beyond)
                 if way.keeps(value) and holds(judged(value)):
                     return Length(limit, float(beyond), value, digits)
@@ -404,38 +412,38 @@ def offset_or_arm(task: Task) -> Cure:
 
     Of a pair whose return disc alone is at fault, that of the return roller.
     """
-    number = 1 if len(task.discs) > 1 and _is_kept(task, Discs(task.discs[:1])) else 0
+    number = 1 if len(task.discs) > 1 and _is_faultless(task, Discs(task.discs[:1])) else 0
     knob, low, high, scale, _ = _knob(task.discs[number].follower)
     return _other(task, knob, number, (low, high), scale)
 
 
-def _other(task: Task, knob: str, number: int, within: tuple[float, float], scale: float) -> Cure:
+def _other(task: Task, knob: str, number: int, bounds: tuple[float, float], scale: float) -> Cure:
     """Another value of one dimension, in whichever direction the change is smaller."""
     field = knob.replace(" ", "_")
     key, old = f"{TABLES[number]}.{field}", float(getattr(task.discs[number].follower, field))
     mm = MM_PER[task.unit]
 
     @lru_cache(KNOWN)
-    def made(value: float) -> Discs:
+    def resized(value: float) -> Discs:
         return task.discs.sized(number, **{field: mm * (value / mm)})
 
-    size = Size(old, scale, made)
-    length = _sought(task, size, within, lambda value: {key: value / mm})
-    ends = f"{within[0] / mm:.6g} and {within[1] / mm:.6g} {task.unit}"
+    size = Size(old, scale, resized)
+    length = _nearest_length(task, size, bounds, lambda value: {key: value / mm})
+    ends = f"{bounds[0] / mm:.6g} and {bounds[1] / mm:.6g} {task.unit}"
     none = f"no other {knob} between {ends} cures it"
     cure = length_cure(knob, key, old, length, scale, none, task.unit)
-    return task.finished(cure, None if length is None else made(length.value))
+    return task.finished(cure, None if length is None else resized(length.value))
 
 
-def _sought(
-    task: Task, size: Size, within: tuple[float, float], edits: Callable[[float], Edits]
+def _nearest_length(
+    task: Task, size: Size, bounds: tuple[float, float], edits: Callable[[float], Edits]
 ) -> Length | None:
     for conditions, verdict in task.stages:
 
         def judged(value: float, verdict: Judge = verdict) -> Excess:
             return verdict(size.make(value), edits(value))
 
-        length = size.nearest(*within, conditions, judged, task.unit)
+        length = size.nearest(*bounds, conditions, judged, task.unit)
         if length is not None:
             return length
     return None
@@ -447,19 +455,19 @@ def roller_radius(task: Task) -> Cure:
     In a groove with side clearance c at most r_K - c/2; the clearance is kept. Smaller still, by a
     search, if the flank of that roller crosses itself. Of a pair each roller that needs it.
     """
-    made, found = task.discs, list[Cure]()
-    for number in reversed(range(len(made))):  # the return roller may have the main one's size
-        if len(made) > 1 and _is_kept(task, Discs([made[number]])):
+    discs, cures = task.discs, list[Cure]()
+    for number in reversed(range(len(discs))):  # the return roller may have the main one's size
+        if len(discs) > 1 and _is_faultless(task, Discs([discs[number]])):
             continue
-        key, old = f"{TABLES[number]}.roller_radius", made[number].follower.roller_radius
-        length = _smaller_roller(task, made, number, key)
-        none = f"no smaller roller radius cures it ({key}){_why(task, made[number])}"
+        key, old = f"{TABLES[number]}.roller_radius", discs[number].follower.roller_radius
+        length = _smaller_roller(task, discs, number, key)
+        none = f"no smaller roller radius cures it ({key}){_no_roller_reason(task, discs[number])}"
         cure = length_cure("roller radius", key, old, length, old, none, task.unit, "at most ")
         if length is None:
             return task.finished(cure)
-        found.append(cure)
-        made = made.sized(number, roller_radius=length.value)
-    return _together(task, found, made)
+        cures.append(cure)
+        discs = discs.sized(number, roller_radius=length.value)
+    return _joint_cure(task, cures, discs)
 
 
 def _smaller_roller(task: Task, discs: Discs, number: int, key: str) -> Length | None:
@@ -468,7 +476,7 @@ def _smaller_roller(task: Task, discs: Discs, number: int, key: str) -> Length |
     size = Size(old, old, lambda value: Discs([discs.sized(number, roller_radius=value)[number]]))
     low = BEYOND * old
     if len(discs) == 1:
-        return _sought(task, size, (low, old), lambda value: {key: value / mm})
+        return _nearest_length(task, size, (low, old), lambda value: {key: value / mm})
     conditions = (task.condition,)
 
     def judged(value: float) -> Excess:
@@ -477,22 +485,22 @@ def _smaller_roller(task: Task, discs: Discs, number: int, key: str) -> Length |
     return size.nearest(low, old, conditions, judged, task.unit)
 
 
-def _why(task: Task, cam: Cam) -> str:
+def _no_roller_reason(task: Task, cam: Cam) -> str:
     """Why no roller at all fits a disc."""
     if cam.follower.roller_radius == 0.0:
         return ": a knife edge has no roller to make smaller"
     bends = curvature_extremes(cam.disc.pitch_curve)
     extremes = bends.smallest()[0], bends.largest()[0]
-    kappa = max(-flank.sign * each for flank in cam.contact.flanks for each in extremes)
+    kappa = max(-flank.sign * curvature for flank in cam.contact.flanks for curvature in extremes)
     if kappa <= 0.0:
         return ""
     mm = MM_PER[task.unit]
     play, radius = cam.clearance / mm, 1.0 / (kappa * mm)
-    beside = f", beside a play of {play:.6g} {task.unit}" if play > 0.0 else ""
-    return f": the smallest radius of curvature is {radius:.3g} {task.unit}{beside}"
+    play_text = f", beside a play of {play:.6g} {task.unit}" if play > 0.0 else ""
+    return f": the smallest radius of curvature is {radius:.3g} {task.unit}{play_text}"
 
 
-def _is_kept(task: Task, discs: Discs) -> bool:
+def _is_faultless(task: Task, discs: Discs) -> bool:
     """Whether the fault is not that of these discs."""
     try:
         crosses = task.condition.vital and _crosses(discs)
@@ -508,21 +516,21 @@ def _crosses(discs: Discs) -> bool:
         return True
 
 
-def _together(task: Task, found: list[Cure], made: Discs) -> Cure:
+def _joint_cure(task: Task, cures: list[Cure], discs: Discs) -> Cure:
     """The cures of all discs as one, led by the most costly; no cure unless it cures both."""
-    leading = max(found, key=lambda cure: cure.cost or 0.0)
-    others = [cure for cure in found if cure is not leading]
+    leading = max(cures, key=lambda cure: cure.cost or 0.0)
+    others = [cure for cure in cures if cure is not leading]
     sentence = " and ".join(cure.sentence for cure in (leading, *others))
-    also = tuple(Change(each.key, each.value_from, each.value_to or 0.0) for each in others)
+    also = tuple(Change(cure.key, cure.old_value, cure.new_value or 0.0) for cure in others)
     cure = replace(leading, sentence=sentence, also=also)
-    if not holds(task.failing(made, edits_of(cure))):
+    if not holds(task.failing(discs, cure_edits(cure))):
         reason = "no smaller roller radii cure both discs"
-        none = no_cure(leading.knob, leading.key, leading.value_from, leading.unit, reason)
+        none = no_cure(leading.knob, leading.key, leading.old_value, leading.unit, reason)
         return task.finished(none)
-    return task.finished(cure, made)
+    return task.finished(cure, discs)
 
 
-def face_out(task: Task) -> Cure:
+def raised_face(task: Task) -> Cure:
     """The least base radius, on a rocker with as much more face offset, that leaves no undercut.
 
     Moved out by D, a face has the parallel outline, all of whose radii are larger by D.
@@ -535,13 +543,13 @@ def face_out(task: Task) -> Cure:
     def raised(value: float) -> dict[str, float]:
         """Each length in the unit that goes with the base radius `value` [mm], by its key."""
         more = Decimal(repr(value / mm)) - Decimal(repr(old / mm))
-        return {key: float(Decimal(repr(each)) + more) for key, each in present.items()}
+        return {key: float(Decimal(repr(length)) + more) for key, length in present.items()}
 
-    def made(value: float) -> Discs:
-        sizes = {_field(key): mm * each for key, each in raised(value).items()}
+    def raised_discs(value: float) -> Discs:
+        sizes = {_field(key): mm * length for key, length in raised(value).items()}
         return task.discs.sized(0, **sizes)
 
-    length = _sought(task, Size(old, old, made), (old, LARGEST_BASE * old), raised)
+    length = _nearest_length(task, Size(old, old, raised_discs), (old, LARGEST_BASE * old), raised)
     first, *others = follower.raised_by
     none = f"no larger {' and '.join(follower.raised_by)} cures it"
     cure = length_cure("base radius", first, old, length, old, none, task.unit, "at least ")
@@ -550,9 +558,11 @@ def face_out(task: Task) -> Cure:
     if others:
         lengths = raised(length.value)
         also = tuple(Change(key, present[key], lengths[key]) for key in others)
-        beside = " and ".join(f"{key} {shown(lengths[key])} {task.unit}" for key in others)
-        cure = replace(cure, sentence=f"{cure.sentence}, with {beside}", also=also)
-    return task.finished(cure, made(length.value))
+        lengths_text = " and ".join(
+            f"{key} {length_text(lengths[key])} {task.unit}" for key in others
+        )
+        cure = replace(cure, sentence=f"{cure.sentence}, with {lengths_text}", also=also)
+    return task.finished(cure, raised_discs(length.value))
 
 
 def _field(key: str) -> str:
@@ -585,43 +595,43 @@ def _(follower: OscillatingRoller) -> tuple[str, float, float, float, float]:
 # Moves whose span or law may change so that they still join, and how a scene names them.
 
 
-def rests_beside(plan: MotionPlan, number: int, law: Law) -> bool:
+def joins_neighbours(plan: MotionPlan, number: int, law: Law) -> bool:
     """Whether `law` joins with its neighbours in place of a segment, going from rest to rest.
 
     Its velocity is 0 at both ends, and its acceleration too at an end without a dwell next to it.
     """
-    sides = zip((law.start, law.end), dwells_beside(plan, number), strict=True)
+    sides = zip((law.start, law.end), adjacent_dwells(plan, number), strict=True)
     return all(
         end.velocity == 0.0 and (end.acceleration == 0.0 or bool(dwells)) for end, dwells in sides
     )
 
 
-def dwells_beside(plan: MotionPlan, number: int) -> tuple[list[int], list[int]]:
+def adjacent_dwells(plan: MotionPlan, number: int) -> tuple[list[int], list[int]]:
     """Indices of the dwells adjacent to a segment, before and after it, nearest first.
 
     Dwells of length zero are skipped.
     """
 
     def run(step: int) -> list[int]:
-        segments, found = plan.segments, []
+        segments, dwells = plan.segments, []
         for away in range(1, len(segments)):
             place = (number + step * away) % len(segments)
             if not isinstance(segments[place], Dwell):
                 break
             if segments[place].span:
-                found.append(place)
-        return found
+                dwells.append(place)
+        return dwells
 
     return run(-1), run(1)
 
 
 def dwells_around(plan: MotionPlan, number: int) -> tuple[int, ...]:
     """Indices of the dwells adjacent to a segment on either side, each once."""
-    before, after = dwells_beside(plan, number)
-    return tuple(dict.fromkeys(before + after))
+    preceding, following = adjacent_dwells(plan, number)
+    return tuple(dict.fromkeys(preceding + following))
 
 
-def key_of(number: int, segment: Segment, what: str) -> str:
+def segment_key(number: int, segment: Segment, what: str) -> str:
     """The scene's key of a segment, e.g. "motion[2].span"; for a dwell that of its length."""
     return f"motion[{number + 1}].{'dwell' if isinstance(segment, Dwell) else what}"
 
@@ -665,31 +675,33 @@ def other_law(task: Task) -> Cure:
     plan, places = discs.plan, discs.faulty_segments(task.condition)
     for number in places:
         move = plan.segments[number]
-        if not (isinstance(move, Move) and move.law.task == TASK and _at_rest(plan, number, move)):
-            key = key_of(number, move, "law")
+        if not (
+            isinstance(move, Move) and move.law.task == TASK and _has_rest_ends(plan, number, move)
+        ):
+            key = segment_key(number, move, "law")
             reason = f"another law: {key} is at fault and is not a law from rest to rest"
             present = move.law.name if isinstance(move, Move) else ""
             return task.finished(no_cure(OTHER_LAW, key, present, "", reason))
     number = places[0]
     for conditions, verdict in task.stages:
         fitting = _fitting(discs, places, conditions)
-        number = next((each for each, offers in fitting.items() if not offers), number)
+        number = next((index for index, offers in fitting.items() if not offers), number)
         if not all(fitting.values()):
             continue
         first = {number: offers[0] for number, offers in fitting.items()}
         for offers in (first, *_same_for_all(fitting)):
-            cure, made = _other_laws(plan, offers), _with(discs, offers)
-            if holds(verdict(made, edits_of(cure))):
-                return task.finished(cure, made)
+            cure, changed = _laws_cure(plan, offers), _discs_with_laws(discs, offers)
+            if holds(verdict(changed, cure_edits(cure))):
+                return task.finished(cure, changed)
     move = _move(plan, number)
-    key = key_of(number, move, "law")
+    key = segment_key(number, move, "law")
     reason = f"no other {key} cures it at these sizes"
     return task.finished(no_cure(OTHER_LAW, key, move.law.name, "", reason))
 
 
 def offers_for(plan: MotionPlan, number: int) -> list[Offer]:
     """The laws from rest to rest that could take the place of that of a move, cheapest first."""
-    present, found = _move(plan, number).law, []
+    present, offers = _move(plan, number).law, []
     jerky, peak = _jerks(present), _peak(present)
     for family in FAMILIES.values():
         if TASK not in family.tasks:
@@ -697,9 +709,9 @@ def offers_for(plan: MotionPlan, number: int) -> list[Offer]:
         law = law_of(family.name, TASK, {})
         same = law.name == present.name and law.parameters == present.parameters
         jerks = _jerks(law)
-        if not same and (jerky or not jerks) and rests_beside(plan, number, law):
-            found.append((Offer(law, max(0.0, _peak(law) / peak - 1.0)), jerks))
-    return [offer for offer, _ in sorted(found, key=lambda each: (each[0].growth, each[1]))]
+        if not same and (jerky or not jerks) and joins_neighbours(plan, number, law):
+            offers.append((Offer(law, max(0.0, _peak(law) / peak - 1.0)), jerks))
+    return [offer for offer, _ in sorted(offers, key=lambda pair: (pair[0].growth, pair[1]))]
 
 
 def _fitting(discs: Discs, places: Sequence[int], conditions: Conditions) -> dict[int, list[Offer]]:
@@ -711,7 +723,9 @@ def _fitting(discs: Discs, places: Sequence[int], conditions: Conditions) -> dic
     offers = {number: offers_for(discs.plan, number) for number in places}
     fit: set[tuple[int, str]] = set()
     for name in {offer.law.name for every in offers.values() for offer in every}:
-        tried = {n: each for n, every in offers.items() for each in every if each.law.name == name}
+        tried = {
+            n: offer for n, every in offers.items() for offer in every if offer.law.name == name
+        }
         fit |= {(number, name) for number in _fit(discs, tried, conditions)}
     return {
         number: [offer for offer in every if (number, offer.law.name) in fit]
@@ -721,14 +735,14 @@ def _fitting(discs: Discs, places: Sequence[int], conditions: Conditions) -> dic
 
 def _fit(discs: Discs, offers: Mapping[int, Offer], conditions: Conditions) -> list[int]:
     """Those of the moves that keep the conditions by the `offers`."""
-    made = _with(discs, offers)
+    changed = _discs_with_laws(discs, offers)
     try:
-        return [n for n in offers if made.worst_place(conditions, n) is None]
+        return [n for n in offers if changed.worst_place(conditions, n) is None]
     except GeometryError:  # which may be for one of them alone
         if len(offers) == 1:
             return []
-        each = ({number: offer} for number, offer in offers.items())
-        return [number for one in each for number in _fit(discs, one, conditions)]
+        singles = ({number: offer} for number, offer in offers.items())
+        return [number for single in singles for number in _fit(discs, single, conditions)]
 
 
 def _same_for_all(fitting: Mapping[int, list[Offer]]) -> list[dict[int, Offer]]:
@@ -742,16 +756,16 @@ def _same_for_all(fitting: Mapping[int, list[Offer]]) -> list[dict[int, Offer]]:
     return sorted(every, key=lambda offers: max(offer.growth for offer in offers.values()))
 
 
-def _with(discs: Discs, offers: Mapping[int, Offer]) -> Discs:
+def _discs_with_laws(discs: Discs, offers: Mapping[int, Offer]) -> Discs:
     segments = list(discs.plan.segments)
     for number, offer in offers.items():
         segments[number] = replace(_move(discs.plan, number), law=offer.law)
     return discs.moved(MotionPlan(tuple(segments)))
 
 
-def _at_rest(plan: MotionPlan, number: int, move: Move) -> bool:
+def _has_rest_ends(plan: MotionPlan, number: int, move: Move) -> bool:
     """Whether another law can take its place: beside a dwell, or where this one also rests."""
-    sides = zip((move.law.start, move.law.end), dwells_beside(plan, number), strict=True)
+    sides = zip((move.law.start, move.law.end), adjacent_dwells(plan, number), strict=True)
     return all(dwells or end.velocity == end.acceleration == 0.0 for end, dwells in sides)
 
 
@@ -776,21 +790,21 @@ def _jerks(law: Law) -> bool:
     return any(end.velocity or end.acceleration for end in ends) or bool(acceleration_jumps(law))
 
 
-def _other_laws(plan: MotionPlan, offers: Mapping[int, Offer]) -> Cure:
+def _laws_cure(plan: MotionPlan, offers: Mapping[int, Offer]) -> Cure:
     changes = {}
     for number, offer in offers.items():
         move = _move(plan, number)
-        changes[number] = Change(key_of(number, move, "law"), move.law.name, offer.law.name)
+        changes[number] = Change(segment_key(number, move, "law"), move.law.name, offer.law.name)
     leading = max(offers, key=lambda number: offers[number].growth)
     cost, first = offers[leading].growth, changes[leading]
     named = " and ".join(
-        f'{change.key} "{change.value_to}" instead of "{change.value_from}"'
+        f'{change.key} "{change.new_value}" instead of "{change.old_value}"'
         for change in changes.values()
     )
     grows = f"grows by {percent(cost)}" if cost > 0.0 else "does not grow"
     sentence = f"{named}, with default parameters (the peak of the acceleration {grows})"
     also = tuple(change for number, change in changes.items() if number != leading)
-    return Cure(OTHER_LAW, first.key, first.value_from, first.value_to, "", cost, sentence, also)
+    return Cure(OTHER_LAW, first.key, first.old_value, first.new_value, "", cost, sentence, also)
 
 
 # -- spans ----------------------------------------------------------------------------------------
@@ -819,8 +833,8 @@ class Stretched(Repeated):
 
     def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
         """See `Motion.jet`: each derivative by the cam angle is divided by the growth once more."""
-        found = self.motion.jet(phi, side, order)
-        return np.asarray(found / self.growth ** np.arange(len(found))[:, np.newaxis])
+        derivatives = self.motion.jet(phi, side, order)
+        return np.asarray(derivatives / self.growth ** np.arange(len(derivatives))[:, np.newaxis])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -853,8 +867,10 @@ class Span:
         plan = self.discs.plan
         move = plan.segments[self.number]
         assert isinstance(move, Move)
-        before = [each.to for each in plan.segments[: self.number] if not isinstance(each, Dwell)]
-        first = before[-1] if before else 0.0
+        positions = [
+            segment.to for segment in plan.segments[: self.number] if not isinstance(segment, Dwell)
+        ]
+        first = positions[-1] if positions else 0.0
         with localcontext(EXACT):
             span = Decimal(value)
             rest = (360 - span) / 2
@@ -862,13 +878,13 @@ class Span:
             back = Move(rest, 0.0, move.law) if move.to else Dwell(rest)
         return self.discs.moved(MotionPlan((there, replace(move, span=span), back)))
 
-    def worst(self, value: float, conditions: Conditions) -> Along | None:
+    def worst(self, value: float, conditions: Conditions) -> MarginCurve | None:
         """See `Knob`."""
         discs = self.make(value)
-        found = discs.worst_place(conditions, 1)
-        if found is None:
+        breach = discs.worst_place(conditions, 1)
+        if breach is None:
             return None
-        condition, number, phi = found
+        condition, number, phi = breach
         cam = discs[number]
         curve = cam.disc.pitch_curve
 
@@ -880,7 +896,7 @@ class Span:
             else:
                 motion = Stretched(curve.motion, 1, values / value)
             other = replace(curve, motion=motion)
-            return condition.at_either_side(other, (cam,), phi, len(values))
+            return condition.place_margins(other, (cam,), phi, len(values))
 
         return along
 
@@ -906,7 +922,7 @@ class Growth:
             factor = 1 + Decimal(growth)
             spans = {number: span * factor for number, span in self.spans.items()}
         if rounded:
-            spans = {number: _rounded_up(span) for number, span in spans.items()}
+            spans = {number: _next_step(span) for number, span in spans.items()}
         return longer_plan(self.discs.plan, spans)
 
     def make(self, value: float) -> Discs:
@@ -941,17 +957,17 @@ def longer_segment(task: Task) -> Cure:
     plan, places = discs.plan, discs.faulty_segments(task.condition)
     for number in places:
         segment = plan.segments[number]
-        if not (isinstance(segment, Move) and rests_beside(plan, number, segment.law)):
-            key = key_of(number, segment, "span")
+        if not (isinstance(segment, Move) and joins_neighbours(plan, number, segment.law)):
+            key = segment_key(number, segment, "span")
             reason = f"the span of a segment: {key} is at fault and is not a move from rest to rest"
             return task.finished(no_cure(LONGER_SEGMENT, key, segment.span, "deg", reason))
     for conditions, verdict in task.stages:
         longer = _longer(task, places, conditions, verdict)
         if longer is not None:
-            return task.finished(_longer_segments(plan, longer, places), discs.moved(longer))
+            return task.finished(_spans_cure(plan, longer, places), discs.moved(longer))
     number = places[0]
     segment = plan.segments[number]
-    key = key_of(number, segment, "span")
+    key = segment_key(number, segment, "span")
     reason = f"no longer {key} cures it: the dwells next to it leave too little room"
     return task.finished(no_cure(LONGER_SEGMENT, key, segment.span, "deg", reason))
 
@@ -968,9 +984,9 @@ def _longer(
     def judged(longer: MotionPlan | None) -> Excess:
         if longer is None or longer == plan:
             return UNKNOWN
-        return verdict(discs.moved(longer), edits_of(_longer_segments(plan, longer, places)))
+        return verdict(discs.moved(longer), cure_edits(_spans_cure(plan, longer, places)))
 
-    spans = _limits(discs, places, conditions)
+    spans = _least_spans(discs, places, conditions)
     longer = None if spans is None else longer_plan(plan, spans)
     if spans is None or longer is None:
         return None
@@ -983,7 +999,7 @@ def _longer(
     return longer if holds(judged(longer)) else None
 
 
-def _limits(
+def _least_spans(
     discs: Discs, places: Sequence[int], conditions: Conditions
 ) -> dict[int, Decimal] | None:
     """For each move its least span that keeps the conditions; None if the dwells beside one are
@@ -993,13 +1009,13 @@ def _limits(
     spans: dict[int, Decimal] = {}
     for number in places:
         present = plan.segments[number].span
-        beside = (plan.segments[each].span for each in dwells_around(plan, number))
-        most = sum(beside, present)
+        dwells = (plan.segments[place].span for place in dwells_around(plan, number))
+        most = sum(dwells, present)
         knob = Span(discs, number)
         limit = Way(knob, float(most), conditions, lambda _: {}).nearest()
         if limit is None:
             return None
-        spans[number] = present if limit == float(present) else _rounded_up(Decimal(limit))
+        spans[number] = present if limit == float(present) else _next_step(Decimal(limit))
         if spans[number] > most:
             return None
     return spans
@@ -1011,14 +1027,14 @@ def longer_plan(plan: MotionPlan, spans: Mapping[int, Decimal]) -> MotionPlan | 
     A move takes first from dwells that are next to no other of these moves.
     """
     segments = list(plan.segments)
-    beside = {number: dwells_around(plan, number) for number in spans}
-    users = Counter(place for places in beside.values() for place in places)
+    dwells = {number: dwells_around(plan, number) for number in spans}
+    users = Counter(place for places in dwells.values() for place in places)
     with localcontext(EXACT):
         rests = {place: segments[place].span for place in users}
         for number, span in spans.items():
             missing = span - segments[number].span
             for shared in (False, True):
-                among = [place for place in beside[number] if (users[place] > 1) == shared]
+                among = [place for place in dwells[number] if (users[place] > 1) == shared]
                 missing = _take(rests, among, missing)
             if missing > 0:
                 return None
@@ -1047,17 +1063,19 @@ def _take(rests: dict[int, Decimal], among: list[int], wanted: Decimal) -> Decim
     return wanted - part
 
 
-def _rounded_up(span: Decimal) -> Decimal:
+def _next_step(span: Decimal) -> Decimal:
     """The next larger multiple of the step."""
     with localcontext(EXACT):
         return span.quantize(STEP, rounding=ROUND_FLOOR) + STEP
 
 
-def _longer_segments(old: MotionPlan, new: MotionPlan, places: Sequence[int]) -> Cure:
+def _spans_cure(old: MotionPlan, new: MotionPlan, places: Sequence[int]) -> Cure:
     changes = {
-        number: Change(key_of(number, before, "span"), before.span, after.span)
-        for number, (before, after) in enumerate(zip(old.segments, new.segments, strict=True))
-        if before.span != after.span
+        number: Change(segment_key(number, old_segment, "span"), old_segment.span, new_segment.span)
+        for number, (old_segment, new_segment) in enumerate(
+            zip(old.segments, new.segments, strict=True)
+        )
+        if old_segment.span != new_segment.span
     }
     shares = {
         number: float(new.segments[number].span / old.segments[number].span - 1)
@@ -1066,31 +1084,33 @@ def _longer_segments(old: MotionPlan, new: MotionPlan, places: Sequence[int]) ->
     leading = max(shares, key=shares.__getitem__)
     also = [changes[number] for number in places if number != leading and number in changes]
     dwells = [change for number, change in changes.items() if number not in places]
-    moves = " and ".join(_told(changes[number]) for number in places if number in changes)
-    taken = " and ".join(_told(change) for change in dwells)
+    moves_text = " and ".join(
+        _change_text(changes[number]) for number in places if number in changes
+    )
+    dwells_text = " and ".join(_change_text(change) for change in dwells)
     cost, first = shares[leading], changes[leading]
-    sentence = f"longer: {moves} (a change by {percent(cost)}), taken from {taken}"
-    beside = (*also, *dwells)
+    sentence = f"longer: {moves_text} (a change by {percent(cost)}), taken from {dwells_text}"
+    others = (*also, *dwells)
     return Cure(
-        LONGER_SEGMENT, first.key, first.value_from, first.value_to, "deg", cost, sentence, beside
+        LONGER_SEGMENT, first.key, first.old_value, first.new_value, "deg", cost, sentence, others
     )
 
 
-def _told(change: Change) -> str:
-    return f"{change.key} {degrees(change.value_to)} deg instead of {degrees(change.value_from)}"
+def _change_text(change: Change) -> str:
+    return f"{change.key} {degrees(change.new_value)} deg instead of {degrees(change.old_value)}"
 
 
 # -- remedies -------------------------------------------------------------------------------------
 
 
-OF_MOTION: Final = (longer_segment, other_law)
+MOTION_KNOBS: Final = (longer_segment, other_law)
 
 KNOBS: Final = {
-    ("roller", "undercut"): (base_radius, roller_radius, offset_or_arm, *OF_MOTION),
-    ("roller", "radius ratio"): (base_radius, roller_radius, offset_or_arm, *OF_MOTION),
-    ("roller", "transmission angle"): (base_radius, offset_or_arm, *OF_MOTION),
-    ("face", "convexity"): (face_out,),
-    ("face", "transmission angle"): OF_MOTION,
+    ("roller", "undercut"): (base_radius, roller_radius, offset_or_arm, *MOTION_KNOBS),
+    ("roller", "radius ratio"): (base_radius, roller_radius, offset_or_arm, *MOTION_KNOBS),
+    ("roller", "transmission angle"): (base_radius, offset_or_arm, *MOTION_KNOBS),
+    ("face", "convexity"): (raised_face,),
+    ("face", "transmission angle"): MOTION_KNOBS,
 }
 """What may be changed against a fault, by what touches the cam."""
 
@@ -1115,30 +1135,32 @@ def remedies(
     findings : on them.
     judged : see `Task`.
     """
-    discs, found = Discs(cams), [*findings]
-    bad = [each for each in found if each.severity in BROKEN]
-    names = [each.name.removeprefix(f"{RETURN}: ") for each in bad]
-    if any(each.severity == "invalid" for each in bad):
+    discs, all_findings = Discs(cams), [*findings]
+    bad = [finding for finding in all_findings if finding.severity in BROKEN]
+    names = [finding.name.removeprefix(f"{RETURN}: ") for finding in bad]
+    if any(finding.severity == "invalid" for finding in bad):
         return ()
     touching = discs[0].follower.touching
     conditions = CONDITIONS[touching](angle, ratio)
     broken = {
-        fault: each
-        for fault, each in conditions.items()
-        if any(name.startswith(each.names) for name in names)
+        fault: condition
+        for fault, condition in conditions.items()
+        if any(name.startswith(condition.names) for name in names)
     }
-    free = [each.name for each in found if each.limit is None]  # a limit that does not apply
+    free = [
+        finding.name for finding in all_findings if finding.limit is None
+    ]  # a limit that does not apply
     held = tuple(
-        each
-        for fault, each in conditions.items()
-        if fault not in broken and not any(name.startswith(each.names) for name in free)
+        condition
+        for fault, condition in conditions.items()
+        if fault not in broken and not any(name.startswith(condition.names) for name in free)
     )
     if "undercut" in broken and ratio == 1.0:
         broken.pop("radius ratio", None)  # it is the same
-    before = frozenset(each.name for each in bad)
+    already_broken = frozenset(finding.name for finding in bad)
     cures: list[Cure] = []
     for fault, condition in broken.items():
-        task = Task(fault, condition, held, discs, unit, before, judged)
-        own = [knob(task) for knob in KNOBS[touching, fault]]
-        cures += sorted(own, key=lambda cure: math.inf if cure.cost is None else cure.cost)
+        task = Task(fault, condition, held, discs, unit, already_broken, judged)
+        fault_cures = [knob(task) for knob in KNOBS[touching, fault]]
+        cures += sorted(fault_cures, key=lambda cure: math.inf if cure.cost is None else cure.cost)
     return tuple(cures)

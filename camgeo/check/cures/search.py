@@ -86,13 +86,13 @@ STRAIGHT: Final = 0.03
 """By such a share of its distance from the nearer end a root between two values may be wrong, as
 an excess is not quite linear."""
 
-Along = Callable[[FloatArray], FloatArray]
+MarginCurve = Callable[[FloatArray], FloatArray]
 """(n,) values of a size -> (n,) margins at one place of the cam."""
 
 
 def holds(excess: Excess) -> bool:
     """Whether no limit is exceeded."""
-    return all(each <= 0.0 for each in excess.values())
+    return all(value <= 0.0 for value in excess.values())
 
 
 class Knob(Protocol):
@@ -109,7 +109,7 @@ class Knob(Protocol):
     def make(self, value: float, /) -> Discs:
         """The discs with another value; GeometryError where there are none."""
 
-    def worst(self, value: float, conditions: Conditions) -> Along | None:
+    def worst(self, value: float, conditions: Conditions) -> MarginCurve | None:
         """The margins where one of the `conditions` is worst at `value`; None if all are kept.
 
         GeometryError where there is no mechanism.
@@ -204,23 +204,25 @@ class Way:
         By the secant of what is exceeded, a little to the side of the farther end, so that both
         ends move; by halves where that does not help.
         """
-        beyond, within = self.judged(bad), self.judged(good)
+        bad_excess, good_excess = self.judged(bad), self.judged(good)
         narrow, halve = NARROW * self.knob.scale, False
         while (width := abs(good - bad)) > narrow:
-            exceeded = {name: each for name, each in beyond.items() if each > 0.0}
+            exceeded = {name: value for name, value in bad_excess.items() if value > 0.0}
             share = 0.5
-            told = all(each < math.inf and name in within for name, each in exceeded.items())
-            if told and not halve:
-                share = max(each / (each - within[name]) for name, each in exceeded.items())
+            known = all(
+                value < math.inf and name in good_excess for name, value in exceeded.items()
+            )
+            if known and not halve:
+                share = max(value / (value - good_excess[name]) for name, value in exceeded.items())
                 nearer = min(share, 1.0 - share)
                 aside = max(narrow / (3.0 * width), STRAIGHT * nearer)
                 share += math.copysign(aside, 0.5 - share)
             x = bad + share * (good - bad)
-            found = self.judged(x) if self.keeps(x) else UNKNOWN
-            if holds(found):
-                good, within = x, found
+            excess = self.judged(x) if self.keeps(x) else UNKNOWN
+            if holds(excess):
+                good, good_excess = x, excess
             else:
-                bad, beyond = x, found
+                bad, bad_excess = x, excess
             halve = abs(good - bad) > 0.5 * width
         return good
 
@@ -243,21 +245,21 @@ class Way:
                 here = None
             return math.nan if here is None else here.clearance
 
-        before, step = value, FIRST
-        while (self.end - before) * self._away > 0.0:
-            x = before + self._away * step
+        previous, step = value, FIRST
+        while (self.end - previous) * self._away > 0.0:
+            x = previous + self._away * step
             if (x - self.end) * self._away > 0.0:
                 x = self.end
-            found = clearance(x)
-            if found > 0.0:
-                return _bracketed(np.vectorize(clearance, otypes=[float]), before, x)
-            if math.isnan(found):
-                return None if before == value else before
-            before, step = x, step * GROWTH
-        return before
+            gap = clearance(x)
+            if gap > 0.0:
+                return _bracketed(np.vectorize(clearance, otypes=[float]), previous, x)
+            if math.isnan(gap):
+                return None if previous == value else previous
+            previous, step = x, step * GROWTH
+        return previous
 
 
-def first_root(along: Along, start: float, end: float, scale: float) -> float | None:
+def first_root(along: MarginCurve, start: float, end: float, scale: float) -> float | None:
     """The first value from `start` to `end` at which a margin, negative at first, vanishes.
 
     Cells in which it might reach 0 are halved: those where the parabola through three values, made
@@ -270,23 +272,23 @@ def first_root(along: Along, start: float, end: float, scale: float) -> float | 
         return start
     while True:
         across = np.flatnonzero(values >= 0.0)
-        before = int(across[0]) - 1 if len(across) else len(settled)
-        cells = np.flatnonzero(~settled[:before])
+        left = int(across[0]) - 1 if len(across) else len(settled)
+        cells = np.flatnonzero(~settled[:left])
         if not len(cells):
-            return _bracketed(along, edges[before], edges[before + 1]) if len(across) else None
+            return _bracketed(along, edges[left], edges[left + 1]) if len(across) else None
         middles = 0.5 * (edges[cells] + edges[cells + 1])
-        found = along(middles)
-        split = _highest(values[cells], found, values[cells + 1]) >= 0.0
+        middle_values = along(middles)
+        split = _highest(values[cells], middle_values, values[cells + 1]) >= 0.0
         settled[cells] = ~split | (np.abs(middles - edges[cells]) <= BEYOND * scale)
         places = cells[split] + 1
         edges, values = (
             np.insert(edges, places, middles[split]),
-            np.insert(values, places, found[split]),
+            np.insert(values, places, middle_values[split]),
         )
         settled = np.insert(settled, places, settled[cells[split]])
 
 
-def _bracketed(along: Along, low: float, high: float) -> float:
+def _bracketed(along: MarginCurve, low: float, high: float) -> float:
     """The root of `along` between `low` and `high`, where it has opposite signs."""
     return float(bracketed_roots(along, np.array([low]), np.array([high]))[0])
 
@@ -341,24 +343,26 @@ class Condition(ABC):
     vital: ClassVar[bool] = False
 
     @abstractmethod
-    def over_turn(self, cam: Cam) -> Extremes:
+    def margin_extremes(self, cam: Cam) -> Extremes:
         """All local extremes of the margin. GeometryError if the pitch curve stands still."""
 
     @abstractmethod
-    def at(self, curve: PitchCurve, cams: Sequence[Cam], phi: FloatArray, side: Side) -> FloatArray:
+    def margins(
+        self, curve: PitchCurve, cams: Sequence[Cam], phi: FloatArray, side: Side
+    ) -> FloatArray:
         """(n,) what has the sign of the margins at `phi` (n,) [rad], and no poles, on `curve`,
         which is that of `cams`: one for each place, or one for all.
         """
 
-    def at_either_side(
+    def place_margins(
         self, curve: PitchCurve, cams: Sequence[Cam], phi: float, count: int
     ) -> FloatArray:
         """(count,) see `at`, all at `phi` [rad]: at a break the smaller one."""
         places = np.full(count, phi)
-        both = [self.at(curve, cams, places, side) for side in SIDES]
+        both = [self.margins(curve, cams, places, side) for side in SIDES]
         return np.asarray(np.minimum(*both))
 
-    def of_each(self, cams: Sequence[Cam | None], phi: float) -> FloatArray:
+    def cam_margins(self, cams: Sequence[Cam | None], phi: float) -> FloatArray:
         """(n,) the same of `cams` of one motion; -1 where there is no mechanism."""
         margins = np.full(len(cams), -1.0)
         kinds: dict[Hashable, list[int]] = {}
@@ -369,7 +373,7 @@ class Condition(ABC):
             some = [cam for k in places if (cam := cams[k]) is not None]
             curves = [cam.disc.pitch_curve for cam in some]
             curve = one_curve(curves, np.arange(len(some)), 1) if len(some) > 1 else curves[0]
-            margins[places] = self.at_either_side(curve, some, phi, len(some))
+            margins[places] = self.place_margins(curve, some, phi, len(some))
         return margins
 
 
@@ -389,14 +393,16 @@ class Bend(Condition):
         if self.ratio is None:
             return cam.distances
         radius = cam.follower.roller_radius / self.ratio
-        return tuple(math.copysign(radius, each) for each in cam.distances)
+        return tuple(math.copysign(radius, distance) for distance in cam.distances)
 
-    def over_turn(self, cam: Cam) -> Extremes:
+    def margin_extremes(self, cam: Cam) -> Extremes:
         bends = curvature_extremes(cam.disc.pitch_curve)
-        every = [1.0 + each * bends.values for each in self._distances(cam)]
+        every = [1.0 + distance * bends.values for distance in self._distances(cam)]
         return Extremes(bends.phi, np.min(every, axis=0))
 
-    def at(self, curve: PitchCurve, cams: Sequence[Cam], phi: FloatArray, side: Side) -> FloatArray:
+    def margins(
+        self, curve: PitchCurve, cams: Sequence[Cam], phi: FloatArray, side: Side
+    ) -> FloatArray:
         relative = curve.relative_jet(phi, side, order=2)
         bend = curve.follower.curvature(relative, np.ones_like(phi), curve.rotation)
         speed = np.hypot(relative.u, relative.v)
@@ -421,11 +427,13 @@ class Angle(Condition):
 
     limit: float
 
-    def over_turn(self, cam: Cam) -> Extremes:
-        found = transmission_angle_extremes(cam.disc.pitch_curve)
-        return Extremes(found.phi, found.values - self.limit)
+    def margin_extremes(self, cam: Cam) -> Extremes:
+        angles = transmission_angle_extremes(cam.disc.pitch_curve)
+        return Extremes(angles.phi, angles.values - self.limit)
 
-    def at(self, curve: PitchCurve, _: Sequence[Cam], phi: FloatArray, side: Side) -> FloatArray:
+    def margins(
+        self, curve: PitchCurve, _: Sequence[Cam], phi: FloatArray, side: Side
+    ) -> FloatArray:
         relative = curve.relative_jet(phi, side, order=1)
         u, v = np.abs(relative.u), np.abs(relative.v)
         return np.asarray(u * math.cos(self.limit) - v * math.sin(self.limit))
@@ -438,16 +446,18 @@ class Convex(Condition):
     names = (CONVEXITY,)
     vital = True
 
-    def over_turn(self, cam: Cam) -> Extremes:
+    def margin_extremes(self, cam: Cam) -> Extremes:
 
         radius, phi = convexity(cam.disc.pitch_curve).radius
         margin = radius / cam.follower.base_radius - SMALLEST
         return Extremes(np.array([phi]), np.array([margin]))
 
-    def at(self, curve: PitchCurve, _: Sequence[Cam], phi: FloatArray, side: Side) -> FloatArray:
+    def margins(
+        self, curve: PitchCurve, _: Sequence[Cam], phi: FloatArray, side: Side
+    ) -> FloatArray:
 
-        found, size = touch(curve, phi, side), curve.follower.base_radius
-        return np.asarray(found.pace[0] - SMALLEST * size * found.turn[0])
+        contact, size = touch(curve, phi, side), curve.follower.base_radius
+        return np.asarray(contact.pace[0] - SMALLEST * size * contact.turn[0])
 
 
 Conditions = tuple[Condition, ...]
@@ -464,14 +474,15 @@ CONDITIONS: Final[Mapping[str, Callable[[float, float], dict[str, Condition]]]] 
 """What must hold, by the fault where it does not, and by what touches the cam."""
 
 
-def places_in(found: Extremes, within: Range) -> tuple[int, int]:
-    """The first and the last but one of the places `found` from one cam angle to the other, these
-    seen from inside.
+def place_range(extremes: Extremes, angles: Range) -> tuple[int, int]:
+    """Slice bounds of the `extremes` between two cam angles, which are approached from inside.
+
+    `angles` may lie in any turn; the first index is included, the second is not.
     """
-    shift = TURN if within[0] < found.phi[0] - SNAP else 0.0
-    start, end = within[0] + shift + SNAP, within[1] + shift - SNAP
-    first = max(int(np.searchsorted(found.phi, start, side="right")) - 1, 0)
-    return first, min(int(np.searchsorted(found.phi, end)) + 1, len(found.phi))
+    shift = TURN if angles[0] < extremes.phi[0] - SNAP else 0.0
+    start, end = angles[0] + shift + SNAP, angles[1] + shift - SNAP
+    first = max(int(np.searchsorted(extremes.phi, start, side="right")) - 1, 0)
+    return first, min(int(np.searchsorted(extremes.phi, end)) + 1, len(extremes.phi))
 
 
 # -- neck -----------------------------------------------------------------------------------------
@@ -534,12 +545,12 @@ def _square_chord(pitch: PitchCurve, first: float, second: float) -> tuple[float
         speed = np.abs(slope)
         if np.all(np.abs(gradient) <= SQUARE * speed * abs(chord)):
             return float(angles[0]), float(angles[1])
-        own = speed**2 + sign * (chord * bend).real
+        diagonal = speed**2 + sign * (chord * bend).real
         mixed = -float((np.conj(slope[0]) * slope[1]).real)
-        if min(own) <= 0.0 or own[0] * own[1] <= mixed**2:  # no minimum: go downhill
-            own, mixed = speed**2, 0.0
-        crosswise = own[::-1] * gradient - mixed * gradient[::-1]
-        step = crosswise / (own[0] * own[1] - mixed**2)
+        if min(diagonal) <= 0.0 or diagonal[0] * diagonal[1] <= mixed**2:  # no minimum: go downhill
+            diagonal, mixed = speed**2, 0.0
+        crosswise = diagonal[::-1] * gradient - mixed * gradient[::-1]
+        step = crosswise / (diagonal[0] * diagonal[1] - mixed**2)
         longest = float(np.max(np.abs(step)))
         if longest == 0.0:
             return None
@@ -583,14 +594,14 @@ class Discs(tuple[Cam, ...]):
         """The same with another motion plan."""
         main, *others = self
         main = main.moved(plan)
-        return Discs((main, *(replace(each, drive=main.drive, ledger=Ledger()) for each in others)))
+        return Discs((main, *(replace(cam, drive=main.drive, ledger=Ledger()) for cam in others)))
 
-    def angles_of(self, number: int) -> Range:
+    def segment_angles(self, number: int) -> Range:
         """Cam angles [rad] at which a segment starts and ends."""
         first, last = self.plan.joints_deg[number : number + 2]
         return math.radians(float(first)), math.radians(float(last))
 
-    def segment_at(self, angle: float) -> int:
+    def segment_index(self, angle: float) -> int:
         """Index of the segment that contains the cam angle [rad]; the last with a length if none
         does.
         """
@@ -598,7 +609,7 @@ class Discs(tuple[Cam, ...]):
         for number, segment in enumerate(self.plan.segments):
             if not segment.span:
                 continue
-            start, end = self.angles_of(number)
+            start, end = self.segment_angles(number)
             if start <= angle < end:
                 return number
             last = number
@@ -620,22 +631,22 @@ class Discs(tuple[Cam, ...]):
             ):
                 raise GeometryError(wrong.sentence, key="follower")
             for condition in conditions:
-                found = condition.over_turn(cam)
-                places = (0, len(found.phi))
+                extremes = condition.margin_extremes(cam)
+                places = (0, len(extremes.phi))
                 if segment is not None:
-                    places = places_in(found, self.angles_of(segment))
-                worst = places[0] + int(np.argmin(found.values[slice(*places)]))
-                if found.values[worst] <= CUSP:
-                    return condition, number, float(found.phi[worst])
+                    places = place_range(extremes, self.segment_angles(segment))
+                worst = places[0] + int(np.argmin(extremes.values[slice(*places)]))
+                if extremes.values[worst] <= CUSP:
+                    return condition, number, float(extremes.phi[worst])
         return None
 
     def crossings(self) -> tuple[Pair, ...]:
         """The crossings of each flank with itself, see `find_crossings`."""
         return tuple(
-            (number, each.first, each.second)
+            (number, crossing.first, crossing.second)
             for number, cam in enumerate(self)
             for _, flank in cam.disc.flanks
-            for each in find_crossings(flank)
+            for crossing in find_crossings(flank)
         )
 
     def narrowest(self) -> Neck | None:
@@ -667,12 +678,12 @@ class Discs(tuple[Cam, ...]):
         return Neck(number, self._place(ends[0]), self._place(ends[1]), clearance)
 
     def _place(self, angle: float) -> Place:
-        number = self.segment_at(angle % math.tau)
-        start, end = self.angles_of(number)
+        number = self.segment_index(angle % math.tau)
+        start, end = self.segment_angles(number)
         return number, (angle % math.tau - start) / (end - start)
 
     def _angle(self, place: Place) -> float:
-        start, end = self.angles_of(place[0])
+        start, end = self.segment_angles(place[0])
         return start + place[1] * (end - start)
 
     def faulty_segments(self, condition: Condition) -> tuple[int, ...]:
@@ -682,18 +693,18 @@ class Discs(tuple[Cam, ...]):
         other, without the dwells if there is a move among them: the move next to a dwell is what
         can change.
         """
-        extremes = [condition.over_turn(cam) for cam in self]
+        extremes = [condition.margin_extremes(cam) for cam in self]
 
-        def broken(within: Range) -> bool:
-            parts = ((found.values, places_in(found, within)) for found in extremes)
+        def broken(ends: Range) -> bool:
+            parts = ((margins.values, place_range(margins, ends)) for margins in extremes)
             return any(np.min(values[slice(*ends)]) <= CUSP for values, ends in parts)
 
         segments = self.plan.segments
         numbers = [number for number, segment in enumerate(segments) if segment.span]
-        local = [number for number in numbers if broken(self.angles_of(number))]
+        local = [number for number in numbers if broken(self.segment_angles(number))]
         if local:
             return tuple(local)
         angles = [angle for _, *both in self.crossings() for angle in both]
-        places = sorted({self.segment_at(angle) for angle in angles})
+        places = sorted({self.segment_index(angle) for angle in angles})
         moves = [place for place in places if not isinstance(segments[place], Dwell)]
         return tuple(moves or places or numbers)

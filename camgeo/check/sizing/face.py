@@ -54,7 +54,7 @@ from camgeo.units import TURN
 Rows = tuple[FloatArray, FloatArray, FloatArray]
 """a, b, c (n,) of conditions a x + b y >= c."""
 
-CONVEX, OVER_AXIS, LEVER = "convexity", "face-over-axis", "transmission-angle"
+CONVEX, FACE_OVER_AXIS, LEVER = "convexity", "face-over-axis", "transmission-angle"
 """Names of the conditions."""
 
 INSET = 1e-9
@@ -65,7 +65,7 @@ SLACK = 1e-14
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class FaceLimits:
     """What is required of a flat face.
 
     Attributes
@@ -81,7 +81,7 @@ class Asked:
 
 
 class FaceTask(Placing):
-    """A cam with a flat face, whose axis is to be placed beside it, see `FaceTask.of`.
+    """A cam with a flat face, whose axis is to be placed beside it, see `FaceTask.from_cam`.
 
     Attributes
     ----------
@@ -92,12 +92,12 @@ class FaceTask(Placing):
 
     names: ClassVar[tuple[str, ...]]
 
-    def asked(self, angle: float, radius: float) -> Asked:
+    def required_limits(self, angle: float, radius: float) -> FaceLimits:
         """What is required: a transmission angle [rad] and a radius of curvature [mm], see
         `size`; a cam with a cusp, or one that touches its axis, is excluded.
         """
         least = 2.0 * SMALLEST * (self.follower.base_radius + abs(self.present))
-        return Asked(math.tan(angle), max(radius, least), least)
+        return FaceLimits(math.tan(angle), max(radius, least), least)
 
     def moved(self, _: complex) -> dict[str, float | complex]:
         """See `Placing`: guide or pivot are kept."""
@@ -106,53 +106,53 @@ class FaceTask(Placing):
     @property
     def top(self) -> float:
         """Height of the face in its starting position [mm], see the module."""
-        return self.base_radius_at(0j)
+        return self.base_radius(0j)
 
     @abstractmethod
-    def lever(self, asked: Asked) -> float:
+    def lever(self, limits: FaceLimits) -> float:
         """Smallest position of the contact [mm] along the face."""
 
     @abstractmethod
-    def rows(self, name: str, phi: FloatArray, side: Side, asked: Asked) -> Rows:
+    def rows(self, name: str, phi: FloatArray, side: Side, limits: FaceLimits) -> Rows:
         """The condition `name` at `phi` (n,) [rad]."""
 
     @abstractmethod
     def lowest(self, known: Rows) -> complex | None:
         """The place with the smallest base circle that meets `known`; None if there is none."""
 
-    def slack(self, curve: PitchCurve, name: str, asked: Asked) -> Extremes:
+    def slack(self, curve: PitchCurve, name: str, limits: FaceLimits) -> Extremes:
         """Local extremes over the turn of the margin of the condition `name` [mm]."""
-        lever = self.lever(asked)
+        lever = self.lever(limits)
 
         def value(phi: FloatArray, side: Side) -> FloatArray:
-            at = touch(curve, phi, side)
+            contact = touch(curve, phi, side)
             if name == CONVEX:
-                return np.asarray(at.pace[0] - asked.radius * at.turn[0])
-            if name == OVER_AXIS:
-                return np.asarray(at.distance - asked.clearance)
-            return np.asarray(at.contact[0] - lever)
+                return np.asarray(contact.pace[0] - limits.radius * contact.turn[0])
+            if name == FACE_OVER_AXIS:
+                return np.asarray(contact.distance - limits.clearance)
+            return np.asarray(contact.contact[0] - lever)
 
         def slopes(phi: FloatArray, side: Side) -> FloatArray:
-            at = touch(curve, phi, side)
+            contact = touch(curve, phi, side)
             if name == CONVEX:
-                return np.asarray(at.pace[1] - asked.radius * at.turn[1])
-            if name == OVER_AXIS:  # where the follower turns, and where the face stands square
-                return np.stack((curve.motion.jet(phi, side)[1], at.contact[0]))
-            return np.asarray(at.contact[1])
+                return np.asarray(contact.pace[1] - limits.radius * contact.turn[1])
+            if name == FACE_OVER_AXIS:  # where the follower turns, and where the face stands square
+                return np.stack((curve.motion.jet(phi, side)[1], contact.contact[0]))
+            return np.asarray(contact.contact[1])
 
         return extremes(curve, value, slopes)
 
     @staticmethod
-    def of(cam: Cam) -> FaceTask:
+    def from_cam(cam: Cam) -> FaceTask:
         """The task of placing the axis of `cam`, which has a flat face."""
         return FACE_TASKS[type(cam.follower)](cam)
 
-    def rating_at(self, place: complex) -> Rating | None:
+    def rate_place(self, place: complex) -> Rating | None:
         """What the cam axis at `place` results in; None if there is no such mechanism, or its face
         turns back in the cam.
         """
         try:
-            curve = self.pitch_curve_at(place)
+            curve = self.pitch_curve(place)
             if smallest_turn(curve)[0] <= 0.0:
                 return None
             angle = transmission_angle_extremes(curve).smallest()
@@ -186,10 +186,10 @@ class FaceTask(Placing):
             raise GeometryError(
                 "there is nothing to size: the follower does not move", key="motion"
             )
-        asked = self.asked(angle, radius)
+        limits = self.required_limits(angle, radius)
         hopeless = _hopeless(self)
-        place, active = (None, ()) if hopeless else smallest_for_face(self, asked)
-        answer = None if place is None else self.rating_at(place)
+        place, active = (None, ()) if hopeless else smallest_for_face(self, limits)
+        answer = None if place is None else self.rate_place(place)
         none_below = math.inf if answer is None else answer.base_radius
         return Sizing(
             angle,
@@ -210,32 +210,32 @@ class FaceOnGuide(FaceTask):
     second = "offset"
     held = None
     seen = (1, 1)
-    names = (CONVEX, OVER_AXIS)
+    names = (CONVEX, FACE_OVER_AXIS)
 
     @property
     def present(self) -> complex:
         """See `Placing`."""
         return complex(0.0, -self.follower.base_radius)
 
-    def second_of(self, _: complex) -> float:
+    def second_length(self, _: complex) -> float:
         """See `Placing`: where the guide lies does not matter."""
         return 0.0
 
-    def base_radius_at(self, place: complex) -> float:
+    def base_radius(self, place: complex) -> float:
         """See `Placing`."""
         return -place.imag
 
-    def lever(self, _: Asked) -> float:
+    def lever(self, _: FaceLimits) -> float:
         """See `FaceTask`: it moves on its guide wherever it is pushed."""
         return -math.inf
 
-    def rows(self, name: str, phi: FloatArray, side: Side, asked: Asked) -> Rows:
+    def rows(self, name: str, phi: FloatArray, side: Side, limits: FaceLimits) -> Rows:
         """See `FaceTask`."""
         lift = self.follower.direction * self.motion.jet(phi, side, 2)
         none, one = np.zeros(len(phi)), np.ones(len(phi))
         if name == CONVEX:
-            return none, one, asked.radius - (lift[0] + lift[2])
-        return none, one, asked.clearance - lift[0]
+            return none, one, limits.radius - (lift[0] + lift[2])
+        return none, one, limits.clearance - lift[0]
 
     def lowest(self, known: Rows) -> complex | None:
         """See `FaceTask`."""
@@ -247,33 +247,33 @@ class FaceOnRocker(Rocking, FaceTask):
 
     __slots__ = ()
 
-    names = (CONVEX, OVER_AXIS, LEVER)
+    names = (CONVEX, FACE_OVER_AXIS, LEVER)
 
-    def base_radius_at(self, place: complex) -> float:
+    def base_radius(self, place: complex) -> float:
         """See `Placing`."""
         return float(self.follower.face_offset - place.imag)
 
-    def lever(self, asked: Asked) -> float:
+    def lever(self, limits: FaceLimits) -> float:
         """See `FaceTask`."""
         offset: float = self.follower.face_offset
-        return max(asked.tangent * abs(offset), asked.clearance)
+        return max(limits.tangent * abs(offset), limits.clearance)
 
-    def rows(self, name: str, phi: FloatArray, side: Side, asked: Asked) -> Rows:
+    def rows(self, name: str, phi: FloatArray, side: Side, limits: FaceLimits) -> Rows:
         """See `FaceTask`."""
         follower = self.follower
         lift = follower.arm_side * follower.swing_sense * self.motion.jet(phi, side, 2)
         sine, cosine = np.sin(lift[0]), np.cos(lift[0])
-        if name == OVER_AXIS:
-            return sine, cosine, np.full(len(phi), asked.clearance - follower.face_offset)
+        if name == FACE_OVER_AXIS:
+            return sine, cosine, np.full(len(phi), limits.clearance - follower.face_offset)
         turn = 1.0 - self.cam.rotation * follower.arm_side * lift[1]
         w = 1.0 / turn
         if name == LEVER:
-            return w * cosine, -w * sine, np.full(len(phi), self.lever(asked))
+            return w * cosine, -w * sine, np.full(len(phi), self.lever(limits))
         bent = w * w * lift[2]
         return (
             (2.0 - w) * sine + bent * cosine,
             (2.0 - w) * cosine - bent * sine,
-            (asked.radius - follower.face_offset) * turn,
+            (limits.radius - follower.face_offset) * turn,
         )
 
     def lowest(self, known: Rows) -> complex | None:
@@ -289,11 +289,11 @@ class FaceOnRocker(Rocking, FaceTask):
         low = INSET - 0.5 * math.pi
         # At most once to the beginning of each arc: the angle only grows.
         for _ in range(len(a) + 1):
-            before = np.remainder(low - middle + half, TURN)  # beyond the beginning of the arc
-            outside = (before > 2.0 * half + SLACK) & (TURN - before > SLACK)
+            past = np.remainder(low - middle + half, TURN)  # beyond the beginning of the arc
+            outside = (past > 2.0 * half + SLACK) & (TURN - past > SLACK)
             if not np.any(outside):
                 return cmath.rect(distance, -low)
-            low += float(np.max(TURN - before[outside]))
+            low += float(np.max(TURN - past[outside]))
             if low > 0.5 * math.pi - INSET:
                 return None
         return None
@@ -329,44 +329,46 @@ def _hopeless(task: FaceTask) -> str | None:
     """Why no size will do (the linkage, a face that turns back, a velocity jump), or None."""
     if task.hopeless is not None:
         return task.hopeless
-    curve = task.pitch_curve_at(task.present)
+    curve = task.pitch_curve(task.present)
     findings = check_convexity(curve)
     if smallest_turn(curve)[0] <= 0.0:
         return findings[0].sentence
-    return next((each.sentence for each in findings if each.name == JUMP), None)
+    return next((finding.sentence for finding in findings if finding.name == JUMP), None)
 
 
-def smallest_for_face(task: FaceTask, asked: Asked) -> tuple[complex | None, tuple[Active, ...]]:
+def smallest_for_face(
+    task: FaceTask, limits: FaceLimits
+) -> tuple[complex | None, tuple[Active, ...]]:
     """The place with the smallest base circle for which `asked` holds, and what decides it.
 
     None if there is none. tau must be positive over the turn, and the velocity without jumps.
     """
-    known: Rows = task.rows(OVER_AXIS, np.zeros(1), "right", asked)
+    known: Rows = task.rows(FACE_OVER_AXIS, np.zeros(1), "right", limits)
     place = task.lowest(known)
     for _ in range(MOST):
         if place is None:
             return None, ()
-        curve = task.pitch_curve_at(place)
+        curve = task.pitch_curve(place)
         broken, active = False, []
         for name in task.names:
-            found = task.slack(curve, name, asked)
-            size = CLOSE * (abs(place) + task.base_radius_at(place))
-            worst = found.values < -size
+            margins = task.slack(curve, name, limits)
+            size = CLOSE * (abs(place) + task.base_radius(place))
+            worst = margins.values < -size
             active += [
                 Active(name, float(phi) % TURN)
-                for phi in found.phi[np.abs(found.values) <= ACTIVE_SHARE * size / CLOSE]
+                for phi in margins.phi[np.abs(margins.values) <= ACTIVE_SHARE * size / CLOSE]
             ]
             if np.any(worst):
                 broken = True
                 for side in SIDES:
-                    known = _joined(known, task.rows(name, found.phi[worst], side, asked))
+                    known = _joined(known, task.rows(name, margins.phi[worst], side, limits))
         if not broken:
             missed = _missed(task, place)
             if missed is None:
                 return place, tuple(active)
-            known = _joined(known, task.rows(CONVEX, np.array([missed]), "right", asked))
-        before, place = place, task.lowest(known)
-        if place == before:
+            known = _joined(known, task.rows(CONVEX, np.array([missed]), "right", limits))
+        previous, place = place, task.lowest(known)
+        if place == previous:
             return place, tuple(active)
     return None, ()
 
@@ -374,16 +376,17 @@ def smallest_for_face(task: FaceTask, asked: Asked) -> tuple[complex | None, tup
 def _missed(task: FaceTask, place: complex) -> float | None:
     """Cam angle [rad] of a cusp or undercut that `slack` misses; None without one, as is usual.
 
-    Of a cam that is larger by `BESIDE`: close to a cusp the proof takes ever smaller cells.
+    It is looked for in a cam larger by the fraction `ENLARGED`: close to a cusp the proof takes
+    ever smaller cells.
     """
     try:
-        cam = task.cam.sized(base_radius=(1.0 + ENLARGED) * task.base_radius_at(place))
+        cam = task.cam.sized(base_radius=(1.0 + ENLARGED) * task.base_radius(place))
     except GeometryError:  # the face stands square to the line of centres
         return None
-    found = convexity(cam.disc.pitch_curve)
-    return None if found.is_convex else found.radius[1]
+    shape = convexity(cam.disc.pitch_curve)
+    return None if shape.is_convex else shape.radius[1]
 
 
 def _joined(one: Rows, other: Rows) -> Rows:
-    a, b, c = (np.concatenate(each) for each in zip(one, other, strict=True))
+    a, b, c = (np.concatenate(columns) for columns in zip(one, other, strict=True))
     return a, b, c

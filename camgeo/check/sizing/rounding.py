@@ -20,7 +20,7 @@ from camgeo.check.finding import Finding, Limits
 from camgeo.check.machine import linkage_findings
 from camgeo.check.sizing.face import FaceTask
 from camgeo.check.sizing.smallest import Conditions, Rating, Sizing, extreme_angles
-from camgeo.check.sizing.task import Placing, Task, covered, no_pairs
+from camgeo.check.sizing.task import Placing, Task, covered_pairs, no_pairs
 from camgeo.errors import GeometryError
 from camgeo.geometry.pieces import contact_extremes, convexity
 from camgeo.lazy import Ledger
@@ -36,7 +36,7 @@ STEPS: Final = (0, 1, 2, 5, 20, 100, 1000)
 nearly always suffices: the others are for a limit that is within rounding of its decimals, or that
 leaves no room there at all."""
 
-OF_FACE: Final = 2
+FACE_DECIMALS: Final = 2
 """Decimals of the ends of a face, in mm."""
 
 MORE: Final = 5
@@ -52,12 +52,12 @@ WIDTH, ZOOM, ZOOMS, WAYS = 0.1, 8.0, 12, 65
 """Search for the direction with the most room: half the first range [rad], by how much the next one
 is narrower, the number of ranges, and the number of directions in each."""
 
-OF_SHOCKS: Final = ("tangent-closure", "lost-stroke")
+SHOCK_FINDINGS: Final = ("tangent-closure", "lost-stroke")
 """Findings that a motion with jumps of its velocity has at any size."""
 
 
 @dataclass(frozen=True, slots=True)
-class Made:
+class RoundedMechanism:
     """A mechanism whose sizes can be written down.
 
     Attributes
@@ -70,9 +70,9 @@ class Made:
     cam: Cam
 
     @staticmethod
-    def of(
+    def from_sizing(
         task: Placing, sizing: Sizing, ratio: float, present: float | None, unit: float
-    ) -> Made | None:
+    ) -> RoundedMechanism | None:
         """The answer with its sizes rounded up, and the arm if it is not the `present` one [mm]."""
         if sizing.answer is None:
             return None
@@ -81,14 +81,14 @@ class Made:
             return rounded_face(task, sizing.answer.place, sizing.angle, least, unit)
         assert isinstance(task, Task)
         assert sizing.examined is not None  # as there is an answer
-        made = rounded(task, sizing.answer.place, sizing.examined, sizing.angle, ratio, unit)
+        mechanism = rounded(task, sizing.answer.place, sizing.examined, sizing.angle, ratio, unit)
         arm = getattr(task.follower, "arm", None)
-        if made is None or arm is None or arm == present:
-            return made
-        return replace(made, lengths={**made.lengths, "arm": float(f"{arm / unit:.12g}")})
+        if mechanism is None or arm is None or arm == present:
+            return mechanism
+        return replace(mechanism, lengths={**mechanism.lengths, "arm": float(f"{arm / unit:.12g}")})
 
 
-def exponent_of(length: float, unit: float) -> int:
+def decimal_exponent(length: float, unit: float) -> int:
     """Power of ten of the last decimal, in a unit of `unit` mm, of a `length` [mm]."""
     first = math.floor(math.log10(length))
     last = first - SMALL if first < 0 else max(-DECIMALS, first - LARGE)
@@ -106,19 +106,21 @@ def sound(cam: Cam, angle: float, ratio: float) -> bool:
     limits = Limits(transmission_angle=angle, radius_ratio=ratio)
     other = linkage_findings(cam.drive, limits)
     try:
-        return not any(_counts(each) for each in disc_findings(cam, limits) if each not in other)
+        return not any(
+            _counts(finding) for finding in disc_findings(cam, limits) if finding not in other
+        )
     except GeometryError:
         return False
 
 
 def _counts(finding: Finding) -> bool:
     """Whether a finding is bad, and depends on the size."""
-    return finding.severity not in ("ok", "warning") and not finding.name.startswith(OF_SHOCKS)
+    return finding.severity not in ("ok", "warning") and not finding.name.startswith(SHOCK_FINDINGS)
 
 
 def rounded(
     task: Task, place: complex, now: Conditions, angle: float, ratio: float, unit: float
-) -> Made | None:
+) -> RoundedMechanism | None:
     """The next sizes from those of `place` on; None if no rounded ones are sound.
 
     Parameters
@@ -128,17 +130,17 @@ def rounded(
     unit : mm per unit of the scene.
     """
     base = abs(place - task.start)
-    exponent = exponent_of(base, unit)
+    exponent = decimal_exponent(base, unit)
     first = upward(base, exponent, unit)
     for step in STEPS:
         radius = float(first + step * Decimal(1).scaleb(exponent))
         for _ in range(TRIES):
             middle = _roomiest(task, now, place, radius * unit)
-            made = _with_second(task, middle, radius, (angle, ratio), exponent, unit)
-            if made is not None and sound(made.cam, angle, ratio):
-                return made
+            mechanism = _with_second(task, middle, radius, (angle, ratio), exponent, unit)
+            if mechanism is not None and sound(mechanism.cam, angle, ratio):
+                return mechanism
             phi = extreme_angles(task, middle, now.tangent, now.ratio)[0]
-            pairs = no_pairs(task) if made is None else covered(task, middle)
+            pairs = no_pairs(task) if mechanism is None else covered_pairs(task, middle)
             now = now.with_more(task, phi, pairs)
             if now.room(np.array([middle]))[0] >= 0.0:
                 break  # no known condition is broken
@@ -152,7 +154,7 @@ def _with_second(
     required: tuple[float, float],
     exponent: int,
     unit: float,
-) -> Made | None:
+) -> RoundedMechanism | None:
     """With a base radius, in the unit, and the second dimension near that of `place`.
 
     It has as many decimals as the `required` angle and ratio take; None if none suffice.
@@ -160,14 +162,14 @@ def _with_second(
     for more in range(MORE + 1):
         last = Decimal(1).scaleb(exponent - more)
         lengths: dict[str, float | list[float]] = {"base_radius": radius}
-        for key, each in task.moved(place).items():
-            if isinstance(each, complex):
-                lengths[key] = [_near(each.real, last, unit), _near(each.imag, last, unit)]
+        for key, length in task.moved(place).items():
+            if isinstance(length, complex):
+                lengths[key] = [_near(length.real, last, unit), _near(length.imag, last, unit)]
             else:
-                lengths[key] = _near(each, last, unit)
-        made = _made(task.cam, lengths, unit)
-        if made is not None and _within(made.cam, *required):
-            return made
+                lengths[key] = _near(length, last, unit)
+        mechanism = _resized(task.cam, lengths, unit)
+        if mechanism is not None and _keeps_limits(mechanism.cam, *required):
+            return mechanism
     return None
 
 
@@ -176,24 +178,26 @@ def _near(length: float, last: Decimal, unit: float) -> float:
     return float(Decimal(length / unit).quantize(last, ROUND_HALF_EVEN)) + 0.0
 
 
-def _within(cam: Cam, angle: float, ratio: float) -> bool:
+def _keeps_limits(cam: Cam, angle: float, ratio: float) -> bool:
     """Whether `cam` keeps its transmission angle and r_R/r_K, which is quick to check."""
-    task = Task.of(cam)
-    found = Rating.of(task, task.present)
+    task = Task.from_cam(cam)
+    rating = Rating.from_place(task, task.present)
     return (
-        found is not None
-        and found.transmission_angle.value >= angle
-        and found.radius_ratio.value <= ratio
+        rating is not None
+        and rating.transmission_angle.value >= angle
+        and rating.radius_ratio.value <= ratio
     )
 
 
-def _made(cam: Cam, lengths: dict[str, float | list[float]], unit: float) -> Made | None:
+def _resized(
+    cam: Cam, lengths: dict[str, float | list[float]], unit: float
+) -> RoundedMechanism | None:
     inside = {
-        key: unit * complex(*each) if isinstance(each, list) else unit * each
-        for key, each in lengths.items()
+        key: unit * complex(*length) if isinstance(length, list) else unit * length
+        for key, length in lengths.items()
     }
     try:
-        return Made(lengths, cam.sized(**inside))
+        return RoundedMechanism(lengths, cam.sized(**inside))
     except GeometryError:
         return None
 
@@ -212,49 +216,49 @@ def _roomiest(task: Task, now: Conditions, place: complex, radius: float) -> com
 
 def rounded_face(
     task: FaceTask, place: complex, angle: float, least: float, unit: float
-) -> Made | None:
+) -> RoundedMechanism | None:
     """The next base radius from that of `place` on; None if no rounded one is sound.
 
     A face with ends is made as long as the contact requires. `least` is the smallest radius of
     curvature allowed [mm].
     """
-    base = task.base_radius_at(place)
-    exponent = exponent_of(base, unit)
+    base = task.base_radius(place)
+    exponent = decimal_exponent(base, unit)
     first = upward(base, exponent, unit)
     for step in STEPS:
         radius = first + step * Decimal(1).scaleb(exponent)
-        made = _made(task.cam, {"base_radius": float(radius)}, unit)
-        if made is None:
+        mechanism = _resized(task.cam, {"base_radius": float(radius)}, unit)
+        if mechanism is None:
             continue
-        longer = _long_enough(made, unit)
+        longer = _long_enough(mechanism, unit)
         curve = longer.cam.disc.pitch_curve
         if sound(longer.cam, angle, 1.0) and convexity(curve).radius[0] >= least:
             return longer
     return None
 
 
-def _long_enough(made: Made, unit: float) -> Made:
+def _long_enough(mechanism: RoundedMechanism, unit: float) -> RoundedMechanism:
     """`made` with its face, if that has ends, as long as the contact requires."""
-    face = made.cam.follower.face
+    face = mechanism.cam.follower.face
     if face is None:
-        return made
+        return mechanism
     try:
-        places = contact_extremes(made.cam.disc.pitch_curve)
+        places = contact_extremes(mechanism.cam.disc.pitch_curve)
     except GeometryError:
-        return made
-    last = Decimal(1).scaleb(-OF_FACE - math.floor(math.log10(unit)))
+        return mechanism
+    last = Decimal(1).scaleb(-FACE_DECIMALS - math.floor(math.log10(unit)))
     low, high = places.smallest()[0], places.largest()[0]
-    ends = [each / unit for each in face]
+    ends = [end / unit for end in face]
     if low < face[0]:
         ends[0] = float(Decimal(low / unit).quantize(last, ROUND_FLOOR))
     if high > face[1]:
         ends[1] = float(Decimal(high / unit).quantize(last, ROUND_CEILING))
-    if ends == [each / unit for each in face]:
-        return made
-    follower: Any = made.cam.follower  # a frozen dataclass
+    if ends == [end / unit for end in face]:
+        return mechanism
+    follower: Any = mechanism.cam.follower  # a frozen dataclass
     longer = replace(follower, face=(unit * ends[0], unit * ends[1]))
-    cam = replace(made.cam, follower=longer, ledger=Ledger())
-    return Made({**made.lengths, "face": ends}, cam)
+    cam = replace(mechanism.cam, follower=longer, ledger=Ledger())
+    return RoundedMechanism({**mechanism.lengths, "face": ends}, cam)
 
 
 # -- arm ------------------------------------------------------------------------------------------
@@ -290,7 +294,7 @@ def with_arm(task: Task, arm: float) -> Task:
     follower = task.follower
     scale = arm / follower.arm
     pivot, base_radius = follower.pivot * scale, follower.base_radius * scale
-    return Task.of(task.cam.sized(arm=arm, pivot=pivot, base_radius=base_radius))
+    return Task.from_cam(task.cam.sized(arm=arm, pivot=pivot, base_radius=base_radius))
 
 
 def size_with_arm(
@@ -300,14 +304,14 @@ def size_with_arm(
 
     Parameters
     ----------
-    angle, ratio : as for `Sizing.of`.
+    angle, ratio : as for `Sizing.solve`.
     low, high : the shortest and the longest arm [mm].
 
     Raises
     ------
     GeometryError
         With key "follower.kind" for a follower without an arm, "arm" if the range is invalid or
-        lets the roller reach the pivot; and as `Sizing.of` does.
+        lets the roller reach the pivot; and as `Sizing.solve` does.
     """
     if task.held is None:
         raise GeometryError(NO_ARM, key="follower.kind", value=task.follower.kind)
@@ -323,7 +327,7 @@ def size_with_arm(
 
     def radius(arm: float) -> float:
         if arm not in tried:
-            tried[arm] = Sizing.of(with_arm(task, arm), angle, ratio)
+            tried[arm] = Sizing.solve(with_arm(task, arm), angle, ratio)
         answer = tried[arm].answer
         return math.inf if answer is None else answer.base_radius
 
@@ -338,7 +342,7 @@ def size_with_arm(
     high = min(high, shortest / per_arm)
     arms = [float(arm) for arm in np.geomspace(low, high, ARMS)]
     for arm in arms:
-        if arm * per_arm < min(radius(each) for each in tried):
+        if arm * per_arm < min(radius(other) for other in tried):
             radius(arm)
     if all(math.isinf(radius(arm)) for arm in tried):
         return result(low)
@@ -348,7 +352,7 @@ def size_with_arm(
     step = (high / low) ** (1.0 / (ARMS - 1))
     left, right = max(low, best / step), min(high, best * step)
     for _ in range(SECTIONS):
-        if right <= left * (1.0 + 1e-4) or sum(each.rounds for each in tried.values()) > ROUNDS:
+        if right <= left * (1.0 + 1e-4) or sum(sizing.rounds for sizing in tried.values()) > ROUNDS:
             break
         first = right * (left / right) ** GOLDEN
         second = left * (right / left) ** GOLDEN
@@ -365,14 +369,14 @@ def size_with_arm(
 
 def rated(cam: Cam) -> Rating | None:
     """What a cam results in; None if there is no such mechanism."""
-    found: Rating | None
+    rating: Rating | None
     if cam.follower.has_pitch_curve:
-        task = Task.of(cam)
-        found = Rating.of(task, task.present)
+        task = Task.from_cam(cam)
+        rating = Rating.from_place(task, task.present)
     else:
-        face = FaceTask.of(cam)
-        found = face.rating_at(face.present)
-    return None if found is None else replace(found, follower=cam.follower)
+        face = FaceTask.from_cam(cam)
+        rating = face.rate_place(face.present)
+    return None if rating is None else replace(rating, follower=cam.follower)
 
 
 def sized(
@@ -387,23 +391,23 @@ def sized(
 
     Parameters
     ----------
-    angle, ratio, radius : limits as for `Sizing.of`, and as for `FaceTask.size`.
+    angle, ratio, radius : limits as for `Sizing.solve`, and as for `FaceTask.size`.
     arms : the shortest and the longest arm of a rocker [mm], to look for its arm too.
     unit : of written lengths [mm].
 
     Raises
     ------
     GeometryError
-        As `Sizing.of`, `FaceTask.size` and `size_with_arm`.
+        As `Sizing.solve`, `FaceTask.size` and `size_with_arm`.
     """
     if cam.follower.has_pitch_curve:
-        sides = Task.of(cam).sides
+        sides = Task.from_cam(cam).sides
         if arms is None:
-            return [(each, Sizing.of(each, angle, ratio)) for each in sides]
-        return [_with_stated_arm(each, angle, ratio, arms, unit) for each in sides]
+            return [(side, Sizing.solve(side, angle, ratio)) for side in sides]
+        return [_with_stated_arm(side, angle, ratio, arms, unit) for side in sides]
     if arms is not None:
         raise GeometryError(NO_ARM, key="follower.kind", value=cam.follower.kind)
-    return [(each, each.size(angle, radius)) for each in FaceTask.of(cam).sides]
+    return [(side, side.size(angle, radius)) for side in FaceTask.from_cam(cam).sides]
 
 
 def _with_stated_arm(
@@ -411,10 +415,10 @@ def _with_stated_arm(
 ) -> tuple[Task, Sizing]:
     """The sizing with an arm of the decimals with which it is written."""
     task, sizing = size_with_arm(side, angle, ratio, *arms)
-    found = task.follower.arm
-    last = Decimal(1).scaleb(exponent_of(found, unit))
-    arm = min(max(unit * float(Decimal(found / unit).quantize(last)), arms[0]), arms[1])
-    if found in arms or arm == found:
+    best_arm = task.follower.arm
+    last = Decimal(1).scaleb(decimal_exponent(best_arm, unit))
+    arm = min(max(unit * float(Decimal(best_arm / unit).quantize(last)), arms[0]), arms[1])
+    if best_arm in arms or arm == best_arm:
         return task, sizing
     task = with_arm(task, arm)
-    return task, Sizing.of(task, angle, ratio)
+    return task, Sizing.solve(task, angle, ratio)

@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from camgeo.check.disc import transmission_angle_extremes
-from camgeo.check.sizing.task import Covers, Task, Terms, covered, no_pairs
+from camgeo.check.sizing.task import Covers, Task, Terms, covered_pairs, no_pairs
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.outline import CUSP
 from camgeo.geometry.pieces import curvature_extremes, extremes, nearest_to_axis, smooth_pieces
@@ -38,7 +38,7 @@ SAME = 1e-7
 TOUCHES = 1e-7
 """A point within this fraction of |d| of being covered decides, if nothing else is as close."""
 
-BESIDE = 1e-9
+AXIS_MARGIN = 1e-9
 """Fraction by which the roller stays beside the cam axis."""
 
 ARM_SIDES: Final = {1: "ccw", -1: "cw"}
@@ -101,10 +101,10 @@ class Rating:
         return None if self.face is None else (self.face[0].value, self.face[1].value)
 
     @staticmethod
-    def of(task: Task, place: complex) -> Rating | None:
+    def from_place(task: Task, place: complex) -> Rating | None:
         """What the cam axis at `place` results in; None if there is no such mechanism."""
         try:
-            curve = task.pitch_curve_at(place)
+            curve = task.pitch_curve(place)
             angle = transmission_angle_extremes(curve).smallest()
             ratio = worst_ratio(task, place)
         except GeometryError:
@@ -156,7 +156,7 @@ class Sizing:
         return self.answer is not None and self.reach is None
 
     @staticmethod
-    def of(task: Task, angle: float, ratio: float) -> Sizing:
+    def solve(task: Task, angle: float, ratio: float) -> Sizing:
         """Flocke's proposal and the smallest base circle.
 
         Parameters
@@ -182,7 +182,9 @@ class Sizing:
         if hopeless is not None:
             return Sizing(angle, ratio, none_below=math.inf, hopeless=hopeless)
         construction = flocke(task, tangent)
-        proposal = None if construction.place is None else Rating.of(task, construction.place)
+        proposal = (
+            None if construction.place is None else Rating.from_place(task, construction.place)
+        )
         begun = Sizing(angle, ratio, construction, proposal)
         place = smallest_place(task, tangent)
         if place is None:
@@ -192,7 +194,7 @@ class Sizing:
             raise GeometryError(
                 "there is nothing to size: the follower does not move", key="motion"
             )
-        for_angle = Rating.of(task, place)
+        for_angle = Rating.from_place(task, place)
         if for_angle is not None and meets(task, place, tangent, ratio):
             now = conditions(task, tangent, ratio, extreme_angles(task, place, tangent, ratio)[0])
             return replace(
@@ -203,22 +205,22 @@ class Sizing:
                 none_below=base,
                 examined=now,
             )
-        least = max(base, task.half * (1.0 + BESIDE))
-        found = smallest_with_bends(task, tangent, ratio, least)
-        answer = None if found.place is None else Rating.of(task, found.place)
-        pairs = found.examined.covers
+        least = max(base, task.half * (1.0 + AXIS_MARGIN))
+        nearest = smallest_with_bends(task, tangent, ratio, least)
+        answer = None if nearest.place is None else Rating.from_place(task, nearest.place)
+        pairs = nearest.examined.covers
         active = () if answer is None else active_conditions(task, answer, angle, ratio, pairs)
-        least_ratio = found.least_ratio if math.isfinite(found.least_ratio) else None
+        least_ratio = nearest.least_ratio if math.isfinite(nearest.least_ratio) else None
         return replace(
             begun,
             for_angle=for_angle,
             answer=answer,
             active=active,
             nearest_ratio=least_ratio if answer is None else None,
-            none_below=found.bound,
-            reach=found.reach,
-            rounds=found.rounds,
-            examined=found.examined,
+            none_below=nearest.bound,
+            reach=nearest.reach,
+            rounds=nearest.rounds,
+            examined=nearest.examined,
         )
 
 
@@ -236,31 +238,35 @@ def active_conditions(
     task: Task, rating: Rating, angle: float, ratio: float, covers: Covers | None = None
 ) -> tuple[Active, ...]:
     """The conditions that are at their limits, by cam angle; of pairs one of their angles."""
-    curve = task.pitch_curve_at(rating.place)
+    curve = task.pitch_curve(rating.place)
     angles = transmission_angle_extremes(curve)
-    found = [
+    active = [
         Active("transmission-angle", float(phi) % TURN)
         for phi in angles.phi[np.abs(angles.values - angle) <= ACTIVE]
     ]
     bends = curvature_extremes(curve)
     for sign in task.signs:
         near = np.abs(sign * task.follower.roller_radius * bends.values - ratio) <= ACTIVE
-        found += [Active("radius-ratio", float(phi) % TURN) for phi in bends.phi[near]]
+        active += [Active("radius-ratio", float(phi) % TURN) for phi in bends.phi[near]]
     if task.half > 0.0:
-        apart, phi = nearest_to_axis(curve)
-        if apart <= task.half * (1.0 + 2.0 * BESIDE):
-            found.append(Active("roller-over-axis", phi))
+        distance, phi = nearest_to_axis(curve)
+        if distance <= task.half * (1.0 + 2.0 * AXIS_MARGIN):
+            active.append(Active("roller-over-axis", phi))
     if covers is not None and len(covers.first):
         gap = np.abs(covers.gap(np.array([rating.place]))[0][0] / covers.distance)
         least = int(np.argmin(gap))
         if gap[least] <= TOUCHES:
-            found.append(Active("global-undercut", float(covers.first[least]) % TURN))
-    kept: list[Active] = []
-    for each in sorted(found, key=lambda item: (item.name, item.cam_angle)):
-        last = kept[-1] if kept else None
-        if last is None or last.name != each.name or each.cam_angle - last.cam_angle >= SAME:
-            kept.append(each)
-    return tuple(kept)
+            active.append(Active("global-undercut", float(covers.first[least]) % TURN))
+    distinct: list[Active] = []
+    for condition in sorted(active, key=lambda item: (item.name, item.cam_angle)):
+        last = distinct[-1] if distinct else None
+        if (
+            last is None
+            or last.name != condition.name
+            or condition.cam_angle - last.cam_angle >= SAME
+        ):
+            distinct.append(condition)
+    return tuple(distinct)
 
 
 # -- exchange -------------------------------------------------------------------------------------
@@ -285,19 +291,19 @@ def smallest_place(task: Task, tangent: float) -> complex | None:
 
     None if no place keeps that angle over the whole turn.
     """
-    normals, bounds = task.held_to()
+    normals, bounds = task.direction_half_planes()
     place: complex = task.start
     for _ in range(MOST):
         broken = False
         for t in (tangent, -tangent):
-            found = task.slack(place, t)
+            margins = task.slack(place, t)
             size = (abs(place) + abs(task.start)) * math.hypot(1.0, t)
             size += float(np.max(np.abs(bounds), initial=0.0))
-            worst = found.values < -CLOSE * size
+            worst = margins.values < -CLOSE * size
             if np.any(worst):
                 broken = True
                 for side in SIDES:
-                    more = task.terms(found.phi[worst], side).half_planes(t)
+                    more = task.terms(margins.phi[worst], side).half_planes(t)
                     normals = np.concatenate((normals, more[0]))
                     bounds = np.concatenate((bounds, more[1]))
         if not broken:
@@ -358,8 +364,8 @@ def nearest_point(normals: ComplexArray, bounds: FloatArray, start: complex) -> 
         inside &= dot(points, normal) >= bound - ROUNDING * size
     if not np.any(inside):
         return None
-    found = points[inside]
-    return complex(found[np.argmin(np.abs(found - start))])
+    candidates = points[inside]
+    return complex(candidates[np.argmin(np.abs(candidates - start))])
 
 
 # -- flocke ---------------------------------------------------------------------------------------
@@ -400,11 +406,14 @@ def flocke(task: Task, tangent: float) -> Flocke:
     """The construction for a transmission angle of atan(`tangent`)."""
     lifts = np.repeat(lift_range(task.motion), 2)
     rates = np.tile(_velocity_range(task), 2)
-    terms = task.terms_of(np.stack((lifts, rates, np.zeros_like(lifts))))
+    terms = task.lift_terms(np.stack((lifts, rates, np.zeros_like(lifts))))
     sides = zip(
-        terms.half_planes(tangent), terms.half_planes(-tangent), task.held_to(), strict=True
+        terms.half_planes(tangent),
+        terms.half_planes(-tangent),
+        task.direction_half_planes(),
+        strict=True,
     )
-    normals, bounds = (np.concatenate(each) for each in sides)
+    normals, bounds = (np.concatenate(parts) for parts in sides)
     return Flocke(normals, bounds, nearest_point(normals, bounds, task.start))
 
 
@@ -417,8 +426,8 @@ def _velocity_range(task: Task) -> tuple[float, float]:
     def acceleration(phi: FloatArray, side: Side) -> FloatArray:
         return np.asarray(task.motion.jet(phi, side, 2)[2])
 
-    found = extremes(task.motion, velocity, acceleration)
-    return found.smallest()[0], found.largest()[0]
+    velocities = extremes(task.motion, velocity, acceleration)
+    return velocities.smallest()[0], velocities.largest()[0]
 
 
 # -- region ---------------------------------------------------------------------------------------
@@ -441,12 +450,12 @@ def row_limits(task: Task, tangent: float, rows: FloatArray) -> tuple[FloatArray
     """
     share = np.linspace(1e-9, 1.0 - 1e-9, SAMPLES)
     pieces = [
-        each.start + (each.end - each.start) * (share[:1] if each.dwell else share)
-        for each in smooth_pieces(task.motion)
+        piece.start + (piece.end - piece.start) * (share[:1] if piece.dwell else share)
+        for piece in smooth_pieces(task.motion)
     ]
     phi = np.concatenate(pieces)
-    left = np.concatenate([np.append(each[:1], each[:-1]) for each in pieces])
-    right = np.concatenate([np.append(each[1:], each[-1:]) for each in pieces])
+    left = np.concatenate([np.append(angles[:1], angles[:-1]) for angles in pieces])
+    right = np.concatenate([np.append(angles[1:], angles[-1:]) for angles in pieces])
     low = np.full(len(rows), -np.inf)
     high = np.full(len(rows), np.inf)
     for t in (tangent, -tangent):
@@ -477,11 +486,11 @@ def _bound(
     constant = (tangent * terms.q - terms.p).reshape(phi.shape)
     rest = constant + across * rows
     used = np.broadcast_to(along < 0.0 if upper else along > 0.0, rest.shape)
-    out = np.full(rest.shape, -np.inf)
-    np.divide(rest, np.broadcast_to(along, rest.shape), out=out, where=used)
+    bounds = np.full(rest.shape, -np.inf)
+    np.divide(rest, np.broadcast_to(along, rest.shape), out=bounds, where=used)
     if upper:
-        out[used] *= -1.0
-    return out
+        bounds[used] *= -1.0
+    return bounds
 
 
 def _refined(
@@ -496,14 +505,14 @@ def _refined(
     """The largest bound (k,) in each bracket of cam angles, one for each row."""
     share = np.arange(1.0, SECTIONS) / SECTIONS
     best = np.full(len(rows), -np.inf)
-    each = np.arange(len(rows))
+    numbers = np.arange(len(rows))
     for _ in range(STEPS):
         grid = left[:, np.newaxis] + (right - left)[:, np.newaxis] * share
         values = _bound(task, tangent, grid, rows[:, np.newaxis], upper=upper)
         index = np.argmax(values, axis=1)
-        best = np.maximum(best, values[each, index])
+        best = np.maximum(best, values[numbers, index])
         width = (right - left) / SECTIONS
-        left, right = grid[each, index] - width, grid[each, index] + width
+        left, right = grid[numbers, index] - width, grid[numbers, index] + width
     return best
 
 
@@ -513,7 +522,7 @@ def ratio_map(task: Task, columns: FloatArray, rows: FloatArray, most: float) ->
     On a grid of cam angles; `most` where it is larger or the roller centre stands still.
     """
     places = columns + 1j * rows[:, np.newaxis]
-    now = conditions(task, 0.0, most, samples_of(task))
+    now = conditions(task, 0.0, most, sample_angles(task))
     with np.errstate(all="ignore"):  # a pitch curve may have cusps here
         worst = np.array([now.worst_ratio(row) for row in places])
     return np.where(worst <= most, np.maximum(worst, 0.0), most)
@@ -576,9 +585,11 @@ def worst_ratio(task: Task, place: complex) -> tuple[float, float]:
 
     Raises GeometryError if the roller centre stands still in the cam.
     """
-    bends = curvature_extremes(task.pitch_curve_at(place))
-    found = [(sign, bends.largest() if sign > 0.0 else bends.smallest()) for sign in task.signs]
-    sign, (kappa, phi) = max(found, key=lambda each: each[0] * each[1][0])
+    bends = curvature_extremes(task.pitch_curve(place))
+    curvatures = [
+        (sign, bends.largest() if sign > 0.0 else bends.smallest()) for sign in task.signs
+    ]
+    sign, (kappa, phi) = max(curvatures, key=lambda signed: signed[0] * signed[1][0])
     return max(task.follower.roller_radius * sign * kappa, 0.0), phi
 
 
@@ -616,33 +627,33 @@ def smallest_with_bends(task: Task, tangent: float, ratio: float, least: float) 
     least : base radius [mm] below which there is no place.
     """
     reach = max(REACH * least, ROOM * (task.follower.roller_radius / ratio + abs(task.start)))
-    phi, covers = samples_of(task), no_pairs(task)
+    phi, covers = sample_angles(task), no_pairs(task)
     last: tuple[Start, ...] = ()
     share, bound = 1.0, least
-    before = 0.0, math.inf
+    previous = 0.0, math.inf
     for number in range(1, ROUNDS + 1):
         now = conditions(task, tangent, ratio, phi, covers)
         reached = [_enclosed(task, now, start, least, share) for start in last]
-        radius = min((each[1] for each in reached), default=math.inf)
+        radius = min((pair[1] for pair in reached), default=math.inf)
         # Conditions are only added, so the nearest place can only move away; the cells are searched
         # again if it has moved by more than they left open.
         if not radius <= bound * (1.0 + STRAY):
-            found = nearest_cells(now, task.start, bound, reach, task.directions)
-            bound = max(bound, found.bound)
-            if not found.starts:
+            cells = nearest_cells(now, task.start, bound, reach, task.directions)
+            bound = max(bound, cells.bound)
+            if not cells.starts:
                 least_ratio = _least_ratio(task, now, least, reach)
                 return Nearest(None, bound, least_ratio, reach, number, now)
-            reached += [_enclosed(task, now, start, least) for start in found.starts]
-            reached += [start[:2] for start in found.starts]
-        theta, radius = min(reached, key=lambda each: each[1])
+            reached += [_enclosed(task, now, start, least) for start in cells.starts]
+            reached += [start[:2] for start in cells.starts]
+        theta, radius = min(reached, key=lambda pair: pair[1])
         place = _place(task, theta, radius)
         extreme, broken = extreme_angles(task, place, tangent, ratio)
-        more = no_pairs(task) if broken else covered(task, place)
+        more = no_pairs(task) if broken else covered_pairs(task, place)
         if not (broken or len(more.first)):
             return Nearest(place, bound, 0.0, reach, number, now)
-        moves = abs(theta - before[0]), abs(radius - before[1]) / radius
+        moves = abs(theta - previous[0]), abs(radius - previous[1]) / radius
         last = ((theta, radius, min(max(AGAIN[0] * moves[0], LEAST_WIDTH), WIDTH)),)
-        share, before = min(max(AGAIN[1] * moves[1], LEAST_SHARE), 1.0), (theta, radius)
+        share, previous = min(max(AGAIN[1] * moves[1], LEAST_SHARE), 1.0), (theta, radius)
         phi = np.unique(np.concatenate((phi, extreme)))
         covers = covers + more
     place_beyond = _outward(task, theta, radius, tangent, ratio, reach)
@@ -672,7 +683,7 @@ def meets(task: Task, place: complex, tangent: float, ratio: float) -> bool:
         broken = extreme_angles(task, place, tangent, ratio)[1]
     except GeometryError:
         return False
-    return not broken and not len(covered(task, place).first)
+    return not broken and not len(covered_pairs(task, place).first)
 
 
 def extreme_angles(
@@ -682,10 +693,10 @@ def extreme_angles(
     angles, broken = [], False
     size = abs(place) + abs(task.start)
     for t in (tangent, -tangent):
-        found = task.slack(place, t)
-        broken = broken or float(np.min(found.values)) < -SLIGHT * size * math.hypot(1.0, t)
-        angles.append(found.phi)
-    curve = task.pitch_curve_at(place)
+        margins = task.slack(place, t)
+        broken = broken or float(np.min(margins.values)) < -SLIGHT * size * math.hypot(1.0, t)
+        angles.append(margins.phi)
+    curve = task.pitch_curve(place)
     try:
         bends = curvature_extremes(curve)
     except GeometryError:  # it stands still somewhere
@@ -695,8 +706,8 @@ def extreme_angles(
         worst = float(np.max(sign * bends.values)) * task.follower.roller_radius
         broken = broken or worst > ratio * (1.0 + SLIGHT)
     if task.half > 0.0:
-        apart, phi = nearest_to_axis(curve)
-        broken = broken or apart <= task.half
+        distance, phi = nearest_to_axis(curve)
+        broken = broken or distance <= task.half
         angles.append(np.array([phi]))
     return np.concatenate(angles), broken
 
@@ -707,8 +718,8 @@ def _least_ratio(task: Task, now: Conditions, least: float, reach: float) -> flo
     radii = np.geomspace(least, reach, RADII)
     places = (task.start + radii * np.exp(1j * theta)[:, np.newaxis]).ravel()
     free = Conditions(now.terms, now.tangent, 0.0, 1.0, now.signs)
-    kept = places[free.met(places)]
-    return float(np.min(now.worst_ratio(kept))) if len(kept) else math.inf
+    inside = places[free.met(places)]
+    return float(np.min(now.worst_ratio(inside))) if len(inside) else math.inf
 
 
 def _enclosed(
@@ -722,7 +733,7 @@ def _enclosed(
     for _ in range(MOST_STEPS):
         # Cam angles at which the whole neighbourhood meets the conditions can be skipped.
         places = np.array([task.start + radius * np.exp(1j * best)])
-        near = within(now, places, 1.1 * radius * (width + BELOW * share))
+        near = local_conditions(now, places, 1.1 * radius * (width + BELOW * share))
         theta = np.clip(best + width * np.linspace(-1.0, 1.0, 33), *task.directions)
         scan = radius * np.linspace(1.0 - BELOW * share, 1.0 + ABOVE * share, 46)
         halvings = max(1, math.ceil(math.log2(share / DIGITS)))
@@ -798,7 +809,7 @@ Start = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class Neighbourhoods:
     """Neighbourhoods of the nearest places.
 
     Attributes
@@ -817,7 +828,7 @@ def nearest_cells(
     least: float,
     reach: float,
     directions: tuple[float, float] = (-math.pi, 0.0),
-) -> Found:
+) -> Neighbourhoods:
     """The places nearest to `start` that meet `now`, from `least` to `reach` [mm], in some
     `directions` [rad]; in a single one the cells have no width.
     """
@@ -828,7 +839,7 @@ def nearest_cells(
     width = 0.5 * (last - first) / count
     theta = first + width * (2.0 * np.arange(count) + 1.0)
     depth = math.log(least) + height * (2.0 * np.arange(rows) + 1.0)
-    theta, depth = (each.ravel() for each in np.meshgrid(theta, depth))
+    theta, depth = (grid.ravel() for grid in np.meshgrid(theta, depth))
     best, bound = math.inf, math.inf
     good = np.empty((2, 0))
     for _ in range(LEVELS):
@@ -858,31 +869,33 @@ def nearest_cells(
         )
     if len(theta):
         bound = min(bound, float(np.exp(np.min(depth) - height)))
-    return Found(_starts(good, best, width), min(bound, (1.0 - GAP) * best))
+    return Neighbourhoods(_starts(good, best, width), min(bound, (1.0 - GAP) * best))
 
 
 def excluded(now: Conditions, places: ComplexArray, half: FloatArray) -> BoolArray:
     """(k,) whether all places within `half` (k,) [mm] of `places` (k,) break a condition."""
     count = 1 + len(places) * now.count // BLOCK
     parts = zip(np.array_split(places, count), np.array_split(half, count), strict=True)
-    return np.concatenate([_excluded(now, each[:, None], reach[:, None]) for each, reach in parts])
+    return np.concatenate(
+        [_excluded(now, block[:, None], reach[:, None]) for block, reach in parts]
+    )
 
 
 def _excluded(now: Conditions, places: ComplexArray, half: FloatArray) -> BoolArray:
     terms = now.terms
     u, v = terms.across_and_along(places)
     tilted = u - now.tangent * np.abs(v) + half * math.hypot(1.0, now.tangent)
-    out: BoolArray = np.any(tilted < 0.0, axis=1)
+    broken: BoolArray = np.any(tilted < 0.0, axis=1)
     if now.half > 0.0:
-        out |= np.any(terms.to_axis(places) + half <= now.half, axis=1)
-    if now.covers is not None and len(now.covers.first) and not np.all(out):
-        rest = ~out
+        broken |= np.any(terms.to_axis(places) + half <= now.half, axis=1)
+    if now.covers is not None and len(now.covers.first) and not np.all(broken):
+        rest = ~broken
         gap, pace = now.covers.gap(places[rest, 0])
         sure = gap + now.covers.change(half[rest], pace) < 0.0
-        out[rest] = np.any(sure, axis=1)
-    rest = ~out
+        broken[rest] = np.any(sure, axis=1)
+    rest = ~broken
     if not np.any(rest) or not now.roller > 0.0:
-        return out
+        return broken
     u, v, half = u[rest], v[rest], half[rest]
     rho = np.hypot(u, v)
     linear = terms.alpha * u - terms.beta * v
@@ -894,11 +907,11 @@ def _excluded(now: Conditions, places: ComplexArray, half: FloatArray) -> BoolAr
             square = end * end
             value = np.maximum(value, (now.ratio / now.roller) * square * end - sign * square)
         bent |= np.any(value + sign * linear + slack < 0.0, axis=1)
-    out[rest] = bent
-    return out
+    broken[rest] = bent
+    return broken
 
 
-def within(now: Conditions, place: ComplexArray, half: float) -> Conditions:
+def local_conditions(now: Conditions, place: ComplexArray, half: float) -> Conditions:
     """`now` without the cam angles and the pairs at which all places within `half` [mm] of `place`
     (1,) meet it.
 
@@ -906,8 +919,8 @@ def within(now: Conditions, place: ComplexArray, half: float) -> Conditions:
     """
     terms = now.terms
     u, v = terms.across_and_along(place)
-    asked = u - now.tangent * np.abs(v) - half * math.hypot(1.0, now.tangent) < 0.0
-    asked |= terms.to_axis(place) - half <= now.half
+    needed = u - now.tangent * np.abs(v) - half * math.hypot(1.0, now.tangent) < 0.0
+    needed |= terms.to_axis(place) - half <= now.half
     covers = now.covers
     if covers is not None:
         gap, pace = covers.gap(place)
@@ -921,10 +934,10 @@ def within(now: Conditions, place: ComplexArray, half: float) -> Conditions:
         for sign in now.signs:
             # The minimum of slope rho^3 - sign rho^2, at 2/(3 slope) if that is in the range.
             end = np.clip(2.0 / (3.0 * slope), low, high) if sign > 0.0 else low
-            asked |= end * end * (slope * end - sign) + sign * linear - slack < 0.0
-    if not np.any(asked):
-        asked[0] = True
-    return replace(now, terms=taken(terms, asked), covers=covers)
+            needed |= end * end * (slope * end - sign) + sign * linear - slack < 0.0
+    if not np.any(needed):
+        needed[0] = True
+    return replace(now, terms=taken(terms, needed), covers=covers)
 
 
 def _starts(good: FloatArray, best: float, width: float) -> tuple[Start, ...]:
@@ -936,12 +949,12 @@ def _starts(good: FloatArray, best: float, width: float) -> tuple[Start, ...]:
     cuts = np.flatnonzero(np.diff(near[0]) > 0.05) + 1
     runs = np.split(near, cuts, axis=1)
     runs.sort(key=lambda run: float(np.min(run[1])))
-    found = []
+    starts = []
     for run in runs[:MOST_RUNS]:
         first = int(np.argmin(run[1]))
         reach = float(np.max(np.abs(run[0] - run[0, first])))
-        found.append((float(run[0, first]), float(run[1, first]), reach + 4.0 * width + 1e-3))
-    return tuple(found)
+        starts.append((float(run[0, first]), float(run[1, first]), reach + 4.0 * width + 1e-3))
+    return tuple(starts)
 
 
 # -- conditions -----------------------------------------------------------------------------------
@@ -992,8 +1005,8 @@ class Conditions:
         u, v = self.terms.across_and_along(places[:, np.newaxis])
         met = np.asarray(np.all(u >= self.tangent * np.abs(v), axis=1) & np.all(u > 0.0, axis=1))
         if np.any(met) and self.half > 0.0:
-            apart = self.terms.to_axis(places[met][:, np.newaxis])
-            met[met] = np.all(apart > self.half, axis=1)
+            distance = self.terms.to_axis(places[met][:, np.newaxis])
+            met[met] = np.all(distance > self.half, axis=1)
         if np.any(met):
             met[met] = self.worst_ratio(places[met]) <= self.ratio
         if np.any(met) and self.covers is not None:
@@ -1006,16 +1019,16 @@ class Conditions:
         """
         u, v = self.terms.across_and_along(places[:, np.newaxis])
         with np.errstate(divide="ignore", invalid="ignore"):
-            kept = (u - self.tangent * np.abs(v)) / np.hypot(u, v)
-            left = [np.min(kept, axis=1) / math.hypot(1.0, self.tangent)]
-            left.append(1.0 - self.worst_ratio(places) / self.ratio)
+            angle_sine = (u - self.tangent * np.abs(v)) / np.hypot(u, v)
+            margins = [np.min(angle_sine, axis=1) / math.hypot(1.0, self.tangent)]
+            margins.append(1.0 - self.worst_ratio(places) / self.ratio)
         if self.half > 0.0:
-            apart = self.terms.to_axis(places[:, np.newaxis])
-            left.append(np.min(apart, axis=1) / self.half - 1.0)
+            distance = self.terms.to_axis(places[:, np.newaxis])
+            margins.append(np.min(distance, axis=1) / self.half - 1.0)
         if self.covers is not None and len(self.covers.first):
             gap = self.covers.gap(places)[0] / np.abs(self.covers.distance)
-            left.append(np.min(gap, axis=1))
-        return np.asarray(np.nan_to_num(np.min(left, axis=0), nan=-np.inf))
+            margins.append(np.min(gap, axis=1))
+        return np.asarray(np.nan_to_num(np.min(margins, axis=0), nan=-np.inf))
 
     def with_more(self, task: Task, phi: FloatArray, covers: Covers) -> Conditions:
         """The same and the conditions at the cam angles `phi` (n,) [rad] and of the pairs `covers`
@@ -1032,15 +1045,15 @@ class Conditions:
         return np.asarray(self.roller * np.max(worst, axis=0))
 
 
-def samples_of(task: Task) -> FloatArray:
+def sample_angles(task: Task) -> FloatArray:
     """(n,) cam angles [rad] inside all pieces, including their ends up to rounding."""
     share = np.linspace(0.0, 1.0, ANGLES)
     share[0], share[-1] = 1e-9, 1.0 - 1e-9
-    found = [
+    samples = [
         piece.start + (piece.end - piece.start) * (share[:1] if piece.dwell else share)
         for piece in smooth_pieces(task.motion)
     ]
-    return np.concatenate(found)
+    return np.concatenate(samples)
 
 
 def conditions(

@@ -73,11 +73,11 @@ class Placing(ABC):
         """See the class."""
 
     @abstractmethod
-    def second_of(self, place: complex) -> float:
+    def second_length(self, place: complex) -> float:
         """The `second` quantity [mm] at `place`."""
 
     @abstractmethod
-    def base_radius_at(self, place: complex) -> float:
+    def base_radius(self, place: complex) -> float:
         """r_G [mm] with the cam axis at `place`."""
 
     @abstractmethod
@@ -103,8 +103,8 @@ class Placing(ABC):
     @property
     def hopeless(self) -> str | None:
         """Why no size will do, if the linkage is at fault; else None."""
-        found = forbidding(linkage_findings(self.cam.drive, Limits()))
-        return found[0].sentence if found else None
+        findings = forbidding(linkage_findings(self.cam.drive, Limits()))
+        return findings[0].sentence if findings else None
 
     @property
     def sides(self) -> tuple[Self, ...]:
@@ -116,20 +116,20 @@ class Placing(ABC):
             return (self,)
         return self, replace(self, cam=self.cam.sized(arm_side=-self.arm_side))
 
-    def lengths_at(self, place: complex) -> dict[str, float | complex]:
+    def placed_lengths(self, place: complex) -> dict[str, float | complex]:
         """All lengths of the follower [mm] that `place` decides, by their scene's keys."""
-        return {"base_radius": self.base_radius_at(place), **self.moved(place)}
+        return {"base_radius": self.base_radius(place), **self.moved(place)}
 
-    def cam_at(self, place: complex) -> Cam:
+    def placed_cam(self, place: complex) -> Cam:
         """The cam with its axis at `place`; a rocker keeps the direction of its pivot.
 
         GeometryError if there is no such mechanism.
         """
-        return self.cam.sized(**self.lengths_at(place))
+        return self.cam.sized(**self.placed_lengths(place))
 
-    def pitch_curve_at(self, place: complex) -> PitchCurve:
-        """The pitch curve of `cam_at`."""
-        follower = replace(self.follower, **self.lengths_at(place))
+    def pitch_curve(self, place: complex) -> PitchCurve:
+        """The pitch curve of `placed_cam`."""
+        follower = replace(self.follower, **self.placed_lengths(place))
         return PitchCurve(self.motion, follower, self.cam.rotation)
 
 
@@ -153,7 +153,7 @@ class Rocking(Placing):
         """See `Placing`."""
         return 1, self.follower.arm_side
 
-    def second_of(self, place: complex) -> float:
+    def second_length(self, place: complex) -> float:
         """See `Placing`: the distance of the pivot from the cam axis."""
         return abs(place)
 
@@ -206,7 +206,7 @@ class Terms:
 
 @dataclass(frozen=True, slots=True)
 class Task(Placing):
-    """A cam with a roller, whose axis is to be placed beside its follower, see `Task.of`.
+    """A cam with a roller, whose axis is to be placed beside its follower, see `Task.from_cam`.
 
     Attributes
     ----------
@@ -232,10 +232,10 @@ class Task(Placing):
         return -math.pi, 0.0
 
     @abstractmethod
-    def terms_of(self, lift: Jet) -> Terms:
+    def lift_terms(self, lift: Jet) -> Terms:
         """What the conditions are made of for lifts (3, n), not necessarily of one motion."""
 
-    def base_radius_at(self, place: complex) -> float:
+    def base_radius(self, place: complex) -> float:
         """See `Placing`."""
         return abs(place - self.start)
 
@@ -249,7 +249,7 @@ class Task(Placing):
         """Distance [mm] that the roller centre must keep from the cam axis; 0 in a ring."""
         return self.cam.disc.flank_distance if self.cam.contact.runs_inside else 0.0
 
-    def held_to(self) -> tuple[ComplexArray, FloatArray]:
+    def direction_half_planes(self) -> tuple[ComplexArray, FloatArray]:
         """Normals n (k,) and c (k,) of the half-planes Re(conj(n) P) >= c of its directions."""
         if self.directions[0] < self.directions[1]:
             return np.empty(0, dtype=np.complex128), np.empty(0)
@@ -257,7 +257,7 @@ class Task(Placing):
 
     def terms(self, phi: FloatArray, side: Side = "right") -> Terms:
         """What the conditions are made of at `phi` (n,) [rad]."""
-        return self.terms_of(self.motion.jet(phi, side, 2))
+        return self.lift_terms(self.motion.jet(phi, side, 2))
 
     def slack(self, place: complex, tangent: float) -> Extremes:
         """Local extremes of u - `tangent` v [mm/rad] over the turn, by the roots of its slope."""
@@ -276,7 +276,7 @@ class Task(Placing):
         return extremes(self.motion, value, slope)
 
     @staticmethod
-    def of(cam: Cam) -> Task:
+    def from_cam(cam: Cam) -> Task:
         """The task of placing the axis of `cam`.
 
         GeometryError with key "follower.kind" if its follower has no roller.
@@ -309,7 +309,7 @@ class OnGuide(Task):
         """See `Task`."""
         return complex(self.follower.offset, -self.follower.start_height)
 
-    def second_of(self, place: complex) -> float:
+    def second_length(self, place: complex) -> float:
         """See `Task`: the offset."""
         return place.real
 
@@ -317,7 +317,7 @@ class OnGuide(Task):
         """See `Placing`."""
         return {"offset": place.real if self.cam.yoke is None else 0.0}
 
-    def terms_of(self, lift: Jet) -> Terms:
+    def lift_terms(self, lift: Jet) -> Terms:
         """See `Task`."""
         one, none = np.ones(lift.shape[1], dtype=np.complex128), np.zeros(lift.shape[1])
         height, rate, bend = self.follower.direction * lift[:3]
@@ -336,7 +336,7 @@ class OnRocker(Rocking, Task):
         away = self.follower.pivot / self.follower.centre_distance
         return {"pivot": away * abs(place)}
 
-    def terms_of(self, lift: Jet) -> Terms:
+    def lift_terms(self, lift: Jet) -> Terms:
         """See `Task`."""
         none, arm = np.zeros(lift.shape[1]), self.follower.arm
         sense = self.follower.arm_side * self.follower.swing_sense
@@ -403,7 +403,7 @@ class Covers:
     first: FloatArray
     second: FloatArray
     distance: FloatArray
-    apart: ComplexArray
+    difference: ComplexArray
     turned: ComplexArray
     normal: ComplexArray
 
@@ -417,7 +417,7 @@ class Covers:
         pace = np.abs(normal)
         with np.errstate(divide="ignore", invalid="ignore"):
             offset = self.distance * (normal / pace)
-        reach = np.abs(self.apart - seen * self.turned + offset)
+        reach = np.abs(self.difference - seen * self.turned + offset)
         return reach - np.abs(self.distance), pace
 
     def change(self, half: FloatArray, pace: FloatArray) -> FloatArray:
@@ -439,7 +439,7 @@ class Covers:
         return joined((self, other))
 
 
-def pairs_of(
+def pair_conditions(
     task: Task, first: FloatArray, second: FloatArray, distance: float | FloatArray
 ) -> Covers:
     """The conditions at the cam angles `first` and `second` (k,) [rad] of flanks at d [mm]."""
@@ -453,7 +453,7 @@ def pairs_of(
 
 def no_pairs(task: Task) -> Covers:
     """No pairs at all."""
-    return pairs_of(task, np.empty(0), np.empty(0), 0.0)
+    return pair_conditions(task, np.empty(0), np.empty(0), 0.0)
 
 
 def _centres(task: Task, phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
@@ -463,15 +463,15 @@ def _centres(task: Task, phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
     return back * terms.centre, 1j * back * (terms.p1 + terms.turning * terms.centre)
 
 
-def covered(task: Task, place: complex) -> Covers:
+def covered_pairs(task: Task, place: complex) -> Covers:
     """Pairs at which the flanks in use are cut off with the cam axis at `place`, the worst first.
 
     Empty if they are not, or only touch to rounding. What is cut off at a corner of the pitch curve
     is left out: a jump of the velocity rules the disc out at every size.
     """
-    disc = task.cam_at(place).disc
+    disc = task.placed_cam(place).disc
     kinks = np.array([pivot.after for pivot in disc.pitch_path.pivots])
-    found = no_pairs(task)
+    pairs = no_pairs(task)
     for name, flank in disc.flanks:
         try:
             if not disc.outline(name).is_trimmed:
@@ -479,18 +479,20 @@ def covered(task: Task, place: complex) -> Covers:
             crossings = find_crossings(flank, disc.bends)
         except GeometryError:  # nothing is left, or what is left cannot be decided
             crossings = ()
-        angles = sorted(angle for each in crossings for angle in (each.first, each.second))
+        angles = sorted(
+            angle for crossing in crossings for angle in (crossing.first, crossing.second)
+        )
         ends = [*angles[1:], *(angle + TURN for angle in angles[:1])]
         stretches = list(zip(angles, ends, strict=True)) or [(0.0, TURN)]
         for start, end in stretches:
             if not (angles and np.any((kinks - start) % TURN <= end - start)):
-                found = found + _of_stretch(task, place, flank.distance, start, end)
-    gap = found.gap(np.array([place]))[0][0]
+                pairs = pairs + _stretch_pairs(task, place, flank.distance, start, end)
+    gap = pairs.gap(np.array([place]))[0][0]
     order = np.argsort(gap)[:MOST]
-    return found.some(order[gap[order] < -TOUCHING * np.abs(found.distance[order])])
+    return pairs.some(order[gap[order] < -TOUCHING * np.abs(pairs.distance[order])])
 
 
-def _of_stretch(task: Task, place: complex, distance: float, start: float, end: float) -> Covers:
+def _stretch_pairs(task: Task, place: complex, distance: float, start: float, end: float) -> Covers:
     """Pairs of the flank between two of its crossings, which is covered as a whole or nowhere.
 
     Samples of its points, each with the nearest roller centre, and the deepest point, refined.
@@ -502,13 +504,13 @@ def _of_stretch(task: Task, place: complex, distance: float, start: float, end: 
     gap = _gaps(task, place, distance, first[:, np.newaxis], around)
     second = around[np.argmin(gap, axis=1)]
     first, second = _deepest(task, place, distance, (first, second), (0.0, TURN / AROUND))
-    depth = pairs_of(task, first, second, distance).gap(np.array([place]))[0][0]
+    depth = pair_conditions(task, first, second, distance).gap(np.array([place]))[0][0]
     if not np.any(depth < 0.0):
         return no_pairs(task)
     best = np.argmin(depth, keepdims=True)
     wide = (end - start) / count, TURN / AROUND
     one, other = _deepest(task, place, distance, (first[best], second[best]), wide)
-    return pairs_of(task, np.append(first, one), np.append(second, other), distance)
+    return pair_conditions(task, np.append(first, one), np.append(second, other), distance)
 
 
 def _deepest(
@@ -520,17 +522,17 @@ def _deepest(
 ) -> tuple[FloatArray, FloatArray]:
     """For each of `pairs` (k,), (k,) the deepest within `wide` [rad] of its two angles."""
     first, second = pairs
-    ahead, beside = wide
+    first_reach, second_reach = wide
     share = np.linspace(-1.0, 1.0, 2 * GRID - 1)
-    ways = share if ahead > 0.0 else np.zeros(1)
-    one, other = (each.ravel() for each in np.meshgrid(ways, share, indexing="ij"))
+    ways = share if first_reach > 0.0 else np.zeros(1)
+    one, other = (offsets.ravel() for offsets in np.meshgrid(ways, share, indexing="ij"))
     every = np.arange(len(first))
     for _ in range(ZOOMS):
-        firsts = first[:, np.newaxis] + ahead * one
-        seconds = second[:, np.newaxis] + beside * other
+        firsts = first[:, np.newaxis] + first_reach * one
+        seconds = second[:, np.newaxis] + second_reach * other
         least = np.argmin(_gaps(task, place, distance, firsts, seconds), axis=1)
         first, second = firsts[every, least], seconds[every, least]
-        ahead, beside = 0.5 * ahead, 0.5 * beside
+        first_reach, second_reach = 0.5 * first_reach, 0.5 * second_reach
     return first, second
 
 
@@ -543,8 +545,8 @@ def _gaps(
     points = starts - place + distance * (normals / np.abs(normals))
     centres, _ = _centres(task, second.ravel())
     turned = (
-        each * np.exp(-1j * task.sense * phi)
-        for each, phi in (
+        vectors * np.exp(-1j * task.sense * phi)
+        for vectors, phi in (
             (points.reshape(first.shape), first),
             ((centres - place).reshape(second.shape), second),
         )

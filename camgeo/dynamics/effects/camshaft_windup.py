@@ -20,7 +20,7 @@ from typing import Final, Self
 
 import numpy as np
 
-from camgeo.check.finding import Finding, Severity, held
+from camgeo.check.finding import Finding, Severity, limit_finding
 from camgeo.dynamics.effects.bearing_friction import StuckError, linear_law
 from camgeo.dynamics.effects.contact import lost_contact, ranges_below
 from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request
@@ -148,7 +148,7 @@ def compute(request: Request[ElasticShaft]) -> CamshaftWindup:
     span = windups.highest.value - windups.lowest.value
     limit = None if data.limit is None else math.degrees(data.limit)
     found = (
-        held(
+        limit_finding(
             "windup",
             f"the cam is off the angle of its drive by up to {abs(largest.value):.6g} deg",
             abs(largest.value), limit, "deg", largest.place,

@@ -10,7 +10,7 @@ from typing import Any, Final, NoReturn
 
 import numpy as np
 
-from camgeo.check.finding import Finding, Severity, held
+from camgeo.check.finding import Finding, Severity, limit_finding
 from camgeo.dynamics.effects.bearing_friction import BearingFriction, directions
 from camgeo.dynamics.effects.contact import (
     INNER,
@@ -216,7 +216,7 @@ def force_findings(extremes: Extremes, subject: Subject, limit: float | None) ->
 
 def _largest(extreme: Extreme, where: str, limit: float | None) -> Finding:
     text = f"largest contact force {_value(extreme, where)}"
-    return held("largest-contact-force", text, extreme.value, limit, "N", extreme.place)
+    return limit_finding("largest-contact-force", text, extreme.value, limit, "N", extreme.place)
 
 
 def _smallest(extreme: Extreme, where: str, what: str) -> Finding:

@@ -14,7 +14,7 @@ from typing import Final, NoReturn
 
 import numpy as np
 
-from camgeo.check.finding import Finding, held
+from camgeo.check.finding import Finding, limit_finding
 from camgeo.dynamics.effects.contact import FLANKS, INNER, OUTER, sides_of, with_other_side
 from camgeo.dynamics.effects.effect import (
     SPEED,
@@ -274,7 +274,7 @@ def pressure_findings(worst: Worst, data: PressureRequirements) -> tuple[Finding
             data.limit,
             "broken" if beyond else "ok",
         ),
-        held(
+        limit_finding(
             "pressure-safety",
             f"smallest safety against a contact pressure of {data.limit:g} MPa is {safety:.4f}"
             f" {worst.place}",
@@ -374,7 +374,7 @@ def life_findings(life: Life, data: PressureRequirements) -> tuple[Finding, ...]
     heavy = life.load > HEAVY * data.rating
     most = HEAVY * data.rating
     return (
-        held("roller-life", text, hours, asked, "h", least=True),
+        limit_finding("roller-life", text, hours, asked, "h", least=True),
         Finding(
             name="equivalent-roller-load",
             severity="warning" if heavy else "ok",

@@ -22,8 +22,8 @@ from camgeo.check.finding import (
     Finding,
     Findings,
     LazyFindings,
+    findings_in_unit,
     folded,
-    stated_in,
 )
 from camgeo.dynamics.effects.contact import FLANKS, INNER, holds_both_ways, sides_of
 from camgeo.dynamics.effects.effect import (
@@ -269,7 +269,7 @@ class Effects:
                 cam_range=error.cam_range,
             )
             trimmed = trimming(self.effect(name), self.subject)
-            return stated_in(self.subject.unit, (*trimmed, refusal))
+            return findings_in_unit(self.subject.unit, (*trimmed, refusal))
 
     def _qualified(self, name: str, result: Any) -> tuple[Finding, ...]:
         """The findings of the result of `name`, after those that say what they do not hold for."""
@@ -281,7 +281,7 @@ class Effects:
         flies = lost or (lost is not None and in_contact)
         flown = self._flown() if flies and at_speed_of_scene else ()
         if all(each.value is None for each in findings):  # there is nothing to qualify
-            return stated_in(subject.unit, folded(findings))
+            return findings_in_unit(subject.unit, folded(findings))
         broken, crossed = list[Finding](), list[Finding]()
         if in_contact and lost and holds_both_ways(subject):
             broken.append(_on_other_side(lost, subject))
@@ -299,7 +299,7 @@ class Effects:
         stated += as_written(effect, subject)
         stated += (OF_TRAIN,) if self._is_elastic(effect) else ()
         stated += _simplified(effect, named, follows=self._follows(effect))
-        return stated_in(subject.unit, folded((*stated, *findings)))
+        return findings_in_unit(subject.unit, folded((*stated, *findings)))
 
     def _follows(self, effect: Effect) -> bool:
         """Whether `effect` takes an elastic train of the scene into account."""

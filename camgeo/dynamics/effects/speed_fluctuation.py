@@ -19,7 +19,7 @@ from typing import Final, Self
 
 import numpy as np
 
-from camgeo.check.finding import Finding, held
+from camgeo.check.finding import Finding, limit_finding
 from camgeo.dynamics.effects.bearing_friction import LINEAR, StuckError, linear_at, linear_law
 from camgeo.dynamics.effects.contact import lost_contact
 from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request
@@ -129,7 +129,7 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
     fluctuation = resolved(speeds.highest.value - speeds.lowest.value, mean) / mean
     text = f"speed fluctuation {fluctuation:.5g}, largest minus smallest speed divided by the mean"
     findings = (
-        held("speed-fluctuation", text, fluctuation, data.limit),
+        limit_finding("speed-fluctuation", text, fluctuation, data.limit),
         Finding(
             "mean-speed",
             "ok",

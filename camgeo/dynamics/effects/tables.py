@@ -21,7 +21,7 @@ from camgeo.kinematics.tables import ANGLE, TwoColumns
 from camgeo.numeric.arrays import FloatArray, Side, frozen
 from camgeo.numeric.checked import CheckedFields, Floats
 from camgeo.numeric.columns import NumberColumn
-from camgeo.part.materials import USUAL, Material, density_of, find_material
+from camgeo.part.materials import USUAL, Material, find_material, table_density
 from camgeo.units import RPM
 
 if TYPE_CHECKING:
@@ -788,7 +788,7 @@ def parse_balance(table: Values) -> BalanceRequirements:
         "hole_radius",
         "needs hole_radius, the distance of the holes from the cam axis",
     )
-    values = {**table, "density": density_of({"material": USUAL, **table})}
+    values = {**table, "density": table_density({"material": USUAL, **table})}
     if "hole_radius" in table:
         radius = table["hole_radius"]
         values["holes"] = radius, table.get("hole_diameter", LARGEST_HOLE * radius)

@@ -18,7 +18,7 @@ from camgeo.geometry.contour.parallel import corners, parallel, steps_to
 from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
 from camgeo.part.part import WRITTEN_SHARE, Bevel, Boundary, Part, written_contour
 from camgeo.part.part import Layer as PartLayer
-from camgeo.part.spec import text_of
+from camgeo.part.spec import text_name
 from camgeo.pictures.sheet.marks import (
     ARROW,
     CELL,
@@ -82,7 +82,7 @@ class Edge:
     @property
     def is_letter(self) -> bool:
         """Whether it is an outline of an engraved letter."""
-        return bool(text_of(self.boundary.name))
+        return bool(text_name(self.boundary.name))
 
     @property
     def circle(self) -> tuple[complex, float] | None:
@@ -540,7 +540,7 @@ def corners_of(shape: Shape) -> list[Corner]:
 
 def _crossings(boundary: Boundary, size: float) -> list[float]:
     """Where a boundary crosses the plane of the section [mm], ascending."""
-    ring = boundary.beside(COARSE * size).contour.points(COARSE * size)
+    ring = boundary.distance_fit(COARSE * size).contour.points(COARSE * size)
     return sorted(crossings(1j * ring.conj(), 0.0).tolist())
 
 

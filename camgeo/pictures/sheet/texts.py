@@ -623,7 +623,7 @@ def _polar(
 def _lost(product: Product, phi: FloatArray) -> BoolArray:
     """(n,) which cam angles belong to points of the flank that are cut off from the disc."""
     found = np.zeros(len(phi), dtype=bool)
-    for cut in product.pictured.cut_off:
+    for cut in product.pictured.trimmed_stretches:
         found |= (phi - cut.start) % TURN < cut.end - cut.start
     return found
 

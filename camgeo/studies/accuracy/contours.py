@@ -18,7 +18,7 @@ import numpy as np
 from camgeo.design.design import Design
 from camgeo.design.drawn import TOPOLOGY_TOLERANCE
 from camgeo.design.product import Product
-from camgeo.design.writing import Written, find_writer, pieces_of
+from camgeo.design.writing import Written, file_products, find_writer
 from camgeo.errors import EffectError, FileError, GeometryError, SceneError, ToleranceError
 from camgeo.geometry.contour.arcs import ARC
 from camgeo.geometry.contour.contour import Contour, Effort, Fit, Form
@@ -600,7 +600,7 @@ def file_cost(
         If its tolerance cannot be reached.
     """
     writer = find_writer(format)
-    pieces = pieces_of(writer, product)
+    pieces = file_products(writer, product)
 
     def written_and_read(clock: Clock) -> tuple[list[Written], list[float | None]]:
         for piece in pieces:

@@ -32,7 +32,7 @@ from camgeo.design.design import Design
 from camgeo.design.value_table import (
     Columns,
     bare,
-    of_effect,
+    effect_column,
     quantities_of_disc,
     quantities_of_drive,
 )
@@ -537,7 +537,7 @@ def _disc(design: Design, asked: Asked) -> Reading:
 
 
 def _part(design: Design, asked: Asked) -> Reading:
-    from camgeo.design.judged_part import Body, findings_on
+    from camgeo.design.judged_part import Body, part_findings
     from camgeo.part.mass import Solid, largest_diameter
 
     scene = design.scene
@@ -546,11 +546,11 @@ def _part(design: Design, asked: Asked) -> Reading:
     if scene.part is None:
         raise NoValueError("the scene has no [part]")
     if asked.name == "mass":
-        mass = Body(Solid.of(design.disc.drawn.part), scene.part.density).mass
+        mass = Body(Solid.from_part(design.disc.drawn.part), scene.part.density).mass
         if mass is None:
             raise NoValueError("the scene states neither material nor density of the part")
         return Reading(mass, "kg")
-    return _of(findings_on(design.disc), asked.name, lambda: _refused(design.findings))
+    return _of(part_findings(design.disc), asked.name, lambda: _refused(design.findings))
 
 
 def _verdict(design: Design, _: Asked) -> Reading:
@@ -569,7 +569,7 @@ def judged(design: Design, *, machining: bool = False) -> list[Finding]:
     """All findings on cam, effects and part, as far as there are such; with `machining` also those
     on the milling programs.
     """
-    from camgeo.design.judged_part import findings_on
+    from camgeo.design.judged_part import part_findings
     from camgeo.design.product import with_pair
 
     found = list(design.findings)
@@ -578,11 +578,11 @@ def judged(design: Design, *, machining: bool = False) -> list[Finding]:
             found += design.effects.findings(name)
     if design.scene.follower is not None and not forbidding(design.findings):
         for disc in with_pair(design.discs):
-            found += findings_on(disc)
+            found += part_findings(disc)
         if machining and design.scene.milling is not None:
-            from camgeo.design.machining import machining_of
+            from camgeo.design.machining import plan_machining
 
-            found += machining_of(design.discs).findings
+            found += plan_machining(design.discs).findings
     return found
 
 
@@ -689,7 +689,7 @@ def _effects(design: Design, asked: Asked) -> Reading:
             continue
         for column in result.columns:
             if hyphened(column.name) == asked.name:
-                heading, quantity = of_effect(design.scene.unit, column)
+                heading, quantity = effect_column(design.scene.unit, column)
                 return _extreme(design, asked, heading, quantity, column.borders)
     if not why and asked.how != "value":
         why = f'has no column "{asked.name}"'

@@ -22,7 +22,7 @@ from ezdxf.filemanagement import new
 from ezdxf.layouts.layout import Modelspace
 from ezdxf.lldxf.types import DXFTag
 
-from camgeo.design.product import Product, title_of
+from camgeo.design.product import Product, display_title
 from camgeo.design.writing import Written
 from camgeo.errors import FileError
 from camgeo.geometry.contour.contour import Contour
@@ -354,7 +354,7 @@ def new_document(product: Product, tolerance: float) -> Document:
         "camgeo": product.version,
         "scene": product.scene_hash,
         "tolerance mm": repr(tolerance),
-        **({"title": title_of(product)} if title_of(product) != product.name else {}),
+        **({"title": display_title(product)} if display_title(product) != product.name else {}),
     }
     for label, value in properties.items():
         document.header.custom_vars.append(label, value)

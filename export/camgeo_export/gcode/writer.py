@@ -14,7 +14,7 @@ from itertools import zip_longest
 from typing import Final
 
 from camgeo.design.product import SECOND as NAME
-from camgeo.design.product import Product, title_of
+from camgeo.design.product import Product, display_title
 from camgeo.design.writing import Written
 from camgeo.errors import Fault, GeometryError, SceneError, ToleranceError
 from camgeo.milling.compensation import Limit, limits_of, mode_of, programmed
@@ -834,10 +834,10 @@ def about_program(
             + (f", {tool.name}" if tool.name else "")
             for each, tool in tools.items()
         ),
-        *product.milled.told,
+        *product.milled.notes,
         ""
-        if title_of(product) == product.name
-        else f"title {title_of(product)}",  # anyone's words: last
+        if display_title(product) == product.name
+        else f"title {display_title(product)}",  # anyone's words: last
     )
     return [part for part in parts if part]
 

@@ -22,7 +22,7 @@ from camgeo.errors import FileError, GeometryError, ToleranceError
 from camgeo.geometry.contour.contour import Contour, Pieces, least_distance
 from camgeo.geometry.contour.parallel import steps_to
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
-from camgeo.part.boundaries import matching_chords_of
+from camgeo.part.boundaries import matching_chords
 from camgeo.part.part import Band, Bevel, Boundary, Level, Part
 from camgeo.reading import FACETS
 from camgeo.units import counted
@@ -168,7 +168,7 @@ def _mitred(boundary: Boundary, edges: Mapping[str, Bevel], share: float) -> Pol
             bounds[step] = boundary.inset(k / steps * bevel.width, step)
         bounds[name] = bevel.edge
     contours = [each.arcs(share).contour for each in bounds.values()]
-    polygons = matching_chords_of(contours, (1.0 - BENT) * share)
+    polygons = matching_chords(contours, (1.0 - BENT) * share)
     outlines = dict(zip(bounds, polygons, strict=True))
     off = {name: each.deviation(Contour.polygon(outlines[name])) + BENT * share
            for name, each in bounds.items()}  # fmt: skip

@@ -16,7 +16,7 @@ from typing import Union
 import numpy as np
 
 from camgeo.design.drawn import TOPOLOGY_TOLERANCE
-from camgeo.design.product import Product, bodies_of, title_of
+from camgeo.design.product import Product, display_title, solid_products
 from camgeo.design.writing import Written
 from camgeo.errors import FileError, GeometryError, ToleranceError
 from camgeo.geometry.contour.contour import Contour, winding_number
@@ -39,7 +39,7 @@ class StepWriter:
     """Writes a STEP file."""
 
     format = FORMAT
-    pieces = staticmethod(bodies_of)  # the disc, or the pair that it is one piece with
+    pieces = staticmethod(solid_products)  # the disc, or the pair that it is one piece with
     measure = staticmethod(deviation_of)
 
     def write(self, product: Product, tolerance: float) -> Written:
@@ -65,13 +65,16 @@ class StepWriter:
         contours = {name: ring.contour for name, ring in rings.items()}
         require_apart(part, of_contours(contours, tolerance), tolerance)
         file = Entities()
-        shape = add_product(file, title_of(product))
+        shape = add_product(file, display_title(product))
         context = add_context(file, product.unit)
         pen = Pen(file, MM_PER[product.unit])
         shell = Shell(pen, part, rings)
-        solid = file.add("MANIFOLD_SOLID_BREP", title_of(product), shell.add())
+        solid = file.add("MANIFOLD_SOLID_BREP", display_title(product), shell.add())
         representation = file.add(
-            "ADVANCED_BREP_SHAPE_REPRESENTATION", title_of(product), (pen.axes(0.0), solid), context
+            "ADVANCED_BREP_SHAPE_REPRESENTATION",
+            display_title(product),
+            (pen.axes(0.0), solid),
+            context,
         )
         file.add("SHAPE_DEFINITION_REPRESENTATION", shape, representation)
         text = "\n".join([*header(product, tolerance), *file.lines, *END, ""])

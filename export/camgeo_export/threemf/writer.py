@@ -12,8 +12,8 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from camgeo.design.plate import plate_of
-from camgeo.design.product import Product, bodies_of, title_of
+from camgeo.design.plate import plate_pieces
+from camgeo.design.product import Product, display_title, solid_products
 from camgeo.design.writing import Written
 from camgeo.errors import FileError
 from camgeo.numeric.arrays import FloatArray, IntArray
@@ -76,9 +76,9 @@ class Item:
 
 def items_of(product: Product) -> tuple[Item, ...]:
     """The objects of the package: the disc where it turns, or those on the plate."""
-    plate = plate_of(product)
+    plate = plate_pieces(product)
     if not plate:
-        return (Item(title_of(product), product.drawn.printed.target),)
+        return (Item(display_title(product), product.drawn.printed.target),)
     return tuple(  # with the matrix of a shift, row by row
         Item(each.name, each.part, each.colour, f"1 0 0 0 1 0 0 0 1 {each.x!r} {each.y!r} 0")
         for each in plate
@@ -92,7 +92,9 @@ class ThreeMfWriter:
 
     def pieces(self, product: Product) -> tuple[Product, ...]:
         """The disc, or the pair that it is one piece with; a plate is that of the main disc."""
-        return () if (product.position and product.options[FORMAT].plate) else bodies_of(product)
+        return (
+            () if (product.position and product.options[FORMAT].plate) else solid_products(product)
+        )
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The bodies [mm] within `tolerance` [mm]."""
@@ -165,7 +167,7 @@ def _frame(product: Product, tolerance: float, items: Sequence[Item]) -> ET.Elem
     }
     root = ET.Element("model", attributes)
     metadata = {
-        "Title": title_of(product),
+        "Title": display_title(product),
         "Application": f"camgeo {product.version}",
         "camgeo:scene": product.scene_hash,
         "camgeo:tolerance": f"{tolerance!r} mm",

@@ -15,8 +15,8 @@ from camgeo.design.verify import Check, failed, near, reported
 from camgeo.errors import CamgeoError, FileError, GeometryError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray
-from camgeo.part.boundaries import numbers_of
-from camgeo.part.mass import volume_within
+from camgeo.part.boundaries import contour_bytes
+from camgeo.part.mass import chamfer_volume
 from camgeo.part.part import Band, Boundary, Part
 from camgeo.reading import COORDINATE
 from camgeo.units import counted
@@ -206,7 +206,7 @@ def _level_checks(
     checks = [] if count.ok else [replace(count, of=name)]
     for shape, contour in pairs:
         if contour is not None:
-            key = (shape.name, numbers_of(contour))
+            key = (shape.name, contour_bytes(contour))
             if key in done:
                 continue
             done[key] = None
@@ -224,7 +224,7 @@ def _volume(part: Part, shapes: dict[str, Shape], volume: float, tolerance: floa
         ends = [_area((each,), shapes) for each in (band.lower, band.upper)]
         between = 0.5 * (ends[0] + ends[1])
         if band.wall.corner_radius is not None and not band.is_upright:
-            between = math.copysign(volume_within(band) / height, ends[0])
+            between = math.copysign(chamfer_volume(band) / height, ends[0])
         elif not band.is_upright:
             # The parallel of a smooth curve encloses A(t) with A'' = 2 pi.
             between -= math.copysign(math.pi * band.width**2 / 6.0, ends[0])

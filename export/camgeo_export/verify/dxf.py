@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable, Mapping
 from typing import Final
 
 from camgeo.design.product import Product
-from camgeo.design.verify import Check, Origin, Reading, at_most, failed, length_of, reported
+from camgeo.design.verify import Check, Origin, Reading, at_most, failed, parse_tolerance, reported
 from camgeo.errors import CamgeoError, FileError, GeometryError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.exact import distance_between
@@ -59,7 +59,7 @@ class DxfVerifier:
         return Origin(
             properties.get("camgeo", ""),
             properties.get("scene", ""),
-            length_of(properties.get("tolerance mm", "")),
+            parse_tolerance(properties.get("tolerance mm", "")),
             damage,
             SHEET.name if _is_sheet(data) else "",
         )

@@ -21,14 +21,14 @@ import shapely
 
 from camgeo.design.linting import Bench, LineFinding
 from camgeo.design.milled import job
-from camgeo.design.product import Product, programs_of, sides_of
+from camgeo.design.product import Product, product_sides, side_programs
 from camgeo.design.verify import (
     Check,
     Origin,
     Reading,
     at_most,
     failed,
-    length_of,
+    parse_tolerance,
     reported,
     unit_check,
 )
@@ -88,7 +88,7 @@ class GcodeVerifier:
         said = stated(notes_of(data.decode("ascii", "replace")))
         if (side := _side(product, said.second)) is None:
             return (failed("program", "it is for a second side, which the scene does not have"),)
-        programs = programs_of(side)
+        programs = side_programs(side)
         if len(programs) > 1 and not 1 <= said.program <= len(programs):
             return (
                 failed("program", f"it does not say which one of {len(programs)} programs it is"),
@@ -146,7 +146,7 @@ def _side(product: Product, second: bool) -> Product | None:
     """The side that a program mills, which says whether it is the second, unless it is known; None
     if there is no such side.
     """
-    sides = sides_of(product)
+    sides = product_sides(product)
     if len(sides) == 1:
         return product if product.second_side or not second else None
     return sides[second]
@@ -936,7 +936,7 @@ def stated(notes: Iterable[str]) -> Stated:
     return Stated(
         versions[0] if versions else "",
         scene.group(1).replace(" ", "")[:HASH_DIGITS].lower() if scene else "",
-        length_of(tolerance.group(2).lower()) if tolerance else None,
+        parse_tolerance(tolerance.group(2).lower()) if tolerance else None,
         int(one.group(1)) if (one := ONE_OF.search(text)) else 0,
         tuple(_size(most) for _, most in OFFSET.findall(text)),
         any(line.lower().startswith(SECOND_SIDE) for line in lines),

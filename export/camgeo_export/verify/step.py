@@ -17,8 +17,8 @@ from camgeo.design.verify import (
     Reading,
     at_most,
     failed,
-    length_of,
     near,
+    parse_tolerance,
     unit_check,
 )
 from camgeo.errors import FileError, GeometryError
@@ -67,7 +67,7 @@ class StepVerifier:
             return next((line.removeprefix(word) for line in texts if line.startswith(word)), "")
 
         version = texts[0].removeprefix(OURS) if texts and texts[0].startswith(OURS) else ""
-        return Origin(version, stated(SCENE), length_of(stated(TOLERANCE)))
+        return Origin(version, stated(SCENE), parse_tolerance(stated(TOLERANCE)))
 
     def checks(
         self, product: Product, data: bytes, reading: Reading, tolerance: float

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from camgeo.design.product import Product
-from camgeo.design.verify import Check, Origin, Reading, failed, length_of, reported
+from camgeo.design.verify import Check, Origin, Reading, failed, parse_tolerance, reported
 from camgeo.errors import CamgeoError, FileError
 from camgeo.scene.formats.format import CUT_SVG
 from camgeo_export.reading import OF_ARCS, text_tokens
@@ -39,7 +39,7 @@ class CutSvgVerifier:
         if found is None:
             return Origin(damage=damage)
         version, scene, tolerance = (each.decode("utf-8", "replace") for each in found.groups())
-        return Origin(version, scene, length_of(tolerance), damage)
+        return Origin(version, scene, parse_tolerance(tolerance), damage)
 
     def checks(
         self, product: Product, data: bytes, reading: Reading, tolerance: float

@@ -18,9 +18,9 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from camgeo.design.plate import Piece, plate_of
+from camgeo.design.plate import Piece, plate_pieces
 from camgeo.design.product import Product
-from camgeo.design.verify import Check, Origin, Reading, failed, length_of, unit_check
+from camgeo.design.verify import Check, Origin, Reading, failed, parse_tolerance, unit_check
 from camgeo.errors import FileError
 from camgeo.numeric.arrays import FloatArray, IntArray
 from camgeo.reading import COORDINATE, FACETS, Limits, beyond, check_size, number_of
@@ -105,7 +105,7 @@ class ThreeMfVerifier:
         return Origin(
             application.removeprefix(OURS) if application.startswith(OURS) else "",
             metadata.get("camgeo:scene", ""),
-            length_of(metadata.get("camgeo:tolerance", "")),
+            parse_tolerance(metadata.get("camgeo:tolerance", "")),
         )
 
     def checks(
@@ -115,7 +115,7 @@ class ThreeMfVerifier:
         parts = parts_of(data)
         valid = package_checks(parts)
         unit, metadata = _head(parts)
-        plate = plate_of(product) if metadata.get("Application", "").startswith(OURS) else ()
+        plate = plate_pieces(product) if metadata.get("Application", "").startswith(OURS) else ()
         check = unit_check(SHORT.get(unit, unit), reading)
         scale = MM_PER_UNIT.get(unit)
         if scale is None:
